@@ -1,0 +1,1 @@
+"""The Galewood service: trees, jobs, tables and forest streams over HTTP and WebSocket."""
