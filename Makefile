@@ -1,0 +1,88 @@
+# Galewood: `make run` shows a swaying forest, `make test` proves it. `make help` lists the rest.
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+VENV := .venv
+BIN := $(VENV)/bin
+PORT ?= 8000
+HOST ?= 127.0.0.1
+GALEWOOD_DATA_DIR ?= data
+export PORT HOST GALEWOOD_DATA_DIR
+# Compiled kernels are kept beside the data, so that a second start does not compile again.
+export NUMBA_CACHE_DIR ?= $(CURDIR)/build/numba
+PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps
+PYTEST ?= $(BIN)/python -m pytest
+WEB_SOURCES := $(shell find web/src web/public -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json
+
+.PHONY: help run build test check test-python test-web test-e2e browser bench format species golden clean
+
+help: ## list the targets
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+# ---- set-up: each stamp is newer than the lock file it was made from -------------------------------
+$(VENV)/.base: requirements/base.txt pyproject.toml
+	@echo "Setting up Python packages (once)"
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(PIP_INSTALL) -r requirements/base.txt
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+$(VENV)/.dev: requirements/dev.txt $(VENV)/.base
+	@echo "Setting up development packages (once)"
+	@$(PIP_INSTALL) -r requirements/dev.txt
+	@touch $@
+
+web/node_modules/.stamp: web/package-lock.json
+	@echo "Setting up the page's packages (once)"
+	@cd web && npm ci --no-audit --no-fund --loglevel=error
+	@touch $@
+
+web/dist/index.html: web/node_modules/.stamp $(WEB_SOURCES)
+	@cd web && npm run --silent build -- --logLevel warn
+
+# ---- everyday --------------------------------------------------------------------------------------
+build: $(VENV)/.base web/dist/index.html ## set everything up and build the page
+
+run: build ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DATA_DIR change where)
+	@$(BIN)/galewood serve
+
+test: check test-python test-web test-e2e ## set everything up and run every test
+
+check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type checkers, both languages
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	web/node_modules/.bin/pyright
+	cd web && npm run --silent lint && npm run --silent typecheck
+
+test-python: $(VENV)/.dev ## the Python tests
+	$(PYTEST)
+
+test-web: web/node_modules/.stamp ## the TypeScript unit tests
+	cd web && npm test --silent
+
+test-e2e: build browser ## the page in a real Chromium against a real server
+	cd web && npm run --silent e2e
+
+browser: web/node_modules/.stamp ## a Chromium for the tests, where the machine has none
+	@scripts/install-browser
+
+bench: build ## speed and memory, as ratios to named rivals; writes build/bench.json
+	@mkdir -p build
+	$(BIN)/galewood bench --json build/bench.json
+
+format: $(VENV)/.dev web/node_modules/.stamp ## rewrite the sources in the project's format
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+	cd web && npm run --silent format
+
+species: web/node_modules/.stamp ## grow the three species again
+	cd web && npm run --silent grow
+
+golden: $(VENV)/.dev ## write the golden files again
+	$(BIN)/python -m tests.golden.make
+
+clean: ## remove what the targets above made (not the data directory)
+	rm -rf build web/dist web/node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report
