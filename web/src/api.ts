@@ -1,0 +1,109 @@
+/** The REST interface of the server, as this page uses it. */
+
+export type TreeState = "uploaded" | "building" | "ready" | "failed";
+export type JobState = "queued" | "running" | "done" | "failed" | "cancelled";
+
+export interface Tree {
+  id: string;
+  name: string;
+  species: string | null;
+  builtin: boolean;
+  state: TreeState;
+  height_m: number | null;
+  table_sha256: string | null;
+  mesh_sha256: string | null;
+  job_id: string | null;
+  report: Record<string, unknown> | null;
+  created_at: string;
+}
+
+export interface Job {
+  id: string;
+  tree_id: string;
+  state: JobState;
+  stage: string;
+  fraction: number;
+  message: string;
+  seconds_left: number | null;
+  error: { title?: string; hint?: string } | string | null;
+}
+
+export interface TreeChange {
+  tree: Tree;
+  job: Job | null;
+}
+
+/** A refusal by the server (RFC 9457) or by the network, in words for people. */
+export class Problem extends Error {
+  constructor(
+    readonly title: string,
+    readonly hint: string,
+    readonly status = 0,
+  ) {
+    super(title);
+    this.name = "Problem";
+  }
+}
+
+const text = (value: unknown, fallback: string) => (typeof value === "string" && value ? value : fallback);
+
+/** The problem that an answer carries; a proxy's HTML page becomes a plain sentence. */
+export async function problemFrom(response: Response): Promise<Problem> {
+  const body = (await response.json().catch(() => ({}))) as Record<string, unknown>;
+  const title = text(body.title, `The server answered ${response.status}.`);
+  const hint = text(body.hint, text(body.detail, "Try again in a moment."));
+  return new Problem(title, hint, response.status);
+}
+
+async function ask(path: string, init?: RequestInit): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(path, init);
+  } catch {
+    throw new Problem("The server cannot be reached.", "Check that it is running, then try again.");
+  }
+  if (!response.ok) throw await problemFrom(response);
+  return response;
+}
+
+export async function listTrees(signal?: AbortSignal): Promise<Tree[]> {
+  const body = (await (await ask("api/trees", { signal })).json()) as { trees: Tree[] };
+  return body.trees;
+}
+
+/** Uploads a mesh; the server reads it at once and refuses what is no tree. */
+export async function uploadTree(file: File): Promise<Tree> {
+  const form = new FormData();
+  form.append("file", file, file.name);
+  return (await (await ask("api/trees", { method: "POST", body: form })).json()) as Tree;
+}
+
+export async function startPrecompute(treeId: string): Promise<Job> {
+  const path = `api/trees/${encodeURIComponent(treeId)}/precompute`;
+  const init = { method: "POST", headers: { "content-type": "application/json" }, body: "{}" };
+  return (await (await ask(path, init)).json()) as Job;
+}
+
+export const tableUrl = (sha256: string) => `api/tables/${sha256}`;
+
+export async function fetchMesh(sha256: string): Promise<ArrayBuffer> {
+  return (await ask(`api/meshes/${sha256}`)).arrayBuffer();
+}
+
+export interface EventHandlers {
+  change(change: TreeChange): void;
+  /** The stream is open: the caller lists the trees again, as changes may have been missed. */
+  open(): void;
+  lost(): void;
+}
+
+/** Follows every change of trees and jobs; reconnects by itself. Returns the function that ends it. */
+export function followEvents(handlers: EventHandlers): () => void {
+  const source = new EventSource("api/events");
+  const receive = (event: MessageEvent<string>) => handlers.change(JSON.parse(event.data) as TreeChange);
+  source.onmessage = receive;
+  for (const name of ["change", "tree", "progress"]) source.addEventListener(name, receive);
+  source.onopen = () => handlers.open();
+  source.onerror = () => handlers.lost();
+  return () => source.close();
+}

@@ -1,0 +1,29 @@
+/** The shape of the land: pure functions of place, shared by terrain, planting and camera. */
+import { fractalNoise, valueNoise } from "../math/noise";
+
+const SEED = 20_260;
+
+const smoothstep = (from: number, to: number, x: number) => {
+  const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
+  return t * t * (3 - 2 * t);
+};
+
+/** Middle line of the glade that leads away from the first camera, as x in metres for a given z. */
+export function gladeCentre_m(z: number): number {
+  return -6 + 9 * Math.sin(z / 34) + 5 * Math.sin(z / 71 + 1.3) + smoothstep(-40, 60, z) * 6;
+}
+
+/** 1 in the middle of the glade, 0 in the wood. */
+export function glade(x: number, z: number): number {
+  const halfWidth_m = 7 + 3 * valueNoise(z / 40, 3.7, SEED + 5) + 9 * smoothstep(0, 45, z);
+  return 1 - smoothstep(halfWidth_m * 0.55, halfWidth_m * 1.2, Math.abs(x - gladeCentre_m(z)));
+}
+
+/** Height of the ground in metres at a place. */
+export function groundHeight_m(x: number, z: number): number {
+  const rolling = 4.2 * fractalNoise(x / 95, z / 95, SEED, 3);
+  const hollow = -2.6 * glade(x, z);
+  const distance = Math.hypot(x, z);
+  const hills = 58 * smoothstep(330, 1500, distance) * (0.55 + 0.45 * fractalNoise(x / 420, z / 420, SEED + 9, 3));
+  return rolling * (1 + smoothstep(150, 600, distance)) + hollow + hills;
+}

@@ -1,0 +1,65 @@
+/** Where trees stand: seeded, stable when the number grows or a species joins. Pure. */
+import { valueNoise } from "../math/noise";
+import { hashText, hashUnit } from "../math/random";
+import { glade } from "./landscape";
+
+/** One place for a tree; the species comes later, so that places never move. */
+export interface Place {
+  /** Cell of the planting grid: the place's identity. */
+  readonly id: number;
+  readonly x_m: number;
+  readonly z_m: number;
+  readonly yaw_rad: number;
+  /** Size factor about 1. */
+  readonly scale: number;
+}
+
+export const SPACING_M = 7.2;
+/** The wood grows outward from here, so that the first camera looks into it. */
+export const HEART = { x_m: 0, z_m: -26 } as const;
+
+const CELL_OFFSET = 512;
+
+function candidate(column: number, row: number, seed: number): Place {
+  const at = (channel: number) => hashUnit(seed, column, row, channel);
+  return {
+    id: (row + CELL_OFFSET) * 2 * CELL_OFFSET + column + CELL_OFFSET,
+    x_m: HEART.x_m + (column + 0.82 * (at(0) - 0.5) + (row & 1) * 0.5) * SPACING_M,
+    z_m: HEART.z_m + (row + 0.82 * (at(1) - 0.5)) * SPACING_M * 0.9,
+    yaw_rad: at(2) * 2 * Math.PI,
+    scale: 0.78 + 0.5 * at(3) ** 1.4,
+  };
+}
+
+const isWood = (place: Place) => glade(place.x_m, place.z_m) < 0.35;
+const reach = (place: Place) => Math.hypot(place.x_m - HEART.x_m, place.z_m - HEART.z_m);
+
+/** The `count` places nearest to the heart of the wood, nearest first. */
+export function placeTrees(count: number, seed: number): Place[] {
+  const cells = Math.ceil(Math.sqrt((count * 1.6) / Math.PI)) + 5;
+  const places: Place[] = [];
+  for (let row = -cells; row <= cells; row++) {
+    for (let column = -cells; column <= cells; column++) places.push(candidate(column, row, seed));
+  }
+  return places
+    .filter(isWood)
+    .sort((a, b) => reach(a) - reach(b))
+    .slice(0, count);
+}
+
+/** Liking of a species for a place: broad groves with strays. A newcomer takes its own places only. */
+function liking(place: Place, species: string): number {
+  const seed = hashText(species);
+  return valueNoise(place.x_m / 24, place.z_m / 24, seed) + 0.9 * hashUnit(seed, place.id);
+}
+
+/** Index of the species that grows at each place. */
+export function chooseSpecies(places: readonly Place[], species: readonly string[]): Int32Array {
+  return Int32Array.from(places, (place) => {
+    let best = 0;
+    for (let k = 1; k < species.length; k++) {
+      if (liking(place, species[k]) > liking(place, species[best])) best = k;
+    }
+    return best;
+  });
+}

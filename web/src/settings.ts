@@ -1,0 +1,108 @@
+/** What the visitor chose: defaults, limits, and the address-bar form of it. Pure. */
+
+export type LookupPlace = "worker" | "server";
+export type Quality = "low" | "medium" | "high";
+
+export interface Settings {
+  trees: number;
+  /** Seed of the planting. */
+  forestSeed: number;
+  meanSpeed_m_s: number;
+  /** Heading the wind blows towards, see the wind document. */
+  direction_deg: number;
+  gustiness: number;
+  windSeed: number;
+  lookup: LookupPlace;
+  /** Share of the way towards the found record's own pose per step; null takes each table's default. */
+  poseEasing: number | null;
+  quality: Quality;
+  /** Leaves tremble in the shader on top of the simulated motion. */
+  flutter: boolean;
+  panel: boolean;
+}
+
+export const LIMITS = {
+  trees: { min: 1, max: 10_000, step: 1 },
+  forestSeed: { min: 0, max: 9999, step: 1 },
+  meanSpeed_m_s: { min: 0, max: 25, step: 0.1 },
+  direction_deg: { min: 0, max: 359, step: 1 },
+  gustiness: { min: 0, max: 1, step: 0.01 },
+  windSeed: { min: 0, max: 9999, step: 1 },
+  poseEasing: { min: 0, max: 0.5, step: 0.005 },
+} as const;
+
+type NumberKey = keyof typeof LIMITS;
+
+export const DEFAULTS: Settings = {
+  trees: 400,
+  forestSeed: 7,
+  meanSpeed_m_s: 7,
+  direction_deg: 30,
+  gustiness: 0.6,
+  windSeed: 1,
+  lookup: "worker",
+  poseEasing: null,
+  quality: "high",
+  flutter: true,
+  panel: true,
+};
+
+const NAMES: Record<NumberKey, string> = {
+  trees: "trees",
+  forestSeed: "forest",
+  meanSpeed_m_s: "speed",
+  direction_deg: "direction",
+  gustiness: "gust",
+  windSeed: "seed",
+  poseEasing: "easing",
+};
+
+const FLAGS = { panel: "panel", flutter: "flutter" } as const;
+const numberKeys = Object.keys(LIMITS) as NumberKey[];
+
+function clampTo(key: NumberKey, value: number): number {
+  const { min, max, step } = LIMITS[key];
+  const clamped = Math.min(max, Math.max(min, value));
+  return step === 1 ? Math.round(clamped) : clamped;
+}
+
+/** Settings from an address such as `?trees=60&speed=12`; what is missing or unreadable keeps its default. */
+export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS): Settings {
+  const given = new URLSearchParams(query);
+  const settings: Settings = { ...defaults };
+  for (const key of numberKeys) {
+    const text = given.get(NAMES[key]);
+    const value = Number(text);
+    if (text !== null && text.trim() !== "" && Number.isFinite(value)) settings[key] = clampTo(key, value);
+  }
+  for (const key of Object.keys(FLAGS) as (keyof typeof FLAGS)[]) {
+    const text = given.get(FLAGS[key]);
+    if (text !== null) settings[key] = text !== "0";
+  }
+  const lookup = given.get("lookup");
+  if (lookup === "worker" || lookup === "server") settings.lookup = lookup;
+  const quality = given.get("quality");
+  if (quality === "low" || quality === "medium" || quality === "high") settings.quality = quality;
+  return settings;
+}
+
+/** The shortest query that gives these settings back: only what differs from the defaults. */
+export function queryFromSettings(settings: Settings, defaults: Settings = DEFAULTS): string {
+  const query = new URLSearchParams();
+  for (const key of numberKeys) {
+    const value = settings[key];
+    if (value !== null && value !== defaults[key]) query.set(NAMES[key], String(Number(value.toFixed(4))));
+  }
+  for (const key of Object.keys(FLAGS) as (keyof typeof FLAGS)[]) {
+    if (settings[key] !== defaults[key]) query.set(FLAGS[key], settings[key] ? "1" : "0");
+  }
+  if (settings.lookup !== defaults.lookup) query.set("lookup", settings.lookup);
+  if (settings.quality !== defaults.quality) query.set("quality", settings.quality);
+  return query.toString();
+}
+
+/** Defaults for this screen: fewer trees and pixels on a phone. */
+export function defaultsFor(screen: { width_px: number; touch: boolean }): Settings {
+  const phone = screen.width_px < 720;
+  return { ...DEFAULTS, trees: phone ? 160 : DEFAULTS.trees, quality: phone || screen.touch ? "medium" : "high" };
+}

@@ -1,0 +1,12 @@
+import { fileURLToPath } from "node:url";
+import { defineConfig } from "vitest/config";
+
+const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
+
+/** The tests live in ../tests/web, outside the folder that holds node_modules: packages are found here. */
+export default defineConfig({
+  root: here(".."),
+  resolve: { alias: { vitest: here("node_modules/vitest"), three: here("node_modules/three") } },
+  server: { fs: { allow: [here("..")] } },
+  test: { include: ["tests/web/**/*.test.ts"], environment: "node" },
+});
