@@ -1,0 +1,114 @@
+/** Renderer, camera, sky, ground and light: everything that is there before the first tree. */
+import { ACESFilmicToneMapping, Frustum, Matrix4, PCFShadowMap, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import type { Quality } from "../settings";
+import { groundHeight_m } from "./landscape";
+import { Daylight } from "./light";
+import { Sky } from "./sky";
+import type { View } from "./stand";
+import { Terrain } from "./terrain";
+
+const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
+const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [18, 45], medium: [34, 80], high: [52, 120] };
+const LOOK_AT_M = new Vector3(1, 5.5, -12);
+const EYE_M = { x: 5, above: 9.5, z: 34 };
+
+export class Stage {
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(46, 1, 0.3, 2600);
+  readonly renderer: WebGLRenderer;
+  readonly controls: OrbitControls;
+  readonly sky = new Sky();
+  readonly daylight: Daylight;
+  private readonly terrain = new Terrain();
+  private readonly frustum = new Frustum();
+  private readonly clip = new Matrix4();
+  private readonly seen = new Matrix4();
+  private readonly observer: ResizeObserver;
+  private quality: Quality;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    quality: Quality,
+  ) {
+    this.quality = quality;
+    this.renderer = new WebGLRenderer({ canvas, antialias: quality !== "low", powerPreference: "high-performance" });
+    this.renderer.toneMapping = ACESFilmicToneMapping;
+    this.renderer.toneMappingExposure = 0.92;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.info.autoReset = false;
+    this.daylight = new Daylight(quality);
+    this.scene.add(this.terrain.mesh, this.sky.mesh, this.daylight.group);
+    this.camera.position.set(EYE_M.x, groundHeight_m(EYE_M.x, EYE_M.z) + EYE_M.above, EYE_M.z);
+    this.controls = this.orbit();
+    this.observer = new ResizeObserver(() => this.resize());
+    this.observer.observe(canvas);
+    this.resize();
+  }
+
+  private orbit(): OrbitControls {
+    const controls = new OrbitControls(this.camera, this.canvas);
+    controls.target.copy(LOOK_AT_M);
+    controls.enableDamping = true;
+    controls.dampingFactor = 0.12;
+    controls.minDistance = 4;
+    controls.maxDistance = 260;
+    controls.maxPolarAngle = 0.53 * Math.PI;
+    controls.listenToKeyEvents(this.canvas);
+    controls.update();
+    return controls;
+  }
+
+  private resize(): void {
+    const width = Math.max(1, this.canvas.clientWidth);
+    const height = Math.max(1, this.canvas.clientHeight);
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, PIXEL_RATIO[this.quality]));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    // A tall screen sees as much of the wood to left and right as a square one.
+    this.camera.fov = this.camera.aspect < 1 ? 58 : 46;
+    this.camera.updateProjectionMatrix();
+  }
+
+  setQuality(quality: Quality): void {
+    this.quality = quality;
+    this.daylight.setQuality(quality);
+    this.resize();
+  }
+
+  /** Moves the camera on; true when it moved, so that trees must be selected anew. */
+  updateCamera(): boolean {
+    this.controls.update();
+    const floor_m = groundHeight_m(this.camera.position.x, this.camera.position.z) + 1.4;
+    if (this.camera.position.y < floor_m) this.camera.position.y = floor_m;
+    this.camera.updateMatrixWorld();
+    this.clip.multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
+    if (this.clip.equals(this.seen)) return false;
+    this.seen.copy(this.clip);
+    return true;
+  }
+
+  view(): View {
+    return {
+      planes: this.frustum.setFromProjectionMatrix(this.clip).planes,
+      eye: this.camera.position,
+      sun: this.daylight.towardsSun,
+      levelFrom_m: LEVEL_FROM_M[this.quality],
+      shadow_m: this.daylight.shadowReach_m,
+    };
+  }
+
+  render(): void {
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  dispose(): void {
+    this.observer.disconnect();
+    this.controls.dispose();
+    this.sky.dispose();
+    this.terrain.dispose();
+    this.daylight.dispose();
+    this.renderer.dispose();
+  }
+}

@@ -1,0 +1,65 @@
+/** Materials of one part of a species, for the colour and the shadow pass. */
+import {
+  CustomBlending,
+  DoubleSide,
+  FrontSide,
+  type Material,
+  MeshDepthMaterial,
+  MeshStandardMaterial,
+  OneFactor,
+  RGBADepthPacking,
+  type Texture,
+  ZeroFactor,
+} from "three";
+import { air } from "./air";
+import { deform, type Part, type TreeUniforms } from "./treeShader";
+
+const ALPHA_TEST = 0.42;
+
+function sharpen(texture: Texture | null, anisotropy: number): Texture | null {
+  if (texture) texture.anisotropy = anisotropy;
+  return texture;
+}
+
+export function colourMaterial(
+  from: MeshStandardMaterial,
+  part: Part,
+  uniforms: TreeUniforms,
+  options: { anisotropy: number; smoothEdges: boolean },
+): MeshStandardMaterial {
+  const leaves = part === "leaves";
+  const cut = leaves && (from.alphaTest > 0 || from.transparent);
+  const material = new MeshStandardMaterial({
+    map: sharpen(from.map, options.anisotropy),
+    normalMap: leaves ? null : sharpen(from.normalMap, options.anisotropy),
+    color: from.color,
+    vertexColors: false,
+    roughness: leaves ? 0.72 : 0.94,
+    metalness: 0,
+    side: leaves ? DoubleSide : FrontSide,
+    alphaTest: cut ? ALPHA_TEST : 0,
+    alphaToCoverage: cut && options.smoothEdges,
+  });
+  if (material.alphaToCoverage) keepAlpha(material);
+  deform(material, part, "colour", { ...uniforms, ...air });
+  return material;
+}
+
+/** Coverage must not reach the canvas as transparency: write colour only, leave alpha as cleared. */
+function keepAlpha(material: Material): void {
+  material.blending = CustomBlending;
+  material.blendSrc = OneFactor;
+  material.blendDst = ZeroFactor;
+  material.blendSrcAlpha = ZeroFactor;
+  material.blendDstAlpha = OneFactor;
+}
+
+export function shadowMaterial(colour: MeshStandardMaterial, part: Part, uniforms: TreeUniforms): MeshDepthMaterial {
+  const material = new MeshDepthMaterial({
+    depthPacking: RGBADepthPacking,
+    map: colour.alphaTest > 0 ? colour.map : null,
+    alphaTest: colour.alphaTest,
+  });
+  deform(material, part, "depth", uniforms);
+  return material;
+}

@@ -1,0 +1,114 @@
+/** Reads a normalised GLB into the parts that the forest draws. */
+import {
+  BufferAttribute,
+  type BufferGeometry,
+  Mesh,
+  type MeshStandardMaterial,
+  type Object3D,
+  Vector3,
+} from "three";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { connectedComponents } from "./components";
+import { growLeaves, LEVELS, thinLeaves, thinWood } from "./detail";
+import { leafReach, openness, roundNormals } from "./foliage";
+import type { Part } from "./treeShader";
+import { hashUnit } from "../math/random";
+
+export interface PartLevel {
+  readonly index: BufferAttribute;
+  readonly position: BufferAttribute;
+}
+
+export interface TreePart {
+  readonly kind: Part;
+  readonly vertices: number;
+  readonly material: MeshStandardMaterial;
+  readonly normal: BufferAttribute;
+  readonly uv: BufferAttribute | null;
+  /** Random of the piece, openness to the sky, free end of the leaf. */
+  readonly piece: BufferAttribute;
+  readonly levels: readonly PartLevel[];
+}
+
+export interface TreeModel {
+  readonly parts: readonly TreePart[];
+  readonly height_m: number;
+  /** Largest horizontal reach from the trunk. */
+  readonly radius_m: number;
+}
+
+const isMesh = (object: Object3D): object is Mesh<BufferGeometry, MeshStandardMaterial> => object instanceof Mesh;
+
+/** Meshes in table order: wood_0, wood_1, …, leaves_0, …: the order in which the file lists them. */
+function meshesOf(scene: Object3D): Mesh<BufferGeometry, MeshStandardMaterial>[] {
+  const meshes: Mesh<BufferGeometry, MeshStandardMaterial>[] = [];
+  scene.traverse((object) => {
+    if (isMesh(object)) meshes.push(object);
+  });
+  const rank = (mesh: Mesh) => (kindOf(mesh) === "wood" ? 0 : 1e6) + Number(/(\d+)$/.exec(mesh.name)?.[1] ?? 0);
+  return meshes.sort((a, b) => rank(a) - rank(b));
+}
+
+const kindOf = (mesh: Object3D): Part => (mesh.name.startsWith("leaves") ? "leaves" : "wood");
+
+function floats(attribute: { count: number; itemSize: number } & Pick<BufferAttribute, "getComponent">): Float32Array {
+  const out = new Float32Array(attribute.count * attribute.itemSize);
+  for (let i = 0; i < out.length; i++) {
+    out[i] = attribute.getComponent(Math.floor(i / attribute.itemSize), i % attribute.itemSize);
+  }
+  return out;
+}
+
+function partFrom(mesh: Mesh<BufferGeometry, MeshStandardMaterial>, centre: Vector3, radius_m: number): TreePart {
+  const { geometry } = mesh;
+  const kind = kindOf(mesh);
+  if (!geometry.getAttribute("normal")) geometry.computeVertexNormals();
+  const positions = floats(geometry.getAttribute("position") as BufferAttribute);
+  const vertices = positions.length / 3;
+  const index = geometry.index?.array ?? Uint32Array.from({ length: vertices }, (_, v) => v);
+  const pieces = connectedComponents(index, vertices);
+  const leaves = kind === "leaves";
+  const normals = floats(geometry.getAttribute("normal") as BufferAttribute);
+  const open = openness(positions, centre, radius_m);
+  const reach = leaves ? leafReach(pieces, positions) : new Float32Array(vertices);
+  const piece = new Float32Array(vertices * 4);
+  for (let v = 0; v < vertices; v++) {
+    piece.set([hashUnit(pieces.ofVertex[v], 3), open[v], reach[v], 0], v * 4);
+  }
+  const levels = LEVELS.map((share) => ({
+    index: new BufferAttribute(
+      leaves ? thinLeaves(index, pieces, share.leaves) : thinWood(index, positions, pieces, share.wood),
+      1,
+    ),
+    position: new BufferAttribute(leaves ? growLeaves(positions, pieces, share.leaves) : positions, 3),
+  }));
+  const uv = geometry.getAttribute("uv") as BufferAttribute | undefined;
+  return {
+    kind,
+    vertices,
+    material: mesh.material,
+    normal: new BufferAttribute(leaves ? roundNormals(positions, normals, centre) : normals, 3),
+    uv: uv ? new BufferAttribute(floats(uv), 2) : null,
+    piece: new BufferAttribute(piece, 4),
+    levels,
+  };
+}
+
+/** Throws when the bytes are no GLB or hold no mesh. */
+export async function readTreeModel(bytes: ArrayBuffer): Promise<TreeModel> {
+  const { scene } = await new GLTFLoader().parseAsync(bytes, "");
+  const meshes = meshesOf(scene);
+  if (meshes.length === 0) throw new Error("the tree's mesh file holds no mesh");
+  const low = new Vector3(Infinity, Infinity, Infinity);
+  const high = low.clone().negate();
+  for (const mesh of meshes) {
+    mesh.geometry.computeBoundingBox();
+    low.min(mesh.geometry.boundingBox?.min ?? low);
+    high.max(mesh.geometry.boundingBox?.max ?? high);
+  }
+  const radius_m = Math.max(Math.abs(low.x), Math.abs(low.z), high.x, high.z, 0.1);
+  const centre = new Vector3((low.x + high.x) / 2, 0.25 * low.y + 0.62 * high.y, (low.z + high.z) / 2);
+  const parts = meshes.map((mesh) => partFrom(mesh, centre, Math.max(radius_m, high.y * 0.4)));
+  for (const mesh of meshes) mesh.geometry.dispose();
+  return { parts, height_m: high.y, radius_m };
+}

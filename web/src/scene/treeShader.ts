@@ -1,0 +1,130 @@
+/** Shader pieces of pass 2, shared by the colour and the shadow materials. */
+import type { Material, WebGLProgramParametersWithUniforms } from "three";
+import { AIR_FRAGMENT, AIR_PARS } from "./air";
+
+export interface TreeUniforms {
+  /** Target of pass 1, or one zero texel for a tree that stands still. */
+  uNodes: { value: unknown };
+  uNodeCount: { value: number };
+  uNodeShift: { value: number };
+  /** Seconds for the flutter of leaves; 0 amplitude switches it off. */
+  uFlutter: { value: { x: number; y: number } };
+  /** 1 while the motion of this species is still being computed. */
+  uGhost: { value: number };
+}
+
+const VERTEX_PARS = /* glsl */ `
+attribute vec4 aPlace; // x, y, z in m; slot in the node target
+attribute vec4 aTurn;  // scale*cos(yaw), scale*sin(yaw), scale, phase of the tree
+attribute vec4 aTint;  // colour; how far it replaces the texture's own
+attribute float aNode;
+attribute vec4 aPiece; // random of the leaf or branch, openness to the sky, leaf's free end, -
+uniform highp sampler2D uNodes;
+uniform int uNodeCount;
+uniform int uNodeShift;
+uniform vec2 uFlutter;
+varying vec4 vTint;
+varying vec4 vPiece;
+`;
+
+const NORMAL = /* glsl */ `
+vec3 objectNormal = normalize(vec3(
+  aTurn.x * normal.x + aTurn.y * normal.z, aTurn.z * normal.y, aTurn.x * normal.z - aTurn.y * normal.x));
+`;
+
+const POSITION = /* glsl */ `
+int nodeIndex = int(aPlace.w + 0.5) * uNodeCount + int(aNode + 0.5);
+vec4 motion = texelFetch(uNodes, ivec2(nodeIndex & ((1 << uNodeShift) - 1), nodeIndex >> uNodeShift), 0);
+vec3 local = position + motion.xyz;
+#ifdef LEAVES
+  float tremble = uFlutter.y * aPiece.z * min(motion.w, 14.0) * 0.0045;
+  float beat = uFlutter.x * (5.0 + 4.0 * aPiece.x) + 40.0 * aPiece.x + aTurn.w;
+  local += tremble * vec3(sin(beat), 0.7 * sin(beat * 1.31 + 1.0), cos(beat * 0.83));
+#endif
+vec3 transformed = aPlace.xyz + vec3(
+  aTurn.x * local.x + aTurn.y * local.z, aTurn.z * local.y, aTurn.x * local.z - aTurn.y * local.x);
+vTint = aTint;
+vPiece = aPiece;
+`;
+
+const FRAGMENT_PARS = /* glsl */ `
+uniform float uGhost;
+varying vec4 vTint;
+varying vec4 vPiece;
+`;
+
+const LEAF_MAP = /* glsl */ `
+#ifdef USE_MAP
+  vec4 leaf = texture2D(map, vMapUv);
+  // Mip levels wash out the cut-outs: give the coverage back.
+  vec2 span = vec2(length(dFdx(vMapUv)), length(dFdy(vMapUv))) * vec2(textureSize(map, 0));
+  leaf.a *= 1.0 + 0.28 * max(0.0, log2(max(span.x, span.y)));
+  diffuseColor *= leaf;
+#endif
+float shade = dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722));
+vec3 autumn = vTint.rgb * (0.35 + 1.9 * shade);
+diffuseColor.rgb = mix(diffuseColor.rgb, autumn, vTint.a);
+diffuseColor.rgb *= 0.8 + 0.42 * vPiece.x;
+diffuseColor.rgb = mix(diffuseColor.rgb, diffuseColor.rgb * vec3(1.12, 0.92, 0.7), 0.6 * fract(vPiece.x * 7.31));
+`;
+
+const WOOD_MAP = /* glsl */ `
+#include <map_fragment>
+diffuseColor.rgb *= 0.85 + 0.3 * vTint.g;
+`;
+
+const GHOST = /* glsl */ `
+diffuseColor.rgb = mix(diffuseColor.rgb, vec3(0.36, 0.43, 0.5) * (0.5 + dot(diffuseColor.rgb, vec3(0.5))), 0.88 * uGhost);
+`;
+
+const LEAF_NORMAL = /* glsl */ `
+float faceDirection = gl_FrontFacing ? 1.0 : -1.0;
+vec3 normal = normalize(vNormal); // crown normals: the same from both sides
+vec3 nonPerturbedNormal = normal;
+`;
+
+/** After the lights: sky light fades inside the crown, the sun shines through leaves. */
+const LEAF_LIGHT = /* glsl */ `
+#include <lights_fragment_end>
+reflectedLight.indirectDiffuse *= vPiece.y;
+reflectedLight.directDiffuse *= 0.35 + 0.65 * vPiece.y;
+float through = pow(saturate(dot(-geometryViewDir, directLight.direction)), 3.0);
+float behind = saturate(0.45 - 0.55 * dot(geometryNormal, directLight.direction));
+reflectedLight.directDiffuse += directLight.color * diffuseColor.rgb * vPiece.y * (0.5 * through + 0.2 * behind)
+  * vec3(1.05, 1.0, 0.62) * RECIPROCAL_PI;
+`;
+
+const WOOD_LIGHT = /* glsl */ `
+#include <lights_fragment_end>
+reflectedLight.indirectDiffuse *= 0.35 + 0.65 * vPiece.y;
+`;
+
+export type Part = "wood" | "leaves";
+
+function patchVertex(shader: WebGLProgramParametersWithUniforms, part: Part): void {
+  const leaves = part === "leaves" ? "#define LEAVES\n" : "";
+  shader.vertexShader = shader.vertexShader
+    .replace("#include <common>", `#include <common>\n${leaves}${VERTEX_PARS}`)
+    .replace("#include <beginnormal_vertex>", NORMAL)
+    .replace("#include <begin_vertex>", POSITION);
+}
+
+function patchColour(shader: WebGLProgramParametersWithUniforms, part: Part): void {
+  const leaves = part === "leaves";
+  shader.fragmentShader = shader.fragmentShader
+    .replace("#include <common>", `#include <common>\n${FRAGMENT_PARS}${AIR_PARS}`)
+    .replace("#include <map_fragment>", (leaves ? LEAF_MAP : WOOD_MAP) + GHOST)
+    .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
+    .replace("#include <fog_fragment>", AIR_FRAGMENT);
+  if (leaves) shader.fragmentShader = shader.fragmentShader.replace("#include <normal_fragment_begin>", LEAF_NORMAL);
+}
+
+/** Gives a material the deformation of pass 2. Each combination is a program of its own, hence the key. */
+export function deform(material: Material, part: Part, pass: "colour" | "depth", uniforms: object): void {
+  material.onBeforeCompile = (shader) => {
+    Object.assign(shader.uniforms, uniforms);
+    patchVertex(shader, part);
+    if (pass === "colour") patchColour(shader, part);
+  };
+  material.customProgramCacheKey = () => `galewood-${part}-${pass}`;
+}
