@@ -1,0 +1,30 @@
+/** Grows the three species into assets/species/: `npm run grow`. */
+import { mkdirSync, writeFileSync } from "node:fs";
+import { resolve } from "node:path";
+import { growSpecies } from "./species/grow";
+import { SPECIES, type Species } from "./species/parameters";
+
+const FOLDER = resolve(import.meta.dirname, "../../assets/species");
+const CREDITS =
+  "Galewood (MIT); skeleton grown with @dgreenheck/ez-tree (MIT); leaves and bark drawn by our script";
+
+async function write(species: Species): Promise<void> {
+  const { glb, skeleton, nodes, wood, leaves } = await growSpecies(species);
+  writeFileSync(`${FOLDER}/${species.id}.glb`, glb);
+  writeFileSync(`${FOLDER}/${species.id}.skeleton.json`, skeleton);
+  const branchCount = new Set(nodes.map((node) => node.branch)).size;
+  const triangles = `${wood.indices.length / 3} wood and ${leaves.indices.length / 3} leaf triangles`;
+  console.log(`${species.id}: ${branchCount} branches, ${triangles}, ${(glb.length / 1e6).toFixed(2)} MB`);
+}
+
+mkdirSync(FOLDER, { recursive: true });
+for (const species of SPECIES) await write(species);
+const list = SPECIES.map(({ id, name, wood, height_m }) => ({
+  id,
+  name,
+  file: `${id}.glb`,
+  species: wood,
+  height_m,
+  credits: CREDITS,
+}));
+writeFileSync(`${FOLDER}/species.json`, `${JSON.stringify(list, null, 2)}\n`);

@@ -1,0 +1,239 @@
+import { blank, bleed, type Colour, halve, type Picture } from "./picture";
+import { type Random, seededRandom } from "./random";
+
+/** A point of a leaf: x across, y from the petiole (0) to the tip (1), in leaf lengths. */
+export type LeafPoint = readonly [number, number];
+
+/** How the leaves of a species look and how they sit on a shoot. */
+export interface LeafLook {
+  /** Right half of the outline, from the petiole to the tip. */
+  outline: readonly LeafPoint[];
+  /** Veins on the right half, each from its root to its end. */
+  veins: readonly (readonly [LeafPoint, LeafPoint])[];
+  /** Colours that the leaves of one card vary around: one set for each of the four cards. */
+  palettes: readonly (readonly Colour[])[];
+  vein: Colour;
+  stem: Colour;
+  /** Length of a leaf relative to the card. */
+  length: number;
+  petiole: number;
+  leavesPerCard: number;
+  /** Angle of the leaves to the shoot, degrees. */
+  angle_deg: number;
+}
+
+interface Leaf {
+  x: number;
+  y: number;
+  angle: number;
+  length: number;
+  squeeze: number;
+  colour: Colour;
+}
+
+interface Shoot {
+  points: LeafPoint[];
+  weight: number;
+}
+
+const TILE = 512;
+const OVERSAMPLING = 2;
+
+/** Four different shoots in a two by two atlas of 1024 pixels, drawn at twice the size. */
+export function leafPicture(look: LeafLook, seed: number): Picture {
+  const large = blank(2 * TILE * OVERSAMPLING, 2 * TILE * OVERSAMPLING);
+  for (let tile = 0; tile < 4; tile++) drawTile(large, look, tile, seededRandom(seed + 7919 * tile));
+  return bleed(halve(large));
+}
+
+function drawTile(picture: Picture, look: LeafLook, tile: number, random: Random): void {
+  const size = TILE * OVERSAMPLING;
+  const frame = new Frame(picture, (tile % 2) * size, Math.floor(tile / 2) * size, size);
+  const shoots = growShoots(random);
+  for (const shoot of shoots) drawStem(frame, shoot, look.stem);
+  const leaves = placeLeaves(look, shoots, look.palettes[tile], random);
+  for (const leaf of leaves) {
+    drawShadow(frame, look, leaf);
+    drawPetiole(frame, look, leaf);
+    drawLeaf(frame, look, leaf);
+  }
+}
+
+/** One tile of the atlas; card coordinates run from (0, 0) at the foot to (1, 1) at the top right. */
+class Frame {
+  constructor(
+    readonly picture: Picture,
+    readonly left: number,
+    readonly top: number,
+    readonly size: number,
+  ) {}
+
+  /** Calls `paint` with card coordinates and pixel offset for all pixels in the box. */
+  each(low: LeafPoint, high: LeafPoint, paint: (x: number, y: number, at: number) => void): void {
+    const margin = 6 * OVERSAMPLING;
+    const clamp = (v: number): number =>
+      Math.round(Math.min(this.size - margin, Math.max(margin, v * this.size)));
+    for (let row = this.size - clamp(high[1]); row < this.size - clamp(low[1]); row++) {
+      for (let column = clamp(low[0]); column < clamp(high[0]); column++) {
+        const at = ((this.top + row) * this.picture.width + this.left + column) * 4;
+        paint((column + 0.5) / this.size, 1 - (row + 0.5) / this.size, at);
+      }
+    }
+  }
+
+  put(at: number, colour: Colour): void {
+    for (let c = 0; c < 3; c++) this.picture.data[at + c] = Math.min(1, Math.max(0, colour[c]));
+    this.picture.data[at + 3] = 1;
+  }
+}
+
+/** A main shoot and side shoots that leave it in turn. */
+function growShoots(random: Random): Shoot[] {
+  const bend = random.around(0, 0.08);
+  const main = curve([0.5, 0], [0.5 + bend, 0.4], [0.5 - bend, 0.78]);
+  const shoots: Shoot[] = [{ points: main, weight: 1 }];
+  for (let i = 0; i < 4; i++) {
+    const start = main[Math.round((0.18 + 0.17 * i) * (main.length - 1))];
+    const side = i % 2 === 0 ? 1 : -1;
+    const reach = random.uniform(0.24, 0.34) * (1 - 0.12 * i);
+    const rise = random.uniform(0.12, 0.24);
+    const middle: LeafPoint = [start[0] + side * reach * 0.5, start[1] + rise * 0.7];
+    shoots.push({ points: curve(start, middle, [start[0] + side * reach, start[1] + rise]), weight: 0.6 });
+  }
+  return shoots;
+}
+
+function curve(a: LeafPoint, b: LeafPoint, c: LeafPoint): LeafPoint[] {
+  return Array.from({ length: 25 }, (_, i) => {
+    const t = i / 24;
+    const blend = (k: 0 | 1): number => (1 - t) ** 2 * a[k] + 2 * t * (1 - t) * b[k] + t * t * c[k];
+    return [blend(0), blend(1)] as const;
+  });
+}
+
+/** Leaves alternate along the shoots, the lower ones drawn first. */
+function placeLeaves(look: LeafLook, shoots: Shoot[], palette: readonly Colour[], random: Random): Leaf[] {
+  const total = shoots.reduce((sum, shoot) => sum + shoot.weight, 0);
+  const leaves = shoots.flatMap((shoot) => {
+    const count = Math.round((look.leavesPerCard * shoot.weight) / total);
+    return Array.from({ length: count }, (_, i) => leafOn(look, shoot, i, count, palette, random));
+  });
+  return leaves.sort((a, b) => a.y - b.y + 0.15 * (a.squeeze - b.squeeze));
+}
+
+function leafOn(
+  look: LeafLook,
+  shoot: Shoot,
+  i: number,
+  count: number,
+  palette: readonly Colour[],
+  random: Random,
+): Leaf {
+  const last = shoot.points.length - 1;
+  const t = i === count - 1 ? 1 : (i + random.uniform(0.5, 1)) / count;
+  const at = Math.min(last, Math.round((0.12 + 0.88 * t) * last));
+  const [x, y] = shoot.points[at];
+  const [px, py] = shoot.points[Math.max(0, at - 1)];
+  const along = Math.atan2(x - px, y - py);
+  const side = i === count - 1 ? 0 : i % 2 === 0 ? 1 : -1;
+  const angle = along + (side * look.angle_deg * Math.PI) / 180 + random.around(0, 0.35);
+  const base = palette[random.integer(palette.length)];
+  const shade = random.uniform(0.86, 1.1);
+  const colour: Colour = [base[0] * shade, base[1] * shade * random.around(1, 0.05), base[2] * shade];
+  return {
+    x,
+    y,
+    angle,
+    length: look.length * random.uniform(0.78, 1.12),
+    squeeze: random.uniform(0.66, 1),
+    colour,
+  };
+}
+
+/** Blade coordinates (leaf lengths) of a card point; the blade starts where the petiole ends. */
+function toBlade(look: LeafLook, leaf: Leaf, x: number, y: number): LeafPoint {
+  const dx = (x - leaf.x) / leaf.length;
+  const dy = (y - leaf.y) / leaf.length;
+  const sin = Math.sin(leaf.angle);
+  const cos = Math.cos(leaf.angle);
+  return [(dx * cos - dy * sin) / leaf.squeeze, dx * sin + dy * cos - look.petiole];
+}
+
+function box(leaf: Leaf, reach: number): [LeafPoint, LeafPoint] {
+  const r = leaf.length * reach;
+  return [
+    [leaf.x - r, leaf.y - r],
+    [leaf.x + r, leaf.y + r],
+  ];
+}
+
+function drawLeaf(frame: Frame, look: LeafLook, leaf: Leaf): void {
+  frame.each(...box(leaf, look.petiole + 1.15), (x, y, at) => {
+    const [bx, by] = toBlade(look, leaf, x, y);
+    if (inside(look.outline, Math.abs(bx), by)) frame.put(at, bladeColour(look, leaf, bx, by));
+  });
+}
+
+/** What lies under a leaf is darkened around it, which tells the leaves of a shoot apart. */
+function drawShadow(frame: Frame, look: LeafLook, leaf: Leaf): void {
+  const data = frame.picture.data;
+  frame.each(...box(leaf, look.petiole + 1.25), (x, y, at) => {
+    if (data[at + 3] === 0) return;
+    const [bx, by] = toBlade(look, leaf, x + 0.006, y + 0.014);
+    if (!inside(look.outline, Math.abs(bx) * 0.94, (by - 0.5) * 0.94 + 0.5)) return;
+    for (let c = 0; c < 3; c++) data[at + c] *= 0.72;
+  });
+}
+
+function drawPetiole(frame: Frame, look: LeafLook, leaf: Leaf): void {
+  frame.each(...box(leaf, look.petiole + 0.1), (x, y, at) => {
+    const [bx, by] = toBlade(look, leaf, x, y);
+    const onLine = Math.abs(bx * leaf.squeeze) < 0.022 && by < 0.05 && by > -look.petiole;
+    if (onLine) frame.put(at, look.stem);
+  });
+}
+
+function drawStem(frame: Frame, shoot: Shoot, stem: Colour): void {
+  shoot.points.slice(1).forEach((end, i) => {
+    const start = shoot.points[i];
+    const half = 0.0075 * shoot.weight * (1 - 0.6 * (i / shoot.points.length));
+    const low: LeafPoint = [Math.min(start[0], end[0]) - 0.01, Math.min(start[1], end[1]) - 0.01];
+    const high: LeafPoint = [Math.max(start[0], end[0]) + 0.01, Math.max(start[1], end[1]) + 0.01];
+    frame.each(low, high, (x, y, at) => {
+      if (distance(x, y, start, end) < half) frame.put(at, stem);
+    });
+  });
+}
+
+/** Folded along the midrib, lighter veins, a darker heart and a worn rim. */
+function bladeColour(look: LeafLook, leaf: Leaf, bx: number, by: number): Colour {
+  const fold = bx * Math.cos(leaf.angle) > 0 ? 1.06 : 0.93;
+  const bloom = 0.9 + 0.16 * Math.min(1, Math.max(0, by)) + 0.1 * Math.abs(bx);
+  const vein = veinStrength(look, Math.abs(bx), by);
+  const mix = (c: number): number => leaf.colour[c] * fold * bloom * (1 - vein) + look.vein[c] * vein;
+  return [mix(0), mix(1), mix(2)];
+}
+
+function veinStrength(look: LeafLook, x: number, y: number): number {
+  const midrib = x < 0.018 * (1.1 - y) ? 0.55 : 0;
+  const side = look.veins.some(([a, b]) => distance(x, y, a, b) < 0.009) ? 0.3 : 0;
+  return Math.max(midrib, side);
+}
+
+function distance(x: number, y: number, a: LeafPoint, b: LeafPoint): number {
+  const dx = b[0] - a[0];
+  const dy = b[1] - a[1];
+  const t = Math.min(1, Math.max(0, ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy || 1)));
+  return Math.hypot(x - a[0] - t * dx, y - a[1] - t * dy);
+}
+
+/** Even-odd test against the right half outline closed along the midrib. */
+function inside(outline: readonly LeafPoint[], x: number, y: number): boolean {
+  let within = false;
+  for (let i = 0, j = outline.length - 1; i < outline.length; j = i++) {
+    const [ax, ay] = outline[i];
+    const [bx, by] = outline[j];
+    if (ay > y !== by > y && x < ((bx - ax) * (y - ay)) / (by - ay) + ax) within = !within;
+  }
+  return within;
+}

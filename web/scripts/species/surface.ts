@@ -1,0 +1,9 @@
+/** A triangle mesh as flat number lists, counter-clockwise seen from outside. */
+export interface SurfaceMesh {
+  positions: number[];
+  normals: number[];
+  uvs: number[];
+  indices: number[];
+  /** Linear RGB in [0, 1], one triple a vertex. */
+  colours?: number[];
+}
