@@ -1,0 +1,45 @@
+"""The viewer's page: the built files of web/, or a page that says how to build them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fastapi.responses import HTMLResponse, Response
+from starlette.staticfiles import StaticFiles
+from starlette.types import Receive, Scope, Send
+
+NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Galewood</title>
+<body style="font: 16px/1.5 system-ui; max-width: 40rem; margin: 4rem auto; padding: 0 1rem">
+<h1>The page has not been built</h1>
+<p>The server is running, but there is no page in <code>web/dist</code>. Build it and reload:</p>
+<pre>make build</pre>
+<p>The interface for programs is at <a href="/docs">/docs</a>.</p></body></html>"""
+HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "same-origin"}
+FOREVER = "public, max-age=31536000, immutable"
+
+
+class Page(StaticFiles):
+    """Static files, looked for at each request, so that a page built later needs no restart."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(directory=folder, html=True, check_dir=False)
+        self._folder = folder
+
+    async def check_config(self) -> None:
+        """Nothing to check: a missing folder is answered by a page of its own."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        """A file of the page. Files whose name has a hash are kept for ever, the others asked for again."""
+        if path in (".", "index.html") and not (self._folder / "index.html").is_file():
+            return HTMLResponse(NOT_BUILT, 503, HEADERS)
+        response = await super().get_response(path, scope)
+        response.headers["Cache-Control"] = FOREVER if path.startswith("assets/") else "no-cache"
+        response.headers.update(HEADERS)
+        return response
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Requests only: a WebSocket to an unknown path is refused."""
+        if scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008})
+            return
+        await super().__call__(scope, receive, send)

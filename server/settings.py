@@ -1,0 +1,71 @@
+"""Settings of the service, read from the environment (see docs/operations.md)."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from pydantic import AliasChoices, Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+MEBIBYTE = 1024 * 1024
+
+
+def default_workers() -> int:
+    """Sampling processes: one a core, at least one."""
+    return max(1, os.cpu_count() or 1)
+
+
+class Settings(BaseSettings):
+    """Every setting has a default that suits one laptop; names carry their units."""
+
+    model_config = SettingsConfigDict(env_prefix="GALEWOOD_", extra="ignore", populate_by_name=True)
+
+    host: str = Field("127.0.0.1", validation_alias=AliasChoices("GALEWOOD_HOST", "HOST"))
+    port: int = Field(8000, ge=0, le=65535, validation_alias=AliasChoices("GALEWOOD_PORT", "PORT"))
+    data_dir: Path = Path("data")
+    database_url: str | None = None
+    scheduler_url: str | None = None
+    page_dir: Path = REPOSITORY / "web" / "dist"
+    species_dir: Path = REPOSITORY / "assets" / "species"
+    builtin_species: bool = True
+
+    workers: int = Field(default_factory=default_workers, ge=1, le=256)
+    concurrent_jobs: int = Field(1, ge=1, le=64)
+    job_attempts: int = Field(3, ge=1, le=20)
+    job_module: str = "server.job_process"
+    cluster_idle_s: float = Field(30.0, ge=0)
+
+    upload_bytes: int = Field(64 * MEBIBYTE, ge=1024)
+    intake_memory_bytes: int = Field(4096 * MEBIBYTE, ge=256 * MEBIBYTE)
+    intake_cpu_s: float = Field(120.0, gt=0)
+    intake_wall_s: float = Field(180.0, gt=0)
+    concurrent_intakes: int = Field(2, ge=1, le=64)
+
+    allowed_origins: list[str] = Field(default_factory=list)
+    socket_message_bytes: int = Field(4 * MEBIBYTE, ge=1024)
+    socket_connections: int = Field(256, ge=1)
+    socket_connections_per_address: int = Field(32, ge=1)
+    socket_stall_s: float = Field(10.0, gt=0)
+    socket_messages_per_s: float = Field(60.0, gt=0)
+    forest_trees: int = Field(20_000, ge=1)
+    forest_groups: int = Field(64, ge=1)
+
+    @property
+    def database(self) -> str:
+        """SQLAlchemy URL: the one given, else SQLite inside the data folder."""
+        return self.database_url or f"sqlite:///{self.data_dir.resolve() / 'galewood.sqlite'}"
+
+    @property
+    def cache_dir(self) -> Path:
+        """Stored meshes and trajectories, from which an interrupted build goes on."""
+        return self.data_dir.resolve() / "cache"
+
+    def environment(self) -> dict[str, str]:
+        """The environment in which a child process reads these same settings."""
+        child = dict(os.environ)
+        child["GALEWOOD_DATA_DIR"] = str(self.data_dir.resolve())
+        child["GALEWOOD_DATABASE_URL"] = self.database
+        child["GALEWOOD_WORKERS"] = str(self.workers)
+        return child

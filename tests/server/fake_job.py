@@ -1,0 +1,49 @@
+"""A job process whose build takes a known time and computes nothing: for tests of the queue alone.
+
+Started through GALEWOOD_JOB_MODULE. The name of the file chooses what happens; steps done are kept in the
+cache, so that a test can see that a resumed job goes on.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from precompute.pipeline import BuildOptions, BuildResult, Progress
+
+from server.job_process import main
+
+STEPS = 20
+
+
+def fake_build(
+    source: bytes,
+    filename: str,
+    options: BuildOptions,
+    runner: object,
+    progress: Callable[[Progress], None],
+    cache_dir: Path,
+) -> BuildResult:
+    if filename.startswith("fail"):
+        raise ValueError("a build that fails")
+    if filename.startswith("crash"):
+        os.abort()
+    step_s = float(os.environ.get("FAKE_STEP_S", "0.05"))
+    log = cache_dir / f"steps-{filename}"
+    log.parent.mkdir(parents=True, exist_ok=True)
+    done = len(log.read_text().split()) if log.exists() else 0
+    for step in range(done, STEPS):
+        progress(Progress("sampling", step / STEPS, f"step {step}"))
+        time.sleep(step_s)
+        with log.open("a") as file:
+            file.write(f"{step}\n")
+    return BuildResult(
+        b"table of " + source[:64], b"glTF" + source[:64], {"options": json.loads(json.dumps(str(options)))}
+    )
+
+
+if __name__ == "__main__":
+    main(fake_build)

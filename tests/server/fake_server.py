@@ -1,0 +1,24 @@
+"""A server that takes uploads as they are, without mesh libraries: `python -m tests.server.fake_server`."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from precompute.intake_types import IntakeError, IntakeOptions
+from server.main import create_app, run
+from server.settings import Settings
+
+
+def fake_intake(data: bytes, filename: str, options: IntakeOptions) -> Any:
+    if not data:
+        raise IntakeError("empty-file", 400, "The file is empty.", "Choose another file.")
+    mesh = SimpleNamespace(
+        species=options.species, height_m=options.height_m or 5.0, report={"assumed": ["all"]}
+    )
+    return mesh, b"glTF" + data[:64]
+
+
+if __name__ == "__main__":
+    settings = Settings()
+    run(create_app(settings, fake_intake), settings)

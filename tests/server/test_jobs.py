@@ -1,0 +1,105 @@
+"""Jobs across cancels, crashes and restarts, with real processes and a build of known length."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import httpx
+import psutil
+
+from tests.server.conftest import Server, wait_until
+from tests.server.fake_job import STEPS
+from tests.server.test_rest import upload
+
+StartServer = Callable[..., Server]
+
+
+def begin(api: httpx.Client, filename: str = "tree.obj") -> dict[str, Any]:
+    tree = upload(api, filename.encode(), filename).json()
+    job: dict[str, Any] = api.post(f"/api/trees/{tree['id']}/precompute").json()
+    return job
+
+
+def running(api: httpx.Client, job: dict[str, Any]) -> None:
+    wait_until(lambda: api.get(f"/api/jobs/{job['id']}").json()["fraction"] > 0)
+
+
+def state(api: httpx.Client, job: dict[str, Any]) -> str:
+    return str(api.get(f"/api/jobs/{job['id']}").json()["state"])
+
+
+def gone(processes: list[psutil.Process]) -> bool:
+    return not any(one.is_running() and one.status() != psutil.STATUS_ZOMBIE for one in processes)
+
+
+def test_cancel_stops_the_work_within_two_seconds_and_the_queue_goes_on(start_server: StartServer) -> None:
+    server = start_server(FAKE_STEP_S="1.5")
+    with server.client() as api:
+        first, second, third = begin(api, "a.obj"), begin(api, "b.obj"), begin(api, "c.obj")
+        running(api, first)
+        assert state(api, second) == "queued"
+        assert api.post(f"/api/jobs/{third['id']}/cancel").json()["state"] == "cancelled"
+        worker = [one for one in server.family() if "tests.server.fake_job" in " ".join(one.cmdline())]
+        assert len(worker) == 1
+        began_s = time.monotonic()
+        api.post(f"/api/jobs/{first['id']}/cancel")
+        wait_until(lambda: state(api, first) == "cancelled" and gone(worker))
+        assert time.monotonic() - began_s < 2
+        running(api, second)
+        assert state(api, third) == "cancelled"
+
+
+def test_a_restart_keeps_state_and_goes_on(start_server: StartServer) -> None:
+    server = start_server(FAKE_STEP_S="0.2")
+    with server.client() as api:
+        first, second = begin(api, "a.obj"), begin(api, "b.obj")
+        steps = server.data_dir / "cache" / "steps-a.obj"
+        wait_until(lambda: steps.exists() and len(steps.read_text().split()) >= 3)
+        before = api.get("/api/trees").json()["trees"]
+        family = server.family()
+        assert len(family) >= 2
+        server.kill()
+    wait_until(lambda: gone(family), 10)
+    again = start_server(FAKE_STEP_S="0.02")
+    with again.client() as api:
+        after = api.get("/api/trees").json()["trees"]
+        assert [tree["id"] for tree in after] == [tree["id"] for tree in before]
+        for job in (first, second):
+            wait_until(lambda job=job: state(api, job) == "done")
+    assert [int(line) for line in steps.read_text().split()] == list(range(STEPS))
+
+
+def test_a_crashed_job_process_or_cluster_is_picked_up(start_server: StartServer) -> None:
+    server = start_server(FAKE_STEP_S="0.2")
+    with server.client() as api:
+        for victim in ("tests.server.fake_job", "server.engine"):
+            job = begin(api, f"{victim}.obj")
+            running(api, job)
+            found = [one for one in server.family() if victim in one.cmdline()]
+            assert found
+            found[0].kill()
+            wait_until(lambda job=job: state(api, job) == "done")
+
+
+def test_a_kind_stop_leaves_no_process_behind(start_server: StartServer) -> None:
+    server = start_server(FAKE_STEP_S="1")
+    with server.client() as api:
+        running(api, begin(api))
+        family = server.family()
+    server.stop()
+    assert gone(family)
+    assert "Traceback" not in server.log()
+
+
+def test_a_second_server_on_the_same_folder_is_refused(start_server: StartServer) -> None:
+    server = start_server()
+    other = Server(server.data_dir, server.module, server.environment)
+    try:
+        other.start()
+    except AssertionError as error:
+        assert "another server is using" in str(error)
+    else:
+        other.stop()
+        raise AssertionError("the second server started")
