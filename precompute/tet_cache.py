@@ -1,0 +1,53 @@
+"""Tetrahedral meshes kept on disk under the hash of what they were made from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from precompute.intake_types import Floats, Ints
+
+RECIPE_VERSION = 1  # raise it when the recipe changes, so that old meshes are not found
+
+
+def cache_key(vertices: Floats, faces: Ints, target_tets: int) -> str:
+    """SHA-256 over the wood's surface and the settings."""
+    digest = hashlib.sha256(f"{RECIPE_VERSION} {target_tets} ".encode())
+    digest.update(np.ascontiguousarray(vertices, dtype="<f8").tobytes())
+    digest.update(np.ascontiguousarray(faces, dtype="<i4").tobytes())
+    return digest.hexdigest()
+
+
+def load_cached(folder: Path | None, key: str) -> tuple[Floats, Ints, Floats, dict[str, Any]] | None:
+    """(vertices, tets, radius ratio, report), or None where nothing readable is kept."""
+    path = None if folder is None else folder / f"tets-{key}.npz"
+    if path is None or not path.exists():
+        return None
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            report = json.loads(bytes(data["report"]).decode())
+            return data["vertices"], data["tets"], data["radius_ratio"], report
+    except (OSError, ValueError, KeyError, EOFError):
+        return None  # a damaged file is made again
+
+
+def store_cached(
+    folder: Path | None, key: str, vertices: Floats, tets: Ints, radius_ratio: Floats, report: dict[str, Any]
+) -> None:
+    """Written beside its place and moved there, so that a reader never sees half a file."""
+    if folder is None:
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=folder, suffix=".tmp")
+    text = np.frombuffer(json.dumps(report).encode(), dtype=np.uint8)
+    with os.fdopen(handle, "wb") as file:
+        np.savez(
+            file, allow_pickle=False, vertices=vertices, tets=tets, radius_ratio=radius_ratio, report=text
+        )
+    Path(name).replace(folder / f"tets-{key}.npz")

@@ -1,0 +1,152 @@
+"""A tree's wood as tetrahedra: thickened to what the mesher resolves, wrapped to one solid, meshed, checked, kept.
+
+Recipe: radii below a floor are raised (and the ratio remembered per tet), a distance grid gives one closed surface,
+decimation sets the number of tets, fTetWild fills it, and the surface is let out again by what the two took away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from precompute.intake_repair import Surface, volume
+from precompute.intake_types import Floats, IntakeError, Ints, TreeMesh
+from precompute.limited_process import Limits, run_limited
+from precompute.tet_cache import cache_key, load_cached, store_cached
+from precompute.tet_quality import largest_component, lost_extent, quality_report, restore_volume
+from precompute.thicken import Thickened, thicken
+from precompute.wrap import decimate, wrap
+
+FLOOR = 2.2e-3  # smallest radius, of the diagonal
+ENVELOPE_OF_FLOOR = 0.4  # fTetWild's envelope, of the floor
+CELLS_PER_FLOOR = 1.2
+EDGE_LENGTH = 0.05  # of the diagonal
+STOP_ENERGY = 30.0
+TETS_PER_FACE = 0.95
+FEWEST, MOST = 0.7, 1.3  # of the target
+MAX_LOST_EXTENT = 0.03
+ATTEMPTS = 4
+TETWILD_LIMITS = Limits(memory_bytes=6 << 30, cpu_s=150, wall_s=200.0)
+
+
+@dataclass(frozen=True)
+class TetMesh:
+    """vertices_m (n, 3), tets (m, 4) of positive volume, radius_ratio (m,): original over thickened radius."""
+
+    vertices_m: Floats
+    tets: Ints
+    radius_ratio: Floats
+    report: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What is turned when an attempt fails; `floor` is of the diagonal."""
+
+    floor: float = FLOOR
+    faces: int = 5800
+
+
+def tetrahedralise(tree: TreeMesh, target_tets: int = 5500, cache_dir: Path | None = None) -> TetMesh:
+    """One connected solid of about `target_tets` tetrahedra; IntakeError 422 where none can be made.
+
+    pytetwild is not deterministic, so a mesh once made is kept in `cache_dir` under the hash of its input.
+    """
+    if not 500 <= target_tets <= 60_000:
+        raise IntakeError(
+            "bad-target", 422, f"{target_tets} tetrahedra are not offered.", "Ask for 500 to 60,000."
+        )
+    key = cache_key(tree.wood_vertices_m, tree.wood_faces, target_tets)
+    cached = load_cached(cache_dir, key)
+    if cached is not None:
+        return TetMesh(*cached)
+    mesh = _attempts(Surface(tree.wood_vertices_m, tree.wood_faces), target_tets)
+    store_cached(cache_dir, key, mesh.vertices_m, mesh.tets, mesh.radius_ratio, mesh.report)
+    return mesh
+
+
+def _attempts(surface: Surface, target_tets: int) -> TetMesh:
+    recipe = Recipe(faces=round(target_tets / TETS_PER_FACE))
+    tried: list[str] = []
+    best: TetMesh | None = None
+    for _ in range(ATTEMPTS):
+        mesh = _attempt(surface, recipe)
+        count, lost = len(mesh.tets), mesh.report["lost_extent"]
+        tried.append(f"floor {recipe.floor:.4f}, {recipe.faces} faces: {count} tets, {lost:.1%} lost")
+        if best is None or _badness(mesh, target_tets) < _badness(best, target_tets):
+            best = mesh
+        if _badness(mesh, target_tets) == 0:
+            break
+        if lost > MAX_LOST_EXTENT:
+            recipe = replace(recipe, floor=recipe.floor * 1.4)
+        else:
+            recipe = replace(recipe, faces=round(recipe.faces * np.clip(target_tets / count, 0.4, 2.5)))
+    assert best is not None
+    if best.report["lost_extent"] > 3 * MAX_LOST_EXTENT:
+        raise IntakeError(
+            "not-meshable", 422, f"Meshing loses {best.report['lost_extent']:.0%} of the wood.",
+            "The branches may not touch the trunk; join them and try again.",
+        )  # fmt: skip
+    best.report["attempts"] = tried
+    if best.report["lost_extent"] > MAX_LOST_EXTENT:
+        best.report["warnings"].append(
+            f"{best.report['lost_extent']:.1%} of the wood's extent was lost in meshing."
+        )
+    return best
+
+
+def _badness(mesh: TetMesh, target_tets: int) -> float:
+    """0 where the mesh is accepted, else how far off it is."""
+    share = len(mesh.tets) / target_tets
+    off = max(FEWEST - share, share - MOST, 0.0)
+    return off + 10.0 * max(mesh.report["lost_extent"] - MAX_LOST_EXTENT, 0.0)
+
+
+def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
+    diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    floor_m = recipe.floor * diagonal
+    raised = thicken(surface, floor_m)
+    solid = wrap(raised.surface, floor_m / CELLS_PER_FLOOR)
+    shell = decimate(solid, recipe.faces)
+    result = run_limited(
+        "precompute.tetwild_child:tetrahedralise_surface",
+        {
+            "vertices": shell.vertices,
+            "faces": shell.faces,
+            "epsilon": np.float64(recipe.floor * ENVELOPE_OF_FLOOR),
+            "edge_length": np.float64(EDGE_LENGTH),
+            "stop_energy": np.float64(STOP_ENERGY),
+        },
+        TETWILD_LIMITS,
+        what="Meshing the wood",
+    )
+    if not len(result["tets"]):
+        raise IntakeError(
+            "not-meshable", 422, "The wood could not be meshed.", "Repair the mesh and try again."
+        )
+    vertices, tets, dropped = largest_component(result["vertices"], result["tets"])
+    vertices = restore_volume(vertices, tets, volume(solid))
+    ratio = _radius_ratio(raised, vertices, tets)
+    report = quality_report(vertices, tets) | {
+        "components_dropped": dropped,
+        "floor_radius_m": floor_m,
+        "thickened_share": float((ratio < 1).mean()),
+        "lost_extent": lost_extent(surface.vertices, vertices),
+        "surface_faces": len(shell.faces),
+        "warnings": [],
+    }
+    if dropped:
+        report["warnings"].append(f"{dropped} separate pieces of wood were dropped in meshing.")
+    return TetMesh(vertices, tets, ratio, report)
+
+
+def _radius_ratio(raised: Thickened, vertices: Floats, tets: Ints) -> Floats:
+    """Original over thickened radius at each tet (m,), from the nearest surface samples."""
+    _, near = cKDTree(raised.sample_points).query(
+        vertices[tets].mean(axis=1), k=min(3, len(raised.sample_points))
+    )
+    return raised.sample_ratio[near].reshape(len(tets), -1).mean(axis=1)

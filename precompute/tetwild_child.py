@@ -1,0 +1,24 @@
+"""The one place that calls pytetwild; it runs in a child process, because bad input makes it segfault."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from precompute.limited_process import Arrays
+
+
+def tetrahedralise_surface(arguments: Arrays) -> Arrays:
+    """vertices (n, 3), faces (m, 3), epsilon and edge_length (both of the diagonal), stop_energy → vertices, tets."""
+    import pytetwild  # imports pyvista, which only this child needs
+
+    vertices, tets = pytetwild.tetrahedralize(
+        np.ascontiguousarray(arguments["vertices"], dtype=np.float64),
+        np.ascontiguousarray(arguments["faces"], dtype=np.int32),
+        epsilon=float(arguments["epsilon"]),
+        edge_length_fac=float(arguments["edge_length"]),
+        stop_energy=float(arguments["stop_energy"]),
+        num_threads=1,
+        vtk_ordering=True,  # without it every tet comes out inverted
+        quiet=True,
+    )
+    return {"vertices": np.asarray(vertices, dtype=np.float64), "tets": np.asarray(tets, dtype=np.int32)}

@@ -1,0 +1,186 @@
+"""Compiled kernels of the wrap: distances in a band around the triangles, and inside by counting crossings."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+
+@numba.njit(cache=True, nogil=True)
+def _point_triangle(px, py, pz, t):  # type: ignore[no-untyped-def]
+    """Squared distance from a point to a triangle (3, 3) (Ericson 2005, Real-Time Collision Detection, 5.1.5)."""
+    abx, aby, abz = t[1, 0] - t[0, 0], t[1, 1] - t[0, 1], t[1, 2] - t[0, 2]
+    acx, acy, acz = t[2, 0] - t[0, 0], t[2, 1] - t[0, 1], t[2, 2] - t[0, 2]
+    apx, apy, apz = px - t[0, 0], py - t[0, 1], pz - t[0, 2]
+    d1, d2 = abx * apx + aby * apy + abz * apz, acx * apx + acy * apy + acz * apz
+    bpx, bpy, bpz = px - t[1, 0], py - t[1, 1], pz - t[1, 2]
+    d3, d4 = abx * bpx + aby * bpy + abz * bpz, acx * bpx + acy * bpy + acz * bpz
+    cpx, cpy, cpz = px - t[2, 0], py - t[2, 1], pz - t[2, 2]
+    d5, d6 = abx * cpx + aby * cpy + abz * cpz, acx * cpx + acy * cpy + acz * cpz
+    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+    if d1 <= 0 and d2 <= 0:
+        v, w = 0.0, 0.0
+    elif d3 >= 0 and d4 <= d3:
+        v, w = 1.0, 0.0
+    elif d6 >= 0 and d5 <= d6:
+        v, w = 0.0, 1.0
+    elif vc <= 0 and d1 >= 0 and d3 <= 0:
+        v, w = d1 / (d1 - d3), 0.0
+    elif vb <= 0 and d2 >= 0 and d6 <= 0:
+        v, w = 0.0, d2 / (d2 - d6)
+    elif va <= 0 and d4 - d3 >= 0 and d5 - d6 >= 0:
+        w = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        v = 1.0 - w
+    else:
+        total = va + vb + vc
+        if total <= 0:
+            v, w = 0.0, 0.0
+        else:
+            v, w = vb / total, vc / total
+    dx, dy, dz = apx - v * abx - w * acx, apy - v * aby - w * acy, apz - v * abz - w * acz
+    return dx * dx + dy * dy + dz * dz
+
+
+@numba.njit(cache=True, nogil=True)
+def band_distance(triangles, shape, band):  # type: ignore[no-untyped-def]
+    """Distance, in cells, from each grid point to the triangles (m, 3, 3) given in cells; `band` where farther."""
+    field = np.full(shape, np.float32(band * band))
+    for f in range(len(triangles)):
+        t = triangles[f]
+        lo, hi = np.empty(3, np.int64), np.empty(3, np.int64)
+        for k in range(3):
+            lo[k] = max(0, int(np.floor(min(t[0, k], t[1, k], t[2, k]) - band)))
+            hi[k] = min(shape[k] - 1, int(np.ceil(max(t[0, k], t[1, k], t[2, k]) + band)))
+        for i in range(lo[0], hi[0] + 1):
+            for j in range(lo[1], hi[1] + 1):
+                for k in range(lo[2], hi[2] + 1):
+                    square = _point_triangle(float(i), float(j), float(k), t)
+                    if square < field[i, j, k]:
+                        field[i, j, k] = square
+    return np.sqrt(field)
+
+
+@numba.njit(cache=True, nogil=True)
+def crossings(triangles, shape):  # type: ignore[no-untyped-def]
+    """Winding count at grid points by the triangles (m, 3, 3) crossed on the way along the last axis.
+
+    Overlapping closed pieces add up, so a point is inside their union where the count is not zero.
+    """
+    change = np.zeros((shape[0], shape[1], shape[2] + 1), np.int16)
+    for f in range(len(triangles)):
+        t = triangles[f]
+        area = (t[1, 0] - t[0, 0]) * (t[2, 1] - t[0, 1]) - (t[2, 0] - t[0, 0]) * (t[1, 1] - t[0, 1])
+        if area == 0.0:
+            continue
+        x0, x1 = min(t[0, 0], t[1, 0], t[2, 0]), max(t[0, 0], t[1, 0], t[2, 0])
+        y0, y1 = min(t[0, 1], t[1, 1], t[2, 1]), max(t[0, 1], t[1, 1], t[2, 1])
+        for i in range(max(0, int(np.ceil(x0))), min(shape[0] - 1, int(np.floor(x1))) + 1):
+            for j in range(max(0, int(np.ceil(y0))), min(shape[1] - 1, int(np.floor(y1))) + 1):
+                u = ((t[1, 0] - i) * (t[2, 1] - j) - (t[2, 0] - i) * (t[1, 1] - j)) / area
+                v = ((t[2, 0] - i) * (t[0, 1] - j) - (t[0, 0] - i) * (t[2, 1] - j)) / area
+                w = 1.0 - u - v
+                if u < 0 or v < 0 or w < 0:
+                    continue
+                z = u * t[0, 2] + v * t[1, 2] + w * t[2, 2]
+                k = min(max(int(np.ceil(z)), 0), shape[2])
+                change[i, j, k] += -1 if area > 0 else 1
+    count = np.zeros((shape[0], shape[1], shape[2]), np.int16)
+    for i in range(shape[0]):
+        for j in range(shape[1]):
+            total = 0
+            for k in range(shape[2]):
+                total += change[i, j, k]
+                count[i, j, k] = total
+    return count
+
+
+@numba.njit(cache=True, nogil=True)
+def _cell_range(t, low, cell, shape):  # type: ignore[no-untyped-def]
+    lo, hi = np.empty(3, np.int64), np.empty(3, np.int64)
+    for k in range(3):
+        lo[k] = max(0, int((min(t[0, k], t[1, k], t[2, k]) - low[k]) / cell))
+        hi[k] = min(shape[k] - 1, int((max(t[0, k], t[1, k], t[2, k]) - low[k]) / cell))
+    return lo, hi
+
+
+@numba.njit(cache=True, nogil=True)
+def triangle_grid(triangles, low, cell, shape):  # type: ignore[no-untyped-def]
+    """Which triangles touch each cell, as offsets (cells + 1,) and items: a bucket grid over bounding boxes."""
+    offsets = np.zeros(shape[0] * shape[1] * shape[2] + 1, np.int64)
+    items = np.empty(0, np.int32)
+    for turn in range(2):
+        for f in range(len(triangles)):
+            lo, hi = _cell_range(triangles[f], low, cell, shape)
+            for i in range(lo[0], hi[0] + 1):
+                for j in range(lo[1], hi[1] + 1):
+                    for k in range(lo[2], hi[2] + 1):
+                        c = (i * shape[1] + j) * shape[2] + k
+                        if turn == 0:
+                            offsets[c + 1] += 1
+                        else:
+                            items[offsets[c]] = f
+                            offsets[c] += 1
+        if turn == 0:
+            offsets = np.cumsum(offsets)
+            items = np.empty(offsets[-1], np.int32)
+    offsets[1:] = offsets[:-1].copy()
+    offsets[0] = 0
+    return offsets, items
+
+
+@numba.njit(cache=True, nogil=True)
+def inner_balls(points, normals, face, piece, triangles, low, cell, shape, offsets, items, limit):  # type: ignore[no-untyped-def]
+    """Radius of the largest inner ball (at most `limit`) through each point, against its own piece's triangles."""
+    radius = np.empty(len(points))
+    for p in range(len(points)):
+        r = limit
+        for _ in range(16):
+            cx, cy, cz = (
+                points[p, 0] - r * normals[p, 0],
+                points[p, 1] - r * normals[p, 1],
+                points[p, 2] - r * normals[p, 2],
+            )
+            best, at = r * r * (1 - 1e-4), -1
+            for i in range(
+                max(0, int((cx - r - low[0]) / cell)), min(shape[0] - 1, int((cx + r - low[0]) / cell)) + 1
+            ):
+                for j in range(
+                    max(0, int((cy - r - low[1]) / cell)),
+                    min(shape[1] - 1, int((cy + r - low[1]) / cell)) + 1,
+                ):
+                    for k in range(
+                        max(0, int((cz - r - low[2]) / cell)),
+                        min(shape[2] - 1, int((cz + r - low[2]) / cell)) + 1,
+                    ):
+                        c = (i * shape[1] + j) * shape[2] + k
+                        for n in range(offsets[c], offsets[c + 1]):
+                            f = items[n]
+                            if f == face[p] or piece[f] != piece[face[p]]:
+                                continue
+                            square = _point_triangle(cx, cy, cz, triangles[f])
+                            if square < best:
+                                best, at = square, f
+            if at < 0:
+                break
+            smaller = _touching_radius(points[p], normals[p], cx, cy, cz, triangles[at], r)
+            if smaller > r * (1 - 1e-3):
+                break
+            r = smaller
+        radius[p] = r
+    return radius
+
+
+@numba.njit(cache=True, nogil=True)
+def _touching_radius(point, normal, cx, cy, cz, t, r):  # type: ignore[no-untyped-def]
+    """Radius of the ball through `point` that just touches the triangle, by bisection below r."""
+    lo, hi = 0.0, r
+    for _ in range(20):
+        mid = 0.5 * (lo + hi)
+        square = _point_triangle(
+            point[0] - mid * normal[0], point[1] - mid * normal[1], point[2] - mid * normal[2], t
+        )
+        if square < mid * mid * (1 - 1e-6):
+            hi = mid
+        else:
+            lo = mid
+    return 0.5 * (lo + hi)
