@@ -1,0 +1,127 @@
+"""From recorded trajectories to a table: reduced motion, search, nodes, and the figures that go with them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse
+
+from precompute.nodes import Nodes, make_nodes, render_basis
+from precompute.sampling import Trajectory
+from precompute.similarity import InternalStates, build_search
+from precompute.subspace import QuantisedMotion, Subspace, fit_subspace, quantise, thinned
+from precompute.table import FORMAT, VERSION, Metadata, Table, poses
+
+Array = npt.NDArray[Any]
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TableSettings:
+    """What a table is built to. docs/design/0002-pose-easing.md says how the numbers were chosen."""
+
+    sigma_share: float = 0.25
+    """σ of Eq. 16 over the RMS pressure of the records."""
+    weight_initial: float = 0.3
+    weight_maximum: float = 0.75
+    weight_growth: float = 0.02
+    pose_easing: float = 0.1
+    truncation_share: float = 3e-4
+    """Largest vertex error of the reduced basis over the height."""
+    node_share: float = 5e-4
+    """Largest error of a vertex against its node, at RMS motion, over the height."""
+
+
+@dataclass(frozen=True)
+class RenderMesh:
+    """What the viewer will move: vertices in file order and how they hang on the tet vertices."""
+
+    vertices_m: Floats  # (v, 3)
+    binding: scipy.sparse.csr_matrix  # (v, n)
+    primitives: list[dict[str, Any]]  # name, kind, vertices
+
+
+def internal_states(runs: Sequence[Trajectory]) -> InternalStates:
+    """The records of all runs, one after another."""
+    velocity, force, stiffness = (
+        np.concatenate([getattr(run, name) for run in runs]) for name in ("velocity", "force", "stiffness")
+    )
+    return InternalStates(velocity, force, stiffness)
+
+
+def spread_pa(pressure_pa: Array) -> float:
+    """RMS length of the pressure vectors (z, 2) of the records on which the wind acts."""
+    squared = np.square(pressure_pa, dtype=np.float64).sum(axis=1)
+    return float(np.sqrt(squared[squared > 0].mean())) if squared.any() else 1.0
+
+
+def assemble_table(
+    runs: Sequence[Trajectory],
+    mass_kg: Floats,
+    mesh: RenderMesh,
+    description: Metadata,
+    settings: TableSettings,
+    tick: Callable[[float], None] = lambda fraction: None,
+) -> Table:
+    """The table of all runs. ``description`` adds species, height, winds, provenance to the metadata."""
+    height_m = float(description["height_m"])
+    subspace = fit_subspace(
+        thinned([run.displacement_m for run in runs]), mass_kg, settings.truncation_share * height_m
+    )
+    tick(0.2)
+    motion = quantise(subspace.project(run.displacement_m) for run in runs)
+    starts = np.cumsum([0, *(len(run.pressure_pa) for run in runs)]).astype(np.uint32)
+    q_rms = np.sqrt(np.mean((poses(motion.dq, starts) * motion.scale.astype(np.float64)) ** 2, axis=0))
+    vertex_basis = render_basis(mesh.binding, subspace.basis)
+    nodes = make_nodes(vertex_basis, mesh.vertices_m, q_rms, settings.node_share * height_m)
+    tick(0.3)
+    pressure = np.concatenate([run.pressure_pa for run in runs]).astype(np.float32)
+    states = internal_states(runs)
+    sigma_pa = settings.sigma_share * spread_pa(pressure)
+    search = build_search(
+        states, pressure, starts, sigma_pa, settings.weight_maximum, lambda f: tick(0.3 + 0.7 * f)
+    )
+    metadata = _metadata(description, settings, mesh, subspace, motion, nodes, states, sigma_pa)
+    return Table(
+        metadata, motion.scale, nodes.basis, nodes.rest_m, nodes.vertex_node, motion.dq, pressure, starts,
+        search.offsets, search.record, search.mismatches,
+    )  # fmt: skip
+
+
+def _metadata(
+    description: Metadata,
+    settings: TableSettings,
+    mesh: RenderMesh,
+    subspace: Subspace,
+    motion: QuantisedMotion,
+    nodes: Nodes,
+    states: InternalStates,
+    sigma_pa: float,
+) -> Metadata:
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        **description,
+        "modes": subspace.modes,
+        "records": len(motion.dq),
+        "primitives": mesh.primitives,
+        "points": states.velocity.shape[1],
+        "components": states.components,
+        "sigma_pa": sigma_pa,
+        "weight": {
+            "initial": settings.weight_initial,
+            "maximum": settings.weight_maximum,
+            "growth": settings.weight_growth,
+        },
+        "pose_easing": settings.pose_easing,
+        "errors": {
+            "truncation_max_m": subspace.max_error_m,
+            "truncation_energy": subspace.energy_left,
+            "node_rms_m": nodes.rms_error_m,
+            "node_max_m": nodes.max_error_m,
+        },
+    }

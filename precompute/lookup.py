@@ -1,0 +1,215 @@
+"""Algorithm 1 of the paper, for many trees at once: which record comes next, and where that leaves the tree.
+
+web/src/lookup.ts is the same arithmetic, operation for operation: both find the same records and, in units of
+the table's mode scale, the same poses bit for bit. No fused multiply-add, no fast maths.
+"""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from precompute.similarity import last_records
+from precompute.table import Table
+
+Array = npt.NDArray[Any]
+Floats = npt.NDArray[np.float64]
+
+MAX_STEPS_PER_ADVANCE = 8
+"""After a long pause a tree resumes instead of catching up."""
+SNAP = 0.5
+"""Pose easing ends exactly on the record's pose once it is within half a unit of the table's mode scale."""
+
+_REDUCTIONS = 8
+_TERMS = np.array([(-1.0) ** n / math.factorial(n) for n in range(12)])
+
+
+@numba.njit(cache=True, nogil=True)
+def gaussian(exponent):
+    """1 − exp(−exponent) for exponent ≥ 0 by plain sums and products, so that every language agrees."""
+    t = min(exponent, 50.0) / 256.0
+    p = _TERMS[11]
+    for n in range(10, -1, -1):
+        p = p * t + _TERMS[n]
+    for _ in range(_REDUCTIONS):
+        p = p * p
+    return 1.0 - p
+
+
+@numba.njit(cache=True, nogil=True)
+def nearest_pressure(pressure, barred, fx, fz):
+    """The first step (line 2): the lowest record with a successor whose pressure is nearest."""
+    best, found = np.inf, -1
+    for j in range(len(pressure)):
+        dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
+        distance = dx * dx + dz * dz
+        if distance < best and not barred[j]:
+            best, found = distance, j
+    return found
+
+
+@numba.njit(cache=True, nogil=True)
+def best_candidate(offsets, candidate, error, pressure, half_precision, state, weight, fx, fz):
+    """Every later step (lines 7–9): the candidate of least total error (Eq. 16), the lowest record of equals.
+
+    Candidates come sorted by their internal error, so the search stops where that alone is already too much.
+    """
+    best, found = np.inf, -1
+    for s in range(offsets[state], offsets[state + 1]):
+        internal = (1.0 - weight) * error[s]
+        if internal > best:
+            break
+        j = candidate[s]
+        dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
+        total = internal + weight * gaussian((dx * dx + dz * dz) * half_precision)
+        if total < best or (total == best and j < found):
+            best, found = total, j
+    return found
+
+
+def brute_force(
+    error_row: Floats, pressure: Floats, barred: Array, half_precision: float, weight: float, f: Floats
+) -> int:
+    """The twin of ``best_candidate`` that asks every record: E_int of one state to all (z,), f (2,) Pa."""
+    best, found = np.inf, -1
+    for j in range(len(error_row)):
+        dx, dz = f[0] - pressure[j, 0], f[1] - pressure[j, 1]
+        external = gaussian((dx * dx + dz * dz) * half_precision)
+        total = (1.0 - weight) * error_row[j] + weight * external
+        if total < best and not barred[j]:
+            best, found = total, j
+    return found
+
+
+@dataclass(frozen=True)
+class SearchArrays:
+    """What the search reads, in the types it computes with."""
+
+    offsets: npt.NDArray[np.int64]
+    candidate: npt.NDArray[np.int64]
+    error: Floats  # (nnz,) E_int
+    pressure: Floats  # (z, 2) Pa
+    barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory
+    half_precision: float  # 1 / (2 σ²), Pa⁻²
+
+
+def search_arrays(table: Table) -> SearchArrays:
+    """Widen a table's search tensors once."""
+    sigma = float(table.metadata["sigma_pa"])
+    return SearchArrays(
+        table.offsets.astype(np.int64),
+        table.candidate.astype(np.int64),
+        table.mismatches.astype(np.float64) / float(table.metadata["components"]),
+        table.pressure_pa.astype(np.float64),
+        last_records(table.trajectory),
+        1.0 / (2.0 * sigma * sigma),
+    )
+
+
+@numba.njit(cache=True, nogil=True)
+def _ease(pose, target, easing):
+    """Move a pose a share of the way to the found record's own, ending exactly on it."""
+    for k in range(len(pose)):
+        gap = target[k] - pose[k]
+        pose[k] = target[k] if abs(gap) < SNAP else pose[k] + easing * gap
+
+
+@numba.njit(cache=True, nogil=True)
+def _step(search, dq, poses, rule, i, fx, fz, record, weight, now, before):
+    """One step of tree i: find the record, adopt its successor's state, accumulate its Δq (Alg. 1)."""
+    offsets, candidate, error, pressure, barred, half_precision = search
+    initial, maximum, growth, easing = rule
+    state = record[i] + 1
+    if state == 0:
+        found = nearest_pressure(pressure, barred, fx, fz)
+        weight[i] = initial
+    else:
+        found = best_candidate(offsets, candidate, error, pressure, half_precision, state, weight[i], fx, fz)
+        weight[i] = min(maximum, weight[i] + growth) if found == state else initial
+    record[i] = found
+    for k in range(dq.shape[1]):
+        before[i, k] = now[i, k]
+        now[i, k] += dq[found, k]
+    if easing > 0.0:
+        _ease(now[i], poses[found + 1], easing)
+
+
+@numba.njit(cache=True, nogil=True)
+def _advance(search, dq, poses, scale, rule, rate, turn, px, pz, record, weight, phase, now, before, q):
+    for i in range(len(record)):
+        fx = turn[i, 0] * px[i] - turn[i, 1] * pz[i]
+        fz = turn[i, 1] * px[i] + turn[i, 0] * pz[i]
+        phase[i] += rate[i]
+        steps = 0
+        while phase[i] >= 1.0 and steps < MAX_STEPS_PER_ADVANCE:
+            _step(search, dq, poses, rule, i, fx, fz, record, weight, now, before)
+            phase[i] -= 1.0
+            steps += 1
+        phase[i] -= np.floor(phase[i])
+        for k in range(len(scale)):
+            q[i, k] = (before[i, k] + (now[i, k] - before[i, k]) * phase[i]) * scale[k]
+
+
+class ForestLookup:
+    """Trees of one table, each with its own state, in its own frame and at its own pace."""
+
+    def __init__(self, table: Table, count: int, *, pose_easing: float | None = None) -> None:
+        """``count`` trees at rest. ``pose_easing`` None takes the table's; 0 is the literal method."""
+        metadata = table.metadata
+        easing = metadata["pose_easing"] if pose_easing is None else pose_easing
+        arrays = search_arrays(table)
+        self._search = (*(getattr(arrays, name) for name in SearchArrays.__dataclass_fields__),)
+        weight = metadata["weight"]
+        self._rule = (
+            float(weight["initial"]),
+            float(weight["maximum"]),
+            float(weight["growth"]),
+            float(easing),
+        )
+        self._dq = table.dq.astype(np.float64)
+        self._poses = table.pose().astype(np.float64)
+        self._scale = table.mode_scale.astype(np.float64)
+        self._dt_s = float(metadata["dt_s"])
+        modes = len(self._scale)
+        self._now, self._before = np.zeros((count, modes)), np.zeros((count, modes))
+        self._weight, self._phase = np.zeros(count), np.zeros(count)
+        self._turn = np.tile(np.array([1.0, 0.0]), (count, 1))
+        self._size = np.ones(count)
+        self._rate = np.zeros(count)
+        self.x_m, self.z_m = np.zeros(count, np.float32), np.zeros(count, np.float32)
+        self.record = np.full(count, -1, np.int32)
+        """(count,) record found last, −1 before the first step; the tree is in its successor's state."""
+        self.q = np.zeros((count, modes), np.float32)
+        """(count, r) shown pose, between the last two steps."""
+
+    def set_trees(
+        self, x_m: npt.ArrayLike, z_m: npt.ArrayLike, yaw_rad: npt.ArrayLike, scale: npt.ArrayLike
+    ) -> None:
+        """Place, turn and size of each tree (count,); their state goes on."""
+        self.x_m[:], self.z_m[:] = x_m, z_m
+        yaw = np.asarray(yaw_rad, np.float32).astype(np.float64)
+        self._turn[:, 0] = np.cos(yaw).astype(
+            np.float32
+        )  # rounded: the last bit of a cosine is nobody's promise
+        self._turn[:, 1] = np.sin(yaw).astype(np.float32)
+        self._size[:] = np.asarray(scale, np.float32)
+
+    def advance(self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike) -> None:
+        """Let dt_s seconds pass under world pressures (count,) in Pa; large trees walk their table slower."""
+        np.divide(dt_s / self._dt_s, self._size, out=self._rate)
+        px, pz = np.asarray(pressure_x, np.float64), np.asarray(pressure_z, np.float64)
+        _advance(
+            self._search, self._dq, self._poses, self._scale, self._rule, self._rate, self._turn, px, pz,
+            self.record, self._weight, self._phase, self._now, self._before, self.q,
+        )  # fmt: skip
+
+    def poses(self) -> npt.NDArray[np.int32]:
+        """(count, r) shown pose in units of the table's mode scale, as the stream sends it."""
+        return np.rint(self.q / self._scale).astype(np.int32)

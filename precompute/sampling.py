@@ -1,0 +1,193 @@
+"""The sampled winds and the trajectories that FEM makes of them: what the table is made from.
+
+Six cosine winds in six directions, 180 frames each (paper, Sec. 6), and beside them what lets a tree come to
+rest: in each direction a gust followed by still air, and one run in still air.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from precompute.wind import dynamic_pressure
+
+Array = npt.NDArray[Any]
+Floats = npt.NDArray[np.float64]
+
+SAMPLING_VERSION = 1
+"""Part of every trajectory's hash: raise it when what is recorded changes."""
+DIRECTIONS_DEG = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
+COSINE_WINDS = (
+    # peak speed / design speed, depth (U = peak (1 + depth cos) / (1 + depth)), period s, phase turns
+    (0.30, 0.5, 4.0, 0.50),
+    (0.45, 1.0, 3.0, 0.50),
+    (0.60, 0.3, 6.0, 0.60),
+    (0.75, 0.7, 2.5, 0.45),
+    (0.90, 0.3, 5.0, 0.55),
+    (1.00, 0.8, 3.5, 0.50),
+)
+GUST_PEAK = 0.8
+GUST_S = 1.5
+STILL_S = 6.0
+FADE_S = 4.0
+STILL_FRAMES = 8
+
+
+@dataclass(frozen=True)
+class SampleWind:
+    """A wind to sample: the pressure vector (x, z) in the tree's frame that acts in each frame."""
+
+    name: str
+    direction_deg: float
+    pressure_pa: Floats  # (T, 2)
+    fade_frames: int = 0
+    """Over this many last frames the motion is faded to exact rest: see ``fade``."""
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """T records of one run and the displacement they lead through, float32."""
+
+    displacement_m: Array  # (T + 1, n, 3) from the gravity rest pose
+    pressure_pa: Array  # (T, 2) acting in record i
+    velocity: Array  # (T, q, 3) before record i
+    force: Array  # (T, q, 3) internal force
+    stiffness: Array  # (T, q, 6) xx yy zz xy xz yz of the diagonal blocks
+
+
+class Body(Protocol):
+    """What is sampled: a finite-element simulator, or a test's small exact system."""
+
+    def reset(self) -> None: ...
+
+    def step(self, pressure_pa: Array) -> None: ...
+
+    @property
+    def u(self) -> Array: ...  # (n, 3)
+
+    @property
+    def v(self) -> Array: ...  # (n, 3)
+
+    @property
+    def internal_force(self) -> Array: ...  # (n, 3) at the state before the step
+
+    @property
+    def stiffness_diagonal(self) -> Array: ...  # (n, 3, 3) at the state before the step
+
+
+def sample_winds(design_speed_m_s: float, dt_s: float, frames: int = 180) -> list[SampleWind]:
+    """The winds of a table: 6 cosine × 6 directions, 6 gusts that die down, and still air."""
+    time_s = np.arange(frames, dtype=np.float64) * dt_s
+    winds = [
+        _wind(f"cosine-{k}", direction, design_speed_m_s * _cosine(wind, time_s))
+        for k, wind in enumerate(COSINE_WINDS)
+        for direction in DIRECTIONS_DEG
+    ]
+    gust, fade_frames = _gust(dt_s), round(FADE_S / dt_s)
+    winds += [_wind("gust", d, design_speed_m_s * gust, fade_frames) for d in DIRECTIONS_DEG]
+    return [*winds, _wind("still", 0.0, np.zeros(STILL_FRAMES))]
+
+
+def _cosine(wind: tuple[float, float, float, float], time_s: Floats) -> Floats:
+    peak, depth, period_s, turns = wind
+    return peak * (1.0 + depth * np.cos(2.0 * np.pi * (time_s / period_s + turns))) / (1.0 + depth)
+
+
+def _gust(dt_s: float) -> Floats:
+    """One smooth rise and fall, then still air."""
+    rise = np.arange(round(GUST_S / dt_s), dtype=np.float64) * dt_s / GUST_S
+    return np.concatenate([GUST_PEAK * np.sin(np.pi * rise) ** 2, np.zeros(round(STILL_S / dt_s))])
+
+
+def _wind(name: str, direction_deg: float, speed_m_s: Floats, fade_frames: int = 0) -> SampleWind:
+    heading = np.radians(direction_deg)
+    along = np.array([np.cos(heading), np.sin(heading)])
+    pressure = dynamic_pressure(speed_m_s)[:, None] * along
+    return SampleWind(f"{name}-{direction_deg:03.0f}", direction_deg, pressure, fade_frames)
+
+
+def sample_trajectory(
+    body: Body,
+    wind: SampleWind,
+    points: Array,
+    dt_s: float,
+    tick: Callable[[float], None] = lambda fraction: None,
+) -> Trajectory:
+    """Run a body under a wind from gravity rest, recording S_i at the given vertices (q,).
+
+    ``tick`` hears the fraction done before every frame and may raise to stop.
+    """
+    frames = len(wind.pressure_pa)
+    body.reset()
+    u, v = np.zeros((frames + 1, *body.u.shape), np.float32), np.zeros((frames, len(points), 3), np.float32)
+    force, stiffness = np.zeros_like(v), np.zeros((frames, len(points), 6), np.float32)
+    for i, pressure in enumerate(wind.pressure_pa):
+        tick(i / frames)
+        v[i] = body.v[points]
+        body.step(pressure)
+        force[i] = body.internal_force[points]
+        stiffness[i] = symmetric(body.stiffness_diagonal[points])
+        u[i + 1] = body.u
+    recorded = Trajectory(u, wind.pressure_pa.astype(np.float32), v, force, stiffness)
+    return fade(recorded, wind.fade_frames, u[:-1, points], dt_s)
+
+
+def symmetric(blocks: Array) -> Array:
+    """xx yy zz xy xz yz of symmetric blocks (q, 3, 3)."""
+    return blocks[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+
+
+def fade(run: Trajectory, frames: int, points_m: Array, dt_s: float) -> Trajectory:
+    """Bring the last frames of a run to rest: what leaf drag does in still air, and exactly rest at the end.
+
+    Internal friction alone rings for half a minute and never ends. The displacement is multiplied by a smooth
+    window s that falls from 1 to 0, the velocity becomes its derivative, and force and stiffness go to their
+    values at rest (record 0) by the same s. points_m (T, q, 3) are the displacements
+    of the sampled points. The last two records are at rest exactly.
+    """
+    if not frames:
+        return run
+    total = len(run.velocity)
+    x = np.clip((np.arange(total + 1) - (total - 2 - frames)) / frames, 0.0, 1.0)
+    s = ((1.0 - x) ** 3 * (1.0 + 3.0 * x + 6.0 * x * x)).astype(np.float32)[:, None, None]
+    slope = np.diff(s[:-1], axis=0, prepend=1.0) / np.float32(dt_s)
+    return Trajectory(
+        run.displacement_m * s,
+        run.pressure_pa,
+        run.velocity * s[:-1] + points_m * slope,
+        run.force[:1] + (run.force - run.force[:1]) * s[:-1],
+        run.stiffness[:1] + (run.stiffness - run.stiffness[:1]) * s[:-1],
+    )
+
+
+def trajectory_key(model_hash: str, wind: SampleWind, points: Array) -> str:
+    """Content hash of everything a trajectory depends on."""
+    digest = hashlib.sha256(f"{SAMPLING_VERSION} {model_hash} {wind.fade_frames}".encode())
+    digest.update(np.ascontiguousarray(wind.pressure_pa, np.float64).tobytes())
+    digest.update(np.ascontiguousarray(points, np.int64).tobytes())
+    return digest.hexdigest()
+
+
+def write_trajectory(path: Path, trajectory: Trajectory) -> None:
+    """Write atomically: a file of this name is always whole."""
+    buffer = io.BytesIO()
+    np.savez(buffer, **vars(trajectory))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as part:
+        part.write(buffer.getbuffer())
+    os.replace(part.name, path)  # noqa: PTH105  (the temporary name is a string)
+
+
+def read_trajectory(path: Path) -> Trajectory:
+    """Read what ``write_trajectory`` wrote."""
+    with np.load(path, allow_pickle=False) as arrays:
+        return Trajectory(**{name: arrays[name] for name in Trajectory.__dataclass_fields__})

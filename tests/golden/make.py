@@ -1,0 +1,124 @@
+"""Write the golden files that both languages' tests read: ``python -m tests.golden.make``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import scipy.sparse
+
+from precompute.assemble import RenderMesh, TableSettings, assemble_table
+from precompute.lookup import ForestLookup
+from precompute.sampling import SampleWind, Trajectory, sample_trajectory, sample_winds
+from precompute.table import Table, encode
+from precompute.wind import Wind, wind_pressure
+from tests.golden.beam import Beam
+
+HERE = Path(__file__).parent
+WINDS = (
+    Wind(),
+    Wind(mean_speed_m_s=0.0),
+    Wind(
+        mean_speed_m_s=17.5, direction_deg=-140.0, gustiness=1.0, convection_speed_m_s=12.0, seed=4294967295
+    ),
+    Wind(mean_speed_m_s=3.0, direction_deg=200.0, gustiness=0.0, seed=77),
+)
+FRAMES = 600
+KINDS = tuple(f"{kind}-{d:03d}" for kind in ("cosine-1", "cosine-5", "gust") for d in (0, 120, 240)) + (
+    "still",
+)
+SMALL = TableSettings(sigma_share=0.3, weight_initial=0.3, weight_maximum=0.5, weight_growth=0.01)
+SAVED_EVERY = 10
+
+
+def beam_runs(beam: Beam, frames: int = 60, design_speed_m_s: float = 12.0) -> list[Trajectory]:
+    """Every run a table needs, of the small system."""
+    points = np.arange(beam.n)
+    winds: list[SampleWind] = sample_winds(design_speed_m_s, beam.dt_s, frames)
+    chosen = [wind for wind in winds if wind.name.startswith(KINDS)]
+    return [sample_trajectory(beam, wind, points, beam.dt_s) for wind in chosen]
+
+
+def beam_mesh(beam: Beam) -> RenderMesh:
+    """Two render vertices to either side of each mass, and a leaf on the top one."""
+    sides = np.array([[0.1, 0.0, 0.0], [-0.1, 0.0, 0.0]])
+    wood = (beam.rest_m[:, None, :] + sides).reshape(-1, 3)
+    leaf = beam.rest_m[-1] + np.array([[0.0, 0.1, 0.0], [0.2, 0.1, 0.0], [0.0, 0.3, 0.1]])
+    owner = np.concatenate([np.repeat(np.arange(beam.n), 2), np.full(3, beam.n - 1)])
+    binding = scipy.sparse.csr_matrix(
+        (np.ones(len(owner)), (np.arange(len(owner)), owner)), shape=(len(owner), beam.n)
+    )
+    primitives = [
+        {"name": "wood_0", "kind": "wood", "vertices": len(wood)},
+        {"name": "leaves_0", "kind": "leaves", "vertices": 3},
+    ]
+    return RenderMesh(np.concatenate([wood, leaf]), binding, primitives)
+
+
+def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
+    """A true, though tiny, table."""
+    beam = Beam()
+    description = {
+        "species": "pole",
+        "height_m": beam.height_m,
+        "dt_s": beam.dt_s,
+        "sampled_elements": beam.n,
+        "design_speed_m_s": 12.0,
+        "mesh_sha256": "0" * 64,
+        "frequencies_hz": [],
+        "provenance": {"made_by": "tests/golden/make.py"},
+    }
+    runs = beam_runs(beam, frames)
+    return assemble_table(runs, beam.mass_kg, beam_mesh(beam), description, settings)
+
+
+def wind_vectors() -> list[dict[str, object]]:
+    """Pressures at a few places and times, for every wind."""
+    rng = np.random.default_rng(20)
+    x, z = rng.uniform(-300, 300, (2, 5)).astype(np.float32)
+    out_x, out_z = np.zeros(5, np.float32), np.zeros(5, np.float32)
+    rows: list[dict[str, object]] = []
+    for wind in WINDS:
+        for time_s in (0.0, 1.25, 3601.5):
+            wind_pressure(wind, x, z, time_s, out_x, out_z)
+            rows.append(
+                {"wind": wind.document(), "time_s": time_s, "x_m": x.tolist(), "z_m": z.tolist(),
+                 "pressure_x_pa": out_x.tolist(), "pressure_z_pa": out_z.tolist()}
+            )  # fmt: skip
+    return rows
+
+
+def forest_walk(table: Table, easing: float) -> dict[str, object]:
+    """Records and poses of a few trees of all turns and sizes under a wind that changes and then stops."""
+    rng = np.random.default_rng(7)
+    count = 6
+    x, z = rng.uniform(-20, 20, (2, count)).astype(np.float32)
+    yaw, scale = rng.uniform(-3, 3, count).astype(np.float32), rng.uniform(0.6, 1.6, count).astype(np.float32)
+    forest = ForestLookup(table, count, pose_easing=easing)
+    forest.set_trees(x, z, yaw, scale)
+    out_x, out_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
+    records: list[list[int]] = []
+    poses: list[list[float]] = []
+    for frame in range(FRAMES):
+        wind = Wind(9.0, 30.0, 0.8, 6.0, 3) if frame < 150 else Wind(6.0, 250.0, 0.8, 6.0, 4)
+        wind = wind if frame < 280 else Wind(mean_speed_m_s=0.0)
+        wind_pressure(wind, x, z, frame / 60, out_x, out_z)
+        forest.advance(1 / 60, out_x, out_z)
+        records.append(forest.record.tolist())
+        if frame % SAVED_EVERY == 0:
+            poses.append([float(f"{value:.9g}") for value in forest.q.ravel()])
+    trees = {"x_m": x.tolist(), "z_m": z.tolist(), "yaw_rad": yaw.tolist(), "scale": scale.tolist()}
+    return {"pose_easing": easing, "trees": trees, "records": records, "poses": poses}
+
+
+def main() -> None:
+    table = beam_table()
+    (HERE / "pole.safetensors").write_bytes(encode(table))
+    walks = [forest_walk(table, easing) for easing in (0.0, 0.1)]
+    for name, content in (("wind.json", wind_vectors()), ("walk.json", walks)):
+        (HERE / name).write_text(json.dumps(content, separators=(",", ":")) + "\n")
+
+
+if __name__ == "__main__":
+    main()
