@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse
 
-from precompute.assemble import RenderMesh, TableSettings, assemble_table
+from precompute.tabulate import RenderMesh, TableSettings, assemble_table
 from precompute.lookup import ForestLookup
 from precompute.sampling import SampleWind, Trajectory, sample_trajectory, sample_winds
 from precompute.table import Table, encode
@@ -25,9 +25,7 @@ WINDS = (
     Wind(mean_speed_m_s=3.0, direction_deg=200.0, gustiness=0.0, seed=77),
 )
 FRAMES = 600
-KINDS = tuple(f"{kind}-{d:03d}" for kind in ("cosine-1", "cosine-5", "gust") for d in (0, 120, 240)) + (
-    "still",
-)
+KINDS = tuple(f"{kind}-{d:03d}" for kind in ("cosine-1", "cosine-5", "gust") for d in (0, 120, 240))
 SMALL = TableSettings(sigma_share=0.3, weight_initial=0.3, weight_maximum=0.5, weight_growth=0.01)
 SAVED_EVERY = 10
 
@@ -36,7 +34,7 @@ def beam_runs(beam: Beam, frames: int = 60, design_speed_m_s: float = 12.0) -> l
     """Every run a table needs, of the small system."""
     points = np.arange(beam.n)
     winds: list[SampleWind] = sample_winds(design_speed_m_s, beam.dt_s, frames)
-    chosen = [wind for wind in winds if wind.name.startswith(KINDS)]
+    chosen = [wind for wind in winds if wind.name.startswith((*KINDS, "still"))]
     return [sample_trajectory(beam, wind, points, beam.dt_s) for wind in chosen]
 
 

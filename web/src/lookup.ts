@@ -1,0 +1,192 @@
+// Algorithm 1 of the paper for many trees at once, twin of precompute/lookup.py: the same records, and in units
+// of the table's mode scale the same poses, bit for bit. Allocates nothing while trees move.
+
+import { lastRecords, poses, type Table } from "./table";
+
+/** After a long pause a tree resumes instead of catching up. */
+export const MAX_STEPS_PER_ADVANCE = 8;
+/** Pose easing ends exactly on the record's pose within half a unit of the mode scale. */
+const SNAP = 0.5;
+
+const TERMS = new Float64Array(12);
+for (let n = 0, factorial = 1; n < 12; factorial *= ++n) TERMS[n] = (n % 2 === 0 ? 1 : -1) / factorial;
+
+/** 1 − exp(−exponent) for exponent ≥ 0 by plain sums and products, so that every language agrees. */
+export function gaussian(exponent: number): number {
+  const t = Math.min(exponent, 50) / 256;
+  let p = TERMS[11];
+  for (let n = 10; n >= 0; n--) p = p * t + TERMS[n];
+  for (let doubling = 0; doubling < 8; doubling++) p *= p;
+  return 1 - p;
+}
+
+export interface LookupOptions {
+  /** Share of the way to the found record's pose per step; the table's own by default, 0 is the literal method. */
+  readonly poseEasing?: number;
+}
+
+/** The search of one table: which record comes next. */
+export class TableSearch {
+  private readonly error: Float64Array;
+  private readonly barred: Uint8Array;
+  private readonly halfPrecision: number;
+
+  constructor(private readonly table: Table) {
+    const { sigma_pa: sigma, components } = table.metadata;
+    this.error = Float64Array.from(table.mismatches, (count) => count / components);
+    this.barred = lastRecords(table.trajectory);
+    this.halfPrecision = 1 / (2 * sigma * sigma);
+  }
+
+  /** The first step: the lowest record with a successor whose pressure is nearest. */
+  nearestPressure(fx: number, fz: number): number {
+    const { pressure } = this.table;
+    let best = Number.POSITIVE_INFINITY;
+    let found = -1;
+    for (let j = 0; j < this.barred.length; j++) {
+      const dx = fx - pressure[2 * j];
+      const dz = fz - pressure[2 * j + 1];
+      const distance = dx * dx + dz * dz;
+      if (distance < best && this.barred[j] === 0) {
+        best = distance;
+        found = j;
+      }
+    }
+    return found;
+  }
+
+  /** Every later step: the candidate of least total error (Eq. 16), the lowest record of equals. */
+  bestCandidate(state: number, weight: number, fx: number, fz: number): number {
+    const { offsets, candidate, pressure } = this.table;
+    let best = Number.POSITIVE_INFINITY;
+    let found = -1;
+    for (let s = offsets[state]; s < offsets[state + 1]; s++) {
+      const internal = (1 - weight) * this.error[s];
+      if (internal > best) break; // sorted by internal error: none of the rest can win
+      const j = candidate[s];
+      const dx = fx - pressure[2 * j];
+      const dz = fz - pressure[2 * j + 1];
+      const total = internal + weight * gaussian((dx * dx + dz * dz) * this.halfPrecision);
+      if (total < best || (total === best && j < found)) {
+        best = total;
+        found = j;
+      }
+    }
+    return found;
+  }
+}
+
+/** Trees of one table, each with its own state, in its own frame and at its own pace. */
+export class ForestLookup {
+  /** [count] record found last, −1 before the first step; the tree is in its successor's state. */
+  readonly record: Int32Array;
+  /** [count, r] shown pose, between the last two steps. */
+  readonly q: Float32Array;
+  /** Place of each tree (m), for the wind. */
+  readonly x: Float32Array;
+  readonly z: Float32Array;
+  private readonly search: TableSearch;
+  private readonly poses: Int32Array;
+  private readonly easing: number;
+  private readonly now: Float64Array;
+  private readonly before: Float64Array;
+  private readonly weight: Float64Array;
+  private readonly phase: Float64Array;
+  private readonly turn: Float32Array;
+  private readonly size: Float32Array;
+
+  constructor(
+    private readonly table: Table,
+    readonly count: number,
+    options: LookupOptions = {},
+  ) {
+    const r = table.metadata.modes;
+    this.search = new TableSearch(table);
+    this.poses = poses(table);
+    this.easing = options.poseEasing ?? table.metadata.pose_easing;
+    this.record = new Int32Array(count).fill(-1);
+    this.q = new Float32Array(count * r);
+    this.x = new Float32Array(count);
+    this.z = new Float32Array(count);
+    this.now = new Float64Array(count * r);
+    this.before = new Float64Array(count * r);
+    this.weight = new Float64Array(count);
+    this.phase = new Float64Array(count);
+    this.turn = new Float32Array(count * 2);
+    for (let i = 0; i < count; i++) this.turn[2 * i] = 1;
+    this.size = new Float32Array(count).fill(1);
+  }
+
+  /** Place, turn and size of each tree; their state goes on. */
+  setTrees(
+    x: ArrayLike<number>,
+    z: ArrayLike<number>,
+    yaw: ArrayLike<number>,
+    scale: ArrayLike<number>,
+  ): void {
+    this.x.set(x);
+    this.z.set(z);
+    this.size.set(scale);
+    for (let i = 0; i < this.count; i++) {
+      // Rounded to float32: the last bit of a cosine is nobody's promise.
+      this.turn[2 * i] = Math.cos(Math.fround(yaw[i]));
+      this.turn[2 * i + 1] = Math.sin(Math.fround(yaw[i]));
+    }
+  }
+
+  /** Lets dt seconds pass under world pressures (Pa); a tree s times as large walks its table s times slower. */
+  advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
+    const rate = dtS / this.table.metadata.dt_s;
+    for (let i = 0; i < this.count; i++) {
+      const c = this.turn[2 * i];
+      const s = this.turn[2 * i + 1];
+      const fx = c * pressureX[i] - s * pressureZ[i];
+      const fz = s * pressureX[i] + c * pressureZ[i];
+      let phase = this.phase[i] + rate / this.size[i];
+      for (let steps = 0; phase >= 1 && steps < MAX_STEPS_PER_ADVANCE; steps++) {
+        this.step(i, fx, fz);
+        phase -= 1;
+      }
+      phase -= Math.floor(phase);
+      this.phase[i] = phase;
+      this.show(i, phase);
+    }
+  }
+
+  private step(i: number, fx: number, fz: number): void {
+    const { initial, maximum, growth } = this.table.metadata.weight;
+    const state = this.record[i] + 1;
+    let found: number;
+    if (state === 0) {
+      found = this.search.nearestPressure(fx, fz);
+      this.weight[i] = initial;
+    } else {
+      found = this.search.bestCandidate(state, this.weight[i], fx, fz);
+      this.weight[i] = found === state ? Math.min(maximum, this.weight[i] + growth) : initial;
+    }
+    this.record[i] = found;
+    this.accumulate(i, found);
+  }
+
+  private accumulate(i: number, found: number): void {
+    const { now, before, poses: target, easing } = this;
+    const dq = this.table.dq;
+    const r = this.table.metadata.modes;
+    for (let k = 0; k < r; k++) {
+      const at = i * r + k;
+      before[at] = now[at];
+      const sum = now[at] + dq[found * r + k];
+      const gap = target[(found + 1) * r + k] - sum;
+      now[at] = easing > 0 ? (Math.abs(gap) < SNAP ? target[(found + 1) * r + k] : sum + easing * gap) : sum;
+    }
+  }
+
+  private show(i: number, phase: number): void {
+    const { now, before, q } = this;
+    const scale = this.table.modeScale;
+    for (let k = 0; k < scale.length; k++) {
+      const at = i * scale.length + k;
+      q[at] = (before[at] + (now[at] - before[at]) * phase) * scale[k];
+    }
+  }
+}
