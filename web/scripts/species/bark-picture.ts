@@ -53,14 +53,19 @@ interface Lens {
 /** Pale, smooth, with dark lens-shaped pores across and a few old branch scars: young poplar. */
 export function poplarBark(seed: number): Bark {
   const noise = tilingNoise(seed);
-  const pores = lenses(seededRandom(seed), 70, [0.02, 0.07], [0.004, 0.009]);
-  const scars = lenses(seededRandom(seed + 1), 5, [0.07, 0.12], [0.018, 0.03]);
+  const pores = lenses(seededRandom(seed), 90, [0.015, 0.06], [0.002, 0.005]);
+  const scars = lenses(seededRandom(seed + 1), 4, [0.05, 0.09], [0.008, 0.016]);
   return (u, v) => {
-    const cloud = octaves(noise, u, v, 4, 6, 5);
-    const band = octaves(noise, u, v, 2, 24, 3);
+    const cloud = octaves(noise, u, v, 4, 8, 5);
+    const band = octaves(noise, u, v, 3, 40, 3);
+    const grain = octaves(noise, u + 0.3, v, 48, 64, 2);
     const dark = Math.max(lensDepth(pores, u, v) * 0.8, lensDepth(scars, u, v));
-    const pale = mix([0.66, 0.68, 0.58], [0.88, 0.87, 0.8], cloud * 0.7 + band * 0.4 - 0.05);
-    return { height: 0.6 + 0.25 * cloud - 0.3 * dark, colour: mix(pale, [0.2, 0.18, 0.15], dark * 0.9) };
+    const tone = cloud * 0.75 + band * 0.45 + grain * 0.25 - 0.2;
+    const pale = mix([0.6, 0.62, 0.52], [0.9, 0.89, 0.82], tone);
+    return {
+      height: 0.4 + 0.3 * cloud + 0.2 * grain - 0.3 * dark,
+      colour: mix(pale, [0.22, 0.19, 0.16], dark * 0.9),
+    };
   };
 }
 
@@ -68,36 +73,58 @@ export function poplarBark(seed: number): Bark {
 export function mapleBark(seed: number): Bark {
   const noise = tilingNoise(seed);
   return (u, v) => {
-    const height = furrows(noise, u, v, 9, 3);
-    const grain = octaves(noise, u, v, 24, 12, 3);
-    const lichen = smooth(0.62, 0.75, octaves(noise, u + 0.37, v, 5, 5, 4)) * height;
-    const wood = mix([0.17, 0.14, 0.12], [0.52, 0.47, 0.42], 0.75 * height + 0.35 * (grain - 0.3));
-    return { height: height * 0.85 + 0.15 * grain, colour: mix(wood, [0.6, 0.6, 0.5], 0.35 * lichen) };
+    const ridge = furrows(noise, u, v, 10, 6, 0.9);
+    const grain = octaves(noise, u, v, 40, 24, 3);
+    const cloud = octaves(noise, u + 0.37, v, 4, 6, 4);
+    const wood = mix(
+      [0.2, 0.17, 0.15],
+      [0.6, 0.56, 0.51],
+      0.72 * ridge + 0.55 * (grain - 0.35) + 0.25 * (cloud - 0.4),
+    );
+    const lichen = smooth(0.58, 0.72, cloud) * ridge;
+    return { height: ridge * 0.75 + 0.25 * grain, colour: mix(wood, [0.62, 0.63, 0.52], 0.35 * lichen) };
   };
 }
 
 /** Dark reddish brown, cracked along, with pale pores across: apricot. */
 export function apricotBark(seed: number): Bark {
   const noise = tilingNoise(seed);
-  const pores = lenses(seededRandom(seed), 60, [0.02, 0.05], [0.003, 0.006]);
+  const pores = lenses(seededRandom(seed), 90, [0.012, 0.04], [0.0015, 0.0035]);
   return (u, v) => {
-    const height = furrows(noise, u, v, 6, 4);
-    const grain = octaves(noise, u, v, 16, 16, 3);
-    const pore = lensDepth(pores, u, v);
-    const wood = mix([0.13, 0.08, 0.07], [0.42, 0.27, 0.21], 0.7 * height + 0.4 * (grain - 0.25));
+    const ridge = furrows(noise, u, v, 6, 7, 0.65);
+    const grain = octaves(noise, u, v, 20, 36, 4);
+    const sheen = octaves(noise, u + 0.13, v, 3, 30, 3);
+    const pore = lensDepth(pores, u, v) * ridge;
+    const tone = 0.55 * ridge + 0.6 * (grain - 0.3) + 0.3 * (sheen - 0.4);
+    const wood = mix([0.2, 0.13, 0.11], [0.53, 0.36, 0.29], tone);
     return {
-      height: height * 0.8 + 0.15 * grain + 0.1 * pore,
-      colour: mix(wood, [0.5, 0.36, 0.28], pore * 0.55),
+      height: ridge * 0.6 + 0.35 * grain + 0.1 * pore,
+      colour: mix(wood, [0.6, 0.45, 0.36], pore * 0.5),
     };
   };
 }
 
-/** Ridges: distance from the zero line of a warped noise that is stretched along the trunk. */
-function furrows(noise: TilingNoise, u: number, v: number, across: number, along: number): number {
-  const warp = (octaves(noise, u, v + 0.5, 4, 4, 3) - 0.5) * 0.22;
-  const fine = (octaves(noise, u + 0.21, v, across * 2, along * 3, 3) - 0.5) * 0.35;
-  const line = Math.abs(noise(u + warp, v, across, along) - 0.5 + fine * 0.5) * 2;
-  return smooth(0.02, 0.42, line);
+/**
+ * Ridges between two families of meandering cracks, one leaning each way, so that they enclose long
+ * lozenges. 1 on a ridge, down to 1 - depth in a crack; cracks are deep here and shallow there.
+ */
+function furrows(
+  noise: TilingNoise,
+  u: number,
+  v: number,
+  across: number,
+  along: number,
+  depth: number,
+): number {
+  const meander = (shift: number): number => 2.6 * (octaves(noise, u + shift, v - shift, 4, 5, 4) - 0.5);
+  const crack = (phase: number, strength: number): number => {
+    const distance = Math.abs(phase - Math.round(phase));
+    return strength * (1 - smooth(0.02, 0.26, distance));
+  };
+  const strong = (shift: number): number => smooth(0.25, 0.6, octaves(noise, u - shift, v + shift, 5, 6, 2));
+  const right = crack(across * u + along * v + meander(0.11), strong(0.31));
+  const left = crack(across * u - along * v + meander(0.57), strong(0.73));
+  return 1 - depth * Math.max(right, left);
 }
 
 function lenses(random: Random, count: number, width: readonly number[], height: readonly number[]): Lens[] {

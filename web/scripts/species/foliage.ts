@@ -14,6 +14,8 @@ export interface Foliage {
   angle_deg: Profile;
   /** Leaves per metre of branch from its base to its tip, for trunk, boughs, twigs (relative). */
   density: readonly Profile[];
+  /** How far sprays stand off the modelled wood, on shoots too thin to model, m. */
+  reach_m: number;
   /** Pull of the sprays up (positive) or down. */
   lift: number;
   /** Brightness in the depth of the crown (1 = as outside). */
@@ -126,12 +128,13 @@ function addCard(
   boughTint: number,
   random: Random,
 ): void {
+  const reach_m = foliage.reach_m * random.uniform(0, 1) ** 1.5;
   const size = foliage.size_m * random.around(1, foliage.scatter);
   const axis = sprayAxis(site, index, foliage, random);
-  const out = outward(site.position.clone().addScaledVector(axis, size / 2), crown);
+  const out = outward(site.position.clone().addScaledVector(axis, reach_m + size / 2), crown);
   const facing = cardNormal(axis, out.direction, random);
   const across = new Vector3().crossVectors(axis, facing);
-  const origin = site.position.clone().addScaledVector(axis, -0.06 * size);
+  const origin = site.position.clone().addScaledVector(axis, reach_m - 0.06 * size);
   const colour = cardColour(out, foliage, boughTint, random);
   const tile = random.integer(ATLAS_COLUMNS * ATLAS_COLUMNS);
   const mirror = random.uniform(0, 1) < 0.5 ? -1 : 1;
@@ -159,7 +162,7 @@ function addCard(
 
 /** Shoots leave the twig at the species' angle, turned on by the golden angle, and lift or hang. */
 function sprayAxis(site: Site, index: number, foliage: Foliage, random: Random): Vector3 {
-  const angle = ((sample(foliage.angle_deg, site.along) + random.around(0, 15)) * Math.PI) / 180;
+  const angle = ((sample(foliage.angle_deg, site.along) + random.around(0, 25)) * Math.PI) / 180;
   const helper = Math.abs(site.tangent.y) > 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
   const side = new Vector3().crossVectors(site.tangent, helper).normalize();
   const radial = side.applyAxisAngle(site.tangent, index * GOLDEN_ANGLE + random.around(0, 0.5));
@@ -170,11 +173,11 @@ function sprayAxis(site: Site, index: number, foliage: Foliage, random: Random):
 
 /** Leaves look at the light: outwards and up, with a wide scatter, square to the spray's own axis. */
 function cardNormal(axis: Vector3, out: Vector3, random: Random): Vector3 {
-  const normal = out.clone().multiplyScalar(0.7);
-  normal.y += 0.35;
-  normal.x += random.around(0, 0.6);
-  normal.y += random.around(0, 0.6);
-  normal.z += random.around(0, 0.6);
+  const normal = out.clone().multiplyScalar(0.6);
+  normal.y += 0.2;
+  normal.x += random.around(0, 0.75);
+  normal.y += random.around(0, 0.5);
+  normal.z += random.around(0, 0.75);
   normal.addScaledVector(axis, -normal.dot(axis));
   if (normal.lengthSq() < 1e-4) normal.set(axis.z, axis.x, axis.y).addScaledVector(axis, -normal.dot(axis));
   return normal.normalize();

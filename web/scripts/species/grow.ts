@@ -17,8 +17,8 @@ export interface GrownSpecies {
   leaves: SurfaceMesh;
 }
 
-const BARK_WIDTH = 256;
-const BARK_HEIGHT = 512;
+const BARK_WIDTH = 384;
+const BARK_HEIGHT = 768;
 
 /** The skeleton of a species in metres with its radii. */
 export function growNodes(species: Species): SkeletonNode[] {

@@ -16,6 +16,8 @@ export interface Branching {
   angle_deg: Profile;
   /** Length by position along the parent, in the generator's units. */
   length: Profile;
+  /** Largest rise (sine of the inclination) that a side branch may start with, if it has the choice. */
+  steepest: number;
   /** Relative scatter of length and angle. */
   scatter: number;
 }
@@ -163,7 +165,7 @@ class GrowingTree extends Tree {
     const position = lineage.from + lineage.span * along;
     const vary = (): number => this.random.around(1, plan.scatter);
     const angle_rad = (sample(plan.angle_deg, position) * vary() * Math.PI) / 180;
-    const orientation = sideways(fork.orientation, angle_rad, radial);
+    const orientation = sideways(fork.orientation, angle_rad, radial, plan.steepest);
     const size = (sample(plan.length, position) / Math.max(...plan.length)) * vary();
     const child = { parentNode: nodeIds[below], order: lineage.order + 1, size };
     this.enqueue(fork, orientation, size * Math.max(...plan.length), child);
@@ -209,15 +211,21 @@ function between(a: Section, b: Section, t: number): Section {
   };
 }
 
-/** Leans away from the parent; a branch that would grow steeply down goes to the other side. */
-function sideways(parent: Euler, angle_rad: number, radial_rad: number): Euler {
+/**
+ * Leans away from the parent. Of a circle of directions it takes the first, counted from `radial_rad`,
+ * that neither hangs nor stands straight up: side branches spread in flat layers, to the light.
+ */
+function sideways(parent: Euler, angle_rad: number, radial_rad: number, steepest: number): Euler {
   const lean = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), angle_rad);
   const base = new Quaternion().setFromEuler(parent);
-  const turned = (radial: number): Quaternion =>
-    base.clone().multiply(new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), radial).multiply(lean));
-  const first = turned(radial_rad);
-  const steep = new Vector3(0, 1, 0).applyQuaternion(first).y < -0.15;
-  return new Euler().setFromQuaternion(steep ? turned(radial_rad + Math.PI) : first);
+  const turned = (k: number): Quaternion => {
+    const turn = new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), radial_rad + k * GOLDEN_ANGLE);
+    return base.clone().multiply(turn.multiply(lean));
+  };
+  const candidates = Array.from({ length: 12 }, (_, k) => turned(k));
+  const rise = (q: Quaternion): number => new Vector3(0, 1, 0).applyQuaternion(q).y;
+  const level = candidates.find((q) => rise(q) > -0.12 && rise(q) < steepest);
+  return new Euler().setFromQuaternion(level ?? candidates[0]);
 }
 
 /** Value of a profile at t in [0, 1], linear between its points. */

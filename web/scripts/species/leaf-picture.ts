@@ -159,16 +159,25 @@ function toBlade(look: LeafLook, leaf: Leaf, x: number, y: number): LeafPoint {
   return [(dx * cos - dy * sin) / leaf.squeeze, dx * sin + dy * cos - look.petiole];
 }
 
-function box(leaf: Leaf, reach: number): [LeafPoint, LeafPoint] {
-  const r = leaf.length * reach;
+/** Box around the blade: a circle about its middle. */
+function bladeBox(look: LeafLook, leaf: Leaf): [LeafPoint, LeafPoint] {
+  const middle = (look.petiole + 0.48) * leaf.length;
+  return around(
+    leaf.x + middle * Math.sin(leaf.angle),
+    leaf.y + middle * Math.cos(leaf.angle),
+    0.74 * leaf.length,
+  );
+}
+
+function around(x: number, y: number, r: number): [LeafPoint, LeafPoint] {
   return [
-    [leaf.x - r, leaf.y - r],
-    [leaf.x + r, leaf.y + r],
+    [x - r, y - r],
+    [x + r, y + r],
   ];
 }
 
 function drawLeaf(frame: Frame, look: LeafLook, leaf: Leaf): void {
-  frame.each(...box(leaf, look.petiole + 1.15), (x, y, at) => {
+  frame.each(...bladeBox(look, leaf), (x, y, at) => {
     const [bx, by] = toBlade(look, leaf, x, y);
     if (inside(look.outline, Math.abs(bx), by)) frame.put(at, bladeColour(look, leaf, bx, by));
   });
@@ -177,7 +186,7 @@ function drawLeaf(frame: Frame, look: LeafLook, leaf: Leaf): void {
 /** What lies under a leaf is darkened around it, which tells the leaves of a shoot apart. */
 function drawShadow(frame: Frame, look: LeafLook, leaf: Leaf): void {
   const data = frame.picture.data;
-  frame.each(...box(leaf, look.petiole + 1.25), (x, y, at) => {
+  frame.each(...bladeBox(look, leaf), (x, y, at) => {
     if (data[at + 3] === 0) return;
     const [bx, by] = toBlade(look, leaf, x + 0.006, y + 0.014);
     if (!inside(look.outline, Math.abs(bx) * 0.94, (by - 0.5) * 0.94 + 0.5)) return;
@@ -186,7 +195,7 @@ function drawShadow(frame: Frame, look: LeafLook, leaf: Leaf): void {
 }
 
 function drawPetiole(frame: Frame, look: LeafLook, leaf: Leaf): void {
-  frame.each(...box(leaf, look.petiole + 0.1), (x, y, at) => {
+  frame.each(...around(leaf.x, leaf.y, leaf.length * (look.petiole + 0.1)), (x, y, at) => {
     const [bx, by] = toBlade(look, leaf, x, y);
     const onLine = Math.abs(bx * leaf.squeeze) < 0.022 && by < 0.05 && by > -look.petiole;
     if (onLine) frame.put(at, look.stem);
