@@ -1,0 +1,383 @@
+"""Corotational assembly: internal forces and the blocks of the stiffness of a pose, element by element.
+
+Each element's deformation gradient F is split into a rotation R and a stretch (polar decomposition); the element's
+force is R K (Rᵀ x − X) and its tangent R K Rᵀ, K the small-strain stiffness of `elasticity.py`. A quadratic element
+takes R from its four corners.
+
+Everything runs in the elimination order of the solver, so that the assembled blocks fall straight into the pattern of
+the factor. Blocks that touch a fixed node fall into one spare block at the end.
+"""
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from precompute.quadratic import combination
+from precompute.solver import JIT, BlockCholesky
+
+Ints = NDArray[np.int32]
+Floats = NDArray[np.float64]
+
+_COMBINATION = combination()
+
+
+class ElementSystem:
+    """The elements of a mesh, renumbered for its solver.
+
+    rest_m (N,3), elements (m, 4|10), grad (m,4,3), blocks (m,10,3,3), fixed (k,): nodes that never move.
+    `order` gives the outer number of each inner node: free nodes in elimination order, then the fixed ones.
+    """
+
+    def __init__(self, rest_m: Floats, elements: Ints, grad: Floats, blocks: Floats, fixed: Ints) -> None:
+        free = np.setdiff1d(np.arange(len(rest_m)), fixed)
+        compact = np.full(len(rest_m), -1, np.int64)
+        compact[free] = np.arange(len(free))
+        self.solver = BlockCholesky(len(free), _node_pairs(compact[elements]))
+        self.order = np.concatenate([free[self.solver.order], np.sort(fixed)]).astype(np.int32)
+        self.rank = np.empty(len(rest_m), np.int32)
+        self.rank[self.order] = np.arange(len(rest_m), dtype=np.int32)
+        self.free = len(free)
+        self.rest = np.ascontiguousarray(rest_m[self.order])
+        self.elements = np.ascontiguousarray(self.rank[elements])
+        self.quadratic = elements.shape[1] == 10
+        self.grad = np.ascontiguousarray(grad)
+        self.blocks = np.ascontiguousarray(blocks.reshape(len(blocks), 10, 9))
+        self.slots, self.flips = self._scatter_map()
+        self.values = np.zeros((self.solver.blocks + 1, 9))
+        self.diagonal = self.solver.pointer[:-1]
+
+    def _scatter_map(self) -> tuple[Ints, NDArray[np.bool_]]:
+        """Where each element block goes in the factor's pattern, and whether it goes there transposed."""
+        width = self.elements.shape[1]
+        pairs = [(a, b) for a in range(width) for b in range(a, width)]
+        first, second = (self.elements[:, [pair[k] for pair in pairs]] for k in (0, 1))
+        low, high = np.minimum(first, second), np.maximum(first, second)
+        slots = np.full(low.shape, self.solver.blocks, np.int32)
+        inside = high < self.free
+        slots[inside] = self.solver.slots(high[inside], low[inside])
+        return slots, first < second
+
+    def force(self, u: Floats, w: Floats, out: Floats) -> None:
+        """Internal force (N,3) at displacement u; to that w is added with the rotations held: Σ R K (Rᵀ(x + w) − X)."""
+        self._run(u, w, 0.0, False, out)
+
+    def assemble(self, u: Floats, w: Floats, scale: float, mass: Floats, out: Floats) -> None:
+        """`force`, and `values` = scale · stiffness(u) + diag(mass), lower blocks in the factor's pattern."""
+        self.values[:] = 0.0
+        for k in (0, 4, 8):
+            self.values[self.diagonal, k] = mass[: self.free]
+        self._run(u, w, scale, True, out)
+
+    def _run(self, u: Floats, w: Floats, scale: float, matrix: bool, out: Floats) -> None:
+        out[:] = 0.0
+        common = (
+            self.rest,
+            self.elements,
+            self.grad,
+            self.blocks,
+            self.slots,
+            self.flips,
+            u,
+            w,
+            scale,
+            matrix,
+        )
+        if self.quadratic:
+            c = _COMBINATION
+            _assemble10(
+                c.rows, c.columns, c.start, c.coefficient, c.block, c.transposed, *common, self.values, out
+            )
+        else:
+            _assemble4(*common, self.values, out)
+
+    def diagonal_blocks(self, nodes: Ints) -> Floats:
+        """(q,3,3) diagonal blocks of the last assembled matrix at inner nodes (zero at fixed ones)."""
+        found = np.zeros((len(nodes), 9))
+        free = nodes < self.free
+        found[free] = self.values[self.diagonal[nodes[free]]]
+        return found.reshape(-1, 3, 3)
+
+
+def _node_pairs(elements: NDArray[np.int64]) -> Ints:
+    """Distinct pairs of free nodes that share an element (−1 marks a fixed node)."""
+    width = elements.shape[1]
+    pairs = np.concatenate([elements[:, [a, b]] for a in range(width) for b in range(a + 1, width)])
+    pairs = np.sort(pairs[(pairs >= 0).all(axis=1)], axis=1)
+    keys = np.unique(pairs[:, 0] * (elements.max() + 1) + pairs[:, 1])
+    return np.stack([keys // (elements.max() + 1), keys % (elements.max() + 1)], axis=1).astype(np.int32)
+
+
+Nine = tuple[float, float, float, float, float, float, float, float, float]
+"""A 3 × 3 matrix, row by row, as the kernels pass it (in registers)."""
+Three = tuple[float, float, float]
+
+
+@numba.njit(**JIT)
+def _rotation(h: Nine) -> Nine:
+    """The rotation nearest to I + h, by Higham's Newton iteration."""
+    r0, r1, r2, r3, r4, r5, r6, r7, r8 = h
+    r0 += 1.0
+    r4 += 1.0
+    r8 += 1.0
+    for _ in range(20):
+        c0 = r4 * r8 - r5 * r7
+        c1 = r5 * r6 - r3 * r8
+        c2 = r3 * r7 - r4 * r6
+        det = r0 * c0 + r1 * c1 + r2 * c2
+        if not det > 1e-9:
+            break
+        f = 0.5 / det
+        d0 = f * c0 - 0.5 * r0
+        d1 = f * c1 - 0.5 * r1
+        d2 = f * c2 - 0.5 * r2
+        d3 = f * (r2 * r7 - r1 * r8) - 0.5 * r3
+        d4 = f * (r0 * r8 - r2 * r6) - 0.5 * r4
+        d5 = f * (r1 * r6 - r0 * r7) - 0.5 * r5
+        d6 = f * (r1 * r5 - r2 * r4) - 0.5 * r6
+        d7 = f * (r2 * r3 - r0 * r5) - 0.5 * r7
+        d8 = f * (r0 * r4 - r1 * r3) - 0.5 * r8
+        r0 += d0
+        r1 += d1
+        r2 += d2
+        r3 += d3
+        r4 += d4
+        r5 += d5
+        r6 += d6
+        r7 += d7
+        r8 += d8
+        # Convergence is quadratic: a step of 3e-9 leaves an error below rounding.
+        if d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3 + d4 * d4 + d5 * d5 + d6 * d6 + d7 * d7 + d8 * d8 < 1e-17:
+            return r0, r1, r2, r3, r4, r5, r6, r7, r8
+    return _gram_schmidt(r0, r1, r2, r3, r4, r5)
+
+
+@numba.njit(**JIT)
+def _gram_schmidt(r0: float, r1: float, r2: float, r3: float, r4: float, r5: float) -> Nine:
+    """A proper rotation from two rows, for an element that is flat or inside out."""
+    a = 1.0 / (np.sqrt(r0 * r0 + r1 * r1 + r2 * r2) + 1e-300)
+    r0, r1, r2 = a * r0, a * r1, a * r2
+    d = r0 * r3 + r1 * r4 + r2 * r5
+    r3, r4, r5 = r3 - d * r0, r4 - d * r1, r5 - d * r2
+    a = 1.0 / (np.sqrt(r3 * r3 + r4 * r4 + r5 * r5) + 1e-300)
+    r3, r4, r5 = a * r3, a * r4, a * r5
+    return r0, r1, r2, r3, r4, r5, r1 * r5 - r2 * r4, r2 * r3 - r0 * r5, r0 * r4 - r1 * r3
+
+
+@numba.njit(**JIT)
+def _pose(rest: Floats, u: Floats, w: Floats, elements: Ints, grad: Floats, e: int, d: Floats) -> Nine:
+    """Rotation of element e; d (k,3) ← its nodes' displacement beyond that rotation, in the world's axes.
+
+    All differences are taken from the element's first node, and from displacements rather than places, so that
+    rounding stays that of the deformation and not that of the tree's size.
+    """
+    n0 = elements[e, 0]
+    h0 = h1 = h2 = h3 = h4 = h5 = h6 = h7 = h8 = 0.0
+    for a in range(1, 4):
+        n = elements[e, a]
+        g0, g1, g2 = grad[e, a, 0], grad[e, a, 1], grad[e, a, 2]
+        v0, v1, v2 = u[n, 0] - u[n0, 0], u[n, 1] - u[n0, 1], u[n, 2] - u[n0, 2]
+        h0 += v0 * g0
+        h1 += v0 * g1
+        h2 += v0 * g2
+        h3 += v1 * g0
+        h4 += v1 * g1
+        h5 += v1 * g2
+        h6 += v2 * g0
+        h7 += v2 * g1
+        h8 += v2 * g2
+    r = _rotation((h0, h1, h2, h3, h4, h5, h6, h7, h8))
+    for a in range(elements.shape[1]):
+        n = elements[e, a]
+        x0 = rest[n, 0] - rest[n0, 0]
+        x1 = rest[n, 1] - rest[n0, 1]
+        x2 = rest[n, 2] - rest[n0, 2]
+        d[a, 0] = u[n, 0] - u[n0, 0] + w[n, 0] - w[n0, 0] + ((1.0 - r[0]) * x0 - r[1] * x1 - r[2] * x2)
+        d[a, 1] = u[n, 1] - u[n0, 1] + w[n, 1] - w[n0, 1] + ((1.0 - r[4]) * x1 - r[3] * x0 - r[5] * x2)
+        d[a, 2] = u[n, 2] - u[n0, 2] + w[n, 2] - w[n0, 2] + ((1.0 - r[8]) * x2 - r[6] * x0 - r[7] * x1)
+    return r
+
+
+@numba.njit(**JIT)
+def _rotated(r: Nine, blocks: Floats, e: int, p: int) -> Nine:
+    """R K Rᵀ of one block."""
+    k0, k1, k2 = blocks[e, p, 0], blocks[e, p, 1], blocks[e, p, 2]
+    k3, k4, k5 = blocks[e, p, 3], blocks[e, p, 4], blocks[e, p, 5]
+    k6, k7, k8 = blocks[e, p, 6], blocks[e, p, 7], blocks[e, p, 8]
+    r0, r1, r2, r3, r4, r5, r6, r7, r8 = r
+    a0 = r0 * k0 + r1 * k3 + r2 * k6
+    a1 = r0 * k1 + r1 * k4 + r2 * k7
+    a2 = r0 * k2 + r1 * k5 + r2 * k8
+    b0 = r3 * k0 + r4 * k3 + r5 * k6
+    b1 = r3 * k1 + r4 * k4 + r5 * k7
+    b2 = r3 * k2 + r4 * k5 + r5 * k8
+    c0 = r6 * k0 + r7 * k3 + r8 * k6
+    c1 = r6 * k1 + r7 * k4 + r8 * k7
+    c2 = r6 * k2 + r7 * k5 + r8 * k8
+    return (
+        a0 * r0 + a1 * r1 + a2 * r2,
+        a0 * r3 + a1 * r4 + a2 * r5,
+        a0 * r6 + a1 * r7 + a2 * r8,
+        b0 * r0 + b1 * r1 + b2 * r2,
+        b0 * r3 + b1 * r4 + b2 * r5,
+        b0 * r6 + b1 * r7 + b2 * r8,
+        c0 * r0 + c1 * r1 + c2 * r2,
+        c0 * r3 + c1 * r4 + c2 * r5,
+        c0 * r6 + c1 * r7 + c2 * r8,
+    )
+
+
+@numba.njit(**JIT)
+def _apply(k: Nine, d: Floats, f: Floats, a: int, b: int) -> None:
+    """f_a += k d_b and, off the diagonal, f_b += kᵀ d_a."""
+    x, y, z = d[b, 0], d[b, 1], d[b, 2]
+    f[a, 0] += k[0] * x + k[1] * y + k[2] * z
+    f[a, 1] += k[3] * x + k[4] * y + k[5] * z
+    f[a, 2] += k[6] * x + k[7] * y + k[8] * z
+    if a != b:
+        x, y, z = d[a, 0], d[a, 1], d[a, 2]
+        f[b, 0] += k[0] * x + k[3] * y + k[6] * z
+        f[b, 1] += k[1] * x + k[4] * y + k[7] * z
+        f[b, 2] += k[2] * x + k[5] * y + k[8] * z
+
+
+@numba.njit(**JIT)
+def _add_block(v: Floats, slot: int, scale: float, k: Nine, flip: bool) -> None:
+    """v[slot] += scale · k, transposed when `flip`."""
+    k1, k2, k3, k5, k6, k7 = k[1], k[2], k[3], k[5], k[6], k[7]
+    if flip:
+        k1, k2, k3, k5, k6, k7 = k3, k6, k1, k7, k2, k5
+    v[slot, 0] += scale * k[0]
+    v[slot, 1] += scale * k1
+    v[slot, 2] += scale * k2
+    v[slot, 3] += scale * k3
+    v[slot, 4] += scale * k[4]
+    v[slot, 5] += scale * k5
+    v[slot, 6] += scale * k6
+    v[slot, 7] += scale * k7
+    v[slot, 8] += scale * k[8]
+
+
+@numba.njit(**JIT)
+def _plus(f: Three, blocks: Floats, e: int, p: int, x: Three) -> Three:
+    """f + K x for one stored block."""
+    return (
+        f[0] + blocks[e, p, 0] * x[0] + blocks[e, p, 1] * x[1] + blocks[e, p, 2] * x[2],
+        f[1] + blocks[e, p, 3] * x[0] + blocks[e, p, 4] * x[1] + blocks[e, p, 5] * x[2],
+        f[2] + blocks[e, p, 6] * x[0] + blocks[e, p, 7] * x[1] + blocks[e, p, 8] * x[2],
+    )
+
+
+@numba.njit(**JIT)
+def _plus_transposed(f: Three, blocks: Floats, e: int, p: int, x: Three) -> Three:
+    """f + Kᵀ x for one stored block."""
+    return (
+        f[0] + blocks[e, p, 0] * x[0] + blocks[e, p, 3] * x[1] + blocks[e, p, 6] * x[2],
+        f[1] + blocks[e, p, 1] * x[0] + blocks[e, p, 4] * x[1] + blocks[e, p, 7] * x[2],
+        f[2] + blocks[e, p, 2] * x[0] + blocks[e, p, 5] * x[1] + blocks[e, p, 8] * x[2],
+    )
+
+
+@numba.njit(**JIT)
+def _unturned(r: Nine, d: Floats, a: int) -> Three:
+    """Rᵀ d_a."""
+    x, y, z = d[a, 0], d[a, 1], d[a, 2]
+    return r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z
+
+
+@numba.njit(**JIT)
+def _add_turned(out: Floats, n: int, r: Nine, f: Three) -> None:
+    """out[n] += R f."""
+    out[n, 0] += r[0] * f[0] + r[1] * f[1] + r[2] * f[2]
+    out[n, 1] += r[3] * f[0] + r[4] * f[1] + r[5] * f[2]
+    out[n, 2] += r[6] * f[0] + r[7] * f[1] + r[8] * f[2]
+
+
+@numba.njit(**JIT)
+def _assemble4(
+    rest: Floats,
+    elements: Ints,
+    grad: Floats,
+    blocks: Floats,
+    slots: Ints,
+    flips: NDArray[np.bool_],
+    u: Floats,
+    w: Floats,
+    scale: float,
+    matrix: bool,
+    values: Floats,
+    out: Floats,
+) -> None:
+    """Forces and, if asked, the matrix of linear tets. Blocks 0..9 are 00 01 02 03 11 12 13 22 23 33."""
+    d = np.empty((4, 3))
+    for e in range(len(elements)):
+        r = _pose(rest, u, w, elements, grad, e, d)
+        # Node 0 is the origin: its own displacement beyond the rotation is zero.
+        x1, x2, x3 = _unturned(r, d, 1), _unturned(r, d, 2), _unturned(r, d, 3)
+        zero = (0.0, 0.0, 0.0)
+        f = _plus(_plus(_plus(zero, blocks, e, 1, x1), blocks, e, 2, x2), blocks, e, 3, x3)
+        _add_turned(out, elements[e, 0], r, f)
+        f = _plus(_plus(_plus(zero, blocks, e, 4, x1), blocks, e, 5, x2), blocks, e, 6, x3)
+        _add_turned(out, elements[e, 1], r, f)
+        f = _plus(_plus(_plus_transposed(zero, blocks, e, 5, x1), blocks, e, 7, x2), blocks, e, 8, x3)
+        _add_turned(out, elements[e, 2], r, f)
+        f = _plus_transposed(_plus_transposed(zero, blocks, e, 6, x1), blocks, e, 8, x2)
+        _add_turned(out, elements[e, 3], r, _plus(f, blocks, e, 9, x3))
+        if matrix:
+            for p in range(10):
+                _add_block(values, slots[e, p], scale, _rotated(r, blocks, e, p), flips[e, p])
+
+
+@numba.njit(**JIT)
+def _assemble10(
+    rows: Ints,
+    columns: Ints,
+    start: Ints,
+    coefficient: Floats,
+    block: Ints,
+    transposed: Ints,
+    rest: Floats,
+    elements: Ints,
+    grad: Floats,
+    blocks: Floats,
+    slots: Ints,
+    flips: NDArray[np.bool_],
+    u: Floats,
+    w: Floats,
+    scale: float,
+    matrix: bool,
+    values: Floats,
+    out: Floats,
+) -> None:
+    """The same for quadratic tets: each block a constant combination of the ten rotated linear ones."""
+    d, f = np.empty((10, 3)), np.empty((10, 3))
+    turned = np.empty((20, 9))
+    for e in range(len(elements)):
+        r = _pose(rest, u, w, elements, grad, e, d)
+        f[:] = 0.0
+        for p in range(10):
+            k = _rotated(r, blocks, e, p)
+            for i in range(3):
+                for j in range(3):
+                    turned[p, 3 * i + j] = k[3 * i + j]
+                    turned[10 + p, 3 * j + i] = k[3 * i + j]
+        for p in range(len(rows)):
+            k0 = k1 = k2 = k3 = k4 = k5 = k6 = k7 = k8 = 0.0
+            for t in range(start[p], start[p + 1]):
+                s = block[t] + 10 * transposed[t]
+                c = coefficient[t]
+                k0 += c * turned[s, 0]
+                k1 += c * turned[s, 1]
+                k2 += c * turned[s, 2]
+                k3 += c * turned[s, 3]
+                k4 += c * turned[s, 4]
+                k5 += c * turned[s, 5]
+                k6 += c * turned[s, 6]
+                k7 += c * turned[s, 7]
+                k8 += c * turned[s, 8]
+            k = (k0, k1, k2, k3, k4, k5, k6, k7, k8)
+            _apply(k, d, f, rows[p], columns[p])
+            if matrix:
+                _add_block(values, slots[e, p], scale, k, flips[e, p])
+        for a in range(10):
+            for i in range(3):
+                out[elements[e, a], i] += f[a, i]

@@ -1,0 +1,203 @@
+"""A tree moving in the wind: one implicit step after the other."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from precompute.modal import frequencies
+from precompute.model import FemModel, FemSettings, build_model, load_model, save_model
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+__all__ = [
+    "FemModel",
+    "FemSettings",
+    "Simulator",
+    "build_model",
+    "frequencies",
+    "load_model",
+    "save_model",
+]
+
+_D = 1 - np.sqrt(0.5)
+"""TR-BDF2's implicit coefficient: both stages solve with M + d h C + (d h)² K (γ = 2 − √2, L-stable)."""
+
+
+class Simulator:
+    """Steps a model from its gravity rest pose under a wind pressure.
+
+    `u` and `v` (n,3) are the displacement from the gravity rest pose, m, and the velocity, m/s, of the mesh's
+    vertices. After a step, `internal_force` and `stiffness_diagonal` belong to the state *before* it.
+    """
+
+    def __init__(self, model: FemModel) -> None:
+        self.model = model
+        self._system = model.system()
+        order = self._system.order
+        self._mass = model.mass_kg[order]
+        self._area = model.drag_area_m2[order]
+        self._gravity = model.gravity_n[order]
+        self._start = model.u_rest[order]
+        self._vertices = self._system.rank[: model.vertex_count]
+        self._dt = model.settings.dt_s / model.settings.substeps
+        self._force = np.empty_like(self._start)
+        self._still = np.zeros_like(self._start)
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to the gravity rest pose, at rest."""
+        self._u = self._start.copy()
+        self._velocity = np.zeros_like(self._u)
+        self._before = self._u.copy()
+        self._recorded: Floats | None = None
+
+    @property
+    def u(self) -> Floats:
+        """(n,3) displacement of the vertices from the gravity rest pose, m (a copy)."""
+        return (self._u - self._start)[self._vertices]
+
+    @property
+    def v(self) -> Floats:
+        """(n,3) velocity of the vertices, m/s (a copy)."""
+        return self._velocity[self._vertices]
+
+    @property
+    def internal_force(self) -> Floats:
+        """(n,3) internal force before the last step less the gravity it carries, N: zero at rest."""
+        return self._internal()[self._vertices]
+
+    @property
+    def stiffness_diagonal(self) -> Floats:
+        """(n,3,3) diagonal blocks of the stiffness before the last step, N/m (zero at fixed vertices)."""
+        return self._stiffness(self._vertices)
+
+    def recorded_force(self, vertices: Ints) -> Floats:
+        """`internal_force` of some vertices (q,3)."""
+        return self._internal()[self._vertices[vertices]]
+
+    def recorded_stiffness(self, vertices: Ints) -> Floats:
+        """`stiffness_diagonal` of some vertices (q,3,3)."""
+        return self._stiffness(self._vertices[vertices])
+
+    def step(self, pressure_pa: Floats) -> None:
+        """Advance by the table's step under a pressure (2,) = (p_x, p_z) Pa that acts all through it."""
+        load = self._gravity.copy()
+        load[:, 0] += self._area * pressure_pa[0]
+        load[:, 2] += self._area * pressure_pa[1]
+        self._before[:] = self._u
+        self._recorded = None
+        for _ in range(self.model.settings.substeps):
+            if self.model.settings.scheme == "backward-euler":
+                self._backward_euler(load)
+            else:
+                self._tr_bdf2(load)
+        if not np.isfinite(self._u).all():
+            raise FloatingPointError(
+                "the simulation left the finite numbers: the wind is far beyond the design wind"
+            )
+
+    def _backward_euler(self, load: Floats) -> None:
+        """One step of Algorithm 2: Newton's method from the last velocity, `j_max` times at most."""
+        h, u, v = self._dt, self._u, self._velocity
+        residual = self._linearised(load, h)
+        first = float(np.linalg.norm(residual))
+        new = v + self._solved(residual)
+        new = self._refined(load, h, u, v, new, first, self.model.settings.j_max - 1, renew=True)
+        self._u, self._velocity = u + h * new, new
+
+    def _tr_bdf2(self, load: Floats) -> None:
+        """One step of TR-BDF2 (Bank et al. 1985): trapezium to γ h, then BDF2 to h, both with the same matrix."""
+        d, u, v = _D * self._dt, self._u, self._velocity
+        more = self.model.settings.j_max - 1
+        residual = 2 * self._linearised(load, d)
+        first = float(np.linalg.norm(residual))
+        middle = v + self._solved(residual)
+        if more:
+            known = v + d * self._acceleration(load)
+            middle = self._refined(load, d, u + d * v, known, middle, first, more, renew=True)
+        u_middle = u + d * (v + middle)
+        u_known, v_known = _bdf2(u_middle, u), _bdf2(middle, v)
+        new = self._refined(load, d, u_known, v_known, middle, first, max(more, 1), renew=more > 0)
+        self._u, self._velocity = u_known + d * new, new
+
+    def _linearised(self, load: Floats, d: float) -> Floats:
+        """d (f_ext − f_int − (d K + C) v) at the state now, with A = M + d C + d² K assembled and factorised."""
+        alpha, beta = self.model.alpha, self.model.beta
+        self._assemble(self._u, (d + beta) * self._velocity, d)
+        if self._recorded is None:
+            self._recorded = self._system.values[self._system.diagonal].copy()
+            self._recorded_step = d
+        self._system.solver.factorise(self._system.values)
+        residual = d * (load - self._force - (alpha * self._mass)[:, None] * self._velocity)
+        residual[self._system.free :] = 0
+        return residual
+
+    def _assemble(self, u: Floats, w: Floats, d: float) -> None:
+        alpha, beta = self.model.alpha, self.model.beta
+        self._system.assemble(u, w, d * (d + beta), (1 + d * alpha) * self._mass, self._force)
+
+    def _acceleration(self, load: Floats) -> Floats:
+        """M⁻¹ (f_ext − f_int − C v) at the state now, zero at fixed nodes."""
+        self._system.force(self._u, self.model.beta * self._velocity, self._force)
+        result = (load - self._force) / self._mass[:, None] - self.model.alpha * self._velocity
+        result[self._system.free :] = 0
+        return result
+
+    def _refined(
+        self,
+        load: Floats,
+        d: float,
+        u_known: Floats,
+        v_known: Floats,
+        guess: Floats,
+        first: float,
+        rounds: int,
+        *,
+        renew: bool,
+    ) -> Floats:
+        """Newton rounds on M (v − v_known) = d (f_ext − f_int(u_known + d v) − C v), with or without a new matrix."""
+        alpha, beta = self.model.alpha, self.model.beta
+        v = guess
+        for _ in range(rounds):
+            u = u_known + d * v
+            if renew:
+                self._assemble(u, beta * v, d)
+            else:
+                self._system.force(u, beta * v, self._force)
+            inertia = self._mass[:, None] * (v_known - v - d * alpha * v)
+            residual = inertia + d * (load - self._force)
+            residual[self._system.free :] = 0
+            if float(np.linalg.norm(residual)) <= self.model.settings.tolerance * first:
+                break
+            if renew:
+                self._system.solver.factorise(self._system.values)
+            v = v + self._solved(residual)
+        return v
+
+    def _solved(self, residual: Floats) -> Floats:
+        self._system.solver.solve(residual)
+        return residual
+
+    def _internal(self) -> Floats:
+        self._system.force(self._before, self._still, self._force)
+        return self._force - self._gravity
+
+    def _stiffness(self, nodes: Ints) -> Floats:
+        """Diagonal blocks of K at inner nodes, taken back out of the matrix of the step's first solve."""
+        if self._recorded is None:
+            self._assemble(self._before, self._still, 1.0)
+            self._recorded = self._system.values[self._system.diagonal].copy()
+            self._recorded_step = 1.0
+        d = self._recorded_step
+        blocks = np.zeros((len(nodes), 3, 3))
+        free = nodes < self._system.free
+        blocks[free] = self._recorded[nodes[free]].reshape(-1, 3, 3)
+        blocks[free] -= ((1 + d * self.model.alpha) * self._mass[nodes[free]])[:, None, None] * np.eye(3)
+        return blocks / (d * (d + self.model.beta))
+
+
+def _bdf2(middle: Floats, start: Floats) -> Floats:
+    """The known part of BDF2 over the two unequal pieces of the step."""
+    gamma = 2 * _D
+    scale = 1 / (gamma * (2 - gamma))
+    return scale * middle - scale * (1 - gamma) ** 2 * start

@@ -1,0 +1,79 @@
+"""Natural frequencies and modes of a tree about its rest pose."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+from scipy.sparse import diags_array
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from precompute.assembly import ElementSystem
+
+if TYPE_CHECKING:
+    from precompute.model import FemModel
+
+Floats = NDArray[np.float64]
+
+
+class Modes(NamedTuple):
+    """Frequencies (k,) Hz, ascending, and mass-normalised shapes (k,N,3), 1/√kg, nodes in the mesh's order."""
+
+    frequencies_hz: Floats
+    shapes: Floats
+
+
+def frequencies(model: "FemModel", count: int) -> Floats:
+    """The first `count` natural frequencies about the gravity rest pose, Hz."""
+    return natural_modes(model, count).frequencies_hz
+
+
+def natural_modes(model: "FemModel", count: int) -> Modes:
+    """Modes of small vibration about the rest pose, what gravity softens included.
+
+    The elements' tangent leaves out the derivative of their rotations, which is where the weight's own moment (P–Δ)
+    comes in; so its modes only span a subspace, in which the true tangent is taken by differences of the force.
+    """
+    system = model.system()
+    u = model.u_rest[system.order]
+    mass = model.mass_kg[system.order]
+    basis = _tangent_modes(system, u, mass, min(count + 8, 3 * system.free - 2))
+    stiffness = _projected_stiffness(system, u, basis)
+    eigenvalues, weights = eigh(stiffness)
+    inner = np.einsum("jk,jni->kni", weights, basis)[:count]
+    shapes = np.empty_like(inner)
+    shapes[:, system.order] = inner
+    return Modes(np.sqrt(np.maximum(eigenvalues[:count], 0)) / (2 * np.pi), shapes)
+
+
+def _tangent_modes(system: ElementSystem, u: Floats, mass: Floats, count: int) -> Floats:
+    """Lowest mass-normalised modes (count,N,3) of the corotational tangent, by shift-invert Lanczos."""
+    size = 3 * system.free
+    system.assemble(u, np.zeros_like(u), 1.0, np.zeros(len(u)), np.zeros_like(u))
+    stiffness = system.solver.to_scipy(system.values)
+    system.solver.factorise(system.values)
+
+    def inverse(b: Floats) -> Floats:
+        y = np.array(b, np.float64).reshape(-1, 3)
+        system.solver.solve(y)
+        return y.ravel()
+
+    solver = LinearOperator((size, size), matvec=inverse, dtype=np.float64)
+    diagonal = diags_array(np.repeat(mass[: system.free], 3)).tocsc()
+    _, vectors = eigsh(stiffness, count, M=diagonal, sigma=0, OPinv=solver, v0=np.ones(size), tol=1e-10)
+    modes = np.zeros((count, len(u), 3))
+    modes[:, : system.free] = vectors.T.reshape(count, -1, 3)
+    return modes
+
+
+def _projected_stiffness(system: ElementSystem, u: Floats, basis: Floats) -> Floats:
+    """(k,k) symmetric part of the derivative of the internal force in the basis, by central differences."""
+    still, ahead, behind = np.zeros_like(u), np.zeros_like(u), np.zeros_like(u)
+    reach = 1e-4 * float(np.ptp(system.rest))
+    columns = np.empty((len(basis), len(basis)))
+    for j, mode in enumerate(basis):
+        h = reach / float(np.abs(mode).max())
+        system.force(u + h * mode, still, ahead)
+        system.force(u - h * mode, still, behind)
+        columns[:, j] = np.einsum("kni,ni->k", basis, (ahead - behind) / (2 * h))
+    return (columns + columns.T) / 2

@@ -1,0 +1,173 @@
+"""Green wood: elastic constants, density and damping of the species Galewood knows.
+
+Wood is taken as transversely isotropic about its fibre. The radial and tangential constants are averaged,
+because a branch's cross-section holds too few tetrahedra to tell rings from rays.
+
+Sources, by the tag each entry carries:
+
+- ``WH``: Forest Products Laboratory, *Wood Handbook*, FPL-GTR-190 (2010), chapter 5: tables 5-1 (elastic ratios, at
+  about 12 % moisture), 5-2 (Poisson's ratios), 5-3 (static bending of green wood).
+- ``engdb``: engdatabase.com's reprint of the same tables (sugar maple and Douglas-fir were compared with it).
+- ``matweb``: MatWeb, North American eastern cottonwood, unseasoned: 1,010 ksi, 49 lb/ft³.
+- ``AHEC``: American Hardwood Information Center, black cherry, green: 1.31 million psi.
+
+What could not be compared with a second source is marked "unchecked" in the entry. The handbook's bending moduli hold
+some shear deflection; it advises adding 10 % for the true E_L, which is not done here, as the spread between trees
+(22 % of the mean) is larger.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wood:
+    """Elastic and inertial constants of a species' green wood (ratios are relative to the longitudinal modulus)."""
+
+    name: str
+    young_longitudinal_pa: float
+    radial_ratio: float
+    tangential_ratio: float
+    shear_lr_ratio: float
+    shear_lt_ratio: float
+    poisson_longitudinal: float
+    poisson_transverse: float
+    density_kg_m3: float
+    damping_ratio: float
+    drag_coefficient: float
+    source: str
+
+    def __post_init__(self) -> None:
+        positive = (
+            self.young_longitudinal_pa,
+            self.radial_ratio,
+            self.tangential_ratio,
+            self.shear_lr_ratio,
+            self.shear_lt_ratio,
+            self.density_kg_m3,
+        )
+        if not all(0 < value < float("inf") for value in positive):
+            raise ValueError(f"{self.name}: moduli, ratios and density must be positive and finite")
+        if not 0 < self.damping_ratio < 1:
+            raise ValueError(f"{self.name}: the damping ratio must lie between 0 and 1")
+        if not self.is_stable():
+            raise ValueError(f"{self.name}: these Poisson's ratios make the wood unstable")
+
+    @property
+    def young_transverse_pa(self) -> float:
+        """Mean of the radial and tangential moduli, Pa."""
+        return self.young_longitudinal_pa * (self.radial_ratio + self.tangential_ratio) / 2
+
+    @property
+    def shear_longitudinal_pa(self) -> float:
+        """Mean of the two shear moduli along the fibre, Pa."""
+        return self.young_longitudinal_pa * (self.shear_lr_ratio + self.shear_lt_ratio) / 2
+
+    @property
+    def shear_transverse_pa(self) -> float:
+        """Shear modulus across the fibre, Pa: what transverse isotropy leaves no choice about."""
+        return self.young_transverse_pa / (2 * (1 + self.poisson_transverse))
+
+    def is_stable(self) -> bool:
+        """Whether every strain costs energy (the conditions of Lempriere, AIAA Journal 6, 1968)."""
+        ratio = self.young_transverse_pa / self.young_longitudinal_pa
+        return (
+            abs(self.poisson_transverse) < 1
+            and 1 - self.poisson_transverse - 2 * self.poisson_longitudinal**2 * ratio > 0
+        )
+
+
+SPECIES: dict[str, Wood] = {
+    wood.name: wood
+    for wood in (
+        Wood(
+            name="poplar",
+            young_longitudinal_pa=7.0e9,
+            radial_ratio=0.083,
+            tangential_ratio=0.047,
+            shear_lr_ratio=0.076,
+            shear_lt_ratio=0.052,
+            poisson_longitudinal=0.38,
+            poisson_transverse=0.55,
+            density_kg_m3=785.0,
+            damping_ratio=0.03,
+            drag_coefficient=0.5,
+            source="eastern cottonwood: E, density green (WH 5-3, matweb); ratios WH 5-1, 5-2 (unchecked)",
+        ),
+        Wood(
+            name="maple",
+            young_longitudinal_pa=10.7e9,
+            radial_ratio=0.132,
+            tangential_ratio=0.065,
+            shear_lr_ratio=0.111,
+            shear_lt_ratio=0.063,
+            poisson_longitudinal=0.45,
+            poisson_transverse=0.52,
+            density_kg_m3=940.0,
+            damping_ratio=0.03,
+            drag_coefficient=0.5,
+            source="sugar maple: E green, ratios (WH 5-1 to 5-3, engdb); green density from specific gravity 0.56 "
+            "and about 68 % moisture",
+        ),
+        Wood(
+            name="apricot",
+            young_longitudinal_pa=9.0e9,
+            radial_ratio=0.197,
+            tangential_ratio=0.086,
+            shear_lr_ratio=0.147,
+            shear_lt_ratio=0.097,
+            poisson_longitudinal=0.41,
+            poisson_transverse=0.53,
+            density_kg_m3=920.0,
+            damping_ratio=0.03,
+            drag_coefficient=0.5,
+            source="black cherry stands in for apricot: E green (WH 5-3, AHEC); ratios WH 5-1, 5-2 (unchecked); "
+            "density of green apricot estimated from its basic specific gravity 0.58 (The Wood Database)",
+        ),
+        Wood(
+            name="conifer",
+            young_longitudinal_pa=8.0e9,
+            radial_ratio=0.068,
+            tangential_ratio=0.050,
+            shear_lr_ratio=0.064,
+            shear_lt_ratio=0.078,
+            poisson_longitudinal=0.37,
+            poisson_transverse=0.38,
+            density_kg_m3=690.0,
+            damping_ratio=0.04,
+            drag_coefficient=0.45,
+            source="Douglas-fir, interior south: E green, ratios (WH 5-1 to 5-3, engdb); density green 43 lb/ft³ "
+            "(Oregon State University, table of working properties)",
+        ),
+        Wood(
+            name="default",
+            young_longitudinal_pa=9.5e9,
+            radial_ratio=0.14,
+            tangential_ratio=0.07,
+            shear_lr_ratio=0.11,
+            shear_lt_ratio=0.07,
+            poisson_longitudinal=0.42,
+            poisson_transverse=0.5,
+            density_kg_m3=880.0,
+            damping_ratio=0.03,
+            drag_coefficient=0.5,
+            source="the middle of the hardwoods above, for a tree whose species is not known",
+        ),
+    )
+}
+
+ALIASES = {
+    "aspen": "poplar",
+    "cottonwood": "poplar",
+    "cherry": "apricot",
+    "pine": "conifer",
+    "hardwood": "default",
+}
+
+
+def species(name: str) -> Wood:
+    """The wood of a species by name or alias; KeyError naming the known ones otherwise."""
+    key = name.strip().lower()
+    key = ALIASES.get(key, key)
+    if key not in SPECIES:
+        raise KeyError(f"unknown species {name!r}; known: {', '.join(sorted(SPECIES))}")
+    return SPECIES[key]
