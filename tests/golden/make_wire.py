@@ -1,0 +1,188 @@
+"""Write the golden wire messages that both languages' tests read: ``python -m tests.golden.make_wire``.
+
+One .bin file a message, messages.json with what each says, refused.json with bytes that nobody may accept.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import msgpack
+import numpy as np
+
+from server import wire
+from server.envelope import encode_message
+
+HERE = Path(__file__).parent / "wire"
+TABLE = "0123456789abcdef" * 4
+OTHER = "f" * 64
+BREEZE = {
+    "version": 1,
+    "model": "cosine",
+    "mean_speed_m_s": 8.5,
+    "direction_deg": 30.25,
+    "gustiness": 0.5,
+    "convection_speed_m_s": 7.5,
+    "seed": 4294967295,
+}
+# Numbers that are not whole are written as float64 by every msgpack library, so that bytes can be compared.
+TREES = [1.5, -2.25, 0.5, 1.25, -1000.5, 0.125, 3.140625, 0.75, 0.0, 0.0, -6.25, 100.0]
+
+REQUESTS: dict[str, dict[str, Any]] = {
+    "hello": {"type": "hello", "client": "größer 🌳"},
+    "forest_stream": {
+        "type": "forest",
+        "mode": "stream",
+        "groups": [{"table": TABLE, "count": 2}, {"table": OTHER, "count": 1}],
+        "wind": BREEZE,
+        "time_s": 12.5,
+        "pose_easing": 0.0625,
+        "trees": TREES,
+    },
+    "forest_table": {
+        "type": "forest",
+        "mode": "table",
+        "groups": [{"table": TABLE, "count": 5000}],
+        "wind": BREEZE,
+        "time_s": 0.5,
+        "pose_easing": None,
+        "trees": [],
+    },
+    "wind": {"type": "wind", "wind": BREEZE},
+    "ping": {"type": "ping", "t": 1234.5},
+}
+REPLIES: dict[str, dict[str, Any]] = {
+    "welcome": {"type": "welcome", "server": "galewood 0.1.0", "version": 1, "tick_hz": 29.5},
+    "table": {"type": "table", "table": TABLE, "offset": 65536, "total": 65543, "data": list(range(7))},
+    "frame_key": {
+        "type": "frame",
+        "seq": 0,
+        "time_s": 0.5,
+        "key": True,
+        "groups": [
+            {"count": 2, "modes": 3, "values": [0, -1, 70000, -2147483648, 2147483647, 5]},
+            {"count": 1, "modes": 2, "values": [9, -9]},
+        ],
+    },
+    "frame_delta": {
+        "type": "frame",
+        "seq": 4294967296,
+        "time_s": 0.53125,
+        "key": False,
+        "groups": [
+            {"count": 1, "modes": 3, "values": [-32768, 32767, 0]},
+            {"count": 0, "modes": 4, "values": []},
+            {"count": 2, "modes": 1, "values": [-2, 3]},
+        ],
+    },
+    "error": {"type": "error", "code": "no-such-table", "title": "Unknown table", "hint": "List the trees."},
+    "pong": {"type": "pong", "t": -0.5},
+}
+
+
+def request_of(message: dict[str, Any]) -> wire.Request:
+    """A request from its JSON form, which is that of web/src/wire.ts."""
+    fields = {name: value for name, value in message.items() if name != "type"}
+    if message["type"] == "forest":
+        fields["groups"] = tuple(wire.Group(**group) for group in fields["groups"])
+        fields["trees"] = np.array(fields["trees"], np.float32).reshape(-1, 4)
+    kinds = {"hello": wire.Hello, "forest": wire.Forest, "wind": wire.WindChange, "ping": wire.Ping}
+    return kinds[message["type"]](**fields)
+
+
+def reply_of(message: dict[str, Any]) -> wire.Reply:
+    """A reply from its JSON form."""
+    fields = {name: value for name, value in message.items() if name != "type"}
+    if message["type"] == "frame":
+        groups = fields.pop("groups")
+        fields["poses"] = tuple(
+            np.array(group["values"], np.int32).reshape(group["count"], group["modes"]) for group in groups
+        )
+    if message["type"] == "table":
+        fields["data"] = bytes(fields["data"])
+    kinds = {"welcome": wire.Welcome, "table": wire.TableChunk, "frame": wire.Frame}
+    kinds |= {"error": wire.Failure, "pong": wire.Pong}
+    return kinds[message["type"]](**fields)
+
+
+def refused() -> dict[str, tuple[str, bytes]]:
+    """Bytes that are no message: who would have received them, and the bytes."""
+    ping = encode_message(wire.PING, {"t": 0.5})
+    frame = {"seq": 0, "time_s": 0.5, "key": True, "groups": [{"count": 1, "modes": 1}]}
+    forest = {"mode": "stream", "groups": [], "options": {}, "wind": {}, "time_s": 0.5}
+    group = [{"table": TABLE, "count": 1}]
+    tree = struct.pack("<4f", 0, 0, 0, 1)
+    odd = encode_message(wire.PING, {"t": 0.5})
+
+    def forest_with(payload: bytes = b"", **changes: Any) -> bytes:
+        return encode_message(wire.FOREST, {**forest, **changes}, payload)
+
+    def raw(packed: bytes, kind: int = wire.PING) -> bytes:
+        return b"GW\x01" + bytes([kind]) + struct.pack("<I", len(packed)) + packed + bytes(-len(packed) % 8)
+
+    return {
+        "empty": ("server", b""),
+        "text": ("server", b"GET / HTTP/1.1\r\n"),
+        "half a prefix": ("server", ping[:6]),
+        "another version": ("server", ping[:2] + b"\x02" + ping[3:]),
+        "header longer than message": ("server", ping[:4] + b"\xff\xff\xff\xff" + ping[8:]),
+        "header cut off": ("server", ping[:-8]),
+        "padding not zero": ("server", odd[:-1] + b"\x01"),
+        "unknown kind": ("server", encode_message(99, {})),
+        "reply sent to server": ("server", encode_message(wire.PONG, {"t": 0.5})),
+        "header not msgpack": ("server", raw(b"\xc1" * 8)),
+        "header not a map": ("server", raw(msgpack.packb([1, 2, 3]))),
+        "keys not text": ("server", raw(msgpack.packb({1: 2}))),
+        "text not UTF-8": ("server", raw(b"\x81\xa1t\xa2\xff\xfe")),
+        "bytes after the map": ("server", raw(msgpack.packb({"t": 0.5}) + b"\x01")),
+        "deep nesting": ("server", raw(b"\x91" * 3000)),
+        "missing field": ("server", encode_message(wire.PING, {})),
+        "unknown field": ("server", encode_message(wire.PING, {"t": 0.5, "u": 1})),
+        "number is text": ("server", encode_message(wire.PING, {"t": "1"})),
+        "number not finite": ("server", encode_message(wire.PING, {"t": float("nan")})),
+        "number is a truth value": ("server", encode_message(wire.PING, {"t": True})),
+        "ping with payload": ("server", ping + bytes(8)),
+        "unknown mode": ("server", forest_with(mode="both")),
+        "table not a hash": ("server", forest_with(tree, groups=[{"table": "../etc", "count": 1}])),
+        "count negative": ("server", forest_with(groups=[{"table": TABLE, "count": -1}])),
+        "count not whole": ("server", forest_with(groups=[{"table": TABLE, "count": 0.5}])),
+        "group not a map": ("server", forest_with(groups=[[TABLE, 1]])),
+        "too few trees": ("server", forest_with(groups=group)),
+        "too many trees": ("server", forest_with(tree + tree, groups=group)),
+        "trees in table mode": ("server", forest_with(tree, mode="table", groups=group)),
+        "tree without a place": ("server", forest_with(struct.pack("<4f", np.nan, 0, 0, 1), groups=group)),
+        "tree without a size": ("server", forest_with(bytes(16), groups=group)),
+        "unknown option": ("server", forest_with(options={"colour": 1})),
+        "easing out of range": ("server", forest_with(options={"pose_easing": 1.5})),
+        "wind not a map": ("server", forest_with(wind=[])),
+        "request sent to client": ("client", ping),
+        "frame too short": ("client", encode_message(wire.FRAME, frame, b"\0\0")),
+        "key not a truth value": ("client", encode_message(wire.FRAME, {**frame, "key": 1}, bytes(4))),
+        "huge frame": (
+            "client",
+            encode_message(wire.FRAME, {**frame, "groups": [{"count": 2**40, "modes": 2**12}]}),
+        ),
+        "chunk past the end": (
+            "client",
+            encode_message(wire.TABLE, {"table": TABLE, "offset": 0, "total": 1}, b"ab"),
+        ),
+    }
+
+
+def main() -> None:
+    HERE.mkdir(exist_ok=True)
+    for name, message in REQUESTS.items():
+        (HERE / f"{name}.bin").write_bytes(wire.encode_request(request_of(message)))
+    for name, message in REPLIES.items():
+        (HERE / f"{name}.bin").write_bytes(wire.encode_reply(reply_of(message)))
+    said = {"requests": REQUESTS, "replies": REPLIES}
+    (HERE / "messages.json").write_text(json.dumps(said, ensure_ascii=False, indent=1) + "\n")
+    bad = [{"name": name, "at": at, "hex": data.hex()} for name, (at, data) in refused().items()]
+    (HERE / "refused.json").write_text(json.dumps(bad, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,156 @@
+"""The wire in Python: golden bytes, round trips, and bytes that mean nothing."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, seed, settings
+from hypothesis import strategies as st
+
+from server import wire
+from server.envelope import WireError, decode_message, encode_message
+from tests.golden.make_wire import HERE, REPLIES, REQUESTS, reply_of, request_of
+
+REFUSED = json.loads((HERE / "refused.json").read_text())
+SAID = json.loads((HERE / "messages.json").read_text())
+
+
+def same(one: Any, other: Any) -> bool:
+    """Equality of messages with arrays inside."""
+    if type(one) is not type(other):
+        return False
+    for name in one.__dataclass_fields__:
+        mine, yours = getattr(one, name), getattr(other, name)
+        if name == "poses":
+            if len(mine) != len(yours) or not all(map(np.array_equal, mine, yours)):
+                return False
+        elif not np.array_equal(mine, yours):
+            return False
+    return True
+
+
+def test_golden_files_are_current() -> None:
+    assert SAID == {"requests": REQUESTS, "replies": REPLIES}
+
+
+@pytest.mark.parametrize("name", REQUESTS)
+def test_golden_request(name: str) -> None:
+    data, message = (HERE / f"{name}.bin").read_bytes(), request_of(REQUESTS[name])
+    assert wire.encode_request(message) == data
+    assert same(wire.decode_request(data), message)
+
+
+@pytest.mark.parametrize("name", REPLIES)
+def test_golden_reply(name: str) -> None:
+    data, message = (HERE / f"{name}.bin").read_bytes(), reply_of(REPLIES[name])
+    assert wire.encode_reply(message) == data
+    assert same(wire.decode_reply(data), message)
+
+
+@pytest.mark.parametrize("case", REFUSED, ids=lambda case: case["name"])
+def test_refused(case: dict[str, Any]) -> None:
+    decode = wire.decode_request if case["at"] == "server" else wire.decode_reply
+    with pytest.raises(WireError) as refusal:
+        decode(bytes.fromhex(case["hex"]))
+    assert 5 < len(str(refusal.value)) < 200
+
+
+def test_another_version_is_refused_naming_both() -> None:
+    data = bytearray(encode_message(wire.PING, {"t": 0.5}))
+    data[2] = 7
+    with pytest.raises(WireError, match=r"7.*only version 1") as refusal:
+        wire.decode_request(bytes(data))
+    assert refusal.value.code == "unknown-version"
+
+
+@pytest.mark.parametrize("name", [*REQUESTS, *REPLIES])
+def test_every_truncation_is_refused(name: str) -> None:
+    data = (HERE / f"{name}.bin").read_bytes()
+    decode = wire.decode_request if name in REQUESTS else wire.decode_reply
+    shortened = 0
+    for length in range(len(data)):
+        try:
+            message = decode(data[:length])
+        except WireError:
+            shortened += 1
+        else:  # a table's chunk may have any length up to the end
+            assert isinstance(message, wire.TableChunk)
+    assert shortened
+
+
+@seed(1)
+@given(st.binary(max_size=400))
+@settings(max_examples=400, deadline=None)
+def test_random_bytes_are_refused_or_decoded_never_worse(data: bytes) -> None:
+    for decode in (wire.decode_request, wire.decode_reply, decode_message):
+        for message in (data, b"GW\x01" + data):
+            with contextlib.suppress(WireError):
+                decode(message)
+
+
+header_values = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**63), 2**64 - 1)
+    | st.floats()
+    | st.text(max_size=8)
+    | st.binary(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
+    max_leaves=6,
+)
+known_names = [
+    "mode",
+    "groups",
+    "options",
+    "wind",
+    "time_s",
+    "client",
+    "t",
+    "seq",
+    "key",
+    "table",
+    "offset",
+    "total",
+]
+
+
+@seed(2)
+@given(
+    st.sampled_from([1, 2, 3, 4, 65, 66, 67, 68, 69]),
+    st.dictionaries(st.sampled_from(known_names), header_values, max_size=6),
+    st.binary(max_size=64),
+)
+@settings(max_examples=400, deadline=None)
+def test_random_headers_are_refused_or_decoded_never_worse(
+    kind: int, header: dict[str, Any], payload: bytes
+) -> None:
+    data = encode_message(kind, header, payload)
+    assert decode_message(data)[0] == kind
+    for decode in (wire.decode_request, wire.decode_reply):
+        with contextlib.suppress(WireError):
+            decode(data)
+
+
+@seed(3)
+@given(
+    st.lists(st.tuples(st.integers(0, 5), st.integers(0, 9)), max_size=4),
+    st.booleans(),
+    st.integers(0, 2**32),
+)
+@settings(max_examples=100, deadline=None)
+def test_frames_survive_the_way(shapes: list[tuple[int, int]], key: bool, number: int) -> None:
+    rng = np.random.default_rng(number)
+    bound = 2**31 - 1 if key else 32767
+    poses = tuple(rng.integers(-bound, bound, shape, dtype=np.int32) for shape in shapes)
+    frame = wire.Frame(number, number / 7, key, poses)
+    assert same(wire.decode_reply(wire.encode_reply(frame)), frame)
+
+
+def test_a_delta_that_does_not_fit_is_not_cut() -> None:
+    frame = wire.Frame(1, 0.5, False, (np.array([[40000]], np.int32),))
+    with pytest.raises(ValueError, match="16 bits"):
+        wire.encode_frame(frame)

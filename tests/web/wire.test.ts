@@ -1,0 +1,83 @@
+import { describe, expect, test } from "vitest";
+import {
+  decodeReply,
+  decodeRequest,
+  encodeReply,
+  encodeRequest,
+  type Reply,
+  type Request,
+  WireError,
+} from "../../web/src/wire";
+import { golden, goldenJson, random } from "./golden";
+
+type Plain = Record<string, unknown> & { type: string };
+const said = goldenJson<{ requests: Record<string, Plain>; replies: Record<string, Plain> }>("wire/messages.json");
+const refused = goldenJson<{ name: string; at: "server" | "client"; hex: string }[]>("wire/refused.json");
+
+const file = (name: string) => golden(`wire/${name}.bin`).slice();
+const fromHex = (hex: string) => Uint8Array.from(hex.match(/../g) ?? [], (byte) => Number.parseInt(byte, 16));
+
+/** A message as JSON has it: typed arrays become lists. */
+const plain = (message: Request | Reply): unknown =>
+  JSON.parse(JSON.stringify(message, (_, value) => (ArrayBuffer.isView(value) ? [...(value as Int8Array)] : value)));
+
+function requestOf(message: Plain): Request {
+  const trees = message.type === "forest" ? { trees: new Float32Array(message.trees as number[]) } : {};
+  return { ...message, ...trees } as Request;
+}
+
+function replyOf(message: Plain): Reply {
+  if (message.type === "table") return { ...message, data: new Uint8Array(message.data as number[]) } as Reply;
+  if (message.type !== "frame") return message as unknown as Reply;
+  const rows = message.groups as { values: number[] }[];
+  const groups = rows.map((row) => ({ ...row, values: new Int32Array(row.values) }));
+  return { ...message, groups } as unknown as Reply;
+}
+
+describe("golden messages that Python wrote", () => {
+  test.each(Object.entries(said.requests))("request %s", (name, message) => {
+    expect(plain(decodeRequest(file(name).buffer))).toEqual(message);
+    expect(encodeRequest(requestOf(message))).toEqual(file(name));
+  });
+
+  test.each(Object.entries(said.replies))("reply %s", (name, message) => {
+    expect(plain(decodeReply(file(name).buffer))).toEqual(message);
+    expect(encodeReply(replyOf(message))).toEqual(file(name));
+  });
+});
+
+test.each(refused)("$name is refused", ({ at, hex }) => {
+  const decode = at === "server" ? decodeRequest : decodeReply;
+  expect(() => decode(fromHex(hex).buffer)).toThrow(WireError);
+});
+
+test("another version is refused naming both", () => {
+  const data = file("pong");
+  data[2] = 7;
+  expect(() => decodeReply(data.buffer)).toThrow(/7.*only version 1/);
+});
+
+test("rows of a frame are views into the message", () => {
+  const data = file("frame_delta");
+  const frame = decodeReply(data.buffer);
+  if (frame.type !== "frame") throw new Error("not a frame");
+  expect(frame.groups.every((group) => group.values.buffer === data.buffer)).toBe(true);
+});
+
+test("damaged messages are refused or decoded, never worse (seed 5)", () => {
+  const next = random(5);
+  const names = Object.keys(said.replies);
+  let bad = 0;
+  for (let round = 0; round < 3000; round++) {
+    const data = file(names[Math.floor(next() * names.length)]);
+    const damaged = data.slice(0, next() < 0.3 ? Math.floor(next() * data.length) : data.length);
+    if (damaged.length) damaged[Math.floor(next() * damaged.length)] = Math.floor(next() * 256);
+    try {
+      decodeReply(damaged.buffer);
+    } catch (error) {
+      expect(error).toBeInstanceOf(WireError);
+      bad++;
+    }
+  }
+  expect(bad).toBeGreaterThan(1000);
+});
