@@ -115,3 +115,19 @@ def greenness(material: Material | None) -> float | None:
     elif "baseColorFactor" not in pbr:
         return None
     return float((factor[1] - max(factor[0], factor[2])) / max(float(factor.max()), 1e-9))
+
+
+def pack_material(material: Material | None) -> tuple[Json | None, dict[str, bytes]]:
+    """A material as JSON and the bytes of its pictures."""
+    if material is None:
+        return None, {}
+    mimes = {key: mime for key, (_, mime) in material.images.items()}
+    head = {"json": material.json, "samplers": material.samplers, "mimes": mimes}
+    return head, {key: content for key, (content, _) in material.images.items()}
+
+
+def unpack_material(head: Json | None, images: dict[str, bytes]) -> Material | None:
+    """What pack_material took apart."""
+    if head is None:
+        return None
+    return Material(head["json"], {k: (images[k], m) for k, m in head["mimes"].items()}, head["samplers"])
