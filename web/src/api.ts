@@ -31,6 +31,8 @@ export interface Job {
 export interface TreeChange {
   tree: Tree;
   job: Job | null;
+  /** The tree was removed. */
+  deleted?: boolean;
 }
 
 /** A refusal by the server (RFC 9457) or by the network, in words for people. */
@@ -66,11 +68,6 @@ async function ask(path: string, init?: RequestInit): Promise<Response> {
   return response;
 }
 
-export async function listTrees(signal?: AbortSignal): Promise<Tree[]> {
-  const body = (await (await ask("api/trees", { signal })).json()) as { trees: Tree[] };
-  return body.trees;
-}
-
 /** Uploads a mesh; the server reads it at once and refuses what is no tree. */
 export async function uploadTree(file: File): Promise<Tree> {
   const form = new FormData();
@@ -92,17 +89,14 @@ export async function fetchMesh(sha256: string): Promise<ArrayBuffer> {
 
 export interface EventHandlers {
   change(change: TreeChange): void;
-  /** The stream is open: the caller lists the trees again, as changes may have been missed. */
   open(): void;
   lost(): void;
 }
 
-/** Follows every change of trees and jobs; reconnects by itself. Returns the function that ends it. */
+/** Every tree as it stands, then every change; the browser reconnects by itself. Returns what ends it. */
 export function followEvents(handlers: EventHandlers): () => void {
   const source = new EventSource("api/events");
-  const receive = (event: MessageEvent<string>) => handlers.change(JSON.parse(event.data) as TreeChange);
-  source.onmessage = receive;
-  for (const name of ["change", "tree", "progress"]) source.addEventListener(name, receive);
+  source.onmessage = (event: MessageEvent<string>) => handlers.change(JSON.parse(event.data) as TreeChange);
   source.onopen = () => handlers.open();
   source.onerror = () => handlers.lost();
   return () => source.close();

@@ -104,5 +104,9 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
 /** Defaults for this screen: fewer trees and pixels on a phone. */
 export function defaultsFor(screen: { width_px: number; touch: boolean }): Settings {
   const phone = screen.width_px < 720;
-  return { ...DEFAULTS, trees: phone ? 160 : DEFAULTS.trees, quality: phone || screen.touch ? "medium" : "high" };
+  return {
+    ...DEFAULTS,
+    trees: phone ? 160 : DEFAULTS.trees,
+    quality: phone || screen.touch ? "medium" : "high",
+  };
 }

@@ -28,8 +28,8 @@ export function connectedComponents(index: ArrayLike<number>, vertices: number):
   const ofVertex = new Uint32Array(vertices);
   for (let v = 0; v < vertices; v++) {
     const root = find(parent, v);
-    let piece = number.get(root);
-    if (piece === undefined) number.set(root, (piece = number.size));
+    const piece = number.get(root) ?? number.size;
+    number.set(root, piece);
     ofVertex[v] = piece;
   }
   return { ofVertex, count: number.size };

@@ -1,6 +1,7 @@
 /** Coarser versions of a tree for the distance: fewer but larger leaves, only the thicker branches. Pure. */
-import { type Components, componentCentres, componentRadii } from "./components";
+
 import { hashUnit } from "../math/random";
+import { type Components, componentCentres, componentRadii } from "./components";
 
 /** Share of leaves kept, and of branches (longest first), at each level of detail. */
 export const LEVELS = [

@@ -3,7 +3,7 @@ import { Group, type WebGLRenderer } from "three";
 import type { TableMotion } from "../worker/protocol";
 import { groundHeight_m } from "./landscape";
 import { leafTint } from "./palette";
-import { chooseSpecies, placeTrees, type Place } from "./planting";
+import { chooseSpecies, type Place, placeTrees } from "./planting";
 import { SpeciesForest, type SpeciesOptions } from "./speciesForest";
 import { makeStand, type View } from "./stand";
 import type { TreeModel } from "./treeMesh";
@@ -34,7 +34,10 @@ export class Forest {
   plant(growers: readonly Grower[], count: number, seed: number): void {
     this.clear();
     const places = placeTrees(count, seed);
-    const choice = chooseSpecies(places, growers.map((grower) => grower.id));
+    const choice = chooseSpecies(
+      places,
+      growers.map((grower) => grower.id),
+    );
     growers.forEach((grower, k) => {
       const own = places.filter((_, i) => choice[i] === k);
       if (grower.model && own.length > 0) this.add(grower, grower.model, own);

@@ -24,6 +24,7 @@ export function groundHeight_m(x: number, z: number): number {
   const rolling = 4.2 * fractalNoise(x / 95, z / 95, SEED, 3);
   const hollow = -2.6 * glade(x, z);
   const distance = Math.hypot(x, z);
-  const hills = 58 * smoothstep(330, 1500, distance) * (0.55 + 0.45 * fractalNoise(x / 420, z / 420, SEED + 9, 3));
+  const hills =
+    58 * smoothstep(330, 1500, distance) * (0.55 + 0.45 * fractalNoise(x / 420, z / 420, SEED + 9, 3));
   return rolling * (1 + smoothstep(150, 600, distance)) + hollow + hills;
 }

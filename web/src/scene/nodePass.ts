@@ -12,13 +12,13 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
+import { type NodeLayout, nodeLayout } from "../nodeLayout";
 import type { TableMotion } from "../worker/protocol";
 import { FLAT_SHIFT, flatTexture } from "./flatTexture";
-import { type NodeLayout, nodeLayout } from "./nodeLayout";
 
 const vertexShader = /* glsl */ `
-in vec2 position;
-void main() { gl_Position = vec4(position, 0.0, 1.0); }
+in vec3 position;
+void main() { gl_Position = vec4(position, 1.0); }
 `;
 
 const fragmentShader = /* glsl */ `
@@ -58,7 +58,8 @@ void main() {
 
 function fullScreenTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 3, -1, -1, 3]), 2));
+  const corners = new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]);
+  geometry.setAttribute("position", new BufferAttribute(corners, 3));
   return geometry;
 }
 

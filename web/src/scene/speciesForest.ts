@@ -42,7 +42,8 @@ function stillNode(): DataTexture {
 
 /** Node of each vertex of one part, as floats; zeros for a tree that stands still. */
 function nodeAttribute(part: TreePart, firstVertex: number, motion: TableMotion | null): BufferAttribute {
-  const nodes = motion?.vertexNode.slice(firstVertex, firstVertex + part.vertices) ?? new Uint16Array(part.vertices);
+  const nodes =
+    motion?.vertexNode.slice(firstVertex, firstVertex + part.vertices) ?? new Uint16Array(part.vertices);
   return new BufferAttribute(nodes, 1);
 }
 
@@ -78,7 +79,10 @@ export class SpeciesForest {
     this.list = makeDrawList(stand.count);
     this.classes = new Uint8Array(stand.count);
     this.levels = Array.from({ length: LEVEL_COUNT }, () => ({
-      buffer: new InstancedInterleavedBuffer(new Float32Array(stand.count * INSTANCE_FLOATS), INSTANCE_FLOATS),
+      buffer: new InstancedInterleavedBuffer(
+        new Float32Array(stand.count * INSTANCE_FLOATS),
+        INSTANCE_FLOATS,
+      ),
       meshes: [],
     }));
     for (const { buffer } of this.levels) buffer.setUsage(DynamicDrawUsage);

@@ -1,5 +1,14 @@
 /** Renderer, camera, sky, ground and light: everything that is there before the first tree. */
-import { ACESFilmicToneMapping, Frustum, Matrix4, PCFShadowMap, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import {
+  ACESFilmicToneMapping,
+  Frustum,
+  Matrix4,
+  PCFShadowMap,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
+  WebGLRenderer,
+} from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Quality } from "../settings";
 import { groundHeight_m } from "./landscape";
@@ -32,7 +41,11 @@ export class Stage {
     quality: Quality,
   ) {
     this.quality = quality;
-    this.renderer = new WebGLRenderer({ canvas, antialias: quality !== "low", powerPreference: "high-performance" });
+    this.renderer = new WebGLRenderer({
+      canvas,
+      antialias: quality !== "low",
+      powerPreference: "high-performance",
+    });
     this.renderer.toneMapping = ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 0.92;
     this.renderer.shadowMap.enabled = true;

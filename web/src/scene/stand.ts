@@ -13,7 +13,11 @@ export interface Stand {
 
 export type Tint = (treeId: number) => readonly [number, number, number, number];
 
-export function makeStand(places: readonly Place[], ground: (x: number, z: number) => number, tint: Tint): Stand {
+export function makeStand(
+  places: readonly Place[],
+  ground: (x: number, z: number) => number,
+  tint: Tint,
+): Stand {
   const data = new Float32Array(places.length * INSTANCE_FLOATS);
   const placement = new Float32Array(places.length * 4);
   places.forEach((place, i) => {
@@ -60,7 +64,13 @@ export const LEVEL_COUNT = 3;
 
 export function makeDrawList(capacity: number): DrawList {
   const counts = () => new Uint32Array(LEVEL_COUNT);
-  return { order: new Uint32Array(capacity), start: counts(), visible: counts(), shadowOnly: counts(), drawn: 0 };
+  return {
+    order: new Uint32Array(capacity),
+    start: counts(),
+    visible: counts(),
+    shadowOnly: counts(),
+    drawn: 0,
+  };
 }
 
 function inside(planes: Planes, x: number, y: number, z: number, radius: number): boolean {
@@ -86,12 +96,24 @@ function classify(data: Float32Array, at: number, bounds: Bounds, view: View): n
   if (inside(view.planes, x, y, z, radius_m)) return level;
   if (distance_m > view.shadow_m) return HIDDEN;
   const slide = middle_m / Math.max(0.15, view.sun.y);
-  const shadowSeen = inside(view.planes, x - view.sun.x * slide, y - middle_m, z - view.sun.z * slide, radius_m + slide);
+  const shadowSeen = inside(
+    view.planes,
+    x - view.sun.x * slide,
+    y - middle_m,
+    z - view.sun.z * slide,
+    radius_m + slide,
+  );
   return shadowSeen ? level + LEVEL_COUNT : HIDDEN;
 }
 
 /** Fills the draw list for a view; `classes` is scratch of one byte per tree. */
-export function selectTrees(stand: Stand, bounds: Bounds, view: View, classes: Uint8Array, list: DrawList): void {
+export function selectTrees(
+  stand: Stand,
+  bounds: Bounds,
+  view: View,
+  classes: Uint8Array,
+  list: DrawList,
+): void {
   const tally = new Uint32Array(2 * LEVEL_COUNT);
   for (let tree = 0; tree < stand.count; tree++) {
     classes[tree] = classify(stand.data, tree * INSTANCE_FLOATS, bounds, view);

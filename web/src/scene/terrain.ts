@@ -73,10 +73,16 @@ function groundMaterial(): MeshStandardMaterial {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, air);
     shader.vertexShader = shader.vertexShader
-      .replace("#include <common>", "#include <common>\nattribute float aMeadow;\nvarying vec3 vGround;\nvarying float vMeadow;")
+      .replace(
+        "#include <common>",
+        "#include <common>\nattribute float aMeadow;\nvarying vec3 vGround;\nvarying float vMeadow;",
+      )
       .replace("#include <begin_vertex>", "#include <begin_vertex>\nvGround = position;\nvMeadow = aMeadow;");
     shader.fragmentShader = shader.fragmentShader
-      .replace("#include <common>", `#include <common>\nvarying vec3 vGround;\nvarying float vMeadow;\n${AIR_PARS}${NOISE_GLSL}`)
+      .replace(
+        "#include <common>",
+        `#include <common>\nvarying vec3 vGround;\nvarying float vMeadow;\n${AIR_PARS}${NOISE_GLSL}`,
+      )
       .replace("#include <map_fragment>", GROUND)
       .replace("#include <fog_fragment>", AIR_FRAGMENT);
   };

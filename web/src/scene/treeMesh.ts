@@ -8,11 +8,11 @@ import {
   Vector3,
 } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { hashUnit } from "../math/random";
 import { connectedComponents } from "./components";
 import { growLeaves, LEVELS, thinLeaves, thinWood } from "./detail";
 import { leafReach, openness, roundNormals } from "./foliage";
 import type { Part } from "./treeShader";
-import { hashUnit } from "../math/random";
 
 export interface PartLevel {
   readonly index: BufferAttribute;
@@ -37,7 +37,8 @@ export interface TreeModel {
   readonly radius_m: number;
 }
 
-const isMesh = (object: Object3D): object is Mesh<BufferGeometry, MeshStandardMaterial> => object instanceof Mesh;
+const isMesh = (object: Object3D): object is Mesh<BufferGeometry, MeshStandardMaterial> =>
+  object instanceof Mesh;
 
 /** Meshes in table order: wood_0, wood_1, …, leaves_0, …: the order in which the file lists them. */
 function meshesOf(scene: Object3D): Mesh<BufferGeometry, MeshStandardMaterial>[] {
@@ -45,13 +46,16 @@ function meshesOf(scene: Object3D): Mesh<BufferGeometry, MeshStandardMaterial>[]
   scene.traverse((object) => {
     if (isMesh(object)) meshes.push(object);
   });
-  const rank = (mesh: Mesh) => (kindOf(mesh) === "wood" ? 0 : 1e6) + Number(/(\d+)$/.exec(mesh.name)?.[1] ?? 0);
+  const rank = (mesh: Mesh) =>
+    (kindOf(mesh) === "wood" ? 0 : 1e6) + Number(/(\d+)$/.exec(mesh.name)?.[1] ?? 0);
   return meshes.sort((a, b) => rank(a) - rank(b));
 }
 
 const kindOf = (mesh: Object3D): Part => (mesh.name.startsWith("leaves") ? "leaves" : "wood");
 
-function floats(attribute: { count: number; itemSize: number } & Pick<BufferAttribute, "getComponent">): Float32Array {
+function floats(
+  attribute: { count: number; itemSize: number } & Pick<BufferAttribute, "getComponent">,
+): Float32Array {
   const out = new Float32Array(attribute.count * attribute.itemSize);
   for (let i = 0; i < out.length; i++) {
     out[i] = attribute.getComponent(Math.floor(i / attribute.itemSize), i % attribute.itemSize);
@@ -59,7 +63,11 @@ function floats(attribute: { count: number; itemSize: number } & Pick<BufferAttr
   return out;
 }
 
-function partFrom(mesh: Mesh<BufferGeometry, MeshStandardMaterial>, centre: Vector3, radius_m: number): TreePart {
+function partFrom(
+  mesh: Mesh<BufferGeometry, MeshStandardMaterial>,
+  centre: Vector3,
+  radius_m: number,
+): TreePart {
   const { geometry } = mesh;
   const kind = kindOf(mesh);
   if (!geometry.getAttribute("normal")) geometry.computeVertexNormals();

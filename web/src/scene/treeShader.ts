@@ -116,7 +116,8 @@ function patchColour(shader: WebGLProgramParametersWithUniforms, part: Part): vo
     .replace("#include <map_fragment>", (leaves ? LEAF_MAP : WOOD_MAP) + GHOST)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
     .replace("#include <fog_fragment>", AIR_FRAGMENT);
-  if (leaves) shader.fragmentShader = shader.fragmentShader.replace("#include <normal_fragment_begin>", LEAF_NORMAL);
+  if (leaves)
+    shader.fragmentShader = shader.fragmentShader.replace("#include <normal_fragment_begin>", LEAF_NORMAL);
 }
 
 /** Gives a material the deformation of pass 2. Each combination is a program of its own, hence the key. */

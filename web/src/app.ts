@@ -1,0 +1,191 @@
+/** The page: binds stage, forest, worker, catalogue and panel, and runs the frame loop. */
+import type { TreeChange } from "./api";
+import { Catalogue } from "./catalogue";
+import { ForestClient } from "./forestClient";
+import { Meter } from "./meter";
+import { Forest } from "./scene/forest";
+import { groundHeight_m } from "./scene/landscape";
+import { Stage } from "./scene/stage";
+import { queryFromSettings, type Settings } from "./settings";
+import { meanCrownDisplacement_m } from "./sway";
+import { element } from "./ui/dom";
+import { Panel, type SettingKey } from "./ui/panel";
+import { ProgressCards } from "./ui/progress";
+import { showToast } from "./ui/toast";
+import { acceptUploads } from "./ui/upload";
+import { WindButtons } from "./ui/winds";
+import { statusLine, summary } from "./ui/words";
+import { windDocument, windVector_m_s } from "./windSettings";
+
+const REPORT_EVERY_MS = 250;
+const REPLANTS: SettingKey[] = ["trees", "forestSeed", "lookup", "poseEasing"];
+const BLOWS: SettingKey[] = ["meanSpeed_m_s", "direction_deg", "gustiness", "windSeed"];
+
+export class App {
+  readonly stage: Stage;
+  frame = 0;
+  paused = false;
+  private readonly client = new ForestClient(showToast);
+  private readonly catalogue: Catalogue;
+  private readonly forest: Forest;
+  private readonly cards = new ProgressCards();
+  private readonly panel: Panel;
+  private readonly winds = new WindButtons((mean) => this.setMean(mean));
+  private readonly meter = new Meter();
+  private readonly flutter = { value: { x: 0, y: 0 } };
+  private readonly stopUploads = acceptUploads();
+  private connected = true;
+  private dirty = true;
+  private last_ms = performance.now();
+  private reported_ms = 0;
+
+  constructor(readonly settings: Settings) {
+    this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
+    const { capabilities } = this.stage.renderer;
+    this.forest = new Forest({
+      maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
+      anisotropy: Math.min(4, capabilities.getMaxAnisotropy()),
+      smoothEdges: settings.quality !== "low",
+      flutter: this.flutter,
+    });
+    this.stage.scene.add(this.forest.group);
+    this.panel = new Panel(settings, this.meter.statistics, (key) => this.change(key));
+    this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
+      change: (change) => this.treeChanged(change),
+      grow: () => this.plant(),
+      connected: (connected) => {
+        this.connected = connected;
+      },
+      problem: showToast,
+    });
+    this.winds.show(settings.meanSpeed_m_s);
+    this.stage.renderer.setAnimationLoop((now) => this.tick(now));
+  }
+
+  private treeChanged(change: TreeChange): void {
+    this.cards.update(change);
+    this.report();
+  }
+
+  private plant(): void {
+    const { settings, client, forest } = this;
+    forest.plant(this.catalogue.growers, settings.trees, settings.forestSeed);
+    const groups = forest.moving.map(({ forest: { motion, stand } }) => ({
+      motion,
+      placement: stand.placement,
+    }));
+    client.plan(
+      groups.flatMap(({ motion, placement }) => (motion ? [{ motion, placement }] : [])),
+      { lookup: settings.lookup, poseEasing: settings.poseEasing },
+      windDocument(settings),
+    );
+    this.dirty = true;
+  }
+
+  private setMean(mean_m_s: number): void {
+    this.settings.meanSpeed_m_s = mean_m_s;
+    this.panel.refresh();
+    this.change("meanSpeed_m_s");
+  }
+
+  private change(key: SettingKey): void {
+    if (BLOWS.includes(key)) this.client.setWind(windDocument(this.settings));
+    if (REPLANTS.includes(key)) this.plant();
+    if (key === "quality") {
+      this.stage.setQuality(this.settings.quality);
+      this.dirty = true;
+    }
+    this.winds.show(this.settings.meanSpeed_m_s);
+    const query = queryFromSettings(this.settings);
+    history.replaceState(null, "", query ? `?${query}` : location.pathname);
+  }
+
+  private tick(now_ms: number): void {
+    const begin_ms = performance.now();
+    const frame_ms = now_ms - this.last_ms;
+    const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
+    this.last_ms = now_ms;
+    this.move(dt_s);
+    this.draw();
+    this.frame++;
+    this.meter.count(frame_ms, performance.now() - begin_ms);
+    if (now_ms - this.reported_ms > REPORT_EVERY_MS) {
+      this.reported_ms = now_ms;
+      this.report();
+    }
+  }
+
+  private move(dt_s: number): void {
+    if (!this.paused) this.client.advance(dt_s);
+    if (this.client.takeFresh()) {
+      for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
+    }
+    this.stage.sky.advance(dt_s, windVector_m_s(this.settings));
+    this.flutter.value.x += dt_s;
+    this.flutter.value.y = this.settings.flutter ? 1 : 0;
+  }
+
+  private draw(): void {
+    const { stage, forest } = this;
+    if (stage.updateCamera() || this.dirty) forest.select(stage.view());
+    this.dirty = false;
+    stage.renderer.info.reset();
+    forest.renderNodes(stage.renderer);
+    stage.render();
+  }
+
+  private report(): void {
+    const { client, forest, meter } = this;
+    const info = this.stage.renderer.info.render;
+    meter.publish({ lookup_ms: client.lookup_ms, trees: forest.trees.moving, triangles: forest.triangles });
+    meter.statistics.drawCalls = info.calls;
+    const { connection } = client;
+    meter.statistics.stream = connection.state === "live" ? `${connection.kB_s.toFixed(0)} kB/s` : "off";
+    const status = statusLine({ events: this.connected, lookup: this.settings.lookup, connection });
+    element("status").dataset.state = status.state;
+    if (element("status").textContent !== status.text) element("status").textContent = status.text;
+    const words = summary(forest.trees, this.catalogue.waiting);
+    if (element("summary").textContent !== words) element("summary").textContent = words;
+  }
+
+  get readySpecies(): string[] {
+    return this.catalogue.ready;
+  }
+
+  get connection() {
+    return { ...this.client.connection, events: this.connected };
+  }
+
+  get trees() {
+    return this.forest.trees;
+  }
+
+  get time_s(): number {
+    return this.client.time_s;
+  }
+
+  get crownDisplacement_m(): [number, number, number] {
+    return meanCrownDisplacement_m(
+      this.forest.moving.flatMap(({ forest: { motion, stand } }, k) => {
+        const poses = this.client.poses[k];
+        return motion && poses ? [{ ...motion, count: stand.count, placement: stand.placement, poses }] : [];
+      }),
+    );
+  }
+
+  /** Moves the camera: eye above the ground and the point it looks at, metres. */
+  look(eye: { x: number; above: number; z: number }, at: { x: number; above: number; z: number }): void {
+    this.stage.camera.position.set(eye.x, groundHeight_m(eye.x, eye.z) + eye.above, eye.z);
+    this.stage.controls.target.set(at.x, groundHeight_m(at.x, at.z) + at.above, at.z);
+  }
+
+  dispose(): void {
+    this.stage.renderer.setAnimationLoop(null);
+    this.stopUploads();
+    this.catalogue.dispose();
+    this.client.dispose();
+    this.panel.dispose();
+    this.forest.clear();
+    this.stage.dispose();
+  }
+}

@@ -1,0 +1,35 @@
+import { App } from "./app";
+import { exposeProbe } from "./probe";
+import { defaultsFor, settingsFromQuery } from "./settings";
+import { element } from "./ui/dom";
+
+function hasWebGl2(): boolean {
+  return document.createElement("canvas").getContext("webgl2") !== null;
+}
+
+/** The panel starts open where there is room for it. */
+function panelToggle(open: boolean): void {
+  const panel = element("panel");
+  const toggle = element<HTMLButtonElement>("panel-toggle");
+  const show = (visible: boolean) => {
+    panel.hidden = !visible;
+    toggle.setAttribute("aria-expanded", String(visible));
+  };
+  toggle.addEventListener("click", () => show(panel.hidden === true));
+  show(open);
+}
+
+function start(): void {
+  const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches };
+  const settings = settingsFromQuery(location.search, defaultsFor(screen));
+  document.body.classList.toggle("bare", !settings.panel);
+  panelToggle(settings.panel && innerWidth > 760);
+  const app = new App(settings);
+  exposeProbe(app);
+  addEventListener("pagehide", (event) => {
+    if (!event.persisted) app.dispose();
+  });
+}
+
+if (hasWebGl2()) start();
+else element("no-webgl").hidden = false;

@@ -1,0 +1,58 @@
+/** `window.galewood`: what tests and embedding pages may read and do. */
+import type { App } from "./app";
+
+export interface Probe {
+  readonly frame: number;
+  readonly time_s: number;
+  readonly readySpecies: string[];
+  readonly trees: { moving: number; still: number };
+  readonly crownDisplacement_m: [number, number, number];
+  readonly lookup: "worker" | "server";
+  readonly connection: App["connection"];
+  readonly paused: boolean;
+  pause(): void;
+  resume(): void;
+  look: App["look"];
+}
+
+declare global {
+  interface Window {
+    galewood?: Probe;
+  }
+}
+
+export function exposeProbe(app: App): void {
+  window.galewood = {
+    get frame() {
+      return app.frame;
+    },
+    get time_s() {
+      return app.time_s;
+    },
+    get readySpecies() {
+      return app.readySpecies;
+    },
+    get trees() {
+      return app.trees;
+    },
+    get crownDisplacement_m() {
+      return app.crownDisplacement_m;
+    },
+    get lookup() {
+      return app.settings.lookup;
+    },
+    get connection() {
+      return app.connection;
+    },
+    get paused() {
+      return app.paused;
+    },
+    pause() {
+      app.paused = true;
+    },
+    resume() {
+      app.paused = false;
+    },
+    look: (eye, at) => app.look(eye, at),
+  };
+}

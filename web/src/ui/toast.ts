@@ -1,0 +1,17 @@
+import { element, make } from "./dom";
+
+const STAYS_MS = 12_000;
+
+/** A message that names what happened and what to do; goes by itself or when dismissed. */
+export function showToast(title: string, hint: string, tone: "bad" | "good" = "bad"): void {
+  const toast = make("div", "", `toast ${tone}`);
+  const dismiss = make("button", "Dismiss");
+  dismiss.type = "button";
+  toast.append(make("strong", title), dismiss, make("p", hint));
+  const timer = setTimeout(() => toast.remove(), STAYS_MS);
+  dismiss.addEventListener("click", () => {
+    clearTimeout(timer);
+    toast.remove();
+  });
+  element("toasts").append(toast);
+}

@@ -1,0 +1,12 @@
+import type { WindDocument } from "../wind";
+import type { Connection } from "./protocol";
+
+/** A source of poses for all groups: the tables in this browser, or the server's stream. */
+export interface MotionSource {
+  readonly time_s: number;
+  readonly connection: Connection;
+  setWind(wind: WindDocument): void;
+  /** Moves on and fills a row of `poseStride(modes)` floats per tree; false while no pose is known. */
+  advance(dt_s: number, out: readonly Float32Array[]): boolean;
+  dispose(): void;
+}
