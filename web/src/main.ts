@@ -1,11 +1,8 @@
 import { App } from "./app";
+import { detectGraphics } from "./graphics";
 import { exposeProbe } from "./probe";
 import { defaultsFor, settingsFromQuery } from "./settings";
 import { element } from "./ui/dom";
-
-function hasWebGl2(): boolean {
-  return document.createElement("canvas").getContext("webgl2") !== null;
-}
 
 /** The panel starts open where there is room for it. */
 function panelToggle(open: boolean): void {
@@ -19,8 +16,8 @@ function panelToggle(open: boolean): void {
   show(open);
 }
 
-function start(): void {
-  const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches };
+function start(software: boolean): void {
+  const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches, software };
   const settings = settingsFromQuery(location.search, defaultsFor(screen));
   document.body.classList.toggle("bare", !settings.panel);
   panelToggle(settings.panel && innerWidth > 760);
@@ -31,5 +28,6 @@ function start(): void {
   });
 }
 
-if (hasWebGl2()) start();
+const { webgl2, software } = detectGraphics();
+if (webgl2) start(software);
 else element("no-webgl").hidden = false;

@@ -101,12 +101,9 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   return query.toString();
 }
 
-/** Defaults for this screen: fewer trees and pixels on a phone. */
-export function defaultsFor(screen: { width_px: number; touch: boolean }): Settings {
+/** Defaults for this screen: fewer trees and pixels on a phone, and where no graphics card draws. */
+export function defaultsFor(screen: { width_px: number; touch: boolean; software: boolean }): Settings {
   const phone = screen.width_px < 720;
-  return {
-    ...DEFAULTS,
-    trees: phone ? 160 : DEFAULTS.trees,
-    quality: phone || screen.touch ? "medium" : "high",
-  };
+  if (screen.software) return { ...DEFAULTS, trees: phone ? 60 : 120, quality: "low" };
+  return { ...DEFAULTS, trees: phone ? 160 : DEFAULTS.trees, quality: phone || screen.touch ? "medium" : "high" };
 }

@@ -16,13 +16,13 @@ export function gladeCentre_m(z: number): number {
 /** 1 in the middle of the glade, 0 in the wood. */
 export function glade(x: number, z: number): number {
   const halfWidth_m = 7 + 3 * valueNoise(z / 40, 3.7, SEED + 5) + 9 * smoothstep(0, 45, z);
-  return 1 - smoothstep(halfWidth_m * 0.55, halfWidth_m * 1.2, Math.abs(x - gladeCentre_m(z)));
+  return 1 - smoothstep(halfWidth_m * 0.3, halfWidth_m * 1.7, Math.abs(x - gladeCentre_m(z)));
 }
 
 /** Height of the ground in metres at a place. */
 export function groundHeight_m(x: number, z: number): number {
   const rolling = 4.2 * fractalNoise(x / 95, z / 95, SEED, 3);
-  const hollow = -2.6 * glade(x, z);
+  const hollow = -1.5 * glade(x, z);
   const distance = Math.hypot(x, z);
   const hills =
     58 * smoothstep(330, 1500, distance) * (0.55 + 0.45 * fractalNoise(x / 420, z / 420, SEED + 9, 3));

@@ -12,14 +12,14 @@ const SHADOWS: Record<Quality, { side: number; reach_m: number }> = {
 
 export class Daylight {
   readonly group = new Group();
-  readonly sun = new SunLight(0xfff0d8, 4.3);
+  readonly sun = new SunLight(0xfff0d8, 4.0);
   readonly towardsSun = new Vector3();
-  private readonly sky = new HemisphereLight(0xbfd8ff, 0x6b5632, 1.35);
+  private readonly sky = new HemisphereLight(0xc9dcff, 0x8a6a3a, 1.9);
 
   constructor(quality: Quality) {
     this.sun.castShadow = true;
     this.group.add(this.sun, this.sky);
-    this.point(128, 36);
+    this.point(148, 33);
     this.setQuality(quality);
   }
 

@@ -31,7 +31,7 @@ function candidate(column: number, row: number, seed: number): Place {
   };
 }
 
-const isWood = (place: Place) => glade(place.x_m, place.z_m) < 0.35;
+const isWood = (place: Place) => glade(place.x_m, place.z_m) < 0.5;
 const reach = (place: Place) => Math.hypot(place.x_m - HEART.x_m, place.z_m - HEART.z_m);
 
 /** The `count` places nearest to the heart of the wood, nearest first. */

@@ -29,13 +29,13 @@ void main() {
   vec3 colour = clearSky(direction);
   float up = direction.y;
   if (up > 0.015) {
-    vec2 plane = direction.xz / (up + 0.09) * vec2(0.9, 1.5) + uDrift;
+    vec2 plane = direction.xz / (up + 0.12) * vec2(0.8, 1.25) + uDrift;
     float body = fractalAt(plane * 0.62 + 11.0);
-    float cover = smoothstep(0.47, 0.72, body) * smoothstep(0.015, 0.16, up);
+    float cover = smoothstep(0.44, 0.62, body) * smoothstep(0.015, 0.16, up);
     float lit = smoothstep(0.0, 0.28, fractalAt((plane + uSunWorld.xz * 0.22) * 0.62 + 11.0) - body + 0.16);
     vec3 cloud = mix(vec3(0.99, 0.97, 0.95), vec3(0.74, 0.79, 0.86), lit * 0.75);
     cloud = mix(hazeColour(direction), cloud, smoothstep(0.0, 0.3, up));
-    colour = mix(colour, cloud, 0.86 * cover);
+    colour = mix(colour, cloud, 0.9 * cover);
   }
   gl_FragColor = vec4(colour, 1.0);
 }

@@ -19,8 +19,8 @@ import { Terrain } from "./terrain";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [18, 45], medium: [34, 80], high: [52, 120] };
-const LOOK_AT_M = new Vector3(1, 5.5, -12);
-const EYE_M = { x: 5, above: 9.5, z: 34 };
+const LOOK_AT_M = new Vector3(-1, 6.2, -16);
+const EYE_M = { x: 7, above: 8.2, z: 24 };
 
 export class Stage {
   readonly scene = new Scene();

@@ -86,11 +86,11 @@ vec3 nonPerturbedNormal = normal;
 /** After the lights: sky light fades inside the crown, the sun shines through leaves. */
 const LEAF_LIGHT = /* glsl */ `
 #include <lights_fragment_end>
-reflectedLight.indirectDiffuse *= vPiece.y;
-reflectedLight.directDiffuse *= 0.35 + 0.65 * vPiece.y;
+reflectedLight.indirectDiffuse *= 0.3 + 0.7 * vPiece.y;
+reflectedLight.directDiffuse *= 0.5 + 0.5 * vPiece.y;
 float through = pow(saturate(dot(-geometryViewDir, directLight.direction)), 3.0);
 float behind = saturate(0.45 - 0.55 * dot(geometryNormal, directLight.direction));
-reflectedLight.directDiffuse += directLight.color * diffuseColor.rgb * vPiece.y * (0.5 * through + 0.2 * behind)
+reflectedLight.directDiffuse += directLight.color * diffuseColor.rgb * vPiece.y * (0.55 * through + 0.34 * behind)
   * vec3(1.05, 1.0, 0.62) * RECIPROCAL_PI;
 `;
 

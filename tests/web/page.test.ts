@@ -1,0 +1,78 @@
+import { describe, expect, test } from "vitest";
+import { problemFrom } from "../../web/src/api";
+import { fractalNoise, valueNoise } from "../../web/src/math/noise";
+import { hashUnit } from "../../web/src/math/random";
+import { leafTint } from "../../web/src/scene/palette";
+import { progressLine, statusLine, summary, timeLeft, windName } from "../../web/src/ui/words";
+import { windDocument } from "../../web/src/windSettings";
+import { parseWind } from "../../web/src/wind";
+import { DEFAULTS } from "../../web/src/settings";
+
+describe("what the page says", () => {
+  test("progress in plain words", () => {
+    expect(progressLine({ state: "queued", stage: "intake", seconds_left: null })).toBe("Waiting for its turn");
+    expect(progressLine({ state: "running", stage: "sampling", seconds_left: 33 })).toBe(
+      "Letting winds blow on it, about 35 s left",
+    );
+    expect(timeLeft(240)).toBe("about 4 min left");
+    expect(timeLeft(null)).toBe("");
+  });
+
+  test("the summary owns up to trees that stand still", () => {
+    expect(summary({ moving: 1, still: 0 }, 0)).toMatch(/^1 tree sways/);
+    expect(summary({ moving: 300, still: 100 }, 1)).toMatch(/100 grey ones stand still/);
+    expect(summary({ moving: 0, still: 0 }, 3)).toBe("The first trees are being computed");
+  });
+
+  test("the status names what is wrong", () => {
+    const connection = { state: "lost", latency_ms: null, frameAge_ms: null, kB_s: 0 } as const;
+    expect(statusLine({ events: false, lookup: "worker", connection }).state).toBe("lost");
+    expect(statusLine({ events: true, lookup: "worker", connection }).state).toBe("live");
+    expect(statusLine({ events: true, lookup: "server", connection }).state).toBe("lost");
+    const live = { ...connection, state: "live", latency_ms: 3.2 } as const;
+    expect(statusLine({ events: true, lookup: "server", connection: live }).text).toMatch(/3 ms/);
+  });
+
+  test("every wind strength has a name; only none is still", () => {
+    expect([0, 0.2, 4, 9, 14, 25].map(windName)).toEqual(["Still", "Breeze", "Breeze", "Wind", "Gale", "Storm"]);
+  });
+
+  test("a problem of the server keeps its title and hint; an HTML page becomes a sentence", async () => {
+    const body = JSON.stringify({ title: "This is no tree.", hint: "Send a GLB.", code: "not-a-mesh" });
+    const problem = await problemFrom(new Response(body, { status: 415 }));
+    expect([problem.title, problem.hint, problem.status]).toEqual(["This is no tree.", "Send a GLB.", 415]);
+    const page = await problemFrom(new Response("<html>502</html>", { status: 502 }));
+    expect(page.title).toMatch(/502/);
+  });
+});
+
+test("every setting of the panel makes a wind that the reader accepts", () => {
+  for (const meanSpeed_m_s of [0, 0.1, 25]) {
+    expect(() => parseWind(windDocument({ ...DEFAULTS, meanSpeed_m_s }))).not.toThrow();
+  }
+});
+
+describe("seeded noise", () => {
+  test("stays in range and joins smoothly across cells", () => {
+    for (let i = 0; i < 500; i++) {
+      const x = 40 * (hashUnit(1, i) - 0.5);
+      const z = 40 * (hashUnit(2, i) - 0.5);
+      expect(Math.abs(fractalNoise(x, z, 5, 4))).toBeLessThanOrEqual(1);
+      const edge = Math.round(x);
+      expect(valueNoise(edge - 1e-9, z, 5)).toBeCloseTo(valueNoise(edge + 1e-9, z, 5), 6);
+    }
+  });
+
+  test("hashes are even: ten bins of 10,000 draws hold 1,000 each, within 15 %", () => {
+    const bins = new Array<number>(10).fill(0);
+    for (let i = 0; i < 10_000; i++) bins[Math.floor(10 * hashUnit(77, i))]++;
+    for (const bin of bins) expect(Math.abs(bin - 1000)).toBeLessThan(150);
+  });
+});
+
+test("each tree has its own autumn colour, always the same", () => {
+  const colours = new Set(Array.from({ length: 40 }, (_, id) => leafTint("maple", id).join()));
+  expect(colours.size).toBeGreaterThan(20);
+  expect(leafTint("maple", 5)).toEqual(leafTint("maple", 5));
+  expect(leafTint(null, 5)[3]).toBeLessThan(0.5);
+});

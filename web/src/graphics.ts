@@ -1,0 +1,18 @@
+/** What this browser draws with. */
+
+export interface Graphics {
+  readonly webgl2: boolean;
+  /** A software rasteriser: everything costs processor time. */
+  readonly software: boolean;
+}
+
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|microsoft basic render/i;
+
+export function detectGraphics(): Graphics {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (!gl) return { webgl2: false, software: false };
+  const info = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return { webgl2: true, software: SOFTWARE.test(name) };
+}
