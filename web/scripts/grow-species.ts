@@ -2,7 +2,8 @@
 import { mkdirSync, writeFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { growSpecies } from "./species/grow";
-import { SPECIES, type Species } from "./species/parameters";
+import { SPECIES } from "./species/parameters";
+import type { Species } from "./species/species";
 
 const FOLDER = resolve(import.meta.dirname, "../../assets/species");
 const CREDITS =

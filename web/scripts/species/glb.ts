@@ -25,6 +25,11 @@ export async function writeGlb(
   return new NodeIO().writeBinary(document);
 }
 
+/** Reads a file of `writeGlb` back. */
+export function readGlb(glb: Uint8Array): Promise<Document> {
+  return new NodeIO().readBinary(glb);
+}
+
 function barkMaterial(document: Document, pictures: SpeciesPictures): Material {
   const texture = (name: string, image: Uint8Array) =>
     document.createTexture(name).setMimeType("image/png").setImage(image);
@@ -42,7 +47,7 @@ function leafMaterial(document: Document, pictures: SpeciesPictures): Material {
     .createMaterial("leaves")
     .setBaseColorTexture(picture)
     .setMetallicFactor(0)
-    .setRoughnessFactor(0.75)
+    .setRoughnessFactor(0.85)
     .setAlphaMode("MASK")
     .setAlphaCutoff(0.4)
     .setDoubleSided(true);

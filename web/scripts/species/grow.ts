@@ -3,9 +3,9 @@ import { leafMesh } from "./foliage";
 import { writeGlb } from "./glb";
 import { growSkeleton } from "./growth";
 import { leafPicture } from "./leaf-picture";
-import type { Species } from "./parameters";
 import { encodePng } from "./picture";
 import { type SkeletonNode, scaleToHeight, setGirth, skeletonJson } from "./skeleton";
+import type { Species } from "./species";
 import type { SurfaceMesh } from "./surface";
 import { woodMesh } from "./wood";
 

@@ -1,13 +1,11 @@
+import { insideLeaf, type LeafPoint, type Outline } from "./outline";
 import { blank, bleed, type Colour, halve, type Picture } from "./picture";
 import { type Random, seededRandom } from "./random";
-
-/** A point of a leaf: x across, y from the petiole (0) to the tip (1), in leaf lengths. */
-export type LeafPoint = readonly [number, number];
+import { growShoots, type Leaf, placeLeaves, type Shoot } from "./shoots";
 
 /** How the leaves of a species look and how they sit on a shoot. */
 export interface LeafLook {
-  /** Right half of the outline, from the petiole to the tip. */
-  outline: readonly LeafPoint[];
+  outline: Outline;
   /** Veins on the right half, each from its root to its end. */
   veins: readonly (readonly [LeafPoint, LeafPoint])[];
   /** Colours that the leaves of one card vary around: one set for each of the four cards. */
@@ -20,20 +18,6 @@ export interface LeafLook {
   leavesPerCard: number;
   /** Angle of the leaves to the shoot, degrees. */
   angle_deg: number;
-}
-
-interface Leaf {
-  x: number;
-  y: number;
-  angle: number;
-  length: number;
-  squeeze: number;
-  colour: Colour;
-}
-
-interface Shoot {
-  points: LeafPoint[];
-  weight: number;
 }
 
 const TILE = 512;
@@ -87,69 +71,6 @@ class Frame {
   }
 }
 
-/** A main shoot and side shoots that leave it in turn. */
-function growShoots(random: Random): Shoot[] {
-  const bend = random.around(0, 0.08);
-  const main = curve([0.5, 0], [0.5 + bend, 0.4], [0.5 - bend, 0.78]);
-  const shoots: Shoot[] = [{ points: main, weight: 1 }];
-  for (let i = 0; i < 4; i++) {
-    const start = main[Math.round((0.18 + 0.17 * i) * (main.length - 1))];
-    const side = i % 2 === 0 ? 1 : -1;
-    const reach = random.uniform(0.24, 0.34) * (1 - 0.12 * i);
-    const rise = random.uniform(0.12, 0.24);
-    const middle: LeafPoint = [start[0] + side * reach * 0.5, start[1] + rise * 0.7];
-    shoots.push({ points: curve(start, middle, [start[0] + side * reach, start[1] + rise]), weight: 0.6 });
-  }
-  return shoots;
-}
-
-function curve(a: LeafPoint, b: LeafPoint, c: LeafPoint): LeafPoint[] {
-  return Array.from({ length: 25 }, (_, i) => {
-    const t = i / 24;
-    const blend = (k: 0 | 1): number => (1 - t) ** 2 * a[k] + 2 * t * (1 - t) * b[k] + t * t * c[k];
-    return [blend(0), blend(1)] as const;
-  });
-}
-
-/** Leaves alternate along the shoots, the lower ones drawn first. */
-function placeLeaves(look: LeafLook, shoots: Shoot[], palette: readonly Colour[], random: Random): Leaf[] {
-  const total = shoots.reduce((sum, shoot) => sum + shoot.weight, 0);
-  const leaves = shoots.flatMap((shoot) => {
-    const count = Math.round((look.leavesPerCard * shoot.weight) / total);
-    return Array.from({ length: count }, (_, i) => leafOn(look, shoot, i, count, palette, random));
-  });
-  return leaves.sort((a, b) => a.y - b.y + 0.15 * (a.squeeze - b.squeeze));
-}
-
-function leafOn(
-  look: LeafLook,
-  shoot: Shoot,
-  i: number,
-  count: number,
-  palette: readonly Colour[],
-  random: Random,
-): Leaf {
-  const last = shoot.points.length - 1;
-  const t = i === count - 1 ? 1 : (i + random.uniform(0.5, 1)) / count;
-  const at = Math.min(last, Math.round((0.12 + 0.88 * t) * last));
-  const [x, y] = shoot.points[at];
-  const [px, py] = shoot.points[Math.max(0, at - 1)];
-  const along = Math.atan2(x - px, y - py);
-  const side = i === count - 1 ? 0 : i % 2 === 0 ? 1 : -1;
-  const angle = along + (side * look.angle_deg * Math.PI) / 180 + random.around(0, 0.35);
-  const base = palette[random.integer(palette.length)];
-  const shade = random.uniform(0.86, 1.1);
-  const colour: Colour = [base[0] * shade, base[1] * shade * random.around(1, 0.05), base[2] * shade];
-  return {
-    x,
-    y,
-    angle,
-    length: look.length * random.uniform(0.78, 1.12),
-    squeeze: random.uniform(0.66, 1),
-    colour,
-  };
-}
-
 /** Blade coordinates (leaf lengths) of a card point; the blade starts where the petiole ends. */
 function toBlade(look: LeafLook, leaf: Leaf, x: number, y: number): LeafPoint {
   const dx = (x - leaf.x) / leaf.length;
@@ -179,7 +100,7 @@ function around(x: number, y: number, r: number): [LeafPoint, LeafPoint] {
 function drawLeaf(frame: Frame, look: LeafLook, leaf: Leaf): void {
   frame.each(...bladeBox(look, leaf), (x, y, at) => {
     const [bx, by] = toBlade(look, leaf, x, y);
-    if (inside(look.outline, Math.abs(bx), by)) frame.put(at, bladeColour(look, leaf, bx, by));
+    if (insideLeaf(look.outline, Math.abs(bx), by)) frame.put(at, bladeColour(look, leaf, bx, by));
   });
 }
 
@@ -189,7 +110,7 @@ function drawShadow(frame: Frame, look: LeafLook, leaf: Leaf): void {
   frame.each(...bladeBox(look, leaf), (x, y, at) => {
     if (data[at + 3] === 0) return;
     const [bx, by] = toBlade(look, leaf, x + 0.006, y + 0.014);
-    if (!inside(look.outline, Math.abs(bx) * 0.94, (by - 0.5) * 0.94 + 0.5)) return;
+    if (!insideLeaf(look.outline, Math.abs(bx) * 0.94, (by - 0.5) * 0.94 + 0.5)) return;
     for (let c = 0; c < 3; c++) data[at + c] *= 0.72;
   });
 }
@@ -234,15 +155,4 @@ function distance(x: number, y: number, a: LeafPoint, b: LeafPoint): number {
   const dy = b[1] - a[1];
   const t = Math.min(1, Math.max(0, ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy || 1)));
   return Math.hypot(x - a[0] - t * dx, y - a[1] - t * dy);
-}
-
-/** Even-odd test against the right half outline closed along the midrib. */
-function inside(outline: readonly LeafPoint[], x: number, y: number): boolean {
-  let within = false;
-  for (let i = 0, j = outline.length - 1; i < outline.length; j = i++) {
-    const [ax, ay] = outline[i];
-    const [bx, by] = outline[j];
-    if (ay > y !== by > y && x < ((bx - ax) * (y - ay)) / (by - ay) + ax) within = !within;
-  }
-  return within;
 }

@@ -1,4 +1,5 @@
-import type { LeafLook, LeafPoint } from "./leaf-picture";
+import type { LeafLook } from "./leaf-picture";
+import type { LeafPoint } from "./outline";
 
 type Shape = Pick<LeafLook, "outline" | "veins">;
 

@@ -59,3 +59,8 @@ export function encodePng(picture: Picture, opaque: boolean): Uint8Array {
   for (let i = 0; i < data.length; i++) png.data[i] = Math.round(255 * Math.min(1, Math.max(0, data[i])));
   return PNG.sync.write(png, { colorType: opaque ? 2 : 6, inputColorType: 6, deflateLevel: 9 });
 }
+
+/** The RGBA bytes of a PNG. */
+export function decodePng(bytes: Uint8Array): { width: number; height: number; data: Uint8Array } {
+  return PNG.sync.read(Buffer.from(bytes));
+}

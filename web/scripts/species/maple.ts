@@ -1,0 +1,104 @@
+import { mapleBark } from "./bark-picture";
+import { palmate } from "./leaf-shapes";
+import type { Species } from "./species";
+
+/** Broad oval crown on long boughs that spread in layers; red in autumn. */
+export const maple: Species = {
+  id: "maple",
+  name: "Maple",
+  wood: "maple",
+  height_m: 12,
+  habit: {
+    seed: 707,
+    options: {
+      type: "deciduous",
+      trellis: { enabled: false },
+      branch: {
+        levels: 2,
+        length: { 0: 30, 1: 14, 2: 7 },
+        radius: { 0: 1.5, 1: 0.5, 2: 0.6 },
+        sections: { 0: 9, 1: 5, 2: 3 },
+        gnarliness: { 0: 0.04, 1: 0.06, 2: 0.08 },
+        force: { direction: { x: 0, y: 1, z: 0 }, strength: 0.014 },
+        taper: { 0: 0.5, 1: 0.5, 2: 0.6 },
+      },
+    },
+    branching: [
+      {
+        count: [12, 5, 1],
+        start: 0.27,
+        angle_deg: [72, 66, 58, 48, 38, 28],
+        length: [17, 19, 18.5, 16, 12, 6],
+        steepest: 1,
+        scatter: 0.14,
+      },
+      {
+        count: [3, 1],
+        start: 0.3,
+        angle_deg: [60, 52, 42],
+        length: [9.5, 8.5, 6],
+        steepest: 0.75,
+        scatter: 0.2,
+      },
+    ],
+    leader: [[0.46, 0.5], [0.5], []],
+  },
+  girth: {
+    breast_radius_m: 0.14,
+    breast_height_m: 1.3,
+    tip_radius_m: 0.011,
+    exponent: 0.5,
+    flare: 0.4,
+    flare_height_m: 0.3,
+  },
+  cut: { segments: [9, 5, 4], bark_tile_m: [0.7, 1.4] },
+  foliage: {
+    cards: 2750,
+    size_m: 0.66,
+    scatter: 0.25,
+    angle_deg: [75, 65, 45],
+    density: [
+      [0, 0, 0, 0, 0.4, 0.8, 1.2],
+      [0, 0.3, 0.8, 1.2],
+      [0.4, 1, 1.3],
+    ],
+    reach_m: 0.6,
+    lift: -0.02,
+    shade: 0.5,
+    bough_tint: 0.35,
+    spray_tint: 0.25,
+  },
+  leaf: {
+    ...palmate(),
+    palettes: [
+      [
+        [0.8, 0.16, 0.1],
+        [0.88, 0.24, 0.1],
+        [0.72, 0.11, 0.1],
+      ],
+      [
+        [0.86, 0.28, 0.1],
+        [0.92, 0.38, 0.12],
+        [0.8, 0.19, 0.1],
+      ],
+      [
+        [0.7, 0.1, 0.11],
+        [0.78, 0.15, 0.1],
+        [0.62, 0.08, 0.11],
+      ],
+      [
+        [0.9, 0.34, 0.12],
+        [0.82, 0.2, 0.1],
+        [0.95, 0.5, 0.16],
+      ],
+    ],
+    vein: [0.95, 0.55, 0.3],
+    stem: [0.5, 0.16, 0.12],
+    length: 0.25,
+    petiole: 0.38,
+    leavesPerCard: 17,
+    angle_deg: 55,
+  },
+  bark: mapleBark(23),
+  barkRelief: 4,
+};

@@ -1,0 +1,103 @@
+import { poplarBark } from "./bark-picture";
+import { TreePreset } from "./ez-tree";
+import { deltoid } from "./leaf-shapes";
+import type { Species } from "./species";
+
+/** Tall and narrow, one straight stem with short boughs; grown from the generator's aspen. */
+export const poplar: Species = {
+  id: "poplar",
+  name: "Poplar",
+  wood: "poplar",
+  height_m: 14,
+  habit: {
+    seed: 303,
+    options: {
+      ...TreePreset["Aspen Large"],
+      branch: {
+        ...TreePreset["Aspen Large"].branch,
+        length: { 0: 45, 1: 15, 2: 6 },
+        radius: { 0: 1.1, 1: 0.5, 2: 0.7 },
+        sections: { 0: 12, 1: 4, 2: 3 },
+        gnarliness: { 0: 0.03, 1: 0.05, 2: 0.07 },
+        force: { direction: { x: 0, y: 1, z: 0 }, strength: 0.02 },
+      },
+    },
+    branching: [
+      {
+        count: [20, 5, 1],
+        start: 0.26,
+        angle_deg: [66, 64, 58, 50, 42, 34],
+        length: [10.5, 11.5, 12, 11.5, 9, 5],
+        steepest: 1,
+        scatter: 0.1,
+      },
+      {
+        count: [1, 1],
+        start: 0.3,
+        angle_deg: [55, 48, 40],
+        length: [6, 5.5, 4],
+        steepest: 0.75,
+        scatter: 0.2,
+      },
+    ],
+    leader: [[0.34, 0.4], [0.45], []],
+  },
+  girth: {
+    breast_radius_m: 0.11,
+    breast_height_m: 1.3,
+    tip_radius_m: 0.011,
+    exponent: 0.5,
+    flare: 0.35,
+    flare_height_m: 0.25,
+  },
+  cut: { segments: [8, 5, 4], bark_tile_m: [0.7, 1.6] },
+  foliage: {
+    cards: 2700,
+    size_m: 0.5,
+    scatter: 0.25,
+    angle_deg: [70, 60, 40],
+    density: [
+      [0, 0, 0, 0.15, 0.5, 1, 1.3],
+      [0.1, 0.6, 1, 1.2],
+      [0.5, 1, 1.2],
+    ],
+    reach_m: 0.4,
+    lift: 0.1,
+    shade: 0.55,
+    bough_tint: 0.25,
+    spray_tint: 0.3,
+  },
+  leaf: {
+    ...deltoid(),
+    palettes: [
+      [
+        [0.93, 0.74, 0.16],
+        [0.97, 0.8, 0.24],
+        [0.88, 0.68, 0.13],
+      ],
+      [
+        [0.95, 0.78, 0.22],
+        [0.86, 0.76, 0.24],
+        [0.98, 0.83, 0.3],
+      ],
+      [
+        [0.9, 0.66, 0.12],
+        [0.95, 0.75, 0.18],
+        [0.84, 0.58, 0.12],
+      ],
+      [
+        [0.84, 0.78, 0.26],
+        [0.74, 0.74, 0.27],
+        [0.93, 0.79, 0.22],
+      ],
+    ],
+    vein: [0.98, 0.9, 0.55],
+    stem: [0.55, 0.44, 0.24],
+    length: 0.2,
+    petiole: 0.42,
+    leavesPerCard: 22,
+    angle_deg: 52,
+  },
+  bark: poplarBark(11),
+  barkRelief: 2.2,
+};
