@@ -46,6 +46,10 @@ class ElementSystem:
         self.values = np.zeros((self.solver.blocks + 1, 9))
         self.diagonal = self.solver.pointer[:-1]
 
+    def set_blocks(self, blocks: Floats) -> None:
+        """Replace the elements' stiffness (m,10,3,3)."""
+        self.blocks = np.ascontiguousarray(blocks.reshape(len(blocks), 10, 9))
+
     def _scatter_map(self) -> tuple[Ints, NDArray[np.bool_]]:
         """Where each element block goes in the factor's pattern, and whether it goes there transposed."""
         width = self.elements.shape[1]

@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from precompute.modal import frequencies
-from precompute.model import FemModel, FemSettings, build_model, load_model, save_model
+from precompute.model import FemModel, FemSettings, load_model, save_model
+from precompute.modelling import build_model
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]

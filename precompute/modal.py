@@ -28,16 +28,18 @@ def frequencies(model: "FemModel", count: int) -> Floats:
     return natural_modes(model, count).frequencies_hz
 
 
-def natural_modes(model: "FemModel", count: int) -> Modes:
+def natural_modes(model: "FemModel", count: int, system: ElementSystem | None = None) -> Modes:
     """Modes of small vibration about the rest pose, what gravity softens included.
+
+    A `system` at hand (the model's own, its matrix overwritten here) saves the symbolic analysis.
 
     The elements' tangent leaves out the derivative of their rotations, which is where the weight's own moment (P–Δ)
     comes in; so its modes only span a subspace, in which the true tangent is taken by differences of the force.
     """
-    system = model.system()
+    system = system or model.system()
     u = model.u_rest[system.order]
     mass = model.mass_kg[system.order]
-    basis = _tangent_modes(system, u, mass, min(count + 8, 3 * system.free - 2))
+    _, basis = tangent_modes(system, u, mass, min(count + 8, 3 * system.free - 2))
     stiffness = _projected_stiffness(system, u, basis)
     eigenvalues, weights = eigh(stiffness)
     inner = np.einsum("jk,jni->kni", weights, basis)[:count]
@@ -46,8 +48,11 @@ def natural_modes(model: "FemModel", count: int) -> Modes:
     return Modes(np.sqrt(np.maximum(eigenvalues[:count], 0)) / (2 * np.pi), shapes)
 
 
-def _tangent_modes(system: ElementSystem, u: Floats, mass: Floats, count: int) -> Floats:
-    """Lowest mass-normalised modes (count,N,3) of the corotational tangent, by shift-invert Lanczos."""
+def tangent_modes(system: ElementSystem, u: Floats, mass: Floats, count: int) -> tuple[Floats, Floats]:
+    """Angular frequencies (count,) 1/s, ascending, and mass-normalised modes (count,N,3) of the corotational tangent.
+
+    Shift-invert Lanczos about zero with the block factor; u, mass and modes in the system's inner order.
+    """
     size = 3 * system.free
     system.assemble(u, np.zeros_like(u), 1.0, np.zeros(len(u)), np.zeros_like(u))
     stiffness = system.solver.to_scipy(system.values)
@@ -60,10 +65,11 @@ def _tangent_modes(system: ElementSystem, u: Floats, mass: Floats, count: int) -
 
     solver = LinearOperator((size, size), matvec=inverse, dtype=np.float64)
     diagonal = diags_array(np.repeat(mass[: system.free], 3)).tocsc()
-    _, vectors = eigsh(stiffness, count, M=diagonal, sigma=0, OPinv=solver, v0=np.ones(size), tol=1e-10)
+    squares, vectors = eigsh(stiffness, count, M=diagonal, sigma=0, OPinv=solver, v0=np.ones(size), tol=1e-10)
     modes = np.zeros((count, len(u), 3))
     modes[:, : system.free] = vectors.T.reshape(count, -1, 3)
-    return modes
+    rising = np.argsort(squares)
+    return np.sqrt(np.maximum(squares[rising], 0)), modes[rising]
 
 
 def _projected_stiffness(system: ElementSystem, u: Floats, basis: Floats) -> Floats:

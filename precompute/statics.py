@@ -39,42 +39,39 @@ def gravity_rest_pose(system: ElementSystem, gravity_n: Floats, height_m: float)
 def solve_static(
     system: ElementSystem, load_n: Floats, *, iterations: int = 60, tolerance: float = 1e-9
 ) -> tuple[Floats, int, bool]:
-    """Displacement (N,3) under dead loads, Newton steps taken, and whether the residual fell below the tolerance.
+    """Displacement (N,3) under dead loads, Newton steps taken, and whether the steps fell below the tolerance.
 
-    A step that does not lower the residual is halved: the tangent leaves out the rotation's own derivative, so a
-    full step can overshoot far from the solution.
+    The tangent leaves out the rotations' own derivative, that is what the load gains from the sway it causes (P–Δ):
+    for a slender tree the steps then shrink slowly, by the load's part of the buckling load, which is measured from
+    two steps and summed to its end (Aitken). The residual is no guide: a first step in bending stretches everything.
     """
     load = load_n[system.order]
     load[system.free :] = 0
     u, force, still = np.zeros_like(load), np.zeros_like(load), np.zeros_like(load)
-    no_mass = np.zeros(len(load))
-    size = float(np.linalg.norm(load))
-    residual = load.copy()
+    no_mass, before = np.zeros(len(load)), np.zeros_like(load)
+    farthest = 0.2 * float(np.ptp(system.rest))
     for iteration in range(iterations):
-        if float(np.linalg.norm(residual)) <= tolerance * size:
-            return _outer_displacement(system, u), iteration, True
         system.assemble(u, still, 1.0, no_mass, force)
+        step = load - force
+        step[system.free :] = 0
         system.solver.factorise(system.values)
-        step = residual.copy()
         system.solver.solve(step)
-        u, residual = _damped_step(system, u, step, load, residual)
+        length = float(np.abs(step).max())
+        if not np.isfinite(length):
+            return _outer_displacement(system, u), iteration, False
+        u += step * min(_tail(step, before, iteration), farthest / max(length, 1e-300))
+        before = step
+        if length <= tolerance * float(np.abs(u).max()):
+            return _outer_displacement(system, u), iteration + 1, True
     return _outer_displacement(system, u), iterations, False
 
 
-def _damped_step(
-    system: ElementSystem, u: Floats, step: Floats, load: Floats, residual: Floats
-) -> tuple[Floats, Floats]:
-    still, force = np.zeros_like(u), np.zeros_like(u)
-    before = float(np.linalg.norm(residual))
-    fraction = 1.0
-    while True:
-        moved = u + fraction * step
-        system.force(moved, still, force)
-        after = load - force
-        after[system.free :] = 0
-        if float(np.linalg.norm(after)) < before or fraction < 1 / 32:
-            return moved, after
-        fraction /= 2
+def _tail(step: Floats, before: Floats, iteration: int) -> float:
+    """Sum of the geometric series that two steps in a row begin, every third step."""
+    if iteration % 3 or not iteration:
+        return 1.0
+    ratio = float(np.vdot(step, before)) / max(float(np.vdot(before, before)), 1e-300)
+    return 1 / (1 - ratio) if 0.1 < ratio < 0.95 else 1.0
 
 
 def _outer_displacement(system: ElementSystem, u: Floats) -> Floats:

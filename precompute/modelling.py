@@ -1,0 +1,171 @@
+"""From a mesh, a skeleton, a wood and the foliage to the finite-element model."""
+
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from precompute.calibration import fit_factors, reference_target
+from precompute.damping import damping_report, rayleigh
+from precompute.elasticity import gradients, moduli, stiffness_blocks
+from precompute.modal import natural_modes
+from precompute.model import Element, FemModel, FemSettings
+from precompute.quadratic import elevate, node_mass_shares
+from precompute.statics import gravity_rest_pose
+from precompute.wood import Wood
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+GRAVITY_M_S2 = 9.81
+RATIO_FLOOR = 0.5
+"""Twigs thickened by more than this are treated as thickened by this: else they would be threads."""
+
+
+class MeshLike(Protocol):
+    """What of a TetMesh is needed here: vertices (n,3) m, tets (m,4), original over thickened radius (m,)."""
+
+    @property
+    def vertices_m(self) -> Floats: ...
+    @property
+    def tets(self) -> Ints: ...
+    @property
+    def radius_ratio(self) -> Floats: ...
+
+
+class SkeletonLike(Protocol):
+    """What of a Skeleton is needed here: the fibre direction (m,3) of each tet."""
+
+    @property
+    def tet_fibre(self) -> Floats: ...
+
+
+class LumpsLike(Protocol):
+    """What of the foliage is needed here: extra mass (n,) kg, drag area (n,) m², fixed vertices (k,)."""
+
+    @property
+    def mass_kg(self) -> Floats: ...
+    @property
+    def drag_area_m2(self) -> Floats: ...
+    @property
+    def fixed(self) -> Ints: ...
+
+
+@dataclass(frozen=True)
+class Material:
+    """The linear elements of a tree: geometry, stiffness parts (m,10,3,3) N/m, wood mass (m,) kg."""
+
+    vertices_m: Floats
+    tets: Ints
+    grad: Floats
+    axial: Floats
+    shear: Floats
+    element_mass_kg: Floats
+
+
+def build_model(
+    mesh: MeshLike,
+    skeleton: SkeletonLike,
+    wood: Wood,
+    lumps: LumpsLike,
+    settings: FemSettings | None = None,
+) -> FemModel:
+    """Model of a tree: stiffness (fitted), masses, gravity rest pose, Rayleigh damping. ValueError on a bad mesh."""
+    settings = settings or FemSettings()
+    material = wood_elements(mesh, skeleton, wood, lumps)
+    report: dict[str, Any] = {"wood": wood.name, "wood_source": wood.source, "element": settings.element}
+    report["wood_mass_kg"] = float(material.element_mass_kg.sum())
+    if settings.element != "fitted":
+        return _finished(_raw(material, lumps, settings, settings.element), wood, report)
+    raw_reference = _raw(material, lumps, settings, "quadratic")
+    model, fit = _fitted(material, _raw(material, lumps, settings, "linear"), raw_reference)
+    model = _finished(model, wood, {**report, "fit": fit})
+    if not settings.reference_frames:
+        return model
+    # Imported here: the comparison simulates, and the simulator stands above the model.
+    from precompute.comparison import compare
+
+    difference = compare(model, _finished(raw_reference, wood, report), settings.reference_frames)
+    return replace(model, report={**model.report, "reference": difference})
+
+
+def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumps: LumpsLike) -> Material:
+    """Stiffness and mass of the tets, what was thickened for the mesh made thin again."""
+    vertices = np.ascontiguousarray(mesh.vertices_m, np.float64)
+    tets = np.ascontiguousarray(mesh.tets, np.int32)
+    grad, volume = gradients(vertices[tets])
+    _check_mesh(vertices, volume, lumps)
+    ratio = np.clip(mesh.radius_ratio, RATIO_FLOOR, 1.0)
+    fibre = np.asarray(skeleton.tet_fibre, np.float64)
+    axial, shear = stiffness_blocks(grad, volume, fibre, moduli(wood))
+    thinned = (ratio**4)[:, None, None, None]
+    return Material(
+        vertices, tets, grad, axial * thinned, shear * thinned, volume * wood.density_kg_m3 * ratio**2
+    )
+
+
+def _check_mesh(vertices: Floats, volume: Floats, lumps: LumpsLike) -> None:
+    if not np.isfinite(vertices).all():
+        raise ValueError("the mesh has vertices that are not finite")
+    if not (volume > 0).all():
+        raise ValueError(f"{int((volume <= 0).sum())} tetrahedra are flat or inside out")
+    if len(lumps.fixed) < 3:
+        raise ValueError("fewer than three vertices are fixed: the tree has no root")
+
+
+def _raw(material: Material, lumps: LumpsLike, settings: FemSettings, element: Element) -> FemModel:
+    """The model before it knows its rest pose and damping."""
+    count = len(material.vertices_m)
+    nodes, elements, shares = material.vertices_m, material.tets, np.full(4, 0.25)
+    if element == "quadratic":
+        nodes, elements = elevate(nodes, elements)
+        shares = node_mass_shares()
+    mass = np.bincount(elements.ravel(), np.outer(material.element_mass_kg, shares).ravel(), len(nodes))
+    mass[:count] += lumps.mass_kg
+    gravity, area = np.zeros((len(nodes), 3)), np.zeros(len(nodes))
+    gravity[:, 1] = -GRAVITY_M_S2 * mass * settings.gravity
+    area[:count] = lumps.drag_area_m2
+    return FemModel(
+        nodes_m=nodes,
+        elements=elements,
+        grad=material.grad,
+        blocks=material.axial + material.shear,
+        mass_kg=mass,
+        drag_area_m2=area,
+        fixed=np.unique(np.asarray(lumps.fixed, np.int32)),
+        gravity_n=gravity,
+        u_rest=np.zeros_like(nodes),
+        vertex_count=count,
+        alpha=0.0,
+        beta=0.0,
+        settings=replace(settings, element=element),
+        report={},
+    )
+
+
+def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[FemModel, dict[str, Any]]:
+    """The linear model with its stiffness fitted to the quadratic one's, and the fit's report."""
+    target = reference_target(reference.system(), reference.mass_kg, linear.mass_kg, linear.drag_area_m2)
+    fit = fit_factors(linear.system(), material.axial, material.shear, linear.mass_kg, target)
+    blocks = fit.apply(material.axial, material.shear)
+    return replace(linear, blocks=blocks, settings=replace(linear.settings, element="fitted")), fit.report
+
+
+def _finished(model: FemModel, wood: Wood, report: dict[str, Any]) -> FemModel:
+    """The model with its gravity rest pose, its frequencies and its damping."""
+    height_m = float(np.ptp(model.nodes_m[:, 1]))
+    system = model.system()
+    pose = gravity_rest_pose(system, model.gravity_n, height_m)
+    model = replace(model, u_rest=pose.u_m, gravity_n=pose.gravity_n)
+    frequencies = [float(f) for f in natural_modes(model, 10, system).frequencies_hz]
+    ratio = wood.damping_ratio
+    alpha, beta = rayleigh(ratio, frequencies[0], model.settings.damping_frequency_ratio)
+    report = {
+        **report,
+        "mass_kg": float(model.mass_kg.sum()),
+        "rest_pose": pose.report,
+        "frequencies_hz": frequencies,
+        "damping": damping_report(model.settings, alpha, beta, frequencies[0], ratio),
+    }
+    return replace(model, alpha=alpha, beta=beta, report=report)
