@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Annotated, Any, cast
+from typing import Annotated, cast
 
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 from server.database import Sessions
+from server.intake import Intake
 from server.settings import Settings
+from server.shelf import TableShelf
 from server.storage import Stores
 
 
@@ -22,7 +24,10 @@ class Service:
     settings: Settings
     sessions: Sessions
     stores: Stores
-    intake: Callable[..., Any]
+    shelf: TableShelf
+    walkers: ThreadPoolExecutor  # the lookups of streams; compiled code lets go of Python's lock
+    server_name: str
+    intake: Intake
     loop: asyncio.AbstractEventLoop
     intake_slots: asyncio.Semaphore
     # set when a job was queued or cancelled, so that the supervisor need not wait for its next look

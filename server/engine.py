@@ -11,7 +11,7 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
@@ -27,11 +27,11 @@ class EngineLostError(Exception):
 
 
 @contextmanager
-def connected(address: str) -> Iterator[Any]:
+def connected(address: str) -> Generator[Any]:
     """A client of the cluster. EngineLostError if it cannot be reached or is lost inside the block."""
     from distributed import Client
     from distributed.client import FutureCancelledError
-    from distributed.comm import CommClosedError
+    from distributed.comm.core import CommClosedError
     from distributed.scheduler import KilledWorker
 
     try:
@@ -68,9 +68,10 @@ def main() -> None:
     options = parser.parse_args()
     os.nice(NICENESS)
     os.environ.update(SINGLE_THREADED)
-    from distributed import LocalCluster
+    import distributed
 
-    with LocalCluster(
+    make_cluster: Any = distributed.LocalCluster  # its types promise a coroutine and a dashboard
+    with make_cluster(
         n_workers=options.workers,
         threads_per_worker=1,
         processes=True,

@@ -78,7 +78,7 @@ def text(header: Header, name: str) -> str:
 
 def text_map(value: Any, name: str) -> Header:
     """A map whose keys are text. WireError."""
-    if not isinstance(value, dict) or not all(isinstance(key, str) for key in cast(Header, value)):
+    if not isinstance(value, dict) or not all(isinstance(key, str) for key in cast(dict[Any, Any], value)):
         raise WireError(f"{name} must be a map with text keys")
     return cast(Header, value)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Generator
 from contextlib import contextmanager
 from datetime import datetime
 
@@ -54,7 +54,7 @@ class ChangeFeed:
         self._known: dict[str, tuple[Stamp, Change]] = {}
 
     @contextmanager
-    def listen(self) -> Iterator[Mailbox]:
+    def listen(self) -> Generator[Mailbox]:
         """A mailbox that is filled for as long as the block runs."""
         box = Mailbox()
         self._boxes.add(box)

@@ -7,19 +7,21 @@ import os
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-from precompute.pipeline import BuildOptions, BuildResult, Cancelled, Progress, build_table
 from sqlalchemy import update
 
+from precompute.build_types import BuildOptions, BuildResult, Cancelled, Progress
 from precompute.intake_types import IntakeError, IntakeOptions
 from server.database import Sessions, open_database
-from server.engine import NICENESS, EngineLostError, connected
+from server.engine import NICENESS, EngineLostError
 from server.jobs import end_job
 from server.models import Job, Tree, utc_now
 from server.processes import die_with_parent
 from server.runner import DaskRunner
 from server.settings import Settings
+from server.species import fingerprint
 from server.storage import Stores
 
 log = logging.getLogger("galewood.job")
@@ -35,9 +37,8 @@ class Reporter:
     def __init__(self, sessions: Sessions, job_id: str) -> None:
         self._sessions = sessions
         self._job_id = job_id
-        self._began: tuple[float, float] | None = (
-            None  # time and fraction of the first report: a resumed job leaps
-        )
+        # time and fraction of the first report: a resumed job leaps
+        self._began: tuple[float, float] | None = None
         self._written: tuple[float, str] = (-1.0, "")
 
     def __call__(self, progress: Progress) -> None:
@@ -61,13 +62,45 @@ class Reporter:
         return spent_s / done * (1 - fraction) if done > 0.03 else None
 
 
+@dataclass(frozen=True)
+class Order:
+    """What is to be built, as it was when the job began."""
+
+    source: bytes
+    filename: str
+    options: BuildOptions
+    fingerprint: str
+
+
+def read_order(sessions: Sessions, stores: Stores, job_id: str) -> Order:
+    """The order of a job: its tree's mesh and options, overruled by the job's own settings."""
+    with sessions() as session:
+        job = session.get_one(Job, job_id)
+        tree = job.tree
+        return Order(
+            source=stores.sources.get(tree.source_sha256),
+            filename=tree.filename,
+            options=build_options({**tree.options, **job.settings}),
+            fingerprint=fingerprint(tree.source_sha256, tree.options, job.settings),
+        )
+
+
+def build_options(given: dict[str, Any]) -> BuildOptions:
+    """The options of a build from names and values."""
+    intake = {key: given[key] for key in ("species", "height_m", "up_axis") if key in given}
+    rest = {key: value for key, value in given.items() if key not in intake}
+    return BuildOptions(intake=IntakeOptions(**intake), **rest)
+
+
 def run_job(job_id: str, address: str, settings: Settings, build: Build) -> None:
     """Compute the table of a job's tree and publish it; every failure becomes the job's last state."""
     sessions, stores = open_database(settings.database), Stores(settings.data_dir)
     try:
-        with connected(address) as client:
-            result = _build(sessions, stores, settings, job_id, client, build)
-        _publish(sessions, stores, job_id, result)
+        order = read_order(sessions, stores, job_id)
+        runner = DaskRunner(address, settings.cancel_flag(job_id))
+        reporter = Reporter(sessions, job_id)
+        result = build(order.source, order.filename, order.options, runner, reporter, settings.cache_dir)
+        _publish(sessions, stores, job_id, order, result)
     except Cancelled:
         _end(sessions, job_id, "cancelled", "Cancelled")
     except EngineLostError:
@@ -77,49 +110,25 @@ def run_job(job_id: str, address: str, settings: Settings, build: Build) -> None
         _end(sessions, job_id, "failed", "Failed", f"{error.title} {error.hint}".strip())
     except Exception as error:
         log.exception("job %s failed", job_id)
-        _end(
-            sessions,
-            job_id,
-            "failed",
-            "Failed",
-            f"The computation failed ({type(error).__name__}); see the log.",
-        )
+        text = f"The computation failed ({type(error).__name__}); the cause is in the server's log."
+        _end(sessions, job_id, "failed", "Failed", text)
 
 
-def _build(
-    sessions: Sessions, stores: Stores, settings: Settings, job_id: str, client: Any, build: Build
-) -> BuildResult:
-    with sessions() as session:
-        job = session.get_one(Job, job_id)
-        tree = job.tree
-        source, filename = stores.sources.get(tree.source_sha256), tree.filename
-        options = build_options({**tree.options, **job.settings})
-    reporter = Reporter(sessions, job_id)
-    return build(source, filename, options, DaskRunner(client), reporter, settings.cache_dir)
-
-
-def build_options(given: dict[str, Any]) -> BuildOptions:
-    """The options of a build from a tree's own and its job's settings."""
-    intake = {key: given[key] for key in ("species", "height_m", "up_axis") if key in given}
-    rest = {key: value for key, value in given.items() if key not in intake}
-    return BuildOptions(intake=IntakeOptions(**intake), **rest)
-
-
-def _publish(sessions: Sessions, stores: Stores, job_id: str, result: BuildResult) -> None:
+def _publish(sessions: Sessions, stores: Stores, job_id: str, order: Order, result: BuildResult) -> None:
     """The files first, then, in one transaction, the tree that names them and the job's end."""
-    table_sha256, mesh_sha256 = stores.tables.put(result.table), stores.meshes.put(result.render_glb)
+    tree = {
+        "table_sha256": stores.tables.put(result.table),
+        "mesh_sha256": stores.meshes.put(result.render_glb),
+        "report": result.report,
+        "fingerprint": order.fingerprint,
+        "updated_at": utc_now(),
+    }
     with sessions.begin() as session:
-        job = session.get(Job, job_id)
-        if job is None or not end_job(session, job_id, "done", message="Done"):
+        if not end_job(session, job_id, "done", message="Done"):
             return
         session.execute(update(Job).where(Job.id == job_id).values(stage="done", fraction=1.0))
-        session.execute(
-            update(Tree)
-            .where(Tree.id == job.tree_id)
-            .values(
-                table_sha256=table_sha256, mesh_sha256=mesh_sha256, report=result.report, updated_at=utc_now()
-            )
-        )
+        tree_id = session.get_one(Job, job_id).tree_id
+        session.execute(update(Tree).where(Tree.id == tree_id).values(**tree))
 
 
 def _end(sessions: Sessions, job_id: str, state: str, message: str, error: str | None = None) -> None:
@@ -127,7 +136,7 @@ def _end(sessions: Sessions, job_id: str, state: str, message: str, error: str |
         end_job(session, job_id, state, message=message, error=error)
 
 
-def main(build: Build = build_table) -> None:
+def main(build: Build) -> None:
     """Read the arguments and work, gently, until done or until the server is gone."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     die_with_parent()
@@ -136,4 +145,6 @@ def main(build: Build = build_table) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    from precompute.pipeline import build_table
+
+    main(build_table)

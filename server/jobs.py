@@ -51,12 +51,9 @@ def next_queued(session: Session) -> Job | None:
 
 def end_job(session: Session, job_id: str, state: str, *, message: str, error: str | None = None) -> bool:
     """Give a job that is still active its last state; whether it was."""
-    changed = session.execute(
-        update(Job)
-        .where(Job.id == job_id, Job.state.in_(ACTIVE))
-        .values(state=state, message=message, error=error, seconds_left=None, updated_at=utc_now())
-    )
-    return bool(changed.rowcount)
+    end = {"state": state, "message": message, "error": error, "seconds_left": None, "updated_at": utc_now()}
+    active = update(Job).where(Job.id == job_id, Job.state.in_(ACTIVE))
+    return session.scalar(active.values(**end).returning(Job.id)) is not None
 
 
 @router.get("/{job_id}")

@@ -5,11 +5,13 @@ from __future__ import annotations
 import asyncio
 import fcntl
 import logging
-from collections.abc import AsyncIterator, Callable
+import os
+from collections.abc import AsyncGenerator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
 import uvicorn
 from fastapi import FastAPI
@@ -18,11 +20,12 @@ from sqlalchemy import func, select
 from server import artefacts, errors, events, jobs, species, stream, trees
 from server.context import Service, ServiceHere
 from server.database import migrate, open_database
-from server.intake import read_upload_tree
+from server.intake import Intake, limited_intake
 from server.models import ACTIVE, Job, Tree
 from server.page import Page
 from server.schemas import Health
 from server.settings import Settings
+from server.shelf import TableShelf
 from server.socket_protocol import SocketProtocol
 from server.storage import Stores
 from server.supervisor import Supervisor
@@ -32,14 +35,14 @@ VERSION = version("galewood")
 GRACE_S = 5
 
 
-def create_app(settings: Settings, intake: Callable[..., Any] | None = None) -> FastAPI:
+def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
     """The application; `intake` reads an upload (bytes, filename, options), a parameter for the tests."""
 
     @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
         lock = await asyncio.to_thread(_lock, settings.data_dir)
         await asyncio.to_thread(migrate, settings.database)
-        app.state.service = service = _service(settings, intake or read_upload_tree(settings))
+        app.state.service = service = _service(settings, intake or limited_intake(settings))
         app.state.feed = events.ChangeFeed(service)
         tasks = [
             asyncio.create_task(work)
@@ -62,11 +65,15 @@ def create_app(settings: Settings, intake: Callable[..., Any] | None = None) -> 
     return app
 
 
-def _service(settings: Settings, intake: Callable[..., Any]) -> Service:
+def _service(settings: Settings, intake: Intake) -> Service:
+    stores = Stores(settings.data_dir)
     return Service(
         settings=settings,
         sessions=open_database(settings.database),
-        stores=Stores(settings.data_dir),
+        stores=stores,
+        shelf=TableShelf(stores.tables),
+        walkers=ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="walk"),
+        server_name=f"galewood {VERSION}",
         intake=intake,
         loop=asyncio.get_running_loop(),
         intake_slots=asyncio.Semaphore(settings.concurrent_intakes),

@@ -66,10 +66,10 @@ class BuildSettings(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     species: str | None = None
-    height_m: float | None = Field(None, gt=0.1, le=150)
-    target_tets: int | None = Field(None, ge=500, le=60_000)
-    sampled_elements: int | None = Field(None, ge=1, le=2000)
-    design_speed_m_s: float | None = Field(None, gt=0, le=60)
+    height_m: float | None = Field(default=None, gt=0.1, le=150)
+    target_tets: int | None = Field(default=None, ge=500, le=60_000)
+    sampled_elements: int | None = Field(default=None, ge=1, le=2000)
+    design_speed_m_s: float | None = Field(default=None, gt=0, le=60)
 
     @field_validator("species")
     @classmethod
@@ -84,7 +84,7 @@ class PrecomputeRequest(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    settings: BuildSettings = Field(default_factory=BuildSettings)
+    settings: BuildSettings = Field(default_factory=lambda: BuildSettings())
 
 
 class Health(BaseModel):

@@ -22,8 +22,8 @@ class Settings(BaseSettings):
 
     model_config = SettingsConfigDict(env_prefix="GALEWOOD_", extra="ignore", populate_by_name=True)
 
-    host: str = Field("127.0.0.1", validation_alias=AliasChoices("GALEWOOD_HOST", "HOST"))
-    port: int = Field(8000, ge=0, le=65535, validation_alias=AliasChoices("GALEWOOD_PORT", "PORT"))
+    host: str = Field(default="127.0.0.1", validation_alias=AliasChoices("GALEWOOD_HOST", "HOST"))
+    port: int = Field(default=8000, ge=0, le=65535, validation_alias=AliasChoices("GALEWOOD_PORT", "PORT"))
     data_dir: Path = Path("data")
     database_url: str | None = None
     scheduler_url: str | None = None
@@ -32,25 +32,25 @@ class Settings(BaseSettings):
     builtin_species: bool = True
 
     workers: int = Field(default_factory=default_workers, ge=1, le=256)
-    concurrent_jobs: int = Field(1, ge=1, le=64)
-    job_attempts: int = Field(3, ge=1, le=20)
+    concurrent_jobs: int = Field(default=1, ge=1, le=64)
+    job_attempts: int = Field(default=3, ge=1, le=20)
     job_module: str = "server.job_process"
-    cluster_idle_s: float = Field(30.0, ge=0)
+    cluster_idle_s: float = Field(default=30.0, ge=0)
 
-    upload_bytes: int = Field(64 * MEBIBYTE, ge=1024)
-    intake_memory_bytes: int = Field(4096 * MEBIBYTE, ge=256 * MEBIBYTE)
-    intake_cpu_s: float = Field(120.0, gt=0)
-    intake_wall_s: float = Field(180.0, gt=0)
-    concurrent_intakes: int = Field(2, ge=1, le=64)
+    upload_bytes: int = Field(default=64 * MEBIBYTE, ge=1024)
+    intake_memory_bytes: int = Field(default=3072 * MEBIBYTE, ge=256 * MEBIBYTE)
+    intake_cpu_s: int = Field(default=40, gt=0)
+    intake_wall_s: float = Field(default=60.0, gt=0)
+    concurrent_intakes: int = Field(default=2, ge=1, le=64)
 
     allowed_origins: list[str] = Field(default_factory=list)
-    socket_message_bytes: int = Field(4 * MEBIBYTE, ge=1024)
-    socket_connections: int = Field(256, ge=1)
-    socket_connections_per_address: int = Field(32, ge=1)
-    socket_stall_s: float = Field(10.0, gt=0)
-    socket_messages_per_s: float = Field(60.0, gt=0)
-    forest_trees: int = Field(20_000, ge=1)
-    forest_groups: int = Field(64, ge=1)
+    socket_message_bytes: int = Field(default=4 * MEBIBYTE, ge=1024)
+    socket_connections: int = Field(default=256, ge=1)
+    socket_connections_per_address: int = Field(default=32, ge=1)
+    socket_stall_s: float = Field(default=10.0, gt=0)
+    socket_messages_per_s: float = Field(default=60.0, gt=0)
+    forest_trees: int = Field(default=20_000, ge=1)
+    forest_groups: int = Field(default=64, ge=1)
 
     @property
     def database(self) -> str:
@@ -61,6 +61,10 @@ class Settings(BaseSettings):
     def cache_dir(self) -> Path:
         """Stored meshes and trajectories, from which an interrupted build goes on."""
         return self.data_dir.resolve() / "cache"
+
+    def cancel_flag(self, job_id: str) -> Path:
+        """The file that tells the workers that a job was cancelled."""
+        return self.cache_dir / "cancelled" / job_id
 
     def environment(self) -> dict[str, str]:
         """The environment in which a child process reads these same settings."""

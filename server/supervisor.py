@@ -12,6 +12,7 @@ from server.context import Service
 from server.jobs import end_job, next_queued, requeue_interrupted
 from server.models import Job, utc_now
 from server.processes import start_module, stop
+from server.storage import write_atomically
 
 log = logging.getLogger("galewood.jobs")
 LOOK_S = 0.4
@@ -67,12 +68,9 @@ class Supervisor:
             job = next_queued(session)
             if job is None:
                 return None
-            taken = session.execute(
-                update(Job)
-                .where(Job.id == job.id, Job.state == "queued")
-                .values(state="running", stage="intake", message="Starting", updated_at=utc_now())
-            )
-            return job.id if taken.rowcount else None
+            start = {"state": "running", "stage": "intake", "message": "Starting", "updated_at": utc_now()}
+            waiting = update(Job).where(Job.id == job.id, Job.state == "queued")
+            return session.scalar(waiting.values(**start).returning(Job.id))
 
     async def _watch(self, job_id: str) -> None:
         try:
@@ -100,6 +98,8 @@ class Supervisor:
                     await process.wait()
             except TimeoutError:
                 if await asyncio.to_thread(self._must_stop, job_id):
+                    flag = self._service.settings.cancel_flag(job_id)
+                    await asyncio.to_thread(write_atomically, flag, b"")
                     return True
         return False
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from precompute.intake_types import IntakeOptions
+from precompute.intake_types import IntakeOptions, TreeMesh
 from server.context import Service, ServiceHere
 from server.errors import ProblemError, not_found
 from server.jobs import queue_job
@@ -48,8 +48,8 @@ class UploadFields(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     species: str | None = None
-    height_m: float | None = Field(None, gt=0.1, le=150)
-    name: str | None = Field(None, max_length=200)
+    height_m: float | None = Field(default=None, gt=0.1, le=150)
+    name: str | None = Field(default=None, max_length=200)
     up_axis: Literal["x", "y", "z"] | None = None
 
     @field_validator("species")
@@ -109,14 +109,14 @@ def _fields(upload: Upload) -> UploadFields:
         ) from None
 
 
-def _store(service: Service, upload: Upload, fields: UploadFields, mesh: Any, glb: bytes) -> TreeOut:
+def _store(service: Service, upload: Upload, fields: UploadFields, mesh: TreeMesh, glb: bytes) -> TreeOut:
     tree = Tree(
         name=fields.name or upload.filename.rsplit(".", 1)[0] or "tree",
         species=mesh.species,
-        height_m=float(mesh.height_m),
+        height_m=mesh.height_m,
         filename=upload.filename,
         options=fields.model_dump(include={"species", "height_m", "up_axis"}, exclude_none=True),
-        report=cast(dict[str, Any], mesh.report),
+        report=mesh.report,
         source_sha256=service.stores.sources.put(upload.data),
         mesh_sha256=service.stores.meshes.put(glb),
     )

@@ -29,6 +29,9 @@ from server.envelope import (
 HELLO, FOREST, WIND, PING = 1, 2, 3, 4
 WELCOME, TABLE, FRAME, ERROR, PONG = 65, 66, 67, 68, 69
 
+TICK_HZ = 30
+"""Frames a second of a stream, and ticks of a forest's clock."""
+
 Poses = npt.NDArray[np.int32]
 
 

@@ -18,7 +18,8 @@ import psutil
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-SPECIES = REPOSITORY / "assets" / "species"
+# fake builds need no cluster: none is started, and nobody calls this address
+NO_CLUSTER = {"GALEWOOD_SCHEDULER_URL": "tcp://127.0.0.1:9"}
 
 
 def free_port() -> int:

@@ -11,12 +11,17 @@ from typing import Any
 import httpx
 import pytest
 
-from tests.server.conftest import Server, wait_until
+from tests.server.conftest import NO_CLUSTER, Server, wait_until
 
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    environment = {"GALEWOOD_JOB_MODULE": "tests.server.fake_job", "GALEWOOD_UPLOAD_BYTES": "100000"}
+    environment = {
+        "GALEWOOD_JOB_MODULE": "tests.server.fake_job",
+        "GALEWOOD_UPLOAD_BYTES": "100000",
+        **NO_CLUSTER,
+        "GALEWOOD_JOB_ATTEMPTS": "2",
+    }
     data_dir = tmp_path_factory.mktemp("rest") / "data"
     data_dir.mkdir()
     server = Server(data_dir, "tests.server.fake_server", environment).start()

@@ -1,0 +1,69 @@
+"""A client's forest on the server: wind, lookup and time for every tree of every group."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from precompute.lookup import ForestLookup
+from precompute.table import Table
+from precompute.wind import Wind, wind_pressure
+from server.wire import TICK_HZ, Group, Poses
+
+Trees = npt.NDArray[np.float32]
+
+
+class GroupWalk:
+    """Trees that share a table: where they stand and where in the table each is."""
+
+    def __init__(self, table: Table, trees: Trees, pose_easing: float | None) -> None:
+        """trees (n, 4): x m, z m, yaw rad, scale."""
+        count = len(trees)
+        self._x_m, self._z_m = trees[:, 0].astype(np.float64), trees[:, 1].astype(np.float64)
+        self._pressure_x, self._pressure_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
+        self._lookup = ForestLookup(table, count, pose_easing=pose_easing)
+        self._lookup.set_trees(trees[:, 0], trees[:, 1], trees[:, 2], trees[:, 3])
+
+    def step(self, wind: Wind, time_s: float, dt_s: float) -> None:
+        """Let dt_s pass under the wind of the moment time_s."""
+        wind_pressure(wind, self._x_m, self._z_m, time_s, self._pressure_x, self._pressure_z)
+        self._lookup.advance(dt_s, self._pressure_x, self._pressure_z)
+
+    def poses(self) -> Poses:
+        """(n, r) poses in units of the table's modes.scale."""
+        return self._lookup.poses()
+
+
+class ForestWalk:
+    """Every group of one client under one wind and one clock, which ticks TICK_HZ times a second."""
+
+    def __init__(
+        self, tables: Sequence[Table], groups: Sequence[Group], trees: Trees, wind: Wind,
+        *, start_s: float, pose_easing: float | None,
+    ) -> None:  # fmt: skip
+        """trees (Σ count, 4) in the order of the groups, whose tables are given beside them."""
+        ends = np.cumsum([group.count for group in groups])[:-1]
+        parts = np.split(trees, ends)
+        self._groups = [
+            GroupWalk(table, part, pose_easing) for table, part in zip(tables, parts, strict=True)
+        ]
+        self._start_s = start_s
+        self._ticks = 0
+        self.wind = wind
+
+    @property
+    def time_s(self) -> float:
+        """The forest's own time: that of the poses as they are now."""
+        return self._start_s + self._ticks / TICK_HZ
+
+    def step(self) -> None:
+        """One tick under the wind at its beginning."""
+        for group in self._groups:
+            group.step(self.wind, self.time_s, 1 / TICK_HZ)
+        self._ticks += 1
+
+    def poses(self) -> tuple[Poses, ...]:
+        """(count, r) poses of each group."""
+        return tuple(group.poses() for group in self._groups)

@@ -1,0 +1,299 @@
+"""The WebSocket against a real server process: both modes, and clients that misbehave."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import socket
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from precompute import table as table_format
+from precompute.wind import Wind, parse_wind
+from server import wire
+from server.envelope import encode_message
+from server.forest import ForestWalk
+from tests.golden.make_wire import HERE
+from tests.server.conftest import Server, wait_until
+
+POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
+SHA256 = hashlib.sha256(POLE).hexdigest()
+BREEZE = Wind().document()
+REFUSED = [case for case in json.loads((HERE / "refused.json").read_text()) if case["at"] == "server"]
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    data_dir = tmp_path_factory.mktemp("stream") / "data"
+    table = data_dir / "tables" / SHA256[:2] / SHA256
+    table.parent.mkdir(parents=True)
+    table.write_bytes(POLE)
+    limits = {"GALEWOOD_FOREST_TREES": "2000", "GALEWOOD_SOCKET_STALL_S": "1.5"}
+    limits |= {"GALEWOOD_SOCKET_CONNECTIONS_PER_ADDRESS": "4", "GALEWOOD_SOCKET_MESSAGE_BYTES": "100000"}
+    server = Server(data_dir, "tests.server.fake_server", limits).start()
+    yield server
+    server.stop()
+
+
+def trees(count: int, seed: int = 11) -> npt.NDArray[np.float32]:
+    rng = np.random.default_rng(seed)
+    low, high = [-100, -100, -np.pi, 0.5], [100, 100, np.pi, 2.0]
+    return rng.uniform(low, high, (count, 4)).astype(np.float32)
+
+
+def forest(mode: Any = "stream", count: int = 30, **changes: Any) -> wire.Forest:
+    groups = (wire.Group(SHA256, count // 3), wire.Group(SHA256, count - count // 3))
+    rows = trees(count) if mode == "stream" else np.zeros((0, 4), np.float32)
+    fields = {"groups": groups, "wind": BREEZE, "time_s": 5.0, "pose_easing": 0.02, "trees": rows}
+    return wire.Forest(mode=mode, **{**fields, **changes})
+
+
+class Client:
+    """A socket that speaks the wire."""
+
+    def __init__(self, server: Server, hello: bool = True, **options: Any) -> None:
+        self.socket: ClientConnection = connect(server.socket_url, max_size=None, compression=None, **options)
+        if hello:
+            self.send(wire.Hello("test"))
+            welcome = self.receive()
+            assert isinstance(welcome, wire.Welcome)
+            assert (welcome.version, welcome.tick_hz) == (1, wire.TICK_HZ) and "galewood" in welcome.server
+
+    def send(self, request: wire.Request) -> None:
+        self.socket.send(wire.encode_request(request))
+
+    def receive(self) -> wire.Reply:
+        data = self.socket.recv(timeout=30)
+        assert isinstance(data, bytes)
+        return wire.decode_reply(data)
+
+    def frames(self) -> Iterator[tuple[wire.Frame, list[npt.NDArray[np.int32]]]]:
+        """Frames with the poses they add up to."""
+        poses: list[npt.NDArray[np.int32]] = []
+        while True:
+            frame = self.receive()
+            assert isinstance(frame, wire.Frame)
+            poses = (
+                list(frame.poses) if frame.key else [a + b for a, b in zip(poses, frame.poses, strict=True)]
+            )
+            yield frame, poses
+
+    def refusal(self) -> tuple[wire.Failure, int, str]:
+        """What the server says before it closes, with the close code and reason."""
+        while True:
+            reply = self.receive()
+            if isinstance(reply, wire.Failure):
+                break
+        with pytest.raises(ConnectionClosed) as closed:
+            self.socket.recv(timeout=10)
+        assert closed.value.rcvd is not None
+        return reply, closed.value.rcvd.code, closed.value.rcvd.reason
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.socket.close()
+
+
+def local_walk(request: wire.Forest) -> ForestWalk:
+    tables = [table_format.decode(POLE)] * len(request.groups)
+    return ForestWalk(
+        tables, request.groups, request.trees, parse_wind(request.wind),
+        start_s=request.time_s, pose_easing=request.pose_easing,
+    )  # fmt: skip
+
+
+def test_streamed_poses_are_those_of_a_walk_done_here(server: Server) -> None:
+    request = forest()
+    walk = local_walk(request)
+    with Client(server) as client:
+        client.send(request)
+        moved = False
+        for count, (frame, poses) in enumerate(client.frames()):
+            assert (frame.seq, frame.key) == (count, count == 0)
+            while walk.time_s < frame.time_s - 1e-9:
+                walk.step()
+            assert walk.time_s == pytest.approx(frame.time_s, abs=1e-9)
+            for mine, theirs in zip(walk.poses(), poses, strict=True):
+                np.testing.assert_array_equal(mine, theirs)
+            moved = moved or any(rows.any() for rows in poses)
+            if count == 60:
+                break
+        assert moved
+
+
+def test_a_slow_client_misses_frames_but_never_a_change(server: Server) -> None:
+    request = forest(count=2000)
+    walk = local_walk(request)
+    with Client(server, max_queue=1) as client:
+        client.send(request)
+        for count, (frame, poses) in enumerate(client.frames()):
+            if count in (10, 20):
+                time.sleep(1.0)
+            while walk.time_s < frame.time_s - 1e-9:
+                walk.step()
+            np.testing.assert_array_equal(np.vstack(walk.poses()), np.vstack(poses))
+            if count == 30:
+                assert frame.seq == 30
+                break
+
+
+def test_wind_changes_and_new_forests_take_effect(server: Server) -> None:
+    still = Wind(mean_speed_m_s=0.0).document()
+    with Client(server) as client:
+        client.send(forest(wind=still))
+        stream = client.frames()
+        for _ in range(10):
+            _, poses = next(stream)
+        assert not any(rows.any() for rows in poses)
+        client.send(wire.WindChange(BREEZE))
+        assert any(any(rows.any() for rows in next(stream)[1]) for _ in range(90))
+        client.send(forest(count=9, time_s=100.0))
+        frame = next(frame for frame, _ in stream if frame.key)
+        assert frame.seq == 0 and frame.time_s == 100.0
+        assert [len(rows) for rows in frame.poses] == [3, 6]
+
+
+def test_tables_come_in_chunks_and_whole(server: Server) -> None:
+    with Client(server) as client:
+        client.send(forest("table"))
+        data = bytearray()
+        while True:
+            chunk = client.receive()
+            assert isinstance(chunk, wire.TableChunk)
+            assert (chunk.table, chunk.offset) == (SHA256, len(data))
+            data += chunk.data
+            if len(data) == chunk.total:
+                break
+        assert bytes(data) == POLE
+        client.send(wire.Ping(4.5))
+        assert client.receive() == wire.Pong(4.5)
+
+
+@pytest.mark.parametrize("case", REFUSED, ids=lambda case: case["name"])
+def test_rubbish_is_closed_with_a_code_and_a_reason(server: Server, case: dict[str, Any]) -> None:
+    with Client(server) as client:
+        client.socket.send(bytes.fromhex(case["hex"]))
+        failure, code, reason = client.refusal()
+        assert code in (1007, 1008) and reason and failure.title.startswith(reason)
+
+
+def test_another_version_is_told_both(server: Server) -> None:
+    with Client(server, hello=False) as client:
+        data = bytearray(wire.encode_request(wire.Hello("new")))
+        data[2] = 9
+        client.socket.send(bytes(data))
+        failure, code, reason = client.refusal()
+        assert (failure.code, code) == ("unknown-version", 1008)
+        assert "9" in reason and "1" in reason
+
+
+@pytest.mark.parametrize(
+    ("requests", "code"),
+    [
+        ([forest(groups=(wire.Group("0" * 64, 30),))], "no-such-table"),
+        ([forest("table", groups=(wire.Group("0" * 64, 30),))], "no-such-table"),
+        ([forest(count=2001)], "too-many-trees"),
+        ([forest("table", groups=(wire.Group(SHA256, 1),) * 65)], "too-many-groups"),
+        ([forest(wind={"version": 1})], "bad-wind"),
+        ([forest(), wire.WindChange({**BREEZE, "mean_speed_m_s": 1e9})], "bad-wind"),
+        ([wire.Hello("again")], "second-hello"),
+        ([wire.Ping(0.5)] * 500, "too-many-messages"),
+    ],
+)
+def test_requests_beyond_the_limits_are_refused(
+    server: Server, requests: list[wire.Request], code: str
+) -> None:
+    with Client(server) as client:
+        with contextlib.suppress(ConnectionClosed):  # the last of many may come too late
+            for request in requests:
+                client.send(request)
+        failure, close, _ = client.refusal()
+        assert (failure.code, close) == (code, 1008)
+
+
+def test_hello_comes_first(server: Server) -> None:
+    with Client(server, hello=False) as client:
+        client.send(wire.Ping(0.5))
+        failure, close, _ = client.refusal()
+        assert (failure.code, close) == ("no-hello", 1008)
+
+
+def test_text_is_refused(server: Server) -> None:
+    with Client(server) as client:
+        client.socket.send("hello")
+        assert client.refusal()[1] == 1003
+
+
+def test_an_oversized_message_is_cut_short(server: Server) -> None:
+    with Client(server) as client:
+        client.socket.send(encode_message(wire.FOREST, {}, bytes(200_000)))
+        with pytest.raises(ConnectionClosed) as closed:
+            client.receive()
+        assert closed.value.rcvd is not None and closed.value.rcvd.code == 1009
+
+
+def test_pages_of_other_sites_are_turned_away(server: Server) -> None:
+    with pytest.raises(InvalidStatus) as refused:
+        Client(server, origin="https://elsewhere.example")
+    assert refused.value.response.status_code == 403
+    with Client(server, origin=f"http://127.0.0.1:{server.port}"):
+        pass
+
+
+def sockets(server: Server) -> int:
+    with server.client() as api:
+        return int(api.get("/healthz").json()["sockets"])
+
+
+def test_too_many_sockets_are_turned_away(server: Server) -> None:
+    wait_until(lambda: sockets(server) == 0)
+    clients = [Client(server) for _ in range(4)]
+    with pytest.raises(InvalidStatus) as refused:
+        Client(server)
+    assert refused.value.response.status_code == 429
+    for client in clients:
+        client.socket.close()
+    wait_until(lambda: sockets(server) == 0)
+    with Client(server):
+        pass
+
+
+def test_a_client_that_never_reads_is_dropped_and_others_do_not_notice(server: Server) -> None:
+    wait_until(lambda: sockets(server) == 0)
+    deaf = Client(server, max_queue=1)
+    raw = deaf.socket.socket
+    raw.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    deaf.send(forest(count=2000))
+    with Client(server) as other:
+        other.send(forest())
+        stream = other.frames()
+        wait_until(lambda: next(stream) and sockets(server) == 1, 30, 0)
+        seen = [next(stream)[0].time_s for _ in range(20)]
+        assert np.diff(seen).max() < 0.5
+    deaf.socket.close()
+
+
+def test_unknown_sockets_are_refused(server: Server) -> None:
+    with pytest.raises(InvalidStatus):
+        connect(f"ws://127.0.0.1:{server.port}/ws/other")
+
+
+def test_a_socket_that_vanishes_leaves_nothing(start_server: Callable[..., Server], server: Server) -> None:
+    wait_until(lambda: sockets(server) == 0)
+    client = Client(server)
+    client.send(forest())
+    next(client.frames())
+    client.socket.socket.shutdown(socket.SHUT_RDWR)
+    wait_until(lambda: sockets(server) == 0)
+    assert "Traceback" not in server.log()
