@@ -16,7 +16,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from precompute.similarity import last_records
+from precompute.similarity import last_records, still_records
 from precompute.table import Table
 
 Array = npt.NDArray[Any]
@@ -25,8 +25,9 @@ Floats = npt.NDArray[np.float64]
 MAX_STEPS_PER_ADVANCE = 8
 """After a long pause a tree resumes instead of catching up."""
 SNAP = 0.5
-"""Pose easing ends exactly on the record's pose once it is within half a unit of the table's mode scale."""
+"""Pose easing ends exactly on the record's pose once offset and its speed are within half an integer step."""
 
+ANY = -1
 _REDUCTIONS = 8
 _TERMS = np.array([(-1.0) ** n / math.factorial(n) for n in range(12)])
 
@@ -44,22 +45,26 @@ def gaussian(exponent):
 
 
 @numba.njit(cache=True, nogil=True)
-def nearest_pressure(pressure, barred, fx, fz):
-    """The first step (line 2): the lowest record with a successor whose pressure is nearest."""
+def nearest_pressure(pressure, barred, calm, air, fx, fz):
+    """The first step (line 2): the lowest record with a successor whose pressure is nearest.
+
+    ``air`` as in ``best_candidate``.
+    """
     best, found = np.inf, -1
     for j in range(len(pressure)):
         dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
         distance = dx * dx + dz * dz
-        if distance < best and not barred[j]:
+        if distance < best and not barred[j] and (air == ANY or calm[j] == air):
             best, found = distance, j
     return found
 
 
 @numba.njit(cache=True, nogil=True)
-def best_candidate(offsets, candidate, error, pressure, half_precision, state, weight, fx, fz):
+def best_candidate(offsets, candidate, error, pressure, calm, half_precision, state, weight, air, fx, fz):
     """Every later step (lines 7–9): the candidate of least total error (Eq. 16), the lowest record of equals.
 
     Candidates come sorted by their internal error, so the search stops where that alone is already too much.
+    ``air`` asks records of moving air (0) or of still air (1) only, or all (ANY). −1 if there is none.
     """
     best, found = np.inf, -1
     for s in range(offsets[state], offsets[state + 1]):
@@ -67,6 +72,8 @@ def best_candidate(offsets, candidate, error, pressure, half_precision, state, w
         if internal > best:
             break
         j = candidate[s]
+        if air != ANY and calm[j] != air:
+            continue
         dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
         total = internal + weight * gaussian((dx * dx + dz * dz) * half_precision)
         if total < best or (total == best and j < found):
@@ -75,7 +82,13 @@ def best_candidate(offsets, candidate, error, pressure, half_precision, state, w
 
 
 def brute_force(
-    error_row: Floats, pressure: Floats, barred: Array, half_precision: float, weight: float, f: Floats
+    error_row: Floats,
+    pressure: Floats,
+    barred: Array,
+    half_precision: float,
+    weight: float,
+    f: Floats,
+    air: int = -1,
 ) -> int:
     """The twin of ``best_candidate`` that asks every record: E_int of one state to all (z,), f (2,) Pa."""
     best, found = np.inf, -1
@@ -83,7 +96,8 @@ def brute_force(
         dx, dz = f[0] - pressure[j, 0], f[1] - pressure[j, 1]
         external = gaussian((dx * dx + dz * dz) * half_precision)
         total = (1.0 - weight) * error_row[j] + weight * external
-        if total < best and not barred[j]:
+        asked = air == ANY or bool(air) == (not pressure[j].any())
+        if total < best and asked and not barred[j]:
             best, found = total, j
     return found
 
@@ -96,6 +110,7 @@ class SearchArrays:
     candidate: npt.NDArray[np.int64]
     error: Floats  # (nnz,) E_int
     pressure: Floats  # (z, 2) Pa
+    calm: npt.NDArray[np.bool_]  # (z,) no wind acts
     barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory
     half_precision: float  # 1 / (2 σ²), Pa⁻²
 
@@ -108,48 +123,77 @@ def search_arrays(table: Table) -> SearchArrays:
         table.candidate.astype(np.int64),
         table.mismatches.astype(np.float64) / float(table.metadata["components"]),
         table.pressure_pa.astype(np.float64),
+        still_records(table.pressure_pa),
         last_records(table.trajectory),
         1.0 / (2.0 * sigma * sigma),
     )
 
 
 @numba.njit(cache=True, nogil=True)
-def _ease(pose, target, easing):
-    """Move a pose a share of the way to the found record's own, ending exactly on it."""
-    for k in range(len(pose)):
-        gap = target[k] - pose[k]
-        pose[k] = target[k] if abs(gap) < SNAP else pose[k] + easing * gap
+def _ease(poses, dq, first, found, easing, now, before):
+    """Follow the record's own path, letting the offset from it die away as a critically damped spring does.
+
+    The offset starts with the speed that keeps the tree's motion smooth where the search jumps. Both roots of
+    the recurrence are 1 − easing: docs/design/0002-pose-easing.md.
+    """
+    keep = (1.0 - easing) * (1.0 - easing)
+    pull = easing * easing
+    settled = True
+    for k in range(len(now)):
+        came = 0.0 if first else dq[found - 1, k]
+        offset = now[k] - poses[found, k]
+        speed = keep * ((now[k] - before[k]) - came) - pull * offset
+        before[k] = now[k]
+        now[k] = poses[found + 1, k] + (offset + speed)
+        settled = settled and abs(offset + speed) < SNAP and abs(speed) < SNAP
+    if settled:
+        for k in range(len(now)):
+            now[k] = poses[found + 1, k]
 
 
 @numba.njit(cache=True, nogil=True)
-def _step(search, dq, poses, rule, i, fx, fz, record, weight, now, before):
+def _step(search, dq, poses, starts, rule, i, fx, fz, record, weight, now, before):
     """One step of tree i: find the record, adopt its successor's state, accumulate its Δq (Alg. 1)."""
-    offsets, candidate, error, pressure, barred, half_precision = search
-    initial, maximum, growth, easing = rule
-    state = record[i] + 1
-    if state == 0:
-        found = nearest_pressure(pressure, barred, fx, fz)
-        weight[i] = initial
-    else:
-        found = best_candidate(offsets, candidate, error, pressure, half_precision, state, weight[i], fx, fz)
-        weight[i] = min(maximum, weight[i] + growth) if found == state else initial
+    initial, maximum, growth, easing, tell_air = rule
+    air = ANY
+    if tell_air:
+        air = 1 if fx == 0.0 and fz == 0.0 else 0
+    found = _find(search, record[i] + 1, weight[i], air, fx, fz)
+    if found < 0:  # a table without records of such air: ask all
+        found = _find(search, record[i] + 1, weight[i], ANY, fx, fz)
+    follows = found == record[i] + 1 and record[i] >= 0
+    weight[i] = min(maximum, weight[i] + growth) if follows else initial
     record[i] = found
-    for k in range(dq.shape[1]):
-        before[i, k] = now[i, k]
-        now[i, k] += dq[found, k]
     if easing > 0.0:
-        _ease(now[i], poses[found + 1], easing)
+        _ease(poses, dq, starts[found], found, easing, now[i], before[i])
+    else:
+        for k in range(dq.shape[1]):
+            before[i, k] = now[i, k]
+            now[i, k] += dq[found, k]
 
 
 @numba.njit(cache=True, nogil=True)
-def _advance(search, dq, poses, scale, rule, rate, turn, px, pz, record, weight, phase, now, before, q):
+def _find(search, state, weight, air, fx, fz):
+    """The record for the next step from a record's state (0: the first step)."""
+    offsets, candidate, error, pressure, calm, barred, half_precision = search
+    if state == 0:
+        return nearest_pressure(pressure, barred, calm, air, fx, fz)
+    return best_candidate(
+        offsets, candidate, error, pressure, calm, half_precision, state, weight, air, fx, fz
+    )
+
+
+@numba.njit(cache=True, nogil=True)
+def _advance(
+    search, dq, poses, starts, scale, rule, rate, turn, px, pz, record, weight, phase, now, before, q
+):
     for i in range(len(record)):
         fx = turn[i, 0] * px[i] - turn[i, 1] * pz[i]
         fz = turn[i, 1] * px[i] + turn[i, 0] * pz[i]
         phase[i] += rate[i]
         steps = 0
         while phase[i] >= 1.0 and steps < MAX_STEPS_PER_ADVANCE:
-            _step(search, dq, poses, rule, i, fx, fz, record, weight, now, before)
+            _step(search, dq, poses, starts, rule, i, fx, fz, record, weight, now, before)
             phase[i] -= 1.0
             steps += 1
         phase[i] -= np.floor(phase[i])
@@ -160,8 +204,14 @@ def _advance(search, dq, poses, scale, rule, rate, turn, px, pz, record, weight,
 class ForestLookup:
     """Trees of one table, each with its own state, in its own frame and at its own pace."""
 
-    def __init__(self, table: Table, count: int, *, pose_easing: float | None = None) -> None:
-        """``count`` trees at rest. ``pose_easing`` None takes the table's; 0 is the literal method."""
+    def __init__(
+        self, table: Table, count: int, *, pose_easing: float | None = None, still_air: bool = True
+    ) -> None:
+        """``count`` trees at rest. ``pose_easing`` 0 and ``still_air`` False are the literal method.
+
+        pose_easing: 0..1, None takes the table's: how fast the pose is drawn to that of the record found.
+        still_air: ask records of still air when the air is exactly still, and no others; and vice versa.
+        """
         metadata = table.metadata
         easing = metadata["pose_easing"] if pose_easing is None else pose_easing
         arrays = search_arrays(table)
@@ -172,9 +222,12 @@ class ForestLookup:
             float(weight["maximum"]),
             float(weight["growth"]),
             float(easing),
+            bool(still_air),
         )
         self._dq = table.dq.astype(np.float64)
         self._poses = table.pose().astype(np.float64)
+        self._starts = np.zeros(len(table.dq), np.bool_)
+        self._starts[table.trajectory[:-1].astype(np.int64)] = True
         self._scale = table.mode_scale.astype(np.float64)
         self._dt_s = float(metadata["dt_s"])
         modes = len(self._scale)
@@ -206,8 +259,8 @@ class ForestLookup:
         np.divide(dt_s / self._dt_s, self._size, out=self._rate)
         px, pz = np.asarray(pressure_x, np.float64), np.asarray(pressure_z, np.float64)
         _advance(
-            self._search, self._dq, self._poses, self._scale, self._rule, self._rate, self._turn, px, pz,
-            self.record, self._weight, self._phase, self._now, self._before, self.q,
+            self._search, self._dq, self._poses, self._starts, self._scale, self._rule, self._rate, self._turn,
+            px, pz, self.record, self._weight, self._phase, self._now, self._before, self.q,
         )  # fmt: skip
 
     def poses(self) -> npt.NDArray[np.int32]:

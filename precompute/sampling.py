@@ -29,7 +29,7 @@ DIRECTIONS_DEG = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
 COSINE_WINDS = (
     # peak speed / design speed, depth (U = peak (1 + depth cos) / (1 + depth)), period s, phase turns
     (0.30, 0.5, 4.0, 0.50),
-    (0.45, 1.0, 3.0, 0.50),
+    (0.45, 0.9, 3.0, 0.50),
     (0.60, 0.3, 6.0, 0.60),
     (0.75, 0.7, 2.5, 0.45),
     (0.90, 0.3, 5.0, 0.55),
@@ -77,15 +77,16 @@ class Body(Protocol):
     @property
     def v(self) -> Array: ...  # (n, 3)
 
-    @property
-    def internal_force(self) -> Array: ...  # (n, 3) at the state before the step
+    def recorded_force(self, vertices: Array) -> Array: ...  # (q, 3) at the state before the step
 
-    @property
-    def stiffness_diagonal(self) -> Array: ...  # (n, 3, 3) at the state before the step
+    def recorded_stiffness(self, vertices: Array) -> Array: ...  # (q, 3, 3) at the state before the step
 
 
 def sample_winds(design_speed_m_s: float, dt_s: float, frames: int = 180) -> list[SampleWind]:
-    """The winds of a table: 6 cosine × 6 directions, 6 gusts that die down, and still air."""
+    """The winds of a table: still air, 6 cosine × 6 directions, 6 gusts that die down.
+
+    Still air comes first: a tree that begins in no wind takes the lowest record of such air.
+    """
     time_s = np.arange(frames, dtype=np.float64) * dt_s
     winds = [
         _wind(f"cosine-{k}", direction, design_speed_m_s * _cosine(wind, time_s))
@@ -94,7 +95,7 @@ def sample_winds(design_speed_m_s: float, dt_s: float, frames: int = 180) -> lis
     ]
     gust, fade_frames = _gust(dt_s), round(FADE_S / dt_s)
     winds += [_wind("gust", d, design_speed_m_s * gust, fade_frames) for d in DIRECTIONS_DEG]
-    return [*winds, _wind("still", 0.0, np.zeros(STILL_FRAMES))]
+    return [_wind("still", 0.0, np.zeros(STILL_FRAMES)), *winds]
 
 
 def _cosine(wind: tuple[float, float, float, float], time_s: Floats) -> Floats:
@@ -103,8 +104,8 @@ def _cosine(wind: tuple[float, float, float, float], time_s: Floats) -> Floats:
 
 
 def _gust(dt_s: float) -> Floats:
-    """One smooth rise and fall, then still air."""
-    rise = np.arange(round(GUST_S / dt_s), dtype=np.float64) * dt_s / GUST_S
+    """One smooth rise and fall, nowhere still, then still air."""
+    rise = (np.arange(round(GUST_S / dt_s)) + 0.5) * dt_s / GUST_S
     return np.concatenate([GUST_PEAK * np.sin(np.pi * rise) ** 2, np.zeros(round(STILL_S / dt_s))])
 
 
@@ -134,8 +135,8 @@ def sample_trajectory(
         tick(i / frames)
         v[i] = body.v[points]
         body.step(pressure)
-        force[i] = body.internal_force[points]
-        stiffness[i] = symmetric(body.stiffness_diagonal[points])
+        force[i] = body.recorded_force(points)
+        stiffness[i] = symmetric(body.recorded_stiffness(points))
         u[i + 1] = body.u
     recorded = Trajectory(u, wind.pressure_pa.astype(np.float32), v, force, stiffness)
     return fade(recorded, wind.fade_frames, u[:-1, points], dt_s)

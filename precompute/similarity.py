@@ -135,9 +135,22 @@ def gain_bound() -> npt.NDArray[np.float64]:
 
 
 @numba.njit(cache=True, nogil=True)
+def still_records(pressure):  # pragma: no cover  (compiled)
+    """(z,) true for records on which no wind acts: the pressure (z, 2) is exactly zero."""
+    calm = np.empty(len(pressure), np.bool_)
+    for j in range(len(pressure)):
+        calm[j] = pressure[j, 0] == 0.0 and pressure[j, 1] == 0.0
+    return calm
+
+
+@numba.njit(cache=True, nogil=True)
 def _prune_row(row, pressure, barred, scale, leverage, gain, components, order, kept):  # pragma: no cover
-    """Write the candidates of one state to ``kept``, sorted by (mismatches, j); return how many."""
+    """Write the candidates of one state to ``kept``, sorted by (mismatches, j); return how many.
+
+    Only a record of the same air, still or moving, can make another superfluous: either may be asked alone.
+    """
     z = len(row)
+    calm = still_records(pressure)
     bucket = np.zeros(components + 2, np.int32)
     for j in range(z):
         bucket[row[j] + 1] += 1
@@ -155,6 +168,8 @@ def _prune_row(row, pressure, barred, scale, leverage, gain, components, order, 
         dropped = False
         for s in range(count):
             k = kept[s]
+            if calm[k] != calm[j]:
+                continue
             slack = error - row[k] / components
             dx = pressure[j, 0] - pressure[k, 0]
             dz = pressure[j, 1] - pressure[k, 1]

@@ -65,7 +65,7 @@ def fit_subspace(
     most = max(1, min(most, int(np.sum(variance > 1e-12 * variance[0]))))
     modes, _ = np.linalg.qr(weighted.T @ vectors[:, :most])
     modes = _first_positive(modes)
-    errors = [_max_error(snapshots, weighted, modes[:, :r], root_mass) for r in range(1, most + 1)]
+    errors = _max_errors(snapshots, weighted, modes, root_mass)
     enough = [r + 1 for r, error in enumerate(errors) if error <= tolerance_m and r + 1 >= least]
     r = min([*enough, most])
     left = float(np.maximum(variance[r:], 0).sum() / np.maximum(variance, 0).sum())
@@ -78,9 +78,16 @@ def _first_positive(modes: Floats) -> Floats:
     return modes * np.sign(modes[largest, np.arange(modes.shape[1])])
 
 
-def _max_error(snapshots: Floats, weighted: Floats, modes: Floats, root_mass: Floats) -> float:
-    residual = snapshots - ((weighted @ modes) @ modes.T) / root_mass
-    return float(np.sqrt(np.square(residual.reshape(len(residual), -1, 3)).sum(axis=2).max()))
+def _max_errors(snapshots: Floats, weighted: Floats, modes: Floats, root_mass: Floats) -> list[float]:
+    """Largest vertex error over all snapshots with the first 1, 2, … modes."""
+    coordinates = weighted @ modes
+    residual = snapshots.copy()
+    errors: list[float] = []
+    for k in range(modes.shape[1]):
+        residual -= np.outer(coordinates[:, k], modes[:, k] / root_mass)
+        points = residual.reshape(len(residual), -1, 3)
+        errors.append(float(np.sqrt(np.einsum("sni,sni->sn", points, points).max())))
+    return errors
 
 
 def _scaled(modes: Floats, root_mass: Floats, max_error_m: float, energy_left: float) -> Subspace:

@@ -24,12 +24,12 @@ Floats = npt.NDArray[np.float64]
 class TableSettings:
     """What a table is built to. docs/design/0002-pose-easing.md says how the numbers were chosen."""
 
-    sigma_share: float = 0.25
+    sigma_share: float = 0.3
     """σ of Eq. 16 over the RMS pressure of the records."""
-    weight_initial: float = 0.3
-    weight_maximum: float = 0.75
-    weight_growth: float = 0.02
-    pose_easing: float = 0.1
+    weight_initial: float = 0.35
+    weight_maximum: float = 0.42
+    weight_growth: float = 0.01
+    pose_easing: float = 0.08
     truncation_share: float = 3e-4
     """Largest vertex error of the reduced basis over the height."""
     node_share: float = 5e-4

@@ -38,9 +38,15 @@ class Beam:
         gain = 1.0 + self.stiffening * 0.5 * float(u @ linear)
         self._force = gain * linear
         self._tangent = gain * self.stiffness + self.stiffening * np.outer(linear, linear)
-        self.internal_force = self._force.reshape(-1, 3)
+
+    def recorded_force(self, vertices: Array) -> Array:
+        """(q, 3) internal force before the last step."""
+        return self._force.reshape(-1, 3)[vertices]
+
+    def recorded_stiffness(self, vertices: Array) -> Array:
+        """(q, 3, 3) diagonal blocks of the tangent before the last step."""
         blocks = self._tangent.reshape(self.n, 3, self.n, 3)
-        self.stiffness_diagonal = np.stack([blocks[i, :, i, :] for i in range(self.n)])
+        return np.stack([blocks[i, :, i, :] for i in vertices])
 
     def step(self, pressure_pa: Array) -> None:
         self._assemble()

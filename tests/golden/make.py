@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse
 
-from precompute.tabulate import RenderMesh, TableSettings, assemble_table
 from precompute.lookup import ForestLookup
 from precompute.sampling import SampleWind, Trajectory, sample_trajectory, sample_winds
 from precompute.table import Table, encode
+from precompute.tabulate import RenderMesh, TableSettings, assemble_table
 from precompute.wind import Wind, wind_pressure
 from tests.golden.beam import Beam
 
@@ -101,8 +101,8 @@ def forest_walk(table: Table, easing: float) -> dict[str, object]:
     for frame in range(FRAMES):
         wind = Wind(9.0, 30.0, 0.8, 6.0, 3) if frame < 150 else Wind(6.0, 250.0, 0.8, 6.0, 4)
         wind = wind if frame < 280 else Wind(mean_speed_m_s=0.0)
-        wind_pressure(wind, x, z, frame / 60, out_x, out_z)
-        forest.advance(1 / 60, out_x, out_z)
+        wind_pressure(wind, x, z, frame / 30, out_x, out_z)
+        forest.advance(1 / 30, out_x, out_z)
         records.append(forest.record.tolist())
         if frame % SAVED_EVERY == 0:
             poses.append([float(f"{value:.9g}") for value in forest.q.ravel()])

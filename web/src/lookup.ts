@@ -5,7 +5,7 @@ import { lastRecords, poses, type Table } from "./table";
 
 /** After a long pause a tree resumes instead of catching up. */
 export const MAX_STEPS_PER_ADVANCE = 8;
-/** Pose easing ends exactly on the record's pose within half a unit of the mode scale. */
+/** Pose easing ends exactly on the record's pose once offset and its speed are within half an integer step. */
 const SNAP = 0.5;
 
 const TERMS = new Float64Array(12);
@@ -20,26 +20,43 @@ export function gaussian(exponent: number): number {
   return 1 - p;
 }
 
+/** Which records a search asks: of moving air, of still air (exactly no pressure), or all. */
+const MOVING = 0;
+const STILL = 1;
+const ANY = -1;
+
 export interface LookupOptions {
-  /** Share of the way to the found record's pose per step; the table's own by default, 0 is the literal method. */
+  /** 0..1: how fast the pose is drawn to that of the record found; the table's own by default, 0 is literal. */
   readonly poseEasing?: number;
+  /** Ask records of still air when the air is exactly still, and no others; and the other way round. */
+  readonly stillAir?: boolean;
 }
 
 /** The search of one table: which record comes next. */
 export class TableSearch {
   private readonly error: Float64Array;
   private readonly barred: Uint8Array;
+  private readonly calm: Uint8Array;
   private readonly halfPrecision: number;
 
   constructor(private readonly table: Table) {
     const { sigma_pa: sigma, components } = table.metadata;
     this.error = Float64Array.from(table.mismatches, (count) => count / components);
     this.barred = lastRecords(table.trajectory);
+    this.calm = new Uint8Array(this.barred.length);
+    for (let j = 0; j < this.calm.length; j++) {
+      this.calm[j] = table.pressure[2 * j] === 0 && table.pressure[2 * j + 1] === 0 ? STILL : MOVING;
+    }
     this.halfPrecision = 1 / (2 * sigma * sigma);
   }
 
+  /** The record for the next step from a record's state (0: the first step); −1 if there is none of such air. */
+  find(state: number, weight: number, air: number, fx: number, fz: number): number {
+    return state === 0 ? this.nearestPressure(air, fx, fz) : this.bestCandidate(state, weight, air, fx, fz);
+  }
+
   /** The first step: the lowest record with a successor whose pressure is nearest. */
-  nearestPressure(fx: number, fz: number): number {
+  private nearestPressure(air: number, fx: number, fz: number): number {
     const { pressure } = this.table;
     let best = Number.POSITIVE_INFINITY;
     let found = -1;
@@ -47,7 +64,7 @@ export class TableSearch {
       const dx = fx - pressure[2 * j];
       const dz = fz - pressure[2 * j + 1];
       const distance = dx * dx + dz * dz;
-      if (distance < best && this.barred[j] === 0) {
+      if (distance < best && this.barred[j] === 0 && (air === ANY || this.calm[j] === air)) {
         best = distance;
         found = j;
       }
@@ -56,7 +73,7 @@ export class TableSearch {
   }
 
   /** Every later step: the candidate of least total error (Eq. 16), the lowest record of equals. */
-  bestCandidate(state: number, weight: number, fx: number, fz: number): number {
+  private bestCandidate(state: number, weight: number, air: number, fx: number, fz: number): number {
     const { offsets, candidate, pressure } = this.table;
     let best = Number.POSITIVE_INFINITY;
     let found = -1;
@@ -64,6 +81,7 @@ export class TableSearch {
       const internal = (1 - weight) * this.error[s];
       if (internal > best) break; // sorted by internal error: none of the rest can win
       const j = candidate[s];
+      if (air !== ANY && this.calm[j] !== air) continue;
       const dx = fx - pressure[2 * j];
       const dz = fz - pressure[2 * j + 1];
       const total = internal + weight * gaussian((dx * dx + dz * dz) * this.halfPrecision);
@@ -87,7 +105,9 @@ export class ForestLookup {
   readonly z: Float32Array;
   private readonly search: TableSearch;
   private readonly poses: Int32Array;
+  private readonly starts: Uint8Array;
   private readonly easing: number;
+  private readonly stillAir: boolean;
   private readonly now: Float64Array;
   private readonly before: Float64Array;
   private readonly weight: Float64Array;
@@ -103,6 +123,9 @@ export class ForestLookup {
     const r = table.metadata.modes;
     this.search = new TableSearch(table);
     this.poses = poses(table);
+    this.starts = new Uint8Array(table.metadata.records);
+    for (const start of table.trajectory.subarray(0, -1)) this.starts[start] = 1;
+    this.stillAir = options.stillAir ?? true;
     this.easing = options.poseEasing ?? table.metadata.pose_easing;
     this.record = new Int32Array(count).fill(-1);
     this.q = new Float32Array(count * r);
@@ -156,29 +179,45 @@ export class ForestLookup {
   private step(i: number, fx: number, fz: number): void {
     const { initial, maximum, growth } = this.table.metadata.weight;
     const state = this.record[i] + 1;
-    let found: number;
-    if (state === 0) {
-      found = this.search.nearestPressure(fx, fz);
-      this.weight[i] = initial;
-    } else {
-      found = this.search.bestCandidate(state, this.weight[i], fx, fz);
-      this.weight[i] = found === state ? Math.min(maximum, this.weight[i] + growth) : initial;
-    }
+    const air = this.stillAir ? (fx === 0 && fz === 0 ? STILL : MOVING) : ANY;
+    let found = this.search.find(state, this.weight[i], air, fx, fz);
+    if (found < 0) found = this.search.find(state, this.weight[i], ANY, fx, fz); // none of such air: ask all
+    const follows = state > 0 && found === state;
+    this.weight[i] = follows ? Math.min(maximum, this.weight[i] + growth) : initial;
     this.record[i] = found;
-    this.accumulate(i, found);
+    if (this.easing > 0) this.ease(i, found);
+    else this.accumulate(i, found);
   }
 
   private accumulate(i: number, found: number): void {
-    const { now, before, poses: target, easing } = this;
-    const dq = this.table.dq;
-    const r = this.table.metadata.modes;
+    const { now, before } = this;
+    const { dq, metadata } = this.table;
+    const r = metadata.modes;
+    for (let k = 0; k < r; k++) {
+      before[i * r + k] = now[i * r + k];
+      now[i * r + k] += dq[found * r + k];
+    }
+  }
+
+  /** Follows the record's own path; the offset from it dies away as a critically damped spring does. */
+  private ease(i: number, found: number): void {
+    const { now, before, poses: pose, easing } = this;
+    const { dq, metadata } = this.table;
+    const r = metadata.modes;
+    const keep = (1 - easing) * (1 - easing);
+    const pull = easing * easing;
+    let settled = true;
     for (let k = 0; k < r; k++) {
       const at = i * r + k;
+      const came = this.starts[found] === 1 ? 0 : dq[(found - 1) * r + k];
+      const offset = now[at] - pose[found * r + k];
+      const speed = keep * (now[at] - before[at] - came) - pull * offset;
       before[at] = now[at];
-      const sum = now[at] + dq[found * r + k];
-      const gap = target[(found + 1) * r + k] - sum;
-      now[at] = easing > 0 ? (Math.abs(gap) < SNAP ? target[(found + 1) * r + k] : sum + easing * gap) : sum;
+      now[at] = pose[(found + 1) * r + k] + (offset + speed);
+      settled = settled && Math.abs(offset + speed) < SNAP && Math.abs(speed) < SNAP;
     }
+    if (!settled) return;
+    for (let k = 0; k < r; k++) now[i * r + k] = pose[(found + 1) * r + k];
   }
 
   private show(i: number, phase: number): void {

@@ -1,0 +1,175 @@
+"""The command line of the precomputation: build, simulate, evaluate, bench, verify."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+app = typer.Typer(
+    no_args_is_help=True, add_completion=False, help="Tables of simulated tree motion, made and played."
+)
+console = Console(stderr=True)
+
+JsonOut = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
+CacheDir = Annotated[Path, typer.Option(help="Where meshes and trajectories are kept for the next time.")]
+
+
+def write_figures(path: Path | None, figures: dict[str, Any]) -> None:
+    """Figures as JSON: to a file, if one was asked for."""
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(figures, indent=2, default=float) + "\n")
+
+
+@contextmanager
+def progress_bar() -> Generator[Progress]:
+    """A live bar with the stage, the share done and the time left."""
+    columns = (
+        TextColumn("{task.description:<48}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console) as bar:
+        yield bar
+
+
+Tick = Callable[[float, str], None]
+
+
+def teller(bar: Progress) -> Tick:
+    """A function that moves a new task of the bar: fraction done, and what is being done."""
+    task = bar.add_task("Starting", total=1.0)
+
+    def tell(fraction: float, message: str) -> None:
+        bar.update(task, completed=fraction, description=message)
+
+    return tell
+
+
+@app.command()
+def build(
+    mesh: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL.")],
+    out: Annotated[Path, typer.Option(help="Table file to write.")],
+    species: Annotated[str | None, typer.Option(help="Wood of this species.")] = None,
+    height_m: Annotated[float | None, typer.Option(help="Height of the tree, m.")] = None,
+    design_speed: Annotated[float, typer.Option(help="Strongest sampled wind, m/s.")] = 18.0,
+    elements: Annotated[int, typer.Option(help="Sampled elements of the paper's search.")] = 35,
+    tets: Annotated[int, typer.Option(help="Tetrahedra to aim at.")] = 5500,
+    cache_dir: CacheDir = Path("data/cache"),
+    json_out: JsonOut = None,
+) -> None:
+    """Simulate a tree mesh and write its table, and the mesh it moves beside it (FILE.glb)."""
+    from precompute.intake_types import IntakeError, IntakeOptions
+    from precompute.pipeline import BuildOptions, build_table
+
+    options = BuildOptions(
+        intake=IntakeOptions(species=species, height_m=height_m),
+        target_tets=tets,
+        sampled_elements=elements,
+        design_speed_m_s=design_speed,
+    )
+    try:
+        with progress_bar() as bar:
+            tell = teller(bar)
+            result = build_table(
+                mesh.read_bytes(),
+                mesh.name,
+                options,
+                progress=lambda p: tell(p.fraction, p.message),
+                cache_dir=cache_dir,
+            )
+    except IntakeError as error:
+        console.print(f"[red]{error.title}[/red] {error.hint}")
+        raise typer.Exit(1) from None
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_bytes(result.table)
+    out.with_suffix(".glb").write_bytes(result.render_glb)
+    write_figures(json_out, {**result.report, "table_bytes": len(result.table)})
+    seconds = sum(result.report["seconds"].values())
+    console.print(f"{out}: {len(result.table) / 1e6:.1f} MB in {seconds:.0f} s")
+
+
+@app.command()
+def simulate(
+    table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
+    speed: Annotated[float, typer.Option(help="Mean wind speed, m/s.")] = 8.0,
+    direction: Annotated[float, typer.Option(help="Direction the wind blows towards, degrees.")] = 30.0,
+    gustiness: Annotated[float, typer.Option(help="0 steady … 1 wild.")] = 0.5,
+    seconds: Annotated[float, typer.Option(help="How long to play.")] = 20.0,
+    trees: Annotated[int, typer.Option(help="How many trees, 10 m apart.")] = 16,
+    json_out: JsonOut = None,
+) -> None:
+    """Play a table under a wind and tell how far its trees sway."""
+    from precompute.play import play
+    from precompute.table import decode
+    from precompute.wind import Wind
+
+    wind = Wind(mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness)
+    figures = play(decode(table.read_bytes()), wind, seconds, trees)
+    write_figures(json_out, figures)
+    console.print_json(data=figures)
+
+
+@app.command()
+def evaluate(
+    table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
+    model: Annotated[Path, typer.Option(exists=True, dir_okay=False, help="The model it was made from.")],
+    frames: Annotated[int, typer.Option(help="Frames of each wind.")] = 600,
+    json_out: JsonOut = None,
+) -> None:
+    """Compare a table with the finite elements it was made from, on winds that were not sampled."""
+    from precompute.dynamics import load_model
+    from precompute.evaluate import evaluate_table
+    from precompute.table import decode
+
+    with progress_bar() as bar:
+        figures = evaluate_table(
+            decode(table.read_bytes()),
+            load_model(model),
+            frames,
+            teller(bar),
+        )
+    write_figures(json_out, figures)
+    console.print_json(data=figures)
+
+
+@app.command()
+def bench(
+    mesh: Annotated[Path, typer.Option(exists=True, dir_okay=False, help="Tree to measure with.")] = Path(
+        "assets/species/maple.glb"
+    ),
+    quick: Annotated[bool, typer.Option(help="Fewer tetrahedra and frames.")] = False,
+    json_out: JsonOut = None,
+) -> None:
+    """Measure the FEM step, a build by stage, the table and the lookup."""
+    from precompute.bench import run_bench
+
+    with progress_bar() as bar:
+        figures = run_bench(
+            mesh,
+            quick=quick,
+            tick=teller(bar),
+        )
+    write_figures(json_out, figures)
+    console.print_json(data=figures)
+
+
+@app.command()
+def verify(json_out: JsonOut = None) -> None:
+    """Check the finite elements against exact solutions and other programs."""
+    from precompute.verify import run_checks
+
+    figures = run_checks()
+    write_figures(json_out, figures)
+    console.print_json(data=figures)
+    if not figures["passed"]:
+        raise typer.Exit(1)

@@ -1,0 +1,100 @@
+"""What a build writes down: the table's description of itself, and everything assumed and measured."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import asdict
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+
+from precompute.build_types import BuildOptions, Stages
+from precompute.design_wind import DesignWind
+from precompute.foliage import Lumps
+from precompute.intake_types import TreeMesh
+from precompute.model import FemModel
+from precompute.sampling import SampleWind
+from precompute.skeleton import Skeleton
+from precompute.table import Metadata, Table
+from precompute.tabulate import RenderMesh
+from precompute.tetrahedra import TetMesh
+
+
+def content_hash(model: FemModel) -> str:
+    """Hash of everything that decides how a model moves."""
+    digest = hashlib.sha256(repr((model.alpha, model.beta, model.settings)).encode())
+    for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest"):
+        digest.update(np.ascontiguousarray(getattr(model, name)).tobytes())
+    return digest.hexdigest()
+
+
+def render_mesh(tree: TreeMesh, binding: scipy.sparse.csr_matrix) -> RenderMesh:
+    """The render vertices of all primitives in the GLB's order, with how they hang on the tet vertices."""
+    primitives = [{"name": p.name, "kind": p.kind, "vertices": len(p.positions_m)} for p in tree.primitives]
+    return RenderMesh(np.concatenate([p.positions_m for p in tree.primitives]), binding, primitives)
+
+
+def describe(
+    tree: TreeMesh,
+    model: FemModel,
+    wind: DesignWind,
+    winds: list[SampleWind],
+    options: BuildOptions,
+    render_glb: bytes,
+) -> Metadata:
+    """The part of a table's metadata that is known before its motion is."""
+    return {
+        "species": tree.species or "default",
+        "height_m": tree.height_m,
+        "dt_s": options.fem.dt_s,
+        "sampled_elements": options.sampled_elements,
+        "design_speed_m_s": wind.speed_m_s,
+        "mesh_sha256": hashlib.sha256(render_glb).hexdigest(),
+        "frequencies_hz": model.report["frequencies_hz"],
+        "provenance": {
+            "software": _version(),
+            "wood": model.report["wood"],
+            "tetrahedra": len(model.elements),
+            "fem": asdict(options.fem),
+            "winds": [w.name for w in winds],
+            "frames": [len(w.pressure_pa) for w in winds],
+        },
+    }
+
+
+def build_report(
+    tree: TreeMesh,
+    mesh: TetMesh,
+    skeleton: Skeleton,
+    lumps: Lumps,
+    model: FemModel,
+    wind: DesignWind,
+    table: Table,
+    stages: Stages,
+) -> dict[str, Any]:
+    """Everything assumed and measured on the way, by stage; JSON-able."""
+    candidates = np.diff(table.offsets.astype(np.int64))
+    return {
+        "intake": tree.report,
+        "meshing": mesh.report,
+        "skeleton": skeleton.report,
+        "foliage": lumps.report,
+        "model": model.report,
+        "design_wind": asdict(wind),
+        "table": {
+            **{name: table.metadata[name] for name in ("records", "modes", "points", "sigma_pa", "errors")},
+            "nodes": len(table.node_rest_m),
+            "candidates": int(candidates.sum()),
+            "candidates_most": int(candidates.max()),
+        },
+        "seconds": stages.seconds,
+    }
+
+
+def _version() -> str:
+    try:
+        return f"galewood {metadata.version('galewood')}"
+    except metadata.PackageNotFoundError:
+        return "galewood"
