@@ -100,6 +100,7 @@ def save_model(model: FemModel, path: Path) -> None:
         "settings": asdict(model.settings),
         "report": model.report,
     }
+    path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(path.name + ".part")
     with part.open("wb") as file:
         arrays: dict[str, Any] = {name: getattr(model, name) for name in _ARRAYS}
