@@ -1,0 +1,1 @@
+"""The four models of the wind and what they share; ``precompute.wind`` is the front door."""

@@ -1,0 +1,180 @@
+"""The wind document, version 1: fields, ranges, reading. docs/formats/wind.md specifies it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+VERSION = 1
+MODELS = ("cosine", "perlin", "spectral", "navier-stokes")
+TRAVELLING = ("perlin", "spectral", "navier-stokes")
+"""Models whose gusts are a picture with a length scale that the air carries."""
+MOST_WAVES = 16
+SHARE_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Field:
+    """A number in a document: its range, the models that have it, and its default (None: required)."""
+
+    low: float
+    high: float
+    models: tuple[str, ...] = MODELS
+    default: float | None = None
+    whole: bool = False
+
+    @property
+    def expected(self) -> str:
+        """The range in words."""
+        kind = "a whole number" if self.whole else "a number"
+        return f"expected {kind} in {self.low:.10g}..{self.high:.10g}"
+
+
+FIELDS: dict[str, Field] = {
+    "mean_speed_m_s": Field(0.0, 60.0),
+    "direction_deg": Field(-360.0, 360.0),
+    "gustiness": Field(0.0, 1.0),
+    "convection_speed_m_s": Field(0.5, 60.0),
+    "seed": Field(0.0, 4294967295.0, whole=True),
+    "length_scale_m": Field(5.0, 200.0, TRAVELLING),
+    "beta": Field(0.0, 2.0, ("spectral",), 5.0 / 3.0),
+    "height_exponent": Field(0.0, 1.0, MODELS, 0.2),
+    "reference_height_m": Field(1.0, 60.0, MODELS, 12.0),
+    "heading_swing_deg": Field(0.0, 60.0, ("cosine",), 12.0),
+}
+WAVE_FIELDS: dict[str, Field] = {
+    "frequency_hz": Field(0.001, 4.0),
+    "share": Field(0.0, 1.0),
+    "across": Field(-2.0, 2.0, default=0.0),
+    "phase_turns": Field(0.0, 1.0, default=-1.0),
+}
+
+
+class WindError(ValueError):
+    """A wind document that cannot be read: the path of the field and what would be accepted there."""
+
+    def __init__(self, path: str, expected: str, found: str = "") -> None:
+        """Found is what stood there instead, if that helps."""
+        super().__init__(f"{path}: {expected}{found}")
+        self.path = path
+        self.expected = expected
+
+
+@dataclass(frozen=True)
+class Wave:
+    """One cosine wave of gusts; phase_turns < 0 takes the phase from the seed."""
+
+    frequency_hz: float
+    share: float
+    across: float = 0.0
+    phase_turns: float = -1.0
+
+
+FOREST_WAVES = (
+    Wave(0.05, 0.262, 0.6),
+    Wave(0.087, 0.218, -0.45),
+    Wave(0.152, 0.181, 0.75),
+    Wave(0.264, 0.15, -0.6),
+    Wave(0.46, 0.105, 0.5),
+    Wave(0.8, 0.084, -0.7),
+)
+"""Amplitudes fall roughly as f^(−1/3), as the −5/3 law of velocity power asks; they sum to one. ``across``
+is the wavenumber across the wind over that along it; its signs make gusts cross one another."""
+
+
+@dataclass(frozen=True)
+class Wind:
+    """A wind document; fields that its model has not keep their defaults."""
+
+    mean_speed_m_s: float = 8.0
+    direction_deg: float = 30.0
+    gustiness: float = 0.5
+    convection_speed_m_s: float = 8.0
+    seed: int = 1
+    model: str = "cosine"
+    length_scale_m: float = 20.0
+    beta: float = 5.0 / 3.0
+    height_exponent: float = 0.2
+    reference_height_m: float = 12.0
+    heading_swing_deg: float = 12.0
+    waves: tuple[Wave, ...] = field(default=FOREST_WAVES)
+
+    def document(self) -> dict[str, object]:
+        """The JSON object that ``parse_wind`` reads back; optional fields at their defaults are left out."""
+        numbers = {
+            name: getattr(self, name)
+            for name, rule in FIELDS.items()
+            if self.model in rule.models and getattr(self, name) != rule.default
+        }
+        document: dict[str, object] = {"version": VERSION, "model": self.model, **numbers}
+        if self.model == "cosine" and self.waves != FOREST_WAVES:
+            document["waves"] = [_wave_document(wave) for wave in self.waves]
+        return document
+
+
+def _wave_document(wave: Wave) -> dict[str, float]:
+    return {name: v for name, rule in WAVE_FIELDS.items() if (v := getattr(wave, name)) != rule.default}
+
+
+def parse_wind(document: object) -> Wind:
+    """Read a wind document; WindError names the offending field and what is allowed there."""
+    fields = _object(document, "wind")
+    if fields.get("version") != VERSION or isinstance(fields.get("version"), bool):
+        raise WindError("wind.version", f"this reader knows version {VERSION}", _found(fields.get("version")))
+    model = fields.get("model")
+    if not isinstance(model, str) or model not in MODELS:
+        raise WindError("wind.model", f"expected one of {', '.join(MODELS)}", _found(model))
+    rules = {name: rule for name, rule in FIELDS.items() if model in rule.models}
+    known = [*rules, "version", "model", *(["waves"] if model == "cosine" else [])]
+    _refuse_unknown(fields, known, "wind", f"not a field of the {model} model")
+    numbers: dict[str, Any] = {name: _number(fields, name, rule, "wind") for name, rule in rules.items()}
+    numbers["seed"] = int(numbers["seed"])
+    if "waves" in fields:
+        numbers["waves"] = _waves(fields["waves"])
+    return Wind(model=model, **numbers)
+
+
+def _object(value: object, path: str) -> Mapping[object, object]:
+    if not isinstance(value, Mapping):
+        raise WindError(path, "expected an object")
+    return cast(Mapping[object, object], value)
+
+
+def _refuse_unknown(fields: Mapping[object, object], known: Sequence[str], path: str, why: str) -> None:
+    for name in fields:
+        if name not in known:
+            raise WindError(f"{path}.{str(name)[:40]}", why)
+
+
+def _found(value: object) -> str:
+    return "" if value is None else f", not {value!r:.40}"
+
+
+def _number(fields: Mapping[object, object], name: str, rule: Field, path: str) -> float:
+    if name not in fields:
+        if rule.default is None:
+            raise WindError(f"{path}.{name}", f"missing, {rule.expected}")
+        return rule.default
+    value = fields[name]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise WindError(f"{path}.{name}", rule.expected, _found(value))
+    if not rule.low <= value <= rule.high or (rule.whole and value != math.floor(value)):  # NaN fails too
+        raise WindError(f"{path}.{name}", rule.expected, _found(value))
+    return float(value)
+
+
+def _waves(value: object) -> tuple[Wave, ...]:
+    if not isinstance(value, list | tuple) or not 1 <= len(cast(Sequence[object], value)) <= MOST_WAVES:
+        raise WindError("wind.waves", f"expected a list of 1..{MOST_WAVES} waves")
+    waves = tuple(_wave(wave, f"wind.waves[{k}]") for k, wave in enumerate(cast(Sequence[object], value)))
+    if sum(wave.share for wave in waves) > 1.0 + SHARE_TOLERANCE:
+        raise WindError("wind.waves", "expected shares that sum to at most 1")
+    return waves
+
+
+def _wave(value: object, path: str) -> Wave:
+    fields = _object(value, path)
+    _refuse_unknown(fields, list(WAVE_FIELDS), path, "not a field of a wave")
+    return Wave(**{name: _number(fields, name, rule, path) for name, rule in WAVE_FIELDS.items()})

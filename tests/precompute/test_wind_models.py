@@ -1,0 +1,258 @@
+"""The wind's documents, clock, pressure and arithmetic, against exact answers and other libraries."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from precompute import sampling
+from precompute.bench_wind import bench_wind
+from precompute.wind import (
+    PRESETS,
+    Wave,
+    Wind,
+    WindError,
+    WindField,
+    coverage,
+    dynamic_pressure,
+    height_factor,
+    paper_wind,
+    parse_state,
+    parse_wind,
+    sampled_peak_pa,
+    to_tree_frame,
+    wind_pressure,
+    wind_speed,
+)
+from precompute.wind_models import glide
+from precompute.wind_models.cosine import cos_turns
+from precompute.wind_models.document import FIELDS, MODELS, Field
+from precompute.wind_models.fourier import roots_of_unity, transform_columns, transform_rows
+from precompute.wind_models.perlin import NOISE_VARIANCE, SLOPES, noise, permutation
+from precompute.wind_models.presets import PAPER_WAVES
+from precompute.wind_models.schema import wind_schema
+from tests.golden import make_wind
+
+ROOT = Path(__file__).parents[2]
+GOLDEN: dict[str, Any] = json.loads((ROOT / "tests" / "golden" / "wind_models.json").read_text())
+X, Z = np.linspace(-200.0, 200.0, 41), np.linspace(150.0, -150.0, 41)
+
+
+def velocity(field: WindField, time_s: float) -> np.ndarray:
+    out = np.zeros((2, len(X)))
+    field.velocity(X, Z, time_s, out[0], out[1])
+    return out
+
+
+@pytest.mark.parametrize("k", range(len(make_wind.WINDS)))
+def test_golden_velocities_over_ten_thousand_frames(k: int) -> None:
+    times = [frame * GOLDEN["frame_s"] for frame in GOLDEN["frames"]]
+    found = make_wind.velocities(WindField(parse_wind(GOLDEN["models"][k]["wind"])), times)
+    np.testing.assert_allclose(found, GOLDEN["models"][k]["velocity_m_s"], rtol=1e-9, atol=1e-12)
+
+
+def test_golden_glides_and_eddies() -> None:
+    np.testing.assert_allclose(
+        make_wind.changed()["velocity_m_s"], GOLDEN["changed"]["velocity_m_s"], rtol=1e-9, atol=1e-9
+    )
+    assert make_wind.eddies() == GOLDEN["eddies"]
+
+
+def test_golden_refusals_and_schema_are_current() -> None:
+    assert make_wind.refusals() == GOLDEN["refused"]
+    assert wind_schema() == json.loads(make_wind.SCHEMA.read_text())
+
+
+@pytest.mark.parametrize("wind", [*make_wind.WINDS, *PRESETS.values(), Wind()])
+def test_documents_come_back(wind: Wind) -> None:
+    assert parse_wind(json.loads(json.dumps(wind.document()))) == wind
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "8", None, True, [], 1e300])
+def test_every_number_is_checked_and_named(model: str, value: object) -> None:
+    for name, rule in FIELDS.items():
+        if model in rule.models:
+            with pytest.raises(WindError) as error:
+                parse_wind({**Wind(model=model).document(), name: value})
+            assert error.value.path == f"wind.{name}"
+            assert f"{rule.low:.10g}..{rule.high:.10g}" in error.value.expected
+
+
+def test_both_ends_of_every_range_are_allowed() -> None:
+    for model in MODELS:
+        own: dict[str, Field] = {name: rule for name, rule in FIELDS.items() if model in rule.models}
+        for end in ("low", "high"):
+            numbers = {name: getattr(rule, end) for name, rule in own.items()}
+            parse_wind({"version": 1, "model": model, **numbers})
+
+
+def test_states_are_checked() -> None:
+    state = glide.change(glide.steady(Wind()), Wind(model="perlin"), 3.0)
+    assert parse_state(json.loads(json.dumps(state.document()))) == state
+    for bad in (None, {}, {**state.document(), "travel": math.nan}, {**state.document(), "wind": 3}):
+        with pytest.raises(WindError):
+            parse_state(bad)
+
+
+def test_transform_is_that_of_numpy() -> None:
+    rng = np.random.default_rng(4)
+    wave = rng.normal(size=(16, 64)) + 1j * rng.normal(size=(16, 64))
+    re, im = wave.real.ravel().copy(), wave.imag.ravel().copy()
+    x, y = roots_of_unity(64), roots_of_unity(16)
+    transform_rows(re, im, 64, 16, x.cosine, x.sine, -1.0)
+    transform_columns(re, im, 64, 16, y.cosine, y.sine, -1.0)
+    np.testing.assert_allclose((re + 1j * im).reshape(16, 64), np.fft.fft2(wave), atol=1e-12)
+
+
+def test_fast_cosine_is_the_cosine() -> None:
+    turns = np.random.default_rng(5).uniform(-50.0, 50.0, 5000)
+    found = [cos_turns(t) for t in turns]
+    np.testing.assert_allclose(found, np.cos(2.0 * np.pi * (turns - np.round(turns))), atol=1e-15)
+
+
+def test_noise_vanishes_on_its_lattice_and_is_smooth_there() -> None:
+    order = permutation(9)
+    assert sorted(order[:256]) == list(range(256))
+    assert noise(order, SLOPES, 3.0, -7.0, 11.0) == 0.0
+    step = 1e-5
+    before, after = (noise(order, SLOPES, 3.0 + s, 0.4, 0.6) for s in (-step, step))
+    at = noise(order, SLOPES, 3.0, 0.4, 0.6)
+    assert after - at == pytest.approx(at - before, abs=1e-8)
+
+
+def test_noise_variance_is_the_integral() -> None:
+    fade = {0: 1, 3: -10, 4: 15, 5: -6}
+    square: dict[int, int] = {}
+    for i, a in fade.items():
+        for j, b in fade.items():
+            square[i + j] = square.get(i + j, 0) + a * b
+    plain = sum(Fraction(a, n + 1) for n, a in square.items())
+    weighted = sum(Fraction(a, n + 3) for n, a in square.items())
+    assert float(16 * plain * plain * weighted) == NOISE_VARIANCE
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_still_air_presses_on_nothing(model: str) -> None:
+    out = np.ones((2, len(X)), np.float32)
+    wind_pressure(Wind(mean_speed_m_s=0.0, model=model), X, Z, 77.0, out[0], out[1])
+    assert not out.any()
+
+
+def test_pressure_is_that_of_the_speed_along_the_heading() -> None:
+    wind = Wind(14.0, 200.0, 0.8, model="spectral")
+    speed, heading = wind_speed(wind, X, Z, 9.0)
+    out = np.zeros((2, len(X)))
+    wind_pressure(wind, X, Z, 9.0, out[0], out[1])
+    pressure = dynamic_pressure(speed)
+    np.testing.assert_allclose(out, [pressure * np.cos(heading), pressure * np.sin(heading)], rtol=1e-12)
+
+
+def test_streamlining_sets_in_without_a_jump() -> None:
+    below, above = dynamic_pressure([5.0 - 1e-9, 5.0 + 1e-9])
+    assert below == pytest.approx(15.0, abs=1e-7)
+    assert above == pytest.approx(15.0, abs=1e-7)
+    ratio = dynamic_pressure([20.0])[0] / dynamic_pressure([10.0])[0]
+    assert ratio == pytest.approx(2.0**1.3)
+
+
+def test_height_turn_and_coverage() -> None:
+    assert height_factor(12.0, 0.2, 12.0) == 1.0
+    assert height_factor(24.0, 0.2, 12.0) == pytest.approx(2.0**0.2)
+    east, south = to_tree_frame(np.array([1.0]), np.array([0.0]), math.pi / 2)
+    assert (east[0], south[0]) == pytest.approx((0.0, 1.0))
+    peak = sampled_peak_pa(np.array([[3.0, 4.0], [0.0, 1.0]], np.float32))
+    assert peak == 5.0
+    assert coverage(np.array([3.0, 5.1, 0.0, 0.0]), np.array([4.0, 0.0, 5.1, 0.0]), peak) == 0.5
+
+
+def test_the_papers_winds_are_those_that_are_sampled() -> None:
+    assert PAPER_WAVES == sampling.COSINE_WINDS
+    time_s = np.arange(60) / 30.0
+    sampled = [w for w in sampling.sample_winds(12.0, 1.0 / 30.0) if w.name.endswith("-060")]
+    for k in range(6):
+        out = np.zeros((2, 1))
+        for frame in range(0, 60, 7):
+            wind_pressure(paper_wind(k, 12.0), [0.0], [0.0], time_s[frame], out[0], out[1])
+            np.testing.assert_allclose(out[:, 0], sampled[k].pressure_pa[frame], rtol=1e-9)
+
+
+DRAGS: list[tuple[str, float, float]] = [
+    ("mean_speed_m_s", 8.0, 9.0),
+    ("direction_deg", 179.0, -175.0),
+    ("gustiness", 0.5, 0.6),
+    ("convection_speed_m_s", 8.0, 12.0),
+    ("length_scale_m", 20.0, 24.0),
+]
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize(("name", "start", "end"), DRAGS)
+def test_dragging_never_jumps_even_after_an_hour(model: str, name: str, start: float, end: float) -> None:
+    wind = replace(Wind(model=model), **{name: start})
+    field, now = WindField(wind), 3600.0
+    last, worst = velocity(field, now), 0.0
+    for k in range(1, 241):  # dragged back and forth for a second, watched in steps of 5 ms
+        now += 0.005
+        way = (end - start + (-360.0 if name == "direction_deg" and end < start else 0.0)) % 360.0
+        goal = start + way * 0.5 * (1.0 - math.cos(k / 20.0))
+        if k <= 200 and k % 3 == 0:
+            field.change(replace(wind, **{name: (goal + 180.0) % 360.0 - 180.0}), now)
+        new = velocity(field, now)
+        worst = max(worst, float(np.abs(new - last).max()))
+        last = new
+    assert worst < 0.4, f"{model} {name}: {worst:.3f} m/s in 5 ms"
+
+
+def test_another_model_fades_in() -> None:
+    field = WindField(Wind(model="perlin"))
+    last, worst = velocity(field, 50.0), 0.0
+    field.change(Wind(model="spectral", beta=1.0, seed=9), 50.0)
+    for k in range(1, 200):
+        new = velocity(field, 50.0 + 0.005 * k)
+        worst, last = max(worst, float(np.abs(new - last).max())), new
+    assert worst < 0.12
+    np.testing.assert_allclose(last, velocity(WindField(field.state), 50.0 + 0.005 * 199), rtol=1e-12)
+
+
+def test_travel_is_the_integral_of_the_gliding_rate() -> None:
+    state = glide.steady(Wind(model="perlin", convection_speed_m_s=8.0))
+    state = glide.change(state, Wind(model="perlin", convection_speed_m_s=3.0), 10.0)
+    share = [min(max((t - 10.0) / glide.GLIDE_S, 0.0), 1.0) for t in np.arange(0.0005, 12.0, 0.001)]
+    rate = [8.0 / 20.0 + (3.0 - 8.0) / 20.0 * s * s * (3.0 - 2.0 * s) for s in share]
+    assert glide.at(state, 12.0).travel == pytest.approx(sum(rate) * 0.001, rel=1e-6)
+
+
+def test_whoever_shares_the_state_agrees() -> None:
+    field = WindField(Wind(model="navier-stokes"))
+    velocity(field, 30.0)
+    field.change(Wind(model="navier-stokes", direction_deg=90.0, mean_speed_m_s=12.0), 31.0)
+    late = WindField(parse_state(json.loads(json.dumps(field.state.document()))))
+    np.testing.assert_array_equal(velocity(field, 31.3), velocity(late, 31.3))
+    np.testing.assert_array_equal(velocity(field, 700.0), velocity(late, 700.0))
+
+
+def test_eddies_go_back_in_time_when_asked() -> None:
+    field = WindField(Wind(model="navier-stokes"))
+    early = velocity(field, 3.0)
+    velocity(field, 90.0)
+    np.testing.assert_array_equal(velocity(field, 3.0), early)
+
+
+def test_a_single_wave_is_the_cosine() -> None:
+    wind = Wind(10.0, 0.0, 0.5, 5.0, heading_swing_deg=0.0, waves=(Wave(0.25, 1.0, 0.0, 0.1),))
+    speed, _ = wind_speed(wind, [0.0, 20.0], [0.0, 0.0], 1.7)
+    assert speed[0] == pytest.approx(10.0 * (1.0 + 0.5 * math.cos(2.0 * math.pi * (0.25 * 1.7 + 0.1))))
+    assert speed[1] == pytest.approx(speed[0]), "20 m at 5 m/s are a whole period"
+
+
+def test_bench_names_every_model() -> None:
+    figures = bench_wind(trees=50, frames=3)
+    assert set(figures) == {"trees", *MODELS}

@@ -1,0 +1,196 @@
+/** The wind document, version 1: fields, ranges, reading. docs/formats/wind.md specifies it. */
+
+export const MODELS = ["cosine", "perlin", "spectral", "navier-stokes"] as const;
+export type WindModel = (typeof MODELS)[number];
+const VERSION = 1;
+const MOST_WAVES = 16;
+const SHARE_TOLERANCE = 1e-9;
+
+/** One cosine wave of gusts; without `phase_turns` the phase comes from the seed. */
+export interface Wave {
+  readonly frequency_hz: number;
+  readonly share: number;
+  readonly across?: number;
+  readonly phase_turns?: number;
+}
+
+export interface WindDocument {
+  readonly version: 1;
+  readonly model: WindModel;
+  readonly mean_speed_m_s: number;
+  readonly direction_deg: number;
+  readonly gustiness: number;
+  readonly convection_speed_m_s: number;
+  readonly seed: number;
+  /** All models but cosine. */
+  readonly length_scale_m?: number;
+  /** Spectral only. */
+  readonly beta?: number;
+  readonly height_exponent?: number;
+  readonly reference_height_m?: number;
+  /** Cosine only. */
+  readonly heading_swing_deg?: number;
+  readonly waves?: readonly Wave[];
+}
+
+/** A document with every default filled in; fields that its model has not keep theirs. */
+export type ResolvedWind = Required<WindDocument>;
+
+/** Why a wind document cannot be read: the path of the field and what would be accepted there. */
+export class WindError extends Error {
+  override readonly name = "WindError";
+
+  constructor(
+    readonly path: string,
+    readonly expected: string,
+    found: unknown = undefined,
+  ) {
+    super(`${path}: ${expected}${found === undefined ? "" : `, not ${String(found).slice(0, 40)}`}`);
+  }
+}
+
+interface Field {
+  readonly low: number;
+  readonly high: number;
+  readonly models: readonly WindModel[];
+  /** Absent: required. */
+  readonly standard?: number;
+  readonly whole?: boolean;
+}
+
+const TRAVELLING: readonly WindModel[] = ["perlin", "spectral", "navier-stokes"];
+
+export const FIELDS = {
+  mean_speed_m_s: { low: 0, high: 60, models: MODELS },
+  direction_deg: { low: -360, high: 360, models: MODELS },
+  gustiness: { low: 0, high: 1, models: MODELS },
+  convection_speed_m_s: { low: 0.5, high: 60, models: MODELS },
+  seed: { low: 0, high: 4294967295, models: MODELS, whole: true },
+  length_scale_m: { low: 5, high: 200, models: TRAVELLING },
+  beta: { low: 0, high: 2, models: ["spectral"], standard: 5 / 3 },
+  height_exponent: { low: 0, high: 1, models: MODELS, standard: 0.2 },
+  reference_height_m: { low: 1, high: 60, models: MODELS, standard: 12 },
+  heading_swing_deg: { low: 0, high: 60, models: ["cosine"], standard: 12 },
+} satisfies Record<string, Field>;
+
+export type WindNumber = keyof typeof FIELDS;
+const WAVE_FIELDS: Readonly<Record<keyof Wave, Field>> = {
+  frequency_hz: { low: 0.001, high: 4, models: MODELS },
+  share: { low: 0, high: 1, models: MODELS },
+  across: { low: -2, high: 2, models: MODELS, standard: 0 },
+  phase_turns: { low: 0, high: 1, models: MODELS, standard: -1 },
+};
+
+/** The ranges of the fields that every wind must have. */
+export const WIND_RANGES: Readonly<Record<string, readonly [number, number]>> = Object.fromEntries(
+  Object.entries(FIELDS as Record<string, Field>)
+    .filter(([, field]) => field.models === MODELS && field.standard === undefined)
+    .map(([name, { low, high }]) => [name, [low, high] as const]),
+);
+
+export const FOREST_WAVES: readonly Wave[] = [
+  { frequency_hz: 0.05, share: 0.262, across: 0.6 },
+  { frequency_hz: 0.087, share: 0.218, across: -0.45 },
+  { frequency_hz: 0.152, share: 0.181, across: 0.75 },
+  { frequency_hz: 0.264, share: 0.15, across: -0.6 },
+  { frequency_hz: 0.46, share: 0.105, across: 0.5 },
+  { frequency_hz: 0.8, share: 0.084, across: -0.7 },
+];
+
+const DEFAULTS = {
+  length_scale_m: 20,
+  beta: 5 / 3,
+  height_exponent: 0.2,
+  reference_height_m: 12,
+  heading_swing_deg: 12,
+  waves: FOREST_WAVES,
+};
+
+/** Fills in the defaults of a document that is known to be good. */
+export const resolveWind = (wind: WindDocument): ResolvedWind => ({ ...DEFAULTS, ...wind });
+
+/** Whether a field belongs to a model. */
+export function hasField(model: WindModel, name: WindNumber): boolean {
+  return (FIELDS[name] as Field).models.includes(model);
+}
+
+/** Reads a wind document; throws WindError naming the offending field and what is allowed there. */
+export function parseWind(value: unknown): WindDocument {
+  const fields = objectAt(value, "wind");
+  if (fields.version !== VERSION) {
+    throw new WindError("wind.version", `this reader knows version ${VERSION}`, fields.version);
+  }
+  const model = fields.model as WindModel;
+  if (!MODELS.includes(model)) {
+    throw new WindError("wind.model", `expected one of ${MODELS.join(", ")}`, fields.model);
+  }
+  const names = (Object.keys(FIELDS) as WindNumber[]).filter((name) => hasField(model, name));
+  const known = [...names, "version", "model", ...(model === "cosine" ? ["waves"] : [])];
+  refuseUnknown(fields, known, "wind", `not a field of the ${model} model`);
+  const numbers: Partial<Record<WindNumber, number>> = {};
+  for (const name of names) {
+    const number = numberAt(fields, name, FIELDS[name], "wind");
+    if (number !== undefined) numbers[name] = number;
+  }
+  const waves = fields.waves === undefined ? {} : { waves: wavesAt(fields.waves) };
+  return { version: VERSION, model, ...numbers, ...waves } as WindDocument;
+}
+
+function objectAt(value: unknown, path: string): Record<string, unknown> {
+  if (typeof value !== "object" || value === null || Array.isArray(value)) {
+    throw new WindError(path, "expected an object");
+  }
+  return value as Record<string, unknown>;
+}
+
+function refuseUnknown(
+  fields: Record<string, unknown>,
+  known: readonly string[],
+  path: string,
+  why: string,
+): void {
+  for (const name of Object.keys(fields)) {
+    if (!known.includes(name)) throw new WindError(`${path}.${name.slice(0, 40)}`, why);
+  }
+}
+
+function numberAt(
+  fields: Record<string, unknown>,
+  name: string,
+  { low, high, standard, whole }: Field,
+  path: string,
+): number | undefined {
+  const expected = `expected ${whole ? "a whole number" : "a number"} in ${low}..${high}`;
+  if (fields[name] === undefined) {
+    if (standard === undefined) throw new WindError(`${path}.${name}`, `missing, ${expected}`);
+    return undefined;
+  }
+  const value = fields[name];
+  const fits = typeof value === "number" && value >= low && value <= high; // NaN fails too
+  if (!fits || (whole && !Number.isInteger(value))) throw new WindError(`${path}.${name}`, expected, value);
+  return value;
+}
+
+function wavesAt(value: unknown): Wave[] {
+  if (!Array.isArray(value) || value.length < 1 || value.length > MOST_WAVES) {
+    throw new WindError("wind.waves", `expected a list of 1..${MOST_WAVES} waves`);
+  }
+  const waves = value.map((wave, k) => waveAt(wave, `wind.waves[${k}]`));
+  const shares = waves.reduce((sum, wave) => sum + wave.share, 0);
+  if (shares > 1 + SHARE_TOLERANCE) {
+    throw new WindError("wind.waves", "expected shares that sum to at most 1");
+  }
+  return waves;
+}
+
+function waveAt(value: unknown, path: string): Wave {
+  const fields = objectAt(value, path);
+  const names = Object.keys(WAVE_FIELDS) as (keyof Wave)[];
+  refuseUnknown(fields, names, path, "not a field of a wave");
+  const wave: Partial<Record<keyof Wave, number>> = {};
+  for (const name of names) {
+    const number = numberAt(fields, name, WAVE_FIELDS[name], path);
+    if (number !== undefined) wave[name] = number;
+  }
+  return wave as Wave;
+}
