@@ -1,7 +1,9 @@
 """What is drawn, hung on what is simulated: barycentric weights of render vertices in the tetrahedra.
 
-Wood vertices follow the tet they lie in. Every connected piece of foliage follows one point, where it comes nearest
-to the wood, so that a leaf card is never bent or torn; only pieces as large as a crown follow the wood piece by piece.
+Wood vertices follow the tet they lie in. Every connected piece of foliage follows one point, where it
+comes nearest
+to the wood, so that a leaf card is never bent or torn; only pieces as large as a crown follow the wood
+piece by piece.
 """
 
 from __future__ import annotations

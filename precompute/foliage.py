@@ -1,4 +1,5 @@
-"""Foliage as what it does to the wood: weight on it, and area for the wind to push; both lumped at tet vertices."""
+"""Foliage as what it does to the wood: weight on it, and area for the wind to push; both lumped at tet
+vertices."""
 
 from __future__ import annotations
 
@@ -35,7 +36,8 @@ class WoodLike(Protocol):
 
 @dataclass(frozen=True)
 class Lumps:
-    """Per tet vertex: extra mass (n,), Cd·A with the height profile in it (n,); and the fixed vertices (k,)."""
+    """Per tet vertex: extra mass (n,), Cd·A with the height profile in it (n,); and the fixed vertices
+    (k,)."""
 
     mass_kg: Floats
     drag_area_m2: Floats

@@ -1,4 +1,5 @@
-"""From the bytes of a mesh file to a tree: format, axis, unit, wood and foliage, repair; nothing assumed in silence."""
+"""From the bytes of a mesh file to a tree: format, axis, unit, wood and foliage, repair; nothing assumed
+in silence."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ from precompute.intake_types import (
     RenderPrimitive,
     TreeMesh,
 )
-from precompute.intake_wood import SortedPart, sort_parts, welded_wood
+from precompute.intake_wood import SortedPart, sort_parts, welded_wood, without_strays
 from precompute.render_mesh import render_glb
 
 __all__ = [
@@ -51,9 +52,10 @@ def read_tree(data: bytes, filename: str, options: IntakeOptions | None = None) 
     pieces, warnings = sort_parts(parts, options)
     _check_wood(pieces, parts, options)
     species, species_reason = guess_species(options.species, filename, parts)
+    wood, strays, repairs, wood_warnings = solid_wood(welded_wood(pieces))
+    pieces = without_strays(pieces, wood.vertices, strays)
     raw_height = _height(pieces)
     scale, unit = choose_scale(raw_height, species, options)
-    wood, repairs, wood_warnings = solid_wood(welded_wood(pieces))
     origin = _base_centre(wood)
     pieces = [SortedPart(_transformed(s.part, np.eye(3), origin, scale), s.kind, s.reason) for s in pieces]
     if up.assumed:
@@ -202,7 +204,7 @@ def _primitives(pieces: list[SortedPart]) -> list[RenderPrimitive]:
                     piece.uv,
                     piece.material,
                     piece.colours,
-                )  # fmt: skip
+                )
             )
     return result
 

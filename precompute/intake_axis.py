@@ -1,4 +1,5 @@
-"""Which way is up and how large a unit is, where the file does not say. Every answer comes with its reason."""
+"""Which way is up and how large a unit is, where the file does not say. Every answer comes with its
+reason."""
 
 from __future__ import annotations
 
@@ -64,7 +65,8 @@ def surface_points(vertices: Floats, faces: Ints) -> Floats:
 def base_score(points: Floats, axis: int) -> float:
     """How much a tree stands on its base along `axis`: much surface in the lowest slab, close together, tall.
 
-    A trunk's foot has both surface and compactness, a twig's tip only the second, a crown's side only the first.
+    A trunk's foot has both surface and compactness, a twig's tip only the second, a crown's side only
+    the first.
     """
     height = points[:, axis]
     low, extent = float(height.min()), float(np.ptp(height))
@@ -94,5 +96,6 @@ def choose_scale(raw_height: float, species: str | None, options: IntakeOptions)
         if low <= raw_height <= high:
             return metres, Choice(unit, f"a height of {raw_height:.4g} fits a tree in {unit}", assumed=True)
     height_m = SPECIES_HEIGHT_M.get(species or "", DEFAULT_HEIGHT_M)
-    reason = f"a height of {raw_height:.4g} fits no unit, so the tree was scaled to {height_m:g} m ({species or 'any species'})"
+    kind = species or "any species"
+    reason = f"a height of {raw_height:.4g} fits no unit, so the tree was scaled to {height_m:g} m ({kind})"
     return height_m / raw_height, Choice("unknown", reason, assumed=True)

@@ -1,4 +1,5 @@
-"""Which format the bytes are in, judged by the bytes, and the parts inside. No name in the data opens a file."""
+"""Which format the bytes are in, judged by the bytes, and the parts inside. No name in the data opens a
+file."""
 
 from __future__ import annotations
 
@@ -24,8 +25,10 @@ PLY_BYTES = {
 }  # fmt: skip
 FOREIGN = {
     b"PK\x03\x04": "a ZIP archive", b"\x1f\x8b": "a gzip file", b"%PDF": "a PDF", b"\x89PNG": "a PNG picture",
-    b"\xff\xd8\xff": "a JPEG picture", b"GIF8": "a GIF picture", b"BZh": "a bzip2 file", b"7z\xbc\xaf": "a 7z archive",
-    b"Rar!": "a RAR archive", b"Kaydara FBX": "an FBX file", b"BLENDER": "a Blender file", b"\x7fELF": "a program",
+    b"\xff\xd8\xff": "a JPEG picture", b"GIF8": "a GIF picture", b"BZh": "a bzip2 file",
+    b"7z\xbc\xaf": "a 7z archive",
+    b"Rar!": "a RAR archive", b"Kaydara FBX": "an FBX file", b"BLENDER": "a Blender file",
+    b"\x7fELF": "a program",
     b"MZ": "a program", b"<": "an HTML or XML page", b"\x28\xb5\x2f\xfd": "a Zstandard file",
 }  # fmt: skip
 ACCEPTED = "Send a GLB, OBJ, PLY or STL file."

@@ -1,6 +1,7 @@
 """glTF 2.0 from bytes alone: every offset is checked, external files are refused, nothing is guessed.
 
-Quantised attributes (KHR_mesh_quantization) are decoded; Draco, meshopt and sparse accessors are refused by name.
+Quantised attributes (KHR_mesh_quantization) are decoded; Draco, meshopt and sparse accessors are refused
+by name.
 Source: glTF 2.0 specification, sections 3.6 (buffers, accessors) and 4 (GLB).
 """
 
@@ -149,7 +150,8 @@ class _Gltf:
             content = data_uri(uri)[0]
         else:
             raise IntakeError(
-                "external-buffers", 400, "The glTF keeps its geometry in another file, and external buffers are not accepted.",
+                "external-buffers", 400,
+                "The glTF keeps its geometry in another file: external buffers are not accepted.",
                 "Pack it into one .glb (Blender: export as glTF Binary).",
             )  # fmt: skip
         if len(content) < int(buffer.get("byteLength", 0)):

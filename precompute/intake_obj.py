@@ -86,7 +86,7 @@ def _take_face(obj: _Obj, words: list[str]) -> None:
 
 
 def _corner(obj: _Obj, word: str) -> Corner:
-    fields = word.split("/") + ["", ""]
+    fields = [*word.split("/"), "", ""]
     return (
         _index(fields[0], len(obj.vertices), required=True),
         _index(fields[1], len(obj.uvs)),

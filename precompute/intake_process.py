@@ -1,4 +1,5 @@
-"""Intake in a child process: whatever an upload does to the reader, the caller gets a tree or an IntakeError."""
+"""Intake in a child process: whatever an upload does to the reader, the caller gets a tree or an
+IntakeError."""
 
 from __future__ import annotations
 

@@ -20,8 +20,9 @@ ROOTED = 0.05  # of the wood's height: how low a piece must reach to stand on th
 THICK = 0.1  # of the largest piece's volume
 
 
-def solid_wood(wood: Surface) -> tuple[Surface, dict[str, int], list[str]]:
-    """Wood with agreed, outward windings and closed loops; the repairs done and the warnings.
+def solid_wood(wood: Surface) -> tuple[Surface, Floats, dict[str, int], list[str]]:
+    """Wood with agreed, outward windings and closed loops; vertices of bodies left out; repairs done;
+    warnings.
 
     Raises IntakeError 422 where nothing with a volume is left.
     """
@@ -29,7 +30,7 @@ def solid_wood(wood: Surface) -> tuple[Surface, dict[str, int], list[str]]:
     capped, loops = cap(Surface(wood.vertices, faces))
     kept, dropped = _without_flat_pieces(capped)
     outward, inverted = face_outwards(kept)
-    alone, others = _one_tree(outward)
+    alone, others, strays = _one_tree(outward)
     repairs = {
         "faces_turned": turned,
         "holes_capped": loops,
@@ -43,8 +44,10 @@ def solid_wood(wood: Surface) -> tuple[Surface, dict[str, int], list[str]]:
     if loops:
         warnings.append(f"{loops} open ends of the wood were closed.")
     if others:
-        warnings.append(f"{others} bodies stand apart from the tree; the largest was kept.")
-    return alone, repairs, warnings
+        warnings.append(
+            f"The file holds {others + 1} separate trees or bodies; only the largest rooted one was kept."
+        )
+    return alone, strays, repairs, warnings
 
 
 def _without_flat_pieces(surface: Surface) -> tuple[Surface, int]:
@@ -69,11 +72,12 @@ def piece_boxes(surface: Surface, of_face: Ints, count: int) -> tuple[Floats, Fl
     return low, high
 
 
-def _one_tree(surface: Surface) -> tuple[Surface, int]:
-    """Pieces whose boxes chain up to the largest grounded one; bodies farther off are dropped and counted."""
+def _one_tree(surface: Surface) -> tuple[Surface, int, Floats]:
+    """Pieces whose boxes chain up to the largest grounded one; bodies farther off are dropped, counted,
+    returned."""
     count, of_face = face_components(surface.faces, len(surface.vertices))
     if count == 1:
-        return surface, 0
+        return surface, 0, np.zeros((0, 3))
     low, high = piece_boxes(surface, of_face, count)
     group = _chained(low, high, STRAY_GAP * float(np.ptp(surface.vertices[:, 1])))
     volumes = np.bincount(group, np.abs(signed_volumes(surface, of_face, count)))
@@ -84,8 +88,9 @@ def _one_tree(surface: Surface) -> tuple[Surface, int]:
     if not rooted.any():
         rooted = volumes == volumes.max()
     main = int(np.argmax(np.where(rooted, volumes, -1.0)))
-    keep = group == main
-    return compact(Surface(surface.vertices, surface.faces[keep[of_face]])), len(volumes) - 1
+    keep = (group == main)[of_face]
+    strays = surface.vertices[np.unique(surface.faces[~keep])]
+    return compact(Surface(surface.vertices, surface.faces[keep])), len(volumes) - 1, strays
 
 
 def _chained(low: Floats, high: Floats, gap: float) -> Ints:

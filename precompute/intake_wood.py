@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from precompute.intake_gltf_material import greenness, is_cut_out
 from precompute.intake_repair import Surface, face_components, weld
@@ -45,7 +46,9 @@ def sort_parts(parts: list[RawPart], options: IntakeOptions) -> tuple[list[Sorte
     result = [piece for part in parts for piece in _sort_part(part, low, height)]
     if any(piece.kind == "wood" for piece in result) or not _has_solid(result):
         return result, []
-    warning = "No wood was recognised; the whole mesh is taken as one solid. Name the wood's materials to correct it."
+    warning = (
+        "No wood was recognised: the whole mesh is one solid. Name the materials that are wood to correct it."
+    )
     return [SortedPart(p, "wood", "no wood was recognised") for p in parts], [warning]
 
 
@@ -158,3 +161,18 @@ def welded_wood(pieces: list[SortedPart]) -> Surface:
             faces.append(piece.part.faces + offset)
             offset += len(piece.part.positions)
     return weld(Surface(np.concatenate(vertices), np.concatenate(faces).astype(np.int32)))
+
+
+def without_strays(pieces: list[SortedPart], kept: Floats, strays: Floats) -> list[SortedPart]:
+    """Parts without the faces, of wood or leaves, that are nearer to a dropped body than to the tree
+    that was kept."""
+    if not len(strays):
+        return pieces
+    near, far = cKDTree(kept), cKDTree(strays)
+    result: list[SortedPart] = []
+    for piece in pieces:
+        middle = piece.part.positions[piece.part.faces].mean(axis=1)
+        own = np.flatnonzero(near.query(middle)[0] <= far.query(middle)[0])
+        if len(own):
+            result.append(replace(piece, part=sub_part(piece.part, own)))
+    return result

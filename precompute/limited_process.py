@@ -1,6 +1,8 @@
-"""Functions run in a child process with limits on memory, CPU and wall time: bad meshes crash it, never the caller.
+"""Functions run in a child process with limits on memory, CPU and wall time: bad meshes crash it, never
+the caller.
 
-Arguments and results are arrays in .npz files (no pickles). The child's current directory is a temporary folder.
+Arguments and results are arrays in .npz files (no pickles). The child's current directory is a temporary
+folder.
 """
 
 from __future__ import annotations
@@ -32,7 +34,8 @@ OUT_OF_MEMORY = 4
 
 @dataclass(frozen=True)
 class Limits:
-    """What a child may use. `memory_bytes` counts address space, of which libraries alone take about 1.5 GB."""
+    """What a child may use. `memory_bytes` counts address space, of which libraries alone take about 1.5
+    GB."""
 
     memory_bytes: int = 4 << 30
     cpu_s: int = 120
@@ -71,8 +74,8 @@ def _start(target: str, folder: Path, limits: Limits) -> subprocess.Popen[bytes]
     ]
     with Path(folder, "stderr").open("wb") as stderr:
         return subprocess.Popen(
-            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=stderr,
-            start_new_session=True,
+            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL, stderr=stderr, start_new_session=True,
         )  # fmt: skip
 
 

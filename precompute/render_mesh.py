@@ -1,4 +1,5 @@
-"""The tree as a GLB to draw: transforms baked, one mesh per primitive, textures kept, vertices in the table's order."""
+"""The tree as a GLB to draw: transforms baked, one mesh per primitive, textures kept, vertices in the
+table's order."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ DEFAULT_COLOURS = {"wood": [0.28, 0.2, 0.14, 1.0], "leaves": [0.22, 0.36, 0.1, 1
 
 
 def render_glb(tree: TreeMesh) -> bytes:
-    """A valid binary glTF 2.0 of the tree's primitives, in their order; the same tree gives the same bytes."""
+    """A valid binary glTF 2.0 of the tree's primitives, in their order; the same tree gives the same
+    bytes."""
     writer = _Writer()
     for primitive in tree.primitives:
         writer.add(primitive)

@@ -15,7 +15,8 @@ FEWEST = 4
 
 
 def root_vertices(vertices_m: Floats, tets: Ints) -> Ints:
-    """Indices (k,) of the vertices in the lowest 2 % that belong to a thick foot; at least four, spanning a plane."""
+    """Indices (k,) of the vertices in the lowest 2 % that belong to a thick foot; at least four,
+    spanning a plane."""
     heights = vertices_m[:, 1]
     low, size = float(heights.min()), float(np.ptp(heights))
     share = CLAMPED_SHARE

@@ -13,7 +13,8 @@ PIXELS_HIGH = 384
 
 @numba.njit(cache=True, nogil=True)
 def _draw(triangles, transparency, clear):  # type: ignore[no-untyped-def]
-    """Multiplies clear (h, w) by each triangle's transparency where a pixel's centre lies in it (in pixels)."""
+    """Multiplies clear (h, w) by each triangle's transparency where a pixel's centre lies in it (in
+    pixels)."""
     height, width = clear.shape
     for f in range(len(triangles)):
         t = triangles[f]
@@ -31,7 +32,8 @@ def _draw(triangles, transparency, clear):  # type: ignore[no-untyped-def]
 
 
 def silhouette_area(triangles_m: Floats, coverage: Floats) -> float:
-    """Mean frontal area in m² of triangles (m, 3, 3) seen horizontally, each letting (1 − coverage) through."""
+    """Mean frontal area in m² of triangles (m, 3, 3) seen horizontally, each letting (1 − coverage)
+    through."""
     height = float(np.ptp(triangles_m[:, :, 1]))
     pixel = height / PIXELS_HIGH
     areas: list[float] = []

@@ -27,7 +27,8 @@ SAMPLES_OF_TET = np.array(
 class Skeleton:
     """points_m (p, 3), parent (p,) with −1 at the root, radius_m (p,), branch (p,) with 0 the trunk.
 
-    tet_fibre (m, 3) unit vectors away from the root, tet_branch (m,), tet_point (m,) the skeleton point nearest
+    tet_fibre (m, 3) unit vectors away from the root, tet_branch (m,), tet_point (m,) the skeleton point
+    nearest
     along the wood.
     """
 
@@ -92,7 +93,8 @@ def _radii(tree: Tree, points_m: Floats) -> Floats:
 
 
 def _owners(mesh: TetMesh, sections: Sections, tree: Tree, stands: Ints, radius_m: Floats) -> Ints:
-    """The skeleton point (m,) that each tet belongs to: the nearest, in radii, among the links of its slab piece."""
+    """The skeleton point (m,) that each tet belongs to: the nearest, in radii, among the links of its
+    slab piece."""
     centre = mesh.vertices_m[mesh.tets].mean(axis=1)
     links: dict[int, list[int]] = {}
     for point, piece in enumerate(tree.piece.tolist()):
@@ -126,7 +128,8 @@ def segment_distance(points: Floats, start: Floats, end: Floats) -> Floats:
 def _fibres(
     mesh: TetMesh, points_m: Floats, tangent: Floats, parent: Ints, branch: Ints, owner: Ints
 ) -> Floats:
-    """Tangent at each tet's centre, between its point and that point's parent where both are of one branch."""
+    """Tangent at each tet's centre, between its point and that point's parent where both are of one
+    branch."""
     centre = mesh.vertices_m[mesh.tets].mean(axis=1)
     below = np.maximum(parent[owner], 0)
     along = points_m[owner] - points_m[below]
@@ -140,9 +143,11 @@ def _fibres(
 
 
 def sampled_elements(mesh: TetMesh, skeleton: Skeleton, count: int) -> Ints:
-    """`count` tets spread along the skeleton, clamped ones left out; a smaller count is a prefix of a larger one.
+    """`count` tets spread along the skeleton, clamped ones left out; a smaller count is a prefix of a
+    larger one.
 
-    Farthest-point order over the tets nearest to the skeleton's points; once those are used up, over all others.
+    Farthest-point order over the tets nearest to the skeleton's points; once those are used up, over all
+    others.
     """
     if not 1 <= count <= len(mesh.tets):
         raise ValueError(f"{count} sampled elements of {len(mesh.tets)} tetrahedra")

@@ -1,6 +1,7 @@
 """The line of the skeleton: L1-medial centring across the axis, then a local-linear fit along each branch.
 
-Source: Huang, Wu, Cohen-Or, Gong, Zhang, Li & Chen 2013, "L1-medial skeleton of point cloud", eq. 2 (attraction only:
+Source: Huang, Wu, Cohen-Or, Gong, Zhang, Li & Chen 2013, "L1-medial skeleton of point cloud", eq. 2
+(attraction only:
 the order of the points comes from the level sets, so no repulsion is needed).
 """
 
@@ -84,7 +85,8 @@ def unit(rows: Floats) -> Floats:
 def fitted_lines(
     points_m: Floats, branch: Ints, parent: Ints, radius_m: Floats, step_m: float
 ) -> tuple[Floats, Floats]:
-    """Points (p, 3) and unit tangents (p, 3) from a weighted straight line around each point of its branch."""
+    """Points (p, 3) and unit tangents (p, 3) from a weighted straight line around each point of its
+    branch."""
     fitted, tangent = points_m.copy(), np.zeros_like(points_m)
     for line in branch_lines(branch, parent):
         base = parent[line[0]]

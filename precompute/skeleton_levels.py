@@ -1,4 +1,5 @@
-"""Geodesic level sets: how far each vertex is from the roots inside the wood, and the sections at equal distances.
+"""Geodesic level sets: how far each vertex is from the roots inside the wood, and the sections at equal
+distances.
 
 The sections' centres, linked through the slabs between them, are the tree of the skeleton.
 """
@@ -27,7 +28,8 @@ class Faces:
 class Sections:
     """Sections of the wood at equal geodesic distance, in order of their level.
 
-    level (s,), centre_m (s, 3), area_m2 (s, 3) as a vector, below (s,) and above (s,): the slab pieces on either side.
+    level (s,), centre_m (s, 3), area_m2 (s, 3) as a vector, below (s,) and above (s,): the slab pieces
+    on either side.
     Slab pieces: slab_of_pair and tet_of_pair list which tets (several slabs each) make up which piece.
     """
 

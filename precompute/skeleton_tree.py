@@ -14,7 +14,8 @@ SPUR = 1.2  # a twig that stands out of its parent by less than this many of its
 
 @dataclass(frozen=True)
 class Tree:
-    """points_m (p, 3), parent (p,) with −1 at the root and always before its children, area_m2 (p, 3), piece (p,).
+    """points_m (p, 3), parent (p,) with −1 at the root and always before its children, area_m2 (p, 3),
+    piece (p,).
 
     piece: the slab piece between a point and its parent.
     """
@@ -28,7 +29,8 @@ class Tree:
 def linked_tree(
     sections: Sections, vertices_m: Floats, tets: Ints, distance_m: Floats, base_m: Floats
 ) -> Tree:
-    """Sections joined to the section under them; the base comes first, and the far end of every twig is a point."""
+    """Sections joined to the section under them; the base comes first, and the far end of every twig is
+    a point."""
     lower: dict[int, list[int]] = {}
     for index, piece in enumerate(sections.above.tolist()):
         lower.setdefault(piece, []).append(index)

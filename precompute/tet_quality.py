@@ -28,7 +28,8 @@ def boundary_faces(tets: Ints) -> Ints:
 
 
 def largest_component(vertices: Floats, tets: Ints) -> tuple[Floats, Ints, int]:
-    """The largest piece joined through faces, positively oriented, unused vertices gone; how many were dropped."""
+    """The largest piece joined through faces, positively oriented, unused vertices gone; how many were
+    dropped."""
     keys = np.sort(tets[:, FACES_OF_TET].reshape(-1, 3), axis=1)
     _, face = np.unique(keys, axis=0, return_inverse=True)
     owner = np.repeat(np.arange(len(tets)), 4)
@@ -47,7 +48,8 @@ def largest_component(vertices: Floats, tets: Ints) -> tuple[Floats, Ints, int]:
 def restore_volume(vertices: Floats, tets: Ints, wanted: float) -> Floats:
     """Surface vertices moved along their normals, all by one distance, until the volume is `wanted`.
 
-    Decimation cuts corners and the mesher keeps within its envelope: both take the same thickness from trunk and twig.
+    Decimation cuts corners and the mesher keeps within its envelope: both take the same thickness from
+    trunk and twig.
     Where a tet would turn over, its vertices stay.
     """
     faces = boundary_faces(tets)

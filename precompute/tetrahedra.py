@@ -1,7 +1,10 @@
-"""A tree's wood as tetrahedra: thickened to what the mesher resolves, wrapped to one solid, meshed, checked, kept.
+"""A tree's wood as tetrahedra: thickened to what the mesher resolves, wrapped to one solid, meshed,
+checked, kept.
 
-Recipe: radii below a floor are raised (and the ratio remembered per tet), a distance grid gives one closed surface,
-decimation sets the number of tets, fTetWild fills it, and the surface is let out again by what the two took away.
+Recipe: radii below a floor are raised (and the ratio remembered per tet), a distance grid gives one
+closed surface,
+decimation sets the number of tets, fTetWild fills it, and the surface is let out again by what the two
+took away.
 """
 
 from __future__ import annotations
@@ -22,12 +25,12 @@ from precompute.thicken import Thickened, thicken
 from precompute.wrap import decimate, wrap
 
 FLOOR = 2.2e-3  # smallest radius, of the diagonal
-ENVELOPE_OF_FLOOR = 0.4  # fTetWild's envelope, of the floor
+ENVELOPE = 0.3  # fTetWild's envelope, of the floor: a finer one keeps more tets
 CELLS_PER_FLOOR = 1.2
 EDGE_LENGTH = 0.05  # of the diagonal
 STOP_ENERGY = 30.0
 TETS_PER_FACE = 0.95
-FEWEST, MOST = 0.7, 1.3  # of the target
+FEWEST, MOST = 0.55, 1.45  # of the target
 MAX_LOST_EXTENT = 0.03
 ATTEMPTS = 4
 TETWILD_LIMITS = Limits(memory_bytes=6 << 30, cpu_s=150, wall_s=200.0)
@@ -35,7 +38,8 @@ TETWILD_LIMITS = Limits(memory_bytes=6 << 30, cpu_s=150, wall_s=200.0)
 
 @dataclass(frozen=True)
 class TetMesh:
-    """vertices_m (n, 3), tets (m, 4) of positive volume, radius_ratio (m,): original over thickened radius."""
+    """vertices_m (n, 3), tets (m, 4) of positive volume, radius_ratio (m,): original over thickened
+    radius."""
 
     vertices_m: Floats
     tets: Ints
@@ -45,10 +49,11 @@ class TetMesh:
 
 @dataclass(frozen=True)
 class Recipe:
-    """What is turned when an attempt fails; `floor` is of the diagonal."""
+    """What is turned when an attempt fails: `floor` of the diagonal, `envelope` of the floor."""
 
+    faces: int
     floor: float = FLOOR
-    faces: int = 5800
+    envelope: float = ENVELOPE
 
 
 def tetrahedralise(tree: TreeMesh, target_tets: int = 5500, cache_dir: Path | None = None) -> TetMesh:
@@ -84,7 +89,7 @@ def _attempts(surface: Surface, target_tets: int) -> TetMesh:
         if lost > MAX_LOST_EXTENT:
             recipe = replace(recipe, floor=recipe.floor * 1.4)
         else:
-            recipe = replace(recipe, faces=round(recipe.faces * np.clip(target_tets / count, 0.4, 2.5)))
+            recipe = _towards(recipe, target_tets / count)
     assert best is not None
     if best.report["lost_extent"] > 3 * MAX_LOST_EXTENT:
         raise IntakeError(
@@ -97,6 +102,13 @@ def _attempts(surface: Surface, target_tets: int) -> TetMesh:
             f"{best.report['lost_extent']:.1%} of the wood's extent was lost in meshing."
         )
     return best
+
+
+def _towards(recipe: Recipe, wanted: float) -> Recipe:
+    """The recipe for `wanted` times as many tets: a finer envelope first, as more faces alone are
+    collapsed again."""
+    faces = round(recipe.faces * float(np.clip(wanted, 0.4, 1.3)))
+    return replace(recipe, faces=faces, envelope=recipe.envelope * (0.5 if wanted > 1 else 1.2))
 
 
 def _badness(mesh: TetMesh, target_tets: int) -> float:
@@ -117,7 +129,7 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
         {
             "vertices": shell.vertices,
             "faces": shell.faces,
-            "epsilon": np.float64(recipe.floor * ENVELOPE_OF_FLOOR),
+            "epsilon": np.float64(recipe.floor * recipe.envelope),
             "edge_length": np.float64(EDGE_LENGTH),
             "stop_energy": np.float64(STOP_ENERGY),
         },

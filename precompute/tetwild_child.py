@@ -8,7 +8,8 @@ from precompute.limited_process import Arrays
 
 
 def tetrahedralise_surface(arguments: Arrays) -> Arrays:
-    """vertices (n, 3), faces (m, 3), epsilon and edge_length (both of the diagonal), stop_energy → vertices, tets."""
+    """vertices (n, 3), faces (m, 3), epsilon and edge_length (both of the diagonal), stop_energy →
+    vertices, tets."""
     import pytetwild  # imports pyvista, which only this child needs
 
     vertices, tets = pytetwild.tetrahedralize(

@@ -1,6 +1,7 @@
 """Twigs raised to a radius that the mesher resolves, and by how much, so that the physics can take it back.
 
-The local radius is that of the largest ball which touches the surface from inside (the shrinking-ball algorithm,
+The local radius is that of the largest ball which touches the surface from inside (the shrinking-ball
+algorithm,
 Ma, Bae & Choi 2012, "3D medial axis point approximation using nearest neighbors and the normal field").
 """
 
@@ -22,7 +23,8 @@ MAX_GRID = 200
 
 @dataclass(frozen=True)
 class Thickened:
-    """The raised surface, and at sample points (k, 3) on it the original radius over the new one, in (0, 1]."""
+    """The raised surface, and at sample points (k, 3) on it the original radius over the new one, in (0,
+    1]."""
 
     surface: Surface
     sample_points: Floats
@@ -43,7 +45,8 @@ def thicken(surface: Surface, floor_radius: float) -> Thickened:
 
 
 def outward_normals(surface: Surface) -> Floats:
-    """Vertex normals (n, 3), faces weighted by their angle, so that a coarse ring's normals point from its axis."""
+    """Vertex normals (n, 3), faces weighted by their angle, so that a coarse ring's normals point from
+    its axis."""
     corners = surface.vertices[surface.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
@@ -98,7 +101,8 @@ def _smooth(points: Floats, piece: Ints, radius: Floats, neighbours: int = 8) ->
 def _at_vertices(
     surface: Surface, points: Floats, normals: Floats, face: Ints, radius: Floats
 ) -> tuple[Floats, Floats]:
-    """Mean radius (n,) and distance to the medial centre (n,) at each vertex, nearer samples counting more."""
+    """Mean radius (n,) and distance to the medial centre (n,) at each vertex, nearer samples counting
+    more."""
     centre = points - radius[:, None] * normals
     total, total_radius, total_reach = np.zeros((3, len(surface.vertices)))
     for k in range(3):

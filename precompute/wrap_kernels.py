@@ -1,4 +1,5 @@
-"""Compiled kernels of the wrap: distances in a band around the triangles, and inside by counting crossings."""
+"""Compiled kernels of the wrap: distances in a band around the triangles, and inside by counting
+crossings."""
 
 from __future__ import annotations
 
@@ -8,7 +9,8 @@ import numpy as np
 
 @numba.njit(cache=True, nogil=True)
 def _point_triangle(px, py, pz, t):  # type: ignore[no-untyped-def]
-    """Squared distance from a point to a triangle (3, 3) (Ericson 2005, Real-Time Collision Detection, 5.1.5)."""
+    """Squared distance from a point to a triangle (3, 3) (Ericson 2005, Real-Time Collision Detection,
+    5.1.5)."""
     abx, aby, abz = t[1, 0] - t[0, 0], t[1, 1] - t[0, 1], t[1, 2] - t[0, 2]
     acx, acy, acz = t[2, 0] - t[0, 0], t[2, 1] - t[0, 1], t[2, 2] - t[0, 2]
     apx, apy, apz = px - t[0, 0], py - t[0, 1], pz - t[0, 2]
@@ -43,7 +45,8 @@ def _point_triangle(px, py, pz, t):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def band_distance(triangles, shape, band):  # type: ignore[no-untyped-def]
-    """Distance, in cells, from each grid point to the triangles (m, 3, 3) given in cells; `band` where farther."""
+    """Distance, in cells, from each grid point to the triangles (m, 3, 3) given in cells; `band` where
+    farther."""
     field = np.full(shape, np.float32(band * band))
     for f in range(len(triangles)):
         t = triangles[f]
@@ -105,7 +108,8 @@ def _cell_range(t, low, cell, shape):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def triangle_grid(triangles, low, cell, shape):  # type: ignore[no-untyped-def]
-    """Which triangles touch each cell, as offsets (cells + 1,) and items: a bucket grid over bounding boxes."""
+    """Which triangles touch each cell, as offsets (cells + 1,) and items: a bucket grid over bounding
+    boxes."""
     offsets = np.zeros(shape[0] * shape[1] * shape[2] + 1, np.int64)
     items = np.empty(0, np.int32)
     for turn in range(2):
@@ -130,7 +134,8 @@ def triangle_grid(triangles, low, cell, shape):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def inner_balls(points, normals, face, piece, triangles, low, cell, shape, offsets, items, limit):  # type: ignore[no-untyped-def]
-    """Radius of the largest inner ball (at most `limit`) through each point, against its own piece's triangles."""
+    """Radius of the largest inner ball (at most `limit`) through each point, against its own piece's
+    triangles."""
     radius = np.empty(len(points))
     for p in range(len(points)):
         r = limit
