@@ -259,8 +259,8 @@ class ForestLookup:
         np.divide(dt_s / self._dt_s, self._size, out=self._rate)
         px, pz = np.asarray(pressure_x, np.float64), np.asarray(pressure_z, np.float64)
         _advance(
-            self._search, self._dq, self._poses, self._starts, self._scale, self._rule, self._rate, self._turn,
-            px, pz, self.record, self._weight, self._phase, self._now, self._before, self.q,
+            self._search, self._dq, self._poses, self._starts, self._scale, self._rule, self._rate,
+            self._turn, px, pz, self.record, self._weight, self._phase, self._now, self._before, self.q,
         )  # fmt: skip
 
     def poses(self) -> npt.NDArray[np.int32]:

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from precompute.build_types import BuildOptions, BuildResult, Cancelled, Progress, Stages
 from precompute.design_wind import design_wind
-from precompute.dynamics import Simulator, build_model, save_model
+from precompute.dynamics import Simulator, build_model
 from precompute.foliage import bind_foliage, render_binding
 from precompute.intake_process import run_intake
-from precompute.pipeline_report import build_report, content_hash, describe, render_mesh
+from precompute.pipeline_report import build_report, describe, render_mesh
 from precompute.runner import TrajectoryRunner, run_in_processes, sample_tasks
 from precompute.sampling import read_trajectory, sample_winds
 from precompute.skeleton import extract_skeleton, sampled_elements
@@ -41,18 +41,13 @@ def build_table(
     skeleton = extract_skeleton(mesh)
     lumps = bind_foliage(tree, mesh, wood)
     binding = render_mesh(tree, render_binding(tree, mesh))
-    points = sorted(
-        set(mesh.tets[sampled_elements(mesh, skeleton, options.sampled_elements)].ravel().tolist())
-    )
+    points = mesh.tets[sampled_elements(mesh, skeleton, options.sampled_elements)]
     stages.enter("model")
     model = build_model(mesh, skeleton, wood, lumps, options.fem)
-    key = content_hash(model)
-    model_path = cache_dir / "models" / f"{key}.npz"
-    save_model(model, model_path)
     wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
     stages.enter("sampling")
     winds = sample_winds(wind.speed_m_s, options.fem.dt_s, options.frames)
-    tasks = sample_tasks(model_path, key, winds, points, cache_dir / "trajectories")
+    tasks = sample_tasks(model, winds, points, cache_dir)
     paths = runner(tasks, lambda count: stages.tick(count / len(tasks)))
     stages.enter("reducing")
     runs = [read_trajectory(path) for path in paths]
@@ -61,6 +56,5 @@ def build_table(
     mass_kg = model.mass_kg[: model.vertex_count]
     table = assemble_table(runs, mass_kg, binding, description, options.table, stages.tick)
     stages.enter("done")
-    return BuildResult(
-        encode(table), render_glb, build_report(tree, mesh, skeleton, lumps, model, wind, table, stages)
-    )
+    report = build_report(tree, mesh, skeleton, lumps, model, wind, table, stages)
+    return BuildResult(encode(table), render_glb, report)

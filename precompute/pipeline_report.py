@@ -22,14 +22,6 @@ from precompute.tabulate import RenderMesh
 from precompute.tetrahedra import TetMesh
 
 
-def content_hash(model: FemModel) -> str:
-    """Hash of everything that decides how a model moves."""
-    digest = hashlib.sha256(repr((model.alpha, model.beta, model.settings)).encode())
-    for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest"):
-        digest.update(np.ascontiguousarray(getattr(model, name)).tobytes())
-    return digest.hexdigest()
-
-
 def render_mesh(tree: TreeMesh, binding: scipy.sparse.csr_matrix) -> RenderMesh:
     """The render vertices of all primitives in the GLB's order, with how they hang on the tet vertices."""
     primitives = [{"name": p.name, "kind": p.kind, "vertices": len(p.positions_m)} for p in tree.primitives]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from precompute.dynamics import Simulator, load_model
+from precompute.dynamics import FemModel, Simulator, load_model, save_model
 from precompute.sampling import SampleWind, sample_trajectory, trajectory_key, write_trajectory
 
 Array = npt.NDArray[Any]
@@ -36,12 +37,28 @@ TrajectoryRunner = Callable[[Sequence[SampleTask], Callable[[int], None]], list[
 
 
 def sample_tasks(
-    model: Path, model_hash: str, winds: Sequence[SampleWind], points: Array, folder: Path
+    model: FemModel, winds: Sequence[SampleWind], points: Array, cache_dir: Path
 ) -> list[SampleTask]:
-    """The runs of a table. Files are kept in ``folder``, so that a stopped build goes on where it was."""
-    vertices = tuple(int(vertex) for vertex in points)
-    paths = [folder / f"{trajectory_key(model_hash, wind, points)}.npz" for wind in winds]
-    return [SampleTask(model, wind, vertices, path) for wind, path in zip(winds, paths, strict=True)]
+    """The runs of a table, recorded at the given vertices (any shape, repeats allowed).
+
+    Model and runs are kept in ``cache_dir`` under their content's hash: a stopped build goes on where it was.
+    """
+    key, vertices = content_hash(model), np.unique(points)
+    path = cache_dir / "models" / f"{key}.npz"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    save_model(model, path)
+    folder = cache_dir / "trajectories"
+    runs = [folder / f"{trajectory_key(key, wind, vertices)}.npz" for wind in winds]
+    numbers = tuple(int(vertex) for vertex in vertices)
+    return [SampleTask(path, wind, numbers, run) for wind, run in zip(winds, runs, strict=True)]
+
+
+def content_hash(model: FemModel) -> str:
+    """Hash of everything that decides how a model moves."""
+    digest = hashlib.sha256(repr((model.alpha, model.beta, model.settings)).encode())
+    for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest"):
+        digest.update(np.ascontiguousarray(getattr(model, name)).tobytes())
+    return digest.hexdigest()
 
 
 @lru_cache(maxsize=1)
