@@ -17,10 +17,15 @@ Floats = NDArray[np.float64]
 
 
 class Modes(NamedTuple):
-    """Frequencies (k,) Hz, ascending, and mass-normalised shapes (k,N,3), 1/√kg, nodes in the mesh's order."""
+    """Frequencies (k,) Hz, ascending, and mass-normalised shapes (k,N,3), 1/√kg, nodes in the mesh's order.
+
+    `elastic` (k,) 1/s² is each shape's quotient with the elements' tangent alone, which is what β damps: ω² but for
+    what gravity takes off.
+    """
 
     frequencies_hz: Floats
     shapes: Floats
+    elastic: Floats
 
 
 def frequencies(model: "FemModel", count: int) -> Floats:
@@ -39,13 +44,14 @@ def natural_modes(model: "FemModel", count: int, system: ElementSystem | None = 
     system = system or model.system()
     u = model.u_rest[system.order]
     mass = model.mass_kg[system.order]
-    _, basis = tangent_modes(system, u, mass, min(count + 8, 3 * system.free - 2))
+    omega, basis = tangent_modes(system, u, mass, min(count + 8, 3 * system.free - 2))
     stiffness = _projected_stiffness(system, u, basis)
     eigenvalues, weights = eigh(stiffness)
     inner = np.einsum("jk,jni->kni", weights, basis)[:count]
     shapes = np.empty_like(inner)
     shapes[:, system.order] = inner
-    return Modes(np.sqrt(np.maximum(eigenvalues[:count], 0)) / (2 * np.pi), shapes)
+    elastic = (weights[:, :count] ** 2 * omega[:, None] ** 2).sum(axis=0)
+    return Modes(np.sqrt(np.maximum(eigenvalues[:count], 0)) / (2 * np.pi), shapes, elastic)
 
 
 def tangent_modes(system: ElementSystem, u: Floats, mass: Floats, count: int) -> tuple[Floats, Floats]:

@@ -158,14 +158,15 @@ def _finished(model: FemModel, wood: Wood, report: dict[str, Any]) -> FemModel:
     system = model.system()
     pose = gravity_rest_pose(system, model.gravity_n, height_m)
     model = replace(model, u_rest=pose.u_m, gravity_n=pose.gravity_n)
-    frequencies = [float(f) for f in natural_modes(model, 10, system).frequencies_hz]
-    ratio = wood.damping_ratio
-    alpha, beta = rayleigh(ratio, frequencies[0], model.settings.damping_frequency_ratio)
+    modes = natural_modes(model, 10, system)
+    frequencies = [float(f) for f in modes.frequencies_hz]
+    ratio, elastic = wood.damping_ratio, float(modes.elastic[0])
+    alpha, beta = rayleigh(ratio, frequencies[0], elastic, model.settings.damping_frequency_ratio)
     report = {
         **report,
         "mass_kg": float(model.mass_kg.sum()),
         "rest_pose": pose.report,
         "frequencies_hz": frequencies,
-        "damping": damping_report(model.settings, alpha, beta, frequencies[0], ratio),
+        "damping": damping_report(model.settings, alpha, beta, frequencies[0], elastic, ratio),
     }
     return replace(model, alpha=alpha, beta=beta, report=report)
