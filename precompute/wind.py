@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from precompute.wind_models.document import Wave, Wind, WindError, parse_wind
 from precompute.wind_models.field import WindField
-from precompute.wind_models.glide import WindState, parse_state, steady
+from precompute.wind_models.glide import WindState, parse_state, parse_wind_or_state, steady
 from precompute.wind_models.hashing import phase_rad
 from precompute.wind_models.presets import PRESETS, paper_wind
 from precompute.wind_models.pressure import (
@@ -46,6 +46,7 @@ __all__ = [
     "paper_wind",
     "parse_state",
     "parse_wind",
+    "parse_wind_or_state",
     "phase_rad",
     "sampled_peak_pa",
     "steady",

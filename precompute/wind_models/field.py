@@ -17,6 +17,8 @@ from precompute.wind_models.spectral import SpectralGusts
 
 KEPT_GUSTS = 2
 """A glide needs two at once."""
+KEPT_BUFFERS = 24
+"""Three for each of a forest's species."""
 
 
 class Gusts(Protocol):
@@ -47,24 +49,25 @@ class WindField:
         """From a document (its air sets out at time 0) or from a shared state."""
         self.state = steady(wind) if isinstance(wind, Wind) else wind
         self._gusts: dict[tuple[Any, ...], Gusts] = {}
-        self._other = np.zeros((2, 0))
-        self._work = np.zeros((2, 0))
-        self._factor = np.ones(0)
+        self._spare: dict[tuple[str, int], Floats] = {}
 
     def change(self, wind: Wind, time_s: float) -> None:
         """Glide to another document from this time on."""
         self.state = change(self.state, wind, time_s)
+
+    def at(self, time_s: float) -> Moment:
+        """The wind's numbers at a time, with glides on their way."""
+        return at(self.state, time_s)
 
     def velocity(self, x_m: Floats, z_m: Floats, time_s: float, out_x: Floats, out_z: Floats) -> None:
         """Write the velocity (m/s, world x and z) at the reference height over each place."""
         moment = at(self.state, time_s)
         self._write(moment.wind, moment, x_m, z_m, out_x, out_z)
         if moment.share < 1.0:
-            if self._other.shape[1] != len(x_m):
-                self._other = np.zeros((2, len(x_m)))
-            self._write(moment.before, moment, x_m, z_m, self._other[0], self._other[1])
-            out_x += (1.0 - moment.share) * (self._other[0] - out_x)
-            out_z += (1.0 - moment.share) * (self._other[1] - out_z)
+            other = self._buffer("other", len(x_m))
+            self._write(moment.before, moment, x_m, z_m, other[0], other[1])
+            out_x += (1.0 - moment.share) * (other[0] - out_x)
+            out_z += (1.0 - moment.share) * (other[1] - out_z)
 
     def pressure(
         self,
@@ -80,13 +83,21 @@ class WindField:
         height_factor: see ``pressure.height_factor``; 1 everywhere if left out.
         """
         x, z = np.ascontiguousarray(x_m, np.float64), np.ascontiguousarray(z_m, np.float64)
-        if self._work.shape[1] != len(x):
-            self._work, self._factor = np.zeros((2, len(x))), np.ones(len(x))
-        velocity_x, velocity_z = self._work
+        velocity_x, velocity_z = self._buffer("work", len(x))
         self.velocity(x, z, time_s, velocity_x, velocity_z)
-        pressure_of_velocity(velocity_x, velocity_z, self._factor if height_factor is None else height_factor)
+        factor = self._buffer("ones", len(x))[0] if height_factor is None else height_factor
+        pressure_of_velocity(velocity_x, velocity_z, factor)
         out_x_pa[:] = velocity_x
         out_z_pa[:] = velocity_z
+
+    def _buffer(self, use: str, count: int) -> Floats:
+        """(2, count) kept from frame to frame; "ones" are never written to."""
+        key = (use, count)
+        if key not in self._spare:
+            if len(self._spare) >= KEPT_BUFFERS:
+                self._spare.clear()
+            self._spare[key] = np.ones((2, count))
+        return self._spare[key]
 
     def _write(self, wind: Wind, moment: Moment, x: Floats, z: Floats, out_x: Floats, out_z: Floats) -> None:
         carried = moment.time_s if wind.model == "cosine" else moment.travel

@@ -69,6 +69,13 @@ def parse_state(document: object) -> WindState:
     return WindState(before, wind, float(fields["since_s"]), float(fields["travel"]))
 
 
+def parse_wind_or_state(document: object) -> WindState:
+    """What a client may send: a wind that has always been so, or the state of one it has been gliding."""
+    if isinstance(document, Mapping) and "since_s" in document:
+        return parse_state(cast(object, document))
+    return steady(parse_wind(document))
+
+
 def change(state: WindState, wind: Wind, time_s: float) -> WindState:
     """Glide from what the wind is now to another document, from this time on."""
     now = at(state, time_s)

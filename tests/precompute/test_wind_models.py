@@ -26,6 +26,7 @@ from precompute.wind import (
     paper_wind,
     parse_state,
     parse_wind,
+    parse_wind_or_state,
     sampled_peak_pa,
     to_tree_frame,
     wind_pressure,
@@ -256,3 +257,20 @@ def test_a_single_wave_is_the_cosine() -> None:
 def test_bench_names_every_model() -> None:
     figures = bench_wind(trees=50, frames=3)
     assert set(figures) == {"trees", *MODELS}
+
+
+def test_groups_of_trees_share_a_field() -> None:
+    field = WindField(Wind(model="perlin", direction_deg=20.0))
+    whole, parts = np.zeros((2, 41)), np.zeros((2, 41))
+    field.pressure(X, Z, 4.0, whole[0], whole[1])
+    for part in (slice(0, 11), slice(11, 41)):
+        field.pressure(X[part], Z[part], 4.0, parts[0, part], parts[1, part])
+    np.testing.assert_array_equal(whole, parts)
+
+
+def test_a_document_or_a_state_may_be_sent() -> None:
+    state = glide.change(glide.steady(Wind()), Wind(model="perlin"), 3.0)
+    assert parse_wind_or_state(state.document()) == state
+    assert parse_wind_or_state(Wind().document()) == glide.steady(Wind())
+    with pytest.raises(WindError, match=r"wind\.model"):
+        parse_wind_or_state({"version": 1})

@@ -10,6 +10,8 @@ import { SpectralGusts } from "./spectral";
 
 /** A glide needs two at once. */
 const KEPT_GUSTS = 2;
+/** One set for each of a forest's species, and those that look on. */
+const KEPT_BUFFERS = 12;
 
 export function gustsOf(wind: ResolvedWind): Gusts {
   switch (wind.model) {
@@ -27,10 +29,8 @@ export function gustsOf(wind: ResolvedWind): Gusts {
 export class WindField {
   state: WindState;
   private readonly gusts = new Map<string, Gusts>();
-  private otherX = new Float64Array(0);
-  private otherZ = new Float64Array(0);
-  private workX = new Float64Array(0);
-  private workZ = new Float64Array(0);
+  /** Buffers by the number of places, kept from frame to frame: other x, other z, work x, work z. */
+  private readonly spare = new Map<number, Float64Array[]>();
 
   /** From a document (its air sets out at time 0) or from a shared state. */
   constructor(wind: WindDocument | WindState) {
@@ -52,14 +52,11 @@ export class WindField {
     const moment = this.at(time_s);
     this.write(moment.wind, moment, x, z, outX, outZ);
     if (moment.share >= 1) return;
-    if (this.otherX.length !== outX.length) {
-      this.otherX = new Float64Array(outX.length);
-      this.otherZ = new Float64Array(outX.length);
-    }
-    this.write(moment.before, moment, x, z, this.otherX, this.otherZ);
+    const [otherX, otherZ] = this.buffers(outX.length);
+    this.write(moment.before, moment, x, z, otherX, otherZ);
     for (let i = 0; i < outX.length; i++) {
-      outX[i] += (1 - moment.share) * (this.otherX[i] - outX[i]);
-      outZ[i] += (1 - moment.share) * (this.otherZ[i] - outZ[i]);
+      outX[i] += (1 - moment.share) * (otherX[i] - outX[i]);
+      outZ[i] += (1 - moment.share) * (otherZ[i] - outZ[i]);
     }
   }
 
@@ -68,12 +65,19 @@ export class WindField {
    * `factor`: speed at the height of each place over that at the reference height (`heightFactor`).
    */
   pressure(x: Places, z: Places, time_s: number, outX: Output, outZ: Output, factor?: Places): void {
-    if (this.workX.length !== outX.length) {
-      this.workX = new Float64Array(outX.length);
-      this.workZ = new Float64Array(outX.length);
+    const [, , workX, workZ] = this.buffers(outX.length);
+    this.velocity(x, z, time_s, workX, workZ);
+    pressureOfVelocity(workX, workZ, outX, outZ, factor);
+  }
+
+  private buffers(count: number): Float64Array[] {
+    let buffers = this.spare.get(count);
+    if (!buffers) {
+      if (this.spare.size >= KEPT_BUFFERS) this.spare.clear();
+      buffers = Array.from({ length: 4 }, () => new Float64Array(count));
+      this.spare.set(count, buffers);
     }
-    this.velocity(x, z, time_s, this.workX, this.workZ);
-    pressureOfVelocity(this.workX, this.workZ, outX, outZ, factor);
+    return buffers;
   }
 
   private write(wind: ResolvedWind, moment: Moment, x: Places, z: Places, outX: Output, outZ: Output): void {
