@@ -44,8 +44,9 @@ export class App {
     const { capabilities } = this.stage.renderer;
     this.forest = new Forest({
       maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
-      anisotropy: Math.min(4, capabilities.getMaxAnisotropy()),
+      anisotropy: settings.quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
       smoothEdges: settings.quality !== "low",
+      gloss: settings.quality === "high",
       flutter: this.flutter,
     });
     this.stage.scene.add(this.forest.group);

@@ -5,7 +5,7 @@ import type { Quality } from "../settings";
 import { air } from "./air";
 
 const SHADOWS: Record<Quality, { side: number; reach_m: number }> = {
-  low: { side: 512, reach_m: 70 },
+  low: { side: 768, reach_m: 55 },
   medium: { side: 1024, reach_m: 110 },
   high: { side: 2048, reach_m: 170 },
 };

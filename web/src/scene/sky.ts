@@ -1,7 +1,7 @@
 /** Sky dome: a clear gradient, the sun's glow and drifting clouds; its horizon is the colour of the haze. */
 import { BackSide, Mesh, ShaderMaterial, SphereGeometry, Vector2 } from "three";
 import { AIR_PARS, air } from "./air";
-import { NOISE_GLSL } from "./noiseGlsl";
+import type { Pictures } from "./pictures";
 
 const vertexShader = /* glsl */ `
 varying vec3 vDirection;
@@ -15,8 +15,13 @@ void main() {
 const fragmentShader = /* glsl */ `
 varying vec3 vDirection;
 uniform vec2 uDrift;
+uniform sampler2D uNoise;
 ${AIR_PARS}
-${NOISE_GLSL}
+float cloudBody(vec2 plane) {
+  vec4 wide = texture2D(uNoise, plane * 0.035 + 0.13);
+  vec4 small = texture2D(uNoise, plane * 0.13 + wide.ba * 0.05);
+  return 0.62 * wide.r + 0.3 * small.g + 0.08 * texture2D(uNoise, plane * 0.51).b;
+}
 vec3 clearSky(vec3 direction) {
   float up = max(direction.y, 0.0);
   vec3 sky = mix(vec3(0.55, 0.76, 0.93), vec3(0.19, 0.45, 0.78), smoothstep(0.06, 0.62, up));
@@ -29,13 +34,13 @@ void main() {
   vec3 colour = clearSky(direction);
   float up = direction.y;
   if (up > 0.015) {
-    vec2 plane = direction.xz / (up + 0.12) * vec2(0.8, 1.25) + uDrift;
-    float body = fractalAt(plane * 0.62 + 11.0);
-    float cover = smoothstep(0.44, 0.62, body) * smoothstep(0.015, 0.16, up);
-    float lit = smoothstep(0.0, 0.28, fractalAt((plane + uSunWorld.xz * 0.22) * 0.62 + 11.0) - body + 0.16);
-    vec3 cloud = mix(vec3(0.99, 0.97, 0.95), vec3(0.74, 0.79, 0.86), lit * 0.75);
-    cloud = mix(hazeColour(direction), cloud, smoothstep(0.0, 0.3, up));
-    colour = mix(colour, cloud, 0.9 * cover);
+    vec2 plane = direction.xz / (up + 0.11) * vec2(0.8, 1.2) + uDrift;
+    float body = cloudBody(plane);
+    float cover = smoothstep(0.5, 0.7, body) * smoothstep(0.015, 0.14, up);
+    float shade = smoothstep(-0.06, 0.14, cloudBody(plane + uSunWorld.xz * 0.5) - body + 0.03);
+    vec3 cloud = mix(vec3(1.0, 0.985, 0.965), vec3(0.76, 0.81, 0.88), 0.7 * shade);
+    cloud = mix(hazeColour(direction), cloud, smoothstep(0.0, 0.26, up));
+    colour = mix(colour, cloud, 0.92 * cover);
   }
   gl_FragColor = vec4(colour, 1.0);
 }
@@ -45,14 +50,14 @@ export class Sky {
   readonly mesh: Mesh<SphereGeometry, ShaderMaterial>;
   private readonly drift = new Vector2(0, 0);
 
-  constructor() {
+  constructor(pictures: Pictures) {
     const material = new ShaderMaterial({
       vertexShader,
       fragmentShader,
       side: BackSide,
       depthWrite: false,
       toneMapped: false,
-      uniforms: { ...air, uDrift: { value: this.drift } },
+      uniforms: { ...air, uDrift: { value: this.drift }, uNoise: { value: pictures.noise } },
     });
     this.mesh = new Mesh(new SphereGeometry(1, 32, 16), material);
     this.mesh.frustumCulled = false;

@@ -22,14 +22,12 @@ import {
   selectTrees,
   type View,
 } from "./stand";
-import { colourMaterial, shadowMaterial } from "./treeMaterial";
+import { colourMaterial, type MaterialOptions, shadowMaterial } from "./treeMaterial";
 import type { TreeModel, TreePart } from "./treeMesh";
 import type { TreeUniforms } from "./treeShader";
 
-export interface SpeciesOptions {
+export interface SpeciesOptions extends MaterialOptions {
   readonly maxTextureSide: number;
-  readonly anisotropy: number;
-  readonly smoothEdges: boolean;
   /** Shared clock and amplitude of the flutter of leaves. */
   readonly flutter: { value: { x: number; y: number } };
 }
@@ -124,6 +122,7 @@ export class SpeciesForest {
   /** Colour draws the visible trees; the shadow pass also those whose shadow falls into view. */
   private adopt(mesh: Mesh<InstancedBufferGeometry>, level: number): void {
     mesh.frustumCulled = false;
+    mesh.renderOrder = level;
     mesh.castShadow = true;
     mesh.receiveShadow = true;
     mesh.matrixAutoUpdate = false;

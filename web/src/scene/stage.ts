@@ -13,12 +13,13 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Quality } from "../settings";
 import { groundHeight_m } from "./landscape";
 import { Daylight } from "./light";
+import { Pictures } from "./pictures";
 import { Sky } from "./sky";
 import type { View } from "./stand";
 import { Terrain } from "./terrain";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
-const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [18, 45], medium: [34, 80], high: [52, 120] };
+const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
 const LOOK_AT_M = new Vector3(-1, 6.2, -16);
 const EYE_M = { x: 7, above: 8.2, z: 24 };
 
@@ -27,9 +28,10 @@ export class Stage {
   readonly camera = new PerspectiveCamera(46, 1, 0.3, 2600);
   readonly renderer: WebGLRenderer;
   readonly controls: OrbitControls;
-  readonly sky = new Sky();
+  private readonly pictures = new Pictures();
+  readonly sky = new Sky(this.pictures);
   readonly daylight: Daylight;
-  private readonly terrain = new Terrain();
+  private readonly terrain = new Terrain(this.pictures);
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
@@ -121,6 +123,7 @@ export class Stage {
     this.controls.dispose();
     this.sky.dispose();
     this.terrain.dispose();
+    this.pictures.dispose();
     this.daylight.dispose();
     this.renderer.dispose();
   }

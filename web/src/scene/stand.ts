@@ -81,8 +81,12 @@ function inside(planes: Planes, x: number, y: number, z: number, radius: number)
 }
 
 const HIDDEN = 255;
+/** Bins of distance: trees are drawn near to far, so that what is hidden is not shaded. */
+const BINS = 16;
+const BIN_M = 12;
+const CLASSES = 2 * LEVEL_COUNT * BINS;
 
-/** Level of a tree, plus LEVEL_COUNT if only its shadow is wanted, or HIDDEN. */
+/** Class of a tree: level, seen or only its shadow, bin of distance; or HIDDEN. */
 function classify(data: Float32Array, at: number, bounds: Bounds, view: View): number {
   const scale = data[at + 6];
   const middle_m = 0.5 * bounds.height_m * scale;
@@ -93,7 +97,8 @@ function classify(data: Float32Array, at: number, bounds: Bounds, view: View): n
   const distance_m = Math.hypot(x - view.eye.x, y - view.eye.y, z - view.eye.z);
   const near = distance_m / scale;
   const level = near < view.levelFrom_m[0] ? 0 : near < view.levelFrom_m[1] ? 1 : 2;
-  if (inside(view.planes, x, y, z, radius_m)) return level;
+  const bin = Math.min(BINS - 1, Math.floor(distance_m / BIN_M));
+  if (inside(view.planes, x, y, z, radius_m)) return 2 * level * BINS + bin;
   if (distance_m > view.shadow_m) return HIDDEN;
   const slide = middle_m / Math.max(0.15, view.sun.y);
   const shadowSeen = inside(
@@ -103,33 +108,37 @@ function classify(data: Float32Array, at: number, bounds: Bounds, view: View): n
     z - view.sun.z * slide,
     radius_m + slide,
   );
-  return shadowSeen ? level + LEVEL_COUNT : HIDDEN;
+  return shadowSeen ? (2 * level + 1) * BINS + bin : HIDDEN;
 }
 
-/** Fills the draw list for a view; `classes` is scratch of one byte per tree. */
-export function selectTrees(
-  stand: Stand,
-  bounds: Bounds,
-  view: View,
-  classes: Uint8Array,
-  list: DrawList,
-): void {
-  const tally = new Uint32Array(2 * LEVEL_COUNT);
+const tally = new Uint32Array(CLASSES);
+const next = new Uint32Array(CLASSES);
+
+/** Fills the draw list for a view; `classes` is scratch of one byte per tree. Allocates nothing. */
+export function selectTrees(stand: Stand, bounds: Bounds, view: View, classes: Uint8Array, list: DrawList): void {
+  tally.fill(0);
   for (let tree = 0; tree < stand.count; tree++) {
     classes[tree] = classify(stand.data, tree * INSTANCE_FLOATS, bounds, view);
     if (classes[tree] !== HIDDEN) tally[classes[tree]]++;
   }
-  const next = new Uint32Array(2 * LEVEL_COUNT);
-  let at = 0;
-  for (let level = 0; level < LEVEL_COUNT; level++) {
-    list.start[level] = next[level] = at;
-    list.visible[level] = tally[level];
-    list.shadowOnly[level] = tally[level + LEVEL_COUNT];
-    next[level + LEVEL_COUNT] = at + tally[level];
-    at += tally[level] + tally[level + LEVEL_COUNT];
-  }
-  list.drawn = at;
+  layOut(list);
   for (let tree = 0; tree < stand.count; tree++) {
     if (classes[tree] !== HIDDEN) list.order[next[classes[tree]]++] = tree;
   }
+}
+
+/** Ranges from the tally; `next` is where each class begins. */
+function layOut(list: DrawList): void {
+  list.visible.fill(0);
+  list.shadowOnly.fill(0);
+  let at = 0;
+  for (let c = 0; c < CLASSES; c++) {
+    const group = Math.floor(c / BINS);
+    const level = group >> 1;
+    if (c % (2 * BINS) === 0) list.start[level] = at;
+    next[c] = at;
+    (group & 1 ? list.shadowOnly : list.visible)[level] += tally[c];
+    at += tally[c];
+  }
+  list.drawn = at;
 }

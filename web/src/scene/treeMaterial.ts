@@ -5,6 +5,7 @@ import {
   FrontSide,
   type Material,
   MeshDepthMaterial,
+  MeshLambertMaterial,
   MeshStandardMaterial,
   OneFactor,
   RGBADepthPacking,
@@ -21,25 +22,33 @@ function sharpen(texture: Texture | null, anisotropy: number): Texture | null {
   return texture;
 }
 
+export type TreeMaterial = MeshStandardMaterial | MeshLambertMaterial;
+
+export interface MaterialOptions {
+  readonly anisotropy: number;
+  readonly smoothEdges: boolean;
+  /** Gloss of bark and leaves; without it a fragment costs about half. */
+  readonly gloss: boolean;
+}
+
 export function colourMaterial(
   from: MeshStandardMaterial,
   part: Part,
   uniforms: TreeUniforms,
-  options: { anisotropy: number; smoothEdges: boolean },
-): MeshStandardMaterial {
+  options: MaterialOptions,
+): TreeMaterial {
   const leaves = part === "leaves";
   const cut = leaves && (from.alphaTest > 0 || from.transparent);
-  const material = new MeshStandardMaterial({
+  const common = {
     map: sharpen(from.map, options.anisotropy),
-    normalMap: leaves ? null : sharpen(from.normalMap, options.anisotropy),
     color: from.color,
-    vertexColors: false,
-    roughness: leaves ? 0.72 : 0.94,
-    metalness: 0,
     side: leaves ? DoubleSide : FrontSide,
     alphaTest: cut ? ALPHA_TEST : 0,
     alphaToCoverage: cut && options.smoothEdges,
-  });
+  };
+  const material = options.gloss
+    ? new MeshStandardMaterial({ ...common, roughness: leaves ? 0.72 : 0.94, metalness: 0 })
+    : new MeshLambertMaterial(common);
   if (material.alphaToCoverage) keepAlpha(material);
   deform(material, part, "colour", { ...uniforms, ...air });
   return material;
@@ -55,7 +64,7 @@ function keepAlpha(material: Material): void {
 }
 
 export function shadowMaterial(
-  colour: MeshStandardMaterial,
+  colour: TreeMaterial,
   part: Part,
   uniforms: TreeUniforms,
 ): MeshDepthMaterial {

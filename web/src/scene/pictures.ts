@@ -1,0 +1,26 @@
+/** The painted pictures as textures, made once and shared by ground and sky. */
+import { DataTexture, LinearFilter, LinearMipmapLinearFilter, NoColorSpace, RepeatWrapping, SRGBColorSpace } from "three";
+import { type Picture, paintGrass, paintLitter, paintNoise } from "./paint";
+
+function texture({ side, pixels }: Picture, colour: boolean): DataTexture {
+  const made = new DataTexture(pixels, side, side);
+  made.wrapS = RepeatWrapping;
+  made.wrapT = RepeatWrapping;
+  made.magFilter = LinearFilter;
+  made.minFilter = LinearMipmapLinearFilter;
+  made.generateMipmaps = true;
+  made.anisotropy = colour ? 4 : 1;
+  made.colorSpace = colour ? SRGBColorSpace : NoColorSpace;
+  made.needsUpdate = true;
+  return made;
+}
+
+export class Pictures {
+  readonly noise = texture(paintNoise(256), false);
+  readonly litter = texture(paintLitter(512), true);
+  readonly grass = texture(paintGrass(512), true);
+
+  dispose(): void {
+    for (const made of [this.noise, this.litter, this.grass]) made.dispose();
+  }
+}
