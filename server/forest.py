@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from precompute.lookup import ForestLookup
 from precompute.table import Table
-from precompute.wind import Wind, wind_pressure
+from precompute.wind import Wind, WindField
 from server.wire import TICK_HZ, Group, Poses
 
 Trees = npt.NDArray[np.float32]
@@ -26,9 +26,9 @@ class GroupWalk:
         self._lookup = ForestLookup(table, count, pose_easing=pose_easing)
         self._lookup.set_trees(trees[:, 0], trees[:, 1], trees[:, 2], trees[:, 3])
 
-    def step(self, wind: Wind, time_s: float, dt_s: float) -> None:
-        """Let dt_s pass under the wind of the moment time_s."""
-        wind_pressure(wind, self._x_m, self._z_m, time_s, self._pressure_x, self._pressure_z)
+    def step(self, wind: WindField, time_s: float, dt_s: float) -> None:
+        """Let dt_s pass, up to time_s, under the wind of that moment."""
+        wind.pressure(self._x_m, self._z_m, time_s, self._pressure_x, self._pressure_z)
         self._lookup.advance(dt_s, self._pressure_x, self._pressure_z)
 
     def poses(self) -> Poses:
@@ -51,18 +51,26 @@ class ForestWalk:
         ]
         self._start_s = start_s
         self._ticks = 0
-        self.wind = wind
+        self._field = WindField(wind)
+        self._next: Wind | None = None
 
     @property
     def time_s(self) -> float:
         """The forest's own time: that of the poses as they are now."""
         return self._start_s + self._ticks / TICK_HZ
 
+    def change_wind(self, wind: Wind) -> None:
+        """Glide to another wind from the next tick on; may be called while a tick is computed elsewhere."""
+        self._next = wind
+
     def step(self) -> None:
-        """One tick under the wind at its beginning."""
-        for group in self._groups:
-            group.step(self.wind, self.time_s, 1 / TICK_HZ)
+        """One tick under the wind at its end, as the page does it."""
+        if self._next is not None:
+            wind, self._next = self._next, None
+            self._field.change(wind, self.time_s)
         self._ticks += 1
+        for group in self._groups:
+            group.step(self._field, self.time_s, 1 / TICK_HZ)
 
     def poses(self) -> tuple[Poses, ...]:
         """(count, r) poses of each group."""

@@ -70,6 +70,7 @@ class BuildSettings(BaseModel):
     target_tets: int | None = Field(default=None, ge=500, le=60_000)
     sampled_elements: int | None = Field(default=None, ge=1, le=2000)
     design_speed_m_s: float | None = Field(default=None, gt=0, le=60)
+    frames: int | None = Field(default=None, ge=30, le=1800)
 
     @field_validator("species")
     @classmethod

@@ -5,13 +5,13 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections.abc import Coroutine
+from collections.abc import Coroutine, Mapping
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
 from precompute.table import TableError
-from precompute.wind import WindError, parse_wind
+from precompute.wind import Wind, WindError, parse_wind
 from server import wire
 from server.admission import admitted
 from server.context import Service, service_of
@@ -112,7 +112,7 @@ class Session:
             case wire.WindChange():
                 wind = _wind(request.wind)
                 if self._walk:
-                    self._walk.wind = wind
+                    self._walk.change_wind(wind)
             case wire.Forest():
                 await self._plant(request, tasks)
             case wire.Hello():
@@ -208,7 +208,7 @@ class Session:
             self._abort()
 
 
-def _wind(document: Any) -> Any:
+def _wind(document: Mapping[str, Any]) -> Wind:
     try:
         return parse_wind(document)
     except WindError as error:

@@ -139,7 +139,7 @@ def decode_forest(header: Header, payload: bytes) -> Forest:
         mode=mode,
         groups=groups,
         wind=text_map(header["wind"], "wind"),
-        time_s=number(header, "time_s"),
+        time_s=number(header, "time_s", -1e9, 1e9),
         pose_easing=number(options, "pose_easing", 0.0, 1.0) if "pose_easing" in options else None,
         trees=_trees(payload, sum(group.count for group in groups) if mode == "stream" else 0),
     )

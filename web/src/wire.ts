@@ -132,7 +132,7 @@ export function decodeForest(header: Header, payload: Uint8Array<ArrayBuffer>): 
     mode,
     groups,
     wind: textMap(header.wind, "wind"),
-    time_s: number(header, "time_s"),
+    time_s: number(header, "time_s", -1e9, 1e9),
     pose_easing: eased ? number(options, "pose_easing", 0, 1) : null,
     trees: decodeTrees(payload, count),
   };
