@@ -11,7 +11,7 @@ from precompute.damping import damping_report, rayleigh
 from precompute.elasticity import gradients, moduli, stiffness_blocks
 from precompute.modal import natural_modes
 from precompute.model import Element, FemModel, FemSettings
-from precompute.quadratic import elevate, node_mass_shares
+from precompute.quadratic import elevate, midside_parents, node_mass_shares
 from precompute.statics import gravity_rest_pose
 from precompute.wood import Wood
 
@@ -118,9 +118,12 @@ def _raw(material: Material, lumps: LumpsLike, settings: FemSettings, element: E
     """The model before it knows its rest pose and damping."""
     count = len(material.vertices_m)
     nodes, elements, shares = material.vertices_m, material.tets, np.full(4, 0.25)
+    fixed = np.unique(np.asarray(lumps.fixed, np.int32))
     if element == "quadratic":
         nodes, elements = elevate(nodes, elements)
         shares = node_mass_shares()
+        held = np.isin(midside_parents(count, elements), fixed).all(axis=1)
+        fixed = np.concatenate([fixed, (count + np.flatnonzero(held)).astype(np.int32)])
     mass = np.bincount(elements.ravel(), np.outer(material.element_mass_kg, shares).ravel(), len(nodes))
     mass[:count] += lumps.mass_kg
     gravity, area = np.zeros((len(nodes), 3)), np.zeros(len(nodes))
@@ -133,7 +136,7 @@ def _raw(material: Material, lumps: LumpsLike, settings: FemSettings, element: E
         blocks=material.axial + material.shear,
         mass_kg=mass,
         drag_area_m2=area,
-        fixed=np.unique(np.asarray(lumps.fixed, np.int32)),
+        fixed=fixed,
         gravity_n=gravity,
         u_rest=np.zeros_like(nodes),
         vertex_count=count,
