@@ -5,6 +5,7 @@ import { ForestClient } from "./forestClient";
 import { Meter } from "./meter";
 import { Forest } from "./scene/forest";
 import { groundHeight_m } from "./scene/landscape";
+import type { SpeciesOptions } from "./scene/speciesForest";
 import { Stage } from "./scene/stage";
 import { queryFromSettings, type Settings } from "./settings";
 import { meanCrownDisplacement_m } from "./sway";
@@ -41,14 +42,7 @@ export class App {
 
   constructor(readonly settings: Settings) {
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
-    const { capabilities } = this.stage.renderer;
-    this.forest = new Forest({
-      maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
-      anisotropy: settings.quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
-      smoothEdges: settings.quality !== "low",
-      gloss: settings.quality === "high",
-      flutter: this.flutter,
-    });
+    this.forest = new Forest(this.speciesOptions());
     this.stage.scene.add(this.forest.group);
     this.panel = new Panel(settings, this.meter.statistics, (key) => this.change(key));
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
@@ -61,6 +55,18 @@ export class App {
     });
     this.winds.show(settings.meanSpeed_m_s);
     this.stage.renderer.setAnimationLoop((now) => this.tick(now));
+  }
+
+  private speciesOptions(): SpeciesOptions {
+    const { quality } = this.settings;
+    const { capabilities } = this.stage.renderer;
+    return {
+      maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
+      anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
+      smoothEdges: quality !== "low",
+      gloss: quality === "high",
+      flutter: this.flutter,
+    };
   }
 
   private treeChanged(change: TreeChange): void {
@@ -94,7 +100,8 @@ export class App {
     if (REPLANTS.includes(key)) this.plant();
     if (key === "quality") {
       this.stage.setQuality(this.settings.quality);
-      this.dirty = true;
+      this.forest.options = this.speciesOptions();
+      this.plant();
     }
     this.winds.show(this.settings.meanSpeed_m_s);
     const query = queryFromSettings(this.settings);

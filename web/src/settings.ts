@@ -105,5 +105,9 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
 export function defaultsFor(screen: { width_px: number; touch: boolean; software: boolean }): Settings {
   const phone = screen.width_px < 720;
   if (screen.software) return { ...DEFAULTS, trees: phone ? 60 : 120, quality: "low" };
-  return { ...DEFAULTS, trees: phone ? 160 : DEFAULTS.trees, quality: phone || screen.touch ? "medium" : "high" };
+  return {
+    ...DEFAULTS,
+    trees: phone ? 160 : DEFAULTS.trees,
+    quality: phone || screen.touch ? "medium" : "high",
+  };
 }

@@ -28,7 +28,8 @@ export class Forest {
   moving: MovingGroup[] = [];
   private all: SpeciesForest[] = [];
 
-  constructor(private readonly options: SpeciesOptions) {}
+  /** `options` hold for the next planting. */
+  constructor(public options: SpeciesOptions) {}
 
   /** Plants anew. Places depend on seed and number only, so trees that were there stay where they were. */
   plant(growers: readonly Grower[], count: number, seed: number): void {

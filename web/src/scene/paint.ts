@@ -24,7 +24,8 @@ function tileNoise(x: number, y: number, period: number, seed: number): number {
 /** Four octaves of tileNoise, stretched to use the whole range. */
 function tileFractal(x: number, y: number, cells: number, seed: number): number {
   let sum = 0;
-  for (let k = 0; k < 4; k++) sum += 2 ** -k * tileNoise(x * cells * 2 ** k, y * cells * 2 ** k, cells * 2 ** k, seed + k);
+  for (let k = 0; k < 4; k++)
+    sum += 2 ** -k * tileNoise(x * cells * 2 ** k, y * cells * 2 ** k, cells * 2 ** k, seed + k);
   return Math.min(1, Math.max(0, (sum / 1.875 - 0.5) * 1.5 + 0.5));
 }
 
@@ -81,7 +82,11 @@ class Canvas {
         const across = (y * cos - x * sin) / (0.5 * length);
         if (Math.abs(across) > 1 - along * along) continue;
         const light = 0.84 + 0.16 * along + (Math.abs(across) < 0.14 ? 0.14 : 0) + 0.1 * across;
-        this.set(Math.round(cx + x), Math.round(cy + y), [colour[0] * light, colour[1] * light, colour[2] * light]);
+        this.set(Math.round(cx + x), Math.round(cy + y), [
+          colour[0] * light,
+          colour[1] * light,
+          colour[2] * light,
+        ]);
       }
     }
   }
@@ -91,7 +96,11 @@ class Canvas {
     for (let step = 0; step < length; step++) {
       const light = 0.55 + (0.6 * step) / length;
       const bent = x + (lean * step * step) / length;
-      this.set(Math.round(bent), Math.round(y - step), [colour[0] * light, colour[1] * light, colour[2] * light]);
+      this.set(Math.round(bent), Math.round(y - step), [
+        colour[0] * light,
+        colour[1] * light,
+        colour[2] * light,
+      ]);
     }
   }
 }

@@ -1,5 +1,12 @@
 /** The painted pictures as textures, made once and shared by ground and sky. */
-import { DataTexture, LinearFilter, LinearMipmapLinearFilter, NoColorSpace, RepeatWrapping, SRGBColorSpace } from "three";
+import {
+  DataTexture,
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  NoColorSpace,
+  RepeatWrapping,
+  SRGBColorSpace,
+} from "three";
 import { type Picture, paintGrass, paintLitter, paintNoise } from "./paint";
 
 function texture({ side, pixels }: Picture, colour: boolean): DataTexture {

@@ -115,7 +115,13 @@ const tally = new Uint32Array(CLASSES);
 const next = new Uint32Array(CLASSES);
 
 /** Fills the draw list for a view; `classes` is scratch of one byte per tree. Allocates nothing. */
-export function selectTrees(stand: Stand, bounds: Bounds, view: View, classes: Uint8Array, list: DrawList): void {
+export function selectTrees(
+  stand: Stand,
+  bounds: Bounds,
+  view: View,
+  classes: Uint8Array,
+  list: DrawList,
+): void {
   tally.fill(0);
   for (let tree = 0; tree < stand.count; tree++) {
     classes[tree] = classify(stand.data, tree * INSTANCE_FLOATS, bounds, view);

@@ -63,11 +63,7 @@ function keepAlpha(material: Material): void {
   material.blendDstAlpha = OneFactor;
 }
 
-export function shadowMaterial(
-  colour: TreeMaterial,
-  part: Part,
-  uniforms: TreeUniforms,
-): MeshDepthMaterial {
+export function shadowMaterial(colour: TreeMaterial, part: Part, uniforms: TreeUniforms): MeshDepthMaterial {
   const material = new MeshDepthMaterial({
     depthPacking: RGBADepthPacking,
     map: colour.alphaTest > 0 ? colour.map : null,

@@ -1,6 +1,6 @@
 /** The worker: decodes tables, and keeps every tree's pose, looked up here or received from the server. */
 import { decodeTable, type Table } from "../table";
-import type { WindDocument } from "../wind";
+import { type WindDocument, WindField } from "../wind";
 import { JumpBlend } from "./blend";
 import { LocalMotion } from "./localMotion";
 import type { MotionSource } from "./motion";
@@ -16,6 +16,7 @@ const scope = self as unknown as {
 const tables = new Map<string, Table>();
 const blend = new JumpBlend();
 let source: MotionSource | null = null;
+let field: WindField | null = null;
 let epoch = 0;
 /** What the screen shows, to fade from when the source changes. */
 let shown: Float32Array[] = [];
@@ -46,12 +47,14 @@ function tableOf({ table }: GroupPlan): Table {
 
 function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): MotionSource {
   const time_s = source?.time_s ?? 0;
+  field ??= new WindField(wind);
   if (plan.lookup === "worker" || plan.groups.length === 0) {
     const groups = plan.groups.map((group) => ({ table: tableOf(group), placement: group.placement }));
-    return new LocalMotion(groups, wind, plan.poseEasing, time_s);
+    return new LocalMotion(groups, field, plan.poseEasing, time_s);
   }
   const groups = plan.groups.map((group) => ({ ...group, scale: tableOf(group).modeScale }));
-  return new StreamMotion(groups, wind, { url: socketUrl, poseEasing: plan.poseEasing, problem }, time_s);
+  const options = { url: socketUrl, poseEasing: plan.poseEasing, problem };
+  return new StreamMotion(groups, wind, field, options, time_s);
 }
 
 function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void {
@@ -97,7 +100,8 @@ scope.onmessage = ({ data }) => {
       setPlan(data.plan, data.wind, data.socketUrl);
       break;
     case "wind":
-      source?.setWind(data.wind);
+      field?.change(data.wind, source?.time_s ?? 0);
+      source?.windChanged(data.wind);
       break;
     case "advance":
       if (data.epoch === epoch) advance(data.dt_s, data.buffers);

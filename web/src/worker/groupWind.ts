@@ -1,6 +1,6 @@
 /** The wind at the trees of one group, and their poses as rows for the screen. Allocates nothing per frame. */
 import { poseStride } from "../nodeLayout";
-import { dynamicPressure, type WindDocument, windPressure } from "../wind";
+import { dynamicPressure, type WindField } from "../wind";
 
 const KNEE_M_S = 5;
 const STREAMLINED_EXPONENT = 1.3;
@@ -32,8 +32,8 @@ export class GroupWind {
     return Float32Array.from({ length: this.count }, (_, tree) => this.placement[tree * 4 + channel]);
   }
 
-  blow(wind: WindDocument, time_s: number): void {
-    windPressure(wind, this.x, this.z, time_s, this.pressureX, this.pressureZ);
+  blow(field: WindField, time_s: number): void {
+    field.pressure(this.x, this.z, time_s, this.pressureX, this.pressureZ);
   }
 
   /** Puts each tree's wind speed (m/s) into its row, behind the modes. */

@@ -2,7 +2,7 @@
 import { ForestLookup } from "../lookup";
 import { poseStride } from "../nodeLayout";
 import type { Table } from "../table";
-import type { WindDocument } from "../wind";
+import type { WindField } from "../wind";
 import { GroupWind } from "./groupWind";
 import type { MotionSource } from "./motion";
 import type { Connection } from "./protocol";
@@ -21,7 +21,7 @@ export class LocalMotion implements MotionSource {
 
   constructor(
     groups: readonly LocalGroup[],
-    private wind: WindDocument,
+    private readonly field: WindField,
     poseEasing: number | null,
     public time_s: number,
   ) {
@@ -34,9 +34,7 @@ export class LocalMotion implements MotionSource {
     });
   }
 
-  setWind(wind: WindDocument): void {
-    this.wind = wind;
-  }
+  windChanged(): void {}
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const steps = Math.max(1, Math.ceil(dt_s / MAX_STEP_S - 1e-9));
@@ -48,7 +46,7 @@ export class LocalMotion implements MotionSource {
   private step(dt_s: number): void {
     this.time_s += dt_s;
     for (const { lookup, wind } of this.groups) {
-      wind.blow(this.wind, this.time_s);
+      wind.blow(this.field, this.time_s);
       lookup.advance(dt_s, wind.pressureX, wind.pressureZ);
     }
   }

@@ -5,7 +5,8 @@ import type { Connection } from "./protocol";
 export interface MotionSource {
   readonly time_s: number;
   readonly connection: Connection;
-  setWind(wind: WindDocument): void;
+  /** The wind glides to another; the field that both share is told by the caller. */
+  windChanged(wind: WindDocument): void;
   /** Moves on and fills a row of `poseStride(modes)` floats per tree; false while no pose is known. */
   advance(dt_s: number, out: readonly Float32Array[]): boolean;
   dispose(): void;

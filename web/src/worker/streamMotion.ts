@@ -1,6 +1,6 @@
 /** Poses looked up on the server: a WebSocket that comes back by itself, shown a moment behind. */
 import { poseStride } from "../nodeLayout";
-import type { WindDocument } from "../wind";
+import type { WindDocument, WindField } from "../wind";
 import { decodeReply, encodeRequest, type Frame, type Reply, type Request } from "../wire";
 import { GroupWind } from "./groupWind";
 import type { MotionSource } from "./motion";
@@ -41,6 +41,7 @@ export class StreamMotion implements MotionSource {
   constructor(
     private readonly groups: readonly StreamGroup[],
     private wind: WindDocument,
+    private readonly field: WindField,
     private readonly options: StreamOptions,
     public time_s: number,
   ) {
@@ -133,7 +134,7 @@ export class StreamMotion implements MotionSource {
     this.timeline.push(frame.time_s, poses);
   }
 
-  setWind(wind: WindDocument): void {
+  windChanged(wind: WindDocument): void {
     this.wind = wind;
     this.send({ type: "wind", wind: { ...wind } });
   }
@@ -143,7 +144,7 @@ export class StreamMotion implements MotionSource {
     if (!this.timeline.sample(out)) return false;
     this.time_s = shown_s;
     for (const [g, wind] of this.winds.entries()) {
-      wind.blow(this.wind, shown_s);
+      wind.blow(this.field, shown_s);
       wind.writeSpeeds(out[g], this.groups[g].scale.length);
     }
     return true;

@@ -1,0 +1,34 @@
+import { branchedTree } from "./branchedTree";
+import { expect, forest, open, SMALL, sway_m, test } from "./forest";
+
+const panelled = SMALL.replace("panel=0", "panel=1");
+
+test("a broken file is refused in words", async ({ page, quiet }) => {
+  await open(page, `${panelled}&speed=5`);
+  const file = { name: "tree.glb", mimeType: "model/gltf-binary", buffer: Buffer.from("this is no tree") };
+  await page.setInputFiles("#file", file);
+  const alert = page.getByRole("alert");
+  await expect(alert.locator("strong")).not.toBeEmpty();
+  await expect(alert.locator("p")).not.toBeEmpty();
+  // The browser itself logs the refused request.
+  const refusals = quiet.splice(0).filter((text) => !/the server responded with a status of 4\d\d/.test(text));
+  expect(refusals).toEqual([]);
+  await page.getByRole("button", { name: "Dismiss" }).click();
+  await expect(alert).toBeEmpty();
+});
+
+test("a tree of one's own joins the moving forest", async ({ page }) => {
+  test.setTimeout(20 * 60_000);
+  await open(page, `${panelled.replace("trees=6", "trees=12")}&speed=12`);
+  await forest(page);
+  const buffer = Buffer.from(branchedTree());
+  await page.setInputFiles("#file", { name: "garden-tree.obj", mimeType: "model/obj", buffer });
+  await expect(page.getByRole("alert")).toContainText("on its way");
+  await expect(page.getByRole("progressbar", { name: /garden/i })).toBeVisible();
+  await page.waitForFunction(
+    () => window.galewood!.readySpecies.some((name) => /garden/i.test(name)),
+    null,
+    { timeout: 18 * 60_000, polling: 1000 },
+  );
+  await expect.poll(() => sway_m(page)).toBeGreaterThan(0.005);
+});

@@ -1,0 +1,66 @@
+/** The wind rose's geometry: between a place on the dial and a wind. Pure. */
+
+export const FASTEST_M_S = 25;
+
+export interface DialWind {
+  readonly direction_deg: number;
+  readonly mean_speed_m_s: number;
+}
+
+/** A place on the dial: right and down from its centre, 1 at the rim. */
+export interface DialPlace {
+  readonly right: number;
+  readonly down: number;
+}
+
+/** Degrees to turn the dial so that what lies ahead of the camera is at the top. */
+export function dialTurn_deg(forward: { x: number; z: number }): number {
+  return -90 - (Math.atan2(forward.z, forward.x) * 180) / Math.PI;
+}
+
+export const wrap_deg = (angle: number): number => angle - 360 * Math.floor(angle / 360);
+
+/** The wind whose arrow ends at a place; the rim is the fastest. Near the centre the direction stays. */
+export function windAtPlace({ right, down }: DialPlace, turn_deg: number, before: DialWind): DialWind {
+  const radius = Math.hypot(right, down);
+  const mean_speed_m_s = Math.round(Math.min(1, radius) * FASTEST_M_S * 10) / 10;
+  if (radius < 0.03) return { direction_deg: before.direction_deg, mean_speed_m_s: 0 };
+  const screen_deg = (Math.atan2(down, right) * 180) / Math.PI;
+  return { direction_deg: Math.round(wrap_deg(screen_deg - turn_deg)) % 360, mean_speed_m_s };
+}
+
+/** Where the arrow of a wind ends. */
+export function placeOfWind({ direction_deg, mean_speed_m_s }: DialWind, turn_deg: number): DialPlace {
+  const angle = ((direction_deg + turn_deg) * Math.PI) / 180;
+  const radius = Math.min(1, mean_speed_m_s / FASTEST_M_S);
+  return { right: radius * Math.cos(angle), down: radius * Math.sin(angle) };
+}
+
+/** What a key does to the wind; null for keys that do nothing. */
+export function windAfterKey(key: string, { direction_deg, mean_speed_m_s }: DialWind): DialWind | null {
+  const turned = (by: number) => ({ direction_deg: wrap_deg(direction_deg + by), mean_speed_m_s });
+  const faster = (by: number) => ({
+    direction_deg,
+    mean_speed_m_s: Math.min(FASTEST_M_S, Math.max(0, mean_speed_m_s + by)),
+  });
+  switch (key) {
+    case "ArrowLeft":
+      return turned(-5);
+    case "ArrowRight":
+      return turned(5);
+    case "ArrowUp":
+      return faster(0.5);
+    case "ArrowDown":
+      return faster(-0.5);
+    case "PageUp":
+      return faster(3);
+    case "PageDown":
+      return faster(-3);
+    case "Home":
+      return { direction_deg, mean_speed_m_s: 0 };
+    case "End":
+      return { direction_deg, mean_speed_m_s: FASTEST_M_S };
+    default:
+      return null;
+  }
+}

@@ -1,0 +1,106 @@
+/** The wind rose: drag the arrow's end, or use the arrow keys. The dial turns with the camera. */
+import { windInWords } from "./beaufort";
+import { type DialWind, FASTEST_M_S, placeOfWind, windAfterKey, windAtPlace } from "./dial";
+
+const SVG = "http://www.w3.org/2000/svg";
+const RIM = 64;
+const VIEW = 84;
+const LETTERS = { E: 0, S: 90, W: 180, N: 270 } as const;
+
+function draw<K extends keyof SVGElementTagNameMap>(
+  parent: SVGElement,
+  tag: K,
+  attributes: Record<string, string | number>,
+): SVGElementTagNameMap[K] {
+  const made = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
+  parent.append(made);
+  return made;
+}
+
+export class WindRose {
+  readonly element = document.createElementNS(SVG, "svg");
+  private readonly letters: SVGTextElement[];
+  private readonly shaft: SVGLineElement;
+  private readonly handle: SVGGElement;
+  private wind: DialWind = { direction_deg: 0, mean_speed_m_s: 0 };
+  private turn_deg = 0;
+  private dragging = false;
+
+  constructor(private readonly changed: (wind: DialWind) => void) {
+    const svg = this.element;
+    svg.setAttribute("viewBox", `${-VIEW} ${-VIEW} ${2 * VIEW} ${2 * VIEW}`);
+    svg.classList.add("rose");
+    draw(svg, "circle", { r: RIM + 16, class: "rose-face" });
+    for (const share of [0.25, 0.5, 0.75, 1]) draw(svg, "circle", { r: share * RIM, class: "rose-ring" });
+    this.letters = Object.keys(LETTERS).map((letter) => {
+      const text = draw(svg, "text", { class: "rose-letter", "text-anchor": "middle", dy: "0.35em" });
+      text.textContent = letter;
+      return text;
+    });
+    this.shaft = draw(svg, "line", { class: "rose-shaft", x1: 0, y1: 0 });
+    this.handle = draw(svg, "g", { class: "rose-handle", tabindex: 0, role: "slider", "aria-label": "Wind" });
+    this.handle.setAttribute("aria-valuemin", "0");
+    this.handle.setAttribute("aria-valuemax", String(FASTEST_M_S));
+    draw(this.handle, "circle", { r: 20, class: "rose-reach" });
+    draw(this.handle, "path", { d: "M 13 0 L -8 -9 L -4 0 L -8 9 Z", class: "rose-head" });
+    this.listen();
+  }
+
+  private listen(): void {
+    const svg = this.element;
+    svg.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
+      this.dragging = true;
+      svg.setPointerCapture(event.pointerId);
+      this.handle.focus({ preventScroll: true });
+      this.drag(event);
+      event.preventDefault();
+    });
+    svg.addEventListener("pointermove", (event) => this.dragging && this.drag(event));
+    for (const end of ["pointerup", "pointercancel", "lostpointercapture"] as const) {
+      svg.addEventListener(end, () => {
+        this.dragging = false;
+      });
+    }
+    this.handle.addEventListener("keydown", (event) => {
+      const wind = windAfterKey(event.key, this.wind);
+      if (!wind) return;
+      event.preventDefault();
+      event.stopPropagation();
+      this.choose(wind);
+    });
+  }
+
+  private drag(event: PointerEvent): void {
+    const box = this.element.getBoundingClientRect();
+    const unit = (box.width / (2 * VIEW)) * RIM;
+    const right = (event.clientX - box.left - box.width / 2) / unit;
+    const down = (event.clientY - box.top - box.height / 2) / unit;
+    this.choose(windAtPlace({ right, down }, this.turn_deg, this.wind));
+  }
+
+  private choose(wind: DialWind): void {
+    this.show(wind, this.turn_deg);
+    this.changed(wind);
+  }
+
+  /** Shows a wind on a dial turned by so many degrees. */
+  show(wind: DialWind, turn_deg: number): void {
+    if (wind === this.wind && turn_deg === this.turn_deg) return;
+    this.wind = wind;
+    this.turn_deg = turn_deg;
+    const { right, down } = placeOfWind(wind, turn_deg);
+    this.shaft.setAttribute("x2", String(right * RIM));
+    this.shaft.setAttribute("y2", String(down * RIM));
+    const place = `translate(${right * RIM} ${down * RIM}) rotate(${wind.direction_deg + turn_deg})`;
+    this.handle.setAttribute("transform", place);
+    this.handle.setAttribute("aria-valuenow", wind.mean_speed_m_s.toFixed(1));
+    this.handle.setAttribute("aria-valuetext", windInWords(wind.mean_speed_m_s, wind.direction_deg));
+    Object.values(LETTERS).forEach((angle_deg, k) => {
+      const angle = ((angle_deg + turn_deg) * Math.PI) / 180;
+      this.letters[k].setAttribute("x", String((RIM + 9) * Math.cos(angle)));
+      this.letters[k].setAttribute("y", String((RIM + 9) * Math.sin(angle)));
+    });
+  }
+}
