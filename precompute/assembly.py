@@ -25,10 +25,19 @@ class ElementSystem:
     """The elements of a mesh, renumbered for its solver.
 
     rest_m (N,3), elements (m, 4|10), grad (m,4,3), blocks (m,10,3,3), fixed (k,): nodes that never move.
+    prestress (m,10) N/m: what the stress of the rest pose adds to the blocks' diagonals in the tangent.
     `order` gives the outer number of each inner node: free nodes in elimination order, then the fixed ones.
     """
 
-    def __init__(self, rest_m: Floats, elements: Ints, grad: Floats, blocks: Floats, fixed: Ints) -> None:
+    def __init__(
+        self,
+        rest_m: Floats,
+        elements: Ints,
+        grad: Floats,
+        blocks: Floats,
+        fixed: Ints,
+        prestress: Floats | None = None,
+    ) -> None:
         free = np.setdiff1d(np.arange(len(rest_m)), fixed)
         compact = np.full(len(rest_m), -1, np.int64)
         compact[free] = np.arange(len(free))
@@ -42,6 +51,7 @@ class ElementSystem:
         self.quadratic = elements.shape[1] == 10
         self.grad = np.ascontiguousarray(grad)
         self.blocks = np.ascontiguousarray(blocks.reshape(len(blocks), 10, 9))
+        self.prestress = np.zeros((len(blocks), 10)) if prestress is None else np.ascontiguousarray(prestress)
         self.slots, self.flips = self._scatter_map()
         self.values = np.zeros((self.solver.blocks + 1, 9))
         self.diagonal = self.solver.pointer[:-1]
@@ -62,7 +72,10 @@ class ElementSystem:
         return slots, first < second
 
     def force(self, u: Floats, w: Floats, out: Floats) -> None:
-        """Internal force (N,3) at displacement u; to that w is added with the rotations held: Σ R K (Rᵀ(x + w) − X)."""
+        """Internal force (N,3) at displacement u; to that w is added with the rotations held.
+
+        Σ R K (Rᵀ (x + w) − X) + K_σ w: with w the force linearised at u, what the rest pose's stress adds included.
+        """
         self._run(u, w, 0.0, False, out)
 
     def assemble(self, u: Floats, w: Floats, scale: float, mass: Floats, out: Floats) -> None:
@@ -74,18 +87,8 @@ class ElementSystem:
 
     def _run(self, u: Floats, w: Floats, scale: float, matrix: bool, out: Floats) -> None:
         out[:] = 0.0
-        common = (
-            self.rest,
-            self.elements,
-            self.grad,
-            self.blocks,
-            self.slots,
-            self.flips,
-            u,
-            w,
-            scale,
-            matrix,
-        )
+        mesh = (self.rest, self.elements, self.grad, self.blocks, self.prestress)
+        common = (*mesh, self.slots, self.flips, u, w, scale, matrix)
         if self.quadratic:
             c = _COMBINATION
             _assemble10(
@@ -262,6 +265,22 @@ def _add_block(v: Floats, slot: int, scale: float, k: Nine, flip: bool) -> None:
 
 
 @numba.njit(**JIT)
+def _raised(k: Nine, s: float) -> Nine:
+    """K + s I."""
+    return k[0] + s, k[1], k[2], k[3], k[4] + s, k[5], k[6], k[7], k[8] + s
+
+
+@numba.njit(**JIT)
+def _add_scaled(out: Floats, w: Floats, na: int, nb: int, s: float) -> None:
+    """out[na] += s w[nb] and the other way round."""
+    for i in range(3):
+        out[na, i] += s * w[nb, i]
+    if na != nb:
+        for i in range(3):
+            out[nb, i] += s * w[na, i]
+
+
+@numba.njit(**JIT)
 def _plus(f: Three, blocks: Floats, e: int, p: int, x: Three) -> Three:
     """f + K x for one stored block."""
     return (
@@ -302,6 +321,7 @@ def _assemble4(
     elements: Ints,
     grad: Floats,
     blocks: Floats,
+    prestress: Floats,
     slots: Ints,
     flips: NDArray[np.bool_],
     u: Floats,
@@ -326,9 +346,15 @@ def _assemble4(
         _add_turned(out, elements[e, 2], r, f)
         f = _plus_transposed(_plus_transposed(zero, blocks, e, 6, x1), blocks, e, 8, x2)
         _add_turned(out, elements[e, 3], r, _plus(f, blocks, e, 9, x3))
+        p = 0
+        for a in range(4):
+            for b in range(a, 4):
+                _add_scaled(out, w, elements[e, a], elements[e, b], prestress[e, p])
+                p += 1
         if matrix:
             for p in range(10):
-                _add_block(values, slots[e, p], scale, _rotated(r, blocks, e, p), flips[e, p])
+                k = _raised(_rotated(r, blocks, e, p), prestress[e, p])
+                _add_block(values, slots[e, p], scale, k, flips[e, p])
 
 
 @numba.njit(**JIT)
@@ -343,6 +369,7 @@ def _assemble10(
     elements: Ints,
     grad: Floats,
     blocks: Floats,
+    prestress: Floats,
     slots: Ints,
     flips: NDArray[np.bool_],
     u: Floats,
@@ -380,8 +407,12 @@ def _assemble10(
                 k8 += c * turned[s, 8]
             k = (k0, k1, k2, k3, k4, k5, k6, k7, k8)
             _apply(k, d, f, rows[p], columns[p])
+            more = 0.0
+            for t in range(start[p], start[p + 1]):
+                more += coefficient[t] * prestress[e, block[t]]
+            _add_scaled(out, w, elements[e, rows[p]], elements[e, columns[p]], more)
             if matrix:
-                _add_block(values, slots[e, p], scale, k, flips[e, p])
+                _add_block(values, slots[e, p], scale, _raised(k, more), flips[e, p])
         for a in range(10):
             for i in range(3):
                 out[elements[e, a], i] += f[a, i]

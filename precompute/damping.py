@@ -5,22 +5,16 @@ import numpy as np
 from precompute.model import FemSettings
 
 
-def rayleigh(ratio: float, first_hz: float, first_elastic: float, frequency_ratio: float) -> tuple[float, float]:
-    """α (1/s) and β (s) that give the damping ratio at the first frequency and at a multiple of it.
-
-    `first_elastic` (1/s²) is the first mode's quotient with the elements' tangent: β acts on that, and it is more than
-    ω² where the weight softens the sway.
-    """
+def rayleigh(ratio: float, first_hz: float, frequency_ratio: float) -> tuple[float, float]:
+    """α (1/s) and β (s) that give the damping ratio at the first frequency and at a multiple of it."""
     first = 2 * np.pi * first_hz
     second = frequency_ratio * first
-    beta = 2 * ratio * (second - first) / max(second**2 - first_elastic, 1e-3 * second**2)
-    beta = min(beta, 2 * ratio * first / first_elastic)
-    return 2 * ratio * first - beta * first_elastic, beta
+    return 2 * ratio * first * second / (first + second), 2 * ratio / (first + second)
 
 
-def rayleigh_ratio(alpha: float, beta: float, omega: float, elastic: float | None = None) -> float:
-    """Damping ratio of a mode of angular frequency omega, 1/s; `elastic` as above (omega² if not given)."""
-    return (alpha + beta * (omega**2 if elastic is None else elastic)) / (2 * omega)
+def rayleigh_ratio(alpha: float, beta: float, omega: float) -> float:
+    """Damping ratio of a mode of angular frequency omega, 1/s."""
+    return alpha / (2 * omega) + beta * omega / 2
 
 
 def shown_ratio(settings: FemSettings, omega: float, ratio: float) -> float:
@@ -36,11 +30,11 @@ def shown_ratio(settings: FemSettings, omega: float, ratio: float) -> float:
 
 
 def damping_report(
-    settings: FemSettings, alpha: float, beta: float, first_hz: float, first_elastic: float, target: float
+    settings: FemSettings, alpha: float, beta: float, first_hz: float, target: float
 ) -> dict[str, float]:
     """Damping ratio of the first mode: as given, by Rayleigh, by the time step, and as shown (both together)."""
     omega = 2 * np.pi * first_hz
-    by_rayleigh = rayleigh_ratio(alpha, beta, omega, first_elastic)
+    by_rayleigh = rayleigh_ratio(alpha, beta, omega)
     return {
         "target": target,
         "rayleigh": by_rayleigh,

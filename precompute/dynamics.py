@@ -22,6 +22,8 @@ __all__ = [
 
 _D = 1 - np.sqrt(0.5)
 """TR-BDF2's implicit coefficient: both stages solve with M + d h C + (d h)² K (γ = 2 − √2, L-stable)."""
+_BDF2 = 1 / (2 * _D * (2 - 2 * _D))
+"""BDF2's known part over the unequal pieces γ h, (1 − γ) h: start + _BDF2 · (middle − start)."""
 
 
 class Simulator:
@@ -51,6 +53,13 @@ class Simulator:
         self._velocity = np.zeros_like(self._u)
         self._before = self._u.copy()
         self._recorded: Floats | None = None
+
+    def displace(self, u_m: Floats) -> None:
+        """Start at rest from a displacement (N,3), m, of all the model's nodes from the gravity rest pose."""
+        self.reset()
+        self._u += u_m[self._system.order]
+        self._u[self._system.free :] = self._start[self._system.free :]
+        self._before = self._u.copy()
 
     @property
     def u(self) -> Floats:
@@ -100,47 +109,55 @@ class Simulator:
     def _backward_euler(self, load: Floats) -> None:
         """One step of Algorithm 2: Newton's method from the last velocity, `j_max` times at most."""
         h, u, v = self._dt, self._u, self._velocity
-        residual = self._impulse(load, u, v, h, ahead=h, matrix=True)
+        residual = self._linearised(load, h)
         first = float(np.linalg.norm(residual))
-        new = v + self._solved(residual)
-        new = self._refined(load, h, u, v, new, first, self.model.settings.j_max - 1, renew=True)
+        new = self._refined(load, h, u, v, v + self._solved(residual), first)
         self._u, self._velocity = u + h * new, new
 
     def _tr_bdf2(self, load: Floats) -> None:
         """One step of TR-BDF2 (Bank et al. 1985): trapezium to γ h, then BDF2 to h, both with the same matrix.
 
-        The forces are the true ones at each stage's predicted pose. The matrix lacks what the weight adds to the
-        tangent; with forces extrapolated by it alone, a tree half-way to buckling showed 14 % too much damping.
+        Both stages see the forces linearised at the step's start, rotations held: forces at extrapolated poses would
+        hold the stretch that a straight path of a turning branch brings, and blow up. So the second needs no
+        further forces, only K Δv, which the first solve leaves behind: A Δv = (1 + d α) M Δv + d (d + β) K Δv.
         """
         d, u, v = _D * self._dt, self._u, self._velocity
-        more = self.model.settings.j_max - 1
-        known = self._impulse(load, u, v, d, matrix=True)
-        residual = known + self._impulse(load, u + 2 * d * v, v, d)
-        first = float(np.linalg.norm(residual))
-        middle = v + self._solved(residual)
-        if more:
-            start = v + known / self._mass[:, None]
-            middle = self._refined(load, d, u + d * v, start, middle, first, more, renew=True)
-        u_known, v_known = _bdf2(u + d * (v + middle), u), _bdf2(middle, v)
-        new = self._refined(load, d, u_known, v_known, middle, first, max(more, 1), renew=more > 0)
+        alpha, beta, mass = self.model.alpha, self.model.beta, self._mass[:, None]
+        half = self._linearised(load, d)
+        first = 2 * float(np.linalg.norm(half))
+        rise = self._solved(2 * half)
+        stiff_rise = (2 * half - (1 + d * alpha) * mass * rise) / (d * (d + beta))
+        middle = v + rise
+        if self.model.settings.j_max > 1:
+            start = v + d * self._acceleration(load)
+            middle = self._refined(load, d, u + d * v, start, middle, first)
+        a = _BDF2
+        guess = (1 - 2 * a * d / (d + beta)) * v
+        pull = half + d * alpha * mass * (v - guess) - a * d * d * stiff_rise
+        residual = mass * (v + a * rise - guess) + pull
+        residual[self._system.free :] = 0
+        new = guess + self._solved(residual)
+        u_known = u + a * d * (v + middle)
+        new = self._refined(load, d, u_known, v + a * (middle - v), new, first)
         self._u, self._velocity = u_known + d * new, new
 
-    def _impulse(
-        self, load: Floats, u: Floats, v: Floats, d: float, *, ahead: float = 0.0, matrix: bool = False
-    ) -> Floats:
-        """d (f_ext − f_int(u + ahead · v) − C v), rotations those of u; with `matrix` A is made at u and factorised."""
-        w = (ahead + self.model.beta) * v
-        if matrix:
-            self._assemble(u, w, d)
-            if self._recorded is None:
-                self._recorded = self._system.values[self._system.diagonal].copy()
-                self._recorded_step = d
-            self._system.solver.factorise(self._system.values)
-        else:
-            self._system.force(u, w, self._force)
-        impulse = d * (load - self._force - (self.model.alpha * self._mass)[:, None] * v)
-        impulse[self._system.free :] = 0
-        return impulse
+    def _linearised(self, load: Floats, d: float) -> Floats:
+        """d (f_ext − f_int − (d K + C) v) at the state now, with A = M + d C + d² K made there and factorised."""
+        self._assemble(self._u, (d + self.model.beta) * self._velocity, d)
+        if self._recorded is None:
+            self._recorded = self._system.values[self._system.diagonal].copy()
+            self._recorded_step = d
+        self._system.solver.factorise(self._system.values)
+        residual = d * (load - self._force - (self.model.alpha * self._mass)[:, None] * self._velocity)
+        residual[self._system.free :] = 0
+        return residual
+
+    def _acceleration(self, load: Floats) -> Floats:
+        """M⁻¹ (f_ext − f_int − C v) at the state now, zero at fixed nodes."""
+        self._system.force(self._u, self.model.beta * self._velocity, self._force)
+        result = (load - self._force) / self._mass[:, None] - self.model.alpha * self._velocity
+        result[self._system.free :] = 0
+        return result
 
     def _assemble(self, u: Floats, w: Floats, d: float) -> None:
         """A = M + d C + d² K at u, not yet factorised, and the force there."""
@@ -148,33 +165,18 @@ class Simulator:
         self._system.assemble(u, w, d * (d + beta), (1 + d * alpha) * self._mass, self._force)
 
     def _refined(
-        self,
-        load: Floats,
-        d: float,
-        u_known: Floats,
-        v_known: Floats,
-        guess: Floats,
-        first: float,
-        rounds: int,
-        *,
-        renew: bool,
+        self, load: Floats, d: float, u_known: Floats, v_known: Floats, guess: Floats, first: float
     ) -> Floats:
-        """Newton rounds on M (v − v_known) = d (f_ext − f_int(u_known + d v) − C v), with or without a new matrix."""
-        alpha, beta = self.model.alpha, self.model.beta
+        """The other `j_max` − 1 Newton rounds on M (v − v_known) = d (f_ext − f_int(u_known + d v) − C v)."""
         v = guess
-        for _ in range(rounds):
-            u = u_known + d * v
-            if renew:
-                self._assemble(u, beta * v, d)
-            else:
-                self._system.force(u, beta * v, self._force)
-            inertia = self._mass[:, None] * (v_known - v - d * alpha * v)
+        for _ in range(self.model.settings.j_max - 1):
+            self._assemble(u_known + d * v, self.model.beta * v, d)
+            inertia = self._mass[:, None] * (v_known - v - d * self.model.alpha * v)
             residual = inertia + d * (load - self._force)
             residual[self._system.free :] = 0
             if float(np.linalg.norm(residual)) <= self.model.settings.tolerance * first:
                 break
-            if renew:
-                self._system.solver.factorise(self._system.values)
+            self._system.solver.factorise(self._system.values)
             v = v + self._solved(residual)
         return v
 
@@ -198,10 +200,3 @@ class Simulator:
         blocks[free] = self._recorded[nodes[free]].reshape(-1, 3, 3)
         blocks[free] -= ((1 + d * self.model.alpha) * self._mass[nodes[free]])[:, None, None] * np.eye(3)
         return blocks / (d * (d + self.model.beta))
-
-
-def _bdf2(middle: Floats, start: Floats) -> Floats:
-    """The known part of BDF2 over the two unequal pieces of the step."""
-    gamma = 2 * _D
-    scale = 1 / (gamma * (2 - gamma))
-    return scale * middle - scale * (1 - gamma) ** 2 * start

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import LinearOperator, eigsh
 
@@ -17,15 +16,10 @@ Floats = NDArray[np.float64]
 
 
 class Modes(NamedTuple):
-    """Frequencies (k,) Hz, ascending, and mass-normalised shapes (k,N,3), 1/√kg, nodes in the mesh's order.
-
-    `elastic` (k,) 1/s² is each shape's quotient with the elements' tangent alone, which is what β damps: ω² but for
-    what gravity takes off.
-    """
+    """Frequencies (k,) Hz, ascending, and mass-normalised shapes (k,N,3), 1/√kg, nodes in the mesh's order."""
 
     frequencies_hz: Floats
     shapes: Floats
-    elastic: Floats
 
 
 def frequencies(model: "FemModel", count: int) -> Floats:
@@ -34,24 +28,16 @@ def frequencies(model: "FemModel", count: int) -> Floats:
 
 
 def natural_modes(model: "FemModel", count: int, system: ElementSystem | None = None) -> Modes:
-    """Modes of small vibration about the rest pose, what gravity softens included.
+    """Modes of small vibration about the rest pose, what gravity softens included (`prestress.py`).
 
     A `system` at hand (the model's own, its matrix overwritten here) saves the symbolic analysis.
-
-    The elements' tangent leaves out the derivative of their rotations, which is where the weight's own moment (P–Δ)
-    comes in; so its modes only span a subspace, in which the true tangent is taken by differences of the force.
+    Raises NotPositiveDefinite where the rest pose is not stable.
     """
     system = system or model.system()
-    u = model.u_rest[system.order]
-    mass = model.mass_kg[system.order]
-    omega, basis = tangent_modes(system, u, mass, min(count + 8, 3 * system.free - 2))
-    stiffness = _projected_stiffness(system, u, basis)
-    eigenvalues, weights = eigh(stiffness)
-    inner = np.einsum("jk,jni->kni", weights, basis)[:count]
+    omega, inner = tangent_modes(system, model.u_rest[system.order], model.mass_kg[system.order], count)
     shapes = np.empty_like(inner)
     shapes[:, system.order] = inner
-    elastic = (weights[:, :count] ** 2 * omega[:, None] ** 2).sum(axis=0)
-    return Modes(np.sqrt(np.maximum(eigenvalues[:count], 0)) / (2 * np.pi), shapes, elastic)
+    return Modes(omega / (2 * np.pi), shapes)
 
 
 def tangent_modes(system: ElementSystem, u: Floats, mass: Floats, count: int) -> tuple[Floats, Floats]:
@@ -76,16 +62,3 @@ def tangent_modes(system: ElementSystem, u: Floats, mass: Floats, count: int) ->
     modes[:, : system.free] = vectors.T.reshape(count, -1, 3)
     rising = np.argsort(squares)
     return np.sqrt(np.maximum(squares[rising], 0)), modes[rising]
-
-
-def _projected_stiffness(system: ElementSystem, u: Floats, basis: Floats) -> Floats:
-    """(k,k) symmetric part of the derivative of the internal force in the basis, by central differences."""
-    still, ahead, behind = np.zeros_like(u), np.zeros_like(u), np.zeros_like(u)
-    reach = 1e-4 * float(np.ptp(system.rest))
-    columns = np.empty((len(basis), len(basis)))
-    for j, mode in enumerate(basis):
-        h = reach / float(np.abs(mode).max())
-        system.force(u + h * mode, still, ahead)
-        system.force(u - h * mode, still, behind)
-        columns[:, j] = np.einsum("kni,ni->k", basis, (ahead - behind) / (2 * h))
-    return (columns + columns.T) / 2

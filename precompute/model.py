@@ -55,7 +55,7 @@ class FemModel:
     """A tree ready to be simulated; nodes 0..vertex_count−1 are the vertices of the tetrahedral mesh.
 
     nodes_m (N,3), elements (m, 4|10), grad (m,4,3) 1/m, blocks (m,10,3,3) N/m, mass_kg (N,), drag_area_m2 (N,),
-    fixed (k,), gravity_n (N,3) N, u_rest (N,3) m. alpha 1/s and beta s are Rayleigh's. The report is JSON-able.
+    fixed (k,), gravity_n (N,3) N, u_rest (N,3) m, prestress (m,10) N/m (`prestress.py`). alpha 1/s and beta s are Rayleigh's. The report is JSON-able.
     """
 
     nodes_m: Floats
@@ -67,6 +67,7 @@ class FemModel:
     fixed: Ints
     gravity_n: Floats
     u_rest: Floats
+    prestress: Floats
     vertex_count: int
     alpha: float
     beta: float
@@ -75,7 +76,7 @@ class FemModel:
 
     def system(self) -> ElementSystem:
         """The assembled-to-be elements with their solver (symbolic analysis included)."""
-        return ElementSystem(self.nodes_m, self.elements, self.grad, self.blocks, self.fixed)
+        return ElementSystem(self.nodes_m, self.elements, self.grad, self.blocks, self.fixed, self.prestress)
 
 
 _ARRAYS = (
@@ -88,6 +89,7 @@ _ARRAYS = (
     "fixed",
     "gravity_n",
     "u_rest",
+    "prestress",
 )
 
 

@@ -6,13 +6,16 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from precompute.assembly import ElementSystem
 from precompute.calibration import fit_factors, reference_target
 from precompute.damping import damping_report, rayleigh
 from precompute.elasticity import gradients, moduli, stiffness_blocks
-from precompute.modal import natural_modes
+from precompute.modal import Modes, natural_modes
 from precompute.model import Element, FemModel, FemSettings
+from precompute.prestress import prestress
 from precompute.quadratic import elevate, midside_parents, node_mass_shares
-from precompute.statics import gravity_rest_pose
+from precompute.solver import NotPositiveDefinite
+from precompute.statics import RestPose, balanced_pose, gravity_rest_pose
 from precompute.wood import Wood
 
 Floats = NDArray[np.float64]
@@ -139,6 +142,7 @@ def _raw(material: Material, lumps: LumpsLike, settings: FemSettings, element: E
         fixed=fixed,
         gravity_n=gravity,
         u_rest=np.zeros_like(nodes),
+        prestress=np.zeros((len(elements), 10)),
         vertex_count=count,
         alpha=0.0,
         beta=0.0,
@@ -160,16 +164,26 @@ def _finished(model: FemModel, wood: Wood, report: dict[str, Any]) -> FemModel:
     height_m = float(np.ptp(model.nodes_m[:, 1]))
     system = model.system()
     pose = gravity_rest_pose(system, model.gravity_n, height_m)
-    model = replace(model, u_rest=pose.u_m, gravity_n=pose.gravity_n)
-    modes = natural_modes(model, 10, system)
+    try:
+        model, modes = _at_rest(model, system, pose)
+    except NotPositiveDefinite:
+        # An equilibrium, but one from which the tree would fall: its weight is beyond the buckling load.
+        pose = balanced_pose(model.gravity_n, "it buckles")
+        model, modes = _at_rest(model, system, pose)
     frequencies = [float(f) for f in modes.frequencies_hz]
-    ratio, elastic = wood.damping_ratio, float(modes.elastic[0])
-    alpha, beta = rayleigh(ratio, frequencies[0], elastic, model.settings.damping_frequency_ratio)
+    alpha, beta = rayleigh(wood.damping_ratio, frequencies[0], model.settings.damping_frequency_ratio)
     report = {
         **report,
         "mass_kg": float(model.mass_kg.sum()),
         "rest_pose": pose.report,
         "frequencies_hz": frequencies,
-        "damping": damping_report(model.settings, alpha, beta, frequencies[0], elastic, ratio),
+        "damping": damping_report(model.settings, alpha, beta, frequencies[0], wood.damping_ratio),
     }
     return replace(model, alpha=alpha, beta=beta, report=report)
+
+
+def _at_rest(model: FemModel, system: ElementSystem, pose: RestPose) -> tuple[FemModel, Modes]:
+    model = replace(model, u_rest=pose.u_m, gravity_n=pose.gravity_n)
+    model = replace(model, prestress=prestress(model))
+    system.prestress = model.prestress
+    return model, natural_modes(model, 10, system)

@@ -31,9 +31,17 @@ def gravity_rest_pose(system: ElementSystem, gravity_n: Floats, height_m: float)
     sag = float(np.abs(u).max()) / height_m if np.isfinite(u).all() else float("inf")
     if converged and sag <= LARGEST_SAG:
         return RestPose(u, gravity_n, {"kind": "sagged", "sag_fraction": sag, "iterations": iterations})
-    warning = "this tree cannot carry its own weight as drawn; its given shape is taken as the rest pose, gravity balanced"
-    report: dict[str, Any] = {"kind": "balanced", "iterations": iterations, "warning": warning}
-    return RestPose(np.zeros_like(u), np.zeros_like(gravity_n), report)
+    return balanced_pose(gravity_n, "it sags without end")
+
+
+def balanced_pose(gravity_n: Floats, why: str) -> RestPose:
+    """The given shape as the rest pose, with gravity balanced."""
+    warning = (
+        f"this tree cannot carry its own weight as drawn ({why}); its given shape is taken as the rest pose"
+    )
+    return RestPose(
+        np.zeros_like(gravity_n), np.zeros_like(gravity_n), {"kind": "balanced", "warning": warning}
+    )
 
 
 def solve_static(
