@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
 from precompute.cli import app
 
 
@@ -25,3 +26,7 @@ def serve(
 
     settings = Settings()
     run(create_app(settings), settings)
+
+
+if __name__ == "__main__":
+    app()

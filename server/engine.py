@@ -52,7 +52,7 @@ def map_on_cluster(
 
     futures = client.map(work, items, pure=False, retries=2)
     try:
-        for count, future in enumerate(as_completed(futures), 1):
+        for count, future in enumerate(as_completed(futures, loop=client.loop), 1):
             future.result()
             done(count)
         return [future.result() for future in futures]

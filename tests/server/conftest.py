@@ -56,7 +56,7 @@ class Server:
     def socket_url(self) -> str:
         return f"ws://127.0.0.1:{self.port}/ws/forest"
 
-    def start(self) -> Server:
+    def start(self, *arguments: str) -> Server:
         environment = {
             **os.environ,
             "GALEWOOD_DATA_DIR": str(self.data_dir),
@@ -68,8 +68,9 @@ class Server:
         }
         with (self.data_dir.parent / "server.log").open("ab") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", self.module], env=environment, cwd=REPOSITORY, stdout=log, stderr=log
-            )
+                [sys.executable, "-m", self.module, *arguments],
+                env=environment, cwd=REPOSITORY, stdout=log, stderr=log,
+            )  # fmt: skip
         wait_until(self._answers, 60)
         return self
 

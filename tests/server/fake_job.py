@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from precompute.pipeline import BuildOptions, BuildResult, Progress
+from precompute.build_types import BuildOptions, BuildResult, Progress
 
 from server.job_process import main
 

@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from precompute import table as table_format
-from precompute.wind import Wind, parse_wind
+from precompute.wind import Wind, WindState, parse_state, parse_wind
 from server import wire
 from server.envelope import encode_message
 from server.forest import ForestWalk
@@ -61,6 +61,7 @@ class Client:
     """A socket that speaks the wire."""
 
     def __init__(self, server: Server, hello: bool = True, **options: Any) -> None:
+        self.state: WindState | None = None
         self.socket: ClientConnection = connect(server.socket_url, max_size=None, compression=None, **options)
         if hello:
             self.send(wire.Hello("test"))
@@ -81,6 +82,9 @@ class Client:
         poses: list[npt.NDArray[np.int32]] = []
         while True:
             frame = self.receive()
+            if isinstance(frame, wire.WindState):
+                self.state = parse_state(frame.state)
+                continue
             assert isinstance(frame, wire.Frame)
             poses = (
                 list(frame.poses) if frame.key else [a + b for a, b in zip(poses, frame.poses, strict=True)]
@@ -130,6 +134,26 @@ def test_streamed_poses_are_those_of_a_walk_done_here(server: Server) -> None:
             if count == 60:
                 break
         assert moved
+
+
+def test_the_answer_to_a_new_wind_is_the_wind_that_blows(server: Server) -> None:
+    request = forest()
+    walk = local_walk(request)
+    new = Wind(12.0, 300.0, 0.8, model="perlin", length_scale_m=15.0)
+    with Client(server) as client:
+        client.send(request)
+        for count, (frame, poses) in enumerate(client.frames()):
+            if count == 20:
+                client.send(wire.WindChange(new.document()))
+            while walk.time_s < frame.time_s - 1e-9:
+                if client.state and abs(walk.time_s + 1 / wire.TICK_HZ - client.state.since_s) < 1e-6:
+                    assert walk.change_wind(new).travel == pytest.approx(client.state.travel)
+                walk.step()
+            if count > 60:
+                break
+        assert client.state and client.state.wind == new
+        for mine, theirs in zip(walk.poses(), poses, strict=True):
+            np.testing.assert_allclose(mine, theirs, atol=1)
 
 
 def test_a_slow_client_misses_frames_but_never_a_change(server: Server) -> None:

@@ -1,0 +1,160 @@
+"""The whole way against real processes: bad uploads, an upload that becomes a table, workers that die."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import psutil
+import pytest
+
+from precompute import table as table_format
+from server import wire
+from tests.server import meshes
+from tests.server.conftest import Server, wait_until
+from tests.server.test_jobs import gone, state
+from tests.server.test_rest import assert_problem, progress, upload
+from tests.server.test_stream import BREEZE, Client
+
+SMALL = {"target_tets": 500, "sampled_elements": 5, "frames": 60}
+BAD: dict[str, tuple[bytes, str, set[int]]] = {
+    "empty": (b"", "tree.glb", {400}),
+    "truncated": (meshes.truncated_glb(), "tree.glb", {400}),
+    "not a mesh": (b"<!doctype html><title>Tree</title>", "tree.obj", {400, 415, 422}),
+    "a zip": (meshes.zip_file(), "tree.obj", {415}),
+    "greedy": (meshes.greedy_ply(), "tree.ply", {400}),
+    "not numbers": (meshes.nowhere_obj(), "tree.obj", {422}),
+}
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    data_dir = tmp_path_factory.mktemp("real") / "data"
+    data_dir.mkdir()
+    server = Server(data_dir, "server.cli").start("serve")
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def api(server: Server) -> Iterator[httpx.Client]:
+    with server.client() as client:
+        yield client
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_uploads_are_problems_and_the_server_lives_on(api: httpx.Client, name: str) -> None:
+    data, filename, statuses = BAD[name]
+    before = api.get("/api/trees").json()
+    answer = upload(api, data, filename)
+    assert answer.status_code in statuses
+    problem = assert_problem(answer, answer.status_code, answer.json()["code"])
+    assert problem["hint"] and problem["code"] != "internal-error"
+    assert api.get("/api/trees").json() == before
+
+
+def begin(api: httpx.Client, height_m: float) -> tuple[dict[str, Any], dict[str, Any]]:
+    answer = upload(api, meshes.pole_obj(height_m), "pole.obj", species="poplar")
+    assert answer.status_code == 201, answer.text
+    tree = answer.json()
+    return tree, api.post(f"/api/trees/{tree['id']}/precompute", json={"settings": SMALL}).json()
+
+
+def sampling(api: httpx.Client, job: dict[str, Any]) -> None:
+    """Wait until some trajectories are done and some are not."""
+    for now in progress(api, job["id"]):
+        assert now["state"] in ("queued", "running"), now["error"]
+        if now["stage"] == "sampling" and now["fraction"] > 0.42:
+            return
+
+
+def trajectories(server: Server) -> dict[Path, int]:
+    folder = server.data_dir / "cache" / "trajectories"
+    return {path: path.stat().st_mtime_ns for path in folder.rglob("*.npz")}
+
+
+def workers(server: Server) -> list[psutil.Process]:
+    """The processes under the cluster's own."""
+    (cluster,) = [one for one in server.family() if "server.engine" in one.cmdline()]
+    return [one for one in cluster.children(recursive=True) if "spawn_main" in " ".join(one.cmdline())]
+
+
+def test_cancel_stops_sampling_within_two_seconds(server: Server, api: httpx.Client) -> None:
+    _, job = begin(api, 3.0)
+    sampling(api, job)
+    running = [one for one in server.family() if job["id"] in one.cmdline()]
+    api.post(f"/api/jobs/{job['id']}/cancel")
+    wait_until(lambda: state(api, job) == "cancelled" and gone(running), 2)
+    wait_until(lambda: idle(server), 2)
+
+
+def idle(server: Server) -> bool:
+    before = trajectories(server)
+    busy = sum(one.cpu_percent(0.3) for one in workers(server))
+    return busy < 30 and trajectories(server) == before
+
+
+def test_an_upload_becomes_a_streamed_tree_though_worker_and_cluster_die(
+    server: Server, api: httpx.Client
+) -> None:
+    tree, job = begin(api, 4.0)
+    sampling(api, job)
+    workers(server)[0].kill()
+    finished = trajectories(server)
+    wait_until(lambda: len(trajectories(server)) > len(finished))
+    finished = trajectories(server)
+    (cluster,) = [one for one in server.family() if "server.engine" in one.cmdline()]
+    cluster.kill()
+    wait_until(lambda: state(api, job) == "done", 120)
+    later = trajectories(server)
+    assert {path: later[path] for path in finished} == finished
+    tree = api.get(f"/api/trees/{tree['id']}").json()
+    assert tree["state"] == "ready"
+    json.dumps(tree["report"], allow_nan=False)
+    table = table_format.decode(api.get(f"/api/tables/{tree['table_sha256']}").content)
+    assert table.metadata["mesh_sha256"] == tree["mesh_sha256"]
+    assert api.get(f"/api/meshes/{tree['mesh_sha256']}").content[:4] == b"glTF"
+    assert_sways(server, tree["table_sha256"])
+
+
+def assert_sways(server: Server, table_sha256: str) -> None:
+    rows = np.array([[0, 0, 0, 1], [30, 5, 2, 0.8]], np.float32)
+    groups = (wire.Group(table_sha256, 2),)
+    with Client(server) as client:
+        client.send(wire.Forest("stream", groups, BREEZE, 0.0, None, rows))
+        assert any(
+            any(poses[0].any(axis=1))
+            for _, poses in zip(range(90), (p for _, p in client.frames()), strict=False)
+        )
+
+
+def test_builtin_species_are_registered_and_computed_once(
+    start_server: Callable[..., Server], tmp_path: Path
+) -> None:
+    folder = tmp_path / "species"
+    folder.mkdir()
+    (folder / "small.obj").write_bytes(meshes.pole_obj(3.0))
+    entry = {"id": "small", "name": "Small", "file": "small.obj", "species": "maple", "height_m": 3.0}
+    (folder / "species.json").write_text(json.dumps([entry]))
+    environment = {"GALEWOOD_BUILTIN_SPECIES": "true", "GALEWOOD_SPECIES_DIR": str(folder)}
+    environment |= {"GALEWOOD_SCHEDULER_URL": "tcp://127.0.0.1:9"}
+    server = start_server(FAKE_STEP_S="0.01", **environment)
+    with server.client() as api:
+        wait_until(lambda: api.get("/api/trees/small").json().get("state") == "ready")
+        first = api.get("/api/trees/small").json()
+        assert first["builtin"] and first["species"] == "maple"
+        assert_problem(api.delete("/api/trees/small"), 403, "builtin-tree")
+    server.stop()
+    again = start_server(FAKE_STEP_S="0.01", **environment)
+    with again.client() as api:
+        assert api.get("/api/trees/small").json()["job_id"] == first["job_id"]
+    again.stop()
+    (folder / "small.obj").write_bytes(meshes.pole_obj(3.1))
+    (tmp_path / "data" / "cache" / "steps-small.obj").unlink()
+    changed = start_server(FAKE_STEP_S="0.01", **environment)
+    with changed.client() as api:
+        wait_until(lambda: api.get("/api/trees/small").json()["job_id"] != first["job_id"])

@@ -1,0 +1,73 @@
+"""Bad winds are refused alike by REST and by the socket, with the path and what is allowed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from websockets.sync.client import connect
+
+from precompute.wind import PRESETS, Wind
+from server import wire
+from tests.server.conftest import NO_CLUSTER, Server
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    data_dir = tmp_path_factory.mktemp("winds") / "data"
+    data_dir.mkdir()
+    running = Server(data_dir, "tests.server.fake_server", dict(NO_CLUSTER)).start()
+    yield running
+    running.stop()
+
+
+CASES: list[dict[str, Any]] = json.loads(
+    (Path(__file__).parents[1] / "golden" / "wind_models.json").read_text()
+)["refused"]
+
+
+def test_good_winds_come_back_in_their_shortest_form(server: Server) -> None:
+    for wind in (Wind(), *PRESETS.values()):
+        answer = httpx.post(f"{server.url}/api/winds/validate", json=wind.document())
+        assert (answer.status_code, answer.json()) == (200, {"wind": wind.document()})
+
+
+def test_bad_winds_are_problems_with_path_and_range(server: Server) -> None:
+    for case in CASES:
+        answer = httpx.post(f"{server.url}/api/winds/validate", content=json.dumps(case["document"]))
+        problem = answer.json()
+        assert answer.status_code == 422
+        assert answer.headers["content-type"] == "application/problem+json"
+        assert problem["code"] == "bad-wind"
+        assert problem["detail"].startswith(f"{case['path']}: {case['expected']}")
+
+
+@pytest.mark.parametrize(
+    "body", [b"", b"{", b"[" * 60_000, b'{"version": NaN}', b'{"version":1,"model":"cosine","seed":1e999}']
+)
+def test_rubbish_is_refused(server: Server, body: bytes) -> None:
+    answer = httpx.post(f"{server.url}/api/winds/validate", content=body)
+    assert (answer.status_code, answer.json()["code"]) == (422, "bad-wind")
+
+
+def test_no_more_is_read_than_a_wind_can_need(server: Server) -> None:
+    answer = httpx.post(f"{server.url}/api/winds/validate", content=b" " * 100_000)
+    assert (answer.status_code, answer.json()["code"]) == (413, "wind-too-large")
+
+
+@pytest.mark.parametrize(
+    "case", [c for c in CASES if isinstance(c["document"], dict)], ids=lambda c: c["path"]
+)
+def test_the_socket_refuses_in_the_same_words(server: Server, case: dict[str, Any]) -> None:
+    with connect(server.socket_url, max_size=None) as socket:
+        socket.send(wire.encode_request(wire.Hello("test")))
+        socket.recv(timeout=10)
+        socket.send(wire.encode_request(wire.WindChange(case["document"])))
+        reply = wire.decode_reply(socket.recv(timeout=10))
+    assert isinstance(reply, wire.Failure)
+    assert reply.code == "bad-wind"
+    assert reply.title.startswith(f"{case['path']}: {case['expected']}")
