@@ -16,6 +16,7 @@ import numpy.typing as npt
 from precompute.wind_models.document import Wave, Wind, WindError, parse_wind
 from precompute.wind_models.field import WindField
 from precompute.wind_models.glide import WindState, parse_state, parse_wind_or_state, steady
+from precompute.wind_models.glide import change as change_wind
 from precompute.wind_models.hashing import phase_rad
 from precompute.wind_models.presets import PRESETS, paper_wind
 from precompute.wind_models.pressure import (
@@ -40,6 +41,7 @@ __all__ = [
     "WindError",
     "WindField",
     "WindState",
+    "change_wind",
     "coverage",
     "dynamic_pressure",
     "height_factor",

@@ -15,6 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.formparsers import MultiPartException
 
 from precompute.intake_types import IntakeError
+from precompute.wind import WindError
 
 log = logging.getLogger("galewood.errors")
 
@@ -61,6 +62,11 @@ def _from_intake(error: IntakeError) -> Problem:
     return Problem(status=error.status, code=error.code, title=error.title, detail=detail, hint=error.hint)
 
 
+def _from_wind(error: WindError) -> Problem:
+    title, hint = "The wind document cannot be used", f"{error.path}: {error.expected}."
+    return Problem(status=422, code="bad-wind", title=title, detail=str(error), hint=hint)
+
+
 def _from_validation(error: RequestValidationError) -> Problem:
     lines = [f"{'.'.join(str(part) for part in item['loc'])}: {item['msg']}" for item in error.errors()[:8]]
     return Problem(
@@ -101,6 +107,7 @@ def _from_anything(_error: Exception) -> Problem:
 TABLE: Mapping[type[Exception], Callable[[Any], Problem]] = {
     ProblemError: lambda error: error.problem,
     IntakeError: _from_intake,
+    WindError: _from_wind,
     RequestValidationError: _from_validation,
     MultiPartException: _from_multipart,
     HTTPException: _from_http,

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from precompute.lookup import ForestLookup
 from precompute.table import Table
-from precompute.wind import Wind, WindField
+from precompute.wind import Wind, WindField, WindState, change_wind, height_factor
 from server.wire import TICK_HZ, Group, Poses
 
 Trees = npt.NDArray[np.float32]
@@ -23,13 +23,25 @@ class GroupWalk:
         count = len(trees)
         self._x_m, self._z_m = trees[:, 0].astype(np.float64), trees[:, 1].astype(np.float64)
         self._pressure_x, self._pressure_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
+        self._height_m = float(table.metadata["height_m"]) * trees[:, 3].astype(np.float64)
+        self._profile: tuple[float, float] | None = None
+        self._height_factor = np.ones(count)
         self._lookup = ForestLookup(table, count, pose_easing=pose_easing)
         self._lookup.set_trees(trees[:, 0], trees[:, 1], trees[:, 2], trees[:, 3])
 
-    def step(self, wind: WindField, time_s: float, dt_s: float) -> None:
+    def step(self, field: WindField, time_s: float, dt_s: float) -> None:
         """Let dt_s pass, up to time_s, under the wind of that moment."""
-        wind.pressure(self._x_m, self._z_m, time_s, self._pressure_x, self._pressure_z)
+        wind = field.at(time_s).wind
+        self._set_profile(wind.height_exponent, wind.reference_height_m)
+        out = (self._pressure_x, self._pressure_z)
+        field.pressure(self._x_m, self._z_m, time_s, *out, self._height_factor)
         self._lookup.advance(dt_s, self._pressure_x, self._pressure_z)
+
+    def _set_profile(self, exponent: float, reference_height_m: float) -> None:
+        """Taller trees reach into faster air."""
+        if self._profile != (exponent, reference_height_m):
+            self._profile = (exponent, reference_height_m)
+            self._height_factor = height_factor(self._height_m, exponent, reference_height_m)
 
     def poses(self) -> Poses:
         """(n, r) poses in units of the table's modes.scale."""
@@ -40,8 +52,8 @@ class ForestWalk:
     """Every group of one client under one wind and one clock, which ticks TICK_HZ times a second."""
 
     def __init__(
-        self, tables: Sequence[Table], groups: Sequence[Group], trees: Trees, wind: Wind,
-        *, start_s: float, pose_easing: float | None,
+        self, tables: Sequence[Table], groups: Sequence[Group], trees: Trees,
+        wind: Wind | WindState, *, start_s: float, pose_easing: float | None,
     ) -> None:  # fmt: skip
         """trees (Σ count, 4) in the order of the groups, whose tables are given beside them."""
         ends = np.cumsum([group.count for group in groups])[:-1]
@@ -52,22 +64,25 @@ class ForestWalk:
         self._start_s = start_s
         self._ticks = 0
         self._field = WindField(wind)
-        self._next: Wind | None = None
+        self._next = self._field.state
 
     @property
     def time_s(self) -> float:
         """The forest's own time: that of the poses as they are now."""
         return self._start_s + self._ticks / TICK_HZ
 
-    def change_wind(self, wind: Wind) -> None:
-        """Glide to another wind from the next tick on; may be called while a tick is computed elsewhere."""
-        self._next = wind
+    def change_wind(self, wind: Wind) -> WindState:
+        """Glide to another wind from the next tick on; may be called while a tick is computed elsewhere.
+
+        The state is what the client needs to show the same wind. It begins at the end of the tick that may be
+        under way, which therefore sees the old wind whichever state it takes.
+        """
+        self._next = change_wind(self._next, wind, self.time_s + 1 / TICK_HZ)
+        return self._next
 
     def step(self) -> None:
         """One tick under the wind at its end, as the page does it."""
-        if self._next is not None:
-            wind, self._next = self._next, None
-            self._field.change(wind, self.time_s)
+        self._field.state = self._next
         self._ticks += 1
         for group in self._groups:
             group.step(self._field, self.time_s, 1 / TICK_HZ)

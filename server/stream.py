@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
 from precompute.table import TableError
-from precompute.wind import Wind, WindError, parse_wind
+from precompute.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_state
 from server import wire
 from server.admission import admitted
 from server.context import Service, service_of
@@ -112,7 +112,7 @@ class Session:
             case wire.WindChange():
                 wind = _wind(request.wind)
                 if self._walk:
-                    self._walk.change_wind(wind)
+                    await self._send(wire.WindState(self._walk.change_wind(wind).document()))
             case wire.Forest():
                 await self._plant(request, tasks)
             case wire.Hello():
@@ -135,7 +135,7 @@ class Session:
 
     def _check(self, forest: wire.Forest) -> None:
         settings = self._service.settings
-        _wind(forest.wind)
+        _wind_state(forest.wind)
         if len(forest.groups) > settings.forest_groups:
             raise Refusal("too-many-groups", f"A forest may have up to {settings.forest_groups} groups")
         if sum(group.count for group in forest.groups) > settings.forest_trees:
@@ -154,7 +154,7 @@ class Session:
         except (FileNotFoundError, TableError) as error:
             log.warning("a table cannot be used: %s", error)
             raise Refusal("no-such-table", "A table of this forest cannot be used") from None
-        wind, easing = parse_wind(forest.wind), forest.pose_easing
+        wind, easing = _wind_state(forest.wind), forest.pose_easing
         return ForestWalk(
             tables, forest.groups, forest.trees, wind, start_s=forest.time_s, pose_easing=easing
         )
@@ -211,6 +211,13 @@ class Session:
 def _wind(document: Mapping[str, Any]) -> Wind:
     try:
         return parse_wind(document)
+    except WindError as error:
+        raise Refusal("bad-wind", str(error)) from None
+
+
+def _wind_state(document: Mapping[str, Any]) -> WindState:
+    try:
+        return parse_wind_or_state(document)
     except WindError as error:
         raise Refusal("bad-wind", str(error)) from None
 

@@ -27,7 +27,7 @@ from server.envelope import (
 )
 
 HELLO, FOREST, WIND, PING = 1, 2, 3, 4
-WELCOME, TABLE, FRAME, ERROR, PONG = 65, 66, 67, 68, 69
+WELCOME, TABLE, FRAME, ERROR, PONG, WIND_STATE = 65, 66, 67, 68, 69, 70
 
 TICK_HZ = 30
 """Frames a second of a stream, and ticks of a forest's clock."""
@@ -213,7 +213,14 @@ class Pong:
     t: float
 
 
-Reply = Welcome | TableChunk | Frame | Failure | Pong
+@dataclass(frozen=True)
+class WindState:
+    """Answer to WindChange in a stream: the wind and its clock (docs/formats/wind.md)."""
+
+    state: Mapping[str, Any]
+
+
+Reply = Welcome | TableChunk | Frame | Failure | Pong | WindState
 
 
 def encode_reply(reply: Reply) -> bytes:
@@ -229,6 +236,8 @@ def encode_reply(reply: Reply) -> bytes:
             return encode_message(ERROR, {"code": reply.code, "title": reply.title, "hint": reply.hint})
         case Pong():
             return encode_message(PONG, {"t": reply.t})
+        case WindState():
+            return encode_message(WIND_STATE, {"state": dict(reply.state)})
         case Frame():
             return encode_frame(reply)
 
@@ -252,6 +261,9 @@ def decode_reply(data: bytes) -> Reply:
     if kind == PONG:
         only(header, "t")
         return Pong(number(header, "t"))
+    if kind == WIND_STATE:
+        only(header, "state")
+        return WindState(text_map(header["state"], "state"))
     raise WireError(f"kind {kind} is not a message that servers send", "unknown-kind")
 
 

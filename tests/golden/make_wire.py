@@ -80,6 +80,10 @@ REPLIES: dict[str, dict[str, Any]] = {
     },
     "error": {"type": "error", "code": "no-such-table", "title": "Unknown table", "hint": "List the trees."},
     "pong": {"type": "pong", "t": -0.5},
+    "wind_state": {
+        "type": "windState",
+        "state": {"before": BREEZE, "wind": {**BREEZE, "gustiness": 0.75}, "since_s": 12.5, "travel": 3.25},
+    },
 }
 
 
@@ -104,7 +108,7 @@ def reply_of(message: dict[str, Any]) -> wire.Reply:
     if message["type"] == "table":
         fields["data"] = bytes(fields["data"])
     kinds = {"welcome": wire.Welcome, "table": wire.TableChunk, "frame": wire.Frame}
-    kinds |= {"error": wire.Failure, "pong": wire.Pong}
+    kinds |= {"error": wire.Failure, "pong": wire.Pong, "windState": wire.WindState}
     return kinds[message["type"]](**fields)
 
 

@@ -28,6 +28,7 @@ const TABLE = 66;
 const FRAME = 67;
 const ERROR = 68;
 const PONG = 69;
+const WIND_STATE = 70;
 
 // ---- client to server ----------------------------------------------------------------------------
 
@@ -209,7 +210,13 @@ export interface Pong {
   t: number;
 }
 
-export type Reply = Welcome | TableChunk | Frame | Failure | Pong;
+/** Answer to WindChange in a stream: the wind and its clock (docs/formats/wind.md). */
+export interface WindStateReply {
+  type: "windState";
+  state: Header;
+}
+
+export type Reply = Welcome | TableChunk | Frame | Failure | Pong | WindStateReply;
 
 /** The bytes of a server's message. */
 export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
@@ -226,6 +233,8 @@ export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
       return encodeMessage(ERROR, { code: reply.code, title: reply.title, hint: reply.hint });
     case "pong":
       return encodeMessage(PONG, { t: reply.t });
+    case "windState":
+      return encodeMessage(WIND_STATE, { state: reply.state });
     case "frame":
       return encodeFrame(reply);
   }
@@ -257,6 +266,9 @@ export function decodeReply(data: ArrayBuffer): Reply {
     case PONG:
       only(header, "t");
       return { type: "pong", t: number(header, "t") };
+    case WIND_STATE:
+      only(header, "state");
+      return { type: "windState", state: textMap(header.state, "state") };
     default:
       throw new WireError(`kind ${kind} is not a message that servers send`, "unknown-kind");
   }
