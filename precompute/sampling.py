@@ -23,7 +23,7 @@ from precompute.wind import dynamic_pressure
 Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
 
-SAMPLING_VERSION = 1
+SAMPLING_VERSION = 2
 """Part of every trajectory's hash: raise it when what is recorded changes."""
 DIRECTIONS_DEG = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
 COSINE_WINDS = (
@@ -37,8 +37,8 @@ COSINE_WINDS = (
 )
 GUST_PEAK = 0.8
 GUST_S = 1.5
-STILL_S = 6.0
-FADE_S = 4.0
+STILL_S = 4.5
+FADE_S = 3.5
 STILL_FRAMES = 8
 
 

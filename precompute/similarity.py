@@ -160,11 +160,15 @@ def _prune_row(row, pressure, barred, scale, leverage, gain, components, order, 
         order[bucket[row[j]]] = j
         bucket[row[j]] += 1
     count = 0
+    hopeless = np.full(2, np.inf)  # for either air: an error that nothing can make up for
     for i in range(z):
         j = order[i]
         if barred[j]:
             continue
         error = row[j] / components - MARGIN
+        if error > max(hopeless[0], hopeless[1]):
+            break
+        hopeless[int(calm[j])] = min(hopeless[int(calm[j])], error + 2 * MARGIN + leverage)
         dropped = False
         for s in range(count):
             k = kept[s]

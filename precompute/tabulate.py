@@ -26,8 +26,8 @@ class TableSettings:
 
     sigma_share: float = 0.3
     """σ of Eq. 16 over the RMS pressure of the records."""
-    weight_initial: float = 0.35
-    weight_maximum: float = 0.42
+    weight_initial: float = 0.36
+    weight_maximum: float = 0.38
     weight_growth: float = 0.01
     pose_easing: float = 0.08
     truncation_share: float = 3e-4

@@ -1,0 +1,110 @@
+"""Sampled winds and trajectories: what is recorded, how it ends, how it is kept."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from precompute.design_wind import design_wind
+from precompute.sampling import (
+    Trajectory,
+    read_trajectory,
+    sample_trajectory,
+    sample_winds,
+    symmetric,
+    trajectory_key,
+    write_trajectory,
+)
+from precompute.wind import dynamic_pressure
+from tests.golden.beam import Beam
+
+WINDS = sample_winds(12.0, 1 / 30)
+
+
+def run(name: str) -> tuple[Beam, Trajectory]:
+    beam = Beam(dt_s=1 / 30)
+    wind = next(wind for wind in WINDS if wind.name == name)
+    return beam, sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s)
+
+
+def test_the_papers_winds_are_among_them() -> None:
+    cosine = [wind for wind in WINDS if wind.name.startswith("cosine")]
+    assert len(cosine) == 36
+    assert {len(wind.pressure_pa) for wind in cosine} == {180}
+    assert {wind.direction_deg for wind in cosine} == {0.0, 60.0, 120.0, 180.0, 240.0, 300.0}
+    peak = max(float(np.linalg.norm(wind.pressure_pa, axis=1).max()) for wind in WINDS)
+    assert 0.95 * dynamic_pressure(12.0) < peak <= dynamic_pressure(12.0)
+    for wind in cosine:
+        assert np.linalg.norm(wind.pressure_pa, axis=1).min() > 0
+        across = np.array([-np.sin(np.radians(wind.direction_deg)), np.cos(np.radians(wind.direction_deg))])
+        assert np.abs(wind.pressure_pa @ across).max() < 1e-12
+
+
+def test_records_hold_the_state_before_the_step_that_they_answer() -> None:
+    beam, trajectory = run("cosine-3-060")
+    wind = next(wind for wind in WINDS if wind.name == "cosine-3-060")
+    beam.reset()
+    for i, pressure in enumerate(wind.pressure_pa[:50]):
+        assert np.allclose(trajectory.velocity[i], beam.v, atol=1e-6)
+        assert np.allclose(trajectory.displacement_m[i], beam.u, atol=1e-6)
+        beam.step(pressure)
+        assert np.allclose(trajectory.force[i], beam.recorded_force(np.arange(beam.n)), rtol=1e-5, atol=1e-4)
+    assert not trajectory.displacement_m[0].any()
+
+
+def test_a_gust_ends_exactly_at_rest_and_fades_smoothly() -> None:
+    beam, trajectory = run("gust-120")
+    assert not trajectory.displacement_m[-2:].any()
+    assert not trajectory.velocity[-1].any()
+    assert np.array_equal(trajectory.stiffness[-1], trajectory.stiffness[0])
+    steps = np.diff(trajectory.displacement_m, axis=0)
+    # The faded velocity is that of the faded motion (backward Euler: v_i = (u_i − u_{i−1}) / Δt).
+    assert np.allclose(trajectory.velocity[1:], steps[:-1] / beam.dt_s, atol=2e-3)
+    assert np.abs(np.diff(steps, axis=0)).max() < 0.05 * np.abs(trajectory.displacement_m).max()
+
+
+def test_still_air_moves_nothing() -> None:
+    _, trajectory = run("still-000")
+    assert not trajectory.displacement_m.any()
+    assert not trajectory.pressure_pa.any()
+
+
+def test_ticks_between_frames_can_stop() -> None:
+    class StopNowError(Exception):
+        pass
+
+    def tick(fraction: float) -> None:
+        if fraction > 0.1:
+            raise StopNowError
+
+    beam = Beam(dt_s=1 / 30)
+    with pytest.raises(StopNowError):
+        sample_trajectory(beam, WINDS[5], np.arange(2), beam.dt_s, tick)
+
+
+def test_kept_whole_under_a_hash_of_all_that_matters(tmp_path: Path) -> None:
+    _, trajectory = run("cosine-0-000")
+    path = tmp_path / "deep" / "run.npz"
+    write_trajectory(path, trajectory)
+    again = read_trajectory(path)
+    for name, values in vars(trajectory).items():
+        assert np.array_equal(getattr(again, name), values)
+    assert [p.name for p in path.parent.iterdir()] == ["run.npz"]
+    points = np.arange(3)
+    keys = {trajectory_key(m, w, p) for m in "ab" for w in WINDS[:9] for p in (points, points + 1)}
+    assert len(keys) == 36
+
+
+def test_symmetric_blocks_in_six_numbers() -> None:
+    block = np.array([[[1.0, 4, 5], [4, 2, 6], [5, 6, 3]]])
+    assert symmetric(block).tolist() == [[1, 2, 3, 4, 5, 6]]
+
+
+def test_the_design_wind_is_lowered_until_the_sway_is_allowed() -> None:
+    beam = Beam(dt_s=1 / 30)
+    gentle = design_wind(beam, 5.0, beam.height_m, beam.dt_s)
+    assert gentle.speed_m_s == 5.0
+    assert gentle.sway_share < 0.2
+    strong = design_wind(beam, 60.0, 0.5, beam.dt_s)  # as if it were half a metre high
+    assert strong.speed_m_s < 60.0
+    assert strong.sway_share <= 0.2
