@@ -3,8 +3,8 @@
 Linear tets lock, in bending by one factor and in torsion by another, and by more the coarser the section is. The fit
 scales each element's axial and shear stiffness so that the linear mesh answers static loads as the quadratic one does:
 the inertial loads of the quadratic mesh's own lowest modes (so that frequencies and shapes agree), uniform wind, and
-couples in random places (so that twigs twist right, too). The factors' logarithms are means of values at the
-vertices, found by L-BFGS with the exact gradient: with K u = f and K λ = ∂J/∂u, ∂J/∂s_e = −λ · K_e u.
+couples in random places (so that twigs twist right, too). A mode weighs as its share of a sway, 1/ω. The factors'
+logarithms are found by L-BFGS with the exact gradient: with K u = f and K λ = ∂J/∂u, ∂J/∂s_e = −λ · K_e u.
 
 Measured beside it (docs/physics.md): scaling each element by its patch's ratio of energies, one factor or two, leaves
 torsion a quarter too stiff and drifts away with more rounds.
@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from scipy.sparse import csr_matrix
 
 from precompute.assembly import ElementSystem
 from precompute.elasticity import PAIRS
@@ -29,15 +28,17 @@ SMALLEST, LARGEST = 0.02, 4.0
 START = 0.3
 MODES = 32
 COUPLES = 8
+COUPLE_WEIGHT = 0.1
 PULL = 1e-4
 """Weight of the mean squared distance of the logarithms from their start, against the mean relative squared error."""
 
 
 class Target(NamedTuple):
-    """Loads (L,n,3) on the vertices, the quadratic mesh's answers (L,n,3) to them, its frequencies (k,) Hz."""
+    """Loads (L,n,3) on the vertices, the quadratic mesh's answers (L,n,3), weights (L,), its frequencies (k,) Hz."""
 
     load_n: Floats
     u_m: Floats
+    weight: Floats
     frequencies_hz: Floats
 
 
@@ -70,15 +71,17 @@ def reference_target(
     shapes[:, reference.order] = inner
     inertia = omega[:, None, None] ** 2 * vertex_mass_kg[:, None] * shapes[:, :count]
     area = drag_area_m2 if drag_area_m2.any() else vertex_mass_kg
-    wind = np.eye(3)[:, None, :] * area[None, :, None]
+    wind = np.eye(3)[[0, 2], None, :] * area[None, :, None]
     vertices = np.empty_like(reference.rest)
     vertices[reference.order] = reference.rest
     load = np.concatenate([inertia, wind, random_couples(vertices[:count], COUPLES, seed)])
+    weight = np.concatenate([omega[0] / omega, np.ones(2), np.full(COUPLES, COUPLE_WEIGHT)])
     wide = np.zeros((len(load), len(vertices), 3))
     wide[:, :count] = load
     reference.assemble(still, still, 1.0, np.zeros(len(still)), still.copy())
     reference.solver.factorise(reference.values)
-    return Target(load, solve_loads(reference, wide)[:, :count], omega / (2 * np.pi))
+    u = solve_loads(reference, wide)[:, :count]
+    return Target(load, u, weight / weight.sum(), omega / (2 * np.pi))
 
 
 def fit_factors(
@@ -92,7 +95,7 @@ def fit_factors(
 ) -> Fit:
     """Fit the factors of a linear mesh's elements, its stiffness blocks (m,10,3,3) each, to the target."""
     problem = _Problem(system, axial, shear, vertex_mass_kg, target)
-    start = np.full(2 * problem.vertices, np.log(START))
+    start = np.full(2 * len(axial), np.log(START))
     found = minimize(
         problem.value_and_gradient,
         start,
@@ -107,7 +110,7 @@ def fit_factors(
 
 
 class _Problem:
-    """The fit as a function of the logarithms at the vertices, axial first: value and gradient."""
+    """The fit as a function of the factors' logarithms, axial first: value and gradient."""
 
     def __init__(
         self, system: ElementSystem, axial: Floats, shear: Floats, vertex_mass_kg: Floats, target: Target
@@ -116,18 +119,14 @@ class _Problem:
         self.parts = (axial, shear)
         self.tets = np.empty_like(system.elements)
         self.tets[:] = system.order[system.elements]
-        self.vertices = len(vertex_mass_kg)
-        quarter = np.full(self.tets.size, 0.25)
-        index = (np.repeat(np.arange(len(self.tets)), 4), self.tets.ravel())
-        self.mean = csr_matrix((quarter, index), shape=(len(self.tets), self.vertices))
-        size = np.einsum("n,lni->l", vertex_mass_kg, target.u_m**2) * len(target.load_n)
-        self.weight = vertex_mass_kg[None, :, None] / size[:, None, None]
+        size = np.einsum("n,lni->l", vertex_mass_kg, target.u_m**2)
+        self.weight = vertex_mass_kg[None, :, None] * (target.weight / size)[:, None, None]
         self.mismatch = np.inf
 
     def factors(self, x: Floats) -> tuple[Floats, Floats]:
-        """Element factors (m,), (m,) of the logarithms at the vertices."""
-        logs = x.reshape(2, self.vertices)
-        return np.exp(self.mean @ logs[0]), np.exp(self.mean @ logs[1])
+        """Factors (m,), (m,) of the logarithms."""
+        axial, shear = np.exp(x).reshape(2, -1)
+        return axial, shear
 
     def value_and_gradient(self, x: Floats) -> tuple[float, Floats]:
         """Mean relative squared error of the displacements, and its gradient."""
@@ -141,9 +140,7 @@ class _Problem:
         off = self.weight * (u - self.target.u_m)
         self.mismatch = float(np.vdot(off, u - self.target.u_m))
         slope = -_gram(self.tets, solve_loads(self.system, 2 * off), u)
-        along = [
-            self.mean.T @ (f * _contract(k, slope)) for f, k in zip(factors, self.parts, strict=True)
-        ]  # ∂/∂log
+        along = [f * _contract(k, slope) for f, k in zip(factors, self.parts, strict=True)]  # ∂/∂log
         away = x - np.log(START)
         value = self.mismatch + PULL * float(np.mean(away**2))
         return value, np.concatenate(along) + 2 * PULL / len(x) * away
