@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from precompute.intake_repair import Surface, volume
 from precompute.intake_types import Floats, IntakeError, Ints, TreeMesh
 from precompute.limited_process import Limits, run_limited
+from precompute.radius_ratio import radius_ratio
 from precompute.tet_cache import cache_key, load_cached, store_cached
 from precompute.tet_quality import largest_component, lost_extent, quality_report, restore_volume
-from precompute.thicken import Thickened, thicken
+from precompute.thicken import thicken
 from precompute.wrap import decimate, wrap
 
 FLOOR = 2.2e-3  # smallest radius, of the diagonal
@@ -142,7 +142,7 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
         )
     vertices, tets, dropped = largest_component(result["vertices"], result["tets"])
     vertices = restore_volume(vertices, tets, volume(solid))
-    ratio = _radius_ratio(raised, vertices, tets)
+    ratio = radius_ratio(raised, vertices, tets, floor_m)
     report = quality_report(vertices, tets) | {
         "components_dropped": dropped,
         "floor_radius_m": floor_m,
@@ -154,11 +154,3 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
     if dropped:
         report["warnings"].append(f"{dropped} separate pieces of wood were dropped in meshing.")
     return TetMesh(vertices, tets, ratio, report)
-
-
-def _radius_ratio(raised: Thickened, vertices: Floats, tets: Ints) -> Floats:
-    """Original over thickened radius at each tet (m,), from the nearest surface samples."""
-    _, near = cKDTree(raised.sample_points).query(
-        vertices[tets].mean(axis=1), k=min(3, len(raised.sample_points))
-    )
-    return raised.sample_ratio[near].reshape(len(tets), -1).mean(axis=1)
