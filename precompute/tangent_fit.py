@@ -1,0 +1,163 @@
+"""Fits the drift-free method to finite-element runs: its small bending force and the pose that it shows.
+
+The force is found by linear least squares on motions, not on one-step residuals: each term, taken along the true
+run, is sent through its oscillator, and the responses together must make up what the linear step misses. What a
+term does to the frequency and the damping of a mode thus weighs by what it does to the sway.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from precompute.model import FemSettings
+from precompute.subspace import Subspace
+from precompute.tangent import (
+    Tangent,
+    coupled_modes,
+    force_terms,
+    shape_terms,
+    write_force_terms,
+    write_pose_terms,
+)
+from precompute.tangent_modes import Oscillators, propagators, reduced, response
+
+Array = npt.NDArray[Any]
+Floats = npt.NDArray[np.float64]
+
+DYNAMIC = 16
+FORCE_RIDGE = 1e-5
+POSE_RIDGE = 1e-7
+"""Ridges relative to each term's own mean square."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of the finite elements from rest: displacement (T + 1, n, 3) m under pressure (T, 2) Pa."""
+
+    pressure_pa: Array
+    displacement_m: Array
+
+
+@dataclass(frozen=True)
+class ModalRun:
+    """The same in modal coordinates (T + 1, d), and the shown modes q (T + 1, r)."""
+
+    pressure: Floats
+    e: Floats
+    v: Floats
+    q: Floats
+
+
+def fit_tangent(
+    body: Oscillators,
+    mass_kg: Floats,
+    runs: Sequence[Run],
+    subspace: Subspace,
+    settings: FemSettings,
+    *,
+    dynamic: int = DYNAMIC,
+    force_ridge: float = FORCE_RIDGE,
+) -> Tangent:
+    """The method's tensors from a body's natural modes and its runs; the shown modes are the subspace's."""
+    if not runs:
+        raise ValueError("the drift-free method needs runs to learn from")
+    ritz = reduced(body, [np.asarray(run.pressure_pa, np.float64) for run in runs], settings, dynamic)
+    modal = [modal_run(run, ritz, mass_kg, subspace, settings.dt_s) for run in runs]
+    step = propagators(ritz.omega, np.diag(ritz.damping), settings)
+    sway = sway_coordinates(ritz, modal)
+    limits = sampled_range(sway, modal)
+    force = _fit_force(modal, step, ritz.load, sway, limits, settings.dt_s, force_ridge)
+    pose = _fit_pose(modal, sway, limits)
+    step[:, [0, 3]] -= 1.0
+    tensors = (step, ritz.load, sway, force, pose, limits)
+    return Tangent(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
+
+
+def modal_run(run: Run, ritz: Oscillators, mass_kg: Floats, subspace: Subspace, dt_s: float) -> ModalRun:
+    """A run by its mass-weighted projection; velocities by central differences."""
+    u = np.asarray(run.displacement_m, np.float64).reshape(len(run.displacement_m), -1)
+    weighted = ritz.shapes * np.repeat(mass_kg, 3)
+    e = np.linalg.solve(weighted @ ritz.shapes.T, weighted @ u.T).T
+    v = np.zeros_like(e)
+    v[1:-1] = (e[2:] - e[:-2]) / (2 * dt_s)
+    v[-1] = (e[-1] - e[-2]) / dt_s
+    return ModalRun(np.asarray(run.pressure_pa, np.float64), e, v, u @ subspace.dual.T)
+
+
+def sway_coordinates(ritz: Oscillators, runs: Sequence[ModalRun]) -> Floats:
+    """(2, d) the two directions of largest motion, in metres, scaled to 1 at the farthest sample."""
+    reach = np.sqrt((ritz.shapes.reshape(len(ritz.omega), -1, 3) ** 2).sum(axis=2).max(axis=1))
+    motion = np.concatenate([run.e for run in runs])
+    _, vectors = np.linalg.eigh((motion * reach).T @ (motion * reach))
+    sway = (vectors[:, ::-1][:, :2] * reach[:, None]).T
+    largest = np.sqrt(((motion @ sway.T) ** 2).sum(axis=1).max())
+    return sway / max(largest, 1e-12)
+
+
+def sampled_range(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
+    """(3 + c,) largest sway, its speed, pressure and coupled coordinates in the runs (never zero)."""
+    e = np.concatenate([run.e for run in runs])
+    v = np.concatenate([run.v for run in runs])
+    pressure = np.concatenate([run.pressure for run in runs])
+    sizes = [np.linalg.norm(rows, axis=1).max() for rows in (e @ sway.T, v @ sway.T, pressure)]
+    coupled = coupled_modes(e.shape[1])
+    return np.maximum([*sizes, *np.abs(e[:, 2 : 2 + coupled]).max(axis=0)], 1e-9)
+
+
+@numba.njit(cache=True)
+def _force_table(sway, limits, half_s, e, v, pressure, out):  # pragma: no cover  (compiled)
+    ahead = np.empty(e.shape[1])
+    for t in range(len(out)):
+        write_force_terms(sway, limits, half_s, e[t], v[t], pressure[t, 0], pressure[t, 1], ahead, out[t])
+
+
+@numba.njit(cache=True)
+def _pose_table(sway, limits, e, pressure, out):  # pragma: no cover  (compiled)
+    for t in range(len(out)):
+        before = max(t - 1, 0)
+        acted = 1.0 if t > 0 else 0.0
+        write_pose_terms(sway, limits, e[t], acted * pressure[before, 0], acted * pressure[before, 1], out[t])
+
+
+def _fit_force(
+    runs: Sequence[ModalRun],
+    step: Floats,
+    load: Floats,
+    sway: Floats,
+    limits: Floats,
+    dt_s: float,
+    ridge: float,
+) -> Floats:
+    terms = [np.empty((len(run.pressure), force_terms(len(limits) - 3))) for run in runs]
+    for run, table in zip(runs, terms, strict=True):
+        _force_table(sway, limits, dt_s / 2, run.e, run.v, run.pressure, table)
+    force = np.empty((terms[0].shape[1], len(step)))
+    for k, oscillator in enumerate(step):
+        moved = np.concatenate([response(oscillator, table) for table in terms])
+        linear = [response(oscillator, (run.pressure @ load[k])[:, None])[:, 0] for run in runs]
+        missed = np.concatenate([run.e[:, k] - known for run, known in zip(runs, linear, strict=True)])
+        force[:, k] = ridge_fit(moved, missed[:, None], ridge)[:, 0]
+    return force
+
+
+def _fit_pose(runs: Sequence[ModalRun], sway: Floats, limits: Floats) -> Floats:
+    d = sway.shape[1]
+    terms = [np.empty((len(run.e), d + 2 + shape_terms(len(limits) - 3))) for run in runs]
+    for run, table in zip(runs, terms, strict=True):
+        _pose_table(sway, limits, run.e, run.pressure, table)
+    return ridge_fit(np.concatenate(terms), np.concatenate([run.q for run in runs]), POSE_RIDGE)
+
+
+def ridge_fit(terms: Floats, target: Floats, ridge: float) -> Floats:
+    """(F, m) coefficients of terms (T, F) for targets (T, m), each term scaled by its root mean square."""
+    size = np.sqrt(np.mean(terms**2, axis=0))
+    size[size == 0] = 1.0
+    scaled = terms / size
+    normal = scaled.T @ scaled / len(terms) + ridge * np.eye(len(size))
+    return np.linalg.solve(normal, scaled.T @ target / len(terms)) / size[:, None]
