@@ -1,6 +1,6 @@
 /** The main thread's end of the worker: plans go out, poses come back, buffers circulate. */
 import { tableUrl } from "./api";
-import type { WindDocument } from "./wind";
+import type { WindDocument, WindState } from "./wind";
 import type { Connection, ForestPlan, FromWorker, TableMotion, ToWorker } from "./worker/protocol";
 
 type Buffers = Float32Array<ArrayBuffer>[];
@@ -20,6 +20,7 @@ export class ForestClient {
   time_s = 0;
   lookup_ms = 0;
   connection = NO_CONNECTION;
+  wind: { state: WindState; coverage: number } | null = null;
   private readonly worker = new Worker(new URL("./worker/forest.worker.ts", import.meta.url), {
     type: "module",
   });
@@ -113,6 +114,7 @@ export class ForestClient {
     this.time_s = message.time_s;
     this.lookup_ms += 0.1 * (message.work_ms - this.lookup_ms);
     this.connection = message.connection;
+    this.wind = message.wind;
     this.busy = false;
     this.fresh = true;
   }

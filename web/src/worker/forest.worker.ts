@@ -1,6 +1,6 @@
 /** The worker: decodes tables, and keeps every tree's pose, looked up here or received from the server. */
 import { decodeTable, type Table } from "../table";
-import { type WindDocument, WindField } from "../wind";
+import { sampledPeak, type WindDocument, WindField } from "../wind";
 import { JumpBlend } from "./blend";
 import { LocalMotion } from "./localMotion";
 import type { MotionSource } from "./motion";
@@ -52,9 +52,13 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
     const groups = plan.groups.map((group) => ({ table: tableOf(group), placement: group.placement }));
     return new LocalMotion(groups, field, plan.poseEasing, time_s);
   }
-  const groups = plan.groups.map((group) => ({ ...group, scale: tableOf(group).modeScale }));
+  const groups = plan.groups.map((group) => {
+    const { modeScale, pressure, metadata } = tableOf(group);
+    const sampledPeak_pa = sampledPeak(pressure);
+    return { ...group, scale: modeScale, height_m: metadata.height_m, sampledPeak_pa };
+  });
   const options = { url: socketUrl, poseEasing: plan.poseEasing, problem };
-  return new StreamMotion(groups, wind, field, options, time_s);
+  return new StreamMotion(groups, field, options, time_s);
 }
 
 function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void {
@@ -66,15 +70,16 @@ function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void 
 }
 
 function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
-  if (!source) return;
+  if (!source || !field) return;
   const begin_ms = performance.now();
   if (source.advance(dt_s, buffers)) blend.apply(buffers, dt_s);
   else hold(buffers);
   remember(buffers);
-  const { time_s, connection } = source;
+  const { time_s, connection, coverage } = source;
   const work_ms = performance.now() - begin_ms;
   const transfer = buffers.map((buffer) => buffer.buffer);
-  scope.postMessage({ kind: "poses", epoch, time_s, work_ms, buffers, connection }, transfer);
+  const wind = { state: field.state, coverage };
+  scope.postMessage({ kind: "poses", epoch, time_s, work_ms, buffers, connection, wind }, transfer);
 }
 
 const fits = (buffers: readonly Float32Array[]) =>

@@ -1,6 +1,6 @@
 /** The wind at the trees of one group, and their poses as rows for the screen. Allocates nothing per frame. */
 import { poseStride } from "../nodeLayout";
-import { dynamicPressure, type WindField } from "../wind";
+import { coverage, dynamicPressure, heightFactor, type WindField } from "../wind";
 
 const KNEE_M_S = 5;
 const STREAMLINED_EXPONENT = 1.3;
@@ -19,13 +19,22 @@ export class GroupWind {
   readonly pressureX: Float32Array;
   readonly pressureZ: Float32Array;
 
-  /** `placement`: x, z, yaw, scale of each tree. */
-  constructor(readonly placement: Float32Array) {
+  private readonly factor: Float64Array;
+  private exponent = 0;
+  private reference_m = 1;
+
+  /** `placement`: x, z, yaw, scale of each tree, of which one of scale 1 is so high. */
+  constructor(
+    readonly placement: Float32Array,
+    private readonly height_m: number,
+    private readonly sampledPeak_pa: number,
+  ) {
     this.count = placement.length / 4;
     this.x = this.column(0);
     this.z = this.column(1);
     this.pressureX = new Float32Array(this.count);
     this.pressureZ = new Float32Array(this.count);
+    this.factor = new Float64Array(this.count).fill(1);
   }
 
   column(channel: 0 | 1 | 2 | 3): Float32Array {
@@ -33,7 +42,24 @@ export class GroupWind {
   }
 
   blow(field: WindField, time_s: number): void {
-    field.pressure(this.x, this.z, time_s, this.pressureX, this.pressureZ);
+    const { height_exponent, reference_height_m } = field.at(time_s).wind;
+    this.setProfile(height_exponent, reference_height_m);
+    field.pressure(this.x, this.z, time_s, this.pressureX, this.pressureZ, this.factor);
+  }
+
+  /** Taller trees reach into faster air. */
+  private setProfile(exponent: number, reference_m: number): void {
+    if (exponent === this.exponent && reference_m === this.reference_m) return;
+    this.exponent = exponent;
+    this.reference_m = reference_m;
+    for (let tree = 0; tree < this.count; tree++) {
+      this.factor[tree] = heightFactor(this.height_m * this.placement[tree * 4 + 3], exponent, reference_m);
+    }
+  }
+
+  /** Trees that are in winds that their table has sampled. */
+  get covered(): number {
+    return this.count * coverage(this.pressureX, this.pressureZ, this.sampledPeak_pa);
   }
 
   /** Puts each tree's wind speed (m/s) into its row, behind the modes. */
@@ -44,4 +70,10 @@ export class GroupWind {
       out[tree * stride + modes] = speedFromPressure(pressure_pa);
     }
   }
+}
+
+/** Share of all trees that are in winds that their tables have sampled. */
+export function coverageOf(groups: readonly GroupWind[]): number {
+  const trees = groups.reduce((sum, { count }) => sum + count, 0);
+  return trees === 0 ? 1 : groups.reduce((sum, { covered }) => sum + covered, 0) / trees;
 }

@@ -2,8 +2,8 @@
 import { ForestLookup } from "../lookup";
 import { poseStride } from "../nodeLayout";
 import type { Table } from "../table";
-import type { WindField } from "../wind";
-import { GroupWind } from "./groupWind";
+import { sampledPeak, type WindField } from "../wind";
+import { coverageOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motion";
 import type { Connection } from "./protocol";
 
@@ -28,13 +28,17 @@ export class LocalMotion implements MotionSource {
     this.groups = groups.map(({ table, placement }) => {
       const options = poseEasing === null ? {} : { poseEasing };
       const lookup = new ForestLookup(table, placement.length / 4, options);
-      const own = new GroupWind(placement);
+      const own = new GroupWind(placement, table.metadata.height_m, sampledPeak(table.pressure));
       lookup.setTrees(own.x, own.z, own.column(2), own.column(3));
       return { lookup, wind: own, modes: table.metadata.modes };
     });
   }
 
   windChanged(): void {}
+
+  get coverage(): number {
+    return coverageOf(this.groups.map(({ wind }) => wind));
+  }
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const steps = Math.max(1, Math.ceil(dt_s / MAX_STEP_S - 1e-9));

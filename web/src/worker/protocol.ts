@@ -1,6 +1,6 @@
 /** What main thread and worker say to each other. Types only: neither side imports the other. */
 import type { LookupPlace } from "../settings";
-import type { WindDocument } from "../wind";
+import type { WindDocument, WindState } from "../wind";
 
 /** What the screen needs of a table, unpacked by the worker. */
 export interface TableMotion {
@@ -65,5 +65,7 @@ export type FromWorker =
       work_ms: number;
       buffers: Float32Array<ArrayBuffer>[];
       connection: Connection;
+      /** The wind and its clock, and the share of trees in winds that their tables have sampled. */
+      wind: { state: WindState; coverage: number };
     }
   | { kind: "problem"; title: string; hint: string };

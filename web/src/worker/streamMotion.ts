@@ -1,8 +1,8 @@
 /** Poses looked up on the server: a WebSocket that comes back by itself, shown a moment behind. */
 import { poseStride } from "../nodeLayout";
-import type { WindDocument, WindField } from "../wind";
+import { parseState, type WindDocument, type WindField } from "../wind";
 import { decodeReply, encodeRequest, type Frame, type Reply, type Request } from "../wire";
-import { GroupWind } from "./groupWind";
+import { coverageOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motion";
 import { PoseSum } from "./poseSum";
 import type { Connection, ConnectionState } from "./protocol";
@@ -12,6 +12,8 @@ export interface StreamGroup {
   readonly table: string;
   readonly scale: Float32Array;
   readonly placement: Float32Array;
+  readonly height_m: number;
+  readonly sampledPeak_pa: number;
 }
 
 export interface StreamOptions {
@@ -40,7 +42,6 @@ export class StreamMotion implements MotionSource {
 
   constructor(
     private readonly groups: readonly StreamGroup[],
-    private wind: WindDocument,
     private readonly field: WindField,
     private readonly options: StreamOptions,
     public time_s: number,
@@ -49,7 +50,9 @@ export class StreamMotion implements MotionSource {
     this.timeline = new PoseTimeline(
       groups.map(({ scale, placement }) => (placement.length / 4) * poseStride(scale.length)),
     );
-    this.winds = groups.map(({ placement }) => new GroupWind(placement));
+    this.winds = groups.map(
+      ({ placement, height_m, sampledPeak_pa }) => new GroupWind(placement, height_m, sampledPeak_pa),
+    );
     this.pinging = setInterval(() => this.ping(), PING_EVERY_MS);
     this.connect();
   }
@@ -93,7 +96,7 @@ export class StreamMotion implements MotionSource {
       type: "forest",
       mode: "stream",
       groups: this.groups.map(({ table, placement }) => ({ table, count: placement.length / 4 })),
-      wind: { ...this.wind },
+      wind: { ...this.field.state },
       time_s: this.time_s,
       pose_easing: this.options.poseEasing,
       trees,
@@ -121,6 +124,7 @@ export class StreamMotion implements MotionSource {
     }
     if (reply.type === "frame") this.frame(reply);
     else if (reply.type === "pong") this.latency_ms = performance.now() - reply.t;
+    else if (reply.type === "windState") this.field.state = parseState(reply.state);
     else if (reply.type === "error") this.options.problem(reply.title, reply.hint);
   }
 
@@ -135,8 +139,11 @@ export class StreamMotion implements MotionSource {
   }
 
   windChanged(wind: WindDocument): void {
-    this.wind = wind;
     this.send({ type: "wind", wind: { ...wind } });
+  }
+
+  get coverage(): number {
+    return coverageOf(this.winds);
   }
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
