@@ -10,6 +10,8 @@ from precompute.intake_types import Floats, Ints
 from precompute.tet_quality import boundary_faces
 from precompute.thicken import Thickened
 
+NEIGHBOURS = 12
+
 
 def radius_ratio(raised: Thickened, vertices: Floats, tets: Ints, floor_m: float) -> Floats:
     """Original over thickened radius at each tet (m,), from the nearest points that lie on the solid's skin.
@@ -23,8 +25,10 @@ def radius_ratio(raised: Thickened, vertices: Floats, tets: Ints, floor_m: float
     if not shown.any():
         shown[:] = True
     ratio = _ratio_at(raised, points, face)[shown]
-    _, near = cKDTree(points[shown]).query(vertices[tets].mean(axis=1), k=min(3, len(ratio)))
-    return ratio[near].reshape(len(tets), -1).mean(axis=1)
+    gap, near = cKDTree(points[shown]).query(vertices[tets].mean(axis=1), k=min(NEIGHBOURS, len(ratio)))
+    gap, near = gap.reshape(len(tets), -1), near.reshape(len(tets), -1)
+    # Where a twig leaves a limb both are near; the limb owns the wood there.
+    return np.where(gap <= gap[:, :1] + floor_m / 2, ratio[near], 0.0).max(axis=1)
 
 
 def _ratio_at(raised: Thickened, points: Floats, face: Ints) -> Floats:
