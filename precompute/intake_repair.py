@@ -61,6 +61,16 @@ def face_components(faces: Ints, vertices: int) -> tuple[int, Ints]:
     return len(unique), of_face.astype(np.int32)
 
 
+def edge_components(faces: Ints) -> tuple[int, Ints]:
+    """Number of pieces joined through edges (not mere corners), and the piece of each face."""
+    _, edge = np.unique(np.sort(directed_edges(faces), axis=1), axis=0, return_inverse=True)
+    face = np.tile(np.arange(len(faces)), 3)
+    graph = np.column_stack([face, len(faces) + edge.reshape(-1)])
+    _, label = _components(len(faces) + int(edge.max()) + 1, graph)
+    unique, of_face = np.unique(label[: len(faces)], return_inverse=True)
+    return len(unique), of_face.astype(np.int32)
+
+
 def _components(count: int, pairs: np.ndarray) -> tuple[int, np.ndarray]:
     graph = coo_matrix((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     return connected_components(graph, directed=False)
@@ -130,7 +140,7 @@ def signed_volumes(surface: Surface, of_face: Ints, count: int) -> Floats:
 
 def face_outwards(surface: Surface) -> tuple[Surface, int]:
     """Pieces whose volume is negative are turned inside out; returns how many."""
-    count, of_face = face_components(surface.faces, len(surface.vertices))
+    count, of_face = edge_components(surface.faces)
     inverted = signed_volumes(surface, of_face, count) < 0
     faces = surface.faces.copy()
     turn = inverted[of_face]

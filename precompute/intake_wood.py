@@ -80,9 +80,10 @@ def _sort_by_shape(part: RawPart, low: float, height: float) -> list[SortedPart]
     green = greenness(part.material)
     verdicts = _verdicts(welded, of_face, count, low, height, green is not None and green > GREEN)
     pieces: list[SortedPart] = []
-    for kind, reason in dict.fromkeys(verdicts):
-        chosen = np.array([v == (kind, reason) for v in verdicts])[of_face]
-        pieces.append(SortedPart(sub_part(part, origin[chosen]), kind, reason))
+    for kind in dict.fromkeys(kind for kind, _ in verdicts):
+        chosen = np.array([v[0] == kind for v in verdicts])[of_face]
+        reasons = dict.fromkeys(reason for other, reason in verdicts if other == kind)
+        pieces.append(SortedPart(sub_part(part, origin[chosen]), kind, "; ".join(reasons)))
     return pieces
 
 

@@ -10,7 +10,7 @@ from precompute.intake_types import Floats, Ints
 from precompute.tet_quality import tet_volumes
 
 CLAMPED_SHARE = 0.02  # of the wood's height
-THICK = 0.1  # of the thickest foot's volume
+THICK = 0.2  # of the thickest foot's volume
 FEWEST = 4
 
 

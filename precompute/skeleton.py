@@ -74,7 +74,7 @@ def extract_skeleton(mesh: TetMesh) -> Skeleton:
             "branches": int(branch.max()) + 1,
             "length_m": float(np.linalg.norm(points[1:] - points[tree.parent[1:]], axis=1).sum()),
             "step_m": step_m,
-            "trunk_radius_m": float(radius[branch == 0].max()),
+            "trunk_radius_m": float(np.percentile(radius[branch == 0], 90)),
             "root_vertices": len(roots),
         },
     )

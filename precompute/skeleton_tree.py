@@ -9,6 +9,8 @@ import numpy as np
 from precompute.intake_types import Floats, Ints
 from precompute.skeleton_levels import Sections
 
+BUMP = 1.5  # of a limb's radius: sections lean, so a bump on the bark starts behind its axis
+LONGEST_SPUR = 3.0  # of the largest radius
 SPUR = 1.2  # a twig that stands out of its parent by less than this many of its own radii is a bump
 
 
@@ -46,13 +48,21 @@ def linked_tree(
     far = _farthest(sections, tets, distance_m)
     for piece, indices in lower.items():
         if piece not in has_upper and piece in far:
-            points.append(vertices_m[far[piece]])
-            parent.append(indices[0] + 1)
+            section = indices[0] + 1
+            points.append(_tip(points[section], points[parent[section]], vertices_m[far[piece]]))
+            parent.append(section)
             area.append(sections.area_m2[indices[0]] * 0.25)
             pieces.append(piece)
     return Tree(
         np.array(points), np.array(parent, dtype=np.int32), np.array(area), np.array(pieces, dtype=np.int32)
     )
+
+
+def _tip(last_m: Floats, before_m: Floats, far_m: Floats) -> Floats:
+    """The end of a twig: the farthest vertex, which lies on the bark, brought to the axis."""
+    along = last_m - before_m
+    along = along / max(float(np.linalg.norm(along)), 1e-300)
+    return last_m + along * max(float((far_m - last_m) @ along), 0.0)
 
 
 def _farthest(sections: Sections, tets: Ints, distance_m: Floats) -> dict[int, int]:
@@ -128,11 +138,23 @@ def _spurs(tree: Tree, branch: Ints, radius_m: Floats) -> np.ndarray:
     bears = np.unique(branch[tree.parent[1:]][branch[1:] != branch[tree.parent[1:]]])
     for number in range(1, int(branch.max()) + 1):
         own = np.flatnonzero(branch == number)
-        base = tree.parent[own[0]]
-        length = far[own[0]] + float(np.linalg.norm(tree.points_m[own[0]] - tree.points_m[base]))
-        if number not in bears and length < radius_m[base] + SPUR * float(np.median(radius_m[own])):
+        if number not in bears and _within(tree, radius_m, own, far[own[0]]):
             drop[own] = True
     return drop
+
+
+def _within(tree: Tree, radius_m: Floats, own: Ints, length: float) -> bool:
+    """Whether a branch ends within reach of the thickness of a point that it grows from."""
+    margin = SPUR * float(np.median(radius_m[own]))
+    child, point = int(own[0]), int(tree.parent[own[0]])
+    while point >= 0:
+        length += float(np.linalg.norm(tree.points_m[child] - tree.points_m[point]))
+        if length < BUMP * radius_m[point] + margin:
+            return True
+        if length > LONGEST_SPUR * radius_m.max():
+            return False
+        child, point = point, int(tree.parent[point])
+    return False
 
 
 def _parents_first(tree: Tree) -> tuple[Tree, Ints]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from precompute.intake_types import Floats, Ints
 
-RECIPE_VERSION = 2  # raise it when the recipe changes, so that old meshes are not found
+RECIPE_VERSION = 4  # raise it when the recipe changes, so that old meshes are not found
 
 
 def cache_key(vertices: Floats, faces: Ints, target_tets: int) -> str:

@@ -20,7 +20,7 @@ from precompute.intake_types import Floats, IntakeError, Ints, TreeMesh
 from precompute.limited_process import Limits, run_limited
 from precompute.radius_ratio import radius_ratio
 from precompute.tet_cache import cache_key, load_cached, store_cached
-from precompute.tet_quality import largest_component, lost_extent, quality_report, restore_volume
+from precompute.tet_quality import largest_component, lost_extent, quality_report, restore_volume, tet_volumes
 from precompute.thicken import thicken
 from precompute.wrap import decimate, wrap
 
@@ -32,6 +32,7 @@ STOP_ENERGY = 30.0
 TETS_PER_FACE = 0.95
 FEWEST, MOST = 0.55, 1.45  # of the target
 MAX_LOST_EXTENT = 0.03
+MAX_LOST_VOLUME = 1e-3  # in pieces that came loose
 ATTEMPTS = 4
 TETWILD_LIMITS = Limits(memory_bytes=6 << 30, cpu_s=150, wall_s=200.0)
 
@@ -88,6 +89,8 @@ def _attempts(surface: Surface, target_tets: int) -> TetMesh:
             break
         if lost > MAX_LOST_EXTENT:
             recipe = replace(recipe, floor=recipe.floor * 1.4)
+        elif mesh.report["lost_volume"] > MAX_LOST_VOLUME:
+            recipe = replace(recipe, floor=recipe.floor * 1.2)
         else:
             recipe = _towards(recipe, target_tets / count)
     assert best is not None
@@ -115,6 +118,7 @@ def _badness(mesh: TetMesh, target_tets: int) -> float:
     """0 where the mesh is accepted, else how far off it is."""
     share = len(mesh.tets) / target_tets
     off = max(FEWEST - share, share - MOST, 0.0)
+    off += 10.0 * max(mesh.report["lost_volume"] - MAX_LOST_VOLUME, 0.0)
     return off + 10.0 * max(mesh.report["lost_extent"] - MAX_LOST_EXTENT, 0.0)
 
 
@@ -141,10 +145,13 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
             "not-meshable", 422, "The wood could not be meshed.", "Repair the mesh and try again."
         )
     vertices, tets, dropped = largest_component(result["vertices"], result["tets"])
+    meshed = float(np.abs(tet_volumes(result["vertices"], result["tets"])).sum())
+    kept = float(tet_volumes(vertices, tets).sum())
     vertices = restore_volume(vertices, tets, volume(solid))
     ratio = radius_ratio(raised, vertices, tets, floor_m)
     report = quality_report(vertices, tets) | {
         "components_dropped": dropped,
+        "lost_volume": 1.0 - kept / meshed,
         "floor_radius_m": floor_m,
         "thickened_share": float((ratio < 1).mean()),
         "lost_extent": lost_extent(surface.vertices, vertices),
@@ -152,5 +159,8 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
         "warnings": [],
     }
     if dropped:
-        report["warnings"].append(f"{dropped} separate pieces of wood were dropped in meshing.")
+        share = report["lost_volume"]
+        report["warnings"].append(
+            f"{dropped} loose pieces, {share:.2%} of the wood, were dropped in meshing."
+        )
     return TetMesh(vertices, tets, ratio, report)

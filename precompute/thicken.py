@@ -1,7 +1,6 @@
 """Twigs raised to a radius that the mesher resolves, and by how much, so that the physics can take it back.
 
-The local radius is that of the largest ball which touches the surface from inside (the shrinking-ball
-algorithm,
+The local radius is that of the largest ball which touches the surface from inside (after
 Ma, Bae & Choi 2012, "3D medial axis point approximation using nearest neighbors and the normal field").
 """
 
@@ -16,15 +15,15 @@ from precompute.intake_repair import Surface, face_components
 from precompute.intake_types import Floats, Ints
 from precompute.wrap_kernels import inner_balls, triangle_grid
 
-SAMPLE_LEVEL = 2
-MAX_CORNER = 2.0  # a corner of a triangular cross-section lies two inscribed radii from its centre
+NEAR_SIDES = np.array([[0.02, 0.49, 0.49], [0.49, 0.02, 0.49], [0.49, 0.49, 0.02]])
+MAX_MITRE = 2.0  # the edge of a triangular prism moves twice as far as its sides
 MAX_GRID = 200
 
 
 @dataclass(frozen=True)
 class Thickened:
-    """The raised surface, and at sample points (k, 3) on it the original radius over the new one, in (0,
-    1]."""
+    """The raised surface, and at sample points (k, 3) on it the original
+    radius over the new one, in (0, 1]."""
 
     surface: Surface
     sample_points: Floats
@@ -35,48 +34,50 @@ def thicken(surface: Surface, floor_radius: float) -> Thickened:
     """Every piece's vertices moved outwards until the inscribed radius is at least `floor_radius`."""
     points, normals, face = surface_samples(surface)
     radius = inscribed_radius(surface, points, normals, face, floor_radius)
-    vertex_radius, vertex_reach = _at_vertices(surface, points, normals, face, radius)
-    corner = np.clip(vertex_reach / np.maximum(vertex_radius, 1e-12), 1.0, MAX_CORNER)
-    move = np.maximum(floor_radius - vertex_radius, 0.0) * corner
-    raised = Surface(surface.vertices + move[:, None] * outward_normals(surface), surface.faces)
+    lack = np.maximum(floor_radius - _at_vertices(surface, face, radius), 0.0)
+    normal, mitre = _normals_and_mitre(surface)
+    raised = Surface(surface.vertices + (lack * mitre)[:, None] * normal, surface.faces)
     weight = _barycentric(surface, points, face)
     on_raised = np.einsum("ij,ijk->ik", weight, raised.vertices[raised.faces[face]])
     return Thickened(raised, on_raised, np.minimum(1.0, radius / floor_radius))
 
 
-def outward_normals(surface: Surface) -> Floats:
-    """Vertex normals (n, 3), faces weighted by their angle, so that a coarse ring's normals point from
-    its axis."""
+def _normals_and_mitre(surface: Surface) -> tuple[Floats, Floats]:
+    """Vertex normals (n, 3), and how far (n,) a vertex moves when its faces move by one: 1 on a plane,
+    2 on an edge of 60°. Faces count by their angle, so that a coarse ring's normals point from its axis."""
     corners = surface.vertices[surface.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    angle = np.stack([_corner_angle(corners, k) for k in range(3)])
     total = np.zeros_like(surface.vertices)
     for k in range(3):
-        one = corners[:, (k + 1) % 3] - corners[:, k]
-        two = corners[:, (k + 2) % 3] - corners[:, k]
-        angle = np.arctan2(np.linalg.norm(np.cross(one, two), axis=1), np.einsum("ij,ij->i", one, two))
-        np.add.at(total, surface.faces[:, k], normal * angle[:, None])
-    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
+        np.add.at(total, surface.faces[:, k], normal * angle[k][:, None])
+    total /= np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
+    along, weight = np.zeros((2, len(surface.vertices)))
+    for k in range(3):
+        vertex = surface.faces[:, k]
+        np.add.at(along, vertex, angle[k] * np.einsum("ij,ij->i", total[vertex], normal))
+        np.add.at(weight, vertex, angle[k])
+    return total, np.clip(weight / np.maximum(along, 1e-12), 1.0, MAX_MITRE)
+
+
+def _corner_angle(corners: Floats, k: int) -> Floats:
+    one, two = corners[:, (k + 1) % 3] - corners[:, k], corners[:, (k + 2) % 3] - corners[:, k]
+    return np.arctan2(np.linalg.norm(np.cross(one, two), axis=1), np.einsum("ij,ij->i", one, two))
 
 
 def surface_samples(surface: Surface) -> tuple[Floats, Floats, Ints]:
-    """Points (k, 3) with outward normals and their face: four to a face."""
+    """Points (k, 3) with outward normals and their face: close to the middle of each side of each face.
+
+    Two of the three lie half-way across a tube's facet, where the inscribed ball touches it.
+    """
     corners = surface.vertices[surface.faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(cross, axis=1)
     chosen = np.flatnonzero(area > 0)
-    weights = _lattice(SAMPLE_LEVEL)
-    face = np.repeat(chosen, len(weights)).astype(np.int32)
-    points = np.einsum("wk,fkd->fwd", weights, corners[chosen]).reshape(-1, 3)
+    face = np.repeat(chosen, len(NEAR_SIDES)).astype(np.int32)
+    points = np.einsum("wk,fkd->fwd", NEAR_SIDES, corners[chosen]).reshape(-1, 3)
     return points, (cross / np.maximum(area, 1e-300)[:, None])[face], face
-
-
-def _lattice(n: int) -> Floats:
-    """Centres (n², 3) of the n² equal triangles that a triangle splits into, as barycentric weights."""
-    rows = [(3 * i + 1, 3 * j + 1) for i in range(n) for j in range(n - i)]
-    rows += [(3 * i + 2, 3 * j + 2) for i in range(n - 1) for j in range(n - 1 - i)]
-    ab = np.array(rows, dtype=np.float64) / (3 * n)
-    return np.column_stack([ab, 1.0 - ab.sum(axis=1)])
 
 
 def inscribed_radius(surface: Surface, points: Floats, normals: Floats, face: Ints, limit: float) -> Floats:
@@ -87,7 +88,11 @@ def inscribed_radius(surface: Surface, points: Floats, normals: Floats, face: In
     cell = max(2.0 * limit, float((high - low).max()) / MAX_GRID)
     shape = tuple(int(n) + 1 for n in (high - low) / cell)
     offsets, items = triangle_grid(triangles, low, cell, shape)
-    radius = inner_balls(points, normals, face, piece, triangles, low, cell, shape, offsets, items, limit)
+    face_normals = np.zeros_like(triangles[:, 0])
+    face_normals[face] = normals
+    radius = inner_balls(
+        points, normals, face, piece, face_normals, triangles, low, cell, shape, offsets, items, limit
+    )
     return _smooth(points, piece[face], radius)
 
 
@@ -98,23 +103,12 @@ def _smooth(points: Floats, piece: Ints, radius: Floats, neighbours: int = 8) ->
     return np.nanmedian(values, axis=1)
 
 
-def _at_vertices(
-    surface: Surface, points: Floats, normals: Floats, face: Ints, radius: Floats
-) -> tuple[Floats, Floats]:
-    """Mean radius (n,) and distance to the medial centre (n,) at each vertex, nearer samples counting
-    more."""
-    centre = points - radius[:, None] * normals
-    total, total_radius, total_reach = np.zeros((3, len(surface.vertices)))
+def _at_vertices(surface: Surface, face: Ints, radius: Floats) -> Floats:
+    """Smallest radius (n,) of the samples on a vertex's faces: a cap has none of its own."""
+    result = np.full(len(surface.vertices), np.inf)
     for k in range(3):
-        vertex = surface.faces[face, k]
-        gap = np.linalg.norm(points - surface.vertices[vertex], axis=1)
-        reach = np.linalg.norm(centre - surface.vertices[vertex], axis=1)
-        weight = 1.0 / (gap + 0.1 * radius + 1e-12) ** 2
-        np.add.at(total, vertex, weight)
-        np.add.at(total_radius, vertex, weight * radius)
-        np.add.at(total_reach, vertex, weight * np.minimum(reach, MAX_CORNER * radius))
-    total = np.maximum(total, 1e-300)
-    return total_radius / total, total_reach / total
+        np.minimum.at(result, surface.faces[face, k], radius)
+    return result
 
 
 def _barycentric(surface: Surface, points: Floats, face: Ints) -> Floats:

@@ -6,6 +6,8 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+ACROSS = -0.4  # cosine: only faces that look back at the point bound its ball
+
 
 @numba.njit(cache=True, nogil=True)
 def _point_triangle(px, py, pz, t):  # type: ignore[no-untyped-def]
@@ -133,58 +135,50 @@ def triangle_grid(triangles, low, cell, shape):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True)
-def inner_balls(points, normals, face, piece, triangles, low, cell, shape, offsets, items, limit):  # type: ignore[no-untyped-def]
-    """Radius of the largest inner ball (at most `limit`) through each point, against its own piece's
-    triangles."""
+def inner_balls(
+    points, normals, face, piece, face_normals, triangles, low, cell, shape, offsets, items, limit
+):
+    """Radius of the largest ball (at most `limit`) that touches each point from inside its own piece.
+
+    Only faces that look the other way count: a ball at a facet's edge would be held small by the next facet
+    of the same round branch, and one near a branch's end by its cap.
+    """
     radius = np.empty(len(points))
     for p in range(len(points)):
         r = limit
-        for _ in range(16):
-            cx, cy, cz = (
-                points[p, 0] - r * normals[p, 0],
-                points[p, 1] - r * normals[p, 1],
-                points[p, 2] - r * normals[p, 2],
-            )
-            best, at = r * r * (1 - 1e-4), -1
-            for i in range(
-                max(0, int((cx - r - low[0]) / cell)), min(shape[0] - 1, int((cx + r - low[0]) / cell)) + 1
-            ):
-                for j in range(
-                    max(0, int((cy - r - low[1]) / cell)),
-                    min(shape[1] - 1, int((cy + r - low[1]) / cell)) + 1,
-                ):
-                    for k in range(
-                        max(0, int((cz - r - low[2]) / cell)),
-                        min(shape[2] - 1, int((cz + r - low[2]) / cell)) + 1,
-                    ):
-                        c = (i * shape[1] + j) * shape[2] + k
-                        for n in range(offsets[c], offsets[c + 1]):
-                            f = items[n]
-                            if f == face[p] or piece[f] != piece[face[p]]:
-                                continue
-                            square = _point_triangle(cx, cy, cz, triangles[f])
-                            if square < best:
-                                best, at = square, f
-            if at < 0:
-                break
-            smaller = _touching_radius(points[p], normals[p], cx, cy, cz, triangles[at], r)
-            if smaller > r * (1 - 1e-3):
-                break
-            r = smaller
+        lo, hi = np.empty(3, np.int64), np.empty(3, np.int64)
+        for k in range(3):
+            centre = points[p, k] - limit * normals[p, k] - low[k]
+            lo[k] = max(0, int((centre - limit) / cell))
+            hi[k] = min(shape[k] - 1, int((centre + limit) / cell))
+        for i in range(lo[0], hi[0] + 1):
+            for j in range(lo[1], hi[1] + 1):
+                for k in range(lo[2], hi[2] + 1):
+                    c = (i * shape[1] + j) * shape[2] + k
+                    for n in range(offsets[c], offsets[c + 1]):
+                        f = items[n]
+                        if piece[f] == piece[face[p]] and np.dot(face_normals[f], normals[p]) < ACROSS:
+                            r = _touching_radius(points[p], normals[p], triangles[f], r)
         radius[p] = r
     return radius
 
 
 @numba.njit(cache=True, nogil=True)
-def _touching_radius(point, normal, cx, cy, cz, t, r):  # type: ignore[no-untyped-def]
-    """Radius of the ball through `point` that just touches the triangle, by bisection below r."""
+def _holds(point, normal, r, t):  # type: ignore[no-untyped-def]
+    """Whether the ball of radius r that touches `point` from inside holds some of the triangle."""
+    x, y, z = point[0] - r * normal[0], point[1] - r * normal[1], point[2] - r * normal[2]
+    return _point_triangle(x, y, z, t) < r * r * (1 - 1e-6)
+
+
+@numba.njit(cache=True, nogil=True)
+def _touching_radius(point, normal, t, r):  # type: ignore[no-untyped-def]
+    """Radius, at most r, of the ball through `point` that just touches the triangle, by bisection."""
+    if not _holds(point, normal, r, t):
+        return r
     lo, hi = 0.0, r
-    for _ in range(20):
+    for _ in range(16):
         mid = 0.5 * (lo + hi)
-        square = _point_triangle(
-            point[0] - mid * normal[0], point[1] - mid * normal[1], point[2] - mid * normal[2], t
-        )
-        if square < mid * mid * (1 - 1e-6):
+        if _holds(point, normal, mid, t):
             hi = mid
         else:
             lo = mid

@@ -1,0 +1,72 @@
+"""The child gives what the reader gives, and every way it can die is told apart."""
+
+import os
+import signal
+import time
+
+import numpy as np
+import pytest
+
+from precompute.intake import IntakeError, read_tree, render_glb
+from precompute.intake_process import pack_tree, run_intake, unpack_tree
+from precompute.limited_process import Arrays, Limits, run_limited
+from tests.precompute import tree_meshes as make
+
+HERE = "tests.precompute.test_intake_process"
+
+
+def sleep(_: Arrays) -> Arrays:
+    time.sleep(60)
+    return {}
+
+
+def burn(_: Arrays) -> Arrays:
+    while True:
+        pass
+
+
+def hoard(_: Arrays) -> Arrays:
+    return {"a": np.ones(1 << 30)}
+
+
+def killed(_: Arrays) -> Arrays:
+    os.kill(os.getpid(), signal.SIGKILL)
+    return {}
+
+
+def crash(_: Arrays) -> Arrays:
+    os.kill(os.getpid(), signal.SIGSEGV)
+    return {}
+
+
+def test_child_gives_what_the_reader_gives():
+    data = make.glb_bytes(make.y_tree(), make.cards([(1.6, 4.6, 0)]))
+    tree, glb = run_intake(data, "a.glb")
+    direct = read_tree(data, "a.glb")
+    assert glb == render_glb(direct)
+    assert tree.report == direct.report
+    assert (tree.wood_vertices_m == direct.wood_vertices_m).all()
+    assert render_glb(unpack_tree(pack_tree(direct))) == glb
+
+
+def test_errors_cross_the_border():
+    with pytest.raises(IntakeError) as caught:
+        run_intake(b"PK\x03\x04 and more", "a.obj")
+    assert (caught.value.status, caught.value.code) == (415, "unsupported-type")
+
+
+@pytest.mark.parametrize(
+    ("function", "limits", "code"),
+    [
+        ("sleep", Limits(wall_s=2.0), "timed-out"),
+        ("burn", Limits(cpu_s=2), "cpu-time"),
+        ("hoard", Limits(memory_bytes=2 << 30), "out-of-memory"),
+        ("killed", Limits(), "killed"),
+        ("crash", Limits(), "crashed"),
+    ],
+)
+def test_each_way_to_die_is_told_apart(function, limits, code):
+    with pytest.raises(IntakeError) as caught:
+        run_limited(f"{HERE}:{function}", {}, limits, what="The test")
+    assert (caught.value.code, caught.value.status) == (code, 422)
+    assert "The test" in caught.value.title

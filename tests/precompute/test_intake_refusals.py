@@ -1,0 +1,144 @@
+"""Broken and hostile files: each ends in an IntakeError with the right status, and none opens a file."""
+
+import builtins
+import io
+import json
+import struct
+import zipfile
+
+import numpy as np
+import pytest
+
+from precompute.intake import IntakeError, IntakeOptions, read_tree
+from precompute.intake_repair import Surface
+from tests.precompute import tree_meshes as make
+
+
+def zipped() -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr("../../evil.obj", "v 0 0 0")
+    return stream.getvalue()
+
+
+def with_nan() -> bytes:
+    surface = make.y_tree()
+    surface.vertices[3, 1], surface.vertices[9, 0] = np.nan, np.inf
+    return make.obj_bytes(surface)
+
+
+def deep(levels=5000) -> bytes:
+    document = make.gltf_document(make.y_tree())
+    document["nodes"] = [{"children": [i + 1]} for i in range(levels)] + [{"mesh": 0}]
+    return make.gltf_bytes(document)
+
+
+def extension(name: str) -> bytes:
+    return make.gltf_bytes(make.gltf_document(make.y_tree()) | {"extensionsRequired": [name]})
+
+
+def changed(**change) -> bytes:
+    document = make.gltf_document(make.y_tree())
+    document["accessors"][0] |= change
+    return make.gltf_bytes(document)
+
+
+def soup() -> bytes:
+    vertices = np.random.default_rng(3).random((1200, 3)) * 8
+    return make.stl_bytes(Surface(vertices, np.arange(1200).reshape(-1, 3).astype(np.int32)))
+
+
+GLB = make.glb_bytes(make.y_tree())
+CASES = [
+    ("empty.obj", b"", 400, "empty-file"),
+    ("blank.glb", b" \n", 400, "empty-file"),
+    ("half.glb", GLB[: len(GLB) // 2], 400, "truncated"),
+    ("header.glb", GLB[:10], 400, "truncated"),
+    ("version.glb", b"glTF" + struct.pack("<II", 7, len(GLB)) + GLB[12:], 400, "gltf-version"),
+    ("count.ply", make.ply_bytes(make.y_tree(), vertices=4_000_000_000), 400, "wrong-count"),
+    ("count.stl", b"x" * 80 + struct.pack("<I", 2**32 - 1) + b"\0" * 50, 400, "wrong-count"),
+    ("nan.obj", with_nan(), 422, "non-finite"),
+    ("triangle.obj", b"v 0 0 0\nv 1 0 0\nv 0 0 5\nf 1 2 3", 422, "no-volume"),
+    ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 0 5\n", 422, "no-faces"),
+    ("plane.obj", make.obj_bytes(make.cards([(0, 0, 0)], size=5.0)), 422, "no-volume"),
+    ("soup.stl", soup(), 422, "no-wood"),
+    (
+        "passwd.gltf",
+        make.gltf_bytes(make.gltf_document(make.y_tree(), "../../etc/passwd")),
+        400,
+        "external-buffers",
+    ),
+    (
+        "remote.gltf",
+        make.gltf_bytes(make.gltf_document(make.y_tree(), "http://x/y.bin")),
+        400,
+        "external-buffers",
+    ),
+    ("zip.obj", zipped(), 415, "unsupported-type"),
+    ("page.obj", b"<!doctype html><html>", 415, "unsupported-type"),
+    ("noise.bin", bytes(range(7, 200)), 415, "unsupported-type"),
+    ("deep.gltf", deep(), 422, "nodes-too-deep"),
+    ("draco.gltf", extension("KHR_draco_mesh_compression"), 422, "draco-compressed"),
+    ("meshopt.gltf", extension("EXT_meshopt_compression"), 422, "meshopt-compressed"),
+    ("other.gltf", extension("VENDOR_secret"), 422, "gltf-extension"),
+    ("past_end.gltf", changed(count=10**9), 400, "truncated"),
+    ("negative.gltf", changed(bufferView=-1), 400, "gltf-structure"),
+    ("type.gltf", changed(componentType=99), 400, "gltf-structure"),
+    ("json.gltf", b'{"nodes": [', 400, "gltf-json"),
+    ("nested.gltf", b'{"a":' + b"[" * 200_000, 400, "gltf-json"),
+    ("face.obj", b"v 0 0 0\nf 1 2 9\n", 400, "obj-syntax"),
+]
+
+
+@pytest.mark.parametrize(("name", "data", "status", "code"), CASES, ids=[c[0] for c in CASES])
+def test_refused_by_name(name, data, status, code):
+    with pytest.raises(IntakeError) as caught:
+        read_tree(data, name)
+    assert (caught.value.status, caught.value.code) == (status, code)
+    assert caught.value.title
+    assert caught.value.hint
+
+
+def test_circular_nodes_end():
+    document = make.gltf_document(make.y_tree())
+    document["nodes"] = [{"children": [1, 1]}, {"children": [0, 0]}]
+    with pytest.raises(IntakeError, match="nest"):
+        read_tree(json.dumps(document).encode(), "a.gltf")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_damaged_bytes_never_raise_anything_else(seed):
+    random = np.random.default_rng(seed)
+    sources = [GLB, make.ply_bytes(make.y_tree()), make.obj_bytes(make.y_tree())[:4000]]
+    for _ in range(25):
+        data = bytearray(sources[random.integers(len(sources))])
+        for at in random.integers(0, min(len(data), 2500), 6):
+            data[at] = random.integers(256)
+        try:
+            read_tree(bytes(data), "a.bin")
+        except IntakeError as error:
+            assert 400 <= error.status < 423, f"seed {seed}"
+
+
+def test_names_in_the_data_open_no_file(monkeypatch):
+    def forbidden(*arguments, **_):
+        raise AssertionError(f"opened {arguments}")
+
+    data = make.obj_bytes(make.y_tree(), head="mtllib ../../../../etc/passwd\nusemtl x")
+    monkeypatch.setattr(builtins, "open", forbidden)
+    monkeypatch.setattr(io, "open", forbidden)
+    assert read_tree(data, "a.obj").height_m > 4
+
+
+def test_latin_1_names_and_quads_with_continuation_are_read():
+    assert read_tree("# érable\n".encode("latin-1") + make.obj_bytes(make.y_tree()), "a.obj").height_m > 4
+    box = b"".join(b"v %d %d %d\r\n" % (x, 8 * y, z) for y in (0, 1) for z in (0, 1) for x in (0, 1))
+    faces = b"f 1 3 \\\r\n 4 2\r\nf 5 6 8 7\r\nf 1 2 6 5\r\nf 3 7 8 4\r\nf 1 5 7 3\r\nf 2 4 8 6\r\n"
+    assert len(read_tree(box + faces, "box.obj", IntakeOptions(up_axis="y")).wood_faces) == 12
+
+
+@pytest.mark.parametrize("options", [IntakeOptions(height_m=1e6), IntakeOptions(wood=("nothing",))])
+def test_impossible_options_are_refused(options):
+    with pytest.raises(IntakeError) as caught:
+        read_tree(GLB, "a.glb", options)
+    assert caught.value.status == 422

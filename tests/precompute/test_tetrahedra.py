@@ -1,0 +1,129 @@
+"""Thickening, wrapping and meshing against shapes whose radius and volume are known."""
+
+import numpy as np
+import pytest
+
+from precompute.intake import IntakeError
+from precompute.intake_repair import Surface, face_components, open_edges, volume
+from precompute.limited_process import Limits, run_limited
+from precompute.tet_quality import boundary_faces, largest_component, lost_extent, restore_volume, tet_volumes
+from precompute.tetrahedra import tetrahedralise
+from precompute.thicken import inscribed_radius, surface_samples, thicken
+from precompute.wrap import decimate, inside, wrap
+from tests.precompute import tree_meshes as make
+
+
+@pytest.fixture(scope="module")
+def meshed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tets")
+    tree = make.as_tree(make.y_tree())
+    return tree, tetrahedralise(tree, target_tets=1500, cache_dir=folder), folder
+
+
+def test_inscribed_radius_of_a_tube_and_of_a_triangular_prism():
+    for sides, apothem in ((24, 0.1 * np.cos(np.pi / 24)), (3, 0.1 * np.cos(np.pi / 3))):
+        tube = make.tube((0, 0, 0), (0, 2, 0), 0.1, 0.1, sides=sides)
+        points, normals, face = surface_samples(tube)
+        radius = inscribed_radius(tube, points, normals, face, 0.5)
+        middle = np.abs(points[:, 1] - 1.0) < 0.6
+        assert np.median(radius[middle]) == pytest.approx(apothem, rel=0.06)
+
+
+@pytest.mark.parametrize("sides", [3, 4, 12])
+def test_thin_tubes_are_raised_to_the_floor_and_thick_ones_left(sides):
+    thin, thick = (
+        make.tube((0, 0, 0), (0, 3, 0), 0.01, 0.01, sides=sides),
+        make.tube((1, 0, 0), (1, 3, 0), 0.2, 0.2, sides=32),
+    )
+    raised = thicken(make.joined(thin, thick), 0.05)
+    count = len(thin.vertices)
+    middle = (raised.surface.vertices[:count, 1] > 0.5) & (raised.surface.vertices[:count, 1] < 2.5)
+    reached = np.hypot(*raised.surface.vertices[:count][middle][:, [0, 2]].T)
+    assert (reached >= 0.05 * 0.99).all()
+    assert (reached <= 0.05 / np.cos(np.pi / sides) * 1.15).all()
+    assert np.abs(raised.surface.vertices[count:] - thick.vertices).max() < 1e-9
+    near_thin = raised.sample_points[:, 0] < 0.5
+    true_ratio = 0.01 * np.cos(np.pi / sides) / 0.05
+    assert np.median(raised.sample_ratio[near_thin]) == pytest.approx(true_ratio, rel=0.1)
+    assert (raised.sample_ratio[~near_thin] > 0.99).all()
+
+
+def test_inside_agrees_with_the_exact_union_of_two_balls():
+    seed = 5
+    random = np.random.default_rng(seed)
+    from trimesh.creation import icosphere
+
+    ball = icosphere(subdivisions=3, radius=6.0)
+    centres = np.array([[9.0, 9.0, 9.0], [14.0, 10.0, 9.5]])
+    both = make.joined(
+        *(Surface(np.array(ball.vertices) + c, np.array(ball.faces, dtype=np.int32)) for c in centres)
+    )
+    got = inside(both.vertices[both.faces], (24, 20, 20))
+    points = random.integers(0, (24, 20, 20), (2000, 3))
+    gap = np.linalg.norm(points[:, None] - centres, axis=2).min(axis=1)
+    clear = np.abs(gap - 6.0) > 0.15  # the icosphere lies a little inside the ball
+    assert (got[tuple(points[clear].T)] == (gap[clear] < 6.0)).all(), f"seed {seed}"
+
+
+def test_wrap_of_overlapping_tubes_is_one_closed_solid_of_the_right_volume():
+    cross = make.joined(
+        make.tube((0, -1, 0), (0, 1, 0), 0.2, 0.2, 32), make.tube((-1, 0, 0), (1, 0, 0), 0.2, 0.2, 32)
+    )
+    area = 32 / 2 * 0.2**2 * np.sin(2 * np.pi / 32)
+    union = 2 * area * 2.0 - 16 / 3 * 0.2**3  # two tubes less their shared part (Steinmetz solid)
+    solid = wrap(cross, 0.03)
+    assert face_components(solid.faces, len(solid.vertices))[0] == 1
+    assert not len(open_edges(solid.faces))
+    assert volume(solid) == pytest.approx(union, rel=0.02)
+    coarse = decimate(solid, 1000)
+    assert len(coarse.faces) <= 1000
+    assert volume(coarse) == pytest.approx(union, rel=0.05)
+
+
+def test_mesh_of_a_tree_is_one_positive_piece_and_loses_nothing(meshed):
+    tree, mesh, _ = meshed
+    assert 0.5 * 1500 < len(mesh.tets) < 1.5 * 1500
+    assert (tet_volumes(mesh.vertices_m, mesh.tets) > 0).all()
+    assert largest_component(mesh.vertices_m, mesh.tets)[2] == 0
+    assert lost_extent(tree.wood_vertices_m, mesh.vertices_m) < 0.03
+    assert ((mesh.radius_ratio > 0) & (mesh.radius_ratio <= 1)).all()
+    union = mesh.report["volume_m3"]
+    assert union == pytest.approx(volume(Surface(tree.wood_vertices_m, tree.wood_faces)), rel=0.15)
+    assert not len(open_edges(boundary_faces(mesh.tets)))
+
+
+def test_mesh_is_kept_under_the_hash_of_its_input(meshed):
+    tree, mesh, folder = meshed
+    again = tetrahedralise(tree, target_tets=1500, cache_dir=folder)
+    assert (again.vertices_m == mesh.vertices_m).all()
+    assert (again.tets == mesh.tets).all()
+    assert again.report == mesh.report
+    assert len(list(folder.iterdir())) == 1
+
+
+def test_volume_is_restored_by_one_even_layer(meshed):
+    _, mesh, _ = meshed
+    before = tet_volumes(mesh.vertices_m, mesh.tets).sum()
+    grown = restore_volume(mesh.vertices_m, mesh.tets, 1.05 * before)
+    after = tet_volumes(grown, mesh.tets)
+    assert after.sum() == pytest.approx(1.05 * before, rel=1e-2)
+    assert (after > 0).all()
+
+
+def test_what_crashes_the_mesher_is_an_error():
+    bad = {"vertices": np.zeros((4, 3)), "faces": np.array([[0, 1, 2], [1, 2, 3]], dtype=np.int32)}
+    settings = {"epsilon": np.float64(1e-3), "edge_length": np.float64(0.05), "stop_energy": np.float64(30.0)}
+    with pytest.raises(IntakeError) as caught:
+        run_limited(
+            "precompute.tetwild_child:tetrahedralise_surface",
+            bad | settings,
+            Limits(cpu_s=30),
+            what="Meshing",
+        )
+    assert caught.value.status == 422
+
+
+@pytest.mark.parametrize("target", [10, 10**7])
+def test_absurd_targets_are_refused(target):
+    with pytest.raises(IntakeError, match="not offered"):
+        tetrahedralise(make.as_tree(make.y_tree()), target_tets=target)
