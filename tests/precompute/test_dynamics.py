@@ -1,0 +1,140 @@
+"""The moving tree: rest, damping, energy, determinism, what is recorded, what is stored."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from precompute.bars import polygon_bar
+from precompute.comparison import trajectory_difference
+from precompute.dynamics import Simulator, build_model, frequencies, load_model, save_model
+from precompute.model import FemModel, FemSettings, Scheme
+from precompute.verify_beams import checks as beam_checks  # noqa: F401  (imported so that its kernels compile once)
+from precompute.verify_motion import energy_rise, laden_pole, ring_down
+from precompute.wood import species
+
+
+@cache
+def pole() -> FemModel:
+    return laden_pole()
+
+
+@cache
+def small() -> FemModel:
+    bar = polygon_bar(sides=5, radius_m=0.05, length_m=3.0, layers=12, tip_radius_m=0.02)
+    windy = replace(bar, drag_area_m2=np.where(bar.vertices_m[:, 1] > 1.5, 0.01, 0.0))
+    return build_model(windy, windy, species("maple"), windy, FemSettings(element="linear"))
+
+
+def test_a_tree_at_rest_stays_at_rest() -> None:
+    simulator = Simulator(pole())
+    for _ in range(30):
+        simulator.step(np.zeros(2))
+    assert np.abs(simulator.u).max() < 1e-9
+    assert np.abs(simulator.internal_force).max() < 1e-4
+
+
+def test_ring_down_is_the_eigenvalue_with_the_woods_damping() -> None:
+    hertz, ratio = ring_down(pole(), 0)
+    assert hertz == pytest.approx(float(frequencies(pole(), 1)[0]), rel=0.02)
+    assert ratio == pytest.approx(species("poplar").damping_ratio, rel=0.1)
+
+
+@pytest.mark.parametrize("scheme", ["tr-bdf2", "backward-euler"])
+def test_energy_never_grows_in_still_air(scheme: Scheme) -> None:
+    model = pole()
+    assert energy_rise(replace(model, settings=replace(model.settings, scheme=scheme)), 90) < 1e-9
+
+
+def test_more_newton_rounds_and_smaller_steps_change_little() -> None:
+    model = small()
+    gust = np.column_stack([60 * np.sin(np.linspace(0, 6, 60)), np.full(60, 20.0)])
+    rounds = replace(model, settings=replace(model.settings, j_max=6, tolerance=1e-9))
+    assert trajectory_difference(model, rounds, gust) < 0.02
+    halves = replace(model, settings=replace(model.settings, substeps=4))
+    assert trajectory_difference(model, halves, gust) < 0.1
+
+
+def test_a_storm_far_beyond_the_design_wind_stays_finite() -> None:
+    simulator = Simulator(small())
+    for k in range(60):
+        simulator.step(np.array([3000.0 * (-1) ** (k // 10), 0.0]))
+    assert np.isfinite(simulator.u).all()
+
+
+def test_the_same_run_gives_the_same_bits() -> None:
+    runs = []
+    for _ in range(2):
+        simulator = Simulator(small())
+        for k in range(20):
+            simulator.step(np.array([5.0 + k, -3.0]))
+        runs.append(simulator.u.tobytes() + simulator.v.tobytes())
+    assert runs[0] == runs[1]
+
+
+def test_the_record_is_of_the_state_before_the_step() -> None:
+    model = small()
+    simulator = Simulator(model)
+    stiffness = simulator.stiffness_diagonal
+    simulator.step(np.array([40.0, 0.0]))
+    np.testing.assert_allclose(
+        simulator.stiffness_diagonal, stiffness, rtol=1e-6, atol=1e-6 * stiffness.max()
+    )
+    assert np.abs(simulator.internal_force).max() < 1e-4
+    simulator.step(np.array([40.0, 0.0]))
+    whole = simulator.internal_force
+    assert np.abs(whole).max() > 0
+    some = np.array([3, 17, 40])
+    np.testing.assert_array_equal(simulator.recorded_force(some), whole[some])
+    np.testing.assert_array_equal(simulator.recorded_stiffness(some), simulator.stiffness_diagonal[some])
+
+
+def test_wind_pushes_along_itself_and_linearly_when_weak() -> None:
+    model = small()
+    ends = []
+    for pressure in (1e-3, 2e-3):
+        simulator = Simulator(model)
+        for _ in range(30):
+            simulator.step(np.array([0.0, pressure]))
+        ends.append(simulator.u)
+    tip = model.nodes_m[:, 1].argmax()
+    assert ends[0][tip, 2] > 0
+    np.testing.assert_allclose(ends[1], 2 * ends[0], atol=1e-4 * np.abs(ends[1]).max())
+
+
+def test_a_model_survives_its_file_bit_for_bit(tmp_path: Path) -> None:
+    save_model(small(), tmp_path / "model.npz")
+    again = load_model(tmp_path / "model.npz")
+    assert again.settings == small().settings
+    assert again.report == small().report
+    runs = [Simulator(model) for model in (small(), again)]
+    for simulator in runs:
+        for _ in range(5):
+            simulator.step(np.array([30.0, 10.0]))
+    assert runs[0].u.tobytes() == runs[1].u.tobytes()
+
+
+def test_a_tree_that_cannot_stand_keeps_its_shape_and_says_so() -> None:
+    bar = polygon_bar(sides=5, radius_m=0.004, length_m=6.0, layers=30)
+    model = build_model(bar, bar, species("poplar"), bar, FemSettings(element="linear"))
+    assert model.report["rest_pose"]["kind"] == "balanced"
+    assert "cannot carry" in model.report["rest_pose"]["warning"]
+    simulator = Simulator(model)
+    simulator.step(np.zeros(2))
+    assert np.abs(simulator.u).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    "bad", [{"dt_s": 0.0}, {"substeps": 0}, {"j_max": 0}, {"scheme": "euler"}, {"element": "hex"}]
+)
+def test_impossible_settings_are_refused(bad: dict[str, object]) -> None:
+    with pytest.raises(ValueError):
+        FemSettings(**bad)  # pyright: ignore[reportArgumentType]
+
+
+def test_a_mesh_that_is_inside_out_is_refused() -> None:
+    bar = polygon_bar(sides=4, radius_m=0.05, length_m=1.0, layers=3)
+    with pytest.raises(ValueError, match="inside out"):
+        build_model(replace(bar, tets=bar.tets[:, [1, 0, 2, 3]]), bar, species("maple"), bar)

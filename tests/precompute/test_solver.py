@@ -1,0 +1,71 @@
+"""Block Cholesky against dense algebra."""
+
+import numpy as np
+import pytest
+
+from precompute.solver import BlockCholesky, NotPositiveDefinite
+
+
+def _problem(n: int, seed: int) -> tuple[BlockCholesky, np.ndarray]:
+    """A random sparse symmetric positive definite matrix in the solver's pattern."""
+    print(f"seed {seed}")
+    rng = np.random.default_rng(seed)
+    tree = np.column_stack([np.arange(1, n), rng.integers(0, np.arange(1, n))])
+    extra = rng.integers(0, n, (n // 2, 2))
+    pairs = np.sort(np.concatenate([tree, extra[extra[:, 0] != extra[:, 1]]]), axis=1)
+    pairs = np.unique(pairs, axis=0).astype(np.int32)
+    solver = BlockCholesky(n, pairs)
+    values = np.zeros((solver.blocks, 9))
+    ends = solver.rank[pairs]
+    values[solver.slots(ends.max(axis=1), ends.min(axis=1))] = rng.normal(size=(len(pairs), 9))
+    values[solver.pointer[:-1]] = (np.eye(3) * 30).ravel()
+    return solver, values
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_solves_as_dense_algebra_does(seed: int) -> None:
+    solver, values = _problem(60, seed)
+    matrix = solver.to_scipy(values).toarray()
+    np.testing.assert_allclose(matrix, matrix.T)
+    b = np.random.default_rng(seed).normal(size=(60, 3))
+    x = b.copy()
+    solver.factorise(values)
+    solver.solve(x)
+    np.testing.assert_allclose(matrix @ x.ravel(), b.ravel(), atol=1e-10)
+
+
+def test_the_same_matrix_gives_the_same_bits() -> None:
+    answers = []
+    for _ in range(2):
+        solver, values = _problem(80, 3)
+        x = np.ones((80, 3))
+        solver.factorise(values)
+        solver.solve(x)
+        answers.append(x.tobytes())
+    assert answers[0] == answers[1]
+
+
+def test_an_indefinite_matrix_is_refused() -> None:
+    solver, values = _problem(20, 0)
+    values[solver.pointer[7], 4] = -1.0
+    with pytest.raises(NotPositiveDefinite):
+        solver.factorise(values)
+
+
+def test_not_a_number_is_refused() -> None:
+    solver, values = _problem(20, 0)
+    values[solver.pointer[3], 0] = np.nan
+    with pytest.raises(NotPositiveDefinite):
+        solver.factorise(values)
+
+
+def test_a_block_outside_the_pattern_is_refused() -> None:
+    solver = BlockCholesky(3, np.array([[0, 1]], np.int32))
+    with pytest.raises(KeyError):
+        solver.slots(np.array([2], np.int32), np.array([int(solver.rank[0])], np.int32))
+
+
+def test_a_chain_has_no_fill() -> None:
+    n = 200
+    solver = BlockCholesky(n, np.column_stack([np.arange(n - 1), np.arange(1, n)]).astype(np.int32))
+    assert solver.blocks == 2 * n - 1

@@ -1,0 +1,47 @@
+"""Wood: what a species is made of, and what is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from precompute.wood import SPECIES, species
+
+
+@pytest.mark.parametrize("name", sorted(SPECIES))
+def test_every_species_is_stable_green_wood(name: str) -> None:
+    wood = species(name)
+    assert wood.is_stable()
+    assert 5e9 < wood.young_longitudinal_pa < 15e9
+    assert wood.young_transverse_pa < 0.2 * wood.young_longitudinal_pa
+    assert 500 < wood.density_kg_m3 < 1200
+    assert 0.02 <= wood.damping_ratio <= 0.05
+    assert wood.source
+
+
+def test_aliases_and_case_are_understood() -> None:
+    assert species(" Aspen ") is SPECIES["poplar"]
+
+
+def test_an_unknown_species_names_the_known_ones() -> None:
+    with pytest.raises(KeyError, match="apricot.*maple.*poplar"):
+        species("triffid")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"young_longitudinal_pa": 0.0},
+        {"density_kg_m3": float("nan")},
+        {"damping_ratio": 1.0},
+        {"poisson_transverse": 1.2},
+    ],
+)
+def test_impossible_wood_is_refused(change: dict[str, float]) -> None:
+    with pytest.raises(ValueError):
+        replace(species("maple"), **change)
+
+
+def test_transverse_shear_follows_from_isotropy_across_the_fibre() -> None:
+    wood = species("maple")
+    assert np.isclose(wood.shear_transverse_pa * 2 * (1 + wood.poisson_transverse), wood.young_transverse_pa)
