@@ -8,6 +8,8 @@ Everything runs in the elimination order of the solver, so that the assembled bl
 the factor. Blocks that touch a fixed node fall into one spare block at the end.
 """
 
+from copy import copy
+
 import numba
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +57,16 @@ class ElementSystem:
         self.slots, self.flips = self._scatter_map()
         self.values = np.zeros((self.solver.blocks + 1, 9))
         self.diagonal = self.solver.pointer[:-1]
+
+    def around(self, nodes: Ints) -> "ElementSystem":
+        """The elements that touch some inner nodes, for the forces on those alone (it shares everything else)."""
+        wanted = np.zeros(len(self.rest), np.bool_)
+        wanted[nodes] = True
+        touching = wanted[self.elements].any(axis=1)
+        part = copy(self)
+        for name in ("elements", "grad", "blocks", "prestress", "slots", "flips"):
+            setattr(part, name, np.ascontiguousarray(getattr(self, name)[touching]))
+        return part
 
     def set_blocks(self, blocks: Floats) -> None:
         """Replace the elements' stiffness (m,10,3,3)."""

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from precompute.assembly import ElementSystem
 from precompute.modal import frequencies
 from precompute.model import FemModel, FemSettings, load_model, save_model
 from precompute.modelling import build_model
@@ -45,6 +46,7 @@ class Simulator:
         self._dt = model.settings.dt_s / model.settings.substeps
         self._force = np.empty_like(self._start)
         self._still = np.zeros_like(self._start)
+        self._near: tuple[bytes, ElementSystem] | None = None
         self.reset()
 
     def reset(self) -> None:
@@ -74,7 +76,7 @@ class Simulator:
     @property
     def internal_force(self) -> Floats:
         """(n,3) internal force before the last step less the gravity it carries, N: zero at rest."""
-        return self._internal()[self._vertices]
+        return self._internal(self._system)[self._vertices]
 
     @property
     def stiffness_diagonal(self) -> Floats:
@@ -83,7 +85,11 @@ class Simulator:
 
     def recorded_force(self, vertices: Ints) -> Floats:
         """`internal_force` of some vertices (q,3)."""
-        return self._internal()[self._vertices[vertices]]
+        nodes = self._vertices[vertices]
+        key = nodes.tobytes()
+        if self._near is None or self._near[0] != key:
+            self._near = (key, self._system.around(nodes))
+        return self._internal(self._near[1])[nodes]
 
     def recorded_stiffness(self, vertices: Ints) -> Floats:
         """`stiffness_diagonal` of some vertices (q,3,3)."""
@@ -184,8 +190,8 @@ class Simulator:
         self._system.solver.solve(residual)
         return residual
 
-    def _internal(self) -> Floats:
-        self._system.force(self._before, self._still, self._force)
+    def _internal(self, system: ElementSystem) -> Floats:
+        system.force(self._before, self._still, self._force)
         return self._force - self._gravity
 
     def _stiffness(self, nodes: Ints) -> Floats:
