@@ -18,9 +18,9 @@ uniform vec2 uDrift;
 uniform sampler2D uNoise;
 ${AIR_PARS}
 float cloudBody(vec2 plane) {
-  vec4 wide = texture2D(uNoise, plane * 0.035 + 0.13);
-  vec4 small = texture2D(uNoise, plane * 0.13 + wide.ba * 0.05);
-  return 0.62 * wide.r + 0.3 * small.g + 0.08 * texture2D(uNoise, plane * 0.51).b;
+  vec4 wide = texture2D(uNoise, plane * 0.062 + 0.41);
+  vec4 small = texture2D(uNoise, plane * 0.21 + wide.ba * 0.06);
+  return 0.62 * wide.r + 0.3 * small.g + 0.08 * texture2D(uNoise, plane * 0.83).b;
 }
 vec3 clearSky(vec3 direction) {
   float up = max(direction.y, 0.0);
@@ -36,7 +36,7 @@ void main() {
   if (up > 0.015) {
     vec2 plane = direction.xz / (up + 0.11) * vec2(0.8, 1.2) + uDrift;
     float body = cloudBody(plane);
-    float cover = smoothstep(0.44, 0.64, body) * smoothstep(0.015, 0.14, up);
+    float cover = smoothstep(0.46, 0.63, body) * smoothstep(0.015, 0.14, up);
     float shade = smoothstep(-0.06, 0.14, cloudBody(plane + uSunWorld.xz * 0.5) - body + 0.03);
     vec3 cloud = mix(vec3(1.0, 0.985, 0.965), vec3(0.76, 0.81, 0.88), 0.7 * shade);
     cloud = mix(hazeColour(direction), cloud, smoothstep(0.0, 0.26, up));
