@@ -29,7 +29,7 @@ def paper_wind(k: int, design_speed_m_s: float, direction_deg: float = 60.0) -> 
 
 
 PRESETS: dict[str, Wind] = {
-    "still": Wind(mean_speed_m_s=0.0, gustiness=0.0, convection_speed_m_s=4.0),
+    "still": Wind(mean_speed_m_s=0.0, gustiness=0.5, convection_speed_m_s=4.0),
     "breeze": Wind(
         mean_speed_m_s=4.0, gustiness=0.4, convection_speed_m_s=4.0, model="perlin", length_scale_m=18.0
     ),

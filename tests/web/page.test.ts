@@ -3,7 +3,7 @@ import { problemFrom } from "../../web/src/api";
 import { fractalNoise, valueNoise } from "../../web/src/math/noise";
 import { hashUnit } from "../../web/src/math/random";
 import { leafTint } from "../../web/src/scene/palette";
-import { progressLine, statusLine, summary, timeLeft, windName } from "../../web/src/ui/words";
+import { progressLine, statusLine, summary, timeLeft } from "../../web/src/ui/words";
 import { windDocument } from "../../web/src/windSettings";
 import { parseWind } from "../../web/src/wind";
 import { DEFAULTS } from "../../web/src/settings";
@@ -31,10 +31,6 @@ describe("what the page says", () => {
     expect(statusLine({ events: true, lookup: "server", connection }).state).toBe("lost");
     const live = { ...connection, state: "live", latency_ms: 3.2 } as const;
     expect(statusLine({ events: true, lookup: "server", connection: live }).text).toMatch(/3 ms/);
-  });
-
-  test("every wind strength has a name; only none is still", () => {
-    expect([0, 0.2, 4, 9, 14, 25].map(windName)).toEqual(["Still", "Breeze", "Breeze", "Wind", "Gale", "Storm"]);
   });
 
   test("a problem of the server keeps its title and hint; an HTML page becomes a sentence", async () => {

@@ -7,16 +7,17 @@ import { Forest } from "./scene/forest";
 import { groundHeight_m } from "./scene/landscape";
 import type { SpeciesOptions } from "./scene/speciesForest";
 import { Stage } from "./scene/stage";
-import { queryFromSettings, type Settings } from "./settings";
+import { queryFromSettings, type Settings, withWind } from "./settings";
 import { meanCrownDisplacement_m } from "./sway";
 import { element } from "./ui/dom";
 import { Panel, type SettingKey } from "./ui/panel";
 import { ProgressCards } from "./ui/progress";
 import { showToast } from "./ui/toast";
 import { acceptUploads } from "./ui/upload";
-import { WindButtons } from "./ui/winds";
 import { statusLine, summary } from "./ui/words";
+import type { WindDocument } from "./wind";
 import { windDocument, windVector_m_s } from "./windSettings";
+import { WindStudio } from "./windStudio";
 
 const REPORT_EVERY_MS = 250;
 const REPLANTS: SettingKey[] = ["trees", "forestSeed", "lookup", "poseEasing"];
@@ -31,7 +32,7 @@ export class App {
   private readonly forest: Forest;
   private readonly cards = new ProgressCards();
   private readonly panel: Panel;
-  private readonly winds = new WindButtons((mean) => this.setMean(mean));
+  readonly studio: WindStudio;
   private readonly meter = new Meter();
   private readonly flutter = { value: { x: 0, y: 0 } };
   private readonly stopUploads = acceptUploads();
@@ -53,7 +54,10 @@ export class App {
       },
       problem: showToast,
     });
-    this.winds.show(settings.meanSpeed_m_s);
+    this.studio = new WindStudio(this.stage, windDocument(settings), {
+      wind: (wind) => this.takeWind(wind),
+      problem: showToast,
+    });
     this.stage.renderer.setAnimationLoop((now) => this.tick(now));
   }
 
@@ -89,21 +93,30 @@ export class App {
     this.dirty = true;
   }
 
-  private setMean(mean_m_s: number): void {
-    this.settings.meanSpeed_m_s = mean_m_s;
+  /** The instruments chose another wind. */
+  private takeWind(wind: WindDocument): void {
+    withWind(this.settings, wind);
     this.panel.refresh();
-    this.change("meanSpeed_m_s");
+    this.client.setWind(wind);
+    this.remember();
   }
 
   private change(key: SettingKey): void {
-    if (BLOWS.includes(key)) this.client.setWind(windDocument(this.settings));
+    if (BLOWS.includes(key)) {
+      this.client.setWind(windDocument(this.settings));
+      this.studio.show(windDocument(this.settings));
+    }
     if (REPLANTS.includes(key)) this.plant();
     if (key === "quality") {
       this.stage.setQuality(this.settings.quality);
       this.forest.options = this.speciesOptions();
       this.plant();
     }
-    this.winds.show(this.settings.meanSpeed_m_s);
+    this.remember();
+  }
+
+  /** Keeps the address a link to what is shown. */
+  private remember(): void {
     const query = queryFromSettings(this.settings);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
   }
@@ -128,6 +141,7 @@ export class App {
     if (this.client.takeFresh()) {
       for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
     }
+    this.studio.advance(dt_s, this.client, this.forest);
     this.stage.sky.advance(dt_s, windVector_m_s(this.settings));
     this.flutter.value.x += dt_s;
     this.flutter.value.y = this.settings.flutter ? 1 : 0;
@@ -189,6 +203,7 @@ export class App {
 
   dispose(): void {
     this.stage.renderer.setAnimationLoop(null);
+    this.studio.dispose();
     this.stopUploads();
     this.catalogue.dispose();
     this.client.dispose();

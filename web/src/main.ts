@@ -1,13 +1,15 @@
+import "./ui/instruments/instruments.css";
 import { App } from "./app";
 import { detectGraphics } from "./graphics";
 import { exposeProbe } from "./probe";
-import { defaultsFor, settingsFromQuery } from "./settings";
+import { defaultsFor, type Settings, settingsFromQuery, windFromQuery, withWind } from "./settings";
 import { element } from "./ui/dom";
+import { showToast } from "./ui/toast";
 
-/** The panel starts open where there is room for it. */
-function panelToggle(open: boolean): void {
-  const panel = element("panel");
-  const toggle = element<HTMLButtonElement>("panel-toggle");
+/** A panel starts open where there is room for it. */
+function panelToggle(id: string, open: boolean): void {
+  const panel = element(id);
+  const toggle = element<HTMLButtonElement>(`${id}-toggle`);
   const show = (visible: boolean) => {
     panel.hidden = !visible;
     toggle.setAttribute("aria-expanded", String(visible));
@@ -16,11 +18,26 @@ function panelToggle(open: boolean): void {
   show(open);
 }
 
+/** The wind of the link, if it has one that can be used. */
+function takeWind(settings: Settings): void {
+  try {
+    const wind = windFromQuery(location.search);
+    if (wind) withWind(settings, wind);
+  } catch (error) {
+    showToast(
+      "The wind of this link cannot be used.",
+      error instanceof Error ? error.message : String(error),
+    );
+  }
+}
+
 function start(software: boolean): void {
   const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches, software };
   const settings = settingsFromQuery(location.search, defaultsFor(screen));
   document.body.classList.toggle("bare", !settings.panel);
-  panelToggle(settings.panel && innerWidth > 760);
+  takeWind(settings);
+  panelToggle("panel", settings.panel && innerWidth > 1100);
+  panelToggle("instruments", settings.panel && innerWidth > 760);
   const app = new App(settings);
   exposeProbe(app);
   addEventListener("pagehide", (event) => {

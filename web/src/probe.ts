@@ -1,5 +1,6 @@
 /** `window.galewood`: what tests and embedding pages may read and do. */
 import type { App } from "./app";
+import type { WindDocument } from "./wind";
 
 export interface Probe {
   readonly frame: number;
@@ -10,6 +11,13 @@ export interface Probe {
   readonly lookup: "worker" | "server";
   readonly connection: App["connection"];
   readonly paused: boolean;
+  readonly wind: WindDocument;
+  /** Share of the trees in winds that their tables have sampled, 0 to 1. */
+  readonly coverage: number;
+  /** The anemometer, null while there is none. */
+  readonly anemometer: App["studio"]["anemometer"];
+  /** Another wind, from a document; throws an error that names the field if it cannot be used. */
+  setWind(document: unknown): void;
   pause(): void;
   resume(): void;
   look: App["look"];
@@ -47,6 +55,16 @@ export function exposeProbe(app: App): void {
     get paused() {
       return app.paused;
     },
+    get wind() {
+      return app.studio.wind;
+    },
+    get coverage() {
+      return app.studio.coverage;
+    },
+    get anemometer() {
+      return app.studio.anemometer;
+    },
+    setWind: (document) => app.studio.setWind(document),
     pause() {
       app.paused = true;
     },

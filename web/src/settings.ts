@@ -1,5 +1,8 @@
 /** What the visitor chose: defaults, limits, and the address-bar form of it. Pure. */
 
+import { parseWind, type WindDocument, WindError } from "./wind";
+import { windDocument } from "./windSettings";
+
 export type LookupPlace = "worker" | "server";
 export type Quality = "low" | "medium" | "high";
 
@@ -12,6 +15,8 @@ export interface Settings {
   direction_deg: number;
   gustiness: number;
   windSeed: number;
+  /** Everything else about the wind; null is the plain cosine wind of the four numbers above. */
+  wind: WindDocument | null;
   lookup: LookupPlace;
   /** Share of the way towards the found record's own pose per step; null takes each table's default. */
   poseEasing: number | null;
@@ -40,6 +45,7 @@ export const DEFAULTS: Settings = {
   direction_deg: 30,
   gustiness: 0.6,
   windSeed: 1,
+  wind: null,
   lookup: "worker",
   poseEasing: null,
   quality: "high",
@@ -59,6 +65,30 @@ const NAMES: Record<NumberKey, string> = {
 
 const FLAGS = { panel: "panel", flutter: "flutter" } as const;
 const numberKeys = Object.keys(LIMITS) as NumberKey[];
+const WIND_KEYS: readonly NumberKey[] = ["meanSpeed_m_s", "direction_deg", "gustiness", "windSeed"];
+
+/** Settings with another wind. */
+export function withWind<S extends Settings>(settings: S, wind: WindDocument): S {
+  settings.wind = wind;
+  settings.meanSpeed_m_s = wind.mean_speed_m_s;
+  settings.direction_deg = wind.direction_deg - 360 * Math.floor(wind.direction_deg / 360);
+  settings.gustiness = wind.gustiness;
+  settings.windSeed = wind.seed;
+  return settings;
+}
+
+/** The wind of an address's `wind` parameter, null without one; throws WindError with the path of what is wrong. */
+export function windFromQuery(query: string): WindDocument | null {
+  const text = new URLSearchParams(query).get("wind");
+  if (text === null) return null;
+  let value: unknown;
+  try {
+    value = JSON.parse(text);
+  } catch {
+    throw new WindError("wind", "expected a JSON object");
+  }
+  return parseWind(value);
+}
 
 function clampTo(key: NumberKey, value: number): number {
   const { min, max, step } = LIMITS[key];
@@ -91,6 +121,7 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   const query = new URLSearchParams();
   for (const key of numberKeys) {
     const value = settings[key];
+    if (settings.wind && WIND_KEYS.includes(key)) continue;
     if (value !== null && value !== defaults[key]) query.set(NAMES[key], String(Number(value.toFixed(4))));
   }
   for (const key of Object.keys(FLAGS) as (keyof typeof FLAGS)[]) {
@@ -98,6 +129,7 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   }
   if (settings.lookup !== defaults.lookup) query.set("lookup", settings.lookup);
   if (settings.quality !== defaults.quality) query.set("quality", settings.quality);
+  if (settings.wind) query.set("wind", JSON.stringify(windDocument(settings)));
   return query.toString();
 }
 

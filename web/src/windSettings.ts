@@ -2,19 +2,29 @@
 import type { Settings } from "./settings";
 import type { WindDocument } from "./wind";
 
-type WindSettings = Pick<Settings, "meanSpeed_m_s" | "direction_deg" | "gustiness" | "windSeed">;
+type WindSettings = Pick<Settings, "meanSpeed_m_s" | "direction_deg" | "gustiness" | "windSeed" | "wind">;
 
 /** Gusts travel with the mean wind, though never slower than a breath, so that calm has no standing waves. */
 const SLOWEST_GUSTS_M_S = 2;
+
+export const gustSpeed_m_s = (mean_m_s: number): number => Math.max(SLOWEST_GUSTS_M_S, mean_m_s);
+
+/** Another mean; the gusts' speed follows where it followed before. */
+export function withMean(wind: WindDocument, mean_speed_m_s: number, direction_deg: number): WindDocument {
+  const follows = wind.convection_speed_m_s === gustSpeed_m_s(wind.mean_speed_m_s);
+  const convection_speed_m_s = follows ? gustSpeed_m_s(mean_speed_m_s) : wind.convection_speed_m_s;
+  return { ...wind, mean_speed_m_s, direction_deg, convection_speed_m_s };
+}
 
 export function windDocument(settings: WindSettings): WindDocument {
   return {
     version: 1,
     model: "cosine",
+    convection_speed_m_s: gustSpeed_m_s(settings.meanSpeed_m_s),
+    ...settings.wind,
     mean_speed_m_s: settings.meanSpeed_m_s,
     direction_deg: settings.direction_deg,
     gustiness: settings.gustiness,
-    convection_speed_m_s: Math.max(SLOWEST_GUSTS_M_S, settings.meanSpeed_m_s),
     seed: settings.windSeed,
   };
 }

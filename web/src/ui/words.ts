@@ -62,20 +62,3 @@ export function statusLine(state: ServiceState): { state: string; text: string }
     ? { state: "lost", text: "Stream lost, connecting again" }
     : { state: "connecting", text: "Connecting to the stream" };
 }
-
-/** Names of wind strengths with their mean speed. */
-export const WINDS = [
-  { name: "Still", mean_m_s: 0 },
-  { name: "Breeze", mean_m_s: 4 },
-  { name: "Wind", mean_m_s: 8 },
-  { name: "Gale", mean_m_s: 15 },
-  { name: "Storm", mean_m_s: 22 },
-] as const;
-
-/** The strength whose speed is nearest. */
-export function windName(mean_m_s: number): string {
-  if (mean_m_s <= 0) return WINDS[0].name;
-  const blowing = WINDS.slice(1);
-  const off = (wind: { mean_m_s: number }) => Math.abs(wind.mean_m_s - mean_m_s);
-  return blowing.reduce((best, wind) => (off(wind) < off(best) ? wind : best)).name;
-}

@@ -38,7 +38,7 @@ export const CALM_BREEZE: WindDocument = {
 };
 
 export const PRESETS = {
-  still: { ...base, model: "cosine", mean_speed_m_s: 0, gustiness: 0, convection_speed_m_s: 4 },
+  still: { ...base, model: "cosine", mean_speed_m_s: 0, gustiness: 0.5, convection_speed_m_s: 4 },
   breeze: {
     ...base,
     model: "perlin",

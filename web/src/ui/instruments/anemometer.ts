@@ -1,7 +1,7 @@
 /** The anemometer: where it stands, what it measures, and its plots. */
 import type { WindField } from "../../wind";
 import { make } from "../dom";
-import { Plots } from "./plots";
+import type { Plots } from "./plots";
 import { KEPT_SAMPLES, RATE_HZ, Recorder } from "./recorder";
 
 const PLOT_EVERY_MS = 300;
@@ -12,7 +12,8 @@ export class Anemometer {
   place: { x: number; z: number } | null = null;
   speed_m_s = 0;
   private readonly reading = make("p", "", "anemometer-reading");
-  private readonly plots = new Plots();
+  private readonly paper = make("div", "", "plots");
+  private plots: Plots | null = null;
   private readonly x = new Float64Array(1);
   private readonly z = new Float64Array(1);
   private readonly velocityX = new Float64Array(1);
@@ -23,7 +24,7 @@ export class Anemometer {
     const close = make("button", "Remove");
     close.type = "button";
     close.addEventListener("click", remove);
-    this.element.append(make("h3", "Anemometer"), this.reading, this.plots.element, close);
+    this.element.append(make("h3", "Anemometer"), this.reading, this.paper, close);
     this.element.hidden = true;
   }
 
@@ -34,6 +35,7 @@ export class Anemometer {
     this.z[0] = z;
     this.recorder.clear();
     this.element.hidden = false;
+    void this.loadPlots();
     const { wind } = field.at(time_s);
     if (wind.model === "navier-stokes") return;
     for (let k = KEPT_SAMPLES / 2; k > 0; k--) {
@@ -41,6 +43,13 @@ export class Anemometer {
       if (before_s >= field.state.since_s)
         this.recorder.push(before_s, this.speedAt(field, before_s), Number.NaN);
     }
+  }
+
+  /** The plotting library is fetched when it is first needed. */
+  private async loadPlots(): Promise<void> {
+    if (this.plots) return;
+    const { Plots } = await import("./plots");
+    this.plots ??= new Plots(this.paper);
   }
 
   remove(): void {
@@ -69,10 +78,10 @@ export class Anemometer {
     this.reading.textContent =
       `${this.speed_m_s.toFixed(1)} m/s at ${x.toFixed(0)}, ${z.toFixed(0)} m; ` +
       `tip of the nearest tree ${(100 * tip_m).toFixed(0)} cm from rest`;
-    this.plots.show(this.recorder);
+    this.plots?.show(this.recorder);
   }
 
   dispose(): void {
-    this.plots.dispose();
+    this.plots?.dispose();
   }
 }

@@ -1,5 +1,6 @@
 /** The wind's instruments: rose, words, presets, gust sliders, overlay, anemometer, files. */
 import { PRESETS, type PresetName, type WindDocument, type WindError, type WindField } from "../../wind";
+import { withMean } from "../../windSettings";
 import { element, make } from "../dom";
 import { Anemometer } from "./anemometer";
 import { windInWords } from "./beaufort";
@@ -28,7 +29,7 @@ export interface InstrumentEvents {
 export class Instruments {
   readonly anemometer = new Anemometer(() => this.removeAnemometer());
   private readonly rose = new WindRose(({ direction_deg, mean_speed_m_s }) => {
-    this.choose({ ...this.wind, direction_deg, mean_speed_m_s });
+    this.choose(withMean(this.wind, mean_speed_m_s, direction_deg));
   });
   private readonly words = make("p", "", "wind-words");
   private readonly coverage = make("p", "", "wind-coverage");
@@ -55,11 +56,11 @@ export class Instruments {
     box.replaceChildren(
       this.rose.element,
       this.words,
-      group("wind-presets", ...this.presets.map(({ button }) => button)),
       this.details(),
       group("wind-tools", this.overlayButton, this.placeButton),
       this.anemometer.element,
     );
+    element("winds").replaceChildren(...this.presets.map(({ button }) => button));
     this.show(wind);
   }
 

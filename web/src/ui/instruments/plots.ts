@@ -1,5 +1,6 @@
 /** The anemometer's two plots: speed and tip over time, and the spectrum of the speed. */
 import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
 import { make } from "../dom";
 import { kolmogorovLine, powerSpectrum } from "./powerSpectrum";
 import { RATE_HZ, type Recorder } from "./recorder";
@@ -55,15 +56,14 @@ const exponent = (tick: number) =>
   tick >= 0.01 && tick <= 100 ? `${tick}` : `1e${Math.round(Math.log10(tick))}`;
 
 export class Plots {
-  readonly element = make("div", "", "plots");
   private readonly time: uPlot;
   private readonly spectrum: uPlot;
 
-  constructor() {
+  constructor(paper: HTMLElement) {
     const [first, second] = [make("div"), make("div")];
     const name = (text: string) => make("p", text, "plot-name");
-    this.element.append(name("Wind speed, m/s (tip of the tree, m)"), first);
-    this.element.append(name("Power of the speed, (m/s)²/Hz, and f^(−5/3)"), second);
+    paper.append(name("Wind speed, m/s (tip of the tree, m)"), first);
+    paper.append(name("Power of the speed, (m/s)²/Hz, and f^(−5/3)"), second);
     this.time = new uPlot(timeOptions, [[], [], []], first);
     this.spectrum = new uPlot(spectrumOptions, [[], [], []], second);
   }
