@@ -4,6 +4,10 @@ const STAYS_MS = 12_000;
 
 /** A message that names what happened and what to do; goes by itself or when dismissed. */
 export function showToast(title: string, hint: string, tone: "bad" | "good" = "bad"): void {
+  const said = [...element("toasts").querySelectorAll("strong")].some(
+    (strong) => strong.textContent === title,
+  );
+  if (said) return;
   const toast = make("div", "", `toast ${tone}`);
   const dismiss = make("button", "Dismiss");
   dismiss.type = "button";
