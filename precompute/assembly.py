@@ -358,11 +358,14 @@ def _assemble4(
         _add_turned(out, elements[e, 2], r, f)
         f = _plus_transposed(_plus_transposed(zero, blocks, e, 6, x1), blocks, e, 8, x2)
         _add_turned(out, elements[e, 3], r, _plus(f, blocks, e, 9, x3))
-        p = 0
-        for a in range(4):
-            for b in range(a, 4):
-                _add_scaled(out, w, elements[e, a], elements[e, b], prestress[e, p])
-                p += 1
+        n0, n1, n2, n3 = elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]
+        for i in range(3):
+            # Rows of K_σ sum to zero, so only differences from node 0 count.
+            w1, w2, w3 = w[n1, i] - w[n0, i], w[n2, i] - w[n0, i], w[n3, i] - w[n0, i]
+            out[n0, i] += prestress[e, 1] * w1 + prestress[e, 2] * w2 + prestress[e, 3] * w3
+            out[n1, i] += prestress[e, 4] * w1 + prestress[e, 5] * w2 + prestress[e, 6] * w3
+            out[n2, i] += prestress[e, 5] * w1 + prestress[e, 7] * w2 + prestress[e, 8] * w3
+            out[n3, i] += prestress[e, 6] * w1 + prestress[e, 8] * w2 + prestress[e, 9] * w3
         if matrix:
             for p in range(10):
                 k = _raised(_rotated(r, blocks, e, p), prestress[e, p])

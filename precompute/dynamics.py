@@ -75,7 +75,7 @@ class Simulator:
 
     @property
     def internal_force(self) -> Floats:
-        """(n,3) internal force before the last step less the gravity it carries, N: zero at rest."""
+        """(n,3) internal force before the last step less the gravity it carries, N: zero at rest and at fixed vertices."""
         return self._internal(self._system)[self._vertices]
 
     @property
@@ -123,6 +123,7 @@ class Simulator:
     def _tr_bdf2(self, load: Floats) -> None:
         """One step of TR-BDF2 (Bank et al. 1985): trapezium to γ h, then BDF2 to h, both with the same matrix.
 
+        Newton rounds beyond the first refine the second stage only (in the trapezium they feed stretch back and diverge).
         Both stages see the forces linearised at the step's start, rotations held: forces at extrapolated poses would
         hold the stretch that a straight path of a turning branch brings, and blow up. So the second needs no
         further forces, only K Δv, which the first solve leaves behind: A Δv = (1 + d α) M Δv + d (d + β) K Δv.
@@ -134,9 +135,6 @@ class Simulator:
         rise = self._solved(2 * half)
         stiff_rise = (2 * half - (1 + d * alpha) * mass * rise) / (d * (d + beta))
         middle = v + rise
-        if self.model.settings.j_max > 1:
-            start = v + d * self._acceleration(load)
-            middle = self._refined(load, d, u + d * v, start, middle, first)
         a = _BDF2
         guess = (1 - 2 * a * d / (d + beta)) * v
         pull = half + d * alpha * mass * (v - guess) - a * d * d * stiff_rise
@@ -158,13 +156,6 @@ class Simulator:
         residual[self._system.free :] = 0
         return residual
 
-    def _acceleration(self, load: Floats) -> Floats:
-        """M⁻¹ (f_ext − f_int − C v) at the state now, zero at fixed nodes."""
-        self._system.force(self._u, self.model.beta * self._velocity, self._force)
-        result = (load - self._force) / self._mass[:, None] - self.model.alpha * self._velocity
-        result[self._system.free :] = 0
-        return result
-
     def _assemble(self, u: Floats, w: Floats, d: float) -> None:
         """A = M + d C + d² K at u, not yet factorised, and the force there."""
         alpha, beta = self.model.alpha, self.model.beta
@@ -173,16 +164,24 @@ class Simulator:
     def _refined(
         self, load: Floats, d: float, u_known: Floats, v_known: Floats, guess: Floats, first: float
     ) -> Floats:
-        """The other `j_max` − 1 Newton rounds on M (v − v_known) = d (f_ext − f_int(u_known + d v) − C v)."""
-        v = guess
+        """The other `j_max` − 1 Newton rounds on M (v − v_known) = d (f_ext − f_int(u_known + d v) − C v).
+
+        A round that leaves a larger residual than it found is not taken.
+        """
+        v = accepted = guess
+        size = np.inf
         for _ in range(self.model.settings.j_max - 1):
             self._assemble(u_known + d * v, self.model.beta * v, d)
             inertia = self._mass[:, None] * (v_known - v - d * self.model.alpha * v)
             residual = inertia + d * (load - self._force)
             residual[self._system.free :] = 0
-            if float(np.linalg.norm(residual)) <= self.model.settings.tolerance * first:
+            before, size = size, float(np.linalg.norm(residual))
+            if not size < before:
+                return accepted
+            if size <= self.model.settings.tolerance * first:
                 break
             self._system.solver.factorise(self._system.values)
+            accepted = v
             v = v + self._solved(residual)
         return v
 
@@ -192,7 +191,9 @@ class Simulator:
 
     def _internal(self, system: ElementSystem) -> Floats:
         system.force(self._before, self._still, self._force)
-        return self._force - self._gravity
+        relative = self._force - self._gravity
+        relative[self._system.free :] = 0
+        return relative
 
     def _stiffness(self, nodes: Ints) -> Floats:
         """Diagonal blocks of K at inner nodes, taken back out of the matrix of the step's first solve."""
