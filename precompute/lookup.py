@@ -61,7 +61,9 @@ def nearest_pressure(pressure, barred, calm, air, fx, fz):
 
 @numba.njit(cache=True, nogil=True)
 def best_candidate(offsets, candidate, error, pressure, calm, half_precision, state, weight, air, fx, fz):
-    """Every later step (lines 7–9): the candidate of least total error (Eq. 16), the lowest record of equals.
+    """Every later step (lines 7–9): the candidate of least total error (Eq. 16).
+
+    Of equals the successor of the record found before wins, then the lowest record.
 
     Candidates come sorted by their internal error, so the search stops where that alone is already too much.
     ``air`` asks records of moving air (0) or of still air (1) only, or all (ANY). −1 if there is none.
@@ -76,12 +78,13 @@ def best_candidate(offsets, candidate, error, pressure, calm, half_precision, st
             continue
         dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
         total = internal + weight * gaussian((dx * dx + dz * dz) * half_precision)
-        if total < best or (total == best and j < found):
+        if total < best or (total == best and (j == state or (found != state and j < found))):
             best, found = total, j
     return found
 
 
 def brute_force(
+    state: int,
     error_row: Floats,
     pressure: Floats,
     barred: Array,
@@ -97,7 +100,8 @@ def brute_force(
         external = gaussian((dx * dx + dz * dz) * half_precision)
         total = (1.0 - weight) * error_row[j] + weight * external
         asked = air == ANY or bool(air) == (not pressure[j].any())
-        if total < best and asked and not barred[j]:
+        better = total < best or (total == best and j == state)
+        if better and asked and not barred[j]:
             best, found = total, j
     return found
 

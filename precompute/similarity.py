@@ -144,10 +144,11 @@ def still_records(pressure):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def _prune_row(row, pressure, barred, scale, leverage, gain, components, order, kept):  # pragma: no cover
-    """Write the candidates of one state to ``kept``, sorted by (mismatches, j); return how many.
+def _prune_row(c, row, pressure, barred, scale, leverage, gain, components, order, kept):  # pragma: no cover
+    """Write the candidates of state c to ``kept``, sorted by (mismatches, j); return how many.
 
     Only a record of the same air, still or moving, can make another superfluous: either may be asked alone.
+    Record c itself, the successor, wins every tie and is always kept.
     """
     z = len(row)
     calm = still_records(pressure)
@@ -161,9 +162,13 @@ def _prune_row(row, pressure, barred, scale, leverage, gain, components, order, 
         bucket[row[j]] += 1
     count = 0
     hopeless = np.full(2, np.inf)  # for either air: an error that nothing can make up for
+    if not barred[c]:
+        kept[0] = c
+        count = 1
+        hopeless[int(calm[c])] = 2 * MARGIN + leverage
     for i in range(z):
         j = order[i]
-        if barred[j]:
+        if barred[j] or j == c:
             continue
         error = row[j] / components - MARGIN
         if error > max(hopeless[0], hopeless[1]):
@@ -189,15 +194,23 @@ def _prune_row(row, pressure, barred, scale, leverage, gain, components, order, 
         if not dropped:
             kept[count] = j
             count += 1
+    s = 1
+    while s < count and kept[0] == c and row[kept[s]] == row[c] and kept[s] < c:
+        s += 1
+    for i in range(1, s):  # the successor from the front to its place in the order
+        kept[i - 1] = kept[i]
+    kept[s - 1] = c if s > 1 else kept[0]
     return count
 
 
 @numba.njit(cache=True, nogil=True)
-def _prune_rows(rows, pressure, barred, scale, leverage, gain, components, counts, record, mismatches):
+def _prune_rows(first, rows, pressure, barred, scale, leverage, gain, components, counts, record, mismatches):
     order = np.empty(rows.shape[1], np.int32)  # pragma: no cover  (compiled)
     kept = np.empty(rows.shape[1], np.int32)
     for c in range(len(rows)):
-        count = _prune_row(rows[c], pressure, barred, scale, leverage, gain, components, order, kept)
+        count = _prune_row(
+            first + c, rows[c], pressure, barred, scale, leverage, gain, components, order, kept
+        )
         counts[c] = count
         for s in range(count):
             record[c, s] = kept[s]
@@ -212,6 +225,7 @@ def last_records(trajectory: Array) -> npt.NDArray[np.bool_]:
 
 
 def prune(
+    first: int,
     rows: Array,
     pressure_pa: Array,
     trajectory: Array,
@@ -219,14 +233,16 @@ def prune(
     sigma_pa: float,
     maximum_weight: float,
 ) -> tuple[Array, Array, Array]:
-    """Candidates of the given rows of mismatches: (counts (n,), records, mismatches), concatenated."""
+    """Candidates of states first, first + 1 … by their mismatches (n, z): counts (n,), records, mismatches."""
     counts = np.empty(len(rows), np.int64)
     record, mismatches = np.empty_like(rows), np.empty_like(rows)
     pressure = pressure_pa.astype(np.float64)
     scale = GAIN_STEPS_PER_SIGMA / sigma_pa
     leverage = maximum_weight / (1.0 - maximum_weight)
     barred = last_records(trajectory)
-    _prune_rows(rows, pressure, barred, scale, leverage, gain_bound(), components, counts, record, mismatches)
+    _prune_rows(
+        first, rows, pressure, barred, scale, leverage, gain_bound(), components, counts, record, mismatches
+    )
     inside = np.arange(rows.shape[1])[None, :] < counts[:, None]
     return counts, record[inside], mismatches[inside]
 
@@ -245,7 +261,7 @@ def build_search(
 
     def chunk(first: int) -> tuple[Array, Array, Array]:
         rows = mismatch_rows(layout, first, min(first + CHUNK, z))
-        return prune(rows, pressure_pa, trajectory, components, sigma_pa, maximum_weight)
+        return prune(first, rows, pressure_pa, trajectory, components, sigma_pa, maximum_weight)
 
     parts: list[tuple[Array, Array, Array]] = []
     # Threads, not numba's own parallel loops: the kernels hold no lock, and builds may run side by side.

@@ -90,4 +90,4 @@ def test_candidates_give_what_asking_every_record_gives(seed: int) -> None:
             found = best_candidate(
                 search.offsets, search.record, error, wide, calm, half, c, weight, air, f[0], f[1]
             )
-            assert found == brute_force(row, wide, barred, half, weight, f, air)
+            assert found == brute_force(c, row, wide, barred, half, weight, f, air)

@@ -72,7 +72,7 @@ export class TableSearch {
     return found;
   }
 
-  /** Every later step: the candidate of least total error (Eq. 16), the lowest record of equals. */
+  /** Every later step: the candidate of least total error (Eq. 16); of equals the successor, then the lowest. */
   private bestCandidate(state: number, weight: number, air: number, fx: number, fz: number): number {
     const { offsets, candidate, pressure } = this.table;
     let best = Number.POSITIVE_INFINITY;
@@ -85,7 +85,7 @@ export class TableSearch {
       const dx = fx - pressure[2 * j];
       const dz = fz - pressure[2 * j + 1];
       const total = internal + weight * gaussian((dx * dx + dz * dz) * this.halfPrecision);
-      if (total < best || (total === best && j < found)) {
+      if (total < best || (total === best && (j === state || (found !== state && j < found)))) {
         best = total;
         found = j;
       }
