@@ -233,7 +233,7 @@ def prune(
     sigma_pa: float,
     maximum_weight: float,
 ) -> tuple[Array, Array, Array]:
-    """Candidates of states first, first + 1 … by their mismatches (n, z): counts (n,), records, mismatches."""
+    """Candidates of states first, first + 1 … by their mismatches: counts (n,), records, mismatches."""
     counts = np.empty(len(rows), np.int64)
     record, mismatches = np.empty_like(rows), np.empty_like(rows)
     pressure = pressure_pa.astype(np.float64)
