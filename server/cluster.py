@@ -56,6 +56,11 @@ class Cluster:
             raise ClusterError("the processes that compute samples could not be started") from error
         self._process = process
 
+    @property
+    def lost(self) -> bool:
+        """Whether the embedded cluster ended though nobody ended it."""
+        return self._process is not None and self._process.returncode is not None
+
     async def close_if_idle(self, busy: bool) -> None:
         """Give its memory back once no job has used it for the time set."""
         now_s = time.monotonic()

@@ -91,8 +91,8 @@ class Supervisor:
         await asyncio.to_thread(self._settle, job_id, reason)
 
     async def _wait(self, process: asyncio.subprocess.Process, job_id: str) -> bool:
-        """Until the process ends (False) or the job is cancelled or deleted (True)."""
-        while process.returncode is None:
+        """Until the process or its cluster ends (False), or the job is cancelled or deleted (True)."""
+        while process.returncode is None and not self._cluster.lost:
             try:
                 async with asyncio.timeout(LOOK_S):
                     await process.wait()

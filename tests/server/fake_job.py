@@ -13,7 +13,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 from precompute.build_types import BuildOptions, BuildResult, Progress
-
 from server.job_process import main
 
 STEPS = 20
