@@ -1,11 +1,11 @@
 """Corotational assembly: internal forces and the blocks of the stiffness of a pose, element by element.
 
-Each element's deformation gradient F is split into a rotation R and a stretch (polar decomposition); the element's
-force is R K (Rᵀ x − X) and its tangent R K Rᵀ, K the small-strain stiffness of `elasticity.py`. A quadratic element
-takes R from its four corners.
+Each element's deformation gradient F is split into a rotation R and a stretch (polar decomposition); the
+element's force is R K (Rᵀ x − X) and its tangent R K Rᵀ, K the small-strain stiffness of `elasticity.py`. A
+quadratic element takes R from its four corners.
 
-Everything runs in the elimination order of the solver, so that the assembled blocks fall straight into the pattern of
-the factor. Blocks that touch a fixed node fall into one spare block at the end.
+Everything runs in the elimination order of the solver, so that the assembled blocks fall straight into the
+pattern of the factor. Blocks that touch a fixed node fall into one spare block at the end.
 """
 
 from copy import copy
@@ -59,7 +59,9 @@ class ElementSystem:
         self.diagonal = self.solver.pointer[:-1]
 
     def around(self, nodes: Ints) -> "ElementSystem":
-        """The elements that touch some inner nodes, for the forces on those alone (it shares everything else)."""
+        """The elements that touch some inner nodes, for the forces on those alone (it shares everything
+        else).
+        """
         wanted = np.zeros(len(self.rest), np.bool_)
         wanted[nodes] = True
         touching = wanted[self.elements].any(axis=1)
@@ -86,7 +88,8 @@ class ElementSystem:
     def force(self, u: Floats, w: Floats, out: Floats) -> None:
         """Internal force (N,3) at displacement u; to that w is added with the rotations held.
 
-        Σ R K (Rᵀ (x + w) − X) + K_σ w: with w the force linearised at u, what the rest pose's stress adds included.
+        Σ R K (Rᵀ (x + w) − X) + K_σ w: with w the force linearised at u, what the rest pose's stress adds
+        included.
         """
         self._run(u, w, 0.0, False, out)
 
@@ -186,8 +189,8 @@ def _gram_schmidt(r0: float, r1: float, r2: float, r3: float, r4: float, r5: flo
 def _pose(rest: Floats, u: Floats, w: Floats, elements: Ints, grad: Floats, e: int, d: Floats) -> Nine:
     """Rotation of element e; d (k,3) ← its nodes' displacement beyond that rotation, in the world's axes.
 
-    All differences are taken from the element's first node, and from displacements rather than places, so that
-    rounding stays that of the deformation and not that of the tree's size.
+    All differences are taken from the element's first node, and from displacements rather than places, so
+    that rounding stays that of the deformation and not that of the tree's size.
     """
     n0 = elements[e, 0]
     h0 = h1 = h2 = h3 = h4 = h5 = h6 = h7 = h8 = 0.0

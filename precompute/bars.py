@@ -14,7 +14,8 @@ Ints = NDArray[np.int32]
 class Bar:
     """A bar along +y, clamped at y = 0, with everything `build_model` needs.
 
-    `area_m2` and `second_moment_m4` (bending in x) are those of the base polygon; `tip` lists the end's vertices.
+    `area_m2` and `second_moment_m4` (bending in x) are those of the base polygon; `tip` lists the end's
+    vertices.
     """
 
     vertices_m: Floats
@@ -38,7 +39,8 @@ def polygon_bar(
     rings: int = 1,
     tip_radius_m: float | None = None,
 ) -> Bar:
-    """A pole with a regular polygon as its section; `rings` = 1 has vertices only on its rim (and no centre for 3, 4).
+    """A pole with a regular polygon as its section; `rings` = 1 has vertices only on its rim (and no centre
+    for 3, 4).
 
     With `tip_radius_m` the pole tapers linearly.
     """
@@ -131,7 +133,7 @@ def _bar(
 
 
 def _section_moments(points: Floats, triangles: Ints) -> tuple[float, float]:
-    """Area and ∫x² about the centroid, exact for triangles (the three edge midpoints integrate quadratics)."""
+    """Area and ∫x² about the centroid, exact (edge midpoints integrate quadratics)."""
     if not len(triangles):
         return 0.0, 0.0
     p = points[triangles]

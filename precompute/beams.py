@@ -31,10 +31,11 @@ def pole_frequencies(
     tip_ratio: float = 1.0,
     elements: int = 60,
 ) -> Floats:
-    """First two bending frequencies of a clamped pole whose radius falls linearly to tip_ratio of the base's, Hz.
+    """First two bending frequencies of a clamped pole whose radius falls linearly to tip_ratio of the base's,
+    Hz.
 
-    Hermite beam elements, sections taken at four Gauss points: 60 of them agree with the closed form of the uniform
-    pole (1.8751², 4.6941²) to six digits.
+    Hermite beam elements, sections taken at four Gauss points: 60 of them agree with the closed form of the
+    uniform pole (1.8751², 4.6941²) to six digits.
     """
     h = length_m / elements
     size = 2 * (elements + 1)
@@ -55,7 +56,8 @@ def pole_frequencies(
 
 
 def softening(weight_n: float, length_m: float, young_pa: float, second_moment_m4: float) -> float:
-    """Ratio of a standing pole's first frequency to its weightless one: √(1 − W / W_c), W_c Greenhill's 7.837 E I/L².
+    """Ratio of a standing pole's first frequency to its weightless one: √(1 − W / W_c), W_c Greenhill's 7.837
+    E I/L².
 
     Exact where the sway keeps its shape; within 1 % up to half the buckling load.
     """

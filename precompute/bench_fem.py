@@ -19,8 +19,9 @@ Floats = NDArray[np.float64]
 def bench_fem(model: FemModel, points: NDArray[np.int32], *, steps: int = 60) -> dict[str, Any]:
     """Milliseconds of one step (assembly, factorisation, solve, recording at `points`) and of its parts.
 
-    Medians over `steps` of this thread's CPU time (others may share the machine), the two solvers by turns in one run. The step is Algorithm 2's (backward Euler, one Newton
-    round), as both solvers can do it; the default scheme's whole step is given beside it.
+    Medians over `steps` of this thread's CPU time (others may share the machine), the two solvers by turns in
+    one run. The step is Algorithm 2's (backward Euler, one Newton round), as both solvers can do it; the
+    default scheme's whole step is given beside it.
     """
     system = model.system()
     u, w = model.u_rest[system.order], np.zeros((len(system.rest), 3))

@@ -1,13 +1,14 @@
 """Linear tetrahedra fitted to quadratic ones on the same mesh.
 
-Linear tets lock, in bending by one factor and in torsion by another, and by more the coarser the section is. The fit
-scales each element's axial and shear stiffness so that the linear mesh answers static loads as the quadratic one does:
-the inertial loads of the quadratic mesh's own lowest modes (so that frequencies and shapes agree), uniform wind, and
-couples in random places (so that twigs twist right, too). A mode weighs as its share of a sway, 1/ω. The factors'
-logarithms are found by L-BFGS with the exact gradient: with K u = f and K λ = ∂J/∂u, ∂J/∂s_e = −λ · K_e u.
+Linear tets lock, in bending by one factor and in torsion by another, and by more the coarser the section is.
+The fit scales each element's axial and shear stiffness so that the linear mesh answers static loads as the
+quadratic one does: the inertial loads of the quadratic mesh's own lowest modes (so that frequencies and
+shapes agree), uniform wind, and couples in random places (so that twigs twist right, too). A mode weighs as
+its share of a sway, 1/ω. The factors' logarithms are found by L-BFGS with the exact gradient: with K u = f
+and K λ = ∂J/∂u, ∂J/∂s_e = −λ · K_e u.
 
-Measured beside it (docs/physics.md): scaling each element by its patch's ratio of energies, one factor or two, leaves
-torsion a quarter too stiff and drifts away with more rounds.
+Measured beside it (docs/physics.md): scaling each element by its patch's ratio of energies, one factor or
+two, leaves torsion a quarter too stiff and drifts away with more rounds.
 """
 
 from typing import Any, NamedTuple
@@ -30,11 +31,15 @@ MODES = 32
 COUPLES = 8
 COUPLE_WEIGHT = 0.1
 PULL = 1e-4
-"""Weight of the mean squared distance of the logarithms from their start, against the mean relative squared error."""
+"""Weight of the mean squared distance of the logarithms from their start, against the mean relative squared
+error.
+"""
 
 
 class Target(NamedTuple):
-    """Loads (L,n,3) on the vertices, the quadratic mesh's answers (L,n,3), weights (L,), its frequencies (k,) Hz."""
+    """Loads (L,n,3) on the vertices, the quadratic mesh's answers (L,n,3), weights (L,), its frequencies (k,)
+    Hz.
+    """
 
     load_n: Floats
     u_m: Floats
@@ -62,7 +67,9 @@ def reference_target(
     *,
     seed: int = 0,
 ) -> Target:
-    """What the fit aims at. Masses of the quadratic mesh's nodes (N,) and of the vertices (n,), wind areas (n,)."""
+    """What the fit aims at. Masses of the quadratic mesh's nodes (N,) and of the vertices (n,), wind areas
+    (n,).
+    """
     count = len(vertex_mass_kg)
     still = np.zeros_like(reference.rest)
     modes = min(MODES, 3 * reference.free // 2)

@@ -16,7 +16,9 @@ SWAY = 0.05
 
 
 def compare(fast: FemModel, reference: FemModel, frames: int) -> dict[str, Any]:
-    """Ratios of the first ten frequencies, and the largest vertex error over the largest displacement of a run."""
+    """Ratios of the first ten frequencies, and the largest vertex error over the largest displacement of a
+    run.
+    """
     ratio = np.array(fast.report["frequencies_hz"]) / np.array(reference.report["frequencies_hz"])
     pressure = gusty_pressure(fast, frames)
     return {

@@ -18,7 +18,9 @@ def rayleigh_ratio(alpha: float, beta: float, omega: float) -> float:
 
 
 def shown_ratio(settings: FemSettings, omega: float, ratio: float) -> float:
-    """Damping ratio that the time-stepping scheme shows for a linear mode of this ratio and angular frequency, 1/s."""
+    """Damping ratio that the time-stepping scheme shows for a linear mode of this ratio and angular
+    frequency, 1/s.
+    """
     z = settings.dt_s / settings.substeps * omega * complex(-ratio, np.sqrt(1 - ratio**2))
     if settings.scheme == "backward-euler":
         growth = 1 / (1 - z)
@@ -32,7 +34,7 @@ def shown_ratio(settings: FemSettings, omega: float, ratio: float) -> float:
 def damping_report(
     settings: FemSettings, alpha: float, beta: float, first_hz: float, target: float
 ) -> dict[str, float]:
-    """Damping ratio of the first mode: as given, by Rayleigh, by the time step, and as shown (both together)."""
+    """Damping ratio of the first mode: as given, by Rayleigh, by the time step, and as shown."""
     omega = 2 * np.pi * first_hz
     by_rayleigh = rayleigh_ratio(alpha, beta, omega)
     return {

@@ -75,7 +75,9 @@ class Simulator:
 
     @property
     def internal_force(self) -> Floats:
-        """(n,3) internal force before the last step less the gravity it carries, N: zero at rest and at fixed vertices."""
+        """(n,3) internal force before the last step less the gravity it carries, N: zero at rest and at fixed
+        vertices.
+        """
         return self._internal(self._system)[self._vertices]
 
     @property
@@ -121,12 +123,14 @@ class Simulator:
         self._u, self._velocity = u + h * new, new
 
     def _tr_bdf2(self, load: Floats) -> None:
-        """One step of TR-BDF2 (Bank et al. 1985): trapezium to γ h, then BDF2 to h, both with the same matrix.
+        """One step of TR-BDF2 (Bank et al. 1985): trapezium to γ h, then BDF2 to h, both with the same
+        matrix.
 
-        Newton rounds beyond the first refine the second stage only (in the trapezium they feed stretch back and diverge).
-        Both stages see the forces linearised at the step's start, rotations held: forces at extrapolated poses would
-        hold the stretch that a straight path of a turning branch brings, and blow up. So the second needs no
-        further forces, only K Δv, which the first solve leaves behind: A Δv = (1 + d α) M Δv + d (d + β) K Δv.
+        Newton rounds beyond the first refine the second stage only (in the trapezium they feed stretch back
+        and diverge). Both stages see the forces linearised at the step's start, rotations held: forces at
+        extrapolated poses would hold the stretch that a straight path of a turning branch brings, and blow
+        up. So the second needs no further forces, only K Δv, which the first solve leaves behind: A Δv = (1 +
+        d α) M Δv + d (d + β) K Δv.
         """
         d, u, v = _D * self._dt, self._u, self._velocity
         alpha, beta, mass = self.model.alpha, self.model.beta, self._mass[:, None]
@@ -146,7 +150,9 @@ class Simulator:
         self._u, self._velocity = u_known + d * new, new
 
     def _linearised(self, load: Floats, d: float) -> Floats:
-        """d (f_ext − f_int − (d K + C) v) at the state now, with A = M + d C + d² K made there and factorised."""
+        """d (f_ext − f_int − (d K + C) v) at the state now, with A = M + d C + d² K made there and
+        factorised.
+        """
         self._assemble(self._u, (d + self.model.beta) * self._velocity, d)
         if self._recorded is None:
             self._recorded = self._system.values[self._system.diagonal].copy()

@@ -1,9 +1,9 @@
 """Element stiffness of straight tetrahedra of transversely isotropic wood.
 
-The tangent of a linear tetrahedron is kept as its ten distinct 3 × 3 blocks K_ij, i ≤ j (order `PAIRS`), split in two:
-the *axial* part (stretch along and across the fibre) and the *shear* part (shear between fibre and cross-section, the
-energy of torsion). A quadratic tetrahedron's blocks are constant combinations of the same ten (`quadratic.py`), and
-the fitted linear element scales the two parts (`calibration.py`).
+The tangent of a linear tetrahedron is kept as its ten distinct 3 × 3 blocks K_ij, i ≤ j (order `PAIRS`),
+split in two: the *axial* part (stretch along and across the fibre) and the *shear* part (shear between fibre
+and cross-section, the energy of torsion). A quadratic tetrahedron's blocks are constant combinations of the
+same ten (`quadratic.py`), and the fitted linear element scales the two parts (`calibration.py`).
 """
 
 from typing import NamedTuple
@@ -55,7 +55,7 @@ def gradients(corners_m: Array) -> tuple[Array, Array]:
 
 
 def stiffness_blocks(grad: Array, volume_m3: Array, fibre: Array, m: Moduli) -> tuple[Array, Array]:
-    """Axial and shear stiffness blocks, each (elements, 10, 3, 3) in N/m, of linear tets in their rest frame."""
+    """Axial and shear stiffness blocks, each (elements, 10, 3, 3) in N/m, of linear tets at rest."""
     axial = np.empty((len(grad), 10, 3, 3))
     shear = np.empty_like(axial)
     for block, (i, j) in enumerate(PAIRS):

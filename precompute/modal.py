@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 class Modes(NamedTuple):
-    """Frequencies (k,) Hz, ascending, and mass-normalised shapes (k,N,3), 1/√kg, nodes in the mesh's order."""
+    """Frequencies (k,) Hz, ascending, and mass-normalised shapes (k,N,3), 1/√kg, in the mesh's order."""
 
     frequencies_hz: Floats
     shapes: Floats
@@ -41,7 +41,8 @@ def natural_modes(model: "FemModel", count: int, system: ElementSystem | None = 
 
 
 def tangent_modes(system: ElementSystem, u: Floats, mass: Floats, count: int) -> tuple[Floats, Floats]:
-    """Angular frequencies (count,) 1/s, ascending, and mass-normalised modes (count,N,3) of the corotational tangent.
+    """Angular frequencies (count,) 1/s, ascending, and mass-normalised modes (count,N,3) of the corotational
+    tangent.
 
     Shift-invert Lanczos about zero with the block factor; u, mass and modes in the system's inner order.
     """

@@ -21,10 +21,10 @@ Element = Literal["fitted", "linear", "quadratic"]
 class FemSettings:
     """How a tree is simulated.
 
-    dt_s is the table's step; each is cut into `substeps` equal steps of `scheme`. `j_max` and `tolerance` (relative to
-    the first residual) are Algorithm 2's. The damping ratio of the wood holds at the first natural frequency and at
-    `damping_frequency_ratio` times it (Rayleigh's two targets). A fitted model is compared with the quadratic one over
-    `reference_frames` steps (0: not at all) when it is built.
+    dt_s is the table's step; each is cut into `substeps` equal steps of `scheme`. `j_max` and `tolerance`
+    (relative to the first residual) are Algorithm 2's. The damping ratio of the wood holds at the first
+    natural frequency and at `damping_frequency_ratio` times it (Rayleigh's two targets). A fitted model is
+    compared with the quadratic one over `reference_frames` steps (0: not at all) when it is built.
     """
 
     dt_s: float = 1 / 30
@@ -54,8 +54,9 @@ class FemSettings:
 class FemModel:
     """A tree ready to be simulated; nodes 0..vertex_count−1 are the vertices of the tetrahedral mesh.
 
-    nodes_m (N,3), elements (m, 4|10), grad (m,4,3) 1/m, blocks (m,10,3,3) N/m, mass_kg (N,), drag_area_m2 (N,),
-    fixed (k,), gravity_n (N,3) N, u_rest (N,3) m, prestress (m,10) N/m (`prestress.py`). alpha 1/s and beta s are Rayleigh's. The report is JSON-able.
+    nodes_m (N,3), elements (m, 4|10), grad (m,4,3) 1/m, blocks (m,10,3,3) N/m, mass_kg (N,), drag_area_m2
+    (N,), fixed (k,), gravity_n (N,3) N, u_rest (N,3) m, prestress (m,10) N/m (`prestress.py`). alpha 1/s and
+    beta s are Rayleigh's. The report is JSON-able.
     """
 
     nodes_m: Floats

@@ -74,7 +74,9 @@ def build_model(
     lumps: LumpsLike,
     settings: FemSettings | None = None,
 ) -> FemModel:
-    """Model of a tree: stiffness (fitted), masses, gravity rest pose, Rayleigh damping. ValueError on a bad mesh."""
+    """Model of a tree: stiffness (fitted), masses, gravity rest pose, Rayleigh damping. ValueError on a bad
+    mesh.
+    """
     settings = settings or FemSettings()
     material = wood_elements(mesh, skeleton, wood, lumps)
     report: dict[str, Any] = {"wood": wood.name, "wood_source": wood.source, "element": settings.element}

@@ -1,8 +1,9 @@
 """What the stress of the rest pose adds to the tangent: the moment that the weight gains from the sway (P–Δ).
 
-The corotational tangent holds each element's rotation still and so leaves it out. For an element of mean stress σ
-it is V (∇λ_i · σ ∇λ_j) I for each pair of corners, and as ∇λ_i · f_j with the corners' forces f_j = V σ ∇λ_j it needs
-no stress at all. The numbers do not change when the element turns: they are made once, in the rest pose.
+The corotational tangent holds each element's rotation still and so leaves it out. For an element of mean
+stress σ it is V (∇λ_i · σ ∇λ_j) I for each pair of corners, and as ∇λ_i · f_j with the corners' forces f_j =
+V σ ∇λ_j it needs no stress at all. The numbers do not change when the element turns: they are made once, in
+the rest pose.
 """
 
 import numpy as np
@@ -35,11 +36,8 @@ def mean_gradient(model: FemModel) -> Floats:
     u = model.u_rest[model.elements]
     if model.elements.shape[1] == 4:
         return np.einsum("eai,eaj->eij", u, model.grad)
-    # The corners' quadratic shape functions have no mean gradient, a midside's has that of its two corners together.
-    return sum(
-        (
-            u[:, 4 + k, :, None] * (model.grad[:, i] + model.grad[:, j])[:, None, :]
-            for k, (i, j) in enumerate(EDGES)
-        ),
-        np.zeros((len(u), 3, 3)),
-    )
+    # A corner's quadratic shape function has no mean gradient, a midside's has its two corners' together.
+    total = np.zeros((len(u), 3, 3))
+    for k, (i, j) in enumerate(EDGES):
+        total += np.einsum("ei,ej->eij", u[:, 4 + k], model.grad[:, i] + model.grad[:, j])
+    return total

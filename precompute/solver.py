@@ -1,8 +1,8 @@
 """Sparse Cholesky factorisation in 3 × 3 blocks, for matrices whose pattern never changes.
 
-A tree-shaped mesh has almost no fill, so what costs is overhead: the order, the pattern of the factor and the place
-of every update are found once (`BlockCholesky`), and a factorisation is one pass over plain arrays. All sums run in a
-fixed order: the same input gives the same bits.
+A tree-shaped mesh has almost no fill, so what costs is overhead: the order, the pattern of the factor and the
+place of every update are found once (`BlockCholesky`), and a factorisation is one pass over plain arrays. All
+sums run in a fixed order: the same input gives the same bits.
 """
 
 from typing import Any
@@ -26,9 +26,9 @@ class NotPositiveDefinite(ValueError):
 class BlockCholesky:
     """Symbolic analysis of an n × n matrix of 3 × 3 blocks whose graph has the edges `pairs`.
 
-    The matrix is handed over in elimination order, in this object's own pattern: `values` (blocks, 9), row-major
-    blocks of the lower triangle; block `slot[t]` holds entry (row, column). Both ends of the arrays `pointer` and
-    `rows` follow compressed columns, the diagonal block first in each.
+    The matrix is handed over in elimination order, in this object's own pattern: `values` (blocks, 9),
+    row-major blocks of the lower triangle; block `slot[t]` holds entry (row, column). Both ends of the arrays
+    `pointer` and `rows` follow compressed columns, the diagonal block first in each.
     """
 
     def __init__(self, n: int, pairs: Ints) -> None:
@@ -49,7 +49,9 @@ class BlockCholesky:
         return len(self.rows)
 
     def slots(self, rows: Ints, columns: Ints) -> Ints:
-        """Position in `values` of the blocks (row ≥ column, both in elimination order); KeyError if not there."""
+        """Position in `values` of the blocks (row ≥ column, both in elimination order); KeyError if not
+        there.
+        """
         keys = columns.astype(np.int64) * self.n + rows
         found = np.searchsorted(self._keys, keys)
         if np.any(found >= len(self._keys)) or np.any(
@@ -93,7 +95,9 @@ def minimum_degree(n: int, pairs: Ints) -> Ints:
 
 
 def _factor_pattern(n: int, pairs: Ints) -> tuple[Ints, Ints]:
-    """Compressed columns of the factor: each column's own entries joined with those of its children in the tree."""
+    """Compressed columns of the factor: each column's own entries joined with those of its children in the
+    tree.
+    """
     low, high = pairs.min(axis=1), pairs.max(axis=1)
     sorter = np.argsort(low, kind="stable")
     bounds = np.searchsorted(low[sorter], np.arange(n + 1))
@@ -113,7 +117,9 @@ def _factor_pattern(n: int, pairs: Ints) -> tuple[Ints, Ints]:
 
 @numba.njit(**JIT)
 def _update_slots(pointer: Ints, rows: Ints) -> Ints:
-    """Where each update of the factorisation lands: for column k and its rows b ≤ a, the slot of block (a, b)."""
+    """Where each update of the factorisation lands: for column k and its rows b ≤ a, the slot of block (a,
+    b).
+    """
     total = 0
     for k in range(len(pointer) - 1):
         count = pointer[k + 1] - pointer[k] - 1

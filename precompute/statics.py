@@ -14,7 +14,9 @@ LARGEST_SAG = 0.1
 
 
 class RestPose(NamedTuple):
-    """Displacement (N,3) m of the rest pose, the gravity (N,3) N that the simulation has to carry, and a report."""
+    """Displacement (N,3) m of the rest pose, the gravity (N,3) N that the simulation has to carry, and a
+    report.
+    """
 
     u_m: Floats
     gravity_n: Floats
@@ -24,8 +26,9 @@ class RestPose(NamedTuple):
 def gravity_rest_pose(system: ElementSystem, gravity_n: Floats, height_m: float) -> RestPose:
     """Static equilibrium under gravity by Newton's method; nodes in the mesh's order.
 
-    A tree too floppy to stand (its mesh is a drawing, not a structure) would collapse; then the given shape itself is
-    taken as the rest pose and gravity as balanced, as a tree that grew under its load has it. The report says which.
+    A tree too floppy to stand (its mesh is a drawing, not a structure) would collapse; then the given shape
+    itself is taken as the rest pose and gravity as balanced, as a tree that grew under its load has it. The
+    report says which.
     """
     u, iterations, converged = solve_static(system, gravity_n)
     sag = float(np.abs(u).max()) / height_m if np.isfinite(u).all() else float("inf")
@@ -47,11 +50,13 @@ def balanced_pose(gravity_n: Floats, why: str) -> RestPose:
 def solve_static(
     system: ElementSystem, load_n: Floats, *, iterations: int = 60, tolerance: float = 1e-9
 ) -> tuple[Floats, int, bool]:
-    """Displacement (N,3) under dead loads, Newton steps taken, and whether the steps fell below the tolerance.
+    """Displacement (N,3) under dead loads, Newton steps taken, and whether the steps fell below the
+    tolerance.
 
-    The tangent leaves out the rotations' own derivative, that is what the load gains from the sway it causes (P–Δ):
-    for a slender tree the steps then shrink slowly, by the load's part of the buckling load, which is measured from
-    two steps and summed to its end (Aitken). The residual is no guide: a first step in bending stretches everything.
+    The tangent leaves out the rotations' own derivative, that is what the load gains from the sway it causes
+    (P–Δ): for a slender tree the steps then shrink slowly, by the load's part of the buckling load, which is
+    measured from two steps and summed to its end (Aitken). The residual is no guide: a first step in bending
+    stretches everything.
     """
     load = load_n[system.order]
     load[system.free :] = 0

@@ -106,7 +106,7 @@ def _against_scikit_fem() -> Iterator[Check]:
 
 
 def stiffness_eigenvalues(element: str) -> tuple[Floats, Floats]:
-    """Eigenvalues of the stiffness of a shaken box of poplar, ours and scikit-fem's. ImportError without it."""
+    """Eigenvalues of the stiffness of a shaken box of poplar, ours and scikit-fem's (ImportError)."""
     import skfem
 
     bar = shaken_box()

@@ -50,7 +50,8 @@ def laden_pole() -> FemModel:
 
 
 def ring_down(model: FemModel, mode: int, amplitude_m: float = 0.02) -> tuple[float, float]:
-    """Frequency (Hz) and damping ratio of the free sway that starts in a mode's shape, from about eight periods.
+    """Frequency (Hz) and damping ratio of the free sway that starts in a mode's shape, from about eight
+    periods.
 
     The mode's coordinate obeys q(k+2) = a q(k+1) + b q(k); a and b by least squares give the pair of poles.
     """
@@ -71,7 +72,9 @@ def ring_down(model: FemModel, mode: int, amplitude_m: float = 0.02) -> tuple[fl
 
 
 def energy_rise(model: FemModel, frames: int) -> float:
-    """Largest rise of the mechanical energy from one frame to the next in still air, over the energy at the start."""
+    """Largest rise of the mechanical energy from one frame to the next in still air, over the energy at the
+    start.
+    """
     simulator = Simulator(model)
     shape = natural_modes(model, 1).shapes[0]
     simulator.displace(shape * 0.2 / float(np.abs(shape).max()))
@@ -85,7 +88,9 @@ def energy_rise(model: FemModel, frames: int) -> float:
 
 
 def _potential(model: FemModel, u: Floats) -> float:
-    """Elastic energy and height energy of linear elements, J, with the rotations from a singular value decomposition."""
+    """Elastic energy and height energy of linear elements, J, with the rotations from a singular value
+    decomposition.
+    """
     total = model.u_rest + u
     local = total[model.elements]
     gradient = np.eye(3) + np.einsum("eai,eaj->eij", local, model.grad)

@@ -5,15 +5,15 @@ because a branch's cross-section holds too few tetrahedra to tell rings from ray
 
 Sources, by the tag each entry carries:
 
-- ``WH``: Forest Products Laboratory, *Wood Handbook*, FPL-GTR-190 (2010), chapter 5: tables 5-1 (elastic ratios, at
-  about 12 % moisture), 5-2 (Poisson's ratios), 5-3 (static bending of green wood).
+- ``WH``: Forest Products Laboratory, *Wood Handbook*, FPL-GTR-190 (2010), chapter 5: tables 5-1 (elastic
+  ratios, at about 12 % moisture), 5-2 (Poisson's ratios), 5-3 (static bending of green wood).
 - ``engdb``: engdatabase.com's reprint of the same tables (sugar maple and Douglas-fir were compared with it).
 - ``matweb``: MatWeb, North American eastern cottonwood, unseasoned: 1,010 ksi, 49 lb/ft³.
 - ``AHEC``: American Hardwood Information Center, black cherry, green: 1.31 million psi.
 
-What could not be compared with a second source is marked "unchecked" in the entry. The handbook's bending moduli hold
-some shear deflection; it advises adding 10 % for the true E_L, which is not done here, as the spread between trees
-(22 % of the mean) is larger.
+What could not be compared with a second source is marked "unchecked" in the entry. The handbook's bending
+moduli hold some shear deflection; it advises adding 10 % for the true E_L, which is not done here, as the
+spread between trees (22 % of the mean) is larger.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Wood:
-    """Elastic and inertial constants of a species' green wood (ratios are relative to the longitudinal modulus)."""
+    """Elastic and inertial constants of a species' green wood (ratios are relative to the longitudinal
+    modulus).
+    """
 
     name: str
     young_longitudinal_pa: float
@@ -105,8 +107,8 @@ SPECIES: dict[str, Wood] = {
             density_kg_m3=940.0,
             damping_ratio=0.03,
             drag_coefficient=0.5,
-            source="sugar maple: E green, ratios (WH 5-1 to 5-3, engdb); green density from specific gravity 0.56 "
-            "and about 68 % moisture",
+            source="sugar maple: E green, ratios (WH 5-1 to 5-3, engdb); green density from "
+            "specific gravity 0.56 and about 68 % moisture",
         ),
         Wood(
             name="apricot",
@@ -120,8 +122,8 @@ SPECIES: dict[str, Wood] = {
             density_kg_m3=920.0,
             damping_ratio=0.03,
             drag_coefficient=0.5,
-            source="black cherry stands in for apricot: E green (WH 5-3, AHEC); ratios WH 5-1, 5-2 (unchecked); "
-            "density of green apricot estimated from its basic specific gravity 0.58 (The Wood Database)",
+            source="black cherry stands in for apricot: E green (WH 5-3, AHEC); ratios WH 5-1, 5-2 "
+            "(unchecked); density of green apricot estimated from its basic specific gravity 0.58 (The Wood Database)",
         ),
         Wood(
             name="conifer",
@@ -135,8 +137,8 @@ SPECIES: dict[str, Wood] = {
             density_kg_m3=690.0,
             damping_ratio=0.04,
             drag_coefficient=0.45,
-            source="Douglas-fir, interior south: E green, ratios (WH 5-1 to 5-3, engdb); density green 43 lb/ft³ "
-            "(Oregon State University, table of working properties)",
+            source="Douglas-fir, interior south: E green, ratios (WH 5-1 to 5-3, engdb); density green "
+            "43 lb/ft³ (Oregon State University, table of working properties)",
         ),
         Wood(
             name="default",

@@ -24,7 +24,7 @@ def test_aliases_and_case_are_understood() -> None:
 
 
 def test_an_unknown_species_names_the_known_ones() -> None:
-    with pytest.raises(KeyError, match="apricot.*maple.*poplar"):
+    with pytest.raises(KeyError, match=r"apricot.*maple.*poplar"):
         species("triffid")
 
 
