@@ -123,7 +123,8 @@ SPECIES: dict[str, Wood] = {
             damping_ratio=0.03,
             drag_coefficient=0.5,
             source="black cherry stands in for apricot: E green (WH 5-3, AHEC); ratios WH 5-1, 5-2 "
-            "(unchecked); density of green apricot estimated from its basic specific gravity 0.58 (The Wood Database)",
+            "(unchecked); density of green apricot estimated from its basic specific gravity 0.58 "
+            "(The Wood Database)",
         ),
         Wood(
             name="conifer",
