@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_matrix
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from precompute.intake_repair import Surface, face_components
 from precompute.intake_types import Floats, Ints, RenderPrimitive, TreeMesh
@@ -113,7 +113,7 @@ def _padded(index: Ints, weight: Floats, width: int) -> tuple[Ints, Floats]:
 def _blended(positions_m: Floats, mesh: TetMesh) -> tuple[Ints, Floats]:
     """Mean motion of the nearest tets, nearer ones counting more: a closed crown follows without tearing."""
     count = min(CROWN_NEIGHBOURS, len(mesh.tets))
-    gap, near = cKDTree(mesh.vertices_m[mesh.tets].mean(axis=1)).query(positions_m, k=count)
+    gap, near = KDTree(mesh.vertices_m[mesh.tets].mean(axis=1)).query(positions_m, k=count)
     gap, near = gap.reshape(len(positions_m), -1), near.reshape(len(positions_m), -1)
     share = 1.0 / np.maximum(gap, 1e-9) ** 2
     share /= share.sum(axis=1, keepdims=True)
@@ -134,7 +134,7 @@ def nearest_tets(points_m: Floats, mesh: TetMesh) -> Anchors:
 def _nearest_chunk(points_m: Floats, mesh: TetMesh) -> Anchors:
     corners = mesh.vertices_m[mesh.tets]
     count = min(CANDIDATES, len(mesh.tets))
-    _, near = cKDTree(corners.mean(axis=1)).query(points_m, k=count)
+    _, near = KDTree(corners.mean(axis=1)).query(points_m, k=count)
     near = near.reshape(len(points_m), -1)
     inverse = np.linalg.inv((corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1))
     local = np.einsum("nkij,nkj->nki", inverse[near], points_m[:, None] - corners[near, 0])

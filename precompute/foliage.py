@@ -10,7 +10,7 @@ import numpy as np
 
 from precompute.binding import foliage_pieces, nearest_of_pieces, nearest_tets, render_binding
 from precompute.intake_gltf_material import alpha_coverage
-from precompute.intake_types import Floats, Ints, RenderPrimitive, TreeMesh
+from precompute.intake_types import Floats, Int32s, RenderPrimitive, TreeMesh
 from precompute.roots import CLAMPED_SHARE, root_vertices
 from precompute.silhouette import silhouette_area
 from precompute.tet_quality import tet_volumes
@@ -41,7 +41,7 @@ class Lumps:
 
     mass_kg: Floats
     drag_area_m2: Floats
-    fixed: Ints
+    fixed: Int32s
     report: dict[str, Any]
 
 
@@ -50,7 +50,7 @@ def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> Lumps:
 
     The silhouette of the whole tree, averaged over directions, is shared out by each piece's own area.
     """
-    leaf_mass, leaf_area = np.zeros(len(mesh.vertices_m)), np.zeros(len(mesh.vertices_m))
+    leaf_area = np.zeros(len(mesh.vertices_m))
     shadow = np.zeros(len(mesh.vertices_m))
     for primitive in tree.primitives:
         area = vertex_areas(primitive) * alpha_coverage(primitive.material)
@@ -70,7 +70,7 @@ def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> Lumps:
     return Lumps(
         mass_kg=leaf_mass,
         drag_area_m2=wood.drag_coefficient * frontal * profile,
-        fixed=root_vertices(mesh.vertices_m, mesh.tets),
+        fixed=root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32),
         report={
             "silhouette_m2": silhouette,
             "leaf_area_m2": float(leaf_area.sum()),
@@ -96,7 +96,10 @@ def vertex_areas(primitive: RenderPrimitive) -> Floats:
     corners = primitive.positions_m[primitive.faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     share = np.linalg.norm(cross, axis=1) / 6.0
-    return np.bincount(primitive.faces.ravel(), np.repeat(share, 3), len(primitive.positions_m))
+    return np.asarray(
+        np.bincount(primitive.faces.ravel(), np.repeat(share, 3), len(primitive.positions_m)),
+        dtype=np.float64,
+    )
 
 
 def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh) -> Floats:
@@ -107,7 +110,10 @@ def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh) -> Floats
         pieces = foliage_pieces(primitive)
         holder = nearest_of_pieces(anchors, pieces)[pieces]
     parts = anchors.weight[holder] * amount[:, None]
-    return np.bincount(mesh.tets[anchors.tet[holder]].ravel(), parts.ravel(), len(mesh.vertices_m))
+    return np.asarray(
+        np.bincount(mesh.tets[anchors.tet[holder]].ravel(), parts.ravel(), len(mesh.vertices_m)),
+        dtype=np.float64,
+    )
 
 
 def _triangles(tree: TreeMesh) -> tuple[Floats, Floats]:

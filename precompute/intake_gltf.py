@@ -63,12 +63,12 @@ def read_glb(data: bytes) -> list[RawPart]:
     if length > len(data):
         raise _broken("truncated", f"The GLB says it has {length} bytes, but only {len(data)} arrived.")
     document, binary = _chunks(data[:length])
-    return _Gltf(document, binary).parts()
+    return _parts(document, binary)
 
 
 def read_gltf(data: bytes) -> list[RawPart]:
     """Parts of a lone .gltf, whose buffers must be data URIs."""
-    return _Gltf(_json(data), None).parts()
+    return _parts(_json(data), None)
 
 
 def _chunks(data: bytes) -> tuple[Json, bytes | None]:
@@ -104,6 +104,15 @@ def _broken(code: str, title: str, hint: str = "The file is damaged; export it a
     return IntakeError(code, 400, title, hint)
 
 
+def _parts(document: Json, binary: bytes | None) -> list[RawPart]:
+    try:
+        return _Gltf(document, binary).parts()
+    except (KeyError, IndexError, TypeError, AttributeError, ValueError, OverflowError) as error:
+        raise _broken(
+            "gltf-structure", f"The glTF points at something it does not hold ({error})."
+        ) from error
+
+
 class _Gltf:
     """One document with its buffers; every lookup is checked, so that broken files end in IntakeError."""
 
@@ -113,17 +122,13 @@ class _Gltf:
         self.buffers = [self._buffer(i, b, binary) for i, b in enumerate(document.get("buffers", []))]
 
     def parts(self) -> list[RawPart]:
-        try:
-            return [
-                self._part(primitive, labels, matrix)
-                for mesh, labels, matrix in mesh_instances(self.document)
-                for primitive in mesh.get("primitives", [])
-                if primitive.get("mode", TRIANGLES) in (TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN)
-            ]
-        except (KeyError, IndexError, TypeError, AttributeError, ValueError) as error:
-            raise _broken(
-                "gltf-structure", f"The glTF points at something it does not hold ({error})."
-            ) from error
+        """All triangle primitives of the default scene."""
+        return [
+            self._part(primitive, labels, matrix)
+            for mesh, labels, matrix in mesh_instances(self.document)
+            for primitive in mesh.get("primitives", [])
+            if primitive.get("mode", TRIANGLES) in (TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN)
+        ]
 
     def _refuse_extensions(self) -> None:
         required = self.document.get("extensionsRequired", [])
@@ -143,7 +148,7 @@ class _Gltf:
             )
 
     def _buffer(self, index: int, buffer: Json, binary: bytes | None) -> bytes:
-        uri = buffer.get("uri") if isinstance(buffer, dict) else None
+        uri = buffer.get("uri")
         if uri is None and index == 0 and binary is not None:
             content = binary
         elif isinstance(uri, str) and uri.startswith("data:"):

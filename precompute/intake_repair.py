@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from precompute.intake_types import Floats, Ints
 
@@ -27,9 +27,7 @@ def weld(surface: Surface) -> Surface:
     used, inverse = np.unique(surface.vertices, axis=0, return_inverse=True)
     tolerance = WELD_TOLERANCE * float(np.linalg.norm(np.ptp(used, axis=0)))
     pairs = (
-        cKDTree(used).query_pairs(tolerance, output_type="ndarray")
-        if tolerance > 0
-        else np.zeros((0, 2), int)
+        KDTree(used).query_pairs(tolerance, output_type="ndarray") if tolerance > 0 else np.zeros((0, 2), int)
     )
     count, label = _components(len(used), pairs)
     first = np.full(count, -1)
@@ -135,7 +133,9 @@ def signed_volumes(surface: Surface, of_face: Ints, count: int) -> Floats:
         / weight
     )
     a, b, c = np.moveaxis(corners - centre[of_face][:, None], 1, 0)
-    return np.bincount(of_face, np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0, count)
+    return np.asarray(
+        np.bincount(of_face, np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0, count), dtype=np.float64
+    )
 
 
 def face_outwards(surface: Surface) -> tuple[Surface, int]:

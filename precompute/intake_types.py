@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
+Int32s = NDArray[np.int32]  # what leaves this part: indices as files and kernels want them
+Ints = NDArray[np.integer[Any]]  # indices of any width inside it
 Kind = Literal["wood", "leaves"]
 Axis = Literal["x", "y", "z"]
 

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from precompute.intake_gltf_material import greenness, is_cut_out
 from precompute.intake_repair import Surface, face_components, weld
@@ -80,8 +80,11 @@ def _sort_by_shape(part: RawPart, low: float, height: float) -> list[SortedPart]
     green = greenness(part.material)
     verdicts = _verdicts(welded, of_face, count, low, height, green is not None and green > GREEN)
     pieces: list[SortedPart] = []
-    for kind in dict.fromkeys(kind for kind, _ in verdicts):
+    kinds: tuple[Kind, ...] = ("wood", "leaves")
+    for kind in kinds:
         chosen = np.array([v[0] == kind for v in verdicts])[of_face]
+        if not chosen.any():
+            continue
         reasons = dict.fromkeys(reason for other, reason in verdicts if other == kind)
         pieces.append(SortedPart(sub_part(part, origin[chosen]), kind, "; ".join(reasons)))
     return pieces
@@ -169,7 +172,7 @@ def without_strays(pieces: list[SortedPart], kept: Floats, strays: Floats) -> li
     that was kept."""
     if not len(strays):
         return pieces
-    near, far = cKDTree(kept), cKDTree(strays)
+    near, far = KDTree(kept), KDTree(strays)
     result: list[SortedPart] = []
     for piece in pieces:
         middle = piece.part.positions[piece.part.faces].mean(axis=1)

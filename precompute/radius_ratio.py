@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from precompute.intake_repair import Surface, face_components
 from precompute.intake_types import Floats, Ints
@@ -21,11 +21,11 @@ def radius_ratio(raised: Thickened, vertices: Floats, tets: Ints, floor_m: float
     """
     points, face = scattered(raised.surface, floor_m / 2)
     skin, _ = scattered(Surface(vertices, boundary_faces(tets)), floor_m / 2)
-    shown = cKDTree(skin).query(points)[0] < floor_m
+    shown = KDTree(skin).query(points)[0] < floor_m
     if not shown.any():
         shown[:] = True
     ratio = _ratio_at(raised, points, face)[shown]
-    gap, near = cKDTree(points[shown]).query(vertices[tets].mean(axis=1), k=min(NEIGHBOURS, len(ratio)))
+    gap, near = KDTree(points[shown]).query(vertices[tets].mean(axis=1), k=min(NEIGHBOURS, len(ratio)))
     gap, near = gap.reshape(len(tets), -1), near.reshape(len(tets), -1)
     # Where a twig leaves a limb both are near; the limb owns the wood there.
     return np.where(gap <= gap[:, :1] + floor_m / 2, ratio[near], 0.0).max(axis=1)
@@ -35,12 +35,12 @@ def _ratio_at(raised: Thickened, points: Floats, face: Ints) -> Floats:
     """Ratio (k,) at points (k, 3) on the raised surface: the nearest sample's on the same piece of wood."""
     _, of_face = face_components(raised.surface.faces, len(raised.surface.vertices))
     piece = of_face[face]
-    sample_piece = piece[cKDTree(points).query(raised.sample_points)[1]]
+    sample_piece = piece[KDTree(points).query(raised.sample_points)[1]]
     ratio = np.ones(len(points))
     for label in np.unique(piece):
         own, samples = piece == label, sample_piece == label
         if samples.any():
-            near = cKDTree(raised.sample_points[samples]).query(points[own])[1]
+            near = KDTree(raised.sample_points[samples]).query(points[own])[1]
             ratio[own] = raised.sample_ratio[samples][near]
     return ratio
 

@@ -127,8 +127,8 @@ class _Writer:
         return len(self.document["accessors"]) - 1
 
     def _material(self, material: Material | None, kind: str) -> int:
-        raw = copy.deepcopy(material.json) if material else {}
-        if material is None or not raw:
+        raw: Json = copy.deepcopy(material.json) if material else {}
+        if not raw:
             raw = {"pbrMetallicRoughness": {"baseColorFactor": DEFAULT_COLOURS[kind], "metallicFactor": 0.0}}
         for group, slot in SLOTS:
             holder = raw.get(group, {}) if group else raw

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from precompute.intake_types import Floats, Ints
+from precompute.intake_types import Floats, Int32s, Ints
 from precompute.roots import root_vertices
 from precompute.skeleton_centre import fitted_lines, l1_centred
 from precompute.skeleton_levels import Sections, cut_sections, geodesic_distance, inner_faces
@@ -33,12 +33,12 @@ class Skeleton:
     """
 
     points_m: Floats
-    parent: Ints
+    parent: Int32s
     radius_m: Floats
-    branch: Ints
+    branch: Int32s
     tet_fibre: Floats
-    tet_branch: Ints
-    tet_point: Ints
+    tet_branch: Int32s
+    tet_point: Int32s
     report: dict[str, Any]
 
 
@@ -63,12 +63,12 @@ def extract_skeleton(mesh: TetMesh) -> Skeleton:
     points, tangent = fitted_lines(centred, branch, tree.parent, radius, step_m)
     return Skeleton(
         points_m=points,
-        parent=tree.parent,
+        parent=tree.parent.astype(np.int32),
         radius_m=radius,
-        branch=branch,
+        branch=branch.astype(np.int32),
         tet_fibre=_fibres(mesh, points, tangent, tree.parent, branch, owner),
-        tet_branch=branch[owner],
-        tet_point=owner,
+        tet_branch=branch[owner].astype(np.int32),
+        tet_point=owner.astype(np.int32),
         report={
             "points": len(points),
             "branches": int(branch.max()) + 1,
@@ -142,7 +142,7 @@ def _fibres(
     return np.where(length > 1e-9, fibre / np.maximum(length, 1e-300), tangent[owner])
 
 
-def sampled_elements(mesh: TetMesh, skeleton: Skeleton, count: int) -> Ints:
+def sampled_elements(mesh: TetMesh, skeleton: Skeleton, count: int) -> Int32s:
     """`count` tets spread along the skeleton, clamped ones left out; a smaller count is a prefix of a
     larger one.
 
@@ -158,7 +158,7 @@ def sampled_elements(mesh: TetMesh, skeleton: Skeleton, count: int) -> Ints:
     on_axis = by_gap[first]
     clamped = np.zeros(len(mesh.vertices_m), dtype=bool)
     clamped[root_vertices(mesh.vertices_m, mesh.tets)] = True
-    free = ~clamped[mesh.tets].any(axis=1)
+    free = np.logical_not(clamped[mesh.tets].any(axis=1))
     on_axis = on_axis[free[on_axis]]
     taken = _farthest_first(centre, on_axis, np.zeros(0, dtype=np.int64), min(count, len(on_axis)))
     for rest in (np.flatnonzero(free), np.arange(len(mesh.tets))):

@@ -8,7 +8,7 @@ the order of the points comes from the level sets, so no repulsion is needed).
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from precompute.intake_types import Floats, Ints
 
@@ -41,7 +41,7 @@ def l1_centred(
         inner = line[1:-1]  # the base sits in the parent and the tip has wood on one side only
         if len(own) < 8 or not len(inner):
             continue
-        tree = cKDTree(own)
+        tree = KDTree(own)
         for _ in range(ITERATIONS):
             tangent = line_tangents(result[line])[1:-1]
             result[inner] += _attraction(result[inner], tangent, radius_m[inner], own, tree, step_m)
@@ -49,7 +49,7 @@ def l1_centred(
 
 
 def _attraction(
-    points_m: Floats, tangent: Floats, radius_m: Floats, samples_m: Floats, tree: cKDTree, step_m: float
+    points_m: Floats, tangent: Floats, radius_m: Floats, samples_m: Floats, tree: KDTree, step_m: float
 ) -> Floats:
     support = np.maximum(RADII_OF_SUPPORT * radius_m, STEPS_OF_SUPPORT * step_m)
     near = tree.query_ball_point(points_m, support)

@@ -88,7 +88,7 @@ def cut_sections(vertices_m: Floats, tets: Ints, distance_m: Floats, faces: Face
     centres = (
         np.stack([np.bincount(label, size * centre[:, k], count) for k in range(3)], axis=1) / total[:, None]
     )
-    areas = np.stack([np.bincount(label, area[:, k], count) for k in range(3)], axis=1)
+    areas = np.stack([np.bincount(label, area[:, k], count) for k in range(3)], axis=1).astype(np.float64)
     pair_tet, pair_slab, piece = _slab_pieces(tet_levels, face_levels, faces)
     below = _lookup(pair_tet, pair_slab, piece, cross_tet, cross_level - 1)
     above = _lookup(pair_tet, pair_slab, piece, cross_tet, cross_level)

@@ -138,7 +138,7 @@ def _spurs(tree: Tree, branch: Ints, radius_m: Floats) -> np.ndarray:
     bears = np.unique(branch[tree.parent[1:]][branch[1:] != branch[tree.parent[1:]]])
     for number in range(1, int(branch.max()) + 1):
         own = np.flatnonzero(branch == number)
-        if number not in bears and _within(tree, radius_m, own, far[own[0]]):
+        if number not in bears and _within(tree, radius_m, own, float(far[own[0]])):
             drop[own] = True
     return drop
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from precompute.intake_types import Floats, Ints
+from precompute.intake_types import Floats, Int32s, Ints
 
-RECIPE_VERSION = 4  # raise it when the recipe changes, so that old meshes are not found
+RECIPE_VERSION = 5  # raise it when the recipe changes, so that old meshes are not found
 
 
 def cache_key(vertices: Floats, faces: Ints, target_tets: int) -> str:
@@ -24,7 +24,7 @@ def cache_key(vertices: Floats, faces: Ints, target_tets: int) -> str:
     return digest.hexdigest()
 
 
-def load_cached(folder: Path | None, key: str) -> tuple[Floats, Ints, Floats, dict[str, Any]] | None:
+def load_cached(folder: Path | None, key: str) -> tuple[Floats, Int32s, Floats, dict[str, Any]] | None:
     """(vertices, tets, radius ratio, report), or None where nothing readable is kept."""
     path = None if folder is None else folder / f"tets-{key}.npz"
     if path is None or not path.exists():

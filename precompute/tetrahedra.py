@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from precompute.intake_repair import Surface, volume
-from precompute.intake_types import Floats, IntakeError, Ints, TreeMesh
+from precompute.intake_types import Floats, Int32s, IntakeError, TreeMesh
 from precompute.limited_process import Limits, run_limited
 from precompute.radius_ratio import radius_ratio
 from precompute.tet_cache import cache_key, load_cached, store_cached
@@ -24,9 +24,9 @@ from precompute.tet_quality import largest_component, lost_extent, quality_repor
 from precompute.thicken import thicken
 from precompute.wrap import decimate, wrap
 
-FLOOR = 2.2e-3  # smallest radius, of the diagonal
+FLOOR = 2.8e-3  # smallest radius, of the diagonal
 ENVELOPE = 0.3  # fTetWild's envelope, of the floor: a finer one keeps more tets
-CELLS_PER_FLOOR = 1.2
+CELLS_PER_FLOOR = 1.5
 EDGE_LENGTH = 0.05  # of the diagonal
 STOP_ENERGY = 30.0
 TETS_PER_FACE = 0.95
@@ -43,7 +43,7 @@ class TetMesh:
     radius."""
 
     vertices_m: Floats
-    tets: Ints
+    tets: Int32s
     radius_ratio: Floats
     report: dict[str, Any]
 
@@ -133,9 +133,9 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
         {
             "vertices": shell.vertices,
             "faces": shell.faces,
-            "epsilon": np.float64(recipe.floor * recipe.envelope),
-            "edge_length": np.float64(EDGE_LENGTH),
-            "stop_energy": np.float64(STOP_ENERGY),
+            "epsilon": np.array(recipe.floor * recipe.envelope),
+            "edge_length": np.array(EDGE_LENGTH),
+            "stop_energy": np.array(STOP_ENERGY),
         },
         TETWILD_LIMITS,
         what="Meshing the wood",
@@ -149,18 +149,17 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
     kept = float(tet_volumes(vertices, tets).sum())
     vertices = restore_volume(vertices, tets, volume(solid))
     ratio = radius_ratio(raised, vertices, tets, floor_m)
-    report = quality_report(vertices, tets) | {
+    report: dict[str, Any] = quality_report(vertices, tets) | {
         "components_dropped": dropped,
         "lost_volume": 1.0 - kept / meshed,
         "floor_radius_m": floor_m,
         "thickened_share": float((ratio < 1).mean()),
         "lost_extent": lost_extent(surface.vertices, vertices),
         "surface_faces": len(shell.faces),
-        "warnings": [],
     }
+    warnings: list[str] = []
     if dropped:
         share = report["lost_volume"]
-        report["warnings"].append(
-            f"{dropped} loose pieces, {share:.2%} of the wood, were dropped in meshing."
-        )
-    return TetMesh(vertices, tets, ratio, report)
+        warnings.append(f"{dropped} loose pieces, {share:.2%} of the wood, were dropped in meshing.")
+    report["warnings"] = warnings
+    return TetMesh(vertices, np.ascontiguousarray(tets, dtype=np.int32), ratio, report)

@@ -10,9 +10,9 @@ from precompute.limited_process import Arrays
 def tetrahedralise_surface(arguments: Arrays) -> Arrays:
     """vertices (n, 3), faces (m, 3), epsilon and edge_length (both of the diagonal), stop_energy →
     vertices, tets."""
-    import pytetwild  # imports pyvista, which only this child needs
+    from pytetwild.pytetwild import tetrahedralize  # imports pyvista, which only this child needs
 
-    vertices, tets = pytetwild.tetrahedralize(
+    vertices, tets = tetrahedralize(
         np.ascontiguousarray(arguments["vertices"], dtype=np.float64),
         np.ascontiguousarray(arguments["faces"], dtype=np.int32),
         epsilon=float(arguments["epsilon"]),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from precompute.intake_repair import Surface, face_components
 from precompute.intake_types import Floats, Ints
@@ -87,18 +87,16 @@ def inscribed_radius(surface: Surface, points: Floats, normals: Floats, face: In
     low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
     cell = max(2.0 * limit, float((high - low).max()) / MAX_GRID)
     shape = tuple(int(n) + 1 for n in (high - low) / cell)
-    offsets, items = triangle_grid(triangles, low, cell, shape)
+    grid = (low, cell, shape, *triangle_grid(triangles, low, cell, shape))
     face_normals = np.zeros_like(triangles[:, 0])
     face_normals[face] = normals
-    radius = inner_balls(
-        points, normals, face, piece, face_normals, triangles, low, cell, shape, offsets, items, limit
-    )
+    radius = inner_balls(points, normals, face, piece, face_normals, triangles, grid, limit)
     return _smooth(points, piece[face], radius)
 
 
 def _smooth(points: Floats, piece: Ints, radius: Floats, neighbours: int = 8) -> Floats:
     """Median over the nearest samples: a ball caught in a corner of a coarse cross-section is too small."""
-    _, near = cKDTree(points).query(points, k=min(neighbours, len(points)))
+    _, near = KDTree(points).query(points, k=min(neighbours, len(points)))
     values = np.where(piece[near] == piece[:, None], radius[near], np.nan)
     return np.nanmedian(values, axis=1)
 

@@ -13,6 +13,7 @@ from precompute.wrap_kernels import band_distance, crossings
 
 BAND_CELLS = 2.0
 MARGIN_CELLS = 4
+AGGRESSIVENESS = 5  # of the decimation: 2 stops early, 7 loses volume
 JITTER = 0.01237  # of a cell: keeps rays off vertices and edges, which sit on round numbers
 
 
@@ -57,7 +58,7 @@ def decimate(surface: Surface, faces: int) -> Surface:
     """About `faces` triangles, by quadric error (fast-simplification)."""
     if len(surface.faces) <= faces:
         return surface
-    points, triangles = fast_simplification.simplify(
-        surface.vertices.astype(np.float32), surface.faces, target_count=faces, agg=5
-    )
-    return compact(Surface(points.astype(np.float64), triangles.astype(np.int32)))
+    points = np.ascontiguousarray(surface.vertices)
+    triangles = np.ascontiguousarray(surface.faces, dtype=np.int32)
+    simplified = fast_simplification.simplify(points, triangles, target_count=faces, agg=AGGRESSIVENESS)
+    return compact(Surface(simplified[0].astype(np.float64), simplified[1].astype(np.int32)))

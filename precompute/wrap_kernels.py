@@ -135,14 +135,13 @@ def triangle_grid(triangles, low, cell, shape):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True)
-def inner_balls(
-    points, normals, face, piece, face_normals, triangles, low, cell, shape, offsets, items, limit
-):
+def inner_balls(points, normals, face, piece, face_normals, triangles, grid, limit):  # type: ignore[no-untyped-def]
     """Radius of the largest ball (at most `limit`) that touches each point from inside its own piece.
 
     Only faces that look the other way count: a ball at a facet's edge would be held small by the next facet
     of the same round branch, and one near a branch's end by its cap.
     """
+    low, cell, shape, offsets, items = grid
     radius = np.empty(len(points))
     for p in range(len(points)):
         r = limit
