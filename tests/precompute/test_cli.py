@@ -1,0 +1,38 @@
+"""The commands: what they write, and how they fail."""
+
+import json
+from pathlib import Path
+
+from typer.testing import CliRunner
+
+from precompute.cli import app
+
+GOLDEN = Path(__file__).parents[1] / "golden" / "pole.safetensors"
+
+
+def test_every_command_has_help() -> None:
+    for command in ("build", "simulate", "evaluate", "bench", "verify"):
+        assert CliRunner().invoke(app, [command, "--help"]).exit_code == 0
+
+
+def test_simulate_plays_a_table(tmp_path: Path) -> None:
+    figures = tmp_path / "deep" / "figures.json"
+    result = CliRunner().invoke(app, ["simulate", str(GOLDEN), "--seconds", "8", "--json", str(figures)])
+    assert result.exit_code == 0, result.output
+    assert json.loads(figures.read_text())["largest_sway"] > 0.01
+
+
+def test_in_still_air_nothing_sways(tmp_path: Path) -> None:
+    figures = tmp_path / "figures.json"
+    CliRunner().invoke(
+        app, ["simulate", str(GOLDEN), "--speed", "0", "--seconds", "4", "--json", str(figures)]
+    )
+    assert json.loads(figures.read_text())["largest_sway"] == 0.0
+
+
+def test_a_file_that_is_no_mesh_fails_with_a_sentence(tmp_path: Path) -> None:
+    mesh = tmp_path / "tree.glb"
+    mesh.write_bytes(b"glTF but not really")
+    result = CliRunner().invoke(app, ["build", str(mesh), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 1
+    assert not (tmp_path / "out").exists()
