@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from precompute.bench_fem import bench_fem
+from precompute.dynamics import load_model
 from precompute.intake_types import IntakeOptions
 from precompute.lookup import ForestLookup
 from precompute.pipeline import BuildOptions, BuildResult, Progress, build_table
@@ -23,6 +25,7 @@ Tick = Callable[[float, str], None]
 ELEMENTS = (35, 435)
 FORESTS = (1000, 10000)
 QUICK_FRAMES = 30
+RECORDED_POINTS = 140
 
 
 def run_bench(mesh: Path, *, quick: bool, tick: Tick) -> dict[str, Any]:
@@ -63,10 +66,9 @@ def _build(mesh: Path, options: BuildOptions, folder: str, tick: Tick, turn: int
 
 
 def _fem_step(folder: Path) -> dict[str, Any]:
-    from precompute.bench_fem import bench_step
-    from precompute.dynamics import load_model
-
-    return bench_step(load_model(next((folder / "models").glob("*.npz"))))
+    model = load_model(next((folder / "models").glob("*.npz")))
+    points = np.linspace(0, model.vertex_count - 1, RECORDED_POINTS).astype(np.int32)
+    return bench_fem(model, points)
 
 
 def step_us(table: Table, trees: int, steps: int = 120, repeats: int = 3) -> float:
