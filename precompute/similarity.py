@@ -123,6 +123,14 @@ def mismatch_rows(states: Compared, first: int, last: int) -> npt.NDArray[np.uin
     return out
 
 
+def typical_error(states: InternalStates, sample: int = 48) -> float:
+    """Median E_int between a sample of the records and all."""
+    layout, z = compared(states), len(states.velocity)
+    chosen = np.unique(np.linspace(0, z - 1, sample).astype(np.int64))
+    rows = [mismatch_rows(layout, int(c), int(c) + 1) for c in chosen]
+    return float(np.median(np.concatenate(rows))) / states.components
+
+
 def gain_bound() -> npt.NDArray[np.float64]:
     """Upper bound of G(d) = max_b [exp(−b²/2) − exp(−(b+d)²/2)] at d = i / GAIN_STEPS_PER_SIGMA (d in σ).
 

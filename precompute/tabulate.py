@@ -12,7 +12,7 @@ import scipy.sparse
 
 from precompute.nodes import Nodes, make_nodes, render_basis
 from precompute.sampling import Trajectory
-from precompute.similarity import InternalStates, build_search
+from precompute.similarity import InternalStates, build_search, typical_error
 from precompute.subspace import QuantisedMotion, Subspace, fit_subspace, quantise, thinned
 from precompute.table import FORMAT, VERSION, Metadata, Table, poses
 
@@ -26,8 +26,12 @@ class TableSettings:
 
     sigma_share: float = 0.3
     """σ of Eq. 16 over the RMS pressure of the records."""
-    weight_initial: float = 0.36
-    weight_maximum: float = 0.38
+    weight_leverage: float = 0.94
+    """w / (1 − w) at the largest weight, over the median E_int: a stiff tree's states differ less."""
+    weight_initial: float | None = None
+    """Where w starts; None is a twentieth below the largest."""
+    weight_maximum: float | None = None
+    """None follows from ``weight_leverage``."""
     weight_growth: float = 0.01
     pose_easing: float = 0.08
     truncation_share: float = 3e-4
@@ -51,6 +55,14 @@ def internal_states(runs: Sequence[Trajectory]) -> InternalStates:
         np.concatenate([getattr(run, name) for run in runs]) for name in ("velocity", "force", "stiffness")
     )
     return InternalStates(velocity, force, stiffness)
+
+
+def weights(states: InternalStates, settings: TableSettings) -> dict[str, float]:
+    """The weight rule's numbers for these states."""
+    leverage = settings.weight_leverage * typical_error(states)
+    maximum = settings.weight_maximum or leverage / (1.0 + leverage)
+    initial = settings.weight_initial or 0.95 * maximum
+    return {"initial": min(initial, maximum), "maximum": maximum, "growth": settings.weight_growth}
 
 
 def spread_pa(pressure_pa: Array) -> float:
@@ -81,9 +93,10 @@ def assemble_table(
     tick(0.3)
     pressure = np.concatenate([run.pressure_pa for run in runs]).astype(np.float32)
     states = internal_states(runs)
+    weight = weights(states, settings)
     sigma_pa = settings.sigma_share * spread_pa(pressure)
     search = build_search(
-        states, pressure, starts, sigma_pa, settings.weight_maximum, lambda f: tick(0.3 + 0.7 * f)
+        states, pressure, starts, sigma_pa, weight["maximum"], lambda f: tick(0.3 + 0.7 * f)
     )
     metadata = _metadata(description, settings, mesh, subspace, motion, nodes, states, sigma_pa)
     return Table(
@@ -112,11 +125,7 @@ def _metadata(
         "points": states.velocity.shape[1],
         "components": states.components,
         "sigma_pa": sigma_pa,
-        "weight": {
-            "initial": settings.weight_initial,
-            "maximum": settings.weight_maximum,
-            "growth": settings.weight_growth,
-        },
+        "weight": weights(states, settings),
         "pose_easing": settings.pose_easing,
         "errors": {
             "truncation_max_m": subspace.max_error_m,
