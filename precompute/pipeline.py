@@ -15,7 +15,9 @@ from precompute.runner import TrajectoryRunner, run_in_processes, sample_tasks
 from precompute.sampling import read_trajectory, sample_winds
 from precompute.skeleton import extract_skeleton, sampled_elements
 from precompute.table import encode
-from precompute.tabulate import assemble_table
+from precompute.tabulate import Learning, assemble_table
+from precompute.tangent_modes import oscillators_of
+from precompute.tangent_winds import training_winds
 from precompute.tetrahedra import tetrahedralise
 from precompute.wood import species
 
@@ -47,14 +49,18 @@ def build_table(
     wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
     stages.enter("sampling")
     winds = sample_winds(wind.speed_m_s, options.fem.dt_s, options.frames)
-    tasks = sample_tasks(model, winds, points, cache_dir)
+    more = training_winds(wind.speed_m_s, options.fem.dt_s)
+    tasks = sample_tasks(model, [*winds, *more], points, cache_dir)
     paths = runner(tasks, lambda count: stages.tick(count / len(tasks)))
     stages.enter("reducing")
     runs = [read_trajectory(path) for path in paths]
+    learnt = [run for run, wind in zip(runs, [*winds, *more], strict=True) if not wind.fade_frames]
+    learning = Learning(oscillators_of(model), options.fem, learnt)
     stages.enter("table")
-    description = describe(tree, model, wind, winds, options, render_glb)
+    description = describe(tree, model, wind, [*winds, *more], options, render_glb)
     mass_kg = model.mass_kg[: model.vertex_count]
-    table = assemble_table(runs, mass_kg, binding, description, options.table, stages.tick)
+    paper = runs[: len(winds)]
+    table = assemble_table(paper, mass_kg, binding, description, options.table, learning, stages.tick)
     stages.enter("done")
     report = build_report(tree, mesh, skeleton, lumps, model, wind, table, stages)
     return BuildResult(encode(table), render_glb, report)

@@ -16,9 +16,12 @@ import numpy.typing as npt
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
+from precompute.tangent import Tangent, coupled_modes, force_terms, shape_terms
+
 FORMAT = "galewood-table"
-VERSION = 1
+VERSION = 2
 MAX_HEADER_BYTES = 1 << 20
+MAX_DYNAMIC = 64
 
 Array = npt.NDArray[Any]
 Metadata = dict[str, Any]
@@ -43,6 +46,20 @@ class Table:
     offsets: npt.NDArray[np.uint32]  # (z + 1,)
     candidate: npt.NDArray[np.uint16]  # (nnz,)
     mismatches: npt.NDArray[np.uint16]  # (nnz,)
+    tangent_step: npt.NDArray[np.float32]  # (d, 6), as the rest below: precompute.tangent.Tangent
+    tangent_load: npt.NDArray[np.float32]  # (d, 2)
+    tangent_sway: npt.NDArray[np.float32]  # (2, d)
+    tangent_force: npt.NDArray[np.float32]  # (26 + 2 c, d)
+    tangent_pose: npt.NDArray[np.float32]  # (d + 9 + 2 c, r)
+    tangent_limits: npt.NDArray[np.float32]  # (3 + c,)
+
+    @property
+    def tangent(self) -> Tangent:
+        """The drift-free method's own tensors."""
+        return Tangent(
+            self.tangent_step, self.tangent_load, self.tangent_sway,
+            self.tangent_force, self.tangent_pose, self.tangent_limits,
+        )  # fmt: skip
 
     def pose(self) -> npt.NDArray[np.int32]:
         """(z, r) pose of every record's own state, in units of mode_scale; every trajectory starts at 0."""
@@ -60,6 +77,12 @@ TENSORS: dict[str, tuple[str, Any, int]] = {
     "search.offsets": ("offsets", np.uint32, 1),
     "search.record": ("candidate", np.uint16, 1),
     "search.mismatches": ("mismatches", np.uint16, 1),
+    "tangent.step": ("tangent_step", np.float32, 2),
+    "tangent.load": ("tangent_load", np.float32, 2),
+    "tangent.sway": ("tangent_sway", np.float32, 2),
+    "tangent.force": ("tangent_force", np.float32, 2),
+    "tangent.pose": ("tangent_pose", np.float32, 2),
+    "tangent.limits": ("tangent_limits", np.float32, 1),
 }
 """Name in the file → (field, type, rank)."""
 
@@ -132,6 +155,7 @@ def check(table: Table) -> None:
     _check_numbers(table)
     _check_trajectories(table)
     _check_search(table)
+    _check_tangent(table)
 
 
 def _need(holds: bool, complaint: str) -> None:
@@ -175,6 +199,9 @@ def _number(metadata: Metadata, name: str, low: float, high: float) -> float:
 def _check_shapes(table: Table) -> None:
     r, z, n = int(table.metadata["modes"]), int(table.metadata["records"]), len(table.node_rest_m)
     vertices = sum(int(p["vertices"]) for p in table.metadata["primitives"])
+    d = len(table.tangent_step)
+    _need(2 <= d <= MAX_DYNAMIC, f"tensor tangent.step: expected 2..{MAX_DYNAMIC} rows")
+    c = coupled_modes(d)
     for name, shape in (
         ("modes.scale", (r,)),
         ("nodes.basis", (n, 3, r)),
@@ -184,6 +211,12 @@ def _check_shapes(table: Table) -> None:
         ("samples.pressure_pa", (z, 2)),
         ("search.offsets", (z + 1,)),
         ("search.mismatches", (len(table.candidate),)),
+        ("tangent.step", (d, 6)),
+        ("tangent.load", (d, 2)),
+        ("tangent.sway", (2, d)),
+        ("tangent.force", (force_terms(c), d)),
+        ("tangent.pose", (d + 2 + shape_terms(c), r)),
+        ("tangent.limits", (3 + c,)),
     ):
         found = getattr(table, TENSORS[name][0]).shape
         _need(found == shape, f"tensor {name}: shape {found}, expected {shape}")
@@ -225,3 +258,13 @@ def _check_search(table: Table) -> None:
     first = np.zeros(nnz, np.bool_)
     first[offsets[:-1]] = True
     _need(bool(((np.diff(key) > 0) | first[1:]).all()), "tensor search.record: candidates out of order")
+
+
+def _check_tangent(table: Table) -> None:
+    """Every oscillator's step must contract: a bounded wind then gives a bounded motion."""
+    _need(bool((table.tangent_limits > 0).all()), "tensor tangent.limits: not positive")
+    step = table.tangent_step.astype(np.float64)
+    r00, r01, r10, r11 = 1.0 + step[:, 0], step[:, 1], step[:, 2], 1.0 + step[:, 3]
+    product = r00 * r11 - r01 * r10
+    contracts = (np.abs(product) < 1.0) & (np.abs(r00 + r11) < 1.0 + product)
+    _need(bool(contracts.all()), "tensor tangent.step: an oscillator that does not come to rest")

@@ -10,11 +10,14 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse
 
+from precompute.model import FemSettings
 from precompute.nodes import Nodes, make_nodes, render_basis
 from precompute.sampling import Trajectory
 from precompute.similarity import InternalStates, build_search, typical_error
 from precompute.subspace import QuantisedMotion, Subspace, fit_subspace, quantise, thinned
 from precompute.table import FORMAT, VERSION, Metadata, Table, poses
+from precompute.tangent_fit import Run, fit_tangent
+from precompute.tangent_modes import Oscillators
 
 Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
@@ -49,6 +52,16 @@ class RenderMesh:
     primitives: list[dict[str, Any]]  # name, kind, vertices
 
 
+@dataclass(frozen=True)
+class Learning:
+    """What the drift-free method is made from: free oscillators of the body, its scheme, and true runs."""
+
+    body: Oscillators
+    scheme: FemSettings
+    runs: Sequence[Trajectory]
+    dynamic: int = 16
+
+
 def internal_states(runs: Sequence[Trajectory]) -> InternalStates:
     """The records of all runs, one after another."""
     velocity, force, stiffness = (
@@ -77,12 +90,21 @@ def assemble_table(
     mesh: RenderMesh,
     description: Metadata,
     settings: TableSettings,
+    learning: Learning,
     tick: Callable[[float], None] = lambda fraction: None,
 ) -> Table:
     """The table of all runs. ``description`` adds species, height, winds, provenance to the metadata."""
     height_m = float(description["height_m"])
-    subspace = fit_subspace(
-        thinned([run.displacement_m for run in runs]), mass_kg, settings.truncation_share * height_m
+    seen = [run.displacement_m for run in (*runs, *learning.runs)]
+    subspace = fit_subspace(thinned(seen), mass_kg, settings.truncation_share * height_m)
+    tick(0.1)
+    tangent = fit_tangent(
+        learning.body,
+        mass_kg,
+        [Run(run.pressure_pa, run.displacement_m) for run in learning.runs],
+        subspace,
+        learning.scheme,
+        dynamic=learning.dynamic,
     )
     tick(0.2)
     motion = quantise(subspace.project(run.displacement_m) for run in runs)
@@ -102,6 +124,7 @@ def assemble_table(
     return Table(
         metadata, motion.scale, nodes.basis, nodes.rest_m, nodes.vertex_node, motion.dq, pressure, starts,
         search.offsets, search.record, search.mismatches,
+        tangent.step, tangent.load, tangent.sway, tangent.force, tangent.pose, tangent.limits,
     )  # fmt: skip
 
 

@@ -1,9 +1,10 @@
-"""The drift-free method: a few oscillators of the tree's own, stepped exactly, bent by a small polynomial force.
+"""The drift-free method: a few oscillators of the tree's own, stepped exactly, bent by a small force.
 
-State of a tree: d modal coordinates e (m·√kg) about its gravity rest pose and their velocities v. A step is the
-finite elements' own linear step, diagonal in e, under the wind's load and a force that is polynomial in the two
-sway coordinates (docs/design/0005-drift-free-motion.md). The shown pose q is linear in e and the pressure, plus a
-polynomial for what bending draws along. web/src/tangent.ts is the same arithmetic, operation for operation.
+State of a tree: d modal coordinates e (m·√kg) about its gravity rest pose and their velocities v. A step is
+the finite elements' own linear step, diagonal in e, under the wind's load and a force that is polynomial in
+the two sway coordinates (docs/design/0005-drift-free-motion.md). The shown pose q is linear in e and the
+pressure, plus a polynomial for what bending draws along. web/src/tangent.ts is the same arithmetic, operation
+for operation.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -26,17 +27,20 @@ MAX_STEPS_PER_ADVANCE = 8
 MAX_COUPLED = 4
 """Modes beside the two sway coordinates whose products with these are kept."""
 REACH = 1.25
-"""The polynomials are held where they are beyond this multiple of the sampled range: their force stays bounded,
-and the linear step that it drives is contracting, so any bounded wind gives a bounded motion."""
+"""The polynomials are held where they are beyond this multiple of the sampled range: their force stays
+bounded, and the linear step that it drives is contracting, so any bounded wind gives a bounded motion."""
 REST = 1e-7
 """In still air a motion below this share of the sampled range ends, exactly."""
 
 
 @dataclass(frozen=True)
 class Tangent:
-    """Tensors of the method; d dynamic coordinates, c coupled ones, r shown modes, F = 26 + 2c terms of force."""
+    """Tensors of the method: d dynamic coordinates, c coupled ones, r shown modes, F = 26 + 2c terms.
 
-    step: Singles  # (d, 6) r00 − 1, r01, r10, r11 − 1, s0, s1: e' = r00 e + r01 v + s0 f, v' = r10 e + r11 v + s1 f
+    A step of an oscillator under a force f is e' = r00 e + r01 v + s0 f, v' = r10 e + r11 v + s1 f.
+    """
+
+    step: Singles  # (d, 6) r00 − 1, r01, r10, r11 − 1, s0, s1
     load: Singles  # (d, 2) modal force per Pa of pressure along x and z
     sway: Singles  # (2, d) the two sway coordinates, 1 at the edge of the sampled range
     force: Singles  # (F, d)
@@ -75,7 +79,7 @@ def write_shape(x, y, e, limits, out):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def write_motion(x, y, vx, vy, px, pz, at, out):  # pragma: no cover  (compiled)
-    """Terms with the sway's velocity (centrifugal) and with the pressure (a bent tree takes the wind otherwise)."""
+    """Terms with the sway's speed (centrifugal) and with the pressure (a bent tree is pushed otherwise)."""
     a, b, c = vx * vx, vx * vy, vy * vy
     out[at], out[at + 1], out[at + 2] = a, b, c
     out[at + 3], out[at + 4], out[at + 5] = a * x, a * y, b * x
@@ -132,8 +136,8 @@ def write_pose_terms(sway, limits, e, px, pz, out):  # pragma: no cover  (compil
 def _step(tensors, half_s, px, pz, e, v, work):  # pragma: no cover  (compiled)
     """Advance one tree by the table's step."""
     step, load, sway, force, _, limits = tensors
-    ahead, terms, total = work[0], work[1], work[2]
     d = len(e)
+    ahead, terms, total = work[0, :d], work[1], work[2]
     write_force_terms(sway, limits, half_s, e, v, px, pz, ahead, terms)
     for k in range(d):
         total[k] = load[k, 0] * px + load[k, 1] * pz

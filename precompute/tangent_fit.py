@@ -1,9 +1,11 @@
 """Fits the drift-free method to finite-element runs: its small bending force and the pose that it shows.
 
-The force is found by linear least squares on motions, not on one-step residuals: each term, taken along the true
-run, is sent through its oscillator, and the responses together must make up what the linear step misses. What a
-term does to the frequency and the damping of a mode thus weighs by what it does to the sway.
+The force is found by linear least squares on motions, not on one-step residuals: each term, taken along the
+true run, is sent through its oscillator, and the responses together must make up what the linear step misses.
+What a term does to the frequency and the damping of a mode thus weighs by what it does to the sway.
 """
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
 
 from __future__ import annotations
 
@@ -83,8 +85,8 @@ def modal_run(run: Run, ritz: Oscillators, mass_kg: Floats, subspace: Subspace, 
     """A run by its mass-weighted projection; velocities by central differences."""
     u = np.asarray(run.displacement_m, np.float64).reshape(len(run.displacement_m), -1)
     weighted = ritz.shapes * np.repeat(mass_kg, 3)
-    e = np.linalg.solve(weighted @ ritz.shapes.T, weighted @ u.T).T
-    v = np.zeros_like(e)
+    e: Floats = np.linalg.solve(weighted @ ritz.shapes.T, weighted @ u.T).T.astype(np.float64)
+    v: Floats = np.zeros(e.shape)
     v[1:-1] = (e[2:] - e[:-2]) / (2 * dt_s)
     v[-1] = (e[-1] - e[-2]) / dt_s
     return ModalRun(np.asarray(run.pressure_pa, np.float64), e, v, u @ subspace.dual.T)

@@ -1,8 +1,8 @@
-"""The oscillators of the drift-free method: what a tree does in a light wind, in as few coordinates as that needs.
+"""The oscillators of the drift-free method: what a tree does in a light wind, in few coordinates.
 
-Natural modes of the finite-element model are many and close together; the wind pushes only along two given fields.
-So the responses of many natural modes to the sampled winds are reduced by proper orthogonal decomposition, and the
-model projected on the result and made diagonal again (Ritz).
+Natural modes of the finite-element model are many and close together; the wind pushes only along two given
+fields. So the responses of many natural modes to the sampled winds are reduced by proper orthogonal
+decomposition, and the model projected on the result and made diagonal again (Ritz).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
 
 
 def _elastic(model: FemModel, shapes: Floats) -> Floats:
-    """(k,k) the elements' tangent at rest between shapes (k,N,3): without what the weight takes off, as β sees it."""
+    """(k,k) elements' tangent at rest between shapes (k,N,3), as β sees it: without the weight's share."""
     system = model.system()
     u, nothing = model.u_rest[system.order], np.zeros(len(model.nodes_m))
     still = np.zeros_like(u)
@@ -82,18 +82,10 @@ def response(step: Floats, force: Floats) -> Floats:
 
 
 def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, dynamic: int) -> Oscillators:
-    """The ``dynamic`` Ritz oscillators that follow all of the body's under the winds (T, 2) best, in metres."""
+    """The ``dynamic`` Ritz oscillators that follow the body best, in metres, under the winds (T, 2)."""
     dynamic = min(dynamic, len(body.omega))
     step = propagators(body.omega, np.diag(body.damping), settings)
-    motion = np.concatenate(
-        [
-            np.concatenate(
-                [response(step[k], (wind @ body.load[k])[:, None])[::3] for k in range(len(body.omega))],
-                axis=1,
-            )
-            for wind in winds
-        ]
-    )
+    motion = np.concatenate([_light_motion(body, step, wind) for wind in winds])
     root = np.linalg.cholesky(body.shapes @ body.shapes.T)
     _, vectors = np.linalg.eigh(root.T @ (motion.T @ motion) @ root)
     kept, _ = np.linalg.qr(np.linalg.solve(root.T, vectors[:, ::-1][:, :dynamic]))
@@ -101,3 +93,9 @@ def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, d
     mix = (kept @ turn).T
     mix *= np.sign(mix[np.arange(dynamic), np.argmax(np.abs(mix), axis=1)])[:, None]
     return Oscillators(np.sqrt(squared), mix @ body.damping @ mix.T, mix @ body.shapes, mix @ body.load)
+
+
+def _light_motion(body: Oscillators, step: Floats, wind: Floats) -> Floats:
+    """(T / 3, k) every third frame of the oscillators' motion under a wind (T, 2)."""
+    moved = [response(step[k], (wind @ body.load[k])[:, None])[::3] for k in range(len(body.omega))]
+    return np.concatenate(moved, axis=1)

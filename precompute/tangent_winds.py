@@ -17,24 +17,26 @@ NOISE_WINDS, GUST_WINDS = 14, 6
 FRAMES = 300
 LEVELS = (0.35, 0.55, 0.75, 0.95)
 """Peaks over the design speed."""
+INTENSITY = 0.35
 SEED = 1
 
 
 def training_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) -> list[SampleWind]:
     """Noise of wandering heading and single gusts at several strengths."""
     rng = np.random.default_rng(seed)
-    winds = [
-        noise_wind(rng, f"noise-{k:02d}", 0.75 * design_speed_m_s * LEVELS[k % len(LEVELS)], dt_s, FRAMES)
-        for k in range(NOISE_WINDS)
-    ]
+    winds: list[SampleWind] = []
+    for k in range(NOISE_WINDS):
+        mean_m_s = 0.75 * design_speed_m_s * LEVELS[k % len(LEVELS)]
+        wind = noise_wind(rng, f"learn-noise-{k:02d}", mean_m_s, dt_s, FRAMES, most_m_s=design_speed_m_s)
+        winds.append(wind)
     return winds + [_gust(rng, k, design_speed_m_s, dt_s) for k in range(GUST_WINDS)]
 
 
 def noise_wind(
-    rng: np.random.Generator, name: str, mean_m_s: float, dt_s: float, frames: int, *, intensity: float = 0.35
+    rng: np.random.Generator, name: str, mean_m_s: float, dt_s: float, frames: int, *, most_m_s: float
 ) -> SampleWind:
     """Speed with a −5/3 spectrum about its mean, heading wandering about a random one."""
-    speed = np.maximum(0.0, mean_m_s * (1.0 + intensity * noise(rng, frames, dt_s, 5 / 3)))
+    speed = np.clip(mean_m_s * (1.0 + INTENSITY * noise(rng, frames, dt_s, 5 / 3)), 0.0, most_m_s)
     start = rng.uniform(0, 2 * np.pi)
     heading = start + rng.uniform(0.3, 0.7) * noise(rng, frames, dt_s, 2.0)
     return _wind(name, start, speed, heading)
@@ -56,9 +58,8 @@ def _gust(rng: np.random.Generator, k: int, design_speed_m_s: float, dt_s: float
     share = np.clip((time_s - rng.uniform(0, 1)) / rng.uniform(0.8, 4), 0, 1)
     rise = np.sin(np.pi * share) ** 2 if k % 2 == 0 else ((share > 0) & (share < 1)).astype(np.float64)
     heading = rng.uniform(0, 2 * np.pi)
-    return _wind(
-        f"gust-{k:02d}", heading, design_speed_m_s * (0.5 + 0.1 * k) * rise, np.full(FRAMES, heading)
-    )
+    speed = design_speed_m_s * (0.5 + 0.1 * k) * rise
+    return _wind(f"learn-gust-{k:02d}", heading, speed, np.full(FRAMES, heading))
 
 
 def _wind(name: str, start_rad: float, speed_m_s: Floats, heading_rad: Floats) -> SampleWind:

@@ -9,6 +9,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy.linalg
+
+from precompute.tangent_modes import Oscillators
 
 Array = npt.NDArray[Any]
 
@@ -27,6 +30,16 @@ class Beam:
         self.mass = np.repeat(self.mass_kg, 3)
         self.damping = 0.3 * np.diag(self.mass) + 0.01 * self.stiffness
         self.reset()
+
+    def oscillators(self) -> Oscillators:
+        """Its natural modes about rest."""
+        wind = np.zeros((self.n, 3, 2))
+        wind[:, 0, 0] = wind[:, 2, 1] = self.area_m2
+        squared, modes = scipy.linalg.eigh(self.stiffness, np.diag(self.mass))
+        shapes = modes.T
+        return Oscillators(
+            np.sqrt(squared), shapes @ self.damping @ modes, shapes, shapes @ wind.reshape(-1, 2)
+        )
 
     def reset(self) -> None:
         self.u, self.v = np.zeros((self.n, 3)), np.zeros((self.n, 3))

@@ -9,9 +9,12 @@ import numpy as np
 import scipy.sparse
 
 from precompute.lookup import ForestLookup
+from precompute.model import FemSettings
 from precompute.sampling import SampleWind, Trajectory, sample_trajectory, sample_winds
 from precompute.table import Table, encode
-from precompute.tabulate import RenderMesh, TableSettings, assemble_table
+from precompute.tabulate import Learning, RenderMesh, TableSettings, assemble_table
+from precompute.tangent import TangentForest
+from precompute.tangent_winds import training_winds
 from precompute.wind import Wind, wind_pressure
 from tests.golden.beam import Beam
 
@@ -68,7 +71,15 @@ def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
         "provenance": {"made_by": "tests/golden/make.py"},
     }
     runs = beam_runs(beam, frames)
-    return assemble_table(runs, beam.mass_kg, beam_mesh(beam), description, settings)
+    winds = training_winds(12.0, beam.dt_s)
+    learnt = [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
+    learning = Learning(beam.oscillators(), scheme(beam), learnt, dynamic=5)
+    return assemble_table(runs, beam.mass_kg, beam_mesh(beam), description, settings, learning)
+
+
+def scheme(beam: Beam) -> FemSettings:
+    """How the small system steps."""
+    return FemSettings(dt_s=beam.dt_s, scheme="backward-euler")
 
 
 def wind_vectors() -> list[dict[str, object]]:
@@ -110,11 +121,37 @@ def forest_walk(table: Table, easing: float) -> dict[str, object]:
     return {"pose_easing": easing, "trees": trees, "records": records, "poses": poses}
 
 
+def sway_walk(table: Table) -> dict[str, object]:
+    """Poses and coverage of the drift-free method under every wind model, 10,000 frames, then still air."""
+    rng = np.random.default_rng(8)
+    count, frames = 4, 10_000
+    x, z = rng.uniform(-20, 20, (2, count)).astype(np.float32)
+    yaw, scale = rng.uniform(-3, 3, count).astype(np.float32), rng.uniform(0.6, 1.6, count).astype(np.float32)
+    forest = TangentForest(table.tangent, table.metadata["dt_s"], table.mode_scale, count)
+    forest.set_trees(x, z, yaw, scale)
+    out_x, out_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
+    poses: list[list[float]] = []
+    for frame in range(frames):
+        strength = 12.0 if frame < 9000 else 0.0
+        # Plain cosines that both languages compute alike; the winds have golden files of their own.
+        out_x[:] = strength * (1 + np.cos(0.05 * frame + x)) * (1 + 0.5 * np.cos(0.013 * frame))
+        out_z[:] = strength * np.cos(0.031 * frame + z)
+        forest.advance(1 / 30, out_x, out_z)
+        if frame % 100 == 99:
+            poses.append([float(f"{value:.9g}") for value in forest.q.ravel()])
+    trees = {"x_m": x.tolist(), "z_m": z.tolist(), "yaw_rad": yaw.tolist(), "scale": scale.tolist()}
+    return {"frames": frames, "every": 100, "trees": trees, "poses": poses}
+
+
 def main() -> None:
     table = beam_table()
     (HERE / "pole.safetensors").write_bytes(encode(table))
     walks = [forest_walk(table, easing) for easing in (0.0, 0.1)]
-    for name, content in (("wind.json", wind_vectors()), ("walk.json", walks)):
+    for name, content in (
+        ("wind.json", wind_vectors()),
+        ("walk.json", walks),
+        ("sway.json", sway_walk(table)),
+    ):
         (HERE / name).write_text(json.dumps(content, separators=(",", ":")) + "\n")
 
 

@@ -44,9 +44,9 @@ describe("refuses", () => {
 
   test("another version, naming both", () => {
     const file = tampered((_, metadata) => {
-      metadata.version = 2;
+      metadata.version = 3;
     });
-    expect(() => decodeTable(file)).toThrow("table version 2, this reader knows version 1");
+    expect(() => decodeTable(file)).toThrow("table version 3, this reader knows version 2");
   });
 
   test("another format, no metadata, metadata out of range", () => {

@@ -1,9 +1,12 @@
 // THE table format, twin of precompute/table.py: one safetensors file a species (docs/formats/table.md).
 // Everything a reader relies on is checked on the way in: a decoded table is searched without bounds checks.
 
+import { contracts, coupledModes, type Tangent } from "./tangent";
+
 export const FORMAT = "galewood-table";
-export const VERSION = 1;
+export const VERSION = 2;
 const MAX_HEADER_BYTES = 1 << 20;
+const MAX_DYNAMIC = 64;
 
 export class TableError extends Error {
   override readonly name = "TableError";
@@ -54,6 +57,7 @@ export interface Table {
   readonly offsets: Uint32Array;
   readonly candidate: Uint16Array;
   readonly mismatches: Uint16Array;
+  readonly tangent: Tangent;
 }
 
 type Numbers = Float32Array | Int16Array | Uint16Array | Uint32Array;
@@ -69,6 +73,12 @@ const TENSORS: Readonly<Record<string, readonly [keyof typeof TYPES, number]>> =
   "search.offsets": ["U32", 1],
   "search.record": ["U16", 1],
   "search.mismatches": ["U16", 1],
+  "tangent.step": ["F32", 2],
+  "tangent.load": ["F32", 2],
+  "tangent.sway": ["F32", 2],
+  "tangent.force": ["F32", 2],
+  "tangent.pose": ["F32", 2],
+  "tangent.limits": ["F32", 1],
 };
 
 interface Tensor {
@@ -101,10 +111,19 @@ export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
     offsets: values("search.offsets"),
     candidate: values("search.record"),
     mismatches: values("search.mismatches"),
+    tangent: {
+      step: values("tangent.step"),
+      load: values("tangent.load"),
+      sway: values("tangent.sway"),
+      force: values("tangent.force"),
+      pose: values("tangent.pose"),
+      limits: values("tangent.limits"),
+    },
   };
   checkNumbers(table);
   checkTrajectories(table);
   checkSearch(table);
+  checkTangent(table.tangent);
   return table;
 }
 
@@ -225,6 +244,9 @@ function checkShapes(tensors: ReadonlyMap<string, Tensor>, metadata: TableMetada
   const shapeOf = (name: string) => tensors.get(name)?.shape ?? [];
   const n = shapeOf("nodes.rest_m")[0];
   const vertices = metadata.primitives.reduce((sum, primitive) => sum + primitive.vertices, 0);
+  const d = shapeOf("tangent.step")[0];
+  need(d >= 2 && d <= MAX_DYNAMIC, `tensor tangent.step: expected 2..${MAX_DYNAMIC} rows`);
+  const c = coupledModes(d);
   const expected: Record<string, number[]> = {
     "modes.scale": [r],
     "nodes.basis": [n, 3, r],
@@ -234,6 +256,12 @@ function checkShapes(tensors: ReadonlyMap<string, Tensor>, metadata: TableMetada
     "samples.pressure_pa": [z, 2],
     "search.offsets": [z + 1],
     "search.mismatches": [...shapeOf("search.record")],
+    "tangent.step": [d, 6],
+    "tangent.load": [d, 2],
+    "tangent.sway": [2, d],
+    "tangent.force": [26 + 2 * c, d],
+    "tangent.pose": [d + 9 + 2 * c, r],
+    "tangent.limits": [3 + c],
   };
   for (const [name, shape] of Object.entries(expected)) {
     const found = shapeOf(name);
@@ -259,6 +287,17 @@ function checkNumbers(table: Table): void {
     table.vertexNode.every((node) => node < nodes),
     "tensor render.vertex_node: node out of range",
   );
+}
+
+function checkTangent(tangent: Tangent): void {
+  for (const [name, values] of Object.entries(tangent) as [string, Float32Array][]) {
+    need(values.every(Number.isFinite), `tensor tangent.${name}: not finite`);
+  }
+  need(
+    tangent.limits.every((limit) => limit > 0),
+    "tensor tangent.limits: not positive",
+  );
+  need(contracts(tangent.step), "tensor tangent.step: an oscillator that does not come to rest");
 }
 
 function checkTrajectories(table: Table): void {

@@ -1,0 +1,320 @@
+// The drift-free method for many trees at once, twin of precompute/tangent.py: a few oscillators of the tree's
+// own, stepped exactly, bent by a small polynomial force. Allocates nothing while trees move.
+
+import { MAX_STEPS_PER_ADVANCE } from "./lookup";
+import type { Table } from "./table";
+
+const MAX_COUPLED = 4;
+/** The polynomials are held where they are beyond this multiple of the sampled range. */
+const REACH = 1.25;
+/** In still air a motion below this share of the sampled range ends, exactly. */
+const REST = 1e-7;
+
+/** Tensors of the method: d dynamic coordinates, c coupled ones, r shown modes. */
+export interface Tangent {
+  /** [d, 6] r00 − 1, r01, r10, r11 − 1, s0, s1 of each oscillator */
+  readonly step: Float32Array;
+  /** [d, 2] modal force per Pa along x and z */
+  readonly load: Float32Array;
+  /** [2, d] the two sway coordinates, 1 at the edge of the sampled range */
+  readonly sway: Float32Array;
+  /** [26 + 2c, d] */
+  readonly force: Float32Array;
+  /** [d + 9 + 2c, r] m of q per unit */
+  readonly pose: Float32Array;
+  /** [3 + c] sampled range: sway, its speed 1/s, pressure Pa, coupled coordinates */
+  readonly limits: Float32Array;
+}
+
+/** c: the coupled coordinates are those numbered 2 to 2 + c. */
+export function coupledModes(dynamic: number): number {
+  return Math.min(MAX_COUPLED, dynamic - 2);
+}
+
+/** Whether every oscillator's step contracts: then a bounded wind gives a bounded motion. */
+export function contracts(step: Float32Array): boolean {
+  for (let k = 0; k < step.length; k += 6) {
+    const r00 = 1 + step[k];
+    const r11 = 1 + step[k + 3];
+    const product = r00 * r11 - step[k + 1] * step[k + 2];
+    if (!(Math.abs(product) < 1 && Math.abs(r00 + r11) < 1 + product)) return false;
+  }
+  return true;
+}
+
+/** Adds the rows of `matrix` [terms, width], each times its term, to `out`, four columns at a time. */
+function addRows(
+  matrix: Float64Array,
+  terms: Float64Array,
+  count: number,
+  width: number,
+  out: Float64Array,
+): void {
+  let k = 0;
+  for (; k + 4 <= width; k += 4) {
+    let a = out[k];
+    let b = out[k + 1];
+    let c = out[k + 2];
+    let d = out[k + 3];
+    for (let f = 0, at = k; f < count; f++, at += width) {
+      const term = terms[f];
+      a += matrix[at] * term;
+      b += matrix[at + 1] * term;
+      c += matrix[at + 2] * term;
+      d += matrix[at + 3] * term;
+    }
+    out[k] = a;
+    out[k + 1] = b;
+    out[k + 2] = c;
+    out[k + 3] = d;
+  }
+  for (; k < width; k++) {
+    let a = out[k];
+    for (let f = 0, at = k; f < count; f++, at += width) a += matrix[at] * terms[f];
+    out[k] = a;
+  }
+}
+
+/** Trees of one table, each with its own state, in its own frame and at its own pace. */
+export class TangentForest {
+  /** [count, r] shown pose, between the last two steps. */
+  readonly q: Float32Array;
+  /** [count] how far into the sampled range a tree's sway and pressure are: above 1 it is beyond it. */
+  readonly coverage: Float32Array;
+  /** Place of each tree (m), for the wind. */
+  readonly x: Float32Array;
+  readonly z: Float32Array;
+  private readonly d: number;
+  private readonly r: number;
+  private readonly dt: number;
+  private readonly stepOf: Float64Array;
+  private readonly load: Float64Array;
+  private readonly sway: Float64Array;
+  private readonly force: Float64Array;
+  private readonly pose: Float64Array;
+  private readonly limits: Float64Array;
+  private readonly e: Float64Array;
+  private readonly v: Float64Array;
+  private readonly now: Float64Array;
+  private readonly before: Float64Array;
+  private readonly phase: Float64Array;
+  private readonly turn: Float32Array;
+  private readonly size: Float32Array;
+  private readonly ahead: Float64Array;
+  private readonly terms: Float64Array;
+  private readonly total: Float64Array;
+  private readonly shown: Float64Array;
+  private readonly pair = new Float64Array(2);
+
+  constructor(
+    table: Table,
+    readonly count: number,
+  ) {
+    const { tangent } = table;
+    const d = tangent.step.length / 6;
+    const r = table.metadata.modes;
+    this.d = d;
+    this.r = r;
+    this.dt = table.metadata.dt_s;
+    this.stepOf = Float64Array.from(tangent.step);
+    this.load = Float64Array.from(tangent.load);
+    this.sway = Float64Array.from(tangent.sway);
+    this.force = Float64Array.from(tangent.force);
+    this.pose = Float64Array.from(tangent.pose);
+    this.limits = Float64Array.from(tangent.limits);
+    this.e = new Float64Array(count * d);
+    this.v = new Float64Array(count * d);
+    this.now = new Float64Array(count * r);
+    this.before = new Float64Array(count * r);
+    this.phase = new Float64Array(count);
+    this.turn = new Float32Array(count * 2);
+    for (let i = 0; i < count; i++) this.turn[2 * i] = 1;
+    this.size = new Float32Array(count).fill(1);
+    this.q = new Float32Array(count * r);
+    this.coverage = new Float32Array(count);
+    this.x = new Float32Array(count);
+    this.z = new Float32Array(count);
+    this.ahead = new Float64Array(d);
+    this.terms = new Float64Array(Math.max(tangent.force.length / d, tangent.pose.length / r));
+    this.total = new Float64Array(d);
+    this.shown = new Float64Array(r);
+  }
+
+  /** Place, turn and size of each tree; their state goes on. */
+  setTrees(
+    x: ArrayLike<number>,
+    z: ArrayLike<number>,
+    yaw: ArrayLike<number>,
+    scale: ArrayLike<number>,
+  ): void {
+    this.x.set(x);
+    this.z.set(z);
+    this.size.set(scale);
+    for (let i = 0; i < this.count; i++) {
+      // Rounded to float32: the last bit of a cosine is nobody's promise.
+      this.turn[2 * i] = Math.cos(Math.fround(yaw[i]));
+      this.turn[2 * i + 1] = Math.sin(Math.fround(yaw[i]));
+    }
+  }
+
+  /** Lets dt seconds pass under world pressures (Pa); a tree s times as large sways s times slower. */
+  advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
+    const rate = dtS / this.dt;
+    for (let i = 0; i < this.count; i++) {
+      const c = this.turn[2 * i];
+      const s = this.turn[2 * i + 1];
+      const px = c * pressureX[i] - s * pressureZ[i];
+      const pz = s * pressureX[i] + c * pressureZ[i];
+      let phase = this.phase[i] + rate / this.size[i];
+      for (let steps = 0; phase >= 1 && steps < MAX_STEPS_PER_ADVANCE; steps++) {
+        this.step(i, px, pz);
+        phase -= 1;
+      }
+      phase -= Math.floor(phase);
+      this.phase[i] = phase;
+      this.show(i, phase);
+    }
+  }
+
+  private step(i: number, px: number, pz: number): void {
+    const { d, e, v, stepOf, load, total } = this;
+    const first = i * d;
+    this.writeForceTerms(first, px, pz);
+    for (let k = 0; k < d; k++) total[k] = load[2 * k] * px + load[2 * k + 1] * pz;
+    addRows(this.force, this.terms, this.force.length / d, d, total);
+    for (let k = 0; k < d; k++) {
+      const a = e[first + k];
+      const b = v[first + k];
+      const f = total[k];
+      const at = 6 * k;
+      e[first + k] = a + (stepOf[at] * a + stepOf[at + 1] * b + stepOf[at + 4] * f);
+      v[first + k] = b + (stepOf[at + 2] * a + stepOf[at + 3] * b + stepOf[at + 5] * f);
+    }
+    if (px === 0 && pz === 0 && this.settled(first)) {
+      e.fill(0, first, first + d);
+      v.fill(0, first, first + d);
+    }
+    this.writePose(i, px, pz);
+  }
+
+  /** The two sway coordinates of a row of `values`, into `pair`. */
+  private swayed(values: Float64Array, first: number): void {
+    const { d, sway, pair } = this;
+    let x = 0;
+    let y = 0;
+    for (let k = 0; k < d; k++) {
+      x += sway[k] * values[first + k];
+      y += sway[d + k] * values[first + k];
+    }
+    pair[0] = x;
+    pair[1] = y;
+  }
+
+  /** Draws `pair` back to length `far` if it is longer. */
+  private hold(far: number): void {
+    const { pair } = this;
+    const size = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]);
+    if (!(size > far)) return;
+    pair[0] *= far / size;
+    pair[1] *= far / size;
+  }
+
+  /** Terms in the pose alone, from `at` on: sway of degree 2 and 3, each coupled coordinate times the sway. */
+  private writeShape(x: number, y: number, values: Float64Array, first: number, at: number): void {
+    const { terms, limits } = this;
+    const xx = x * x;
+    const xy = x * y;
+    const yy = y * y;
+    terms[at] = xx;
+    terms[at + 1] = xy;
+    terms[at + 2] = yy;
+    terms[at + 3] = xx * x;
+    terms[at + 4] = xx * y;
+    terms[at + 5] = x * yy;
+    terms[at + 6] = yy * y;
+    for (let j = 0; j < limits.length - 3; j++) {
+      const far = REACH * limits[3 + j];
+      const z = Math.min(Math.max(values[first + 2 + j], -far), far);
+      terms[at + 7 + 2 * j] = z * x;
+      terms[at + 8 + 2 * j] = z * y;
+    }
+  }
+
+  /** All terms of the force at the middle of the coming step, as far as the state now tells. */
+  private writeForceTerms(first: number, px: number, pz: number): void {
+    const { d, e, v, ahead, terms, limits, pair } = this;
+    const half = this.dt / 2;
+    for (let k = 0; k < d; k++) ahead[k] = e[first + k] + half * v[first + k];
+    this.swayed(ahead, 0);
+    this.hold(REACH * limits[0]);
+    const x = pair[0];
+    const y = pair[1];
+    this.writeShape(x, y, ahead, 0, 0);
+    this.swayed(v, first);
+    this.hold(REACH * limits[1]);
+    const a = pair[0] * pair[0];
+    const b = pair[0] * pair[1];
+    const c = pair[1] * pair[1];
+    pair[0] = px;
+    pair[1] = pz;
+    this.hold(REACH * limits[2]);
+    let at = 7 + 2 * (limits.length - 3);
+    terms[at++] = a;
+    terms[at++] = b;
+    terms[at++] = c;
+    terms[at++] = a * x;
+    terms[at++] = a * y;
+    terms[at++] = b * x;
+    terms[at++] = b * y;
+    terms[at++] = c * x;
+    terms[at++] = c * y;
+    terms[at++] = pair[0] * x;
+    terms[at++] = pair[0] * y;
+    terms[at++] = pair[1] * x;
+    terms[at++] = pair[1] * y;
+    for (let side = 0; side < 2; side++) {
+      terms[at++] = pair[side] * terms[0];
+      terms[at++] = pair[side] * terms[1];
+      terms[at++] = pair[side] * terms[2];
+    }
+  }
+
+  /** Whether the tree moves too little to matter in still air; then it rests. */
+  private settled(first: number): boolean {
+    const { d, e, sway, limits, pair } = this;
+    const small = REST * limits[0];
+    this.swayed(e, first);
+    if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > small) return false;
+    this.swayed(this.v, first);
+    if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > REST * limits[1]) return false;
+    let largest = 0;
+    for (let k = 0; k < d; k++) largest = Math.max(largest, Math.abs(e[first + k]));
+    return largest * Math.max(Math.abs(sway[0]), Math.abs(sway[d])) < small;
+  }
+
+  /** The pose of the state now, the one before kept; and how far into the sampled range it is. */
+  private writePose(i: number, px: number, pz: number): void {
+    const { d, r, e, terms, limits, pair, now, before, shown } = this;
+    const first = i * d;
+    for (let k = 0; k < d; k++) terms[k] = e[first + k];
+    terms[d] = px;
+    terms[d + 1] = pz;
+    this.swayed(e, first);
+    const sway = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]) / limits[0];
+    this.coverage[i] = Math.max(sway, Math.sqrt(px * px + pz * pz) / limits[2]);
+    this.hold(REACH * limits[0]);
+    this.writeShape(pair[0], pair[1], e, first, d + 2);
+    shown.fill(0);
+    addRows(this.pose, terms, this.pose.length / r, r, shown);
+    for (let k = 0; k < r; k++) {
+      before[i * r + k] = now[i * r + k];
+      now[i * r + k] = shown[k];
+    }
+  }
+
+  private show(i: number, phase: number): void {
+    const { now, before, q } = this;
+    const end = (i + 1) * this.r;
+    for (let at = i * this.r; at < end; at++) q[at] = before[at] + (now[at] - before[at]) * phase;
+  }
+}
