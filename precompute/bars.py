@@ -1,6 +1,6 @@
 """Structured bars and poles of tetrahedra with exact cross-sections, for checks against beam theory."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import permutations
 
 import numpy as np
@@ -102,7 +102,7 @@ def box_bar(*, size_m: tuple[float, float, float], cells: tuple[int, int, int]) 
         vertices, np.concatenate(tets).astype(np.int32), per_layer, 1.0, np.zeros((0, 2)), np.zeros((0, 3))
     )
     width, depth = size_m[0], size_m[2]
-    return Bar(**{**bar.__dict__, "area_m2": width * depth, "second_moment_m4": depth * width**3 / 12})
+    return replace(bar, area_m2=width * depth, second_moment_m4=depth * width**3 / 12)
 
 
 def _bar(

@@ -49,8 +49,8 @@ def moduli(wood: Wood) -> Moduli:
 def gradients(corners_m: Array) -> tuple[Array, Array]:
     """Gradients of the barycentric coordinates (m,4,3), 1/m, and signed volumes (m,) of tets (m,4,3), m³."""
     edges = corners_m[:, 1:] - corners_m[:, :1]
-    volume = np.linalg.det(edges) / 6
-    inner = np.linalg.inv(edges).transpose(0, 2, 1)
+    volume: Array = np.linalg.det(edges) / 6
+    inner = np.asarray(np.linalg.inv(edges), np.float64).transpose(0, 2, 1)
     return np.concatenate([-inner.sum(axis=1, keepdims=True), inner], axis=1), volume
 
 

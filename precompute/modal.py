@@ -1,6 +1,6 @@
 """Natural frequencies and modes of a tree about its rest pose."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from precompute.model import FemModel
 
 Floats = NDArray[np.float64]
+
+LANCZOS_TOLERANCE: Any = 1e-10  # scipy's annotation asks for an int
 
 
 class Modes(NamedTuple):
@@ -56,9 +58,11 @@ def tangent_modes(system: ElementSystem, u: Floats, mass: Floats, count: int) ->
         system.solver.solve(y)
         return y.ravel()
 
-    solver = LinearOperator((size, size), matvec=inverse, dtype=np.float64)
+    solver = LinearOperator((size, size), matvec=inverse, dtype=np.float64)  # pyright: ignore[reportCallIssue]
     diagonal = diags_array(np.repeat(mass[: system.free], 3)).tocsc()
-    squares, vectors = eigsh(stiffness, count, M=diagonal, sigma=0, OPinv=solver, v0=np.ones(size), tol=1e-10)
+    squares, vectors = eigsh(
+        stiffness, count, M=diagonal, sigma=0, OPinv=solver, v0=np.ones(size), tol=LANCZOS_TOLERANCE
+    )
     modes = np.zeros((count, len(u), 3))
     modes[:, : system.free] = vectors.T.reshape(count, -1, 3)
     rising = np.argsort(squares)

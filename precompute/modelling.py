@@ -129,7 +129,9 @@ def _raw(material: Material, lumps: LumpsLike, settings: FemSettings, element: E
         shares = node_mass_shares()
         held = np.isin(midside_parents(count, elements), fixed).all(axis=1)
         fixed = np.concatenate([fixed, (count + np.flatnonzero(held)).astype(np.int32)])
-    mass = np.bincount(elements.ravel(), np.outer(material.element_mass_kg, shares).ravel(), len(nodes))
+    mass: Floats = np.bincount(
+        elements.ravel(), np.outer(material.element_mass_kg, shares).ravel(), len(nodes)
+    ).astype(np.float64)
     mass[:count] += lumps.mass_kg
     gravity, area = np.zeros((len(nodes), 3)), np.zeros(len(nodes))
     gravity[:, 1] = -GRAVITY_M_S2 * mass * settings.gravity

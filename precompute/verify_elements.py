@@ -112,7 +112,7 @@ def stiffness_eigenvalues(element: str) -> tuple[Floats, Floats]:
     bar = shaken_box()
     system = element_system(replace(bar, tets=bar.tets[:40]), element)
     used = np.unique(system.elements)
-    ours = np.linalg.eigvalsh(dense_stiffness(system, used))
+    ours = np.asarray(np.linalg.eigvalsh(dense_stiffness(system, used)), np.float64)
     tensor = elasticity_tensor(species("poplar"), np.array([0.48, 0.6, 0.64]))
 
     def energy(u: Any, v: Any, _: Any) -> Any:
@@ -122,7 +122,7 @@ def stiffness_eigenvalues(element: str) -> tuple[Floats, Floats]:
     mesh = skfem.MeshTet(bar.vertices_m[vertices].T, tets.reshape(-1, 4).T)
     kind = skfem.ElementTetP1() if element == "linear" else skfem.ElementTetP2()
     basis = skfem.Basis(mesh, skfem.ElementVector(kind), intorder=4)
-    theirs = np.linalg.eigvalsh(skfem.BilinearForm(energy).assemble(basis).toarray())
+    theirs = np.asarray(np.linalg.eigvalsh(skfem.BilinearForm(energy).assemble(basis).toarray()), np.float64)
     return ours, theirs
 
 
