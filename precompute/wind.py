@@ -27,6 +27,7 @@ from precompute.wind_models.pressure import (
     coverage,
     dynamic_pressure,
     height_factor,
+    limit_pressure,
     sampled_peak_pa,
     to_tree_frame,
 )
@@ -45,6 +46,7 @@ __all__ = [
     "coverage",
     "dynamic_pressure",
     "height_factor",
+    "limit_pressure",
     "paper_wind",
     "parse_state",
     "parse_wind",

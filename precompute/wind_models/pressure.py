@@ -59,6 +59,19 @@ def sampled_peak_pa(sample_pressure_pa: npt.NDArray[np.float32]) -> float:
     return float(np.sqrt(np.max(np.sum(np.square(sample_pressure_pa, dtype=np.float64), axis=1))))
 
 
+@numba.njit(cache=True, nogil=True)
+def limit_pressure(pressure_x, pressure_z, peak_pa):  # pragma: no cover  (compiled)
+    """Shorten pressures that are stronger than what a table has sampled to its strongest, in place.
+
+    Beyond it every record would be equally wrong, and trees would no longer know where the wind comes from.
+    """
+    for i in range(len(pressure_x)):
+        strength = math.sqrt(float(pressure_x[i]) ** 2 + float(pressure_z[i]) ** 2)
+        if strength > peak_pa:
+            pressure_x[i] *= peak_pa / strength
+            pressure_z[i] *= peak_pa / strength
+
+
 def coverage(pressure_x: Floats, pressure_z: Floats, peak_pa: float) -> float:
     """Share of the given pressures that are no stronger than what the table has sampled, 0 … 1."""
     if len(pressure_x) == 0:

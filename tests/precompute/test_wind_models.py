@@ -23,6 +23,7 @@ from precompute.wind import (
     coverage,
     dynamic_pressure,
     height_factor,
+    limit_pressure,
     paper_wind,
     parse_state,
     parse_wind,
@@ -274,3 +275,9 @@ def test_a_document_or_a_state_may_be_sent() -> None:
     assert parse_wind_or_state(Wind().document()) == glide.steady(Wind())
     with pytest.raises(WindError, match=r"wind\.model"):
         parse_wind_or_state({"version": 1})
+
+
+def test_pressures_beyond_the_table_keep_their_direction() -> None:
+    x, z = np.array([3.0, 30.0, 0.0], np.float32), np.array([4.0, -40.0, 0.0], np.float32)
+    limit_pressure(x, z, 10.0)
+    np.testing.assert_allclose(np.stack([x, z]), [[3.0, 6.0, 0.0], [4.0, -8.0, 0.0]], rtol=1e-6)

@@ -10,7 +10,7 @@ export { WindField } from "./wind/field";
 export { changeWind, parseState, steady, type WindState, windAt } from "./wind/glide";
 export { phaseRad } from "./wind/hashing";
 export { CALM_BREEZE, PRESETS, type PresetName, paperWind } from "./wind/presets";
-export { coverage, dynamicPressure, heightFactor, sampledPeak } from "./wind/pressure";
+export { coverage, dynamicPressure, heightFactor, limitPressure, sampledPeak } from "./wind/pressure";
 
 let last: { wind: WindDocument; field: WindField } | undefined;
 

@@ -111,7 +111,7 @@ export class WindStudio {
   get anemometer(): { x: number; z: number; speed_m_s: number; samples: number; tip_m: number } | null {
     const { place, speed_m_s, recorder } = this.instruments.anemometer;
     if (!place) return null;
-    return { ...place, speed_m_s, samples: recorder.count, tip_m: recorder.tip_m[recorder.count - 1] ?? 0 };
+    return { ...place, speed_m_s, samples: recorder.count, tip_m: recorder.tip_m[recorder.count - 1] || 0 };
   }
 
   /** Every frame: the field follows the forest's own state and time. */

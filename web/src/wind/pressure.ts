@@ -51,6 +51,19 @@ export function sampledPeak(samplePressure: Places): number {
   return Math.sqrt(peak);
 }
 
+/**
+ * Shortens pressures that are stronger than what a table has sampled to its strongest, in place: beyond it every
+ * record would be equally wrong, and the trees would no longer know where the wind comes from.
+ */
+export function limitPressure(pressureX: Output, pressureZ: Output, peak_pa: number): void {
+  for (let i = 0; i < pressureX.length; i++) {
+    const strength = Math.sqrt(pressureX[i] ** 2 + pressureZ[i] ** 2);
+    if (strength <= peak_pa) continue;
+    pressureX[i] *= peak_pa / strength;
+    pressureZ[i] *= peak_pa / strength;
+  }
+}
+
 /** Share of the given pressures that are no stronger than what the table has sampled, 0 … 1. */
 export function coverage(pressureX: Places, pressureZ: Places, peak_pa: number): number {
   const count = pressureX.length;

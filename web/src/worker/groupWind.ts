@@ -1,6 +1,6 @@
 /** The wind at the trees of one group, and their poses as rows for the screen. Allocates nothing per frame. */
 import { poseStride } from "../nodeLayout";
-import { coverage, dynamicPressure, heightFactor, type WindField } from "../wind";
+import { coverage, dynamicPressure, heightFactor, limitPressure, type WindField } from "../wind";
 
 const KNEE_M_S = 5;
 const STREAMLINED_EXPONENT = 1.3;
@@ -19,6 +19,9 @@ export class GroupWind {
   readonly pressureX: Float32Array;
   readonly pressureZ: Float32Array;
 
+  /** Share of the trees in winds that their table has sampled. */
+  coverage = 1;
+  private readonly speed_m_s: Float32Array;
   private readonly factor: Float64Array;
   private exponent = 0;
   private reference_m = 1;
@@ -34,6 +37,7 @@ export class GroupWind {
     this.z = this.column(1);
     this.pressureX = new Float32Array(this.count);
     this.pressureZ = new Float32Array(this.count);
+    this.speed_m_s = new Float32Array(this.count);
     this.factor = new Float64Array(this.count).fill(1);
   }
 
@@ -45,6 +49,11 @@ export class GroupWind {
     const { height_exponent, reference_height_m } = field.at(time_s).wind;
     this.setProfile(height_exponent, reference_height_m);
     field.pressure(this.x, this.z, time_s, this.pressureX, this.pressureZ, this.factor);
+    for (let tree = 0; tree < this.count; tree++) {
+      this.speed_m_s[tree] = speedFromPressure(Math.hypot(this.pressureX[tree], this.pressureZ[tree]));
+    }
+    this.coverage = coverage(this.pressureX, this.pressureZ, this.sampledPeak_pa);
+    limitPressure(this.pressureX, this.pressureZ, this.sampledPeak_pa);
   }
 
   /** Taller trees reach into faster air. */
@@ -57,23 +66,15 @@ export class GroupWind {
     }
   }
 
-  /** Trees that are in winds that their table has sampled. */
-  get covered(): number {
-    return this.count * coverage(this.pressureX, this.pressureZ, this.sampledPeak_pa);
-  }
-
   /** Puts each tree's wind speed (m/s) into its row, behind the modes. */
   writeSpeeds(out: Float32Array, modes: number): void {
     const stride = poseStride(modes);
-    for (let tree = 0; tree < this.count; tree++) {
-      const pressure_pa = Math.hypot(this.pressureX[tree], this.pressureZ[tree]);
-      out[tree * stride + modes] = speedFromPressure(pressure_pa);
-    }
+    for (let tree = 0; tree < this.count; tree++) out[tree * stride + modes] = this.speed_m_s[tree];
   }
 }
 
 /** Share of all trees that are in winds that their tables have sampled. */
 export function coverageOf(groups: readonly GroupWind[]): number {
   const trees = groups.reduce((sum, { count }) => sum + count, 0);
-  return trees === 0 ? 1 : groups.reduce((sum, { covered }) => sum + covered, 0) / trees;
+  return trees === 0 ? 1 : groups.reduce((sum, group) => sum + group.count * group.coverage, 0) / trees;
 }

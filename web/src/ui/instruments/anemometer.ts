@@ -36,12 +36,16 @@ export class Anemometer {
     this.recorder.clear();
     this.element.hidden = false;
     void this.loadPlots();
-    const { wind } = field.at(time_s);
+    this.remember(field, time_s);
+  }
+
+  private remember(field: WindField, time_s: number): void {
+    const { before, wind, since_s } = field.state;
     if (wind.model === "navier-stokes") return;
-    for (let k = KEPT_SAMPLES / 2; k > 0; k--) {
-      const before_s = time_s - k / RATE_HZ;
-      if (before_s >= field.state.since_s)
-        this.recorder.push(before_s, this.speedAt(field, before_s), Number.NaN);
+    const first_s = before === wind ? Number.NEGATIVE_INFINITY : since_s;
+    for (let k = KEPT_SAMPLES; k > 0; k--) {
+      const then_s = time_s - k / RATE_HZ;
+      if (then_s >= first_s) this.recorder.push(then_s, this.speedAt(field, then_s), Number.NaN);
     }
   }
 
@@ -74,7 +78,7 @@ export class Anemometer {
     if (!this.place || now_ms - this.plotted_ms < PLOT_EVERY_MS) return;
     this.plotted_ms = now_ms;
     const { x, z } = this.place;
-    const tip_m = this.recorder.tip_m[this.recorder.count - 1] ?? 0;
+    const tip_m = this.recorder.tip_m[this.recorder.count - 1] || 0;
     this.reading.textContent =
       `${this.speed_m_s.toFixed(1)} m/s at ${x.toFixed(0)}, ${z.toFixed(0)} m; ` +
       `tip of the nearest tree ${(100 * tip_m).toFixed(0)} cm from rest`;

@@ -20,10 +20,10 @@ export function dialTurn_deg(forward: { x: number; z: number }): number {
 
 export const wrap_deg = (angle: number): number => angle - 360 * Math.floor(angle / 360);
 
-/** The wind whose arrow ends at a place; the rim is the fastest. Near the centre the direction stays. */
+/** The wind whose arrow ends at a place: its length is as the root of the speed, the rim is the fastest. Near the centre the direction stays. */
 export function windAtPlace({ right, down }: DialPlace, turn_deg: number, before: DialWind): DialWind {
   const radius = Math.hypot(right, down);
-  const mean_speed_m_s = Math.round(Math.min(1, radius) * FASTEST_M_S * 10) / 10;
+  const mean_speed_m_s = Math.round(Math.min(1, radius) ** 2 * FASTEST_M_S * 10) / 10;
   if (radius < 0.03) return { direction_deg: before.direction_deg, mean_speed_m_s: 0 };
   const screen_deg = (Math.atan2(down, right) * 180) / Math.PI;
   return { direction_deg: Math.round(wrap_deg(screen_deg - turn_deg)) % 360, mean_speed_m_s };
@@ -32,7 +32,7 @@ export function windAtPlace({ right, down }: DialPlace, turn_deg: number, before
 /** Where the arrow of a wind ends. */
 export function placeOfWind({ direction_deg, mean_speed_m_s }: DialWind, turn_deg: number): DialPlace {
   const angle = ((direction_deg + turn_deg) * Math.PI) / 180;
-  const radius = Math.min(1, mean_speed_m_s / FASTEST_M_S);
+  const radius = Math.sqrt(Math.min(1, mean_speed_m_s / FASTEST_M_S));
   return { right: radius * Math.cos(angle), down: radius * Math.sin(angle) };
 }
 

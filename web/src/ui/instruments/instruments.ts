@@ -58,8 +58,8 @@ export class Instruments {
       this.words,
       this.details(),
       group("wind-tools", this.overlayButton, this.placeButton),
-      this.anemometer.element,
     );
+    element("anemometer").replaceChildren(this.anemometer.element);
     element("winds").replaceChildren(...this.presets.map(({ button }) => button));
     this.show(wind);
   }

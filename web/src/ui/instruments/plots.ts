@@ -15,12 +15,16 @@ const AXIS = { stroke: INK, grid: GRID, ticks: GRID, font: "10px sans-serif" };
 
 const timeOptions: uPlot.Options = {
   width: WIDTH,
-  height: 108,
+  height: 118,
   legend: { show: false },
   cursor: { show: false },
-  scales: { x: { time: false }, speed: { range: (_, __, high) => [0, Math.max(2, high * 1.1)] }, tip: {} },
+  scales: {
+    x: { time: false },
+    speed: { range: (_, __, high) => [0, Math.max(2, high * 1.1)] },
+    tip: { range: (_, __, high) => [0, Math.max(0.1, (high ?? 0) * 1.1)] },
+  },
   axes: [
-    { ...AXIS, size: 20, values: (_, ticks) => ticks.map((tick) => `${tick} s`) },
+    { ...AXIS, size: 26, gap: 3, values: (_, ticks) => ticks.map((tick) => `${tick} s`) },
     { ...AXIS, scale: "speed", size: 34, values: (_, ticks) => ticks.map((tick) => `${tick}`) },
     { ...AXIS, scale: "tip", side: 1, size: 38, stroke: "#8fd694", grid: { show: false } },
   ],
@@ -33,15 +37,20 @@ const timeOptions: uPlot.Options = {
 
 const spectrumOptions: uPlot.Options = {
   width: WIDTH,
-  height: 128,
+  height: 138,
   legend: { show: false },
   cursor: { show: false },
   scales: {
     x: { time: false, distr: 3, range: [...SHOWN_HZ] },
-    y: { distr: 3, range: (_, low, high) => [Math.max(1e-6, low), Math.max(1e-3, high * 2)] },
+    y: { distr: 3, range: (_, __, high) => powerRange(high) },
   },
   axes: [
-    { ...AXIS, size: 20, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} Hz` : "")) },
+    {
+      ...AXIS,
+      size: 26,
+      gap: 3,
+      values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} Hz` : "")),
+    },
     { ...AXIS, size: 34, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? exponent(tick) : "")) },
   ],
   series: [
@@ -50,6 +59,12 @@ const spectrumOptions: uPlot.Options = {
     { label: "−5/3", stroke: "#ffffff", width: 1, dash: [5, 4], points: { show: false } },
   ],
 };
+
+/** Four and a half decades below the highest: what is weaker is no wind. */
+function powerRange(highest: number): [number, number] {
+  const top = 10 ** Math.ceil(Math.log10(Math.max(1e-3, highest || 1)));
+  return [top * 10 ** -4.5, top];
+}
 
 const isDecade = (tick: number) => Number.isInteger(Math.round(Math.log10(tick) * 1e6) / 1e6);
 const exponent = (tick: number) =>
@@ -73,7 +88,8 @@ export class Plots {
     const first = Math.max(0, count - SHOWN_S * RATE_HZ);
     const now = time_s[count - 1];
     const ago = Array.from(time_s.subarray(first, count), (t) => t - now);
-    this.time.setData([ago, [...speed_m_s.subarray(first, count)], [...tip_m.subarray(first, count)]]);
+    const tip = Array.from(tip_m.subarray(first, count), (value) => (Number.isFinite(value) ? value : null));
+    this.time.setData([ago, [...speed_m_s.subarray(first, count)], tip]);
     const spectrum = powerSpectrum(speed_m_s, count, RATE_HZ);
     if (!spectrum) return;
     const line = kolmogorovLine(spectrum, ...LINE_HZ);

@@ -1,0 +1,104 @@
+import { CALM_BREEZE } from "../../web/src/wind/presets";
+import { expect, forest, open, SMALL, test } from "./forest";
+
+const panelled = SMALL.replace("panel=0", "panel=1");
+const wide = { viewport: { width: 800, height: 600 } };
+const link = (wind: unknown) => `wind=${encodeURIComponent(JSON.stringify(wind))}`;
+const steady = { ...CALM_BREEZE, mean_speed_m_s: 5, gustiness: 0 };
+
+/** How far the crowns lean along a heading, and across it, over their whole lean. */
+const lean = (heading_deg: number) => {
+  const [x, , z] = window.galewood!.crownDisplacement_m;
+  const c = Math.cos((heading_deg * Math.PI) / 180);
+  const s = Math.sin((heading_deg * Math.PI) / 180);
+  return (c * x + s * z) / Math.max(1e-9, Math.hypot(x, z));
+};
+
+test.describe("the rose", () => {
+  test.use(wide);
+
+  test("trees lean where the arrow is dragged to", async ({ page }) => {
+    await open(page, `${panelled}&${link(steady)}`);
+    await forest(page);
+    const box = await page.locator(".rose").boundingBox();
+    if (!box) throw new Error("no rose");
+    const centre = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+    const reach = 0.18 * box.width;
+    const directions: number[] = [];
+    for (const [right, down] of [[1, 0], [-0.7, 0.7]]) {
+      await page.mouse.move(centre.x, centre.y);
+      await page.mouse.down();
+      await page.mouse.move(centre.x + reach * right, centre.y + reach * down, { steps: 4 });
+      await page.mouse.up();
+      const { direction_deg, mean_speed_m_s } = await page.evaluate(() => window.galewood!.wind);
+      expect(mean_speed_m_s).toBeGreaterThan(4);
+      await expect.poll(() => page.evaluate(lean, direction_deg), { timeout: 90_000 }).toBeGreaterThan(0.8);
+      expect(new URL(page.url()).searchParams.get("wind")).toContain(`"direction_deg":${direction_deg}`);
+      directions.push(direction_deg);
+    }
+    const turned = (directions[1] - directions[0] + 360) % 360;
+    expect(Math.abs(turned - 135)).toBeLessThan(4);
+  });
+
+  test("the arrow obeys the keyboard and says what blows", async ({ page }) => {
+    await open(page, `${panelled}&${link(steady)}`);
+    await forest(page);
+    const arrow = page.getByRole("slider", { name: "Wind", exact: true });
+    await arrow.focus();
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("PageUp");
+    expect(await page.evaluate(() => window.galewood!.wind)).toMatchObject({ direction_deg: 35, mean_speed_m_s: 8 });
+    await expect(arrow).toHaveAttribute("aria-valuetext", /8\.0 m\/s to the south-east: Beaufort 5, fresh breeze/);
+  });
+});
+
+test("a wind of the link blows; one that cannot be used is refused with path and range", async ({ page }) => {
+  const wind = { ...steady, model: "perlin", length_scale_m: 33, seed: 5 };
+  await open(page, `${SMALL}&${link(wind)}`);
+  await forest(page);
+  expect(await page.evaluate(() => window.galewood!.wind)).toEqual(wind);
+  await open(page, `${panelled}&${link({ ...wind, length_scale_m: 3 })}`);
+  await expect(page.getByRole("alert")).toContainText("wind.length_scale_m: expected a number in 5..200, not 3");
+});
+
+test("a bad wind is refused in the page and in REST in the same words", async ({ page, request }) => {
+  await open(page, `${panelled}&${link(steady)}`);
+  await forest(page);
+  const bad = { ...steady, gustiness: 7 };
+  const words = "wind.gustiness: expected a number in 0..1, not 7";
+  const thrown = await page.evaluate((wind) => {
+    try {
+      window.galewood!.setWind(wind);
+    } catch (error) {
+      return String(error);
+    }
+  }, bad);
+  expect(thrown).toContain(words);
+  await page.setInputFiles('[data-testid="wind-file"]', {
+    name: "wind.json",
+    mimeType: "application/json",
+    buffer: Buffer.from(JSON.stringify(bad)),
+  });
+  await expect(page.getByRole("alert")).toContainText(words);
+  const answer = await request.post(`${process.env.BASE_URL}/api/winds/validate`, { data: bad });
+  expect(answer.status()).toBe(422);
+  expect((await answer.json()).detail).toBe(words);
+  expect(await page.evaluate(() => window.galewood!.wind)).toMatchObject(steady);
+});
+
+test.describe("the anemometer", () => {
+  test.use(wide);
+
+  test("stands where the ground is clicked and measures there", async ({ page }) => {
+    await open(page, `${panelled}&${link({ ...steady, gustiness: 0.5 })}`);
+    await forest(page);
+    await page.getByRole("button", { name: "Anemometer" }).click();
+    await page.mouse.click(560, 480);
+    await page.waitForFunction(() => (window.galewood!.anemometer?.samples ?? 0) > 100);
+    await expect(page.locator(".plots canvas")).toHaveCount(2);
+    const { speed_m_s, tip_m } = await page.evaluate(() => window.galewood!.anemometer!);
+    expect(speed_m_s).toBeGreaterThan(2.5);
+    expect(speed_m_s).toBeLessThan(7.5);
+    expect(tip_m).toBeGreaterThan(0.01);
+  });
+});
