@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from precompute import sampling
 from precompute.bench_wind import bench_wind
 from precompute.wind import (
     PRESETS,
@@ -175,15 +174,13 @@ def test_height_turn_and_coverage() -> None:
     assert coverage(np.array([3.0, 5.1, 0.0, 0.0]), np.array([4.0, 0.0, 5.1, 0.0]), peak) == 0.5
 
 
-def test_the_papers_winds_are_those_that_are_sampled() -> None:
-    assert PAPER_WAVES == sampling.COSINE_WINDS
-    time_s = np.arange(60) / 30.0
-    sampled = [w for w in sampling.sample_winds(12.0, 1.0 / 30.0) if w.name.endswith("-060")]
-    for k in range(6):
-        out = np.zeros((2, 1))
-        for frame in range(0, 60, 7):
-            wind_pressure(paper_wind(k, 12.0), [0.0], [0.0], time_s[frame], out[0], out[1])
-            np.testing.assert_allclose(out[:, 0], sampled[k].pressure_pa[frame], rtol=1e-9)
+def test_the_papers_winds_are_single_cosines_that_keep_their_direction() -> None:
+    for k, (peak, depth, period_s, turns) in enumerate(PAPER_WAVES):
+        for time_s in np.linspace(0.0, 12.0, 25):
+            wave = (1.0 + depth * math.cos(2.0 * math.pi * (time_s / period_s + turns))) / (1.0 + depth)
+            speed, heading = wind_speed(paper_wind(k, 12.0), [0.0], [0.0], time_s)
+            assert speed[0] == pytest.approx(12.0 * peak * wave, rel=1e-9)
+            assert heading[0] == pytest.approx(math.radians(60.0), abs=1e-9)
 
 
 DRAGS: list[tuple[str, float, float]] = [
