@@ -9,8 +9,17 @@ import numpy.typing as npt
 
 from precompute.lookup import ForestLookup
 from precompute.table import Table
-from precompute.wind import Wind, WindField, WindState, change_wind, height_factor
-from server.wire import TICK_HZ, Group, Poses
+from precompute.tangent import TangentForest
+from precompute.wind import (
+    Wind,
+    WindField,
+    WindState,
+    change_wind,
+    height_factor,
+    limit_pressure,
+    sampled_peak_pa,
+)
+from server.wire import TICK_HZ, Group, Method, Poses
 
 Trees = npt.NDArray[np.float32]
 
@@ -18,15 +27,16 @@ Trees = npt.NDArray[np.float32]
 class GroupWalk:
     """Trees that share a table: where they stand and where in the table each is."""
 
-    def __init__(self, table: Table, trees: Trees, pose_easing: float | None) -> None:
+    def __init__(self, table: Table, trees: Trees, pose_easing: float | None, method: Method) -> None:
         """trees (n, 4): x m, z m, yaw rad, scale."""
         count = len(trees)
         self._x_m, self._z_m = trees[:, 0].astype(np.float64), trees[:, 1].astype(np.float64)
         self._pressure_x, self._pressure_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
         self._height_m = float(table.metadata["height_m"]) * trees[:, 3].astype(np.float64)
+        self._sampled_peak_pa = sampled_peak_pa(table.pressure_pa)
         self._profile: tuple[float, float] | None = None
         self._height_factor = np.ones(count)
-        self._lookup = ForestLookup(table, count, pose_easing=pose_easing)
+        self._lookup = _lookup(table, count, pose_easing, method)
         self._lookup.set_trees(trees[:, 0], trees[:, 1], trees[:, 2], trees[:, 3])
 
     def step(self, field: WindField, time_s: float, dt_s: float) -> None:
@@ -35,6 +45,7 @@ class GroupWalk:
         self._set_profile(wind.height_exponent, wind.reference_height_m)
         out = (self._pressure_x, self._pressure_z)
         field.pressure(self._x_m, self._z_m, time_s, *out, self._height_factor)
+        limit_pressure(*out, self._sampled_peak_pa)
         self._lookup.advance(dt_s, self._pressure_x, self._pressure_z)
 
     def _set_profile(self, exponent: float, reference_height_m: float) -> None:
@@ -48,18 +59,26 @@ class GroupWalk:
         return self._lookup.poses()
 
 
+def _lookup(
+    table: Table, count: int, pose_easing: float | None, method: Method
+) -> ForestLookup | TangentForest:
+    if method == "tangent":
+        return TangentForest(table.tangent, float(table.metadata["dt_s"]), table.mode_scale, count)
+    return ForestLookup(table, count, pose_easing=pose_easing)
+
+
 class ForestWalk:
     """Every group of one client under one wind and one clock, which ticks TICK_HZ times a second."""
 
     def __init__(
         self, tables: Sequence[Table], groups: Sequence[Group], trees: Trees,
-        wind: Wind | WindState, *, start_s: float, pose_easing: float | None,
+        wind: Wind | WindState, *, start_s: float, pose_easing: float | None, method: Method = "tangent",
     ) -> None:  # fmt: skip
         """trees (Σ count, 4) in the order of the groups, whose tables are given beside them."""
         ends = np.cumsum([group.count for group in groups])[:-1]
         parts = np.split(trees, ends)
         self._groups = [
-            GroupWalk(table, part, pose_easing) for table, part in zip(tables, parts, strict=True)
+            GroupWalk(table, part, pose_easing, method) for table, part in zip(tables, parts, strict=True)
         ]
         self._start_s = start_s
         self._ticks = 0

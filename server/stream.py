@@ -156,8 +156,9 @@ class Session:
             raise Refusal("no-such-table", "A table of this forest cannot be used") from None
         wind, easing = _wind_state(forest.wind), forest.pose_easing
         return ForestWalk(
-            tables, forest.groups, forest.trees, wind, start_s=forest.time_s, pose_easing=easing
-        )
+            tables, forest.groups, forest.trees, wind,
+            start_s=forest.time_s, pose_easing=easing, method=forest.method,
+        )  # fmt: skip
 
     async def _send_tables(self, forest: wire.Forest) -> None:
         for sha256 in dict.fromkeys(group.table for group in forest.groups):

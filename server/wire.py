@@ -53,6 +53,9 @@ class Group:
     count: int
 
 
+Method = Literal["tangent", "paper"]
+
+
 @dataclass(frozen=True)
 class Forest:
     """What the client wants: tables to look up itself, or a stream of poses of these trees."""
@@ -63,6 +66,7 @@ class Forest:
     time_s: float
     pose_easing: float | None
     trees: npt.NDArray[np.float32]  # (Σ count, 4): x m, z m, yaw rad, scale; (0, 4) in mode "table"
+    method: Method = "tangent"
 
 
 @dataclass(frozen=True)
@@ -119,7 +123,7 @@ def encode_forest(forest: Forest) -> bytes:
     header = {
         "mode": forest.mode,
         "groups": [{"table": group.table, "count": group.count} for group in forest.groups],
-        "options": {} if forest.pose_easing is None else {"pose_easing": forest.pose_easing},
+        "options": _options(forest),
         "wind": dict(forest.wind),
         "time_s": forest.time_s,
     }
@@ -133,7 +137,10 @@ def decode_forest(header: Header, payload: bytes) -> Forest:
     if mode not in ("stream", "table"):
         raise WireError("mode must be 'stream' or 'table'")
     options = text_map(header["options"], "options")
-    only(options, *options.keys() & {"pose_easing"})
+    only(options, *options.keys() & {"pose_easing", "method"})
+    method = text(options, "method") if "method" in options else "tangent"
+    if method not in ("tangent", "paper"):
+        raise WireError("method must be 'tangent' or 'paper'")
     groups = tuple(_group(entry) for entry in entries(header, "groups"))
     return Forest(
         mode=mode,
@@ -142,7 +149,14 @@ def decode_forest(header: Header, payload: bytes) -> Forest:
         time_s=number(header, "time_s", -1e9, 1e9),
         pose_easing=number(options, "pose_easing", 0.0, 1.0) if "pose_easing" in options else None,
         trees=_trees(payload, sum(group.count for group in groups) if mode == "stream" else 0),
+        method=method,
     )
+
+
+def _options(forest: Forest) -> dict[str, Any]:
+    """What differs from the defaults."""
+    easing = {} if forest.pose_easing is None else {"pose_easing": forest.pose_easing}
+    return easing if forest.method == "tangent" else {**easing, "method": forest.method}
 
 
 def _group(entry: Any) -> Group:

@@ -20,7 +20,7 @@ import { windDocument, windVector_m_s } from "./windSettings";
 import { WindStudio } from "./windStudio";
 
 const REPORT_EVERY_MS = 250;
-const REPLANTS: SettingKey[] = ["trees", "forestSeed", "lookup", "poseEasing"];
+const REPLANTS: SettingKey[] = ["trees", "forestSeed", "lookup", "method", "poseEasing"];
 const BLOWS: SettingKey[] = ["meanSpeed_m_s", "direction_deg", "gustiness", "windSeed"];
 
 export class App {
@@ -87,7 +87,7 @@ export class App {
     }));
     client.plan(
       groups.flatMap(({ motion, placement }) => (motion ? [{ motion, placement }] : [])),
-      { lookup: settings.lookup, poseEasing: settings.poseEasing },
+      { lookup: settings.lookup, method: settings.method, poseEasing: settings.poseEasing },
       windDocument(settings),
     );
     this.dirty = true;

@@ -4,6 +4,8 @@ import { parseWind, type WindDocument, WindError } from "./wind";
 import { windDocument } from "./windSettings";
 
 export type LookupPlace = "worker" | "server";
+/** How poses are made: free of drift, or by the paper's search. */
+export type Method = "tangent" | "paper";
 export type Quality = "low" | "medium" | "high";
 
 export interface Settings {
@@ -18,6 +20,7 @@ export interface Settings {
   /** Everything else about the wind; null is the plain cosine wind of the four numbers above. */
   wind: WindDocument | null;
   lookup: LookupPlace;
+  method: Method;
   /** Share of the way towards the found record's own pose per step; null takes each table's default. */
   poseEasing: number | null;
   quality: Quality;
@@ -47,6 +50,7 @@ export const DEFAULTS: Settings = {
   windSeed: 1,
   wind: null,
   lookup: "worker",
+  method: "tangent",
   poseEasing: null,
   quality: "high",
   flutter: true,
@@ -111,6 +115,8 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   }
   const lookup = given.get("lookup");
   if (lookup === "worker" || lookup === "server") settings.lookup = lookup;
+  const method = given.get("method");
+  if (method === "tangent" || method === "paper") settings.method = method;
   const quality = given.get("quality");
   if (quality === "low" || quality === "medium" || quality === "high") settings.quality = quality;
   return settings;
@@ -128,6 +134,7 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
     if (settings[key] !== defaults[key]) query.set(FLAGS[key], settings[key] ? "1" : "0");
   }
   if (settings.lookup !== defaults.lookup) query.set("lookup", settings.lookup);
+  if (settings.method !== defaults.method) query.set("method", settings.method);
   if (settings.quality !== defaults.quality) query.set("quality", settings.quality);
   if (settings.wind) query.set("wind", JSON.stringify(windDocument(settings)));
   return query.toString();

@@ -53,6 +53,8 @@ export interface Forest {
   time_s: number;
   /** null: each table's own. */
   pose_easing: number | null;
+  /** How poses are made; "tangent" where it is not given. */
+  method?: "tangent" | "paper";
   /** Four numbers a tree: x m, z m, yaw rad, scale; empty in mode "table". */
   trees: Float32Array<ArrayBuffer>;
 }
@@ -110,7 +112,10 @@ export function encodeForest(forest: Forest): Uint8Array<ArrayBuffer> {
   const header = {
     mode: forest.mode,
     groups: forest.groups.map(({ table, count }) => ({ table, count })),
-    options: forest.pose_easing === null ? {} : { pose_easing: forest.pose_easing },
+    options: {
+      ...(forest.pose_easing !== null && { pose_easing: forest.pose_easing }),
+      ...(forest.method === "paper" && { method: forest.method }),
+    },
     wind: forest.wind,
     time_s: forest.time_s,
   };
@@ -125,7 +130,10 @@ export function decodeForest(header: Header, payload: Uint8Array<ArrayBuffer>): 
   if (mode !== "stream" && mode !== "table") throw new WireError("mode must be 'stream' or 'table'");
   const options = textMap(header.options, "options");
   const eased = "pose_easing" in options;
-  only(options, ...(eased ? ["pose_easing"] : []));
+  const named = "method" in options;
+  only(options, ...(eased ? ["pose_easing"] : []), ...(named ? ["method"] : []));
+  const method = named ? text(options, "method") : "tangent";
+  if (method !== "tangent" && method !== "paper") throw new WireError("method must be 'tangent' or 'paper'");
   const groups = entries(header, "groups").map(decodeGroup);
   const count = mode === "stream" ? groups.reduce((sum, group) => sum + group.count, 0) : 0;
   return {
@@ -135,6 +143,7 @@ export function decodeForest(header: Header, payload: Uint8Array<ArrayBuffer>): 
     wind: textMap(header.wind, "wind"),
     time_s: number(header, "time_s", -1e9, 1e9),
     pose_easing: eased ? number(options, "pose_easing", 0, 1) : null,
+    ...(named && { method }),
     trees: decodeTrees(payload, count),
   };
 }

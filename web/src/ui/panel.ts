@@ -62,6 +62,7 @@ export class Panel {
 
   private lookup(folder: FolderApi): void {
     this.choice(folder, "lookup", "Looked up", { "In this browser": "worker", "On the server": "server" });
+    this.choice(folder, "method", "Method", { "Free of drift": "tangent", "The paper's search": "paper" });
     const advanced = folder.addFolder({ title: "Advanced", expanded: false });
     const easing = { own: this.settings.poseEasing !== null };
     const slider = () => {
@@ -85,7 +86,7 @@ export class Panel {
 
   private choice(
     folder: FolderApi,
-    key: "flutter" | "quality" | "lookup",
+    key: "flutter" | "quality" | "lookup" | "method",
     label: string,
     options?: object,
   ): void {

@@ -50,14 +50,14 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
   field ??= new WindField(wind);
   if (plan.lookup === "worker" || plan.groups.length === 0) {
     const groups = plan.groups.map((group) => ({ table: tableOf(group), placement: group.placement }));
-    return new LocalMotion(groups, field, plan.poseEasing, time_s);
+    return new LocalMotion(groups, field, plan, time_s);
   }
   const groups = plan.groups.map((group) => {
     const { modeScale, pressure, metadata } = tableOf(group);
     const sampledPeak_pa = sampledPeak(pressure);
     return { ...group, scale: modeScale, height_m: metadata.height_m, sampledPeak_pa };
   });
-  const options = { url: socketUrl, poseEasing: plan.poseEasing, problem };
+  const options = { url: socketUrl, method: plan.method, poseEasing: plan.poseEasing, problem };
   return new StreamMotion(groups, field, options, time_s);
 }
 

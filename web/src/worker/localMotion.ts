@@ -1,7 +1,9 @@
 /** Every tree looked up here. */
 import { ForestLookup } from "../lookup";
 import { poseStride } from "../nodeLayout";
+import type { Method } from "../settings";
 import type { Table } from "../table";
+import { TangentForest } from "../tangent";
 import { sampledPeak, type WindField } from "../wind";
 import { coverageOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motion";
@@ -17,17 +19,19 @@ export interface LocalGroup {
 
 export class LocalMotion implements MotionSource {
   readonly connection: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
-  private readonly groups: { lookup: ForestLookup; wind: GroupWind; modes: number }[];
+  private readonly groups: { lookup: ForestLookup | TangentForest; wind: GroupWind; modes: number }[];
 
   constructor(
     groups: readonly LocalGroup[],
     private readonly field: WindField,
-    poseEasing: number | null,
+    { method, poseEasing }: { method: Method; poseEasing: number | null },
     public time_s: number,
   ) {
     this.groups = groups.map(({ table, placement }) => {
+      const count = placement.length / 4;
       const options = poseEasing === null ? {} : { poseEasing };
-      const lookup = new ForestLookup(table, placement.length / 4, options);
+      const lookup =
+        method === "tangent" ? new TangentForest(table, count) : new ForestLookup(table, count, options);
       const own = new GroupWind(placement, table.metadata.height_m, sampledPeak(table.pressure));
       lookup.setTrees(own.x, own.z, own.column(2), own.column(3));
       return { lookup, wind: own, modes: table.metadata.modes };

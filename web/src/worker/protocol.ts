@@ -1,5 +1,5 @@
 /** What main thread and worker say to each other. Types only: neither side imports the other. */
-import type { LookupPlace } from "../settings";
+import type { LookupPlace, Method } from "../settings";
 import type { WindDocument, WindState } from "../wind";
 
 /** What the screen needs of a table, unpacked by the worker. */
@@ -34,6 +34,7 @@ export interface ForestPlan {
   readonly epoch: number;
   readonly groups: readonly GroupPlan[];
   readonly lookup: LookupPlace;
+  readonly method: Method;
   /** null takes each table's own default. */
   readonly poseEasing: number | null;
 }

@@ -1,5 +1,6 @@
 /** Poses looked up on the server: a WebSocket that comes back by itself, shown a moment behind. */
 import { poseStride } from "../nodeLayout";
+import type { Method } from "../settings";
 import { parseState, type WindDocument, type WindField } from "../wind";
 import { decodeReply, encodeRequest, type Frame, type Reply, type Request } from "../wire";
 import { coverageOf, GroupWind } from "./groupWind";
@@ -18,6 +19,7 @@ export interface StreamGroup {
 
 export interface StreamOptions {
   readonly url: string;
+  readonly method: Method;
   readonly poseEasing: number | null;
   problem(title: string, hint: string): void;
 }
@@ -99,6 +101,7 @@ export class StreamMotion implements MotionSource {
       wind: { ...this.field.state },
       time_s: this.time_s,
       pose_easing: this.options.poseEasing,
+      method: this.options.method,
       trees,
     };
   }
