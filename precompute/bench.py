@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from precompute.bench_fem import bench_fem
+from precompute.bench_wind import bench_wind
 from precompute.dynamics import load_model
 from precompute.intake_types import IntakeOptions
 from precompute.lookup import ForestLookup
@@ -52,6 +53,7 @@ def run_bench(mesh: Path, *, quick: bool, tick: Tick) -> dict[str, Any]:
         "frames_per_wind": {str(count): frames[count] for count in ELEMENTS},
         "lookup_us_per_tree_step": {str(count): step_us(table, 1000) for count, table in tables.items()},
         "forest_step_ms": {str(count): step_us(tables[35], count) * count / 1e3 for count in FORESTS},
+        "wind": bench_wind(),
         "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
         "peak_worker_memory_mb": resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024,
     }

@@ -1,0 +1,36 @@
+import { expect, test } from "vitest";
+import { DEFAULTS, queryFromSettings, settingsFromQuery, windFromQuery, withWind } from "../../web/src/settings";
+import { CALM_BREEZE, PRESETS, parseWind, paperWind, type WindDocument, WindError } from "../../web/src/wind";
+import { gustSpeed_m_s, windDocument, withMean } from "../../web/src/windSettings";
+
+const WINDS: readonly WindDocument[] = [CALM_BREEZE, ...Object.values(PRESETS), paperWind(2, 11, 200)];
+
+test("every wind comes back from the page's link", () => {
+  for (const wind of WINDS) {
+    const query = `?${queryFromSettings(withWind({ ...DEFAULTS, trees: 9 }, wind))}`;
+    expect(windFromQuery(query)).toEqual(wind);
+    expect(settingsFromQuery(query).trees).toBe(9);
+  }
+  expect(windFromQuery("?trees=9")).toBeNull();
+});
+
+test("a link's bad wind is refused with its path", () => {
+  expect(() => windFromQuery("?wind=gale")).toThrow(WindError);
+  const bad = encodeURIComponent(JSON.stringify({ ...PRESETS.breeze, length_scale_m: 500 }));
+  expect(() => windFromQuery(`?wind=${bad}`)).toThrow(/wind\.length_scale_m: expected a number in 5\.\.200, not 500/);
+});
+
+test("the panel's sliders change the wind that an instrument chose, and nothing else of it", () => {
+  const settings = withWind({ ...DEFAULTS }, PRESETS["storm-front"]);
+  settings.gustiness = 0.1;
+  settings.direction_deg = 300;
+  const wind = windDocument(settings);
+  expect(parseWind(wind)).toEqual({ ...PRESETS["storm-front"], gustiness: 0.1, direction_deg: 300 });
+});
+
+test("gusts that went with the mean still do after a drag, others keep their speed", () => {
+  const together = { ...CALM_BREEZE, convection_speed_m_s: gustSpeed_m_s(CALM_BREEZE.mean_speed_m_s) };
+  expect(withMean(together, 13, 5)).toMatchObject({ convection_speed_m_s: 13, direction_deg: 5 });
+  expect(withMean(together, 0, 5).convection_speed_m_s).toBeGreaterThan(0.5);
+  expect(withMean(PRESETS["autumn-gusts"], 3, 5).convection_speed_m_s).toBe(10);
+});
