@@ -124,11 +124,15 @@ def evaluate(
     table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
     model: Annotated[Path, typer.Option(exists=True, dir_okay=False, help="The model it was made from.")],
     frames: Annotated[int, typer.Option(help="Frames of each wind.")] = 600,
+    strength: Annotated[float, typer.Option(help="Strongest wind, of the design speed.")] = 0.65,
+    seed: Annotated[int, typer.Option(help="Turns and times the winds.")] = 20_001,
+    plot: Annotated[Path | None, typer.Option(help="Picture of the errors over time to write.")] = None,
     json_out: JsonOut = None,
 ) -> None:
     """Compare a table with the finite elements it was made from, on winds that were not sampled."""
     from precompute.dynamics import load_model
     from precompute.evaluate import evaluate_table
+    from precompute.evaluate_plot import plot_errors
     from precompute.table import decode
 
     with progress_bar() as bar:
@@ -137,8 +141,15 @@ def evaluate(
             load_model(model),
             frames,
             teller(bar),
+            strength=strength,
+            seed=seed,
         )
     write_figures(json_out, figures)
+    if plot is not None:
+        plot_errors(figures, plot)
+    for wind in figures.values():
+        for found in wind.values():
+            del found["error_by_frame"]
     console.print_json(data=figures)
 
 
