@@ -115,6 +115,16 @@ def _same_field(a: Wind, b: Wind) -> bool:
 
 def _between(a: Wind, b: Wind, share: float) -> Wind:
     """Numbers on the way from a to b, the direction the short way round; model, seed, β and waves are b's."""
-    numbers = {name: getattr(a, name) + share * (getattr(b, name) - getattr(a, name)) for name in _GLIDING}
-    turn = (b.direction_deg - a.direction_deg + 540.0) % 360.0 - 180.0
-    return replace(b, **numbers, direction_deg=b.direction_deg - (1.0 - share) * turn)
+    numbers = {name: _mix(getattr(a, name), getattr(b, name), share) for name in _GLIDING}
+    direction = b.direction_deg - (1.0 - share) * _half_turn(b.direction_deg - a.direction_deg)
+    return replace(b, **numbers, direction_deg=_half_turn(direction))
+
+
+def _mix(a: float, b: float, share: float) -> float:
+    """Never outside [a, b], not even by rounding: a wind on its way must be a wind that can be sent."""
+    return min(max(a + share * (b - a), min(a, b)), max(a, b))
+
+
+def _half_turn(angle_deg: float) -> float:
+    """The same angle in [−180, 180)."""
+    return (angle_deg + 180.0) % 360.0 - 180.0

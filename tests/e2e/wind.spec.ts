@@ -17,8 +17,8 @@ const lean = (heading_deg: number) => {
 test.describe("the rose", () => {
   test.use(wide);
 
-  test("trees lean where the arrow is dragged to", async ({ page }) => {
-    await open(page, `${panelled}&${link(steady)}`);
+  for (const lookup of ["worker", "server"]) test(`trees lean where the arrow is dragged to (${lookup})`, async ({ page }) => {
+    await open(page, `${panelled}&lookup=${lookup}&${link(steady)}`);
     await forest(page);
     const box = await page.locator(".rose").boundingBox();
     if (!box) throw new Error("no rose");

@@ -278,3 +278,16 @@ def test_pressures_beyond_the_table_keep_their_direction() -> None:
     x, z = np.array([3.0, 30.0, 0.0], np.float32), np.array([4.0, -40.0, 0.0], np.float32)
     limit_pressure(x, z, 10.0)
     np.testing.assert_allclose(np.stack([x, z]), [[3.0, 6.0, 0.0], [4.0, -8.0, 0.0]], rtol=1e-6)
+
+
+def test_a_wind_on_its_way_can_always_be_sent() -> None:
+    rng = np.random.default_rng(8)
+    state = glide.steady(Wind(model="spectral"))
+    for k in range(300):
+        wild = {
+            name: float(rng.choice([rule.low, rule.high, rng.uniform(rule.low, rule.high)]))
+            for name, rule in FIELDS.items()
+            if "spectral" in rule.models and not rule.whole
+        }
+        state = glide.change(state, Wind(model="spectral", seed=int(rng.integers(3)), **wild), 0.17 * k)
+        assert parse_state(json.loads(json.dumps(state.document()))) == state

@@ -1,6 +1,17 @@
 import { expect, test } from "vitest";
 import { DEFAULTS, queryFromSettings, settingsFromQuery, windFromQuery, withWind } from "../../web/src/settings";
-import { CALM_BREEZE, PRESETS, parseWind, paperWind, type WindDocument, WindError } from "../../web/src/wind";
+import {
+  CALM_BREEZE,
+  changeWind,
+  PRESETS,
+  parseState,
+  parseWind,
+  paperWind,
+  steady,
+  type WindDocument,
+  WindError,
+} from "../../web/src/wind";
+import { random } from "./golden";
 import { gustSpeed_m_s, windDocument, withMean } from "../../web/src/windSettings";
 
 const WINDS: readonly WindDocument[] = [CALM_BREEZE, ...Object.values(PRESETS), paperWind(2, 11, 200)];
@@ -33,4 +44,20 @@ test("gusts that went with the mean still do after a drag, others keep their spe
   expect(withMean(together, 13, 5)).toMatchObject({ convection_speed_m_s: 13, direction_deg: 5 });
   expect(withMean(together, 0, 5).convection_speed_m_s).toBeGreaterThan(0.5);
   expect(withMean(PRESETS["autumn-gusts"], 3, 5).convection_speed_m_s).toBe(10);
+});
+
+test("a wind on its way can always be sent (seed 8)", () => {
+  const next = random(8);
+  let state = steady(PRESETS["autumn-gusts"]);
+  for (let k = 0; k < 300; k++) {
+    const corner = (low: number, high: number) => [low, high, low + next() * (high - low)][Math.floor(3 * next())];
+    const wild = {
+      mean_speed_m_s: corner(0, 60),
+      direction_deg: corner(-360, 360),
+      gustiness: corner(0, 1),
+      length_scale_m: corner(5, 200),
+    };
+    state = changeWind(state, { ...PRESETS["autumn-gusts"], ...wild, seed: Math.floor(3 * next()) }, 0.17 * k);
+    expect(parseState(structuredClone(state))).toEqual(state);
+  }
 });

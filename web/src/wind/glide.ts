@@ -97,8 +97,15 @@ export function fieldKey(wind: ResolvedWind): string {
 
 /** Numbers on the way from a to b, the direction the short way round; model, seed, β and waves are b's. */
 function between(a: ResolvedWind, b: ResolvedWind, share: number): ResolvedWind {
-  const numbers = Object.fromEntries(GLIDING.map((name) => [name, a[name] + share * (b[name] - a[name])]));
-  const around = b.direction_deg - a.direction_deg + 540;
-  const turn = around - 360 * Math.floor(around / 360) - 180;
-  return { ...b, ...numbers, direction_deg: b.direction_deg - (1 - share) * turn };
+  const numbers = Object.fromEntries(GLIDING.map((name) => [name, mix(a[name], b[name], share)]));
+  const direction = b.direction_deg - (1 - share) * halfTurn(b.direction_deg - a.direction_deg);
+  return { ...b, ...numbers, direction_deg: halfTurn(direction) };
 }
+
+/** Never outside [a, b], not even by rounding: a wind on its way must be a wind that can be sent. */
+const mix = (a: number, b: number, share: number): number =>
+  Math.min(Math.max(a + share * (b - a), Math.min(a, b)), Math.max(a, b));
+
+/** The same angle in [−180, 180). */
+const halfTurn = (angle_deg: number): number =>
+  angle_deg + 180 - 360 * Math.floor((angle_deg + 180) / 360) - 180;
