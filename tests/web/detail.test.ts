@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { componentCentres, connectedComponents } from "../../web/src/scene/components";
+import { componentCentres, connectedComponents, weldedComponents } from "../../web/src/scene/components";
 import { growLeaves, thinLeaves, thinWood } from "../../web/src/scene/detail";
 import { leafReach, openness, roundNormals } from "../../web/src/scene/foliage";
 
@@ -37,6 +37,13 @@ describe("levels of detail", () => {
     expect(grown[3] - grown[0]).toBeCloseTo(2 * (positions[3] - positions[0]), 5);
     const before = componentCentres(pieces, positions);
     componentCentres(pieces, grown).forEach((centre, i) => expect(centre).toBeCloseTo(before[i], 4));
+  });
+
+  test("a branch that a seam cuts is one branch", () => {
+    const positions = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 5, 5, 5, 6, 5, 5, 5, 6, 5];
+    const pieces = weldedComponents([0, 1, 2, 3, 4, 5, 6, 7, 8], positions);
+    expect(pieces.count).toBe(2);
+    expect([...pieces.ofVertex]).toEqual([0, 0, 0, 0, 0, 0, 1, 1, 1]);
   });
 
   test("the longest branches stay; wood in one piece stays whole", () => {

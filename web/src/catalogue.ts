@@ -48,15 +48,13 @@ export class Catalogue {
 
   /** Trees whose motion is still to come. */
   get waiting(): number {
-    return [...this.entries.values()].filter(
-      ({ tree }) => tree.state === "building" || tree.state === "uploaded",
-    ).length;
+    return [...this.entries.values()].filter(({ tree }) => tree.state === "building").length;
   }
 
   private receive(change: TreeChange): void {
     const { tree } = change;
     if (change.deleted || tree.state === "failed") this.remove(tree.id);
-    else this.keep(tree);
+    else if (tree.state !== "uploaded") this.keep(tree); // one that nobody has asked to compute is no part of the forest
     this.events.change(change);
   }
 

@@ -35,6 +35,28 @@ export function connectedComponents(index: ArrayLike<number>, vertices: number):
   return { ofVertex, count: number.size };
 }
 
+/** The same with vertices at one place made one first: seams of texture or normals cut no branch. */
+export function weldedComponents(index: ArrayLike<number>, positions: ArrayLike<number>): Components {
+  const first = new Map<string, number>();
+  const welded = Uint32Array.from({ length: positions.length / 3 }, (_, v) => {
+    const place = `${positions[3 * v]} ${positions[3 * v + 1]} ${positions[3 * v + 2]}`;
+    const known = first.get(place) ?? v;
+    first.set(place, known);
+    return known;
+  });
+  const pieces = connectedComponents(
+    Uint32Array.from(index, (v) => welded[v]),
+    welded.length,
+  );
+  const number = new Map<number, number>();
+  const ofVertex = welded.map((v) => {
+    const piece = number.get(pieces.ofVertex[v]) ?? number.size;
+    number.set(pieces.ofVertex[v], piece);
+    return piece;
+  });
+  return { ofVertex, count: number.size };
+}
+
 /** Mean position of each piece, xyz packed. */
 export function componentCentres(components: Components, positions: ArrayLike<number>): Float32Array {
   const centres = new Float32Array(components.count * 3);

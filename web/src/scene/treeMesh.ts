@@ -9,7 +9,7 @@ import {
 } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { hashUnit } from "../math/random";
-import { connectedComponents } from "./components";
+import { connectedComponents, weldedComponents } from "./components";
 import { growLeaves, LEVELS, thinLeaves, thinWood } from "./detail";
 import { leafReach, openness, roundNormals } from "./foliage";
 import type { Part } from "./treeShader";
@@ -67,6 +67,7 @@ function partFrom(
   mesh: Mesh<BufferGeometry, MeshStandardMaterial>,
   centre: Vector3,
   radius_m: number,
+  bare: boolean,
 ): TreePart {
   const { geometry } = mesh;
   const kind = kindOf(mesh);
@@ -83,11 +84,10 @@ function partFrom(
   for (let v = 0; v < vertices; v++) {
     piece.set([hashUnit(pieces.ofVertex[v], 3), open[v], reach[v], 0], v * 4);
   }
+  const woodIndex = (share: number) =>
+    bare ? Uint32Array.from(index) : thinWood(index, positions, weldedComponents(index, positions), share);
   const levels = LEVELS.map((share) => ({
-    index: new BufferAttribute(
-      leaves ? thinLeaves(index, pieces, share.leaves) : thinWood(index, positions, pieces, share.wood),
-      1,
-    ),
+    index: new BufferAttribute(leaves ? thinLeaves(index, pieces, share.leaves) : woodIndex(share.wood), 1),
     position: new BufferAttribute(leaves ? growLeaves(positions, pieces, share.leaves) : positions, 3),
   }));
   const uv = geometry.getAttribute("uv") as BufferAttribute | undefined;
@@ -116,7 +116,8 @@ export async function readTreeModel(bytes: ArrayBuffer): Promise<TreeModel> {
   }
   const radius_m = Math.max(Math.abs(low.x), Math.abs(low.z), high.x, high.z, 0.1);
   const centre = new Vector3((low.x + high.x) / 2, 0.25 * low.y + 0.62 * high.y, (low.z + high.z) / 2);
-  const parts = meshes.map((mesh) => partFrom(mesh, centre, Math.max(radius_m, high.y * 0.4)));
+  const bare = meshes.every((mesh) => kindOf(mesh) === "wood"); // its branches are all there is to see
+  const parts = meshes.map((mesh) => partFrom(mesh, centre, Math.max(radius_m, high.y * 0.4), bare));
   for (const mesh of meshes) mesh.geometry.dispose();
   return { parts, height_m: high.y, radius_m };
 }
