@@ -8,6 +8,7 @@ import { Mast } from "./scene/mast";
 import type { Stage } from "./scene/stage";
 import { WindOverlay } from "./scene/windOverlay";
 import { nearestTree, tipDisplacement_m, tipNode } from "./tip";
+import { element } from "./ui/dom";
 import { dialTurn_deg } from "./ui/instruments/dial";
 import { Instruments } from "./ui/instruments/instruments";
 import { parseWind, type WindDocument, WindField } from "./wind";
@@ -78,6 +79,8 @@ export class WindStudio {
   private setPlacing(active: boolean): void {
     this.placing = active;
     this.canvas.style.cursor = active ? "crosshair" : "";
+    // On a phone the instruments lie over the ground that is to be tapped.
+    if (active && matchMedia("(max-width: 760px)").matches) element("instruments-toggle").click();
   }
 
   private readonly press = (event: PointerEvent): void => {
