@@ -37,6 +37,11 @@ def render_basis(binding: scipy.sparse.csr_matrix, basis: Floats) -> Floats:
     return np.asarray(binding @ basis.reshape(n, 3 * r)).reshape(-1, 3, r)
 
 
+def largest_motion_m(vertex_basis: Floats, q_rms: Floats) -> float:
+    """How far the vertex that moves most goes when every mode stands at its RMS q_rms (r,)."""
+    return float(np.sqrt(np.square(vertex_basis * q_rms).sum(axis=(1, 2)).max()))
+
+
 def make_nodes(
     vertex_basis: Floats, vertices_m: Floats, q_rms: Floats, tolerance_m: float, max_nodes: int = MAX_NODES
 ) -> Nodes:

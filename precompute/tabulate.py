@@ -11,7 +11,7 @@ import numpy.typing as npt
 import scipy.sparse
 
 from precompute.model import FemSettings
-from precompute.nodes import Nodes, make_nodes, render_basis
+from precompute.nodes import Nodes, largest_motion_m, make_nodes, render_basis
 from precompute.sampling import Trajectory
 from precompute.similarity import InternalStates, build_search, typical_error
 from precompute.subspace import QuantisedMotion, Subspace, fit_subspace, quantise, thinned
@@ -41,6 +41,8 @@ class TableSettings:
     """Largest vertex error of the reduced basis over the height."""
     node_share: float = 5e-4
     """Largest error of a vertex against its node, at RMS motion, over the height."""
+    node_sway_share: float = 0.03
+    """The same over the tree's own largest RMS motion: a stout tree must bend, not slide."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,9 @@ def assemble_table(
     starts = np.cumsum([0, *(len(run.pressure_pa) for run in runs)]).astype(np.uint32)
     q_rms = np.sqrt(np.mean((poses(motion.dq, starts) * motion.scale.astype(np.float64)) ** 2, axis=0))
     vertex_basis = render_basis(mesh.binding, subspace.basis)
-    nodes = make_nodes(vertex_basis, mesh.vertices_m, q_rms, settings.node_share * height_m)
+    sway_m = largest_motion_m(vertex_basis, q_rms)
+    tolerance_m = min(settings.node_share * height_m, settings.node_sway_share * sway_m)
+    nodes = make_nodes(vertex_basis, mesh.vertices_m, q_rms, tolerance_m)
     tick(0.3)
     pressure = np.concatenate([run.pressure_pa for run in runs]).astype(np.float32)
     states = internal_states(runs)

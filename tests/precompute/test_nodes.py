@@ -3,7 +3,7 @@
 import numpy as np
 import scipy.sparse
 
-from precompute.nodes import make_nodes, render_basis
+from precompute.nodes import largest_motion_m, make_nodes, render_basis
 
 
 def bending(v: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -27,6 +27,18 @@ def test_no_vertex_strays_further_than_the_tolerance() -> None:
 def test_the_number_of_nodes_is_capped() -> None:
     basis, vertices = bending(3000, 2)
     assert len(make_nodes(basis, vertices, np.ones(2), 1e-9, max_nodes=50).rest_m) <= 50
+
+
+def test_a_stout_pole_that_hardly_moves_still_bends() -> None:
+    basis, vertices = bending(2000, 4)
+    q_rms = np.array([1e-4, 0.5e-4])
+    sway_m = largest_motion_m(basis, q_rms)
+    highest = vertices[:, 1].max() / 10
+    assert np.isclose(sway_m, np.hypot(*q_rms) * highest**2)
+    nodes = make_nodes(basis, vertices, q_rms, 0.03 * sway_m)
+    moved = np.linalg.norm(nodes.basis[nodes.vertex_node, 0, :], axis=1)
+    assert len(nodes.rest_m) > 10
+    assert moved[vertices[:, 1] < 1].max() < 0.05 < 0.9 < moved[vertices[:, 1] > 9.9].min()
 
 
 def test_vertices_with_one_motion_share_a_node() -> None:
