@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
+from typing import Annotated, Literal
 
-from pydantic import AliasChoices, Field
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import AliasChoices, Field, field_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 MEBIBYTE = 1024 * 1024
@@ -43,6 +45,23 @@ class Settings(BaseSettings):
     intake_wall_s: float = Field(default=60.0, gt=0)
     concurrent_intakes: int = Field(default=2, ge=1, le=64)
 
+    upload_faces: int = Field(default=600_000, ge=1000)
+    concurrent_uploads: int = Field(default=16, ge=1, le=1024)
+    stored_bytes: int = Field(default=20 * 1024 * MEBIBYTE, ge=0)
+    free_bytes: int = Field(default=512 * MEBIBYTE, ge=0)
+
+    # SHA-256 of the keys that may write, in hex, separated by commas; none: only this machine may
+    api_keys: Annotated[list[str], NoDecode] = Field(default_factory=list)
+    trusted_proxies: str = "127.0.0.1"
+    reads_per_minute: int = Field(default=6000, ge=0)
+    writes_per_minute: int = Field(default=120, ge=0)
+    header_s: float = Field(default=10.0, gt=0)
+    body_stall_s: float = Field(default=10.0, gt=0)
+    body_bytes_per_s: int = Field(default=16 * 1024, ge=0)
+    shutdown_s: int = Field(default=5, ge=0)
+    log_format: Literal["text", "json"] = "text"
+    log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = "INFO"
+
     allowed_origins: list[str] = Field(default_factory=list)
     socket_message_bytes: int = Field(default=4 * MEBIBYTE, ge=1024)
     socket_connections: int = Field(default=256, ge=1)
@@ -51,6 +70,14 @@ class Settings(BaseSettings):
     socket_messages_per_s: float = Field(default=60.0, gt=0)
     forest_trees: int = Field(default=20_000, ge=1)
     forest_groups: int = Field(default=64, ge=1)
+
+    @field_validator("api_keys", mode="before")
+    @classmethod
+    def _hashes(cls, given: object) -> object:
+        hashes = [part.strip().lower() for part in given.split(",")] if isinstance(given, str) else given
+        if isinstance(hashes, list) and not all(re.fullmatch(r"[0-9a-f]{64}", one) for one in hashes if one):
+            raise ValueError("expected SHA-256 hashes in hex, separated by commas; `galewood key` makes them")
+        return [one for one in hashes if one] if isinstance(hashes, list) else hashes
 
     @property
     def database(self) -> str:
