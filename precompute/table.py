@@ -107,7 +107,7 @@ def encode(table: Table) -> bytes:
 
 def decode(data: bytes) -> Table:
     """The table in a file's bytes. Raises TableError."""
-    metadata = _metadata(data)
+    metadata = read_metadata(data)
     try:
         tensors = load(data)
     except (SafetensorError, ValueError, TypeError, KeyError) as error:
@@ -122,7 +122,8 @@ def decode(data: bytes) -> Table:
     return table
 
 
-def _metadata(data: bytes) -> Metadata:
+def read_metadata(data: bytes) -> Metadata:
+    """What a file says of itself, unchecked, so that other versions can be read too. Raises TableError."""
     if len(data) < 8:
         raise TableError("truncated table file: no header")
     length = int.from_bytes(data[:8], "little")
