@@ -33,6 +33,10 @@ class FileStore:
         """Whether the file is stored."""
         return is_hash(sha256) and self.path(sha256).is_file()
 
+    def size(self, sha256: str) -> int | None:
+        """Bytes of a stored file; None if there is none."""
+        return self.path(sha256).stat().st_size if self.has(sha256) else None
+
     def put(self, data: bytes) -> str:
         """Store bytes and return their SHA-256; storing the same bytes again is free."""
         sha256 = hashlib.sha256(data).hexdigest()
@@ -66,9 +70,12 @@ def write_atomically(target: Path, data: bytes) -> None:
 
 
 class Stores:
-    """The three kinds of file the service keeps, apart so that no URL of one kind reaches another."""
+    """The kinds of file the service keeps, apart so that no URL of one kind reaches another."""
 
     def __init__(self, data_dir: Path) -> None:
         self.sources = FileStore(data_dir / "sources")
         self.meshes = FileStore(data_dir / "meshes")
         self.tables = FileStore(data_dir / "tables")
+        self.models = FileStore(data_dir / "models")
+        self.pictures = FileStore(data_dir / "pictures")
+        self.results = FileStore(data_dir / "results")
