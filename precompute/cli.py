@@ -122,35 +122,53 @@ def simulate(
 @app.command()
 def evaluate(
     table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
-    model: Annotated[Path, typer.Option(exists=True, dir_okay=False, help="The model it was made from.")],
-    frames: Annotated[int, typer.Option(help="Frames of each wind.")] = 600,
+    mesh: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="The mesh it moves; else the .glb beside the table."),
+    ] = None,
+    model: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="The model's file; else the cache's that fits."),
+    ] = None,
+    frames: Annotated[int, typer.Option(min=60, help="Frames of each wind.")] = 600,
     strength: Annotated[float, typer.Option(help="Strongest wind, of the design speed.")] = 0.65,
+    sway: Annotated[
+        float | None, typer.Option(help="Scale each wind until the tree sways by this share of its height.")
+    ] = None,
     seed: Annotated[int, typer.Option(help="Turns and times the winds.")] = 20_001,
+    long: Annotated[
+        int, typer.Option(help="Frames of a long run of gusts at --sway (else 0.1), and beyond the sampled.")
+    ] = 0,
     plot: Annotated[Path | None, typer.Option(help="Picture of the errors over time to write.")] = None,
+    workers: Annotated[int, typer.Option(help="Processes that run the finite elements.")] = 2,
+    cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
 ) -> None:
     """Compare a table with the finite elements it was made from, on winds that were not sampled."""
-    from precompute.dynamics import load_model
-    from precompute.evaluate import evaluate_table
-    from precompute.evaluate_plot import plot_errors
-    from precompute.table import decode
+    from precompute.evaluate_command import run_evaluation
+    from precompute.evaluate_source import SourceError
+    from precompute.intake_types import IntakeError
 
-    with progress_bar() as bar:
-        figures = evaluate_table(
-            decode(table.read_bytes()),
-            load_model(model),
-            frames,
-            teller(bar),
-            strength=strength,
-            seed=seed,
-        )
+    try:
+        with progress_bar() as bar:
+            figures = run_evaluation(
+                table, mesh, model, cache_dir, teller(bar), plot=plot,
+                frames=frames, strength=strength, sway=sway, seed=seed, long=long, workers=workers,
+            )  # fmt: skip
+    except (IntakeError, SourceError) as error:
+        console.print(f"[red]{error}[/red]")
+        raise typer.Exit(1) from None
     write_figures(json_out, figures)
-    if plot is not None:
-        plot_errors(figures, plot)
-    for wind in figures.values():
-        for found in wind.values():
-            del found["error_by_frame"]
-    console.print_json(data=figures)
+    console.print_json(data=without_frames(figures))
+
+
+def without_frames(figures: dict[str, Any]) -> dict[str, Any]:
+    """Figures without their long lists, for a screen."""
+    return {
+        key: without_frames(value) if isinstance(value, dict) else value
+        for key, value in figures.items()
+        if key != "error_by_frame"
+    }
 
 
 @app.command()

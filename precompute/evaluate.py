@@ -1,31 +1,34 @@
 """A table beside the finite elements it was made from, on winds that were not sampled.
 
-Every figure is a distance over the tree's height, at the table's nodes: each node is held against the model's
-vertex nearest to it, both seen as displacements, so where a node stands for several vertices that counts too.
+Two sets of vertices are judged: the wood's own (the table's modes at the tetrahedra's vertices: what the
+method errs by, and what the modes leave out), and the render vertices as the viewer moves them (that many
+of them share a node is then in it too). ``floor`` says what is left if the method made no error at all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import KDTree
 
-from precompute.dynamics import FemModel, Simulator
+from precompute.evaluate_measure import CHUNK, errors, figures, hausdorff_by_frame, joined
+from precompute.evaluate_source import Source
+from precompute.evaluate_truth import Truth, TruthTask, read_truth, run_truths
 from precompute.evaluate_winds import unseen_winds
 from precompute.lookup import ForestLookup
 from precompute.table import Table
 from precompute.tangent import TangentForest
+from precompute.wind import dynamic_pressure
 
+Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
-Make = Callable[[Table], ForestLookup | TangentForest]
-
-FRAMES_SHOWN = (20, 22, 40, 60)
-"""The paper's own frames (its Fig. 3), from 1."""
+Forest = ForestLookup | TangentForest
+Make = Callable[[Table], Forest]
+Tick = Callable[[float, str], None]
 
 METHODS: dict[str, Make] = {
     "tangent": lambda table: TangentForest(table.tangent, float(table.metadata["dt_s"]), table.mode_scale, 1),
@@ -34,33 +37,8 @@ METHODS: dict[str, Make] = {
 }
 
 
-@dataclass(frozen=True)
-class Nodes:
-    """The table's nodes at rest (n, 3) m, and the vertex of the model nearest to each."""
-
-    rest_m: Floats
-    nearest: npt.NDArray[np.int64]
-
-
-def nodes_of(model: FemModel, table: Table) -> Nodes:
-    """Which vertex stands for which node."""
-    rest_m = table.node_rest_m.astype(np.float64)
-    _, nearest = KDTree(model.nodes_m[: model.vertex_count]).query(rest_m)
-    return Nodes(rest_m, np.asarray(nearest, np.int64))
-
-
-def fem_nodes(model: FemModel, nodes: Nodes, pressure_pa: Floats) -> Floats:
-    """(frames, n, 3) node displacements of the finite elements."""
-    simulator = Simulator(model)
-    track = np.empty((len(pressure_pa), len(nodes.nearest), 3))
-    for frame, pressure in enumerate(pressure_pa):
-        simulator.step(pressure)
-        track[frame] = simulator.u[nodes.nearest]
-    return track
-
-
-def table_nodes(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, float]:
-    """(frames, n, 3) node displacements of one tree of the table, and its largest coverage (1 if not told).
+def played(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, float]:
+    """(T, r) shown pose after each step of one tree of the table, and its largest coverage (1 if not told).
 
     A shown pose lies between two steps, and right after a step it is the older one: the track is taken a
     frame later.
@@ -71,76 +49,120 @@ def table_nodes(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, 
         forest.advance(dt_s, [x], [z])
         poses.append(forest.q[0].astype(np.float64))
         coverage = max(coverage, float(forest.coverage[0]) if isinstance(forest, TangentForest) else 1.0)
-    track = np.einsum("nik,tk->tni", table.node_basis.astype(np.float64), np.array(poses[1:]))
-    return track, coverage
+    return np.array(poses[1:]), coverage
 
 
 def nearest_sample(table: Table, pressure_pa: Floats) -> Floats:
-    """(frames, n, 3) the sampled run whose wind is nearest to this one, played over and over."""
+    """(T, r) the sampled run whose wind is nearest to this one, played over and over."""
     starts = table.trajectory.astype(np.int64)
     places = [np.resize(np.arange(a, b), len(pressure_pa)) for a, b in pairwise(starts.tolist())]
     gaps = [float(np.mean((table.pressure_pa[place] - pressure_pa) ** 2)) for place in places]
-    poses = table.pose()[places[int(np.argmin(gaps))]] * table.mode_scale.astype(np.float64)
-    return np.einsum("nik,tk->tni", table.node_basis.astype(np.float64), poses)
+    return table.pose()[places[int(np.argmin(gaps))]] * table.mode_scale.astype(np.float64)
 
 
 def evaluate_table(
     table: Table,
-    model: FemModel,
+    source: Source,
     frames: int,
-    tick: Callable[[float, str], None],
+    cache_dir: Path,
+    tick: Tick,
     *,
     strength: float = 0.65,
+    sway: float | None = None,
     seed: int = 20_001,
+    workers: int = 2,
 ) -> dict[str, Any]:
-    """Figures per unseen wind and method, beside a tree at rest and the nearest sampled run played back."""
-    metadata, nodes = table.metadata, nodes_of(model, table)
-    dt_s, height_m = float(metadata["dt_s"]), float(metadata["height_m"])
-    winds = unseen_winds(float(metadata["design_speed_m_s"]), frames, dt_s, strength=strength, seed=seed)
-    figures: dict[str, Any] = {}
-    for k, (name, pressure) in enumerate(winds.items()):
-        tick(k / len(winds), f"Simulating {name}")
-        truth = fem_nodes(model, nodes, pressure)
-        tracks = {method: table_nodes(table, pressure, make) for method, make in METHODS.items()}
-        tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
-        tracks["rest-pose"] = (np.zeros_like(truth), 1.0)
-        figures[name] = {
-            method: {**compare(track, truth, nodes.rest_m, height_m), "coverage": coverage}
-            for method, (track, coverage) in tracks.items()
-        }
+    """Figures per unseen wind and method, beside a tree at rest and the nearest sampled run played back.
+
+    ``strength`` is the winds' peak over the design speed. With ``sway`` each wind is scaled until the finite
+    elements sway by that share of the height, or until it peaks at the design speed.
+    """
+    winds = _winds(table, frames, strength if sway is None else 0.9, seed)
+    tasks = truth_tasks(table, source, list(winds.values()), sway)
+
+    def done(count: int) -> None:
+        tick(0.8 * count / len(tasks), "Simulating the winds")
+
+    paths = run_truths(tasks, cache_dir, done, workers)
+    found: dict[str, Any] = {}
+    for k, (name, path) in enumerate(zip(winds, paths, strict=True)):
+        tick(0.8 + 0.2 * k / len(paths), f"Comparing: {name}")
+        found[name] = compare_methods(table, source, read_truth(path))
     tick(1.0, "Done")
-    return figures
+    return found
 
 
-def compare(track: Floats, truth: Floats, rest_m: Floats, height_m: float) -> dict[str, Any]:
-    """How far one motion of nodes (frames, n, 3) is from the true one."""
-    error = np.linalg.norm(track - truth, axis=2)
-    half, sway = len(error) // 2, float(np.linalg.norm(truth, axis=2).max())
-    shown = [frame for frame in FRAMES_SHOWN if frame <= len(error)]
-    lean, true_lean = track[:, :, [0, 2]].mean(axis=0).ravel(), truth[:, :, [0, 2]].mean(axis=0).ravel()
+def _winds(table: Table, frames: int, strength: float, seed: int) -> dict[str, Floats]:
+    speed_m_s, dt_s = float(table.metadata["design_speed_m_s"]), float(table.metadata["dt_s"])
+    return unseen_winds(speed_m_s, frames, dt_s, strength=strength, seed=seed)
+
+
+def truth_tasks(table: Table, source: Source, winds: list[Floats], sway: float | None) -> list[TruthTask]:
+    """What the finite elements have to run."""
+    if sway is None:
+        return [TruthTask(source.model_path, wind) for wind in winds]
+    most_pa = float(dynamic_pressure(float(table.metadata["design_speed_m_s"])))
+    sway_m = sway * float(table.metadata["height_m"])
+    return [TruthTask(source.model_path, wind, sway_m, most_pa) for wind in winds]
+
+
+def compare_methods(table: Table, source: Source, truth: Truth) -> dict[str, Any]:
+    """Every method and both baselines on one wind."""
+    pressure = truth.pressure_pa
+    tracks = {method: played(table, pressure, make) for method, make in METHODS.items()}
+    tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
+    tracks["rest-pose"] = (np.zeros((len(pressure), source.subspace.modes)), 1.0)
+    found = {
+        method: {**compare(table, source, q, truth.displacement_m), "coverage": coverage}
+        for method, (q, coverage) in tracks.items()
+    }
+    found["floor"] = floor(table, source, truth.displacement_m)
+    return found
+
+
+def compare(table: Table, source: Source, q: Floats, truth_m: Array) -> dict[str, Any]:
+    """Figures of poses (T, r) on the wood's vertices, and under ``seen`` on the render vertices."""
+    height_m = float(table.metadata["height_m"])
+    wood, seen = [], []
+    for a in range(0, len(q), CHUNK):
+        pose, true = q[a : a + CHUNK], truth_m[a : a + CHUNK]
+        wood.append(errors(source.subspace.expand(pose), true))
+        seen.append(errors(seen_track(table, source, pose), seen_truth(source, true), source.seen.count))
+    first = slice(0, 60)
+    shown = source.subspace.expand(q[first])
     return {
-        "max_error": float(error.max() / height_m),
-        "rms_error": float(np.sqrt(np.mean(error**2)) / height_m),
-        "max_error_of_sway": float(error.max() / max(sway, 1e-12)),
-        "rms_error_of_sway": float(np.sqrt(np.mean(error**2)) / max(sway, 1e-12)),
-        "true_sway": sway / height_m,
-        "growth": float(error[half:].max() / max(error[:half].max(), 1e-12)),
-        "last_error": float(error[-1].max() / height_m),
-        "frames": {frame: float(error[frame - 1].max() / height_m) for frame in shown},
-        "hausdorff": {
-            frame: hausdorff(rest_m + track[frame - 1], rest_m + truth[frame - 1]) / height_m
-            for frame in shown
-        },
-        "error_by_frame": [float(value) for value in error.max(axis=1) / height_m],
-        "lean": float(lean @ true_lean / max(true_lean @ true_lean, 1e-30)),
-        "largest_step": _largest_step(track) / max(_largest_step(truth), 1e-12),
+        **figures(joined(wood), height_m),
+        "true_sway": float(joined(wood).sway_m.max() / height_m),
+        "hausdorff": hausdorff_by_frame(source.rest_m, shown, truth_m[first], height_m),
+        "seen": figures(joined(seen), height_m),
     }
 
 
-def hausdorff(a: Floats, b: Floats) -> float:
-    """The farthest that a point of either set (n, 3) is from the other set, m."""
-    return float(max(KDTree(a).query(b)[0].max(), KDTree(b).query(a)[0].max()))
+def seen_track(table: Table, source: Source, q: Floats) -> Floats:
+    """(T, s, 3) distinct render vertices, each as its node goes."""
+    nodes = np.einsum("nik,tk->tni", table.node_basis.astype(np.float64), q)
+    return nodes[:, source.seen.node]
 
 
-def _largest_step(track: Floats) -> float:
-    return float(np.linalg.norm(np.diff(track, axis=0), axis=2).max())
+def seen_truth(source: Source, truth_m: Array) -> Floats:
+    """(T, s, 3) distinct render vertices on the true wood."""
+    frames, n, _ = truth_m.shape
+    flat = truth_m.astype(np.float64).transpose(1, 0, 2).reshape(n, -1)
+    return np.asarray(source.seen.binding @ flat).reshape(-1, frames, 3).transpose(1, 0, 2)
+
+
+def floor(table: Table, source: Source, truth_m: Array) -> dict[str, float]:
+    """What no method can mend: the modes' truncation, and render vertices that share a node, over the
+    height.
+    """
+    height_m, truncation, nodes = float(table.metadata["height_m"]), [], []
+    for a in range(0, len(truth_m), CHUNK):
+        true = truth_m[a : a + CHUNK].astype(np.float64)
+        q = source.subspace.project(true)
+        truncation.append(errors(source.subspace.expand(q), true))
+        nodes.append(errors(seen_track(table, source, q), seen_truth(source, true), source.seen.count))
+    return {
+        "truncation": float(joined(truncation).largest_m.max() / height_m),
+        "truncation_and_nodes": float(joined(nodes).largest_m.max() / height_m),
+        "truncation_and_nodes_rms": float(np.sqrt(joined(nodes).mean_square_m2.mean()) / height_m),
+    }

@@ -5,23 +5,38 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-FLOOR = 1e-5
+FLOOR = 1e-6
 """Errors below this share of the height are drawn at it."""
+STYLES = {
+    "tangent": ("#1b7f5c", 1.4, "-"),
+    "paper": ("#c2571a", 1.0, "-"),
+    "paper-literal": ("#c2571a", 0.8, ":"),
+    "nearest-sample": ("#7a7a7a", 0.8, "--"),
+    "rest-pose": ("#b5b5b5", 0.8, "-"),
+}
+MARKED = (20, 40, 60)
 
 
 def plot_errors(figures: dict[str, Any], path: Path) -> None:
     """Write a picture (PNG, SVG or PDF by its name) of what ``evaluate_table`` found."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7.0, 1.9 * len(figures)), layout="constrained")
+    figure = Figure(figsize=(7.0, 1.5 * len(figures) + 0.8), layout="constrained")
     panels = figure.subplots(len(figures), 1, sharex=True, squeeze=False)[:, 0]
     for panel, (wind, methods) in zip(panels, figures.items(), strict=True):
-        for method, found in methods.items():
-            errors = [max(value, FLOOR) for value in found["error_by_frame"]]
-            panel.semilogy(range(1, len(errors) + 1), errors, label=method, linewidth=1.0)
-        panel.set_title(f"{wind}: sways by {methods['rest-pose']['true_sway']:.1%} of the height", fontsize=9)
-        panel.set_ylabel("error / height", fontsize=8)
-    panels[-1].set_xlabel("frame")
-    panels[0].legend(fontsize=7, ncols=5)
+        for method, (colour, width, dashes) in STYLES.items():
+            if method in methods:
+                errors = [max(value, FLOOR) for value in methods[method]["error_by_frame"]]
+                frames = range(1, len(errors) + 1)
+                panel.semilogy(frames, errors, dashes, color=colour, linewidth=width, label=method)
+        for frame in MARKED:
+            panel.axvline(frame, color="#d0d0d0", linewidth=0.6, zorder=0)
+        sway = methods["rest-pose"]["true_sway"]
+        panel.set_title(f"{wind}: sways by {sway:.1%} of the height", fontsize=8, loc="left")
+        panel.tick_params(labelsize=7)
+        panel.spines[["top", "right"]].set_visible(False)
+    figure.supylabel("largest error / height", fontsize=8)
+    panels[-1].set_xlabel("frame", fontsize=8)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", fontsize=7, ncols=5)
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=130)
+    figure.savefig(path, dpi=110)

@@ -1,26 +1,75 @@
 """Figures of an evaluation against what they must be."""
 
+import json
 from pathlib import Path
 
 import numpy as np
+import pytest
+import scipy.sparse
+from typer.testing import CliRunner
 
-from precompute.evaluate import METHODS, compare, hausdorff, nearest_sample, table_nodes
+from precompute.cli import app
+from precompute.dynamics import Simulator
+from precompute.evaluate import METHODS, compare, compare_methods, floor, nearest_sample, played
+from precompute.evaluate_long import beyond, long_run
+from precompute.evaluate_measure import errors, figures, growth, hausdorff, joined, windows
 from precompute.evaluate_plot import plot_errors
-from precompute.evaluate_winds import unseen_winds
-from precompute.table import decode
+from precompute.evaluate_source import Source, SourceError, distinct, find_model, source_of
+from precompute.evaluate_truth import Truth, TruthTask, follow, read_truth, run_truths, sway_of
+from precompute.evaluate_winds import long_gusts, noise, perlin, unseen_winds
+from precompute.intake_types import IntakeOptions
+from precompute.pipeline import BuildOptions, build_table
+from precompute.runner import run_task
+from precompute.table import Table, decode
 from tests.precompute.test_table import FILE
+from tests.precompute.tree_meshes import BRANCHES, cards, glb_bytes, y_tree
 
 TABLE = decode(FILE)
 
 
 def test_a_perfect_track_has_no_error_and_a_resting_one_errs_by_the_sway() -> None:
     rng = np.random.default_rng(601)
-    rest, truth = rng.normal(size=(30, 3)), 0.1 * rng.normal(size=(80, 30, 3))
-    perfect, resting = compare(truth, truth, rest, 2.0), compare(np.zeros_like(truth), truth, rest, 2.0)
-    assert perfect["max_error"] == perfect["hausdorff"][60] == 0
-    assert resting["max_error"] == resting["true_sway"] == np.linalg.norm(truth, axis=2).max() / 2.0
-    assert resting["max_error_of_sway"] == 1
-    assert set(resting["frames"]) == {20, 22, 40, 60}
+    truth = 0.1 * rng.normal(size=(80, 30, 3))
+    perfect, resting = errors(truth, truth), errors(np.zeros_like(truth), truth)
+    sway = np.linalg.norm(truth, axis=2).max() / 2.0
+    assert figures(perfect, 2.0)["max_error"] == 0
+    assert np.isclose(figures(resting, 2.0)["max_error"], sway)
+    assert np.isclose(figures(resting, 2.0)["max_error_of_sway"], 1)
+    assert np.isclose(figures(resting, 2.0)["rms_error"], np.sqrt((truth**2).sum(axis=2).mean()) / 2.0)
+    assert set(figures(resting, 2.0)["frames"]) == {"20", "22", "40", "60"}
+
+
+def test_pieces_of_a_run_are_the_run() -> None:
+    rng = np.random.default_rng(603)
+    track, truth = rng.normal(size=(2, 70, 9, 3))
+    weight = rng.integers(1, 9, 9)
+    pieces = [errors(track[a : a + 20], truth[a : a + 20], weight) for a in range(0, 70, 20)]
+    assert figures(joined(pieces), 3.0) == figures(errors(track, truth, weight), 3.0)
+
+
+def test_a_weight_is_how_many_vertices_a_row_stands_for() -> None:
+    rng = np.random.default_rng(604)
+    track, truth = rng.normal(size=(2, 12, 5, 3))
+    count = np.array([1, 4, 2, 1, 3])
+    many = errors(np.repeat(track, count, axis=1), np.repeat(truth, count, axis=1))
+    assert np.allclose(errors(track, truth, count).mean_square_m2, many.mean_square_m2)
+
+
+def test_growth_is_that_of_the_error_and_its_relative_form_follows_the_sway() -> None:
+    truth = np.zeros((40, 1, 3))
+    truth[:20, 0, 0], truth[20:, 0, 0] = 1.0, 3.0
+    found = growth(errors(1.1 * truth, truth), 2.0)
+    assert np.isclose(found["growth"] or 0, 3.0)
+    assert np.isclose(found["growth_of_sway"] or 0, 1.0)
+    truth[20:] = 0.0
+    assert growth(errors(truth + 0.1, truth), 2.0)["growth_of_sway"] is None
+
+
+def test_windows_are_whole_and_in_order() -> None:
+    truth = np.ones((25, 2, 3))
+    track = truth + np.repeat([0.0, 0.2, 9.9], [10, 10, 5])[:, None, None]
+    found = windows(errors(track, truth), 10, 1.0)
+    assert [round(window["max_error"], 9) for window in found] == [0.0, round(0.2 * 3**0.5, 9)]
 
 
 def test_hausdorff_distance_is_that_of_brute_force() -> None:
@@ -33,15 +82,13 @@ def test_hausdorff_distance_is_that_of_brute_force() -> None:
 def test_a_sampled_wind_is_its_own_nearest_sample() -> None:
     start, end = TABLE.trajectory[:2].astype(int)
     track = nearest_sample(TABLE, TABLE.pressure_pa[start:end].astype(np.float64))
-    pose = TABLE.pose()[start:end] * TABLE.mode_scale
-    assert np.allclose(track, np.einsum("nik,tk->tni", TABLE.node_basis, pose), atol=1e-6)
+    assert np.allclose(track, TABLE.pose()[start:end] * TABLE.mode_scale, atol=1e-6)
 
 
-def test_tracks_of_the_drift_free_method_follow_a_sampled_run() -> None:
+def test_poses_of_the_drift_free_method_follow_a_sampled_run() -> None:
     start, end = TABLE.trajectory[1:3].astype(int)
-    track, coverage = table_nodes(TABLE, TABLE.pressure_pa[start:end].astype(np.float64), METHODS["tangent"])
-    pose = TABLE.pose()[start + 1 : end] * TABLE.mode_scale
-    true = np.einsum("nik,tk->tni", TABLE.node_basis, pose)
+    track, coverage = played(TABLE, TABLE.pressure_pa[start:end].astype(np.float64), METHODS["tangent"])
+    true = TABLE.pose()[start + 1 : end] * TABLE.mode_scale
     assert np.abs(track[:-1] - true).max() < 0.06 * np.abs(true).max()
     assert 0 < coverage < 1.3
 
@@ -55,7 +102,148 @@ def test_winds_keep_to_their_strength_and_change_with_the_seed() -> None:
     assert not first["gust-then-still"][100:].round(9).any()
 
 
+@pytest.mark.parametrize("name", ["new-period-and-amplitude", "between-directions", "perlin", "one-over-f"])
+def test_winds_that_go_on_repeat_after_half_the_run_without_a_seam(name: str) -> None:
+    wind = unseen_winds(12.0, 600, 1 / 30, seed=605)[name]
+    assert np.allclose(wind[300:], wind[:300], atol=1e-9)
+    steps = np.linalg.norm(np.diff(wind, axis=0), axis=1)
+    assert steps[299] <= 1.5 * np.delete(steps, 299).max()
+
+
+def test_noise_has_unit_variance_and_no_seam() -> None:
+    rng = np.random.default_rng(606)
+    for series in (noise(rng, 300, 1 / 30, 5 / 3), perlin(rng, 300, 1 / 30)):
+        assert 0.2 < series.std() < 2.0
+        steps = np.abs(np.diff(np.append(series, series[0])))
+        assert steps[-1] <= 1.5 * steps[:-1].max()
+
+
+def test_long_gusts_are_alike_in_every_window() -> None:
+    wind = long_gusts(607, 3000, 500, 1 / 30, 15.0)
+    strength = np.linalg.norm(wind, axis=1).reshape(6, 500)
+    assert np.allclose(strength, strength[0])
+    assert np.linalg.norm(wind[0] - wind[1500]) > 0.1 * strength.max()
+
+
 def test_the_plot_is_written(tmp_path: Path) -> None:
     found = {"true_sway": 0.1, "error_by_frame": [0.0, 0.01, 0.02]}
     plot_errors({"step": {"tangent": found, "rest-pose": found}}, tmp_path / "errors.png")
     assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small tree's table with its mesh beside it, and the cache of its build."""
+    path = tmp_path_factory.mktemp("evaluate")
+    options = BuildOptions(
+        intake=IntakeOptions(species="maple"),
+        target_tets=800,
+        sampled_elements=8,
+        design_speed_m_s=14.0,
+        frames=60,
+    )
+    mesh = glb_bytes(y_tree(), cards([end for _, end in BRANCHES]))
+    built = build_table(mesh, "tree.glb", options, lambda tasks, done: [run_task(t) for t in tasks],
+                        cache_dir=path / "cache")  # fmt: skip
+    (path / "tree.gwt").write_bytes(built.table)
+    (path / "tree.glb").write_bytes(built.render_glb)
+    return path
+
+
+@pytest.fixture(scope="module")
+def table(folder: Path) -> Table:
+    return decode((folder / "tree.gwt").read_bytes())
+
+
+@pytest.fixture(scope="module")
+def source(folder: Path, table: Table) -> Source:
+    return source_of(table, folder / "tree.glb", folder / "cache", workers=1)
+
+
+@pytest.fixture(scope="module")
+def truth(source: Source) -> Truth:
+    rng = np.random.default_rng(608)
+    return follow(Simulator(source.model), np.abs(rng.normal(size=(40, 2))) * 20.0)
+
+
+def test_what_a_table_was_made_from_is_found_again(table: Table, source: Source, truth: Truth) -> None:
+    assert source.model.report["frequencies_hz"] == table.metadata["frequencies_hz"]
+    assert source.seen.count.sum() == len(table.vertex_node)
+    left = floor(table, source, truth.displacement_m)
+    assert left["truncation"] < 2e-3
+    assert left["truncation"] <= left["truncation_and_nodes"] < 0.02
+
+
+def test_the_true_motion_in_modes_errs_by_the_truncation_alone(
+    table: Table, source: Source, truth: Truth
+) -> None:
+    q = source.subspace.project(truth.displacement_m)
+    found = compare(table, source, q, truth.displacement_m)
+    assert np.isclose(found["max_error"], floor(table, source, truth.displacement_m)["truncation"])
+    assert np.isclose(
+        found["seen"]["max_error"], floor(table, source, truth.displacement_m)["truncation_and_nodes"]
+    )
+
+
+def test_a_tree_at_rest_errs_by_its_sway_on_the_wood(table: Table, source: Source, truth: Truth) -> None:
+    found = compare_methods(table, source, truth)
+    rest = found["rest-pose"]
+    assert np.isclose(rest["max_error"], sway_of(truth) / float(table.metadata["height_m"]))
+    assert found["tangent"]["max_error"] < 0.2 * rest["max_error"]
+
+
+def test_distinct_vertices_are_all_vertices() -> None:
+    rng = np.random.default_rng(609)
+    rows = scipy.sparse.random(6, 5, 0.6, format="csr", rng=rng)
+    twice = scipy.sparse.csr_matrix(scipy.sparse.vstack([rows, rows]))
+    seen = distinct(twice, np.array([0, 0, 1, 1, 2, 2] * 2))
+    assert len(seen.count) == 6
+    assert (seen.count == 2).all()
+
+
+def test_a_wind_is_scaled_until_the_tree_sways_as_asked(source: Source, tmp_path: Path) -> None:
+    wind = np.tile([[10.0, 0.0]], (60, 1))
+    task = TruthTask(source.model_path, wind, 0.02)
+    ran = read_truth(run_truths([task], tmp_path, lambda done: None)[0])
+    assert abs(sway_of(ran) / 0.02 - 1) <= 0.03
+    assert np.allclose(ran.pressure_pa / ran.pressure_pa[0, 0], wind / wind[0, 0])
+    weak = read_truth(
+        run_truths([TruthTask(source.model_path, wind, 9.0, 12.0)], tmp_path, lambda d: None)[0]
+    )
+    assert np.isclose(np.linalg.norm(weak.pressure_pa, axis=1).max(), 12.0)
+
+
+def test_a_long_run_is_kept_and_bounded_beyond_its_samples(
+    table: Table, source: Source, tmp_path: Path
+) -> None:
+    first = long_run(table, source, tmp_path, lambda f, m: None, frames=1500, sway=0.005, seed=610)
+    assert len(first["methods"]["tangent"]) == 1
+    assert first["methods"]["tangent"][0]["max_error"] < 0.01
+    again = long_run(table, source, tmp_path, lambda f, m: None, frames=1500, sway=0.005, seed=610)
+    assert first == again
+    far = beyond(table, source, frames=300)
+    assert far["coverage"] > 1
+    assert far["largest"] < 1
+    assert far["left_at_rest_m"] == 0
+
+
+def test_the_command_needs_the_table_alone_and_says_when_the_model_is_gone(
+    folder: Path, tmp_path: Path
+) -> None:
+    out, picture = tmp_path / "figures.json", tmp_path / "errors.svg"
+    told = CliRunner().invoke(app, [
+        "evaluate", str(folder / "tree.gwt"), "--cache-dir", str(folder / "cache"), "--frames", "60",
+        "--workers", "1", "--json", str(out), "--plot", str(picture),
+    ])  # fmt: skip
+    assert told.exit_code == 0, told.output
+    found = json.loads(out.read_text())
+    assert set(found["winds"]["step"]) >= {"tangent", "paper", "paper-literal", "rest-pose", "floor"}
+    assert found["winds"]["perlin"]["tangent"]["max_error"] < 0.01
+    assert picture.stat().st_size > 1000
+    lost = CliRunner().invoke(app, ["evaluate", str(folder / "tree.gwt"), "--cache-dir", str(tmp_path)])
+    assert lost.exit_code == 1
+
+
+def test_another_tables_model_is_not_taken(folder: Path) -> None:
+    with pytest.raises(SourceError):
+        find_model({"frequencies_hz": [1.0, 2.0]}, folder / "cache")
