@@ -2,33 +2,63 @@
 
 from __future__ import annotations
 
+import re
+from typing import Any
+
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, Response
 
-from server.context import ServiceHere
-from server.errors import not_found
+from server.context import Service, ServiceHere
+from server.encodings import coding_of, encoded_file
+from server.errors import ProblemError, not_found, problems
+from server.etags import NOT_MODIFIED, matches
 from server.storage import FileStore
 
 router = APIRouter(prefix="/api", tags=["artefacts"])
 FOREVER = "public, max-age=31536000, immutable"
+_RANGE = re.compile(r"bytes=\s*(\d+-\d*|-\d+)(\s*,\s*(\d+-\d*|-\d+)){0,15}\s*")
+BINARY: dict[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 
 
-@router.get("/tables/{sha256}", response_class=FileResponse)
+def _answers(media_type: str) -> dict[int | str, dict[str, Any]]:
+    content = {media_type: BINARY}
+    part = {"description": "The part that the Range header asked for.", "content": content}
+    whole = {"description": "The file.", "content": content}
+    beyond = {"description": "The range begins beyond the file.", "content": {"text/plain": {}}}
+    return {200: whole, 206: part, 416: beyond, **NOT_MODIFIED, **problems(400, 404)}
+
+
+@router.get("/tables/{sha256}", response_class=FileResponse, responses=_answers("application/octet-stream"))
+@router.head("/tables/{sha256}", include_in_schema=False)
 def get_table(sha256: str, request: Request, service: ServiceHere) -> Response:
-    """A table file (docs/formats/table.md)."""
-    return _file(request, service.stores.tables, "table", sha256, "application/octet-stream")
+    """A table file (docs/formats/table.md), whole or in ranges, by zstd or gzip where the client can."""
+    return _file(request, service, service.stores.tables, "table", sha256, "application/octet-stream")
 
 
-@router.get("/meshes/{sha256}", response_class=FileResponse)
+@router.get("/meshes/{sha256}", response_class=FileResponse, responses=_answers("model/gltf-binary"))
+@router.head("/meshes/{sha256}", include_in_schema=False)
 def get_mesh(sha256: str, request: Request, service: ServiceHere) -> Response:
     """A tree as it is drawn: GLB whose vertices are in the order of its table."""
-    return _file(request, service.stores.meshes, "mesh", sha256, "model/gltf-binary")
+    return _file(request, service, service.stores.meshes, "mesh", sha256, "model/gltf-binary")
 
 
-def _file(request: Request, store: FileStore, kind: str, sha256: str, media_type: str) -> Response:
+def _file(
+    request: Request, service: Service, store: FileStore, kind: str, sha256: str, media_type: str
+) -> Response:
     if not store.has(sha256):
         raise not_found(kind, sha256)
-    headers = {"ETag": f'"{sha256}"', "Cache-Control": FOREVER}
-    if sha256 in request.headers.get("if-none-match", ""):
+    ranges = request.headers.get("range")
+    if ranges is not None and not _RANGE.fullmatch(ranges):
+        raise ProblemError(400, "bad-range", "The Range header cannot be read", hint="Send bytes=FIRST-LAST.")
+    # a range is of the plain bytes, so that whoever asks for one need not know of compression
+    coding = None if ranges is not None else coding_of(request.headers.get("accept-encoding", ""))
+    etag = f'"{sha256}-{coding}"' if coding else f'"{sha256}"'
+    headers = {"ETag": etag, "Cache-Control": FOREVER, "Vary": "Accept-Encoding"}
+    if matches(request.headers.get("if-none-match", ""), etag):
         return Response(status_code=304, headers=headers)
-    return FileResponse(store.path(sha256), media_type=media_type, headers=headers)
+    if coding is None:
+        return FileResponse(store.path(sha256), media_type=media_type, headers=headers)
+    headers["Content-Encoding"] = coding
+    folder = service.settings.cache_dir / "encoded"
+    path = encoded_file(folder, sha256, coding, lambda: store.get(sha256))
+    return FileResponse(path, media_type=media_type, headers=headers)

@@ -46,9 +46,25 @@ class Problem:
 class ProblemError(Exception):
     """Raised by our own code where a request cannot be met."""
 
-    def __init__(self, status: int, code: str, title: str, *, detail: str = "", hint: str = "") -> None:
+    def __init__(
+        self,
+        status: int,
+        code: str,
+        title: str,
+        *,
+        detail: str = "",
+        hint: str = "",
+        headers: Mapping[str, str] | None = None,
+    ) -> None:
         super().__init__(title)
         self.problem = Problem(status=status, code=code, title=title, detail=detail or title, hint=hint)
+        self.headers = headers
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """The statuses of a route, for its description: each is answered with a problem."""
+    content = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemOut"}}}
+    return {status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses}
 
 
 def not_found(kind: str, name: str) -> ProblemError:

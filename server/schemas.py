@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Any
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator
 
 from precompute.wood import SPECIES
 from server.models import JobState, TreeState
 
+TreeName = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=200)]
+MaterialName = Annotated[str, StringConstraints(min_length=1, max_length=200)]
+
 
 class JobOut(BaseModel):
-    """A job: `fraction` in [0, 1], `seconds_left` an estimate, `error` a sentence."""
+    """A job: `fraction` in [0, 1], `seconds_left` an estimate, `error` a sentence.
+
+    `samples_done` of `samples_total` runs are simulated; `pictures` are names with the hash of what they show.
+    """
 
     model_config = ConfigDict(from_attributes=True)
 
@@ -23,6 +29,9 @@ class JobOut(BaseModel):
     fraction: float
     message: str
     seconds_left: float | None
+    samples_done: int | None = None
+    samples_total: int | None = None
+    pictures: dict[str, str] = Field(default_factory=dict)
     error: str | None
     created_at: datetime
     updated_at: datetime
@@ -47,9 +56,57 @@ class TreeOut(BaseModel):
 
 
 class TreeList(BaseModel):
-    """Every tree, built-in species first."""
+    """A page of the trees, built-in species first, then by age; `next` asks for the page after it."""
 
     trees: list[TreeOut]
+    total: int
+    next: str | None
+
+
+class JobList(BaseModel):
+    """A page of the jobs, the newest first; `next` asks for the page after it."""
+
+    jobs: list[JobOut]
+    total: int
+    next: str | None
+
+
+class TableOut(BaseModel):
+    """A table that a tree has now."""
+
+    sha256: str
+    size_bytes: int
+    tree_id: str
+    name: str
+    species: str | None
+    height_m: float | None
+    mesh_sha256: str | None
+
+
+class TableList(BaseModel):
+    """Every table in use."""
+
+    tables: list[TableOut]
+    total: int
+    next: str | None
+
+
+class SpeciesOut(BaseModel):
+    """Wood that a tree can be given: elastic constants along and across the fibre, density, damping, drag."""
+
+    id: str
+    name: str
+    young_longitudinal_pa: float
+    density_kg_m3: float
+    damping_ratio: float
+    drag_coefficient: float
+    source: str
+
+
+class SpeciesList(BaseModel):
+    """The woods that are known by name."""
+
+    species: list[SpeciesOut]
 
 
 class Change(BaseModel):
@@ -60,17 +117,17 @@ class Change(BaseModel):
     deleted: bool = False
 
 
-class BuildSettings(BaseModel):
-    """What a build may be told to do otherwise; everything left out keeps the tree's own or the default."""
+class Assumptions(BaseModel):
+    """What intake assumes of a mesh; everything left out is left to it, and told in the tree's report."""
 
     model_config = ConfigDict(extra="forbid")
 
-    species: str | None = None
+    species: str | None = Field(default=None, description="See GET /api/species.")
     height_m: float | None = Field(default=None, gt=0.1, le=150)
-    target_tets: int | None = Field(default=None, ge=500, le=60_000)
-    sampled_elements: int | None = Field(default=None, ge=1, le=2000)
-    design_speed_m_s: float | None = Field(default=None, gt=0, le=60)
-    frames: int | None = Field(default=None, ge=30, le=1800)
+    up_axis: Literal["x", "y", "z"] | None = None
+    wood_materials: list[MaterialName] | None = Field(
+        default=None, min_length=1, max_length=64, description="Materials, nodes or meshes that are wood."
+    )
 
     @field_validator("species")
     @classmethod
@@ -80,12 +137,61 @@ class BuildSettings(BaseModel):
         return name
 
 
+class TreeChanges(Assumptions):
+    """Body of PATCH /api/trees/{id}: another name, other assumptions (the mesh is then read again)."""
+
+    name: TreeName | None = None
+
+
+class BuildSettings(Assumptions):
+    """What a build may be told to do otherwise; everything left out keeps the tree's own or the default."""
+
+    target_tets: int | None = Field(default=None, ge=500, le=60_000)
+    sampled_elements: int | None = Field(default=None, ge=1, le=2000)
+    design_speed_m_s: float | None = Field(default=None, gt=0, le=60)
+    frames: int | None = Field(default=None, ge=30, le=1800)
+
+
 class PrecomputeRequest(BaseModel):
     """Body of POST /api/trees/{id}/precompute; may be left out."""
 
     model_config = ConfigDict(extra="forbid")
 
     settings: BuildSettings = Field(default_factory=lambda: BuildSettings())
+
+
+class JobRequest(PrecomputeRequest):
+    """Body of POST /api/jobs."""
+
+    tree_id: str = Field(min_length=1, max_length=64)
+
+
+class Liveness(BaseModel):
+    """Answer of /api/health: the versions of the software, of its tables and of its streams."""
+
+    status: str
+    version: str
+    table_version: int
+    wire_version: int
+
+
+class Readiness(BaseModel):
+    """Answer of /api/health/ready: `status` is "ok" or "unable"."""
+
+    status: str
+    version: str
+    checks: dict[str, bool]
+
+
+class ProblemOut(BaseModel):
+    """A problem (RFC 9457): `code` is for programs, `title`, `detail` and `hint` for people."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    hint: str
+    code: str
 
 
 class Health(BaseModel):

@@ -35,6 +35,8 @@ class Settings(BaseSettings):
 
     workers: int = Field(default_factory=default_workers, ge=1, le=256)
     concurrent_jobs: int = Field(default=1, ge=1, le=64)
+    concurrent_studies: int = Field(default=1, ge=1, le=64)
+    lease_s: float = Field(default=15.0, ge=1, le=3600)
     job_attempts: int = Field(default=3, ge=1, le=20)
     job_module: str = "server.job_process"
     cluster_idle_s: float = Field(default=30.0, ge=0)
@@ -70,6 +72,9 @@ class Settings(BaseSettings):
     socket_messages_per_s: float = Field(default=60.0, gt=0)
     forest_trees: int = Field(default=20_000, ge=1)
     forest_groups: int = Field(default=64, ge=1)
+    server_trees: int = Field(default=200_000, ge=1)
+    shared_forests: int = Field(default=64, ge=0)
+    shared_forest_idle_s: float = Field(default=60.0, ge=0)
 
     @field_validator("api_keys", mode="before")
     @classmethod

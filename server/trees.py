@@ -1,61 +1,25 @@
-"""Trees: uploaded, listed, computed, deleted."""
+"""Trees: listed, computed, deleted. How they come in is in uploading.py."""
 
 from __future__ import annotations
 
-import asyncio
-from typing import Any, Literal
+from datetime import datetime
+from typing import Any
 
 from fastapi import APIRouter, Request, Response
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
-from sqlalchemy import select
-from sqlalchemy.orm import Session
+from sqlalchemy import case, func, select
+from sqlalchemy.orm import InstrumentedAttribute, Session
 
-from precompute.intake_types import IntakeOptions, TreeMesh
 from server.context import Service, ServiceHere
-from server.errors import ProblemError, not_found
+from server.errors import ProblemError, not_found, problems
+from server.etags import NOT_MODIFIED, tagged
 from server.jobs import queue_job
 from server.models import ACTIVE, Tree
-from server.schemas import BuildSettings, JobOut, PrecomputeRequest, TreeList, TreeOut
-from server.uploads import Upload, read_upload
+from server.pages import Asked, bad_cursor, beyond, cursor_of, parts_of
+from server.schemas import JobOut, PrecomputeRequest, TreeList, TreeOut
+from server.storage import FileStore
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
-
-UPLOAD_FORM: dict[str, Any] = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            "multipart/form-data": {
-                "schema": {
-                    "type": "object",
-                    "required": ["file"],
-                    "properties": {
-                        "file": {"type": "string", "format": "binary", "description": "GLB, OBJ, PLY or STL"},
-                        "species": {"type": "string"},
-                        "height_m": {"type": "number"},
-                        "name": {"type": "string"},
-                        "up_axis": {"type": "string", "enum": ["x", "y", "z"]},
-                    },
-                }
-            }
-        },
-    }
-}
-
-
-class UploadFields(BaseModel):
-    """The text fields of an upload."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    species: str | None = None
-    height_m: float | None = Field(default=None, gt=0.1, le=150)
-    name: str | None = Field(default=None, max_length=200)
-    up_axis: Literal["x", "y", "z"] | None = None
-
-    @field_validator("species")
-    @classmethod
-    def _known(cls, name: str | None) -> str | None:
-        return BuildSettings(species=name).species
+ORDER = (case((Tree.builtin, 0), else_=1), Tree.created_at, Tree.id)
 
 
 def tree_out(tree: Tree) -> TreeOut:
@@ -70,82 +34,61 @@ def job_out(tree: Tree) -> JobOut | None:
     return JobOut.model_validate(tree.job) if tree.job else None
 
 
-@router.get("")
-def list_trees(service: ServiceHere) -> TreeList:
-    """Every tree, the built-in species first, then by age."""
+@router.get("", response_model=TreeList, responses=NOT_MODIFIED)
+def list_trees(request: Request, service: ServiceHere, asked: Asked) -> Response:
+    """A page of the trees, the built-in species first, then by age."""
     with service.sessions() as session:
-        trees = session.scalars(select(Tree).order_by(Tree.builtin.desc(), Tree.created_at)).all()
-        return TreeList(trees=[tree_out(tree) for tree in trees])
+        rows = select(Tree).order_by(*ORDER).limit(asked.limit + 1)
+        if asked.after:
+            rows = rows.where(beyond(ORDER, _sort_key(asked.after)))
+        trees = session.scalars(rows).all()
+        total = session.scalar(select(func.count(Tree.id))) or 0
+        more = cursor_of(_cursor_parts(trees[asked.limit - 1])) if len(trees) > asked.limit else None
+        page = TreeList(trees=[tree_out(tree) for tree in trees[: asked.limit]], total=total, next=more)
+    return tagged(request, page)
 
 
-@router.get("/{tree_id}")
-def get_tree(tree_id: str, service: ServiceHere) -> TreeOut:
+def _cursor_parts(tree: Tree) -> list[str]:
+    return [str(int(not tree.builtin)), tree.created_at.isoformat(), tree.id]
+
+
+def _sort_key(cursor: str) -> tuple[int, datetime, str]:
+    uploaded, created_at, tree_id = parts_of(cursor, 3)
+    try:
+        return int(uploaded), datetime.fromisoformat(created_at), tree_id
+    except ValueError:
+        raise bad_cursor() from None
+
+
+@router.get("/{tree_id}", response_model=TreeOut, responses={**NOT_MODIFIED, **problems(404)})
+def get_tree(tree_id: str, request: Request, service: ServiceHere) -> Response:
     """One tree with the report of its intake."""
     with service.sessions() as session:
-        return tree_out(_tree(session, tree_id))
+        return tagged(request, tree_out(find_tree(session, tree_id)))
 
 
-@router.post("", status_code=201, openapi_extra=UPLOAD_FORM)
-async def upload_tree(request: Request, service: ServiceHere) -> TreeOut:
-    """Take in a mesh: read, repaired and judged in a child process before anything is stored."""
-    upload = await read_upload(request, service.settings.upload_bytes)
-    fields = _fields(upload)
-    options = IntakeOptions(
-        species=fields.species, height_m=fields.height_m, up_axis=fields.up_axis, wood=None
-    )
-    async with service.intake_slots:
-        mesh, glb = await asyncio.to_thread(service.intake, upload.data, upload.filename, options)
-    return await asyncio.to_thread(_store, service, upload, fields, mesh, glb)
-
-
-def _fields(upload: Upload) -> UploadFields:
-    try:
-        return UploadFields.model_validate({key: value for key, value in upload.fields.items() if value})
-    except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"])
-        raise ProblemError(
-            422, "invalid-field", f"The field {field!r} cannot be used", detail=first["msg"]
-        ) from None
-
-
-def _store(service: Service, upload: Upload, fields: UploadFields, mesh: TreeMesh, glb: bytes) -> TreeOut:
-    tree = Tree(
-        name=fields.name or upload.filename.rsplit(".", 1)[0] or "tree",
-        species=mesh.species,
-        height_m=mesh.height_m,
-        filename=upload.filename,
-        options=fields.model_dump(include={"species", "height_m", "up_axis"}, exclude_none=True),
-        report=mesh.report,
-        source_sha256=service.stores.sources.put(upload.data),
-        mesh_sha256=service.stores.meshes.put(glb),
-    )
-    with service.sessions.begin() as session:
-        session.add(tree)
-        session.flush()
-        return tree_out(tree)
-
-
-@router.post("/{tree_id}/precompute", status_code=202, max_body_size=64 * 1024)
+@router.post(
+    "/{tree_id}/precompute", status_code=202, max_body_size=64 * 1024, responses=problems(404, 409, 413)
+)
 def precompute_tree(tree_id: str, service: ServiceHere, body: PrecomputeRequest | None = None) -> JobOut:
     """Queue the computation of a tree's table."""
     settings = (body or PrecomputeRequest()).settings.model_dump(exclude_none=True)
     with service.sessions.begin() as session:
-        answer = JobOut.model_validate(queue_job(session, _tree(session, tree_id), settings))
+        answer = JobOut.model_validate(queue_job(session, find_tree(session, tree_id), settings))
     service.wake_supervisor()
     return answer
 
 
-@router.delete("/{tree_id}", status_code=204)
+@router.delete("/{tree_id}", status_code=204, responses=problems(404, 409))
 def delete_tree(tree_id: str, service: ServiceHere) -> Response:
     """Forget an uploaded tree with its jobs, and its files where no other tree shares them."""
-    with service.sessions.begin() as session:
-        tree = _tree(session, tree_id)
+    with service.files_lock, service.sessions.begin() as session:
+        tree = find_tree(session, tree_id)
         if tree.builtin:
             raise ProblemError(
                 403, "builtin-tree", "The built-in species stay", hint="Only uploads are deleted."
             )
-        if tree.job and tree.job.state in ACTIVE:
+        if any(job.state in ACTIVE for job in tree.jobs):
             raise ProblemError(
                 409, "still-building", "This tree is being computed", hint="Cancel its job first."
             )
@@ -156,17 +99,21 @@ def delete_tree(tree_id: str, service: ServiceHere) -> Response:
 
 
 def _remove_files(session: Session, service: Service, tree: Tree) -> None:
-    kept = (
-        (service.stores.sources, Tree.source_sha256, tree.source_sha256),
-        (service.stores.meshes, Tree.mesh_sha256, tree.mesh_sha256),
-        (service.stores.tables, Tree.table_sha256, tree.table_sha256),
-    )
-    for store, column, sha256 in kept:
-        if sha256 and not session.scalars(select(Tree.id).where(column == sha256)).first():
-            store.remove(sha256)
+    remove_unshared(session, service.stores.sources, Tree.source_sha256, tree.source_sha256)
+    remove_unshared(session, service.stores.meshes, Tree.mesh_sha256, tree.mesh_sha256)
+    remove_unshared(session, service.stores.tables, Tree.table_sha256, tree.table_sha256)
 
 
-def _tree(session: Session, tree_id: str) -> Tree:
+def remove_unshared(
+    session: Session, store: FileStore, column: InstrumentedAttribute[Any], sha256: str | None
+) -> None:
+    """Remove a file unless a tree names it in that column; hold `files_lock`."""
+    if sha256 and not session.scalars(select(Tree.id).where(column == sha256)).first():
+        store.remove(sha256)
+
+
+def find_tree(session: Session, tree_id: str) -> Tree:
+    """A tree by its name. ProblemError 404."""
     tree = session.get(Tree, tree_id)
     if tree is None:
         raise not_found("tree", tree_id)

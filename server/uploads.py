@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncGenerator
 from dataclasses import dataclass
 from pathlib import PurePosixPath
+from typing import Any
 
 from fastapi import Request
 from starlette.datastructures import FormData, UploadFile
@@ -15,7 +16,32 @@ from server.errors import ProblemError
 
 FORM_OVERHEAD_BYTES = 64 * 1024  # boundaries, part headers and the text fields
 DRAIN_S = 2.0
-FIELDS = ("species", "height_m", "name", "up_axis")
+FIELDS = ("species", "height_m", "name", "up_axis", "wood_materials")
+FORM: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "multipart/form-data": {
+                "schema": {
+                    "type": "object",
+                    "required": ["file"],
+                    "additionalProperties": False,
+                    "properties": {
+                        "file": {"type": "string", "format": "binary", "description": "GLB, OBJ, PLY or STL"},
+                        "species": {"type": "string", "description": "See GET /api/species"},
+                        "height_m": {"type": "number", "exclusiveMinimum": 0.1, "maximum": 150},
+                        "name": {"type": "string", "maxLength": 200},
+                        "up_axis": {"type": "string", "enum": ["x", "y", "z"]},
+                        "wood_materials": {
+                            "type": "string",
+                            "description": "Names of the materials, nodes or meshes that are wood, by commas",
+                        },
+                    },
+                }
+            }
+        },
+    }
+}
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 from fastapi import APIRouter, Request
 
 from precompute.wind import parse_wind
-from server.errors import ProblemError
+from server.errors import ProblemError, problems
 
 router = APIRouter(prefix="/api/winds", tags=["winds"])
 LARGEST_BYTES = 64 * 1024
@@ -18,7 +18,7 @@ BODY: dict[str, Any] = {
 }
 
 
-@router.post("/validate", openapi_extra=BODY)
+@router.post("/validate", openapi_extra=BODY, responses=problems(413, 422))
 async def validate(request: Request) -> dict[str, Any]:
     """Read a wind document (docs/formats/wind.md) and give it back, in its shortest form, as `wind`.
 
