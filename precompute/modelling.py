@@ -22,8 +22,13 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
 GRAVITY_M_S2 = 9.81
-RATIO_FLOOR = 0.5
-"""Twigs thickened by more than this are treated as thickened by this: else they would be threads."""
+STIFFNESS_FLOOR = 0.2
+"""Ratio of radii below which a twig is not made softer (its mass always is the drawn one).
+
+A twig a fifth as thick as the mesh resolves has 1/600 of its stiffness. One drawn thinner still (a line, a
+game's needle) would hang like a thread under its leaves, and the whole tree would count as one that cannot
+stand. The species here end at 0.23, so none of their twigs is touched.
+"""
 
 
 class MeshLike(Protocol):
@@ -101,10 +106,10 @@ def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumps: Lum
     tets = np.ascontiguousarray(mesh.tets, np.int32)
     grad, volume = gradients(vertices[tets])
     _check_mesh(vertices, volume, lumps)
-    ratio = np.clip(mesh.radius_ratio, RATIO_FLOOR, 1.0)
+    ratio = np.asarray(mesh.radius_ratio, np.float64)
     fibre = np.asarray(skeleton.tet_fibre, np.float64)
     axial, shear = stiffness_blocks(grad, volume, fibre, moduli(wood))
-    thinned = (ratio**4)[:, None, None, None]
+    thinned = (np.maximum(ratio, STIFFNESS_FLOOR) ** 4)[:, None, None, None]
     return Material(
         vertices, tets, grad, axial * thinned, shear * thinned, volume * wood.density_kg_m3 * ratio**2
     )

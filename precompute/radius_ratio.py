@@ -50,10 +50,15 @@ def scattered(surface: Surface, spacing: float) -> tuple[Floats, Ints]:
 
     The additive R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     """
+    face, weight = scattered_weights(surface, spacing)
+    return np.einsum("kw,kwd->kd", weight, surface.vertices[surface.faces][face]), face
+
+
+def scattered_weights(surface: Surface, spacing: float) -> tuple[Ints, Floats]:
+    """The same points as faces (k,) and weights (k, 3) of their corners."""
     corners = surface.vertices[surface.faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     face = np.repeat(np.arange(len(corners)), np.maximum(4, np.ceil(area / spacing**2)).astype(np.int64))
     place = np.arange(len(face))[:, None] * np.array([0.7548776662466927, 0.5698402909980532]) % 1.0
     folded = np.where(place.sum(axis=1, keepdims=True) > 1.0, 1.0 - place, place)
-    weight = np.column_stack([1.0 - folded.sum(axis=1), folded])
-    return np.einsum("kw,kwd->kd", weight, corners[face]), face.astype(np.int32)
+    return face.astype(np.int32), np.column_stack([1.0 - folded.sum(axis=1), folded])

@@ -1,0 +1,72 @@
+"""The frame of beams against closed forms, before anything is held to it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from precompute import beam_frame_tree
+from precompute.beam_frame import frame_frequencies, frame_matrices
+from precompute.beam_frame_tree import frame, read_frame
+from precompute.beams import pole_frequencies
+from precompute.wood import species
+
+WOOD = species("maple")
+SPECIES = Path(__file__).parents[2] / "assets" / "species"
+RADIUS_M, LENGTH_M = 0.05, 4.0
+
+
+def pole(direction, tip_ratio=1.0, links=12):
+    """A clamped pole as a skeleton of one branch."""
+    share = np.linspace(0, 1, links + 1)
+    points = share[:, None] * LENGTH_M * np.array(direction) / np.linalg.norm(direction)
+    radius = RADIUS_M * (1 + (tip_ratio - 1) * share)
+    return frame(points, radius, np.arange(-1, links), np.zeros(links + 1, int))
+
+
+@pytest.mark.parametrize("direction", [(0, 1, 0), (1, 2, 3)])
+@pytest.mark.parametrize("tip_ratio", [1.0, 0.5])
+def test_a_pole_sways_as_beam_theory_has_it_whichever_way_it_leans(direction, tip_ratio):
+    area, moment = np.pi * RADIUS_M**2, np.pi * RADIUS_M**4 / 4
+    exact = pole_frequencies(
+        LENGTH_M, WOOD.young_longitudinal_pa, WOOD.density_kg_m3, area, moment, tip_ratio
+    )
+    found = frame_frequencies(pole(direction, tip_ratio), WOOD, 0.0, 4)
+    np.testing.assert_allclose(found[[0, 2]], exact, rtol=2e-3)
+    np.testing.assert_allclose(found[[1, 3]], exact, rtol=2e-3)
+
+
+def test_a_bent_wire_s_tip_by_hand():
+    """An L of two equal legs, pushed at its end across its plane: both bend, the first twists."""
+    leg, links = 2.0, 10
+    up = np.column_stack([np.zeros(links + 1), np.linspace(0, leg, links + 1), np.zeros(links + 1)])
+    out = up[-1] + np.column_stack([np.linspace(0, leg, links + 1)[1:], np.zeros(links), np.zeros(links)])
+    points = np.concatenate([up, out])
+    tree = frame(points, np.full(len(points), RADIUS_M), np.arange(-1, len(points) - 1),
+                 np.zeros(len(points), int))  # fmt: skip
+    stiffness, _ = frame_matrices(tree, WOOD)
+    free = np.flatnonzero(np.repeat(tree.points_m[:, 1] > 0, 6))
+    tip = int(np.argmax(tree.points_m[:, 0]))
+    load = np.zeros(6 * len(tree.points_m))
+    load[6 * tip + 2] = 1.0
+    u = np.zeros_like(load)
+    u[free] = np.linalg.solve(stiffness[free][:, free].toarray(), load[free])
+    moment = np.pi * RADIUS_M**4 / 4
+    bending = 2 * leg**3 / (3 * WOOD.young_longitudinal_pa * moment)
+    torsion = leg * leg**2 / (WOOD.shear_longitudinal_pa * 2 * moment)
+    assert u[6 * tip + 2] == pytest.approx(bending + torsion, rel=1e-6)
+
+
+def test_what_lies_inside_a_limb_does_not_weigh():
+    points = np.array([[0, 0, 0], [0, 1, 0], [0, 2, 0], [0, 1, 0], [1, 1, 0]], float)
+    radius = np.array([0.1, 0.1, 0.1, 0.02, 0.02])
+    tree = frame(points, radius, np.array([-1, 0, 1, 1, 3]), np.array([0, 0, 0, 1, 1]))
+    exact = np.pi * (0.1**2 * 2 + 0.02**2 * 0.9)
+    assert tree.volume_m3() == pytest.approx(exact, rel=5e-3)
+
+
+def test_smaller_pieces_change_little(monkeypatch):
+    first = frame_frequencies(read_frame(SPECIES / "apricot.skeleton.json"), species("apricot"), 0.0, 10)
+    monkeypatch.setattr(beam_frame_tree, "PIECES", 8)
+    second = frame_frequencies(read_frame(SPECIES / "apricot.skeleton.json"), species("apricot"), 0.0, 10)
+    np.testing.assert_allclose(first, second, rtol=0.01)

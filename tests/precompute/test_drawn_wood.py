@@ -1,0 +1,78 @@
+"""A thickened solid weighs and bends as the drawing it was made from."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from precompute.drawn_wood import as_drawn, drawn_volume
+from precompute.intake_repair import Surface, volume
+from precompute.modelling import STIFFNESS_FLOOR, wood_elements
+from precompute.skeleton import extract_skeleton
+from precompute.tet_quality import tet_volumes
+from precompute.wood import species
+from tests.precompute import tree_meshes as make
+from tests.precompute.tet_meshes import Y_SEGMENTS, grid_mesh, near_segment, y_mesh
+
+LIMB_M = 0.06
+
+
+def drawn_y(trunk_m=0.22, limb_m=LIMB_M, sides=12) -> Surface:
+    """The limbs of Y_SEGMENTS as closed tubes, thinner than the solid; limbs begin on the trunk's axis."""
+    radii = (trunk_m, limb_m, limb_m)
+    return make.joined(
+        *(make.tube(a, b, r, r, sides=sides) for (a, b, _), r in zip(Y_SEGMENTS, radii, strict=True))
+    )
+
+
+@pytest.fixture(scope="module")
+def thick_y():
+    mesh = y_mesh()
+    mesh = replace(mesh, radius_ratio=np.full(len(mesh.tets), 0.3))  # what a mesher might have noted
+    return mesh, extract_skeleton(mesh)
+
+
+def test_limbs_have_the_drawn_radius_and_the_trunk_its_own(thick_y):
+    mesh, skeleton = thick_y
+    drawn = as_drawn(make.as_tree(drawn_y()), mesh, skeleton)
+    centre = mesh.vertices_m[mesh.tets].mean(axis=1)
+    trunk = (centre[:, 1] < 2.2) & (centre[:, 1] > 0.1)
+    assert np.median(drawn.radius_ratio[trunk]) == pytest.approx(1.0, abs=0.05)
+    assert drawn.radius_ratio[trunk].min() > 0.9
+    for start, end, radius in Y_SEGMENTS[1:]:
+        own = near_segment(centre, start, end, radius) & (centre[:, 1] > 3.2)
+        assert np.median(drawn.radius_ratio[own]) == pytest.approx(LIMB_M / radius, rel=0.15)
+
+
+def test_the_solid_weighs_what_was_drawn(thick_y):
+    mesh, skeleton = thick_y
+    wood = drawn_y()
+    drawn = as_drawn(make.as_tree(wood), mesh, skeleton)
+    weight = float((tet_volumes(mesh.vertices_m, mesh.tets) * drawn.radius_ratio**2).sum())
+    assert weight == pytest.approx(volume(wood), rel=0.06)
+    assert drawn_volume(wood, mesh, skeleton).sum() == pytest.approx(volume(wood), rel=0.06)
+
+
+def test_twigs_that_fuse_with_a_trunk_in_meshing_do_not_weigh_as_solid_wood():
+    """Two rods 0.1 m apart in one block: the block holds the two, not itself."""
+    block = grid_mesh(
+        lambda p: np.abs(p[:, [0, 2]]).max(axis=1) < 0.15, (-0.15, 0, -0.15), (0.15, 4, 0.15), 0.05
+    )
+    rods = make.joined(*(make.tube((x, 0, 0), (x, 4, 0), 0.03, 0.03, sides=16) for x in (-0.06, 0.06)))
+    drawn = as_drawn(make.as_tree(rods), replace(block, radius_ratio=np.full(len(block.tets), 0.3)),
+                     extract_skeleton(block))  # fmt: skip
+    weight = float((tet_volumes(block.vertices_m, block.tets) * drawn.radius_ratio**2).sum())
+    assert weight == pytest.approx(volume(rods), rel=0.03)
+
+
+def test_a_needle_keeps_its_true_weight_but_not_a_thread_s_stiffness(thick_y):
+    mesh, skeleton = thick_y
+    lumps = type("Lumps", (), {"mass_kg": 0, "drag_area_m2": 0, "fixed": np.arange(9)})
+    made = [
+        wood_elements(replace(mesh, radius_ratio=np.full(len(mesh.tets), ratio)), skeleton,
+                      species("maple"), lumps)
+        for ratio in (1.0, STIFFNESS_FLOOR, 0.02)
+    ]  # fmt: skip
+    assert np.allclose(made[1].axial, STIFFNESS_FLOOR**4 * made[0].axial)
+    assert np.allclose(made[2].axial, made[1].axial)
+    assert np.allclose(made[2].element_mass_kg, 4e-4 * made[0].element_mass_kg)
