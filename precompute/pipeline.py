@@ -7,6 +7,7 @@ from pathlib import Path
 
 from precompute.build_types import BuildOptions, BuildResult, Cancelled, Progress, Stages
 from precompute.design_wind import design_wind
+from precompute.drawn_wood import as_drawn
 from precompute.dynamics import Simulator, build_model
 from precompute.foliage import bind_foliage, render_binding
 from precompute.intake_process import run_intake
@@ -41,6 +42,7 @@ def build_table(
     mesh = tetrahedralise(tree, options.target_tets, cache_dir / "tets")
     stages.enter("skeleton")
     skeleton = extract_skeleton(mesh)
+    mesh = as_drawn(tree, mesh, skeleton)
     lumps = bind_foliage(tree, mesh, wood)
     binding = render_mesh(tree, render_binding(tree, mesh))
     points = mesh.tets[sampled_elements(mesh, skeleton, options.sampled_elements)]
