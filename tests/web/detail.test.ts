@@ -1,6 +1,16 @@
 import { describe, expect, test } from "vitest";
 import { componentCentres, connectedComponents, weldedComponents } from "../../web/src/scene/components";
-import { growLeaves, thinLeaves, thinWood } from "../../web/src/scene/detail";
+import {
+  branchBases,
+  LEVEL_SHARES,
+  leafGrowth,
+  leafRanks,
+  levelFor,
+  pieceSize,
+  rankedIndex,
+  shareAt,
+  woodRanks,
+} from "../../web/src/scene/detail";
 import { leafReach, openness, roundNormals } from "../../web/src/scene/foliage";
 
 /** `count` separate quads, the k-th of side 1 + k/count, standing at x = 10 k. */
@@ -23,20 +33,53 @@ describe("levels of detail", () => {
     expect(componentCentres(pieces, positions)[3]).toBeCloseTo(10 + 1.02 / 2, 4);
   });
 
-  test("a coarser level's leaves are among the finer level's, and about as many as asked for", () => {
+  test("a level's triangles are a prefix that holds every piece of any size at its share", () => {
     const { pieces, index } = quads(2000);
-    const fine = new Set(thinLeaves(index, pieces, 0.42));
-    const coarse = thinLeaves(index, pieces, 0.14);
-    expect(coarse.every((vertex) => fine.has(vertex))).toBe(true);
-    expect(coarse.length / index.length).toBeCloseTo(0.14, 1);
+    const ranks = leafRanks(pieces);
+    const ranked = rankedIndex(index, (v) => ranks[pieces.ofVertex[v]]);
+    expect([...ranked.index].sort((a, b) => a - b)).toEqual([...index].sort((a, b) => a - b));
+    LEVEL_SHARES.forEach((share, level) => {
+      const kept = new Set(Array.from(ranked.index.subarray(0, ranked.counts[level]), (v) => pieces.ofVertex[v]));
+      ranks.forEach((rank, piece) => expect(kept.has(piece)).toBe(pieceSize(rank, share) > 0));
+      expect(kept.size / pieces.count).toBeLessThan(1.35 * share + 0.01);
+    });
   });
 
-  test("leaves grow about their own centres so that the area stays", () => {
-    const { pieces, positions } = quads(10);
-    const grown = growLeaves(positions, pieces, 0.25);
-    expect(grown[3] - grown[0]).toBeCloseTo(2 * (positions[3] - positions[0]), 5);
-    const before = componentCentres(pieces, positions);
-    componentCentres(pieces, grown).forEach((centre, i) => expect(centre).toBeCloseTo(before[i], 4));
+  test("no piece pops: sizes follow the distance without steps, across every change of level", () => {
+    const first_m = 50;
+    let level = 255;
+    let before = new Float64Array(100).fill(1);
+    let largest = 0;
+    for (let distance = 40; distance < 600; distance += 0.05) {
+      const share = shareAt(distance, [first_m, 120]);
+      level = levelFor(share, level);
+      const sizes = Float64Array.from({ length: 100 }, (_, k) => {
+        const size = pieceSize(k / 100, share);
+        const drawn = pieceSize(k / 100, LEVEL_SHARES[level]) > 0;
+        return drawn ? size * leafGrowth(share) : 0;
+      });
+      largest = Math.max(largest, ...sizes.map((size, k) => Math.abs(size - before[k])));
+      before = sizes;
+    }
+    expect(largest).toBeLessThan(0.06);
+    expect(level).toBe(LEVEL_SHARES.length - 1);
+  });
+
+  test("the crown's area stays while leaves go, as long as they may grow", () => {
+    for (const share of [1, 0.7, 0.45, 0.2, 0.07]) {
+      const area = Array.from({ length: 5000 }, (_, k) => (pieceSize(k / 5000, share) * leafGrowth(share)) ** 2);
+      expect(area.reduce((a, b) => a + b) / 5000).toBeCloseTo(1, 0);
+    }
+  });
+
+  test("the level does not flicker where two meet", () => {
+    const levels: number[] = [];
+    let level = 255;
+    for (let k = 0; k < 40; k++) {
+      level = levelFor(LEVEL_SHARES[1] * (1 + 0.02 * (k % 2 === 0 ? 1 : -1)), level);
+      levels.push(level);
+    }
+    expect(new Set(levels.slice(1)).size).toBe(1);
   });
 
   test("a branch that a seam cuts is one branch", () => {
@@ -46,12 +89,18 @@ describe("levels of detail", () => {
     expect([...pieces.ofVertex]).toEqual([0, 0, 0, 0, 0, 0, 1, 1, 1]);
   });
 
-  test("the longest branches stay; wood in one piece stays whole", () => {
-    const { pieces, positions, index } = quads(100);
-    const kept = thinWood(index, positions, pieces, 0.1);
-    expect(Math.min(...kept)).toBeGreaterThanOrEqual(4 * 89);
+  test("the longest branches rank first; wood in few pieces stays whole", () => {
+    const { pieces, positions } = quads(100);
+    const ranks = woodRanks(pieces, positions);
+    expect(ranks[99]).toBe(0);
+    expect(ranks[0]).toBeCloseTo(0.99, 6);
     const one = connectedComponents([0, 1, 2], 3);
-    expect([...thinWood([0, 1, 2], new Float32Array(9), one, 0.1)]).toEqual([0, 1, 2]);
+    expect([...woodRanks(one, new Float32Array(9))]).toEqual([0]);
+  });
+
+  test("a branch shrinks to its end at the trunk", () => {
+    const { pieces, positions } = quads(3);
+    expect([...branchBases(pieces, positions)]).toEqual([0, 0, 0, 10, 0, 0, 20, 0, 0]);
   });
 });
 

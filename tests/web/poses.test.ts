@@ -1,24 +1,35 @@
 import { describe, expect, test } from "vitest";
-import { nodeLayout, poseStride } from "../../web/src/nodeLayout";
+import { levelRows, nodeLayout, poseStride } from "../../web/src/nodeLayout";
 import { meanCrownDisplacement_m } from "../../web/src/sway";
-import { dynamicPressure } from "../../web/src/wind";
+import { CALM_BREEZE, dynamicPressure, WindField } from "../../web/src/wind";
 import type { Frame } from "../../web/src/wire";
 import { JumpBlend } from "../../web/src/worker/blend";
-import { speedFromPressure } from "../../web/src/worker/groupWind";
+import { GroupWind } from "../../web/src/worker/groupWind";
 import { PoseSum } from "../../web/src/worker/poseSum";
 import { PoseTimeline } from "../../web/src/worker/timeline";
 
 describe("node target", () => {
   test.each([
-    [500, 400, 4096],
-    [700, 10_000, 4096],
-    [3000, 2000, 2048],
-    [1, 1, 2048],
-  ])("%i nodes of %i trees fit a side of %i, or say how many do", (nodes, trees, side) => {
-    const layout = nodeLayout(nodes, trees, side);
+    [500 * 400, 4096],
+    [700 * 10_000, 4096],
+    [3000 * 1000, 2048],
+    [1, 2048],
+    [0, 2048],
+  ])("%i texels fit a side of %i", (texels, side) => {
+    const layout = nodeLayout(texels, 5, side);
     expect(layout.width).toBe(2 ** layout.shift);
     expect(Math.max(layout.width, layout.height)).toBeLessThanOrEqual(side);
-    expect(layout.capacity >= trees || layout.width * layout.height === side * side).toBe(true);
+    expect(layout.width * (layout.height - 5)).toBeGreaterThanOrEqual(texels);
+  });
+
+  test("every level has rows of its own; the farthest trees are left out where there is no room", () => {
+    const layout = { width: 256, shift: 8, height: 20 };
+    const rows = levelRows(layout, [100, 30, 8], [20, 30, 1000]);
+    expect(rows[0]).toEqual({ row: 0, rows: 8, trees: 20 });
+    expect(rows[1]).toEqual({ row: 8, rows: 4, trees: 30 });
+    expect(rows[2].row).toBe(12);
+    expect(rows[2].trees).toBe((8 * 256) / 8);
+    expect(rows[2].row + rows[2].rows).toBe(20);
   });
 
   test("a row has room for the modes and the wind", () => {
@@ -77,30 +88,49 @@ describe("stream of poses", () => {
 
   test("a change of source fades from the old pose to the new", () => {
     const blend = new JumpBlend();
-    blend.start([Float32Array.of(10)]);
-    const shown = Array.from({ length: 60 }, () => {
+    blend.start([{ poses: Float32Array.of(10), known: Uint8Array.of(1) }]);
+    const shown = Array.from({ length: 80 }, () => {
       const buffer = Float32Array.of(4);
       blend.apply([buffer], 1 / 60);
       return buffer[0];
     });
-    expect(shown[0]).toBeGreaterThan(9.9);
-    expect(shown[59]).toBe(4);
+    expect(shown[0]).toBe(10);
+    expect(shown[79]).toBe(4);
     shown.slice(1).forEach((value, i) => expect(value).toBeLessThanOrEqual(shown[i]));
   });
 
-  test("another forest starts without fading", () => {
+  test("trees that were not there start as they come", () => {
     const blend = new JumpBlend();
-    blend.start([Float32Array.of(10, 10)]);
-    const buffer = Float32Array.of(4);
-    blend.apply([buffer], 0.01);
-    expect(buffer[0]).toBe(4);
+    blend.start([{ poses: Float32Array.of(10, 10), known: Uint8Array.of(1, 0) }, null]);
+    const buffers = [Float32Array.of(4, 4), Float32Array.of(3)];
+    blend.apply(buffers, 0.01);
+    expect(buffers.map((buffer) => [...buffer])).toEqual([[10, 4], [3]]);
   });
 });
 
-test("wind speed is recovered from its pressure on both sides of the knee", () => {
-  for (const speed of [0, 0.5, 4.99, 5, 5.01, 12, 40]) {
-    expect(speedFromPressure(dynamicPressure(speed))).toBeCloseTo(speed, 9);
+test("a group's wind: speed at each tree's height, held pressure, and how many are beyond the table", () => {
+  const placement = Float32Array.of(0, 0, 0, 1, 5, 3, 1, 1.3);
+  const field = new WindField({ ...CALM_BREEZE, mean_speed_m_s: 8, gustiness: 0 });
+  const peak_pa = dynamicPressure(7);
+  const wind = new GroupWind(placement, 10, peak_pa);
+  wind.blow(field, 3);
+  const out = new Float32Array(2 * poseStride(3));
+  wind.writeSpeeds(out, 3);
+  const [velocityX, velocityZ] = [new Float64Array(2), new Float64Array(2)];
+  field.velocity(Float32Array.of(0, 5), Float32Array.of(0, 3), 3, velocityX, velocityZ);
+  expect(out[3]).toBeGreaterThan(0);
+  expect(out[7]).toBeGreaterThanOrEqual(out[3]);
+  expect(wind.extentAt(0)).toBeCloseTo(dynamicPressure(out[3]) / peak_pa, 6);
+  for (const tree of [0, 1]) {
+    const held = Math.hypot(wind.pressureX[tree], wind.pressureZ[tree]);
+    expect(held).toBeCloseTo(Math.min(peak_pa, dynamicPressure(out[4 * tree + 3])), 3);
+    expect(Math.atan2(wind.pressureZ[tree], wind.pressureX[tree])).toBeCloseTo(
+      Math.atan2(velocityZ[tree], velocityX[tree]),
+      6,
+    );
   }
+  expect(wind.extent).toBeCloseTo(Math.max(wind.extentAt(0), wind.extentAt(1)), 6);
+  expect(wind.coverage).toBe([0, 1].filter((tree) => wind.extentAt(tree) <= 1).length / 2);
 });
 
 test("crown displacement turns with the tree: a quarter turn sends own x to world -z", () => {

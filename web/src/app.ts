@@ -3,7 +3,7 @@ import type { TreeChange } from "./api";
 import { Catalogue } from "./catalogue";
 import { ForestClient } from "./forestClient";
 import { Meter } from "./meter";
-import { Forest } from "./scene/forest";
+import { Forest, planForest } from "./scene/forest";
 import { groundHeight_m } from "./scene/landscape";
 import type { SpeciesOptions } from "./scene/speciesForest";
 import { Stage } from "./scene/stage";
@@ -78,19 +78,19 @@ export class App {
     this.report();
   }
 
+  /** Trees that stay go on moving; the others come when their first poses are in. */
   private plant(): void {
     const { settings, client, forest } = this;
-    forest.plant(this.catalogue.growers, settings.trees, settings.forestSeed);
-    const groups = forest.moving.map(({ forest: { motion, stand } }) => ({
-      motion,
-      placement: stand.placement,
-    }));
+    const planted = planForest(this.catalogue.growers, settings.trees, settings.forestSeed);
     client.plan(
-      groups.flatMap(({ motion, placement }) => (motion ? [{ motion, placement }] : [])),
+      planted.flatMap(({ grower, motion, stand }) => (motion ? [{ key: grower.id, motion, ...stand }] : [])),
       { lookup: settings.lookup, method: settings.method, poseEasing: settings.poseEasing },
       windDocument(settings),
+      () => {
+        forest.show(planted);
+        this.dirty = true;
+      },
     );
-    this.dirty = true;
   }
 
   /** The instruments chose another wind. */
@@ -172,6 +172,15 @@ export class App {
 
   get readySpecies(): string[] {
     return this.catalogue.ready;
+  }
+
+  get statistics() {
+    const { frame_ms, script_ms, triangles, drawCalls } = this.meter.statistics;
+    return { frame_ms, script_ms, triangles, drawCalls, work: this.client.work, extent: this.client.extent };
+  }
+
+  freeze(frozen: boolean): void {
+    this.forest.freeze(frozen);
   }
 
   get connection() {

@@ -1,7 +1,17 @@
 /** The main thread's end of the worker: plans go out, poses come back, buffers circulate. */
 import { tableUrl } from "./api";
 import type { WindDocument, WindState } from "./wind";
-import type { Connection, ForestPlan, FromWorker, TableMotion, ToWorker } from "./worker/protocol";
+import type {
+  Connection,
+  ForestPlan,
+  FromWorker,
+  GroupPlan,
+  Inspection,
+  TableMotion,
+  ToWorker,
+  TreeAt,
+  Work,
+} from "./worker/protocol";
 
 type Buffers = Float32Array<ArrayBuffer>[];
 
@@ -10,22 +20,38 @@ interface Waiting {
   reject(error: Error): void;
 }
 
+/** A group for the worker, with what tells the length of its rows. */
+export interface ClientGroup extends Omit<GroupPlan, "table"> {
+  readonly motion: TableMotion;
+}
+
 const NO_CONNECTION: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
+const NO_WORK: Work = { wind_ms: 0, lookup_ms: 0, total_ms: 0 };
 /** Longer pauses (a hidden tab) are not caught up. */
 const MAX_STEP_S = 0.25;
+
+/** Begins at once to load, while the page builds its scene. */
+function startWorker(): Worker {
+  return new Worker(new URL("./worker/forest.worker.ts", import.meta.url), { type: "module" });
+}
 
 export class ForestClient {
   /** Newest poses, one buffer per moving group. */
   poses: Buffers = [];
   time_s = 0;
+  /** The worker's time per frame, smoothed, and that of the last frame. */
   lookup_ms = 0;
+  work = NO_WORK;
   connection = NO_CONNECTION;
   wind: { state: WindState; coverage: number } | null = null;
-  private readonly worker = new Worker(new URL("./worker/forest.worker.ts", import.meta.url), {
-    type: "module",
-  });
+  /** How far the tree that is farthest is into its sampled range: above 1 it is beyond. */
+  extent = 0;
+  /** The watched tree's figures. */
+  watched: Inspection | null = null;
+  private readonly worker = startWorker();
   private readonly waiting = new Map<string, Waiting[]>();
   private epoch = 0;
+  private arrived: (() => void) | null = null;
   private spare: Buffers = [];
   private busy = false;
   private owed_s = 0;
@@ -41,34 +67,49 @@ export class ForestClient {
 
   loadTable(sha256: string): Promise<TableMotion> {
     return new Promise((resolve, reject) => {
-      this.waiting.set(sha256, [...(this.waiting.get(sha256) ?? []), { resolve, reject }]);
-      this.send({ kind: "load", sha256, url: new URL(tableUrl(sha256), document.baseURI).href });
+      const waiting = this.waiting.get(sha256);
+      this.waiting.set(sha256, [...(waiting ?? []), { resolve, reject }]);
+      if (!waiting)
+        this.send({ kind: "load", sha256, url: new URL(tableUrl(sha256), document.baseURI).href });
     });
   }
 
-  /** Groups with the stride of their table; poses start at rest. */
+  /** Moves another set of trees; those that were there go on. `arrived`: their first poses are in. */
   plan(
-    groups: { motion: TableMotion; placement: Float32Array }[],
+    groups: readonly ClientGroup[],
     plan: Omit<ForestPlan, "epoch" | "groups">,
     wind: WindDocument,
+    arrived: () => void,
   ): void {
     this.epoch++;
-    const lengths = groups.map(({ motion, placement }) => (placement.length / 4) * motion.stride);
-    const make = () => lengths.map((length) => new Float32Array(length));
-    this.poses = make();
+    const make = () => groups.map(({ motion, ids }) => new Float32Array(ids.length * motion.stride));
     this.spare = make();
-    this.busy = false;
+    this.arrived = arrived;
+    this.busy = true;
     const full: ForestPlan = {
       ...plan,
       epoch: this.epoch,
-      groups: groups.map(({ motion, placement }) => ({ table: motion.sha256, placement: placement.slice() })),
+      groups: groups.map(({ key, motion, placement, ids }) => ({
+        key,
+        table: motion.sha256,
+        placement,
+        ids,
+      })),
     };
     const socketUrl = new URL("ws/forest", document.baseURI.replace(/^http/, "ws")).href;
-    this.send({ kind: "plan", plan: full, wind, socketUrl });
+    const buffers = make();
+    const transfer = buffers.map(({ buffer }) => buffer);
+    this.send({ kind: "plan", plan: full, wind, socketUrl, buffers }, transfer);
   }
 
   setWind(wind: WindDocument): void {
     this.send({ kind: "wind", wind });
+  }
+
+  /** Asks for one tree's figures with every frame, or no longer; a new plan ends it. */
+  watch(at: TreeAt | null): void {
+    this.watched = null;
+    this.send({ kind: "watch", at });
   }
 
   /** Moves the forest on by the display's step; while the worker is busy, time is owed. */
@@ -109,14 +150,20 @@ export class ForestClient {
 
   private receivePoses(message: Extract<FromWorker, { kind: "poses" }>): void {
     if (message.epoch !== this.epoch) return;
-    this.spare = this.poses;
+    const { arrived } = this;
+    this.arrived = null;
+    if (!arrived) this.spare = this.poses;
     this.poses = message.buffers;
     this.time_s = message.time_s;
-    this.lookup_ms += 0.1 * (message.work_ms - this.lookup_ms);
+    this.work = message.work;
+    this.lookup_ms += 0.1 * (message.work.total_ms - this.lookup_ms);
     this.connection = message.connection;
     this.wind = message.wind;
+    this.extent = message.extent;
+    this.watched = message.watched;
     this.busy = false;
     this.fresh = true;
+    arrived?.();
   }
 
   dispose(): void {

@@ -157,6 +157,19 @@ export class ForestLookup {
     }
   }
 
+  /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
+  adopt(from: ForestLookup, rows: Int32Array): void {
+    const r = this.table.metadata.modes;
+    rows.forEach((row, i) => {
+      if (row < 0) return;
+      this.record[i] = from.record[row];
+      this.weight[i] = from.weight[row];
+      this.phase[i] = from.phase[row];
+      this.now.set(from.now.subarray(row * r, (row + 1) * r), i * r);
+      this.before.set(from.before.subarray(row * r, (row + 1) * r), i * r);
+    });
+  }
+
   /** Lets dt seconds pass under world pressures (Pa); a tree s times as large walks its table s times slower. */
   advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
     const rate = dtS / this.table.metadata.dt_s;

@@ -1,26 +1,46 @@
-/** How the node target is laid out: flat texels, wrapped at a power of two. Pure. */
-
-export interface NodeLayout {
-  readonly width: number;
-  readonly height: number;
-  /** log2 of the width. */
-  readonly shift: number;
-  /** Trees that fit. */
-  readonly capacity: number;
-}
+/** How pass 1's target is laid out: flat texels, wrapped at a power of two, each level on rows of its own. Pure. */
 
 /** Rows of floats for one tree: modes and one more for the local wind speed, padded to whole texels. */
 export function poseStride(modes: number): number {
   return Math.ceil((modes + 1) / 4) * 4;
 }
 
-/** The smallest power-of-two width (at least 256) whose height stays within the largest texture side. */
-export function nodeLayout(nodes: number, trees: number, maxSide: number): NodeLayout {
-  const texels = Math.max(1, nodes * trees);
+export interface NodeLayout {
+  readonly width: number;
+  /** log2 of the width. */
+  readonly shift: number;
+  readonly height: number;
+}
+
+/** Room for so many texels in `parts` runs, each from the beginning of a row: the smallest width serves. */
+export function nodeLayout(texels: number, parts: number, maxSide: number): NodeLayout {
   const largestShift = Math.floor(Math.log2(maxSide));
+  const rows = (shift: number) => Math.max(1, Math.ceil(texels / 2 ** shift) + parts);
   let shift = Math.min(8, largestShift);
-  while (shift < largestShift && texels > 2 ** (2 * shift)) shift++;
-  const width = 2 ** shift;
-  const height = Math.min(maxSide, Math.ceil(texels / width));
-  return { width, height, shift, capacity: Math.floor((width * height) / nodes) };
+  while (shift < largestShift && rows(shift) > 2 ** shift) shift++;
+  return { width: 2 ** shift, shift, height: Math.min(maxSide, rows(shift)) };
+}
+
+/** The trees of one level in the target: so many from this row on. */
+export interface LevelRows {
+  readonly row: number;
+  readonly rows: number;
+  readonly trees: number;
+}
+
+/** Where the trees of each level go; those for which there is no room, the farthest, are left out. */
+export function levelRows(
+  layout: NodeLayout,
+  nodes: readonly number[],
+  trees: ArrayLike<number>,
+): LevelRows[] {
+  let row = 0;
+  return nodes.map((size, level) => {
+    const room = Math.floor(((layout.height - row) * layout.width) / size);
+    const fitting = Math.min(trees[level], Math.max(0, room));
+    const rows = Math.ceil((fitting * size) / layout.width);
+    const place = { row, rows, trees: fitting };
+    row += rows;
+    return place;
+  });
 }

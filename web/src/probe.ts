@@ -21,6 +21,10 @@ export interface Probe {
   pause(): void;
   resume(): void;
   look: App["look"];
+  /** What the page costs: frame, script, worker, triangles. */
+  readonly statistics: App["statistics"];
+  /** Draws the trees as plain instances that stand still, or moving again: what does the motion cost? */
+  freeze(frozen: boolean): void;
 }
 
 declare global {
@@ -72,5 +76,9 @@ export function exposeProbe(app: App): void {
       app.paused = false;
     },
     look: (eye, at) => app.look(eye, at),
+    get statistics() {
+      return app.statistics;
+    },
+    freeze: (frozen) => app.freeze(frozen),
   };
 }

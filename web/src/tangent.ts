@@ -157,6 +157,20 @@ export class TangentForest {
     }
   }
 
+  /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
+  adopt(from: TangentForest, rows: Int32Array): void {
+    const { d, r } = this;
+    rows.forEach((row, i) => {
+      if (row < 0) return;
+      this.phase[i] = from.phase[row];
+      this.coverage[i] = from.coverage[row];
+      this.e.set(from.e.subarray(row * d, (row + 1) * d), i * d);
+      this.v.set(from.v.subarray(row * d, (row + 1) * d), i * d);
+      this.now.set(from.now.subarray(row * r, (row + 1) * r), i * r);
+      this.before.set(from.before.subarray(row * r, (row + 1) * r), i * r);
+    });
+  }
+
   /** Lets dt seconds pass under world pressures (Pa); a tree s times as large sways s times slower. */
   advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
     const rate = dtS / this.dt;

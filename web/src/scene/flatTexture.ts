@@ -14,3 +14,11 @@ export function flatTexture(texels: number, channels: 1 | 4): { texture: DataTex
   texture.needsUpdate = true;
   return { texture, data };
 }
+
+/** Has the first texels of a flat texture of four channels sent, whole rows at a time. */
+export function uploadFirst(texture: DataTexture, texels: number): void {
+  texture.clearUpdateRanges();
+  const rows = Math.ceil(texels / WIDTH);
+  for (let row = 0; row < rows; row++) texture.addUpdateRange(row * WIDTH * 4, WIDTH * 4);
+  texture.needsUpdate = true;
+}

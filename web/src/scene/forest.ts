@@ -1,11 +1,13 @@
 /** The forest on screen: one SpeciesForest per species, planted over shared places. */
 import { Group, type WebGLRenderer } from "three";
 import type { TableMotion } from "../worker/protocol";
+import type { View } from "./drawList";
 import { groundHeight_m } from "./landscape";
 import { leafTint } from "./palette";
-import { chooseSpecies, type Place, placeTrees } from "./planting";
+import { chooseSpecies, placeTrees } from "./planting";
+import type { Season } from "./season";
 import { SpeciesForest, type SpeciesOptions } from "./speciesForest";
-import { makeStand, type View } from "./stand";
+import { makeStand, retint, type Stand } from "./stand";
 import type { TreeModel } from "./treeMesh";
 
 /** A species that the forest may plant; without a model its places stay free. */
@@ -17,61 +19,118 @@ export interface Grower {
   motion: TableMotion | null;
 }
 
+/** One species of a planting. */
+export interface PlantedGroup {
+  readonly grower: Grower;
+  readonly model: TreeModel;
+  readonly motion: TableMotion | null;
+  readonly stand: Stand;
+}
+
 /** One moving group, in the order in which worker and server know them. */
 export interface MovingGroup {
   readonly grower: Grower;
   readonly forest: SpeciesForest;
 }
 
+export interface PlantingOptions {
+  /** 1 is the usual one. */
+  readonly density?: number;
+  /** How common each species is beside the others, by id; 1 if not named. */
+  readonly shares?: Readonly<Record<string, number>>;
+  readonly season?: Season;
+}
+
+/** Which tree stands where. Places depend on seed and number only: trees that were there stay where they were. */
+export function planForest(
+  growers: readonly Grower[],
+  count: number,
+  seed: number,
+  { density = 1, shares = {}, season = "autumn" }: PlantingOptions = {},
+): PlantedGroup[] {
+  const places = placeTrees(count, seed, density);
+  const choice = chooseSpecies(
+    places,
+    growers.map((grower) => grower.id),
+    shares,
+  );
+  return growers.flatMap((grower, k) => {
+    const own = places.filter((_, i) => choice[i] === k);
+    if (!grower.model || own.length === 0) return [];
+    const stand = makeStand(own, groundHeight_m, (treeId) => leafTint(grower.species, treeId, season));
+    return [{ grower, model: grower.model, motion: grower.motion, stand }];
+  });
+}
+
 export class Forest {
   readonly group = new Group();
   moving: MovingGroup[] = [];
-  private all: SpeciesForest[] = [];
+  private all: MovingGroup[] = [];
+  private frozen = false;
+  private leafless = false;
 
   /** `options` hold for the next planting. */
   constructor(public options: SpeciesOptions) {}
 
-  /** Plants anew. Places depend on seed and number only, so trees that were there stay where they were. */
-  plant(growers: readonly Grower[], count: number, seed: number): void {
-    this.clear();
-    const places = placeTrees(count, seed);
-    const choice = chooseSpecies(
-      places,
-      growers.map((grower) => grower.id),
-    );
-    growers.forEach((grower, k) => {
-      const own = places.filter((_, i) => choice[i] === k);
-      if (grower.model && own.length > 0) this.add(grower, grower.model, own);
+  /** Shows a planting; species that were there before keep their meshes and textures on the graphics card. */
+  show(planted: readonly PlantedGroup[]): void {
+    const before = this.all;
+    this.all = planted.map((group) => {
+      const old = before.find(({ forest }) => this.serves(forest, group));
+      if (old?.forest.replant(group.stand)) return { grower: group.grower, forest: old.forest };
+      return { grower: group.grower, forest: this.grow(group) };
     });
+    const kept = new Set(this.all.map(({ forest }) => forest));
+    for (const { forest } of before) if (!kept.has(forest)) forest.dispose();
+    this.moving = this.all.filter(({ forest }) => forest.motion);
   }
 
-  private add(grower: Grower, model: TreeModel, places: readonly Place[]): void {
-    const stand = makeStand(places, groundHeight_m, (treeId) => leafTint(grower.species, treeId));
-    const forest = new SpeciesForest(model, grower.motion, stand, this.options);
-    this.all.push(forest);
-    if (grower.motion) this.moving.push({ grower, forest });
+  private serves(forest: SpeciesForest, { model, motion }: PlantedGroup): boolean {
+    return forest.model === model && forest.motion === motion && forest.options === this.options;
+  }
+
+  private grow({ model, motion, stand }: PlantedGroup): SpeciesForest {
+    const forest = new SpeciesForest(model, motion, stand, this.options);
+    if (this.frozen) forest.freeze(true);
+    forest.leafless = this.leafless;
     this.group.add(forest.group);
+    return forest;
+  }
+
+  /** Dresses all trees for a season, those of later plantings too; select anew afterwards. */
+  setSeason(season: Season): void {
+    this.leafless = season === "winter";
+    for (const { grower, forest } of this.all) {
+      retint(forest.stand, (treeId) => leafTint(grower.species, treeId, season));
+      forest.leafless = this.leafless;
+    }
   }
 
   select(view: View): void {
-    for (const forest of this.all) forest.select(view);
+    for (const { forest } of this.all) forest.select(view);
   }
 
   renderNodes(renderer: WebGLRenderer): void {
     for (const { forest } of this.moving) forest.renderNodes(renderer);
   }
 
+  /** Draws all trees without motion, or moving again. */
+  freeze(frozen: boolean): void {
+    this.frozen = frozen;
+    for (const { forest } of this.moving) forest.freeze(frozen);
+  }
+
   get triangles(): number {
-    return this.all.reduce((sum, forest) => sum + forest.triangles, 0);
+    return this.all.reduce((sum, { forest }) => sum + forest.triangles, 0);
   }
 
   get trees(): { moving: number; still: number } {
     const moving = this.moving.reduce((sum, { forest }) => sum + forest.stand.count, 0);
-    return { moving, still: this.all.reduce((sum, forest) => sum + forest.stand.count, 0) - moving };
+    return { moving, still: this.all.reduce((sum, { forest }) => sum + forest.stand.count, 0) - moving };
   }
 
   clear(): void {
-    for (const forest of this.all) forest.dispose();
+    for (const { forest } of this.all) forest.dispose();
     this.all = [];
     this.moving = [];
   }

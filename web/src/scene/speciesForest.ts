@@ -1,28 +1,13 @@
-/** All trees of one species: pass 1 for its nodes, instanced meshes at three levels of detail for pass 2. */
-import {
-  BufferAttribute,
-  DataTexture,
-  DynamicDrawUsage,
-  FloatType,
-  Group,
-  InstancedBufferGeometry,
-  InstancedInterleavedBuffer,
-  InterleavedBufferAttribute,
-  Mesh,
-  type WebGLRenderer,
-} from "three";
-import type { TableMotion } from "../worker/protocol";
+/** All trees of one species: pass 1 for its nodes, instanced meshes at every level of detail for pass 2. */
+import { BufferAttribute, Group, type WebGLRenderer } from "three";
+import type { NodeLevel, TableMotion } from "../worker/protocol";
+import type { Bounds } from "./culling";
+import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
+import { DrawList, type View } from "./drawList";
+import { LevelMeshes, type LevelPart, type LevelTexels } from "./levelMeshes";
 import { NodePass } from "./nodePass";
-import {
-  type DrawList,
-  INSTANCE_FLOATS,
-  LEVEL_COUNT,
-  makeDrawList,
-  type Stand,
-  selectTrees,
-  type View,
-} from "./stand";
-import { colourMaterial, type MaterialOptions, shadowMaterial } from "./treeMaterial";
+import type { Stand } from "./stand";
+import { type MaterialOptions, type PartMaterials, partMaterials } from "./treeMaterial";
 import type { TreeModel, TreePart } from "./treeMesh";
 import type { TreeUniforms } from "./treeShader";
 
@@ -32,150 +17,160 @@ export interface SpeciesOptions extends MaterialOptions {
   readonly flutter: { value: { x: number; y: number } };
 }
 
-function stillNode(): DataTexture {
-  const texture = new DataTexture(new Float32Array(4), 1, 1, undefined, FloatType);
-  texture.needsUpdate = true;
-  return texture;
+/** Trees are added in steps, so that a few more need no new buffers. */
+const ROOM_STEP = 256;
+const ALL: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 };
+
+/** Node of each vertex of one part at one level. */
+function nodeAttribute(part: TreePart, firstVertex: number, motion: TableMotion, level: NodeLevel) {
+  const fine = motion.vertexNode.subarray(firstVertex, firstVertex + part.vertices);
+  return new BufferAttribute(
+    fine.map((node) => level.of[node]),
+    1,
+  );
 }
 
-/** Node of each vertex of one part, as floats; zeros for a tree that stands still. */
-function nodeAttribute(part: TreePart, firstVertex: number, motion: TableMotion | null): BufferAttribute {
-  const nodes =
-    motion?.vertexNode.slice(firstVertex, firstVertex + part.vertices) ?? new Uint16Array(part.vertices);
-  return new BufferAttribute(nodes, 1);
+interface OwnPart {
+  readonly part: TreePart;
+  readonly firstVertex: number;
+  readonly moving: PartMaterials | null;
+  /** Without any motion, not even of zero: made when first asked for. */
+  still: PartMaterials | null;
 }
 
 export class SpeciesForest {
   readonly group = new Group();
-  readonly stand: Stand;
-  /** Triangles drawn into the picture by the last selection. */
-  triangles = 0;
   private readonly nodes: NodePass | null;
-  private readonly still = stillNode();
   private readonly uniforms: TreeUniforms;
-  private readonly levels: { buffer: InstancedInterleavedBuffer; meshes: Mesh<InstancedBufferGeometry>[] }[];
-  private readonly list: DrawList;
-  private readonly classes: Uint8Array;
-  private readonly disposables: { dispose(): void }[] = [];
+  private readonly parts: OwnPart[];
+  private readonly levels: LevelMeshes[];
+  private readonly room: number;
+  private list: DrawList;
+  private frozen = false;
 
   /** `motion` null: the trees stand still, in the grey of work in progress. */
   constructor(
     readonly model: TreeModel,
     readonly motion: TableMotion | null,
-    stand: Stand,
-    options: SpeciesOptions,
+    public stand: Stand,
+    readonly options: SpeciesOptions,
   ) {
-    this.stand = stand;
-    this.nodes = motion && stand.count > 0 ? new NodePass(motion, stand.count, options.maxTextureSide) : null;
+    this.room = Math.ceil(stand.count / ROOM_STEP) * ROOM_STEP;
+    this.nodes = motion ? new NodePass(motion, this.room, options.maxTextureSide) : null;
     this.uniforms = {
-      uNodes: { value: this.nodes?.target.texture ?? this.still },
-      uNodeCount: { value: this.nodes ? (motion?.nodes ?? 0) : 0 },
-      uNodeShift: { value: this.nodes?.layout.shift ?? 0 },
+      uNodes: { value: this.nodes?.target.texture ?? null },
+      uNodeShift: { value: 0 },
       uFlutter: options.flutter,
       uGhost: { value: motion ? 0 : 1 },
     };
-    this.list = makeDrawList(stand.count);
-    this.classes = new Uint8Array(stand.count);
-    this.levels = Array.from({ length: LEVEL_COUNT }, () => ({
-      buffer: new InstancedInterleavedBuffer(
-        new Float32Array(stand.count * INSTANCE_FLOATS),
-        INSTANCE_FLOATS,
-      ),
-      meshes: [],
-    }));
-    for (const { buffer } of this.levels) buffer.setUsage(DynamicDrawUsage);
-    this.addParts(options);
+    this.parts = this.makeParts();
+    this.levels = LEVEL_SHARES.map((_, level) => this.makeLevel(level));
+    this.list = new DrawList(stand);
   }
 
-  private addParts(options: SpeciesOptions): void {
+  private makeParts(): OwnPart[] {
     let firstVertex = 0;
-    for (const part of this.model.parts) {
-      const colour = colourMaterial(part.material, part.kind, this.uniforms, options);
-      const shadow = shadowMaterial(colour, part.kind, this.uniforms);
-      const node = nodeAttribute(part, firstVertex, this.motion);
+    return this.model.parts.map((part) => {
+      const own = {
+        part,
+        firstVertex,
+        moving: this.motion ? this.materials(part, true) : null,
+        still: this.motion ? null : this.materials(part, false),
+      };
       firstVertex += part.vertices;
-      this.disposables.push(colour, shadow);
-      for (let level = 0; level < LEVEL_COUNT; level++) {
-        const mesh = new Mesh(this.geometry(part, level, node), colour);
-        mesh.customDepthMaterial = shadow;
-        this.adopt(mesh, level);
-      }
+      return own;
+    });
+  }
+
+  private materials(part: TreePart, moves: boolean): PartMaterials {
+    return partMaterials(part.material, part.kind, this.uniforms, this.options, moves);
+  }
+
+  private makeLevel(level: number): LevelMeshes {
+    const parts = this.parts.map(({ part, firstVertex, moving, still }): LevelPart => {
+      const materials = moving ?? still;
+      if (!materials) throw new Error("a part without materials");
+      const { motion } = this;
+      const node = motion ? nodeAttribute(part, firstVertex, motion, motion.levels[level]) : null;
+      return { part, node, materials };
+    });
+    // Where gloss is affordable, so are shadows of every leaf.
+    return new LevelMeshes(level, parts, this.room, this.options.gloss ? 1 : LEVEL_SHARES[1], this.group);
+  }
+
+  /** Takes another stand in, if it fits: the same trees keep their level of detail. */
+  replant(stand: Stand): boolean {
+    if (stand.count > this.room) return false;
+    const before = this.list;
+    const known = new Map(Array.from(this.stand.ids, (id, tree) => [id, tree] as const));
+    this.stand = stand;
+    this.list = new DrawList(stand);
+    stand.ids.forEach((id, tree) => {
+      const old = known.get(id);
+      if (old !== undefined) this.list.level[tree] = before.level[old];
+    });
+    return true;
+  }
+
+  /** Without leaves: they have fallen and are not drawn. */
+  set leafless(leafless: boolean) {
+    for (const { part, moving, still } of this.parts) {
+      if (part.kind !== "leaves") continue;
+      for (const materials of [moving, still]) if (materials) materials.colour.visible = !leafless;
     }
   }
 
-  private geometry(part: TreePart, level: number, node: BufferAttribute): InstancedBufferGeometry {
-    const geometry = new InstancedBufferGeometry();
-    geometry.setIndex(part.levels[level].index);
-    geometry.setAttribute("position", part.levels[level].position);
-    geometry.setAttribute("normal", part.normal);
-    if (part.uv) geometry.setAttribute("uv", part.uv);
-    geometry.setAttribute("aPiece", part.piece);
-    geometry.setAttribute("aNode", node);
-    const { buffer } = this.levels[level];
-    ["aPlace", "aTurn", "aTint"].forEach((name, k) => {
-      geometry.setAttribute(name, new InterleavedBufferAttribute(buffer, 4, k * 4));
-    });
-    this.disposables.push(geometry);
-    return geometry;
-  }
-
-  /** Colour draws the visible trees; the shadow pass also those whose shadow falls into view. */
-  private adopt(mesh: Mesh<InstancedBufferGeometry>, level: number): void {
-    mesh.frustumCulled = false;
-    mesh.renderOrder = level;
-    mesh.castShadow = true;
-    mesh.receiveShadow = true;
-    mesh.matrixAutoUpdate = false;
-    mesh.onBeforeShadow = () => {
-      mesh.geometry.instanceCount = this.list.visible[level] + this.list.shadowOnly[level];
-    };
-    mesh.onBeforeRender = () => {
-      mesh.geometry.instanceCount = this.list.visible[level];
-    };
-    this.levels[level].meshes.push(mesh);
-    this.group.add(mesh);
+  get bounds(): Bounds {
+    const { height_m, radius_m } = this.model;
+    return { height_m, radius_m, reach_m: this.motion?.reach_m ?? 0 };
   }
 
   /** Chooses what is drawn from this view, and at which level. */
   select(view: View): void {
-    const bounds = { height_m: this.model.height_m, radius_m: this.model.radius_m };
-    selectTrees(this.stand, bounds, view, this.classes, this.list);
-    this.triangles = 0;
-    for (let level = 0; level < LEVEL_COUNT; level++) this.fillLevel(level);
-    this.nodes?.setOrder(this.list.order, Math.min(this.list.drawn, this.nodes.capacity));
+    this.list.select(this.bounds, view);
+    const texels = this.nodes?.place(this.list);
+    if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
+    for (let level = 0; level < LEVEL_COUNT; level++) {
+      this.levels[level].fill(this.list, this.stand.data, texels?.[level] ?? ALL);
+    }
   }
 
-  private fillLevel(level: number): void {
-    const { buffer, meshes } = this.levels[level];
-    const start = this.list.start[level];
-    const count = this.list.visible[level] + this.list.shadowOnly[level];
-    const array = buffer.array as Float32Array;
-    for (let i = 0; i < count; i++) {
-      const from = this.list.order[start + i] * INSTANCE_FLOATS;
-      array.set(this.stand.data.subarray(from, from + INSTANCE_FLOATS), i * INSTANCE_FLOATS);
-      array[i * INSTANCE_FLOATS + 3] = start + i;
-    }
-    buffer.clearUpdateRanges();
-    buffer.addUpdateRange(0, count * INSTANCE_FLOATS);
-    buffer.needsUpdate = true;
-    for (const mesh of meshes) {
-      mesh.visible = count > 0;
-      this.triangles += ((mesh.geometry.index?.count ?? 0) / 3) * this.list.visible[level];
-    }
+  /** Triangles drawn into the picture by the last selection. */
+  get triangles(): number {
+    return this.levels.reduce((sum, level) => sum + level.visibleTriangles, 0);
   }
 
   setPoses(poses: Float32Array): void {
-    this.nodes?.setPoses(poses);
+    if (!this.frozen) this.nodes?.setPoses(poses);
   }
 
   renderNodes(renderer: WebGLRenderer): void {
-    this.nodes?.render(renderer);
+    if (!this.frozen) this.nodes?.render(renderer);
+  }
+
+  /** Draws the trees as plain instances without any motion, or moving again: what does the motion cost? */
+  freeze(frozen: boolean): void {
+    this.frozen = frozen;
+    const still = new Map(
+      this.parts.map((own) => {
+        if (frozen) own.still ??= this.materials(own.part, false);
+        return [own.moving, own.still] as const;
+      }),
+    );
+    for (const level of this.levels) {
+      level.useMaterials((moving) => (frozen && still.get(moving)) || moving);
+    }
   }
 
   dispose(): void {
     this.group.removeFromParent();
     this.nodes?.dispose();
-    this.still.dispose();
-    for (const disposable of this.disposables) disposable.dispose();
+    for (const level of this.levels) level.dispose();
+    for (const { moving, still } of this.parts) {
+      for (const materials of [moving, still]) {
+        materials?.colour.dispose();
+        materials?.shadow.dispose();
+      }
+    }
   }
 }

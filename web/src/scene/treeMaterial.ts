@@ -13,6 +13,7 @@ import {
   ZeroFactor,
 } from "three";
 import { air } from "./air";
+import { seasonal } from "./seasonal";
 import { deform, type Part, type TreeUniforms } from "./treeShader";
 
 const ALPHA_TEST = 0.42;
@@ -31,11 +32,12 @@ export interface MaterialOptions {
   readonly gloss: boolean;
 }
 
-export function colourMaterial(
+function colourMaterial(
   from: MeshStandardMaterial,
   part: Part,
   uniforms: TreeUniforms,
   options: MaterialOptions,
+  moves: boolean,
 ): TreeMaterial {
   const leaves = part === "leaves";
   const cut = leaves && (from.alphaTest > 0 || from.transparent);
@@ -50,7 +52,7 @@ export function colourMaterial(
     ? new MeshStandardMaterial({ ...common, roughness: leaves ? 0.72 : 0.94, metalness: 0 })
     : new MeshLambertMaterial(common);
   if (material.alphaToCoverage) keepAlpha(material);
-  deform(material, part, "colour", { ...uniforms, ...air });
+  deform(material, part, "colour", moves, { ...uniforms, ...air, ...seasonal });
   return material;
 }
 
@@ -63,12 +65,35 @@ function keepAlpha(material: Material): void {
   material.blendDstAlpha = OneFactor;
 }
 
-export function shadowMaterial(colour: TreeMaterial, part: Part, uniforms: TreeUniforms): MeshDepthMaterial {
+function shadowMaterial(
+  colour: TreeMaterial,
+  part: Part,
+  uniforms: TreeUniforms,
+  moves: boolean,
+): MeshDepthMaterial {
   const material = new MeshDepthMaterial({
     depthPacking: RGBADepthPacking,
     map: colour.alphaTest > 0 ? colour.map : null,
     alphaTest: colour.alphaTest,
   });
-  deform(material, part, "depth", uniforms);
+  deform(material, part, "depth", moves, { ...uniforms, ...seasonal });
   return material;
+}
+
+/** What a part is drawn with. */
+export interface PartMaterials {
+  readonly colour: TreeMaterial;
+  readonly shadow: MeshDepthMaterial;
+}
+
+/** Materials of a part that moves with its nodes, or stands still at no cost. */
+export function partMaterials(
+  from: MeshStandardMaterial,
+  part: Part,
+  uniforms: TreeUniforms,
+  options: MaterialOptions,
+  moves: boolean,
+): PartMaterials {
+  const colour = colourMaterial(from, part, uniforms, options, moves);
+  return { colour, shadow: shadowMaterial(colour, part, uniforms, moves) };
 }

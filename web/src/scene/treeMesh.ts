@@ -9,15 +9,10 @@ import {
 } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { hashUnit } from "../math/random";
-import { connectedComponents, weldedComponents } from "./components";
-import { growLeaves, LEVELS, thinLeaves, thinWood } from "./detail";
+import { type Components, componentCentres, connectedComponents, weldedComponents } from "./components";
+import { branchBases, leafRanks, rankedIndex, woodRanks } from "./detail";
 import { leafReach, openness, roundNormals } from "./foliage";
 import type { Part } from "./treeShader";
-
-export interface PartLevel {
-  readonly index: BufferAttribute;
-  readonly position: BufferAttribute;
-}
 
 export interface TreePart {
   readonly kind: Part;
@@ -25,9 +20,14 @@ export interface TreePart {
   readonly material: MeshStandardMaterial;
   readonly normal: BufferAttribute;
   readonly uv: BufferAttribute | null;
-  /** Random of the piece, openness to the sky, free end of the leaf. */
+  readonly position: BufferAttribute;
+  /** What the vertex's leaf or branch shrinks to. */
+  readonly anchor: BufferAttribute;
+  /** Random of the piece, openness to the sky, free end of the leaf, rank of the piece. */
   readonly piece: BufferAttribute;
-  readonly levels: readonly PartLevel[];
+  /** Triangles by rank; a level of detail draws so many indices. */
+  readonly index: BufferAttribute;
+  readonly counts: readonly number[];
 }
 
 export interface TreeModel {
@@ -63,6 +63,25 @@ function floats(
   return out;
 }
 
+interface PieceDetail {
+  readonly of: Components;
+  readonly ranks: Float32Array;
+  readonly anchors: Float32Array;
+}
+
+const leafDetail = (of: Components, positions: Float32Array): PieceDetail => ({
+  of,
+  ranks: leafRanks(of),
+  anchors: componentCentres(of, positions),
+});
+
+/** A bare tree's branches are all there is to see: they keep rank 0, and stay. */
+function woodDetail(index: ArrayLike<number>, positions: Float32Array, bare: boolean): PieceDetail {
+  const of = weldedComponents(index, positions);
+  const ranks = bare ? new Float32Array(of.count) : woodRanks(of, positions);
+  return { of, ranks, anchors: branchBases(of, positions) };
+}
+
 function partFrom(
   mesh: Mesh<BufferGeometry, MeshStandardMaterial>,
   centre: Vector3,
@@ -80,16 +99,14 @@ function partFrom(
   const normals = floats(geometry.getAttribute("normal") as BufferAttribute);
   const open = openness(positions, centre, radius_m);
   const reach = leaves ? leafReach(pieces, positions) : new Float32Array(vertices);
+  const { ranks, anchors, of } = leaves ? leafDetail(pieces, positions) : woodDetail(index, positions, bare);
   const piece = new Float32Array(vertices * 4);
+  const anchor = new Float32Array(vertices * 3);
   for (let v = 0; v < vertices; v++) {
-    piece.set([hashUnit(pieces.ofVertex[v], 3), open[v], reach[v], 0], v * 4);
+    piece.set([hashUnit(pieces.ofVertex[v], 3), open[v], reach[v], ranks[of.ofVertex[v]]], v * 4);
+    for (let axis = 0; axis < 3; axis++) anchor[v * 3 + axis] = anchors[of.ofVertex[v] * 3 + axis];
   }
-  const woodIndex = (share: number) =>
-    bare ? Uint32Array.from(index) : thinWood(index, positions, weldedComponents(index, positions), share);
-  const levels = LEVELS.map((share) => ({
-    index: new BufferAttribute(leaves ? thinLeaves(index, pieces, share.leaves) : woodIndex(share.wood), 1),
-    position: new BufferAttribute(leaves ? growLeaves(positions, pieces, share.leaves) : positions, 3),
-  }));
+  const ranked = rankedIndex(index, (v) => ranks[of.ofVertex[v]]);
   const uv = geometry.getAttribute("uv") as BufferAttribute | undefined;
   return {
     kind,
@@ -97,8 +114,11 @@ function partFrom(
     material: mesh.material,
     normal: new BufferAttribute(leaves ? roundNormals(positions, normals, centre) : normals, 3),
     uv: uv ? new BufferAttribute(floats(uv), 2) : null,
+    position: new BufferAttribute(positions, 3),
+    anchor: new BufferAttribute(anchor, 3),
     piece: new BufferAttribute(piece, 4),
-    levels,
+    index: new BufferAttribute(ranked.index, 1),
+    counts: ranked.counts,
   };
 }
 

@@ -1,11 +1,11 @@
 /** Shader pieces of pass 2, shared by the colour and the shadow materials. */
 import type { Material, WebGLProgramParametersWithUniforms } from "three";
 import { AIR_FRAGMENT, AIR_PARS } from "./air";
+import { EDGE, MOST_GROWTH } from "./detail";
 
 export interface TreeUniforms {
-  /** Target of pass 1, or one zero texel for a tree that stands still. */
+  /** Target of pass 1; null for trees that stand still. */
   uNodes: { value: unknown };
-  uNodeCount: { value: number };
   uNodeShift: { value: number };
   /** Seconds for the flutter of leaves; 0 amplitude switches it off. */
   uFlutter: { value: { x: number; y: number } };
@@ -14,15 +14,18 @@ export interface TreeUniforms {
 }
 
 const VERTEX_PARS = /* glsl */ `
-attribute vec4 aPlace; // x, y, z in m; slot in the node target
-attribute vec4 aTurn;  // scale*cos(yaw), scale*sin(yaw), scale, phase of the tree
+attribute vec4 aPlace; // x, y, z in m; first texel of the tree in the node target
+attribute vec4 aTurn;  // scale*cos(yaw), scale*sin(yaw), scale, share of its pieces that the tree shows
 attribute vec4 aTint;  // colour; how far it replaces the texture's own
+attribute vec3 aAnchor; // what the leaf or branch shrinks to
+attribute vec4 aPiece; // random of the leaf or branch, openness to the sky, leaf's free end, rank
+#ifndef STILL
 attribute float aNode;
-attribute vec4 aPiece; // random of the leaf or branch, openness to the sky, leaf's free end, -
 uniform highp sampler2D uNodes;
-uniform int uNodeCount;
 uniform int uNodeShift;
+#endif
 uniform vec2 uFlutter;
+uniform float uLeafShare;
 varying vec4 vTint;
 varying vec4 vPiece;
 `;
@@ -33,13 +36,23 @@ vec3 objectNormal = normalize(vec3(
 `;
 
 const POSITION = /* glsl */ `
-int nodeIndex = int(aPlace.w + 0.5) * uNodeCount + int(aNode + 0.5);
-vec4 motion = texelFetch(uNodes, ivec2(nodeIndex & ((1 << uNodeShift) - 1), nodeIndex >> uNodeShift), 0);
-vec3 local = position + motion.xyz;
+float grown = clamp((aTurn.w * ${1 + EDGE} - aPiece.w) / (${EDGE} * aTurn.w), 0.0, 1.0);
 #ifdef LEAVES
-  float tremble = uFlutter.y * aPiece.z * min(motion.w, 14.0) * 0.0045;
-  float beat = uFlutter.x * (5.0 + 4.0 * aPiece.x) + 40.0 * aPiece.x + aTurn.w;
-  local += tremble * vec3(sin(beat), 0.7 * sin(beat * 1.31 + 1.0), cos(beat * 0.83));
+  grown *= min(${MOST_GROWTH.toFixed(1)}, inversesqrt(aTurn.w));
+#endif
+vec3 local = mix(aAnchor, position, grown);
+#ifndef STILL
+  int nodeIndex = int(aPlace.w + 0.5) + int(aNode + 0.5);
+  vec4 motion = texelFetch(uNodes, ivec2(nodeIndex & ((1 << uNodeShift) - 1), nodeIndex >> uNodeShift), 0);
+  local += motion.xyz;
+  #ifdef LEAVES
+    float tremble = uFlutter.y * aPiece.z * min(motion.w, 14.0) * 0.0045;
+    float beat = uFlutter.x * (5.0 + 4.0 * aPiece.x) + 40.0 * aPiece.x + dot(aPlace.xz, vec2(1.7, 2.3));
+    local += tremble * vec3(sin(beat), 0.7 * sin(beat * 1.31 + 1.0), cos(beat * 0.83));
+  #endif
+#endif
+#ifdef LEAVES
+  local *= step(aPiece.x, uLeafShare); // fallen: nothing is left to draw
 #endif
 vec3 transformed = aPlace.xyz + vec3(
   aTurn.x * local.x + aTurn.y * local.z, aTurn.z * local.y, aTurn.x * local.z - aTurn.y * local.x);
@@ -49,6 +62,8 @@ vPiece = aPiece;
 
 const FRAGMENT_PARS = /* glsl */ `
 uniform float uGhost;
+uniform float uSnow;
+uniform vec3 uSnowColour;
 varying vec4 vTint;
 varying vec4 vPiece;
 `;
@@ -71,6 +86,14 @@ diffuseColor.rgb = mix(diffuseColor.rgb, diffuseColor.rgb * vec3(1.12, 0.92, 0.7
 const WOOD_MAP = /* glsl */ `
 #include <map_fragment>
 diffuseColor.rgb *= 0.85 + 0.3 * vTint.g;
+`;
+
+/** Snow lies on what faces the sky, in patches. */
+const SNOW = /* glsl */ `
+#include <normal_fragment_maps>
+float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
+float lying = smoothstep(0.05, 0.5, skyward + 0.35 * (fract(vPiece.x * 7.0) - 0.6)) * uSnow;
+diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying);
 `;
 
 const GHOST = /* glsl */ `
@@ -101,10 +124,10 @@ reflectedLight.indirectDiffuse *= 0.35 + 0.65 * vPiece.y;
 
 export type Part = "wood" | "leaves";
 
-function patchVertex(shader: WebGLProgramParametersWithUniforms, part: Part): void {
-  const leaves = part === "leaves" ? "#define LEAVES\n" : "";
+function patchVertex(shader: WebGLProgramParametersWithUniforms, part: Part, moves: boolean): void {
+  const defines = `${part === "leaves" ? "#define LEAVES\n" : ""}${moves ? "" : "#define STILL\n"}`;
   shader.vertexShader = shader.vertexShader
-    .replace("#include <common>", `#include <common>\n${leaves}${VERTEX_PARS}`)
+    .replace("#include <common>", `#include <common>\n${defines}${VERTEX_PARS}`)
     .replace("#include <beginnormal_vertex>", NORMAL)
     .replace("#include <begin_vertex>", POSITION);
 }
@@ -115,17 +138,25 @@ function patchColour(shader: WebGLProgramParametersWithUniforms, part: Part): vo
     .replace("#include <common>", `#include <common>\n${FRAGMENT_PARS}${AIR_PARS}`)
     .replace("#include <map_fragment>", (leaves ? LEAF_MAP : WOOD_MAP) + GHOST)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
-    .replace("#include <fog_fragment>", AIR_FRAGMENT);
+    .replace("#include <normal_fragment_maps>", SNOW)
+    .replace("#include <opaque_fragment>", AIR_FRAGMENT)
+    .replace("#include <fog_fragment>", "");
   if (leaves)
     shader.fragmentShader = shader.fragmentShader.replace("#include <normal_fragment_begin>", LEAF_NORMAL);
 }
 
-/** Gives a material the deformation of pass 2. Each combination is a program of its own, hence the key. */
-export function deform(material: Material, part: Part, pass: "colour" | "depth", uniforms: object): void {
+/** Gives a material the deformation of pass 2, or none. Each combination is a program of its own, hence the key. */
+export function deform(
+  material: Material,
+  part: Part,
+  pass: "colour" | "depth",
+  moves: boolean,
+  uniforms: object,
+): void {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
-    patchVertex(shader, part);
+    patchVertex(shader, part, moves);
     if (pass === "colour") patchColour(shader, part);
   };
-  material.customProgramCacheKey = () => `galewood-${part}-${pass}`;
+  material.customProgramCacheKey = () => `galewood-${part}-${pass}-${moves}`;
 }

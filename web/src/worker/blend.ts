@@ -1,16 +1,19 @@
-/** Hides a jump of all poses (another lookup place, a replanting): the difference fades out. Pure. */
+/** Hides a jump of poses (another place of lookup, another table): the difference fades out, tree by tree. Pure. */
+import type { CarriedGroup } from "./carry";
 
-const FADE_S = 0.7;
+const FADE_S = 1;
 
 export class JumpBlend {
   /** Pose shown before, then (once the new one is known) its difference to the new. */
-  private offsets: Float32Array[] = [];
+  private offsets: (Float32Array | null)[] = [];
+  private known: (Uint8Array | null)[] = [];
   private left_s = 0;
   private pending = false;
 
-  /** `shown` is what the screen has now; the next poses start from there. */
-  start(shown: readonly Float32Array[]): void {
-    this.offsets = shown.map((buffer) => buffer.slice());
+  /** The next poses start from what is shown now; null and trees that are not known start as they come. */
+  start(shown: readonly (CarriedGroup | null)[]): void {
+    this.offsets = shown.map((group) => group?.poses.slice() ?? null);
+    this.known = shown.map((group) => group?.known ?? null);
     this.left_s = FADE_S;
     this.pending = true;
   }
@@ -18,30 +21,32 @@ export class JumpBlend {
   /** Adds what remains of the old pose to the new ones; call once per frame. */
   apply(buffers: readonly Float32Array[], dt_s: number): void {
     if (this.left_s <= 0) return;
-    if (this.pending && !this.takeDifference(buffers)) return;
-    this.left_s = Math.max(0, this.left_s - dt_s);
+    if (this.pending) this.takeDifferences(buffers);
+    else this.left_s = Math.max(0, this.left_s - dt_s);
     const t = this.left_s / FADE_S;
     const weight = t * t * (3 - 2 * t);
     for (const [group, buffer] of buffers.entries()) {
       const offset = this.offsets[group];
-      for (let i = 0; i < buffer.length; i++) buffer[i] += weight * offset[i];
+      if (offset) for (let i = 0; i < buffer.length; i++) buffer[i] += weight * offset[i];
     }
   }
 
-  /** False for another forest: nothing to fade from. */
-  private takeDifference(buffers: readonly Float32Array[]): boolean {
+  private takeDifferences(buffers: readonly Float32Array[]): void {
     this.pending = false;
-    const same =
-      buffers.length === this.offsets.length &&
-      buffers.every((buffer, group) => this.offsets[group].length === buffer.length);
-    if (!same) {
-      this.left_s = 0;
-      return false;
-    }
+    let largest = 0;
     for (const [group, buffer] of buffers.entries()) {
       const offset = this.offsets[group];
-      for (let i = 0; i < buffer.length; i++) offset[i] -= buffer[i];
+      const known = this.known[group];
+      if (!offset || !known || offset.length !== buffer.length) {
+        this.offsets[group] = null;
+        continue;
+      }
+      const stride = buffer.length / known.length;
+      for (let i = 0; i < buffer.length; i++) {
+        offset[i] = known[Math.floor(i / stride)] === 0 ? 0 : offset[i] - buffer[i];
+        largest = Math.max(largest, Math.abs(offset[i]));
+      }
     }
-    return true;
+    if (largest === 0) this.left_s = 0; // every tree goes on just as it was
   }
 }

@@ -1,12 +1,15 @@
 /** The worker: decodes tables, and keeps every tree's pose, looked up here or received from the server. */
+import { poseStride } from "../nodeLayout";
 import { decodeTable, type Table } from "../table";
 import { sampledPeak, type WindDocument, WindField } from "../wind";
 import { JumpBlend } from "./blend";
+import { carryGroup, type ShownGroup } from "./carry";
+import { FailoverMotion } from "./failover";
 import { LocalMotion } from "./localMotion";
 import type { MotionSource } from "./motion";
-import type { ForestPlan, FromWorker, GroupPlan, ToWorker } from "./protocol";
+import type { ForestPlan, FromWorker, GroupPlan, ToWorker, TreeAt } from "./protocol";
 import { StreamMotion } from "./streamMotion";
-import { tableMotion } from "./tableMotion";
+import { motionBuffers, tableMotion } from "./tableMotion";
 
 const scope = self as unknown as {
   onmessage: (event: MessageEvent<ToWorker>) => void;
@@ -18,8 +21,10 @@ const blend = new JumpBlend();
 let source: MotionSource | null = null;
 let field: WindField | null = null;
 let epoch = 0;
-/** What the screen shows, to fade from when the source changes. */
+/** What the screen shows, for the next plan to go on from. */
 let shown: Float32Array[] = [];
+let shownGroups: readonly ShownGroup[] = [];
+let watched: TreeAt | null = null;
 
 const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
 const problem = (title: string, hint: string) => scope.postMessage({ kind: "problem", title, hint });
@@ -32,8 +37,7 @@ async function load(sha256: string, url: string): Promise<void> {
     const table = decodeTable(bytes);
     tables.set(sha256, table);
     const motion = tableMotion(sha256, table, bytes.byteLength);
-    const transfer = [motion.basis.buffer, motion.vertexNode.buffer, motion.crownBasis.buffer];
-    scope.postMessage({ kind: "table", motion }, transfer);
+    scope.postMessage({ kind: "table", motion }, motionBuffers(motion));
   } catch (error) {
     scope.postMessage({ kind: "tableFailed", sha256, title: `A table could not be read: ${reason(error)}` });
   }
@@ -46,11 +50,14 @@ function tableOf({ table }: GroupPlan): Table {
 }
 
 function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): MotionSource {
-  const time_s = source?.time_s ?? 0;
+  const time_s = source?.time_s ?? plan.from_s;
   field ??= new WindField(wind);
+  const shared = field;
   if (plan.lookup === "worker" || plan.groups.length === 0) {
-    const groups = plan.groups.map((group) => ({ table: tableOf(group), placement: group.placement }));
-    return new LocalMotion(groups, field, plan, time_s);
+    const groups = plan.groups.map((group) => ({ ...group, table: tableOf(group) }));
+    const motion = new LocalMotion(groups, shared, plan, time_s);
+    if (source instanceof LocalMotion) motion.adopt(source);
+    return motion;
   }
   const groups = plan.groups.map((group) => {
     const { modeScale, pressure, metadata } = tableOf(group);
@@ -58,42 +65,57 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
     return { ...group, scale: modeScale, height_m: metadata.height_m, sampledPeak_pa };
   });
   const options = { url: socketUrl, method: plan.method, poseEasing: plan.poseEasing, problem };
-  return new StreamMotion(groups, field, options, time_s);
+  const stream = new StreamMotion(groups, shared, options, time_s);
+  const local = plan.groups.map((group) => ({ ...group, table: tableOf(group) }));
+  return new FailoverMotion(
+    stream,
+    (from_s) => new LocalMotion(local, shared, plan, from_s),
+    () => blend.start(shown.map((poses, g) => ({ poses, known: everyTree(plan.groups[g]) }))),
+  );
 }
+
+const everyTree = ({ ids }: GroupPlan) => new Uint8Array(ids.length).fill(1);
 
 function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void {
   const next = makeSource(plan, wind, socketUrl);
   source?.dispose();
   source = next;
   epoch = plan.epoch;
-  blend.start(shown);
+  watched = null;
+  const groups = plan.groups.map((group) => ({ ...group, table: tableOf(group) }));
+  const carried = groups.map((group) => carryGroup(group, shownGroups, shown));
+  blend.start(carried);
+  shownGroups = groups;
+  shown = groups.map(
+    ({ table, ids }, g) =>
+      carried[g]?.poses ?? new Float32Array(ids.length * poseStride(table.metadata.modes)),
+  );
 }
 
 function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
   if (!source || !field) return;
   const begin_ms = performance.now();
   if (source.advance(dt_s, buffers)) blend.apply(buffers, dt_s);
-  else hold(buffers);
-  remember(buffers);
-  const { time_s, connection, coverage } = source;
-  const work_ms = performance.now() - begin_ms;
-  const transfer = buffers.map((buffer) => buffer.buffer);
-  const wind = { state: field.state, coverage };
-  scope.postMessage({ kind: "poses", epoch, time_s, work_ms, buffers, connection, wind }, transfer);
-}
-
-const fits = (buffers: readonly Float32Array[]) =>
-  shown.length === buffers.length && buffers.every((buffer, g) => buffer.length === shown[g].length);
-
-/** Nothing new is known: the trees keep the pose they have. */
-function hold(buffers: readonly Float32Array[]): void {
-  if (!fits(buffers)) return;
-  for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]);
-}
-
-function remember(buffers: readonly Float32Array[]): void {
-  if (!fits(buffers)) shown = buffers.map((buffer) => buffer.slice());
-  else for (const [g, buffer] of buffers.entries()) shown[g].set(buffer);
+  else for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]); // nothing new is known
+  for (const [g, buffer] of buffers.entries()) shown[g].set(buffer);
+  const { time_s, connection, coverage, extent } = source;
+  const total_ms = performance.now() - begin_ms;
+  const wind_ms = source.takeWind_ms();
+  const reply: FromWorker = {
+    kind: "poses",
+    epoch,
+    time_s,
+    work: { wind_ms, lookup_ms: total_ms - wind_ms, total_ms },
+    buffers,
+    connection,
+    wind: { state: field.state, coverage },
+    extent,
+    watched: watched && source.inspect(watched),
+  };
+  scope.postMessage(
+    reply,
+    buffers.map((buffer) => buffer.buffer),
+  );
 }
 
 scope.onmessage = ({ data }) => {
@@ -103,10 +125,14 @@ scope.onmessage = ({ data }) => {
       break;
     case "plan":
       setPlan(data.plan, data.wind, data.socketUrl);
+      advance(0, data.buffers);
       break;
     case "wind":
       field?.change(data.wind, source?.time_s ?? 0);
       source?.windChanged(data.wind);
+      break;
+    case "watch":
+      watched = data.at;
       break;
     case "advance":
       if (data.epoch === epoch) advance(data.dt_s, data.buffers);

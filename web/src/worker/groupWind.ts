@@ -1,16 +1,7 @@
 /** The wind at the trees of one group, and their poses as rows for the screen. Allocates nothing per frame. */
 import { poseStride } from "../nodeLayout";
-import { coverage, dynamicPressure, heightFactor, limitPressure, type WindField } from "../wind";
-
-const KNEE_M_S = 5;
-const STREAMLINED_EXPONENT = 1.3;
-
-/** Wind speed (m/s) whose effective pressure (Pa) this is: inverse of `dynamicPressure`. */
-export function speedFromPressure(pressure_pa: number): number {
-  const knee_pa = dynamicPressure(KNEE_M_S);
-  const share = pressure_pa / knee_pa;
-  return KNEE_M_S * (share <= 1 ? Math.sqrt(share) : share ** (1 / STREAMLINED_EXPONENT));
-}
+import { dynamicPressure, heightFactor, type WindField } from "../wind";
+import { pressureOfVelocity } from "../wind/pressure";
 
 export class GroupWind {
   readonly count: number;
@@ -21,7 +12,11 @@ export class GroupWind {
 
   /** Share of the trees in winds that their table has sampled. */
   coverage = 1;
+  /** The strongest pressure over the strongest that the table has sampled. */
+  extent = 0;
   private readonly speed_m_s: Float32Array;
+  private readonly velocityX: Float64Array;
+  private readonly velocityZ: Float64Array;
   private readonly factor: Float64Array;
   private exponent = 0;
   private reference_m = 1;
@@ -38,6 +33,8 @@ export class GroupWind {
     this.pressureX = new Float32Array(this.count);
     this.pressureZ = new Float32Array(this.count);
     this.speed_m_s = new Float32Array(this.count);
+    this.velocityX = new Float64Array(this.count);
+    this.velocityZ = new Float64Array(this.count);
     this.factor = new Float64Array(this.count).fill(1);
   }
 
@@ -48,12 +45,38 @@ export class GroupWind {
   blow(field: WindField, time_s: number): void {
     const { height_exponent, reference_height_m } = field.at(time_s).wind;
     this.setProfile(height_exponent, reference_height_m);
-    field.pressure(this.x, this.z, time_s, this.pressureX, this.pressureZ, this.factor);
+    field.velocity(this.x, this.z, time_s, this.velocityX, this.velocityZ);
+    pressureOfVelocity(this.velocityX, this.velocityZ, this.pressureX, this.pressureZ, this.factor);
+    this.limit();
+  }
+
+  /** Holds pressures at what the table has sampled, and counts how many were beyond. */
+  private limit(): void {
+    const { pressureX, pressureZ, velocityX, velocityZ, speed_m_s, factor, sampledPeak_pa } = this;
+    const most = sampledPeak_pa * sampledPeak_pa;
+    let beyond = 0;
+    let strongest = 0;
     for (let tree = 0; tree < this.count; tree++) {
-      this.speed_m_s[tree] = speedFromPressure(Math.hypot(this.pressureX[tree], this.pressureZ[tree]));
+      const vx = velocityX[tree];
+      const vz = velocityZ[tree];
+      speed_m_s[tree] = factor[tree] * Math.sqrt(vx * vx + vz * vz);
+      const px = pressureX[tree];
+      const pz = pressureZ[tree];
+      const square = px * px + pz * pz;
+      if (square > strongest) strongest = square;
+      if (square <= most) continue;
+      beyond++;
+      const share = sampledPeak_pa / Math.sqrt(square);
+      pressureX[tree] = px * share;
+      pressureZ[tree] = pz * share;
     }
-    this.coverage = coverage(this.pressureX, this.pressureZ, this.sampledPeak_pa);
-    limitPressure(this.pressureX, this.pressureZ, this.sampledPeak_pa);
+    this.coverage = this.count === 0 ? 1 : 1 - beyond / this.count;
+    this.extent = Math.sqrt(strongest) / sampledPeak_pa;
+  }
+
+  /** Pressure at one tree over the strongest that its table has sampled. */
+  extentAt(tree: number): number {
+    return dynamicPressure(this.speed_m_s[tree]) / this.sampledPeak_pa;
   }
 
   /** Taller trees reach into faster air. */
@@ -78,3 +101,6 @@ export function coverageOf(groups: readonly GroupWind[]): number {
   const trees = groups.reduce((sum, { count }) => sum + count, 0);
   return trees === 0 ? 1 : groups.reduce((sum, group) => sum + group.count * group.coverage, 0) / trees;
 }
+
+export const extentOf = (groups: readonly GroupWind[]): number =>
+  groups.reduce((most, { extent }) => Math.max(most, extent), 0);

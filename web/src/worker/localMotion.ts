@@ -5,21 +5,30 @@ import type { Method } from "../settings";
 import type { Table } from "../table";
 import { TangentForest } from "../tangent";
 import { sampledPeak, type WindField } from "../wind";
-import { coverageOf, GroupWind } from "./groupWind";
+import { rowsBefore, type ShownGroup } from "./carry";
+import { coverageOf, extentOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motion";
-import type { Connection } from "./protocol";
+import type { Connection, Inspection, TreeAt } from "./protocol";
 
 /** Wind and poses move in the table's own steps at most, so that a slow display sees the same motion. */
 const MAX_STEP_S = 1 / 30;
 
-export interface LocalGroup {
+export interface LocalGroup extends ShownGroup {
   readonly table: Table;
   readonly placement: Float32Array;
 }
 
+interface Moving {
+  readonly group: LocalGroup;
+  readonly lookup: ForestLookup | TangentForest;
+  readonly wind: GroupWind;
+  readonly modes: number;
+}
+
 export class LocalMotion implements MotionSource {
   readonly connection: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
-  private readonly groups: { lookup: ForestLookup | TangentForest; wind: GroupWind; modes: number }[];
+  private readonly groups: Moving[];
+  private wind_ms = 0;
 
   constructor(
     groups: readonly LocalGroup[],
@@ -27,21 +36,61 @@ export class LocalMotion implements MotionSource {
     { method, poseEasing }: { method: Method; poseEasing: number | null },
     public time_s: number,
   ) {
-    this.groups = groups.map(({ table, placement }) => {
+    this.groups = groups.map((group) => {
+      const { table, placement } = group;
       const count = placement.length / 4;
       const options = poseEasing === null ? {} : { poseEasing };
       const lookup =
         method === "tangent" ? new TangentForest(table, count) : new ForestLookup(table, count, options);
       const own = new GroupWind(placement, table.metadata.height_m, sampledPeak(table.pressure));
       lookup.setTrees(own.x, own.z, own.column(2), own.column(3));
-      return { lookup, wind: own, modes: table.metadata.modes };
+      return { group, lookup, wind: own, modes: table.metadata.modes };
     });
+  }
+
+  /** Trees of the same table and method that were in motion before go on as they were. */
+  adopt(before: LocalMotion): void {
+    for (const { group, lookup } of this.groups) {
+      const old = before.groups.find(
+        (other) => other.group.key === group.key && other.group.table === group.table,
+      );
+      if (!old) continue;
+      const rows = rowsBefore(old.group.ids, group.ids);
+      if (lookup instanceof TangentForest && old.lookup instanceof TangentForest) {
+        lookup.adopt(old.lookup, rows);
+      } else if (lookup instanceof ForestLookup && old.lookup instanceof ForestLookup) {
+        lookup.adopt(old.lookup, rows);
+      }
+    }
   }
 
   windChanged(): void {}
 
   get coverage(): number {
     return coverageOf(this.groups.map(({ wind }) => wind));
+  }
+
+  get extent(): number {
+    const winds = extentOf(this.groups.map(({ wind }) => wind));
+    return this.groups.reduce((most, { lookup }) => {
+      if (lookup instanceof TangentForest) for (const one of lookup.coverage) most = Math.max(most, one);
+      return most;
+    }, winds);
+  }
+
+  takeWind_ms(): number {
+    const { wind_ms } = this;
+    this.wind_ms = 0;
+    return wind_ms;
+  }
+
+  inspect({ group, tree }: TreeAt): Inspection | null {
+    const found = this.groups[group];
+    if (!found || tree >= found.lookup.count) return null;
+    const { lookup, wind } = found;
+    const felt = wind.extentAt(tree);
+    if (lookup instanceof ForestLookup) return { coverage: felt, record: lookup.record[tree] };
+    return { coverage: Math.max(felt, lookup.coverage[tree]), record: null };
   }
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
@@ -53,17 +102,18 @@ export class LocalMotion implements MotionSource {
 
   private step(dt_s: number): void {
     this.time_s += dt_s;
-    for (const { lookup, wind } of this.groups) {
-      wind.blow(this.field, this.time_s);
-      lookup.advance(dt_s, wind.pressureX, wind.pressureZ);
-    }
+    const begin_ms = performance.now();
+    for (const { wind } of this.groups) wind.blow(this.field, this.time_s);
+    this.wind_ms += performance.now() - begin_ms;
+    for (const { lookup, wind } of this.groups) lookup.advance(dt_s, wind.pressureX, wind.pressureZ);
   }
 
   private write(group: number, out: Float32Array): void {
     const { lookup, wind, modes } = this.groups[group];
     const stride = poseStride(modes);
-    for (let tree = 0; tree < lookup.count; tree++) {
-      for (let k = 0; k < modes; k++) out[tree * stride + k] = lookup.q[tree * modes + k];
+    const { q } = lookup;
+    for (let tree = 0, from = 0, to = 0; tree < lookup.count; tree++, to += stride, from += modes) {
+      for (let k = 0; k < modes; k++) out[to + k] = q[from + k];
     }
     wind.writeSpeeds(out, modes);
   }

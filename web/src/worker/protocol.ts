@@ -2,6 +2,18 @@
 import type { LookupPlace, Method } from "../settings";
 import type { WindDocument, WindState } from "../wind";
 
+/** Nodes for one level of detail. */
+export interface NodeLevel {
+  readonly nodes: number;
+  /** Texels per tree: the first modes, then the local wind speed in m/s, padding. */
+  readonly quads: number;
+  readonly modes: number;
+  /** Node of this level for each node of the table. */
+  readonly of: Uint16Array<ArrayBuffer>;
+  /** [nodes, 3, 4 quads]: displacement in m per unit of each coordinate, zero beyond the modes. */
+  readonly basis: Float32Array<ArrayBuffer>;
+}
+
 /** What the screen needs of a table, unpacked by the worker. */
 export interface TableMotion {
   readonly sha256: string;
@@ -11,6 +23,12 @@ export interface TableMotion {
   readonly nodes: number;
   /** [nodes, 3, stride]: displacement in m per unit of each coordinate, zero beyond the modes. */
   readonly basis: Float32Array<ArrayBuffer>;
+  /** [nodes, 3] where each node is at rest, tree frame. */
+  readonly rest_m: Float32Array<ArrayBuffer>;
+  /** Full detail first, then with fewer nodes and modes: one for each level of detail of the mesh. */
+  readonly levels: readonly NodeLevel[];
+  /** How far any part of a tree of scale 1 strays from rest at most. */
+  readonly reach_m: number;
   /** Node of each render vertex, primitives concatenated. */
   readonly vertexNode: Uint16Array<ArrayBuffer>;
   readonly primitives: readonly { name: string; kind: string; vertices: number }[];
@@ -25,8 +43,33 @@ export interface TableMotion {
 
 /** The trees of one species: x, z, yaw, scale of each, packed. */
 export interface GroupPlan {
+  /** The species or upload, whatever its table. */
+  readonly key: string;
   readonly table: string;
   readonly placement: Float32Array<ArrayBuffer>;
+  /** Identity of each tree: those of an earlier plan go on as they are. */
+  readonly ids: Uint32Array<ArrayBuffer>;
+}
+
+/** One tree of a plan. */
+export interface TreeAt {
+  readonly group: number;
+  readonly tree: number;
+}
+
+/** What the lookup knows of one tree. */
+export interface Inspection {
+  /** How far into the sampled range the tree is: above 1 it is beyond. */
+  readonly coverage: number;
+  /** Record of the table that the paper's search found last; null in the other method, or on the server. */
+  readonly record: number | null;
+}
+
+/** Where the worker's time went in one frame, ms. */
+export interface Work {
+  readonly wind_ms: number;
+  readonly lookup_ms: number;
+  readonly total_ms: number;
 }
 
 export interface ForestPlan {
@@ -34,6 +77,8 @@ export interface ForestPlan {
   readonly epoch: number;
   readonly groups: readonly GroupPlan[];
   readonly lookup: LookupPlace;
+  /** Where the clock begins, for the first plan. */
+  readonly from_s: number;
   readonly method: Method;
   /** null takes each table's own default. */
   readonly poseEasing: number | null;
@@ -41,8 +86,17 @@ export interface ForestPlan {
 
 export type ToWorker =
   | { kind: "load"; sha256: string; url: string }
-  | { kind: "plan"; plan: ForestPlan; wind: WindDocument; socketUrl: string }
+  /** The buffers come back filled, as from `advance`. */
+  | {
+      kind: "plan";
+      plan: ForestPlan;
+      wind: WindDocument;
+      socketUrl: string;
+      buffers: Float32Array<ArrayBuffer>[];
+    }
   | { kind: "wind"; wind: WindDocument }
+  /** Which tree's figures to send along. */
+  | { kind: "watch"; at: TreeAt | null }
   /** Moves the forest on; the buffers come back filled. */
   | { kind: "advance"; epoch: number; dt_s: number; buffers: Float32Array<ArrayBuffer>[] };
 
@@ -63,10 +117,13 @@ export type FromWorker =
       kind: "poses";
       epoch: number;
       time_s: number;
-      work_ms: number;
+      work: Work;
       buffers: Float32Array<ArrayBuffer>[];
       connection: Connection;
       /** The wind and its clock, and the share of trees in winds that their tables have sampled. */
       wind: { state: WindState; coverage: number };
+      /** The tree that is farthest into its sampled range, and the watched tree. */
+      extent: number;
+      watched: Inspection | null;
     }
   | { kind: "problem"; title: string; hint: string };

@@ -3,10 +3,10 @@ import { poseStride } from "../nodeLayout";
 import type { Method } from "../settings";
 import { parseState, type WindDocument, type WindField } from "../wind";
 import { decodeReply, encodeRequest, type Frame, type Reply, type Request } from "../wire";
-import { coverageOf, GroupWind } from "./groupWind";
+import { coverageOf, extentOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motion";
 import { PoseSum } from "./poseSum";
-import type { Connection, ConnectionState } from "./protocol";
+import type { Connection, ConnectionState, Inspection, TreeAt } from "./protocol";
 import { PoseTimeline } from "./timeline";
 
 export interface StreamGroup {
@@ -25,8 +25,11 @@ export interface StreamOptions {
 }
 
 const PING_EVERY_MS = 1000;
-const RETRY_MS = { first: 300, longest: 5000 } as const;
-const STALE_MS = 2000;
+/** Short, so that the stream is back soon after the server is; meanwhile the local tables move the trees. */
+const RETRY_MS = { first: 250, longest: 1000 } as const;
+const STALE_MS = 1400;
+/** A connection that has been silent for so long is given up. */
+const DEAD_MS = 5000;
 
 export class StreamMotion implements MotionSource {
   private socket: WebSocket | null = null;
@@ -37,6 +40,7 @@ export class StreamMotion implements MotionSource {
   private kB_s = 0;
   private retry_ms: number = RETRY_MS.first;
   private disposed = false;
+  private wind_ms = 0;
   private readonly sum: PoseSum;
   private readonly timeline: PoseTimeline;
   private readonly winds: GroupWind[];
@@ -107,6 +111,7 @@ export class StreamMotion implements MotionSource {
   }
 
   private ping(): void {
+    if (performance.now() - this.received_ms > DEAD_MS && this.state === "live") this.socket?.close();
     this.send({ type: "ping", t: performance.now() });
     this.kB_s = this.bytes / PING_EVERY_MS;
     this.bytes = 0;
@@ -149,14 +154,31 @@ export class StreamMotion implements MotionSource {
     return coverageOf(this.winds);
   }
 
+  get extent(): number {
+    return extentOf(this.winds);
+  }
+
+  takeWind_ms(): number {
+    const { wind_ms } = this;
+    this.wind_ms = 0;
+    return wind_ms;
+  }
+
+  inspect({ group, tree }: TreeAt): Inspection | null {
+    const wind = this.winds[group];
+    return wind && tree < wind.count ? { coverage: wind.extentAt(tree), record: null } : null;
+  }
+
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const shown_s = this.timeline.advance(dt_s);
     if (!this.timeline.sample(out)) return false;
     this.time_s = shown_s;
+    const begin_ms = performance.now();
     for (const [g, wind] of this.winds.entries()) {
       wind.blow(this.field, shown_s);
       wind.writeSpeeds(out[g], this.groups[g].scale.length);
     }
+    this.wind_ms += performance.now() - begin_ms;
     return true;
   }
 

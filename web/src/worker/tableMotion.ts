@@ -1,6 +1,7 @@
 /** What the screen needs of a table. Pure. */
 import { poseStride } from "../nodeLayout";
-import type { Table } from "../table";
+import { poses, type Table } from "../table";
+import { coarserNodes } from "./nodeLevels";
 import type { TableMotion } from "./protocol";
 
 /** The crown is what lies above this share of the height. */
@@ -28,15 +29,60 @@ export function crownBasis(table: Table): Float32Array<ArrayBuffer> {
   return mean.map((sum) => sum / Math.max(1, nodes));
 }
 
+/** Tables are played a little beyond what they have sampled. */
+const BEYOND = 1.25;
+const TIPS = 8;
+
+/** The nodes that move most with the first two modes: ends of the longest shoots. */
+function tips(table: Table): number[] {
+  const { modes } = table.metadata;
+  const nodes = Array.from({ length: table.nodeRest.length / 3 }, (_, node) => node);
+  const far = nodes.map((node) => {
+    const rows = [0, 1, 2].map((axis) => (node * 3 + axis) * modes);
+    return rows.reduce(
+      (sum, row) => sum + table.nodeBasis[row] ** 2 + (table.nodeBasis[row + 1] || 0) ** 2,
+      0,
+    );
+  });
+  return nodes.sort((a, b) => far[b] - far[a]).slice(0, TIPS);
+}
+
+/** How far any part of the tree strays from rest at most, m: from the poses of all its records. */
+export function reach_m(table: Table): number {
+  const { modes, records } = table.metadata;
+  const { modeScale, nodeBasis } = table;
+  const pose = poses(table);
+  let most = 0;
+  for (const tip of tips(table)) {
+    for (let record = 0; record < records; record++) {
+      let square = 0;
+      for (let axis = 0; axis < 3; axis++) {
+        let moved = 0;
+        const row = (tip * 3 + axis) * modes;
+        for (let k = 0; k < modes; k++) moved += nodeBasis[row + k] * modeScale[k] * pose[record * modes + k];
+        square += moved * moved;
+      }
+      most = Math.max(most, square);
+    }
+  }
+  return BEYOND * Math.sqrt(most);
+}
+
 export function tableMotion(sha256: string, table: Table, bytes: number): TableMotion {
   const { modes, primitives, height_m, mesh_sha256, pose_easing, records } = table.metadata;
   const stride = poseStride(modes);
+  const basis = padBasis(table.nodeBasis, modes, stride);
+  const nodes = table.nodeRest.length / 3;
+  const of = Uint16Array.from({ length: nodes }, (_, node) => node);
   return {
     sha256,
     modes,
     stride,
-    nodes: table.nodeRest.length / 3,
-    basis: padBasis(table.nodeBasis, modes, stride),
+    nodes,
+    basis,
+    rest_m: Float32Array.from(table.nodeRest),
+    levels: [{ nodes, quads: stride / 4, modes, of, basis }, ...coarserNodes(table)],
+    reach_m: reach_m(table),
     vertexNode: Uint16Array.from(table.vertexNode),
     primitives: primitives.map(({ name, kind, vertices }) => ({ name, kind, vertices })),
     crownBasis: crownBasis(table),
@@ -46,4 +92,11 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     records,
     bytes,
   };
+}
+
+/** What can be handed over rather than copied. */
+export function motionBuffers(motion: TableMotion): ArrayBuffer[] {
+  const { basis, rest_m, vertexNode, crownBasis, levels } = motion;
+  const own = [basis, rest_m, vertexNode, crownBasis, ...levels.flatMap(({ of, basis: rows }) => [of, rows])];
+  return [...new Set(own.map(({ buffer }) => buffer))];
 }

@@ -1,0 +1,56 @@
+/** Which trees a camera sees, and whose shadows, with room for how far they bend. Pure. */
+
+/** Plane coefficients, positive inside: six of the camera's frustum. */
+export type Planes = readonly { normal: Point; constant: number }[];
+
+export interface Point {
+  x: number;
+  y: number;
+  z: number;
+}
+
+/** Bounds of a species at scale 1: an upright cylinder around the tree at rest, and how far it bends at most. */
+export interface Bounds {
+  readonly height_m: number;
+  readonly radius_m: number;
+  readonly reach_m: number;
+}
+
+/** Whether a cylinder that stands at a place touches the space inside all planes; errs to the safe side. */
+export function cylinderSeen(
+  planes: Planes,
+  x: number,
+  y: number,
+  z: number,
+  height_m: number,
+  radius_m: number,
+): boolean {
+  const half_m = 0.5 * height_m;
+  for (const { normal, constant } of planes) {
+    const middle = normal.x * x + normal.y * (y + half_m) + normal.z * z + constant;
+    const flat = Math.sqrt(normal.x * normal.x + normal.z * normal.z);
+    if (middle + Math.abs(normal.y) * half_m + flat * radius_m < 0) return false;
+  }
+  return true;
+}
+
+/**
+ * Whether the shadow of such a cylinder may fall into the space inside all planes: the ball around it, and all it
+ * passes on its way along the sun's rays for `slide_m`.
+ */
+export function shadowSeen(
+  planes: Planes,
+  sun: Point,
+  x: number,
+  y: number,
+  z: number,
+  radius_m: number,
+  slide_m: number,
+): boolean {
+  for (const { normal, constant } of planes) {
+    const at = normal.x * x + normal.y * y + normal.z * z + constant;
+    const along = -slide_m * (normal.x * sun.x + normal.y * sun.y + normal.z * sun.z);
+    if (Math.max(at, at + along) < -radius_m) return false;
+  }
+  return true;
+}
