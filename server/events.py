@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Generator
+from collections.abc import AsyncIterator, Callable, Generator
 from contextlib import contextmanager
 from datetime import datetime
+from typing import Protocol, TypeVar
 
 from fastapi import APIRouter, Request
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sse_starlette import EventSourceResponse, ServerSentEvent
 from starlette.requests import HTTPConnection
 
 from server.context import Service, ServiceHere, service_of
-from server.errors import not_found
-from server.models import ACTIVE, Job, Tree
+from server.errors import ProblemError
+from server.jobs import find_job
+from server.models import ACTIVE, Job, JobState, Tree
 from server.schemas import Change, JobOut
 from server.trees import job_out, tree_out
 
@@ -22,7 +24,23 @@ router = APIRouter(prefix="/api", tags=["events"])
 LOOK_S = 0.3
 SEND_TIMEOUT_S = 20.0
 
-Stamp = tuple[datetime, str | None, datetime | None]
+Stamp = tuple[datetime, int, datetime | None]
+"""A tree's own last change, how many jobs it has, and their last change."""
+
+
+class Followed(Protocol):
+    """A job as a client sees it."""
+
+    @property
+    def tree_id(self) -> str: ...
+
+    @property
+    def state(self) -> JobState: ...
+
+    def model_dump_json(self) -> str: ...
+
+
+Seen = TypeVar("Seen", bound=Followed)
 
 
 class Mailbox:
@@ -74,7 +92,9 @@ class ChangeFeed:
 
     def _changes(self) -> list[Change]:
         newest = (
-            select(Tree.id, Tree.updated_at, Job.id, Job.updated_at).outerjoin(Job).order_by(Job.created_at)
+            select(Tree.id, Tree.updated_at, func.count(Job.id), func.max(Job.updated_at))
+            .outerjoin(Job)
+            .group_by(Tree.id)
         )
         with self._service.sessions() as session:
             stamps: dict[str, Stamp] = {row[0]: (row[1], row[2], row[3]) for row in session.execute(newest)}
@@ -98,49 +118,59 @@ def feed_of(connection: HTTPConnection) -> ChangeFeed:
 @router.get("/events", response_class=EventSourceResponse)
 async def all_events(request: Request) -> EventSourceResponse:
     """Every tree as it stands, then every change: {"tree": Tree, "job": Job|null, "deleted": bool}."""
-    return _stream(_all(service_of(request), feed_of(request)))
+    return stream(_all(service_of(request), feed_of(request)))
 
 
 @router.get("/jobs/{job_id}/events", response_class=EventSourceResponse)
 async def job_events(job_id: str, request: Request, service: ServiceHere) -> EventSourceResponse:
     """Events named "progress" with the job, until it ends."""
-    await asyncio.to_thread(_read_job, service, job_id)
-    return _stream(_progress(service, feed_of(request), job_id))
+
+    def read() -> JobOut:
+        with service.sessions() as session:
+            return JobOut.model_validate(find_job(session, job_id))
+
+    await asyncio.to_thread(read)  # 404 before the stream begins
+    return stream(follow_job(feed_of(request), read))
 
 
-def _stream(events: AsyncIterator[ServerSentEvent]) -> EventSourceResponse:
+def stream(events: AsyncIterator[ServerSentEvent]) -> EventSourceResponse:
+    """An answer of server-sent events; a client that takes nothing for a while is let go."""
     return EventSourceResponse(events, send_timeout=SEND_TIMEOUT_S)
 
 
 async def _all(service: Service, feed: ChangeFeed) -> AsyncIterator[ServerSentEvent]:
+    sent: dict[str, Change] = {}
     with feed.listen() as box:
-        for change in await asyncio.to_thread(_standing, service):
-            yield ServerSentEvent(change.model_dump_json())
+        changes = await asyncio.to_thread(_standing, service)
         while True:
-            for change in await box.take():
-                yield ServerSentEvent(change.model_dump_json())
+            for change in changes:
+                # a comparison moves its tree's stamp, but is no news here
+                if sent.get(change.tree.id) != change:
+                    yield ServerSentEvent(change.model_dump_json())
+                sent[change.tree.id] = change
+                if change.deleted:
+                    del sent[change.tree.id]
+            changes = await box.take()
 
 
-async def _progress(service: Service, feed: ChangeFeed, job_id: str) -> AsyncIterator[ServerSentEvent]:
+async def follow_job(feed: ChangeFeed, read: Callable[[], Seen]) -> AsyncIterator[ServerSentEvent]:
+    """The job as it is and at each change, until it has ended or is deleted with its tree."""
     with feed.listen() as box:
-        job = await asyncio.to_thread(_read_job, service, job_id)
+        job = await asyncio.to_thread(read)  # what changed before we listened is told by nobody
         yield ServerSentEvent(job.model_dump_json(), event="progress")
         while job.state in ACTIVE:
             changes = await box.take()
             if any(change.tree.id == job.tree_id for change in changes):
-                job = await asyncio.to_thread(_read_job, service, job_id)
-                yield ServerSentEvent(job.model_dump_json(), event="progress")
+                try:
+                    now = await asyncio.to_thread(read)
+                except ProblemError:
+                    return
+                if now != job:
+                    yield ServerSentEvent(now.model_dump_json(), event="progress")
+                job = now
 
 
 def _standing(service: Service) -> list[Change]:
     with service.sessions() as session:
         trees = session.scalars(select(Tree).order_by(Tree.builtin.desc(), Tree.created_at)).all()
         return [Change(tree=tree_out(tree), job=job_out(tree)) for tree in trees]
-
-
-def _read_job(service: Service, job_id: str) -> JobOut:
-    with service.sessions() as session:
-        job = session.get(Job, job_id)
-        if job is None:
-            raise not_found("job", job_id)
-        return JobOut.model_validate(job)

@@ -10,14 +10,14 @@ from sqlalchemy.orm import Session
 
 from server.context import ServiceHere
 from server.errors import ProblemError, not_found
-from server.models import ACTIVE, Job, Tree, utc_now
+from server.models import ACTIVE, Job, JobKind, Tree, utc_now
 from server.schemas import JobOut
 
 router = APIRouter(prefix="/api/jobs", tags=["jobs"])
 
 
 def queue_job(session: Session, tree: Tree, settings: dict[str, Any]) -> Job:
-    """Add a job for a tree. ProblemError 409 if one is queued or running already."""
+    """Add a build of a tree's table. ProblemError 409 if one is queued or running already."""
     if tree.job and tree.job.state in ACTIVE:
         raise ProblemError(
             409,
@@ -25,62 +25,66 @@ def queue_job(session: Session, tree: Tree, settings: dict[str, Any]) -> Job:
             "This tree is being computed already",
             hint="Wait for the job or cancel it.",
         )
-    job = Job(tree_id=tree.id, settings=settings, message="Waiting for its turn")
+    return add_job(session, tree, "build", settings)
+
+
+def add_job(session: Session, tree: Tree, kind: JobKind, settings: dict[str, Any]) -> Job:
+    """A new job at the end of the queue."""
+    job = Job(tree_id=tree.id, kind=kind, settings=settings, message="Waiting for its turn")
     tree.jobs.append(job)
     session.flush()
     return job
 
 
-def requeue_interrupted(session: Session) -> int:
-    """At a start of the service: jobs that were running go on from what they stored. How many there were."""
-    waiting = {
-        "state": "queued",
-        "message": "Interrupted; goes on from what was stored",
-        "updated_at": utc_now(),
-    }
-    running = session.scalars(select(Job).where(Job.state == "running")).all()
-    for job in running:
-        session.execute(update(Job).where(Job.id == job.id).values(**waiting))
-    return len(running)
-
-
-def next_queued(session: Session) -> Job | None:
-    """The job that has waited longest."""
-    return session.scalars(select(Job).where(Job.state == "queued").order_by(Job.created_at).limit(1)).first()
-
-
-def end_job(session: Session, job_id: str, state: str, *, message: str, error: str | None = None) -> bool:
-    """Give a job that is still active its last state; whether it was."""
+def end_job(
+    session: Session,
+    job_id: str,
+    state: str,
+    *,
+    message: str,
+    error: str | None = None,
+    lease: str | None = None,
+    **more: Any,
+) -> bool:
+    """Give a job that is active, and ours if a lease is given, its last state; whether it was so."""
     end = {"state": state, "message": message, "error": error, "seconds_left": None, "updated_at": utc_now()}
     active = update(Job).where(Job.id == job_id, Job.state.in_(ACTIVE))
-    return session.scalar(active.values(**end).returning(Job.id)) is not None
+    if lease is not None:
+        active = active.where(Job.lease == lease)
+    return session.scalar(active.values(**end, **more).returning(Job.id)) is not None
 
 
 @router.get("/{job_id}")
 def get_job(job_id: str, service: ServiceHere) -> JobOut:
     """One job as it stands."""
     with service.sessions() as session:
-        return JobOut.model_validate(_job(session, job_id))
+        return JobOut.model_validate(find_job(session, job_id))
 
 
 @router.post("/{job_id}/cancel")
 def cancel_job(job_id: str, service: ServiceHere) -> JobOut:
     """Ask a job to stop: a waiting one ends at once, a running one within two seconds."""
     with service.sessions.begin() as session:
-        job = _job(session, job_id)
-        if job.state == "queued":
-            end_job(session, job_id, "cancelled", message="Cancelled before it began")
-        elif job.state == "running":
-            job.cancel_requested = True
-        session.flush()
-        session.refresh(job)
+        job = find_job(session, job_id)
+        request_cancel(session, job)
         answer = JobOut.model_validate(job)
     service.wake_supervisor()
     return answer
 
 
-def _job(session: Session, job_id: str) -> Job:
-    job = session.get(Job, job_id)
+def request_cancel(session: Session, job: Job) -> None:
+    """End a waiting job; ask the server that runs it to stop a running one."""
+    if job.state == "queued":
+        end_job(session, job.id, "cancelled", message="Cancelled before it began")
+    elif job.state == "running":
+        job.cancel_requested = True
+    session.flush()
+    session.refresh(job)
+
+
+def find_job(session: Session, job_id: str, kind: JobKind = "build") -> Job:
+    """A job by its name and kind. ProblemError 404."""
+    job = session.scalars(select(Job).where(Job.id == job_id, Job.kind == kind)).one_or_none()
     if job is None:
-        raise not_found("job", job_id)
+        raise not_found("job" if kind == "build" else kind, job_id)
     return job

@@ -17,7 +17,7 @@ import uvicorn
 from fastapi import FastAPI
 from sqlalchemy import func, select
 
-from server import artefacts, errors, events, jobs, species, stream, trees, winds
+from server import artefacts, comparisons, errors, events, jobs, species, stream, trees, winds
 from server.context import Service, ServiceHere
 from server.database import migrate, open_database
 from server.intake import Intake, limited_intake
@@ -58,8 +58,8 @@ def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
 
     app = FastAPI(title="Galewood", version=VERSION, lifespan=lifespan)
     errors.install(app)
-    for router in (trees.router, jobs.router, winds.router, events.router, artefacts.router, stream.router):
-        app.include_router(router)
+    for part in (trees, jobs, comparisons, winds, events, artefacts, stream):
+        app.include_router(part.router)
     app.add_api_route("/healthz", health, tags=["service"])
     app.mount("/", Page(settings.page_dir))
     return app

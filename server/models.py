@@ -10,8 +10,9 @@ from sqlalchemy import JSON, Boolean, DateTime, Dialect, Float, ForeignKey, Inte
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 from sqlalchemy.types import TypeDecorator
 
-TreeState = Literal["uploaded", "building", "ready", "failed"]
+TreeState = Literal["uploaded", "building", "preliminary", "ready", "failed"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
+JobKind = Literal["build", "comparison", "evaluation"]
 ACTIVE: tuple[JobState, ...] = ("queued", "running")
 
 
@@ -60,6 +61,10 @@ class Tree(Base):
     source_sha256: Mapped[str] = mapped_column(String(64))
     mesh_sha256: Mapped[str | None] = mapped_column(String(64))
     table_sha256: Mapped[str | None] = mapped_column(String(64))
+    # the finite-element model that the table was sampled from
+    model_sha256: Mapped[str | None] = mapped_column(String(64))
+    # the table is an early one, from the first few winds; a build replaces it by the full one
+    preliminary: Mapped[bool] = mapped_column(Boolean, default=False)
     # what the table was computed from: source, options, settings and version of the pipeline
     fingerprint: Mapped[str | None] = mapped_column(String(64))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
@@ -70,26 +75,27 @@ class Tree(Base):
 
     @property
     def job(self) -> Job | None:
-        """The newest job."""
-        return self.jobs[-1] if self.jobs else None
+        """The newest build."""
+        return next((job for job in reversed(self.jobs) if job.kind == "build"), None)
 
     @property
     def state(self) -> TreeState:
         """Follows from the table and the newest job, so that it cannot disagree with them."""
         if self.table_sha256:
-            return "ready"
+            return "preliminary" if self.preliminary else "ready"
         if self.job and self.job.state in ACTIVE:
             return "building"
         return "failed" if self.job and self.job.state == "failed" else "uploaded"
 
 
 class Job(Base):
-    """One computation of one tree's table."""
+    """One computation for one tree: its table, or something found out about that table."""
 
     __tablename__ = "jobs"
 
     id: Mapped[str] = mapped_column(String(64), primary_key=True, default=new_id)
     tree_id: Mapped[str] = mapped_column(ForeignKey("trees.id", ondelete="CASCADE"), index=True)
+    kind: Mapped[JobKind] = mapped_column(String(16), default="build")
     state: Mapped[JobState] = mapped_column(String(16), default="queued", index=True)
     stage: Mapped[str] = mapped_column(String(32), default="queued")
     fraction: Mapped[float] = mapped_column(Float, default=0.0)
@@ -99,6 +105,17 @@ class Job(Base):
     settings: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     attempts: Mapped[int] = mapped_column(Integer, default=0)
     cancel_requested: Mapped[bool] = mapped_column(Boolean, default=False)
+    samples_done: Mapped[int | None] = mapped_column(Integer)
+    samples_total: Mapped[int | None] = mapped_column(Integer)
+    # name → SHA-256 of what a build shows on its way
+    pictures: Mapped[dict[str, str]] = mapped_column(JSON, default=dict)
+    # figures found, and the file they are in if they are many
+    result: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+    result_sha256: Mapped[str | None] = mapped_column(String(64))
+    # who runs it, by a word that is new with each claim, and until when nobody else may (server/leases.py)
+    owner: Mapped[str | None] = mapped_column(String(64))
+    lease: Mapped[str | None] = mapped_column(String(64))
+    lease_until: Mapped[datetime | None] = mapped_column(UtcDateTime)
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
     tree: Mapped[Tree] = relationship(back_populates="jobs")

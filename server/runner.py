@@ -22,18 +22,30 @@ class CancellableTask:
 class DaskRunner:
     """Samples every wind on the cluster; the trajectories are files in the cache that all processes share."""
 
-    def __init__(self, address: str, flag: Path) -> None:
+    def __init__(
+        self, address: str, flag: Path, samples: Callable[[int, int], None] = lambda done, total: None
+    ) -> None:
+        """``samples`` hears how many runs there are, of how many, before ``done`` of each call does."""
         self._address = address
         self._flag = flag
+        self._samples = samples
+        self.model: Path | None = None
+        """The finite-element model whose runs were asked for."""
 
     def __call__(self, tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
         """A precompute.runner.TrajectoryRunner; sends only what is not there yet. EngineLostError."""
+        self.model = tasks[0].model if tasks else None
         missing = [CancellableTask(task, self._flag) for task in tasks if not task.path.exists()]
         ready = len(tasks) - len(missing)
-        done(ready)
+
+        def tell(count: int) -> None:
+            self._samples(ready + count, len(tasks))
+            done(ready + count)
+
+        tell(0)
         if missing:
             with connected(self._address) as client:
-                map_on_cluster(client, run_unless_cancelled, missing, lambda count: done(ready + count))
+                map_on_cluster(client, run_unless_cancelled, missing, tell)
         return [task.path for task in tasks]
 
 

@@ -4,18 +4,32 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
+from dataclasses import dataclass
 
-from sqlalchemy import update
+from sqlalchemy.exc import SQLAlchemyError
 
+from server import leases
 from server.cluster import Cluster, ClusterError
 from server.context import Service
-from server.jobs import end_job, next_queued, requeue_interrupted
-from server.models import Job, utc_now
+from server.jobs import end_job
+from server.models import Job, JobKind
 from server.processes import start_module, stop
 from server.storage import write_atomically
 
 log = logging.getLogger("galewood.jobs")
 LOOK_S = 0.4
+LANES: dict[str, tuple[JobKind, ...]] = {"builds": ("build",), "studies": ("comparison", "evaluation")}
+"""Studies take seconds and somebody waits for them: they do not queue behind builds."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A job of ours, by the word of its lease (leases.py)."""
+
+    job_id: str
+    lease: str
+    lane: str
 
 
 class Supervisor:
@@ -24,27 +38,29 @@ class Supervisor:
     def __init__(self, service: Service) -> None:
         self._service = service
         self._cluster = Cluster(service.settings)
-        self._watched: dict[str, asyncio.Task[None]] = {}
+        self._owner = leases.server_identity(service.settings.data_dir)
+        self._watched: dict[Claim, asyncio.Task[None]] = {}
 
     async def run(self) -> None:
-        """Work until cancelled, then stop every child; unfinished jobs are resumed at the next start."""
-        interrupted = await asyncio.to_thread(self._requeue)
+        """Work until cancelled, then stop every child and give unfinished jobs back to the queue."""
+        interrupted = await asyncio.to_thread(self._give_back)
         if interrupted:
             log.info("%d interrupted job(s) go on", interrupted)
         try:
             while True:
-                await self._start_waiting()
-                await self._cluster.close_if_idle(busy=bool(self._watched))
+                await self._look()
+                await self._cluster.close_if_idle(busy=self._busy("builds") > 0)
                 await self._pause()
         finally:
             for task in self._watched.values():
                 task.cancel()
             await asyncio.gather(*self._watched.values(), return_exceptions=True)
             await self._cluster.close()
+            await asyncio.to_thread(self._give_back)
 
-    def _requeue(self) -> int:
+    def _give_back(self) -> int:
         with self._service.sessions.begin() as session:
-            return requeue_interrupted(session)
+            return leases.give_back(session, self._owner)
 
     async def _pause(self) -> None:
         try:
@@ -54,70 +70,111 @@ class Supervisor:
             pass
         self._service.jobs_changed.clear()
 
-    async def _start_waiting(self) -> None:
-        self._watched = {job_id: task for job_id, task in self._watched.items() if not task.done()}
-        while len(self._watched) < self._service.settings.concurrent_jobs:
-            job_id = await asyncio.to_thread(self._claim)
-            if job_id is None:
-                return
-            self._watched[job_id] = asyncio.create_task(self._watch(job_id))
-
-    def _claim(self) -> str | None:
-        """Take the job that waited longest; the condition on its state lets several servers share a queue."""
-        with self._service.sessions.begin() as session:
-            job = next_queued(session)
-            if job is None:
-                return None
-            start = {"state": "running", "stage": "intake", "message": "Starting", "updated_at": utc_now()}
-            waiting = update(Job).where(Job.id == job.id, Job.state == "queued")
-            return session.scalar(waiting.values(**start).returning(Job.id))
-
-    async def _watch(self, job_id: str) -> None:
+    async def _look(self) -> None:
+        """Start what waits; a database that is away for a moment is asked again at the next look."""
         try:
-            address = await self._cluster.address()
+            for lane in LANES:
+                await self._start_waiting(lane)
+        except SQLAlchemyError:
+            log.exception("the queue could not be read")
+
+    def _busy(self, lane: str) -> int:
+        self._watched = {claim: task for claim, task in self._watched.items() if not task.done()}
+        return sum(claim.lane == lane for claim in self._watched)
+
+    async def _start_waiting(self, lane: str) -> None:
+        settings = self._service.settings
+        room = settings.concurrent_jobs if lane == "builds" else settings.concurrent_studies
+        while self._busy(lane) < room:
+            claim = await asyncio.to_thread(self._claim, lane)
+            if claim is None:
+                return
+            self._watched[claim] = asyncio.create_task(self._watch(claim))
+
+    def _claim(self, lane: str) -> Claim | None:
+        with self._service.sessions.begin() as session:
+            found = leases.claim(session, self._owner, LANES[lane], self._service.settings.lease_s)
+            return Claim(*found, lane) if found else None
+
+    async def _watch(self, claim: Claim) -> None:
+        keeping = asyncio.create_task(self._keep(claim))
+        try:
+            await self._run_process(claim, keeping)
+        finally:
+            keeping.cancel()
+
+    async def _keep(self, claim: Claim) -> None:
+        """Renew the lease again and again; ends when it is lost."""
+        lease_s = self._service.settings.lease_s
+        kept_s = time.monotonic()
+        while time.monotonic() - kept_s < lease_s:
+            await asyncio.sleep(lease_s / 5)
+            try:
+                if not await asyncio.to_thread(self._renew, claim):
+                    return
+                kept_s = time.monotonic()
+            except SQLAlchemyError:
+                log.exception("the lease of job %s could not be renewed", claim.job_id)
+
+    def _renew(self, claim: Claim) -> bool:
+        with self._service.sessions.begin() as session:
+            return leases.renew(session, claim.job_id, claim.lease, self._service.settings.lease_s)
+
+    async def _run_process(self, claim: Claim, keeping: asyncio.Task[None]) -> None:
+        try:
+            address = await self._cluster.address() if claim.lane == "builds" else ""
         except ClusterError as error:
-            await asyncio.to_thread(self._settle, job_id, str(error))
+            await asyncio.to_thread(self._settle, claim, str(error))
             return
-        environment = self._service.settings.environment()
+        settings = self._service.settings
         process = await start_module(
-            self._service.settings.job_module, job_id, address, environment=environment
+            settings.job_module, claim.job_id, claim.lease, address, environment=settings.environment()
         )
         try:
-            cancelled = await self._wait(process, job_id)
+            cancelled = await self._wait(process, claim, keeping)
         finally:
             await stop(process)
         code = process.returncode
-        reason = None if cancelled else f"The process that computed this tree ended with code {code}."
-        await asyncio.to_thread(self._settle, job_id, reason)
+        reason = None if cancelled else f"The process that computed this ended with code {code}."
+        await asyncio.to_thread(self._settle, claim, reason)
 
-    async def _wait(self, process: asyncio.subprocess.Process, job_id: str) -> bool:
-        """Until the process or its cluster ends (False), or the job is cancelled or deleted (True)."""
-        while process.returncode is None and not self._cluster.lost:
+    async def _wait(
+        self, process: asyncio.subprocess.Process, claim: Claim, keeping: asyncio.Task[None]
+    ) -> bool:
+        """Until process, cluster or lease end (False), or the job is cancelled or deleted (True)."""
+        needs_cluster = claim.lane == "builds"
+        while (
+            process.returncode is None and not keeping.done() and not (needs_cluster and self._cluster.lost)
+        ):
             try:
                 async with asyncio.timeout(LOOK_S):
                     await process.wait()
             except TimeoutError:
-                if await asyncio.to_thread(self._must_stop, job_id):
-                    flag = self._service.settings.cancel_flag(job_id)
+                if await asyncio.to_thread(self._must_stop, claim.job_id):
+                    flag = self._service.settings.cancel_flag(claim.job_id)
                     await asyncio.to_thread(write_atomically, flag, b"")
                     return True
         return False
 
     def _must_stop(self, job_id: str) -> bool:
-        with self._service.sessions() as session:
-            job = session.get(Job, job_id)
-            return job is None or job.cancel_requested
+        try:
+            with self._service.sessions() as session:
+                job = session.get(Job, job_id)
+                return job is None or job.cancel_requested
+        except SQLAlchemyError:
+            log.exception("job %s could not be read", job_id)
+            return False
 
-    def _settle(self, job_id: str, crash: str | None) -> None:
+    def _settle(self, claim: Claim, crash: str | None) -> None:
         """A job whose process is gone and that has no last state was cancelled (crash None), or crashed."""
         with self._service.sessions.begin() as session:
-            job = session.get(Job, job_id)
-            if job is None or job.state != "running":
+            job = session.get(Job, claim.job_id)
+            if job is None or job.state != "running" or job.lease != claim.lease:
                 return
             if crash is None:
-                end_job(session, job_id, "cancelled", message="Cancelled")
+                end_job(session, claim.job_id, "cancelled", message="Cancelled")
             elif job.attempts + 1 < self._service.settings.job_attempts:
                 job.attempts += 1
                 job.state, job.message = "queued", "Interrupted; goes on from what was stored"
             else:
-                end_job(session, job_id, "failed", message="Failed", error=crash)
+                end_job(session, claim.job_id, "failed", message="Failed", error=crash)

@@ -1,0 +1,122 @@
+"""One tree's motion three ways under one wind: by the finite elements and by both methods of its table.
+
+What the page's comparison shows. All tracks are modal coordinates q of the table, so that one renderer draws
+them: a node's displacement is basis (n, 3, r) times q (r).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import KDTree
+
+from precompute.dynamics import FemModel, Simulator
+from precompute.evaluate import METHODS, played
+from precompute.evaluate_measure import hausdorff
+from precompute.table import Table
+from precompute.wind import (
+    WindField,
+    WindState,
+    height_factor,
+    limit_pressure,
+    sampled_peak_pa,
+    to_tree_frame,
+)
+
+Floats = npt.NDArray[np.float64]
+Tick = Callable[[float, str], None]
+
+COMPARED = ("tangent", "paper")
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the tree stands, and the moment at which its comparison begins."""
+
+    x_m: float = 0.0
+    z_m: float = 0.0
+    yaw_rad: float = 0.0
+    start_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Per frame, over the tree's height: the farthest node, and the Hausdorff distance of the nodes."""
+
+    max: Floats  # (frames,)
+    hausdorff: Floats  # (frames,)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """frames × r coordinates by each way, the pressure they had in common, and how far they are apart."""
+
+    pressure_pa: Floats  # (frames, 2) in the tree's own frame
+    q: dict[str, Floats]  # fem, tangent, paper: (frames, r)
+    sway: Floats  # (frames,) farthest node of the finite elements from rest, over the height
+    errors: dict[str, Errors]  # tangent, paper
+    left_out: Floats  # (frames,) of the true motion, what no q of this table can show, over the height
+
+
+def compare_methods(
+    table: Table, model: FemModel, wind: WindState, place: Place, frames: int, tick: Tick
+) -> Comparison:
+    """Play a wind at a place. ``tick`` hears the share done and may raise to stop."""
+    pressure_pa = pressure_at(table, wind, place, frames)
+    rest_m, height_m = table.node_rest_m.astype(np.float64), float(table.metadata["height_m"])
+    truth = _simulate(model, rest_m, pressure_pa, lambda share: tick(0.8 * share, "Simulating"))
+    basis = table.node_basis.astype(np.float64).reshape(-1, len(table.mode_scale))
+    seen: Floats = np.linalg.lstsq(basis, truth.reshape(frames, -1).T, rcond=None)[0].T
+    q, errors = {"fem": seen}, {}
+    for k, name in enumerate(COMPARED):
+        tick(0.8 + 0.1 * k, "Comparing")
+        q[name], _ = played(table, pressure_pa, METHODS[name])
+        errors[name] = _errors((q[name] @ basis.T).reshape(truth.shape), truth, rest_m, height_m)
+    left_out = _farthest((seen @ basis.T).reshape(truth.shape) - truth, height_m)
+    tick(1.0, "Done")
+    return Comparison(pressure_pa, q, _farthest(truth, height_m), errors, left_out)
+
+
+def pressure_at(table: Table, wind: WindState, place: Place, frames: int) -> Floats:
+    """(frames, 2) Pa in the tree's own frame, frame i at start + (i + 1) steps, exactly as a forest feels it.
+
+    That is: with the height of the tree in the wind's profile, and no stronger than the table has sampled.
+    """
+    field, dt_s = WindField(wind), float(table.metadata["dt_s"])
+    peak_pa, height_m = sampled_peak_pa(table.pressure_pa), np.array([float(table.metadata["height_m"])])
+    x_m, z_m = np.array([place.x_m]), np.array([place.z_m])
+    world = np.zeros((2, frames, 1), np.float32)
+    for frame in range(frames):
+        time_s = place.start_s + (frame + 1) * dt_s
+        now = field.at(time_s).wind
+        factor = height_factor(height_m, now.height_exponent, now.reference_height_m)
+        field.pressure(x_m, z_m, time_s, world[0, frame], world[1, frame], factor)
+        limit_pressure(world[0, frame], world[1, frame], peak_pa)
+    own = to_tree_frame(world[0, :, 0].astype(np.float64), world[1, :, 0].astype(np.float64), place.yaw_rad)
+    return np.stack(own, axis=1)
+
+
+def _simulate(model: FemModel, rest_m: Floats, pressure_pa: Floats, tick: Callable[[float], None]) -> Floats:
+    """(frames, n, 3) displacements of the model's vertices nearest to the table's nodes at rest (n, 3)."""
+    _, nearest = KDTree(model.nodes_m[: model.vertex_count]).query(rest_m)
+    simulator, frames = Simulator(model), len(pressure_pa)
+    track = np.empty((frames, len(rest_m), 3))
+    for frame, pressure in enumerate(pressure_pa):
+        tick(frame / frames)
+        simulator.step(pressure)
+        track[frame] = simulator.u[nearest]
+    return track
+
+
+def _errors(track: Floats, truth: Floats, rest_m: Floats, height_m: float) -> Errors:
+    apart = [hausdorff(rest_m + one, rest_m + other) for one, other in zip(track, truth, strict=True)]
+    return Errors(_farthest(track - truth, height_m), np.array(apart) / height_m)
+
+
+def _farthest(displacement_m: Floats, height_m: float) -> Floats:
+    """(frames,) longest of (frames, n, 3) vectors, over the height."""
+    longest: Floats = np.linalg.norm(displacement_m, axis=2).max(axis=1) / height_m
+    return longest

@@ -1,0 +1,86 @@
+"""A job that computes the table of a tree and publishes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import update
+
+from precompute.build_types import BuildOptions, BuildResult, Progress
+from server.assumptions import NAMES, intake_options
+from server.database import Sessions
+from server.jobs import end_job
+from server.models import Job, Tree, utc_now
+from server.reporting import Mandate, Reporter
+from server.runner import DaskRunner
+from server.settings import Settings
+from server.species import fingerprint
+from server.storage import Stores
+
+Build = Callable[..., BuildResult]
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is to be built, as it was when the job began."""
+
+    tree_id: str
+    source: bytes
+    filename: str
+    options: BuildOptions
+    fingerprint: str
+
+
+def read_order(sessions: Sessions, stores: Stores, job_id: str) -> Order:
+    """The order of a job: its tree's mesh and options, overruled by the job's own settings."""
+    with sessions() as session:
+        job = session.get_one(Job, job_id)
+        tree = job.tree
+        return Order(
+            tree_id=tree.id,
+            source=stores.sources.get(tree.source_sha256),
+            filename=tree.filename,
+            options=build_options({**tree.options, **job.settings}),
+            fingerprint=fingerprint(tree.source_sha256, tree.options, job.settings),
+        )
+
+
+def build_options(given: dict[str, Any]) -> BuildOptions:
+    """The options of a build from names and values."""
+    rest = {key: value for key, value in given.items() if key not in NAMES}
+    return BuildOptions(intake=intake_options(given), **rest)
+
+
+def run_build(mandate: Mandate, address: str, settings: Settings, stores: Stores, build: Build) -> None:
+    """Compute and publish. Raises IntakeError, EngineLostError, Cancelled."""
+    order = read_order(mandate.sessions, stores, mandate.job_id)
+    reporter = Reporter(mandate)
+    runner = DaskRunner(address, settings.cancel_flag(mandate.job_id), reporter.samples)
+
+    def progress(now: Progress) -> None:
+        reporter.tell(now.stage, now.fraction, now.message)
+
+    result = build(order.source, order.filename, order.options, runner, progress, settings.cache_dir)
+    model = runner.model.read_bytes() if runner.model else None
+    _publish(mandate, stores, order, result, model)
+
+
+def _publish(
+    mandate: Mandate, stores: Stores, order: Order, result: BuildResult, model: bytes | None
+) -> None:
+    """The files first, then, in one transaction, the tree that names them and the job's end."""
+    tree = {
+        "table_sha256": stores.tables.put(result.table),
+        "mesh_sha256": stores.meshes.put(result.render_glb),
+        "model_sha256": stores.models.put(model) if model else None,
+        "preliminary": False,
+        "report": result.report,
+        "fingerprint": order.fingerprint,
+        "updated_at": utc_now(),
+    }
+    done: dict[str, Any] = {"stage": "done", "fraction": 1.0}
+    with mandate.sessions.begin() as session:
+        if end_job(session, mandate.job_id, "done", message="Done", lease=mandate.lease, **done):
+            session.execute(update(Tree).where(Tree.id == order.tree_id).values(**tree))

@@ -1,0 +1,98 @@
+"""Jobs that find something out about a table: how it moves beside the finite elements it was made from."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any, cast
+
+import msgpack
+import numpy as np
+
+from precompute.dynamics import FemModel, load_model
+from precompute.table import Table, decode
+from precompute.tracks import Comparison, Place, compare_methods
+from precompute.wind import parse_wind_or_state
+from server.jobs import end_job
+from server.models import Job, JobKind
+from server.reporting import Mandate, Reporter
+from server.settings import Settings
+from server.storage import Stores
+
+FORMAT, VERSION = "galewood-comparison", 1
+
+
+def run_study(mandate: Mandate, kind: JobKind, settings: Settings, stores: Stores) -> None:
+    """Work on a comparison or an evaluation and store what it found. Raises Cancelled."""
+    with mandate.sessions() as session:
+        request = dict(session.get_one(Job, mandate.job_id).settings)
+    reporter = Reporter(mandate)
+    reporter.tell("model", 0.0, "Fetching table and model")
+    table = decode(stores.tables.get(request["table_sha256"]))
+    model = load_model(stores.models.path(request["model_sha256"]))
+    if kind == "comparison":
+        _compare(mandate, reporter, request, table, model, stores)
+
+
+def _compare(
+    mandate: Mandate,
+    reporter: Reporter,
+    request: dict[str, Any],
+    table: Table,
+    model: FemModel,
+    stores: Stores,
+) -> None:
+    place = Place(**{name: request[name] for name in Place.__dataclass_fields__})
+
+    def tick(share: float, message: str) -> None:
+        reporter.tell("comparing", share, message)
+
+    wind = parse_wind_or_state(request["wind"])
+    found = compare_methods(table, model, wind, place, request["frames"], tick)
+    sha256 = stores.results.put(pack(found, table))
+    _finish(mandate, result=figures(found), result_sha256=sha256)
+
+
+def _finish(mandate: Mandate, **values: Any) -> None:
+    done: dict[str, Any] = {"stage": "done", "fraction": 1.0, **values}
+    with mandate.sessions.begin() as session:
+        end_job(session, mandate.job_id, "done", message="Done", lease=mandate.lease, **done)
+
+
+def pack(found: Comparison, table: Table) -> bytes:
+    """The bytes of docs/formats/comparison.md."""
+    metadata = table.metadata
+    document: dict[str, Any] = {
+        "format": FORMAT,
+        "version": VERSION,
+        "frames": len(found.pressure_pa),
+        "dt_s": float(metadata["dt_s"]),
+        "height_m": float(metadata["height_m"]),
+        "modes": len(table.mode_scale),
+        "pressure_pa": _bytes(found.pressure_pa),
+        "tracks": {name: _bytes(q) for name, q in found.q.items()},
+        "sway": _list(found.sway),
+        "left_out": _list(found.left_out),
+        "error": {
+            name: {kind: _list(values) for kind, values in asdict(error).items()}
+            for name, error in found.errors.items()
+        },
+    }
+    return cast(bytes, msgpack.packb(document, use_bin_type=True))
+
+
+def figures(found: Comparison) -> dict[str, Any]:
+    """The largest of each, over the height, for those who want no curves."""
+    return {
+        "true_sway": float(found.sway.max()),
+        "left_out": float(found.left_out.max()),
+        "max_error": {name: float(error.max.max()) for name, error in found.errors.items()},
+        "hausdorff": {name: float(error.hausdorff.max()) for name, error in found.errors.items()},
+    }
+
+
+def _bytes(values: np.ndarray[Any, Any]) -> bytes:
+    return np.ascontiguousarray(values, "<f4").tobytes()
+
+
+def _list(values: np.ndarray[Any, Any]) -> list[float]:
+    return [float(value) for value in values]
