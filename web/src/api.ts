@@ -93,11 +93,26 @@ export interface EventHandlers {
   lost(): void;
 }
 
-/** Every tree as it stands, then every change; the browser reconnects by itself. Returns what ends it. */
+const EVENTS_AGAIN_MS = 1000;
+
+/** Every tree as it stands, then every change; reconnects by itself. Returns what ends it. */
 export function followEvents(handlers: EventHandlers): () => void {
-  const source = new EventSource("api/events");
-  source.onmessage = (event: MessageEvent<string>) => handlers.change(JSON.parse(event.data) as TreeChange);
-  source.onopen = () => handlers.open();
-  source.onerror = () => handlers.lost();
-  return () => source.close();
+  let source: EventSource | null = null;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const connect = () => {
+    source = new EventSource("api/events");
+    source.onmessage = (event: MessageEvent<string>) => handlers.change(JSON.parse(event.data) as TreeChange);
+    source.onopen = () => handlers.open();
+    source.onerror = () => {
+      // Browsers wait seconds before they try again, and give up after some answers: do it here.
+      source?.close();
+      handlers.lost();
+      timer = setTimeout(connect, EVENTS_AGAIN_MS);
+    };
+  };
+  connect();
+  return () => {
+    clearTimeout(timer);
+    source?.close();
+  };
 }

@@ -2,7 +2,9 @@
 import type { TreeChange } from "./api";
 import { Catalogue } from "./catalogue";
 import { ForestClient } from "./forestClient";
+import { momentFrom } from "./link";
 import { Meter } from "./meter";
+import { keep } from "./remembered";
 import { Forest, planForest } from "./scene/forest";
 import { groundHeight_m } from "./scene/landscape";
 import type { SpeciesOptions } from "./scene/speciesForest";
@@ -12,15 +14,17 @@ import { meanCrownDisplacement_m } from "./sway";
 import { element } from "./ui/dom";
 import { Panel, type SettingKey } from "./ui/panel";
 import { ProgressCards } from "./ui/progress";
+import { SceneryBar } from "./ui/scenery";
 import { showToast } from "./ui/toast";
 import { acceptUploads } from "./ui/upload";
-import { statusLine, summary } from "./ui/words";
+import { displayName, statusLine, summary } from "./ui/words";
+import { Visit } from "./visit";
 import type { WindDocument } from "./wind";
 import { windDocument, windVector_m_s } from "./windSettings";
 import { WindStudio } from "./windStudio";
 
 const REPORT_EVERY_MS = 250;
-const REPLANTS: SettingKey[] = ["trees", "forestSeed", "lookup", "method", "poseEasing"];
+const REPLANTS: SettingKey[] = ["trees", "density", "shares", "forestSeed", "lookup", "method", "poseEasing"];
 const BLOWS: SettingKey[] = ["meanSpeed_m_s", "direction_deg", "gustiness", "windSeed"];
 
 export class App {
@@ -33,6 +37,8 @@ export class App {
   private readonly cards = new ProgressCards();
   private readonly panel: Panel;
   readonly studio: WindStudio;
+  readonly visit: Visit;
+  private readonly from_s: number;
   private readonly meter = new Meter();
   private readonly flutter = { value: { x: 0, y: 0 } };
   private readonly stopUploads = acceptUploads();
@@ -41,10 +47,25 @@ export class App {
   private last_ms = performance.now();
   private reported_ms = 0;
 
-  constructor(readonly settings: Settings) {
+  /** `defaults`: what the visitor's own settings are kept as differences to. */
+  constructor(
+    readonly settings: Settings,
+    private readonly defaults: Settings,
+  ) {
+    this.from_s = momentFrom(location.search).time_s ?? 0;
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
     this.forest = new Forest(this.speciesOptions());
     this.stage.scene.add(this.forest.group);
+    this.dress();
+    new SceneryBar(settings, () => this.change("season"));
+    this.visit = new Visit(
+      settings,
+      this.stage,
+      this.forest,
+      () => this.catalogue,
+      () => this.client.time_s,
+    );
+    this.visit.restore(location.search);
     this.panel = new Panel(settings, this.meter.statistics, (key) => this.change(key));
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
       change: (change) => this.treeChanged(change),
@@ -81,10 +102,15 @@ export class App {
   /** Trees that stay go on moving; the others come when their first poses are in. */
   private plant(): void {
     const { settings, client, forest } = this;
-    const planted = planForest(this.catalogue.growers, settings.trees, settings.forestSeed);
+    const planted = planForest(this.catalogue.growers, settings.trees, settings.forestSeed, settings);
     client.plan(
       planted.flatMap(({ grower, motion, stand }) => (motion ? [{ key: grower.id, motion, ...stand }] : [])),
-      { lookup: settings.lookup, method: settings.method, poseEasing: settings.poseEasing },
+      {
+        lookup: settings.lookup,
+        method: settings.method,
+        poseEasing: settings.poseEasing,
+        from_s: this.from_s,
+      },
       windDocument(settings),
       () => {
         forest.show(planted);
@@ -101,7 +127,16 @@ export class App {
     this.remember();
   }
 
+  /** Season and time of day: light, land and leaves. */
+  private dress(): void {
+    const { daytime, season } = this.settings;
+    this.stage.show(daytime, season);
+    this.forest.setSeason(season);
+    this.dirty = true;
+  }
+
   private change(key: SettingKey): void {
+    if (key === "season") this.dress();
     if (BLOWS.includes(key)) {
       this.client.setWind(windDocument(this.settings));
       this.studio.show(windDocument(this.settings));
@@ -117,6 +152,7 @@ export class App {
 
   /** Keeps the address a link to what is shown. */
   private remember(): void {
+    if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
     const query = queryFromSettings(this.settings);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
   }
@@ -142,7 +178,10 @@ export class App {
       for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
     }
     this.studio.advance(dt_s, this.client, this.forest);
-    this.stage.sky.advance(dt_s, windVector_m_s(this.settings));
+    const wind_m_s = windVector_m_s(this.settings);
+    this.stage.sky.advance(dt_s, wind_m_s);
+    this.visit.advance(dt_s);
+    this.stage.cover.update(this.stage.camera.position, wind_m_s, this.client.time_s);
     this.flutter.value.x += dt_s;
     this.flutter.value.y = this.settings.flutter ? 1 : 0;
   }
@@ -154,6 +193,7 @@ export class App {
     stage.renderer.info.reset();
     forest.renderNodes(stage.renderer);
     stage.render();
+    this.visit.drawn();
   }
 
   private report(): void {
@@ -162,7 +202,12 @@ export class App {
     meter.publish({ lookup_ms: client.lookup_ms, trees: forest.trees.moving, triangles: forest.triangles });
     meter.statistics.drawCalls = info.calls;
     const { connection } = client;
-    meter.statistics.stream = connection.state === "live" ? `${connection.kB_s.toFixed(0)} kB/s` : "off";
+    const live = connection.state === "live";
+    const ms = (time_ms: number | null) => (live && time_ms !== null ? `${time_ms.toFixed(0)} ms` : "–");
+    meter.statistics.stream = live ? `${connection.kB_s.toFixed(0)} kB/s` : "off";
+    meter.statistics.latency = ms(connection.latency_ms);
+    meter.statistics.frameAge = ms(connection.frameAge_ms);
+    this.panel.showSpecies(this.catalogue.trees.map((tree) => ({ id: tree.id, name: displayName(tree) })));
     const status = statusLine({ events: this.connected, lookup: this.settings.lookup, connection });
     element("status").dataset.state = status.state;
     if (element("status").textContent !== status.text) element("status").textContent = status.text;
@@ -213,6 +258,7 @@ export class App {
   dispose(): void {
     this.stage.renderer.setAnimationLoop(null);
     this.studio.dispose();
+    this.visit.dispose();
     this.stopUploads();
     this.catalogue.dispose();
     this.client.dispose();

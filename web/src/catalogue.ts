@@ -46,6 +46,16 @@ export class Catalogue {
       .map(({ tree }) => tree.species ?? tree.name);
   }
 
+  /** Every tree of the forest, as the server last told. */
+  get trees(): Tree[] {
+    return [...this.entries.values()].map(({ tree }) => tree);
+  }
+
+  /** Bytes of a tree's table, null while it is not here. */
+  tableBytes(id: string): number | null {
+    return this.entries.get(id)?.grower.motion?.bytes ?? null;
+  }
+
   /** Trees whose motion is still to come. */
   get waiting(): number {
     return [...this.entries.values()].filter(({ tree }) => tree.state === "building").length;

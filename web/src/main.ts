@@ -2,6 +2,7 @@ import "./ui/instruments/instruments.css";
 import { App } from "./app";
 import { detectGraphics } from "./graphics";
 import { exposeProbe } from "./probe";
+import { remembered } from "./remembered";
 import { defaultsFor, type Settings, settingsFromQuery, windFromQuery, withWind } from "./settings";
 import { element } from "./ui/dom";
 import { showToast } from "./ui/toast";
@@ -33,12 +34,17 @@ function takeWind(settings: Settings): void {
 
 function start(software: boolean): void {
   const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches, software };
-  const settings = settingsFromQuery(location.search, defaultsFor(screen));
+  const defaults = defaultsFor(screen);
+  // An embedded picture and a shared view are what their address says; otherwise the last visit goes on.
+  const own = !/[?&](panel=0|view=)/.test(location.search);
+  const usual = own ? remembered(defaults, () => localStorage) : defaults;
+  const settings = settingsFromQuery(location.search, usual);
   document.body.classList.toggle("bare", !settings.panel);
   takeWind(settings);
   panelToggle("panel", settings.panel && innerWidth > 1100);
   panelToggle("instruments", settings.panel && innerWidth > 760);
-  const app = new App(settings);
+  panelToggle("tools", innerWidth > 760);
+  const app = new App(settings, defaults);
   exposeProbe(app);
   addEventListener("pagehide", (event) => {
     if (!event.persisted) app.dispose();

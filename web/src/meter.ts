@@ -13,6 +13,8 @@ export class Meter {
     triangles: 0,
     drawCalls: 0,
     stream: "off",
+    latency: "–",
+    frameAge: "–",
   };
 
   /** One frame: time since the frame before, and the main thread's own part of it. */

@@ -1,5 +1,6 @@
 /** What the visitor chose: defaults, limits, and the address-bar form of it. Pure. */
 
+import { SEASONS, type Season } from "./scene/season";
 import { parseWind, type WindDocument, WindError } from "./wind";
 import { windDocument } from "./windSettings";
 
@@ -10,6 +11,10 @@ export type Quality = "low" | "medium" | "high";
 
 export interface Settings {
   trees: number;
+  /** How close trees stand; 1 is the usual. */
+  density: number;
+  /** How common each species is beside the others, by id; 1 if not named. */
+  shares: Record<string, number>;
   /** Seed of the planting. */
   forestSeed: number;
   meanSpeed_m_s: number;
@@ -24,6 +29,9 @@ export interface Settings {
   /** Share of the way towards the found record's own pose per step; null takes each table's default. */
   poseEasing: number | null;
   quality: Quality;
+  season: Season;
+  /** Share of the daylight that has passed: 0 before sunrise, 0.5 noon, 1 after sunset. */
+  daytime: number;
   /** Leaves tremble in the shader on top of the simulated motion. */
   flutter: boolean;
   panel: boolean;
@@ -31,18 +39,22 @@ export interface Settings {
 
 export const LIMITS = {
   trees: { min: 1, max: 10_000, step: 1 },
+  density: { min: 0.4, max: 2, step: 0.05 },
   forestSeed: { min: 0, max: 9999, step: 1 },
   meanSpeed_m_s: { min: 0, max: 25, step: 0.1 },
   direction_deg: { min: 0, max: 359, step: 1 },
   gustiness: { min: 0, max: 1, step: 0.01 },
   windSeed: { min: 0, max: 9999, step: 1 },
   poseEasing: { min: 0, max: 0.5, step: 0.005 },
+  daytime: { min: 0, max: 1, step: 0.005 },
 } as const;
 
 type NumberKey = keyof typeof LIMITS;
 
 export const DEFAULTS: Settings = {
   trees: 400,
+  density: 1,
+  shares: {},
   forestSeed: 7,
   meanSpeed_m_s: 7,
   direction_deg: 30,
@@ -53,18 +65,22 @@ export const DEFAULTS: Settings = {
   method: "tangent",
   poseEasing: null,
   quality: "high",
+  season: "autumn",
+  daytime: 0.66,
   flutter: true,
   panel: true,
 };
 
 const NAMES: Record<NumberKey, string> = {
   trees: "trees",
+  density: "density",
   forestSeed: "forest",
   meanSpeed_m_s: "speed",
   direction_deg: "direction",
   gustiness: "gust",
   windSeed: "seed",
   poseEasing: "easing",
+  daytime: "time",
 };
 
 const FLAGS = { panel: "panel", flutter: "flutter" } as const;
@@ -100,10 +116,26 @@ function clampTo(key: NumberKey, value: number): number {
   return step === 1 ? Math.round(clamped) : clamped;
 }
 
+/** Reads "maple:0.5,poplar:0"; what makes no sense is left out. */
+function sharesFrom(text: string): Record<string, number> {
+  const shares: Record<string, number> = {};
+  for (const part of text.split(",").slice(0, 64)) {
+    const [, id, number] = /^([\w-]{1,64}):(\d*\.?\d+)$/.exec(part) ?? [];
+    if (id) shares[id] = Math.min(1, Number(number));
+  }
+  return shares;
+}
+
+const textOfShares = (shares: Readonly<Record<string, number>>): string =>
+  Object.entries(shares)
+    .filter(([, share]) => share !== 1)
+    .map(([id, share]) => `${id}:${Number(share.toFixed(2))}`)
+    .join(",");
+
 /** Settings from an address such as `?trees=60&speed=12`; what is missing or unreadable keeps its default. */
 export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS): Settings {
   const given = new URLSearchParams(query);
-  const settings: Settings = { ...defaults };
+  const settings: Settings = { ...defaults, shares: { ...defaults.shares } };
   for (const key of numberKeys) {
     const text = given.get(NAMES[key]);
     const value = Number(text);
@@ -119,6 +151,10 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   if (method === "tangent" || method === "paper") settings.method = method;
   const quality = given.get("quality");
   if (quality === "low" || quality === "medium" || quality === "high") settings.quality = quality;
+  const mix = given.get("mix");
+  if (mix !== null) settings.shares = sharesFrom(mix);
+  const season = SEASONS.find((name) => name === given.get("season"));
+  if (season) settings.season = season;
   return settings;
 }
 
@@ -136,6 +172,9 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   if (settings.lookup !== defaults.lookup) query.set("lookup", settings.lookup);
   if (settings.method !== defaults.method) query.set("method", settings.method);
   if (settings.quality !== defaults.quality) query.set("quality", settings.quality);
+  const mix = textOfShares(settings.shares);
+  if (mix) query.set("mix", mix);
+  if (settings.season !== defaults.season) query.set("season", settings.season);
   if (settings.wind) query.set("wind", JSON.stringify(windDocument(settings)));
   return query.toString();
 }

@@ -1,30 +1,64 @@
-/** Haze: the same horizon colours for trees, ground and sky, warmer towards the sun. Display-referred. */
-import { Color, Vector3 } from "three";
+/** Aerial perspective, in linear light before tone mapping: sky, ground and trees share one table of the sky. */
+import { Color, type DataTexture, Vector2, Vector3 } from "three";
+import { AEROSOL_G, SKY_AZIMUTHS, SKY_ELEVATIONS } from "./atmosphere";
 
 export const air = {
-  uHaze: { value: new Color(0.72, 0.82, 0.9) },
-  uHazeSun: { value: new Color(1.0, 0.93, 0.8) },
+  /** The sky's light: see skyTexture.ts. */
+  uSky: { value: null as DataTexture | null },
   /** Towards the sun, world frame. */
   uSunWorld: { value: new Vector3(0.5, 0.5, 0.5).normalize() },
-  /** Extinction per metre. */
-  uHazeDensity: { value: 0.0026 },
+  /** The same on the ground, unit length. */
+  uSunFlat: { value: new Vector2(0.7, 0.7) },
+  /** Extinction per metre, by colour. */
+  uHaze: { value: new Color(0.0007, 0.0009, 0.0013) },
+  /** Ground mist: extinction per metre at its foot, height of the foot and scale height in m. */
+  uMist: { value: new Vector3(0, -4, 7) },
 };
 
+const halfTexel = (count: number) => (0.5 / count).toFixed(6);
+const inner = (count: number) => (1 - 1 / count).toFixed(6);
+
 export const AIR_PARS = /* glsl */ `
-uniform vec3 uHaze;
-uniform vec3 uHazeSun;
+uniform sampler2D uSky;
 uniform vec3 uSunWorld;
-uniform float uHazeDensity;
+uniform vec2 uSunFlat;
+uniform vec3 uHaze;
+uniform vec3 uMist;
+float aerosolPhase(float cosine) {
+  const float g = ${AEROSOL_G.toFixed(3)};
+  return (1.0 - g * g) * 0.0795775 * pow(1.0 + g * g - 2.0 * g * cosine, -1.5);
+}
+/** Light of the clear sky; root: square root of the elevation over a right angle. */
+vec3 skyLight(vec2 flatDirection, float root, float cosine) {
+  float turn = sqrt(0.5 * max(0.0, 1.0 - dot(flatDirection, uSunFlat)));
+  vec2 at = vec2(${halfTexel(SKY_AZIMUTHS)} + ${inner(SKY_AZIMUTHS)} * turn,
+    0.5 * (${halfTexel(SKY_ELEVATIONS)} + ${inner(SKY_ELEVATIONS)} * root));
+  return texture2D(uSky, at).rgb + aerosolPhase(cosine) * texture2D(uSky, at + vec2(0.0, 0.5)).rgb;
+}
+/** What far haze looks like in a direction. */
 vec3 hazeColour(vec3 direction) {
-  float towardsSun = pow(max(dot(normalize(direction * vec3(1.0, 0.35, 1.0)), uSunWorld), 0.0), 5.0);
-  return mix(uHaze, uHazeSun, 0.65 * towardsSun);
+  vec2 level = normalize(direction.xz + 1e-5);
+  float cosine = dot(normalize(vec3(level.x, 0.07, level.y)), uSunWorld);
+  return skyLight(level, 0.2, min(cosine, 0.97));
+}
+/** Optical depth of the mist up to a distance. */
+float mistDepth(vec3 direction, float away) {
+  float foot = exp(-max(-3.0, (cameraPosition.y - uMist.y) / uMist.z));
+  float climb = direction.y * away / uMist.z;
+  float mean = abs(climb) < 0.001 ? 1.0 : (1.0 - exp(-clamp(climb, -6.0, 60.0))) / climb;
+  return uMist.x * foot * away * mean;
+}
+vec3 throughAir(vec3 colour, vec3 direction, float away) {
+  vec3 clear = exp(-uHaze * away);
+  vec3 haze = hazeColour(direction);
+  colour = mix(haze, colour, clear);
+  return uMist.x > 0.0 ? mix(haze, colour, exp(-mistDepth(direction, away))) : colour;
 }
 `;
 
-/** Replaces three's fog, after tone mapping as there: needs vViewPosition. */
+/** In place of three's own end of a fragment, still before tone mapping: needs vViewPosition. */
 export const AIR_FRAGMENT = /* glsl */ `
+#include <opaque_fragment>
 vec3 airDirection = -normalize((vec4(vViewPosition, 0.0) * viewMatrix).xyz);
-float airDistance = length(vViewPosition);
-float clear = exp(-uHazeDensity * airDistance * (0.35 + 0.65 * smoothstep(20.0, 320.0, airDistance)));
-gl_FragColor.rgb = mix(hazeColour(airDirection), gl_FragColor.rgb, clear);
+gl_FragColor.rgb = throughAir(gl_FragColor.rgb, airDirection, length(vViewPosition));
 `;

@@ -19,12 +19,18 @@ export function glade(x: number, z: number): number {
   return 1 - smoothstep(halfWidth_m * 0.3, halfWidth_m * 1.7, Math.abs(x - gladeCentre_m(z)));
 }
 
+/** Rounded ridges between 0 and 1. */
+function ridge(x: number, z: number, seed: number): number {
+  const folded = 1 - Math.abs(fractalNoise(x, z, seed, 4)) * 2;
+  return Math.max(0, folded) ** 1.6 * (0.7 + 0.3 * valueNoise(x * 0.6, z * 0.6, seed + 7));
+}
+
 /** Height of the ground in metres at a place. */
 export function groundHeight_m(x: number, z: number): number {
   const rolling = 4.2 * fractalNoise(x / 95, z / 95, SEED, 3);
   const hollow = -1.5 * glade(x, z);
   const distance = Math.hypot(x, z);
-  const hills =
-    58 * smoothstep(330, 1500, distance) * (0.55 + 0.45 * fractalNoise(x / 420, z / 420, SEED + 9, 3));
+  const far = smoothstep(300, 1500, distance);
+  const hills = far > 0 ? far * (46 + 95 * ridge(x / 620, z / 620, SEED + 9)) : 0;
   return rolling * (1 + smoothstep(150, 600, distance)) + hollow + hills;
 }

@@ -20,12 +20,12 @@ export const HEART = { x_m: 0, z_m: -26 } as const;
 
 const CELL_OFFSET = 512;
 
-function candidate(column: number, row: number, seed: number): Place {
+function candidate(column: number, row: number, seed: number, spacing_m: number): Place {
   const at = (channel: number) => hashUnit(seed, column, row, channel);
   return {
     id: (row + CELL_OFFSET) * 2 * CELL_OFFSET + column + CELL_OFFSET,
-    x_m: HEART.x_m + (column + 0.82 * (at(0) - 0.5) + (row & 1) * 0.5) * SPACING_M,
-    z_m: HEART.z_m + (row + 0.82 * (at(1) - 0.5)) * SPACING_M * 0.9,
+    x_m: HEART.x_m + (column + 0.82 * (at(0) - 0.5) + (row & 1) * 0.5) * spacing_m,
+    z_m: HEART.z_m + (row + 0.82 * (at(1) - 0.5)) * spacing_m * 0.9,
     yaw_rad: at(2) * 2 * Math.PI,
     scale: 0.78 + 0.5 * at(3) ** 1.4,
   };
@@ -34,12 +34,13 @@ function candidate(column: number, row: number, seed: number): Place {
 const isWood = (place: Place) => glade(place.x_m, place.z_m) < 0.5;
 const reach = (place: Place) => Math.hypot(place.x_m - HEART.x_m, place.z_m - HEART.z_m);
 
-/** The `count` places nearest to the heart of the wood, nearest first. */
-export function placeTrees(count: number, seed: number): Place[] {
-  const cells = Math.ceil(Math.sqrt((count * 1.6) / Math.PI)) + 5;
+/** The `count` places nearest to the heart of the wood, nearest first; `density` 1 is the usual one. */
+export function placeTrees(count: number, seed: number, density = 1): Place[] {
+  const spacing_m = SPACING_M / Math.sqrt(density);
+  const cells = Math.ceil(Math.sqrt((count * 1.6) / Math.PI) + (5 * SPACING_M) / spacing_m);
   const places: Place[] = [];
   for (let row = -cells; row <= cells; row++) {
-    for (let column = -cells; column <= cells; column++) places.push(candidate(column, row, seed));
+    for (let column = -cells; column <= cells; column++) places.push(candidate(column, row, seed, spacing_m));
   }
   return places
     .filter(isWood)
@@ -50,16 +51,32 @@ export function placeTrees(count: number, seed: number): Place[] {
 /** Liking of a species for a place: broad groves with strays. A newcomer takes its own places only. */
 function liking(place: Place, species: string): number {
   const seed = hashText(species);
-  return valueNoise(place.x_m / 24, place.z_m / 24, seed) + 0.9 * hashUnit(seed, place.id);
+  const noise = valueNoise(place.x_m / 24, place.z_m / 24, seed) + 0.9 * hashUnit(seed, place.id);
+  return Math.min(1, Math.max(1e-6, (noise + 1) / 2.9));
 }
 
-/** Index of the species that grows at each place. */
-export function chooseSpecies(places: readonly Place[], species: readonly string[]): Int32Array {
+/**
+ * Index of the species that grows at each place, -1 where none does. `shares` are how common each is beside the
+ * others, 1 if not named, 0 to leave it out: of powers 1/share of even random numbers the largest wins as often.
+ */
+export function chooseSpecies(
+  places: readonly Place[],
+  species: readonly string[],
+  shares: Readonly<Record<string, number>> = {},
+): Int32Array {
+  const score = (place: Place, name: string) => {
+    const share = shares[name] ?? 1;
+    return share > 0 ? liking(place, name) ** (1 / share) : -1;
+  };
   return Int32Array.from(places, (place) => {
-    let best = 0;
-    for (let k = 1; k < species.length; k++) {
-      if (liking(place, species[k]) > liking(place, species[best])) best = k;
-    }
+    let best = -1;
+    let most = 0;
+    species.forEach((name, k) => {
+      const own = score(place, name);
+      if (own <= most) return;
+      most = own;
+      best = k;
+    });
     return best;
   });
 }

@@ -1,6 +1,7 @@
-/** Sky dome: a clear gradient, the sun's glow and drifting clouds; its horizon is the colour of the haze. */
-import { BackSide, Mesh, ShaderMaterial, SphereGeometry, Vector2 } from "three";
+/** Sky dome: the scattered light of the air, the sun, and drifting clouds that both light. */
+import { BackSide, Color, Mesh, ShaderMaterial, SphereGeometry, Vector2 } from "three";
 import { AIR_PARS, air } from "./air";
+import type { Atmosphere } from "./daytime";
 import type { Pictures } from "./pictures";
 
 const vertexShader = /* glsl */ `
@@ -15,6 +16,9 @@ void main() {
 const fragmentShader = /* glsl */ `
 varying vec3 vDirection;
 uniform vec2 uDrift;
+uniform float uCover;
+uniform vec3 uCloudSun;
+uniform vec3 uCloudSky;
 uniform sampler2D uNoise;
 ${AIR_PARS}
 float cloudBody(vec2 plane) {
@@ -22,33 +26,42 @@ float cloudBody(vec2 plane) {
   vec4 small = texture2D(uNoise, plane * 0.21 + wide.ba * 0.06);
   return 0.62 * wide.r + 0.3 * small.g + 0.08 * texture2D(uNoise, plane * 0.83).b;
 }
-vec3 clearSky(vec3 direction) {
-  float up = max(direction.y, 0.0);
-  vec3 sky = mix(vec3(0.55, 0.76, 0.93), vec3(0.19, 0.45, 0.78), smoothstep(0.06, 0.62, up));
-  sky = mix(hazeColour(direction), sky, smoothstep(-0.01, 0.2, up));
-  float sun = max(dot(direction, uSunWorld), 0.0);
-  return sky + vec3(1.0, 0.86, 0.62) * (0.16 * pow(sun, 12.0) + 0.5 * pow(sun, 900.0));
-}
 void main() {
   vec3 direction = normalize(vDirection);
-  vec3 colour = clearSky(direction);
-  float up = direction.y;
+  float up = max(direction.y, 0.0);
+  vec2 level = normalize(direction.xz + 1e-5);
+  float cosine = dot(direction, uSunWorld);
+  vec3 colour = skyLight(level, sqrt(asin(up) * 0.63662), cosine);
+  float disc = smoothstep(0.99985, 0.99994, cosine);
+  colour += uCloudSun * (18.0 * disc + 0.05 * pow(max(cosine, 0.0), 700.0));
   if (up > 0.015) {
     vec2 plane = direction.xz / (up + 0.11) * vec2(0.8, 1.2) + uDrift;
     float body = cloudBody(plane);
-    float cover = smoothstep(0.46, 0.63, body) * smoothstep(0.015, 0.14, up);
-    float shade = smoothstep(-0.06, 0.14, cloudBody(plane + uSunWorld.xz * 0.5) - body + 0.03);
-    vec3 cloud = mix(vec3(1.0, 0.985, 0.965), vec3(0.76, 0.81, 0.88), 0.7 * shade);
-    cloud = mix(hazeColour(direction), cloud, smoothstep(0.0, 0.26, up));
-    colour = mix(colour, cloud, 0.92 * cover);
+    float edge = 0.78 - 0.5 * uCover;
+    float cover = smoothstep(edge - 0.08, edge + 0.1, body) * smoothstep(0.015, 0.16, up);
+    float shade = smoothstep(-0.06, 0.14, cloudBody(plane + uSunFlat * 0.5) - body + 0.03);
+    // Towards the sun light shines through thin cloud.
+    float lining = (1.0 - cover) * pow(max(cosine, 0.0), 6.0);
+    vec3 cloud = uCloudSun * (0.27 - 0.13 * shade + 0.55 * lining) + uCloudSky * (0.34 - 0.1 * shade);
+    cloud = mix(hazeColour(direction), cloud, smoothstep(0.0, 0.3, up));
+    colour = mix(colour, cloud, 0.93 * cover);
   }
+  if (uMist.x > 0.0) colour = mix(hazeColour(direction), colour, exp(-mistDepth(direction, 4000.0)));
   gl_FragColor = vec4(colour, 1.0);
+  #include <tonemapping_fragment>
+  #include <colorspace_fragment>
 }
 `;
 
+/** Where the clouds have drifted to, in widths of their picture. */
+export interface Drift {
+  x: number;
+  y: number;
+}
+
 export class Sky {
   readonly mesh: Mesh<SphereGeometry, ShaderMaterial>;
-  private readonly drift = new Vector2(0, 0);
+  readonly drift = new Vector2(0, 0);
 
   constructor(pictures: Pictures) {
     const material = new ShaderMaterial({
@@ -56,13 +69,26 @@ export class Sky {
       fragmentShader,
       side: BackSide,
       depthWrite: false,
-      toneMapped: false,
-      uniforms: { ...air, uDrift: { value: this.drift }, uNoise: { value: pictures.noise } },
+      uniforms: {
+        ...air,
+        uDrift: { value: this.drift },
+        uCover: { value: 0.5 },
+        uCloudSun: { value: new Color() },
+        uCloudSky: { value: new Color() },
+        uNoise: { value: pictures.noise },
+      },
     });
     this.mesh = new Mesh(new SphereGeometry(1, 32, 16), material);
     this.mesh.frustumCulled = false;
     // Last of the opaque things: only what stays open is shaded.
     this.mesh.renderOrder = 10;
+  }
+
+  show({ cloudlight, skylight, clouds }: Atmosphere): void {
+    const { uniforms } = this.mesh.material;
+    uniforms.uCloudSun.value.setRGB(...cloudlight);
+    uniforms.uCloudSky.value.setRGB(...skylight);
+    uniforms.uCover.value = clouds;
   }
 
   /** Clouds drift with the wind of this step and stand still without it. */

@@ -11,11 +11,15 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Quality } from "../settings";
+import type { Atmosphere } from "./daytime";
+import type { View } from "./drawList";
+import { setGroundSeason } from "./ground";
+import { GroundCover } from "./groundCover";
 import { groundHeight_m } from "./landscape";
 import { Daylight } from "./light";
 import { Pictures } from "./pictures";
+import type { Season } from "./season";
 import { Sky } from "./sky";
-import type { View } from "./stand";
 import { Terrain } from "./terrain";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
@@ -32,6 +36,7 @@ export class Stage {
   readonly sky = new Sky(this.pictures);
   readonly daylight: Daylight;
   private readonly terrain = new Terrain(this.pictures);
+  readonly cover: GroundCover;
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
@@ -49,12 +54,12 @@ export class Stage {
       powerPreference: "high-performance",
     });
     this.renderer.toneMapping = ACESFilmicToneMapping;
-    this.renderer.toneMappingExposure = 0.92;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.info.autoReset = false;
     this.daylight = new Daylight(quality);
-    this.scene.add(this.terrain.mesh, this.sky.mesh, this.daylight.group);
+    this.cover = new GroundCover(quality);
+    this.scene.add(this.terrain.mesh, this.sky.mesh, this.cover.mesh, this.daylight.group);
     this.camera.position.set(EYE_M.x, groundHeight_m(EYE_M.x, EYE_M.z) + EYE_M.above, EYE_M.z);
     this.controls = this.orbit();
     this.observer = new ResizeObserver(() => this.resize());
@@ -86,8 +91,19 @@ export class Stage {
     this.camera.updateProjectionMatrix();
   }
 
+  /** Dresses sky, light and land for a moment of the year. */
+  show(daytime: number, season: Season): Atmosphere {
+    const light = this.daylight.show(daytime, season);
+    this.sky.show(light);
+    setGroundSeason(season);
+    this.cover.setSeason(season);
+    this.renderer.toneMappingExposure = light.exposure;
+    return light;
+  }
+
   setQuality(quality: Quality): void {
     this.quality = quality;
+    this.cover.setQuality(quality);
     this.daylight.setQuality(quality);
     this.resize();
   }
@@ -123,6 +139,7 @@ export class Stage {
     this.controls.dispose();
     this.sky.dispose();
     this.terrain.dispose();
+    this.cover.dispose();
     this.pictures.dispose();
     this.daylight.dispose();
     this.renderer.dispose();

@@ -14,6 +14,8 @@ export interface Statistics {
   triangles: number;
   drawCalls: number;
   stream: string;
+  latency: string;
+  frameAge: string;
 }
 
 export type SettingKey = keyof Settings;
@@ -23,6 +25,8 @@ const fine = (value: number) => value.toFixed(1);
 
 export class Panel {
   private readonly pane: Pane;
+  private readonly species: FolderApi;
+  private shownSpecies = "";
 
   constructor(
     private readonly settings: Settings,
@@ -32,6 +36,7 @@ export class Panel {
     this.pane = new Pane({ container: element("panel") });
     this.wind(this.pane.addFolder({ title: "Wind" }));
     this.forest(this.pane.addFolder({ title: "Forest" }));
+    this.species = this.pane.addFolder({ title: "Species", expanded: false });
     this.lookup(this.pane.addFolder({ title: "Lookup" }));
     this.figures(this.pane.addFolder({ title: "Statistics", expanded: false }));
     labelInputs(element("panel"));
@@ -56,6 +61,7 @@ export class Panel {
 
   private forest(folder: FolderApi): void {
     this.number(folder, "trees", "Trees");
+    this.number(folder, "density", "Density", (value) => value.toFixed(2));
     this.number(folder, "forestSeed", "Seed");
     this.choice(folder, "quality", "Quality", { Low: "low", Medium: "medium", High: "high" });
   }
@@ -122,6 +128,26 @@ export class Panel {
     show("triangles", "Triangles", whole);
     show("drawCalls", "Draw calls", whole);
     show("stream", "Stream");
+    show("latency", "Latency");
+    show("frameAge", "Age of frame");
+  }
+
+  /** A slider for every species: how common it is beside the others. */
+  showSpecies(species: readonly { id: string; name: string }[]): void {
+    const key = JSON.stringify(species);
+    if (key === this.shownSpecies) return;
+    this.shownSpecies = key;
+    for (const child of [...this.species.children]) this.species.remove(child);
+    for (const { id, name } of species) {
+      const share = { value: this.settings.shares[id] ?? 1 };
+      this.species
+        .addBinding(share, "value", { label: name, min: 0, max: 1, step: 0.05, format: (v) => v.toFixed(2) })
+        .on("change", ({ last, value }) => {
+          this.settings.shares[id] = value;
+          if (last) this.changed("shares");
+        });
+    }
+    labelInputs(element("panel"));
   }
 
   /** Shows settings that were changed elsewhere. */

@@ -49,16 +49,22 @@ export interface ServiceState {
   readonly connection: Connection;
 }
 
+/** Latency there and back, and the age of the newest frame in steps that can be read. */
+function delays({ latency_ms, frameAge_ms }: Connection): string[] {
+  const words = latency_ms === null ? [] : [`${Math.round(latency_ms)} ms`];
+  if (frameAge_ms !== null) words.push(`frame ${Math.round(frameAge_ms / 10) * 10} ms old`);
+  return words;
+}
+
 /** What the chip in the corner says, and its colour. */
 export function statusLine(state: ServiceState): { state: string; text: string } {
-  if (!state.events) return { state: "lost", text: "Server out of reach, trying again" };
+  if (!state.events) return { state: "lost", text: "Server out of reach; the forest goes on here" };
   if (state.lookup === "worker") return { state: "live", text: "Lookup in this browser" };
   const { connection } = state;
   if (connection.state === "live") {
-    const latency = connection.latency_ms === null ? "" : `, ${Math.round(connection.latency_ms)} ms`;
-    return { state: "live", text: `Lookup on the server${latency}` };
+    return { state: "live", text: ["Lookup on the server", ...delays(connection)].join(", ") };
   }
   return connection.state === "lost"
-    ? { state: "lost", text: "Stream lost, connecting again" }
+    ? { state: "lost", text: "Stream lost; the forest goes on here" }
     : { state: "connecting", text: "Connecting to the stream" };
 }

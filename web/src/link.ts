@@ -1,0 +1,51 @@
+/** The moment that a shared link brings back besides the settings: camera, clock, clouds. Pure. */
+import { DEFAULTS, queryFromSettings, type Settings } from "./settings";
+
+type Triple = readonly [number, number, number];
+
+export interface Moment {
+  /** Camera and the point it looks at, metres. */
+  readonly eye: Triple;
+  readonly target: Triple;
+  /** The forest's clock, on which its gusts depend. */
+  readonly time_s: number;
+  /** How far the clouds have drifted. */
+  readonly clouds: readonly [number, number];
+}
+
+const FARTHEST_M = 5000;
+const LONGEST_S = 1e7;
+
+const text = (numbers: readonly number[], digits: number) =>
+  numbers.map((number) => Number(number.toFixed(digits))).join(",");
+
+/** The numbers of a list, null unless there are so many and all within the limit. */
+function numbers(list: string | null, count: number, limit: number): number[] | null {
+  const found = (list ?? "").split(",").map((part) => (part.trim() === "" ? Number.NaN : Number(part)));
+  return found.length === count && found.every((n) => Math.abs(n) <= limit) ? found : null;
+}
+
+/** A query that gives another browser the same picture. */
+export function shareQuery(settings: Settings, moment: Moment): string {
+  // The number of trees is always named, as defaults differ from screen to screen; quality is the receiver's own.
+  const usual = { ...DEFAULTS, trees: Number.NaN, quality: settings.quality };
+  const query = new URLSearchParams(queryFromSettings(settings, usual));
+  query.set("view", text([...moment.eye, ...moment.target], 2));
+  query.set("at", text([moment.time_s], 2));
+  query.set("clouds", text(moment.clouds, 4));
+  return query.toString();
+}
+
+/** The moment of an address; parts that are missing or unreadable are null. */
+export function momentFrom(query: string): { [K in keyof Moment]: Moment[K] | null } {
+  const given = new URLSearchParams(query);
+  const view = numbers(given.get("view"), 6, FARTHEST_M);
+  const clock = numbers(given.get("at"), 1, LONGEST_S);
+  const clouds = numbers(given.get("clouds"), 2, 1e5);
+  return {
+    eye: view ? [view[0], view[1], view[2]] : null,
+    target: view ? [view[3], view[4], view[5]] : null,
+    time_s: clock ? Math.max(0, clock[0]) : null,
+    clouds: clouds ? [clouds[0], clouds[1]] : null,
+  };
+}
