@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Annotated, cast
 
@@ -11,9 +10,9 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 from server.database import Sessions
+from server.forests import Forests
 from server.intake import Intake
 from server.settings import Settings
-from server.shelf import TableShelf
 from server.storage import Stores
 
 
@@ -24,8 +23,7 @@ class Service:
     settings: Settings
     sessions: Sessions
     stores: Stores
-    shelf: TableShelf
-    walkers: ThreadPoolExecutor  # the lookups of streams; compiled code lets go of Python's lock
+    forests: Forests
     server_name: str
     intake: Intake
     loop: asyncio.AbstractEventLoop

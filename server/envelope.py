@@ -12,7 +12,7 @@ from typing import Any, cast
 import msgpack
 
 MAGIC = b"GW"
-VERSION = 1
+VERSION = 2
 PREFIX_BYTES = 8
 MAX_HEADER_BYTES = 64 * 1024
 
@@ -107,3 +107,11 @@ def number(header: Header, name: str, low: float = -1e12, high: float = 1e12) ->
     if not low <= value <= high:
         raise WireError(f"{name} must lie in {low:g}..{high:g}")
     return float(value)
+
+
+def truth(header: Header, name: str) -> bool:
+    """True or false. WireError."""
+    value = header[name]
+    if not isinstance(value, bool):
+        raise WireError(f"{name} must be true or false")
+    return value

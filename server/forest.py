@@ -1,11 +1,14 @@
-"""A client's forest on the server: wind, lookup and time for every tree of every group."""
+"""A forest on the server: its clock, and wind and lookup for every tree of every group."""
+
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numba
 import numpy as np
-import numpy.typing as npt
 
 from precompute.lookup import ForestLookup
 from precompute.table import Table
@@ -19,9 +22,62 @@ from precompute.wind import (
     limit_pressure,
     sampled_peak_pa,
 )
-from server.wire import TICK_HZ, Group, Method, Poses
+from server.frames import Shape
+from server.wire import TICK_HZ, Forest, Method, Poses
+from server.wire_forest import Trees
 
-Trees = npt.NDArray[np.float32]
+STREAM_ERROR_M = 0.25e-3
+"""How far rounding may move a node of a tree of scale 1, at worst."""
+
+
+@numba.njit(cache=True, nogil=True)
+def quantise(q, unit, out):  # pragma: no cover  (compiled)
+    """out = q / unit, rounded: (n, r) poses by the (r,) step of each mode."""
+    for i in range(q.shape[0]):
+        for k in range(q.shape[1]):
+            out[i, k] = np.int32(np.rint(q[i, k] / unit[k]))
+
+
+def stream_quantum(table: Table) -> int:
+    """Units of modes.scale that a stream may round poses to: √Σ(½ step)² over the modes stays in bounds."""
+    reach_m = np.linalg.norm(table.node_basis, axis=1).max(axis=0, initial=0.0) * table.mode_scale
+    half_step_m = 0.5 * float(np.sqrt(np.sum(reach_m.astype(np.float64) ** 2)))
+    return int(np.clip(STREAM_ERROR_M / max(half_step_m, 1e-12), 1, 65535))
+
+
+class ForestClock:
+    """A forest's time, which ticks TICK_HZ times a second, and its wind."""
+
+    def __init__(self, wind: WindState, start_s: float) -> None:
+        self.paused = False
+        self.ticks = 0
+        self.field = WindField(wind)
+        self._start_s = start_s
+        self._next = wind
+
+    @property
+    def time_s(self) -> float:
+        """The forest's own time: that of its poses as they are now."""
+        return self._start_s + self.ticks / TICK_HZ
+
+    @property
+    def wind(self) -> WindState:
+        """The wind from the next tick on."""
+        return self._next
+
+    def change_wind(self, wind: Wind) -> WindState:
+        """Glide to another wind from the next tick on; may be called while a tick is computed elsewhere.
+
+        The state is what a client needs to show the same wind. It begins at the end of the tick that may be
+        under way, which therefore sees the old wind whichever state it takes.
+        """
+        self._next = change_wind(self._next, wind, self.time_s + 1 / TICK_HZ)
+        return self._next
+
+    def tick(self) -> None:
+        """One tick on."""
+        self.field.state = self._next
+        self.ticks += 1
 
 
 class GroupWalk:
@@ -38,6 +94,9 @@ class GroupWalk:
         self._height_factor = np.ones(count)
         self._lookup = _lookup(table, count, pose_easing, method)
         self._lookup.set_trees(trees[:, 0], trees[:, 1], trees[:, 2], trees[:, 3])
+        quantum = stream_quantum(table)
+        self._unit = quantum * table.mode_scale.astype(np.float64)
+        self.shape: Shape = (count, len(table.mode_scale), quantum)
 
     def step(self, field: WindField, time_s: float, dt_s: float) -> None:
         """Let dt_s pass, up to time_s, under the wind of that moment."""
@@ -54,9 +113,9 @@ class GroupWalk:
             self._profile = (exponent, reference_height_m)
             self._height_factor = height_factor(self._height_m, exponent, reference_height_m)
 
-    def poses(self) -> Poses:
-        """(n, r) poses in units of the table's modes.scale."""
-        return self._lookup.poses()
+    def write_poses(self, out: Poses) -> None:
+        """(n, r) poses in units of quantum × modes.scale."""
+        quantise(self._lookup.q, self._unit, out)
 
 
 def _lookup(
@@ -68,44 +127,29 @@ def _lookup(
 
 
 class ForestWalk:
-    """Every group of one client under one wind and one clock, which ticks TICK_HZ times a second."""
+    """Every group of one forest, stepped under one clock."""
 
-    def __init__(
-        self, tables: Sequence[Table], groups: Sequence[Group], trees: Trees,
-        wind: Wind | WindState, *, start_s: float, pose_easing: float | None, method: Method = "tangent",
-    ) -> None:  # fmt: skip
-        """trees (Σ count, 4) in the order of the groups, whose tables are given beside them."""
-        ends = np.cumsum([group.count for group in groups])[:-1]
-        parts = np.split(trees, ends)
+    def __init__(self, tables: Sequence[Table], forest: Forest, clock: ForestClock) -> None:
+        """The table of each group beside what was asked for."""
+        ends = np.cumsum([group.count for group in forest.groups], dtype=np.int64)
+        parts = np.split(forest.trees, ends)[:-1]
+        self.clock = clock
         self._groups = [
-            GroupWalk(table, part, pose_easing, method) for table, part in zip(tables, parts, strict=True)
+            GroupWalk(table, part, forest.pose_easing, forest.method)
+            for table, part in zip(tables, parts, strict=True)
         ]
-        self._start_s = start_s
-        self._ticks = 0
-        self._field = WindField(wind)
-        self._next = self._field.state
 
     @property
-    def time_s(self) -> float:
-        """The forest's own time: that of the poses as they are now."""
-        return self._start_s + self._ticks / TICK_HZ
-
-    def change_wind(self, wind: Wind) -> WindState:
-        """Glide to another wind from the next tick on; may be called while a tick is computed elsewhere.
-
-        The state is what the client needs to show the same wind. It begins at the end of the tick that may be
-        under way, which therefore sees the old wind whichever state it takes.
-        """
-        self._next = change_wind(self._next, wind, self.time_s + 1 / TICK_HZ)
-        return self._next
+    def shapes(self) -> list[Shape]:
+        """(count, modes, quantum) of each group."""
+        return [group.shape for group in self._groups]
 
     def step(self) -> None:
-        """One tick under the wind at its end, as the page does it."""
-        self._field.state = self._next
-        self._ticks += 1
+        """Follow the clock by one tick, under the wind at its end, as the page does it."""
         for group in self._groups:
-            group.step(self._field, self.time_s, 1 / TICK_HZ)
+            group.step(self.clock.field, self.clock.time_s, 1 / TICK_HZ)
 
-    def poses(self) -> tuple[Poses, ...]:
+    def write_poses(self, out: Sequence[Poses]) -> None:
         """(count, r) poses of each group."""
-        return tuple(group.poses() for group in self._groups)
+        for group, rows in zip(self._groups, out, strict=True):
+            group.write_poses(rows)

@@ -5,9 +5,7 @@ from __future__ import annotations
 import asyncio
 import fcntl
 import logging
-import os
 from collections.abc import AsyncGenerator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from importlib.metadata import version
 from pathlib import Path
@@ -20,6 +18,7 @@ from sqlalchemy import func, select
 from server import artefacts, comparisons, errors, events, jobs, species, stream, trees, winds
 from server.context import Service, ServiceHere
 from server.database import migrate, open_database
+from server.forests import Forests
 from server.intake import Intake, limited_intake
 from server.models import ACTIVE, Job, Tree
 from server.page import Page
@@ -71,8 +70,7 @@ def _service(settings: Settings, intake: Intake) -> Service:
         settings=settings,
         sessions=open_database(settings.database),
         stores=stores,
-        shelf=TableShelf(stores.tables),
-        walkers=ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="walk"),
+        forests=Forests(settings, TableShelf(stores.tables)),
         server_name=f"galewood {VERSION}",
         intake=intake,
         loop=asyncio.get_running_loop(),

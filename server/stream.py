@@ -3,40 +3,27 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import logging
 import time
-from collections.abc import Coroutine, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
-from precompute.table import TableError
 from precompute.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_state
 from server import wire
 from server.admission import admitted
 from server.context import Service, service_of
 from server.envelope import VERSION, WireError
-from server.frames import FrameSlot
-from server.socket_protocol import abort_of
-
-if TYPE_CHECKING:
-    from server.forest import ForestWalk
+from server.forests import Seat
+from server.refusal import NOT_BINARY, REFUSED, UNREADABLE, Refusal
+from server.socket_protocol import protocol_of
 
 router = APIRouter()
 log = logging.getLogger("galewood.stream")
 CHUNK_BYTES = 256 * 1024
 HELLO_S = 10.0
-LATE_S = 0.25
-UNREADABLE, REFUSED, NOT_BINARY = 1007, 1008, 1003  # close codes of RFC 6455
-
-
-class Refusal(Exception):
-    """The end of a session by the server: told to the client, then the socket is closed."""
-
-    def __init__(self, code: str, title: str, hint: str = "", close: int = REFUSED) -> None:
-        super().__init__(title)
-        self.failure = wire.Failure(code, title, hint)
-        self.close = close
 
 
 @router.websocket("/ws/forest")
@@ -49,14 +36,14 @@ async def forest_socket(websocket: WebSocket) -> None:
 
 
 class Session:
-    """One client: reads its requests, and keeps one task at work on what it asked for last."""
+    """One client: reads its requests, and keeps it in the forest that it asked for last."""
 
     def __init__(self, websocket: WebSocket, service: Service) -> None:
         self._websocket = websocket
         self._service = service
-        self._abort = abort_of(websocket.scope)
-        self._walk: ForestWalk | None = None
-        self._work: asyncio.Task[None] | None = None
+        self._protocol = protocol_of(websocket.scope)
+        self._seat: Seat | None = None
+        self._sending: asyncio.Task[None] | None = None
         self._allowance = service.settings.socket_messages_per_s
         self._counted_s = time.monotonic()
 
@@ -71,7 +58,10 @@ class Session:
         except* WebSocketDisconnect:
             pass
         except* Refusal as group:
+            self._leave()
             await self._refuse(_first(group))
+        finally:
+            self._leave()
 
     async def _greet(self) -> None:
         try:
@@ -108,34 +98,45 @@ class Session:
     async def _answer(self, request: wire.Request, tasks: asyncio.TaskGroup) -> None:
         match request:
             case wire.Ping():
-                await self._send(wire.Pong(request.t))
+                await self._send(wire.Pong(request.t, asyncio.get_running_loop().time()))
             case wire.WindChange():
                 wind = _wind(request.wind)
-                if self._walk:
-                    await self._send(wire.WindState(self._walk.change_wind(wind).document()))
+                if self._seat:
+                    self._seat.forest.change_wind(wind)
+            case wire.Pause():
+                if self._seat:
+                    self._seat.forest.pause(request.paused)
+            case wire.Resync():
+                if self._seat:
+                    self._seat.mailbox.resync()
             case wire.Forest():
-                await self._plant(request, tasks)
+                await self._take_seat(request, tasks)
             case wire.Hello():
                 raise Refusal("second-hello", "HELLO comes once")
 
-    async def _plant(self, forest: wire.Forest, tasks: asyncio.TaskGroup) -> None:
-        """Begin on a new forest in place of the one before."""
-        self._check(forest)
-        work: Coroutine[Any, Any, None]
+    async def _take_seat(self, forest: wire.Forest, tasks: asyncio.TaskGroup) -> None:
+        """Go over to another forest, or begin to send tables, in place of what was before."""
+        wind = self._check(forest)
+        if self._sending:
+            self._sending.cancel()
+            await asyncio.wait([self._sending])
+        before, self._seat = self._seat, None
+        try:
+            if forest.mode == "stream" or forest.share is not None:
+                self._seat = await self._service.forests.join(forest, wind, self._protocol)
+        finally:
+            if before:
+                self._service.forests.leave(before)
         if forest.mode == "table":
-            self._walk = None
-            work = self._send_tables(forest)
-        else:
-            self._walk = await asyncio.to_thread(self._make_walk, forest)
-            work = self._play(self._walk)
-        if self._work:
-            self._work.cancel()
-            await asyncio.wait([self._work])
-        self._work = tasks.create_task(work)
+            self._sending = tasks.create_task(self._send_tables(forest))
 
-    def _check(self, forest: wire.Forest) -> None:
-        settings = self._service.settings
-        _wind_state(forest.wind)
+    def _leave(self) -> None:
+        if self._seat:
+            self._service.forests.leave(self._seat)
+            self._seat = None
+
+    def _check(self, forest: wire.Forest) -> WindState:
+        settings, wind = self._service.settings, _wind_state(forest.wind)
         if len(forest.groups) > settings.forest_groups:
             raise Refusal("too-many-groups", f"A forest may have up to {settings.forest_groups} groups")
         if sum(group.count for group in forest.groups) > settings.forest_trees:
@@ -145,50 +146,30 @@ class Session:
                 raise Refusal(
                     "no-such-table", f"There is no table {group.table[:12]}…", "List the trees again."
                 )
-
-    def _make_walk(self, forest: wire.Forest) -> ForestWalk:
-        from server.forest import ForestWalk  # compiled lookups: the page need not wait for them to load
-
-        try:
-            tables = [self._service.shelf.take(group.table) for group in forest.groups]
-        except (FileNotFoundError, TableError) as error:
-            log.warning("a table cannot be used: %s", error)
-            raise Refusal("no-such-table", "A table of this forest cannot be used") from None
-        wind, easing = _wind_state(forest.wind), forest.pose_easing
-        return ForestWalk(
-            tables, forest.groups, forest.trees, wind,
-            start_s=forest.time_s, pose_easing=easing, method=forest.method,
-        )  # fmt: skip
+        return wind
 
     async def _send_tables(self, forest: wire.Forest) -> None:
         for sha256 in dict.fromkeys(group.table for group in forest.groups):
-            data = await asyncio.to_thread(self._service.stores.tables.get, sha256)
-            for offset in range(0, len(data), CHUNK_BYTES):
-                piece = data[offset : offset + CHUNK_BYTES]
-                await self._send(wire.TableChunk(sha256, offset, len(data), piece))
+            data = await asyncio.to_thread(self._read_table, sha256)
+            await self._send_table(sha256, data, forest.have.get(sha256, 0))
 
-    async def _play(self, walk: ForestWalk) -> None:
-        """Walk in time with the clock and send what is newest, each at its own pace."""
-        slot = FrameSlot()
-        slot.put(walk.time_s, walk.poses())
-        async with asyncio.TaskGroup() as pair:
-            pair.create_task(self._walk_in_time(walk, slot))
-            pair.create_task(self._send_newest(slot))
+    def _read_table(self, sha256: str) -> bytes:
+        try:
+            data = self._service.stores.tables.get(sha256)
+        except FileNotFoundError:
+            raise Refusal("no-such-table", "A table of this forest is gone") from None
+        if hashlib.sha256(data).hexdigest() != sha256:
+            log.error("the stored table %s is damaged", sha256)
+            raise Refusal("no-such-table", "A table of this forest cannot be used")
+        return data
 
-    async def _walk_in_time(self, walk: ForestWalk, slot: FrameSlot) -> None:
-        loop = asyncio.get_running_loop()
-        due_s = loop.time()
-        while True:
-            due_s = max(
-                due_s + 1 / wire.TICK_HZ, loop.time() - LATE_S
-            )  # a late forest slows rather than races
-            await asyncio.sleep(due_s - loop.time())
-            await loop.run_in_executor(self._service.walkers, walk.step)
-            slot.put(walk.time_s, walk.poses())
-
-    async def _send_newest(self, slot: FrameSlot) -> None:
-        while True:
-            await self._send(await slot.take())
+    async def _send_table(self, sha256: str, data: bytes, begin: int) -> None:
+        """From byte `begin` to the end; a client that has all gets one empty piece."""
+        if begin > len(data):
+            raise Refusal("no-such-offset", f"The table has {len(data)} bytes, not {begin}")
+        for offset in range(begin, max(len(data), begin + 1), CHUNK_BYTES):
+            piece = data[offset : offset + CHUNK_BYTES]
+            await self._send(wire.TableChunk(sha256, offset, len(data), piece))
 
     async def _send(self, reply: wire.Reply) -> None:
         """Send, or cut off a client that does not read: closing politely would wait for it for ever."""
@@ -197,7 +178,7 @@ class Session:
                 await self._websocket.send_bytes(wire.encode_reply(reply))
         except TimeoutError:
             log.info("dropped a client that does not read")
-            self._abort()
+            self._protocol.abort()
             raise WebSocketDisconnect(1006, "the client does not read") from None
 
     async def _refuse(self, refusal: Refusal) -> None:
@@ -206,7 +187,7 @@ class Session:
             reason = refusal.failure.title.encode()[:120].decode(errors="ignore")
             await self._websocket.close(refusal.close, reason)
         except (WebSocketDisconnect, RuntimeError):
-            self._abort()
+            self._protocol.abort()
 
 
 def _wind(document: Mapping[str, Any]) -> Wind:

@@ -52,34 +52,72 @@ REQUESTS: dict[str, dict[str, Any]] = {
         "trees": [],
     },
     "wind": {"type": "wind", "wind": BREEZE},
+    "forest_shared": {
+        "type": "forest",
+        "mode": "table",
+        "groups": [{"table": TABLE, "count": 3}, {"table": OTHER, "count": 0}],
+        "wind": BREEZE,
+        "time_s": -0.5,
+        "pose_easing": None,
+        "trees": TREES,
+        "method": "paper",
+        "share": "Heath_7-b",
+        "replant": True,
+        "about": {"trees": 3, "wood": "größer", "dense": True, "density": 0.25},
+        "have": {TABLE: 65536},
+    },
     "ping": {"type": "ping", "t": 1234.5},
+    "pause": {"type": "pause", "paused": True},
+    "resync": {"type": "resync"},
 }
 REPLIES: dict[str, dict[str, Any]] = {
-    "welcome": {"type": "welcome", "server": "galewood 0.1.0", "version": 1, "tick_hz": 29.5},
+    "welcome": {"type": "welcome", "server": "galewood 0.1.0", "version": 2, "tick_hz": 29.5},
     "table": {"type": "table", "table": TABLE, "offset": 65536, "total": 65543, "data": list(range(7))},
     "frame_key": {
         "type": "frame",
-        "seq": 0,
+        "tick": 0,
+        "base": None,
         "time_s": 0.5,
-        "key": True,
+        "made_s": 1000.5,
         "groups": [
-            {"count": 2, "modes": 3, "values": [0, -1, 70000, -2147483648, 2147483647, 5]},
-            {"count": 1, "modes": 2, "values": [9, -9]},
+            {"count": 2, "modes": 3, "quantum": 1, "values": [0, -1, 70000, -2147483648, 2147483647, 5]},
+            {"count": 1, "modes": 2, "quantum": 28, "values": [9, -9]},
         ],
     },
     "frame_delta": {
         "type": "frame",
-        "seq": 4294967296,
+        "tick": 4294967296,
+        "base": 4294967295,
         "time_s": 0.53125,
-        "key": False,
+        "made_s": 1000.53125,
         "groups": [
-            {"count": 1, "modes": 3, "values": [-32768, 32767, 0]},
-            {"count": 0, "modes": 4, "values": []},
-            {"count": 2, "modes": 1, "values": [-2, 3]},
+            {"count": 1, "modes": 3, "quantum": 1, "values": [-32768, 32767, 0]},
+            {"count": 0, "modes": 4, "quantum": 7, "values": []},
+            {"count": 2, "modes": 1, "quantum": 28, "values": [-128, 127]},
+            {"count": 2, "modes": 3, "quantum": 3, "values": [128, -1, 2, -3, 4, -5]},
         ],
     },
     "error": {"type": "error", "code": "no-such-table", "title": "Unknown table", "hint": "List the trees."},
-    "pong": {"type": "pong", "t": -0.5},
+    "pong": {"type": "pong", "t": -0.5, "server_s": 1000.25},
+    "clock": {"type": "clock", "time_s": 60.5, "made_s": 1000.75, "paused": True},
+    "shared": {
+        "type": "shared",
+        "share": "Heath_7-b",
+        "groups": [{"table": TABLE, "count": 3}],
+        "pose_easing": 0.0625,
+        "method": "tangent",
+        "about": {"forestSeed": 7},
+        "trees": TREES,
+    },
+    "shared_bare": {
+        "type": "shared",
+        "share": "x",
+        "groups": [],
+        "pose_easing": None,
+        "method": "paper",
+        "about": {},
+        "trees": [],
+    },
     "wind_state": {
         "type": "windState",
         "state": {"before": BREEZE, "wind": {**BREEZE, "gustiness": 0.75}, "since_s": 12.5, "travel": 3.25},
@@ -87,35 +125,65 @@ REPLIES: dict[str, dict[str, Any]] = {
 }
 
 
+REQUEST_KINDS: dict[str, Any] = {
+    "hello": wire.Hello,
+    "forest": wire.Forest,
+    "wind": wire.WindChange,
+    "ping": wire.Ping,
+    "pause": wire.Pause,
+    "resync": wire.Resync,
+}
+REPLY_KINDS: dict[str, Any] = {
+    "welcome": wire.Welcome,
+    "table": wire.TableChunk,
+    "error": wire.Failure,
+    "pong": wire.Pong,
+    "windState": wire.WindState,
+    "clock": wire.Clock,
+    "shared": wire.Shared,
+}
+
+
+def planted(fields: dict[str, Any]) -> dict[str, Any]:
+    """Groups and trees as Python has them."""
+    if "trees" not in fields:
+        return fields
+    groups = tuple(wire.Group(**group) for group in fields["groups"])
+    return {**fields, "groups": groups, "trees": np.array(fields["trees"], np.float32).reshape(-1, 4)}
+
+
 def request_of(message: dict[str, Any]) -> wire.Request:
     """A request from its JSON form, which is that of web/src/wire.ts."""
     fields = {name: value for name, value in message.items() if name != "type"}
-    if message["type"] == "forest":
-        fields["groups"] = tuple(wire.Group(**group) for group in fields["groups"])
-        fields["trees"] = np.array(fields["trees"], np.float32).reshape(-1, 4)
-    kinds = {"hello": wire.Hello, "forest": wire.Forest, "wind": wire.WindChange, "ping": wire.Ping}
-    return kinds[message["type"]](**fields)
+    return REQUEST_KINDS[message["type"]](**planted(fields))
 
 
 def reply_of(message: dict[str, Any]) -> wire.Reply:
     """A reply from its JSON form."""
     fields = {name: value for name, value in message.items() if name != "type"}
     if message["type"] == "frame":
-        groups = fields.pop("groups")
-        fields["poses"] = tuple(
-            np.array(group["values"], np.int32).reshape(group["count"], group["modes"]) for group in groups
-        )
+        return frame_of(fields)
     if message["type"] == "table":
         fields["data"] = bytes(fields["data"])
-    kinds = {"welcome": wire.Welcome, "table": wire.TableChunk, "frame": wire.Frame}
-    kinds |= {"error": wire.Failure, "pong": wire.Pong, "windState": wire.WindState}
-    return kinds[message["type"]](**fields)
+    return REPLY_KINDS[message["type"]](**planted(fields))
+
+
+def frame_of(fields: dict[str, Any]) -> wire.Frame:
+    """A frame from its JSON form."""
+    rows = tuple(
+        wire.Rows(
+            group["quantum"], np.array(group["values"], np.int32).reshape(group["count"], group["modes"])
+        )
+        for group in fields["groups"]
+    )
+    return wire.Frame(**{**fields, "groups": rows})
 
 
 def refused() -> dict[str, tuple[str, bytes]]:
     """Bytes that are no message: who would have received them, and the bytes."""
     ping = encode_message(wire.PING, {"t": 0.5})
-    frame = {"seq": 0, "time_s": 0.5, "key": True, "groups": [{"count": 1, "modes": 1}]}
+    row = {"count": 1, "modes": 1, "quantum": 1, "wide": 1}
+    frame = {"tick": 0, "base": None, "time_s": 0.5, "made_s": 0.5, "groups": [row]}
     forest = {"mode": "stream", "groups": [], "options": {}, "wind": {}, "time_s": 0.5}
     group = [{"table": TABLE, "count": 1}]
     tree = struct.pack("<4f", 0, 0, 0, 1)
@@ -125,13 +193,13 @@ def refused() -> dict[str, tuple[str, bytes]]:
         return encode_message(wire.FOREST, {**forest, **changes}, payload)
 
     def raw(packed: bytes, kind: int = wire.PING) -> bytes:
-        return b"GW\x01" + bytes([kind]) + struct.pack("<I", len(packed)) + packed + bytes(-len(packed) % 8)
+        return b"GW\x02" + bytes([kind]) + struct.pack("<I", len(packed)) + packed + bytes(-len(packed) % 8)
 
     return {
         "empty": ("server", b""),
         "text": ("server", b"GET / HTTP/1.1\r\n"),
         "half a prefix": ("server", ping[:6]),
-        "another version": ("server", ping[:2] + b"\x02" + ping[3:]),
+        "another version": ("server", ping[:2] + b"\x03" + ping[3:]),
         "header longer than message": ("server", ping[:4] + b"\xff\xff\xff\xff" + ping[8:]),
         "header cut off": ("server", ping[:-8]),
         "padding not zero": ("server", odd[:-1] + b"\x01"),
@@ -156,7 +224,22 @@ def refused() -> dict[str, tuple[str, bytes]]:
         "group not a map": ("server", forest_with(groups=[[TABLE, 1]])),
         "too few trees": ("server", forest_with(groups=group)),
         "too many trees": ("server", forest_with(tree + tree, groups=group)),
-        "trees in table mode": ("server", forest_with(tree, mode="table", groups=group)),
+        "too few trees in table mode": (
+            "server",
+            forest_with(tree, mode="table", groups=[{"table": TABLE, "count": 2}]),
+        ),
+        "paused is a number": ("server", encode_message(wire.PAUSE, {"paused": 1})),
+        "resync with a field": ("server", encode_message(wire.RESYNC, {"tick": 1})),
+        "name of a shared forest": ("server", forest_with(options={"share": "../etc"})),
+        "no name of a shared forest": ("server", forest_with(options={"share": ""})),
+        "long name of a shared forest": ("server", forest_with(options={"share": "a" * 65})),
+        "line end in a name": ("server", forest_with(options={"share": "a\n"})),
+        "replant is text": ("server", forest_with(options={"replant": "yes"})),
+        "about nested": ("server", forest_with(options={"about": {"a": {}}})),
+        "about not finite": ("server", forest_with(options={"about": {"a": float("inf")}})),
+        "about too long": ("server", forest_with(options={"about": {str(k): k for k in range(33)}})),
+        "have not a hash": ("server", forest_with(options={"have": {"a": 1}})),
+        "have negative": ("server", forest_with(options={"have": {TABLE: -1}})),
         "tree without a place": ("server", forest_with(struct.pack("<4f", np.nan, 0, 0, 1), groups=group)),
         "tree without a size": ("server", forest_with(bytes(16), groups=group)),
         "unknown option": ("server", forest_with(options={"colour": 1})),
@@ -164,11 +247,20 @@ def refused() -> dict[str, tuple[str, bytes]]:
         "wind not a map": ("server", forest_with(wind=[])),
         "request sent to client": ("client", ping),
         "frame too short": ("client", encode_message(wire.FRAME, frame, b"\0\0")),
-        "key not a truth value": ("client", encode_message(wire.FRAME, {**frame, "key": 1}, bytes(4))),
+        "base not a number": ("client", encode_message(wire.FRAME, {**frame, "base": True}, bytes(4))),
+        "more wide modes than modes": (
+            "client",
+            encode_message(wire.FRAME, {**frame, "base": 0, "groups": [{**row, "wide": 2}]}, bytes(3)),
+        ),
+        "no quantum": (
+            "client",
+            encode_message(wire.FRAME, {**frame, "groups": [{**row, "quantum": 0}]}, bytes(4)),
+        ),
         "huge frame": (
             "client",
-            encode_message(wire.FRAME, {**frame, "groups": [{"count": 2**40, "modes": 2**12}]}),
+            encode_message(wire.FRAME, {**frame, "groups": [{**row, "count": 2**40, "modes": 2**12}]}),
         ),
+        "clock without a pause": ("client", encode_message(wire.CLOCK, {"time_s": 0.5, "made_s": 0.5})),
         "chunk past the end": (
             "client",
             encode_message(wire.TABLE, {"table": TABLE, "offset": 0, "total": 1}, b"ab"),

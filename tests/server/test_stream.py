@@ -18,10 +18,10 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from precompute import table as table_format
-from precompute.wind import Wind, WindState, parse_state, parse_wind
+from precompute.wind import Wind, WindState, parse_state, parse_wind_or_state
 from server import wire
-from server.envelope import encode_message
-from server.forest import ForestWalk
+from server.envelope import VERSION, encode_message
+from server.forest import ForestClock, ForestWalk
 from tests.golden.make_wire import HERE
 from tests.server.conftest import Server, wait_until
 
@@ -62,12 +62,19 @@ class Client:
 
     def __init__(self, server: Server, hello: bool = True, **options: Any) -> None:
         self.state: WindState | None = None
-        self.socket: ClientConnection = connect(server.socket_url, max_size=None, compression=None, **options)
+        self.clock: wire.Clock | None = None
+        self.shared: wire.Shared | None = None
+        self.socket: ClientConnection = connect(
+            server.socket_url, max_size=None, compression=None, close_timeout=1, **options
+        )
         if hello:
             self.send(wire.Hello("test"))
             welcome = self.receive()
             assert isinstance(welcome, wire.Welcome)
-            assert (welcome.version, welcome.tick_hz) == (1, wire.TICK_HZ) and "galewood" in welcome.server
+            assert (welcome.version, welcome.tick_hz) == (
+                VERSION,
+                wire.TICK_HZ,
+            ) and "galewood" in welcome.server
 
     def send(self, request: wire.Request) -> None:
         self.socket.send(wire.encode_request(request))
@@ -78,18 +85,25 @@ class Client:
         return wire.decode_reply(data)
 
     def frames(self) -> Iterator[tuple[wire.Frame, list[npt.NDArray[np.int32]]]]:
-        """Frames with the poses they add up to."""
+        """Frames with the poses they add up to, in units of quantum × modes.scale."""
         poses: list[npt.NDArray[np.int32]] = []
+        tick: int | None = None
         while True:
             frame = self.receive()
             if isinstance(frame, wire.WindState):
                 self.state = parse_state(frame.state)
-                continue
-            assert isinstance(frame, wire.Frame)
-            poses = (
-                list(frame.poses) if frame.key else [a + b for a, b in zip(poses, frame.poses, strict=True)]
-            )
-            yield frame, poses
+            elif isinstance(frame, wire.Clock):
+                self.clock = frame
+            elif isinstance(frame, wire.Shared):
+                self.shared = frame
+            elif isinstance(frame, wire.Frame):
+                assert frame.base in (None, tick)
+                rows = [group.values for group in frame.groups]
+                poses = rows if frame.key else [a + b for a, b in zip(poses, rows, strict=True)]
+                tick = frame.tick
+                yield frame, poses
+            else:
+                assert isinstance(frame, wire.Pong)
 
     def refusal(self) -> tuple[wire.Failure, int, str]:
         """What the server says before it closes, with the close code and reason."""
@@ -109,12 +123,27 @@ class Client:
         self.socket.close()
 
 
-def local_walk(request: wire.Forest) -> ForestWalk:
-    tables = [table_format.decode(POLE)] * len(request.groups)
-    return ForestWalk(
-        tables, request.groups, request.trees, parse_wind(request.wind),
-        start_s=request.time_s, pose_easing=request.pose_easing,
-    )  # fmt: skip
+class LocalWalk:
+    """The same forest, walked here."""
+
+    def __init__(self, request: wire.Forest) -> None:
+        self.clock = ForestClock(parse_wind_or_state(request.wind), request.time_s)
+        tables = [table_format.decode(POLE)] * len(request.groups)
+        self._walk = ForestWalk(tables, request, self.clock)
+        self.time_s = self.clock.time_s
+
+    def step(self) -> None:
+        self.clock.tick()
+        self._walk.step()
+        self.time_s = self.clock.time_s
+
+    def poses(self) -> list[npt.NDArray[np.int32]]:
+        rows = [np.zeros((count, modes), np.int32) for count, modes, _ in self._walk.shapes]
+        self._walk.write_poses(rows)
+        return rows
+
+
+local_walk = LocalWalk
 
 
 def test_streamed_poses_are_those_of_a_walk_done_here(server: Server) -> None:
@@ -124,7 +153,7 @@ def test_streamed_poses_are_those_of_a_walk_done_here(server: Server) -> None:
         client.send(request)
         moved = False
         for count, (frame, poses) in enumerate(client.frames()):
-            assert (frame.seq, frame.key) == (count, count == 0)
+            assert frame.key == (count == 0)
             while walk.time_s < frame.time_s - 1e-9:
                 walk.step()
             assert walk.time_s == pytest.approx(frame.time_s, abs=1e-9)
@@ -147,7 +176,7 @@ def test_the_answer_to_a_new_wind_is_the_wind_that_blows(server: Server) -> None
                 client.send(wire.WindChange(new.document()))
             while walk.time_s < frame.time_s - 1e-9:
                 if client.state and abs(walk.time_s + 1 / wire.TICK_HZ - client.state.since_s) < 1e-6:
-                    assert walk.change_wind(new).travel == pytest.approx(client.state.travel)
+                    assert walk.clock.change_wind(new).travel == pytest.approx(client.state.travel)
                 walk.step()
             np.testing.assert_allclose(np.vstack(walk.poses()), np.vstack(poses), atol=1)
             if count > 60:
@@ -158,16 +187,19 @@ def test_the_answer_to_a_new_wind_is_the_wind_that_blows(server: Server) -> None
 def test_a_slow_client_misses_frames_but_never_a_change(server: Server) -> None:
     request = forest(count=2000)
     walk = local_walk(request)
-    with Client(server, max_queue=1) as client:
+    narrow = socket.socket()
+    narrow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    narrow.connect(("127.0.0.1", server.port))
+    with Client(server, max_queue=1, sock=narrow) as client:
         client.send(request)
         for count, (frame, poses) in enumerate(client.frames()):
             if count in (10, 20):
-                time.sleep(1.0)
+                time.sleep(1.2)
             while walk.time_s < frame.time_s - 1e-9:
                 walk.step()
             np.testing.assert_array_equal(np.vstack(walk.poses()), np.vstack(poses))
             if count == 30:
-                assert frame.seq == 30
+                assert frame.tick > 30
                 break
 
 
@@ -183,8 +215,8 @@ def test_wind_changes_and_new_forests_take_effect(server: Server) -> None:
         assert any(any(rows.any() for rows in next(stream)[1]) for _ in range(90))
         client.send(forest(count=9, time_s=100.0))
         frame = next(frame for frame, _ in stream if frame.key)
-        assert frame.seq == 0 and frame.time_s == 100.0
-        assert [len(rows) for rows in frame.poses] == [3, 6]
+        assert frame.tick == 0 and frame.time_s == 100.0
+        assert [len(rows.values) for rows in frame.groups] == [3, 6]
 
 
 def test_tables_come_in_chunks_and_whole(server: Server) -> None:
@@ -200,7 +232,8 @@ def test_tables_come_in_chunks_and_whole(server: Server) -> None:
                 break
         assert bytes(data) == POLE
         client.send(wire.Ping(4.5))
-        assert client.receive() == wire.Pong(4.5)
+        pong = client.receive()
+        assert isinstance(pong, wire.Pong) and pong.t == 4.5 and pong.server_s > 0
 
 
 @pytest.mark.parametrize("case", REFUSED, ids=lambda case: case["name"])
@@ -218,7 +251,7 @@ def test_another_version_is_told_both(server: Server) -> None:
         client.socket.send(bytes(data))
         failure, code, reason = client.refusal()
         assert (failure.code, code) == ("unknown-version", 1008)
-        assert "9" in reason and "1" in reason
+        assert "9" in reason and str(VERSION) in reason
 
 
 @pytest.mark.parametrize(

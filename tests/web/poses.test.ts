@@ -38,27 +38,44 @@ describe("node target", () => {
 });
 
 describe("stream of poses", () => {
-  const frame = (key: boolean, values: number[]): Frame => ({
+  const frame = (tick: number, base: number | null, values: number[], quantum = 1): Frame => ({
     type: "frame",
-    seq: 0,
+    tick,
+    base,
     time_s: 0,
-    key,
-    groups: [{ count: 2, modes: 2, values: key ? Int32Array.from(values) : Int16Array.from(values) }],
+    made_s: 0,
+    groups: [
+      {
+        count: 2,
+        modes: 2,
+        quantum,
+        values: base === null ? Int32Array.from(values) : Int16Array.from(values),
+      },
+    ],
   });
 
-  test("deltas add to the key frame; a delta before it is refused", () => {
+  test("deltas add to the tick they were taken from; any other is refused", () => {
     const sum = new PoseSum([{ count: 2, scale: Float32Array.of(0.5, 2) }]);
-    expect(sum.add(frame(false, [1, 1, 1, 1]))).toBe(false);
-    expect(sum.add(frame(true, [100_000, 2, 3, 4]))).toBe(true);
-    expect(sum.add(frame(false, [-2, 1, 0, -4]))).toBe(true);
+    expect(sum.add(frame(8, 7, [1, 1, 1, 1]))).toBe(false);
+    expect(sum.add(frame(9, null, [100_000, 2, 3, 4]))).toBe(true);
+    expect(sum.add(frame(12, 11, [1, 1, 1, 1]))).toBe(false);
+    expect(sum.add(frame(12, 9, [-2, 1, 0, -4]))).toBe(true);
     const out = new Float32Array(2 * poseStride(2));
     sum.write([out]);
     expect([out[0], out[1], out[4], out[5]]).toEqual([49_999, 6, 1.5, 0]);
   });
 
+  test("poses count in quanta of the table's scale", () => {
+    const sum = new PoseSum([{ count: 2, scale: Float32Array.of(0.5, 2) }]);
+    sum.add(frame(0, null, [1, 2, 3, 4], 8));
+    const out = new Float32Array(2 * poseStride(2));
+    sum.write([out]);
+    expect([out[0], out[1], out[4], out[5]]).toEqual([4, 32, 12, 64]);
+  });
+
   test("a frame of another forest is refused", () => {
     const sum = new PoseSum([{ count: 3, scale: Float32Array.of(1, 1) }]);
-    expect(sum.add(frame(true, [1, 2, 3, 4]))).toBe(false);
+    expect(sum.add(frame(0, null, [1, 2, 3, 4]))).toBe(false);
   });
 
   test("shown poses lie between the frames, run evenly and never ahead", () => {

@@ -21,14 +21,15 @@ const fromHex = (hex: string) => Uint8Array.from(hex.match(/../g) ?? [], (byte) 
 const plain = (message: Request | Reply): unknown =>
   JSON.parse(JSON.stringify(message, (_, value) => (ArrayBuffer.isView(value) ? [...(value as Int8Array)] : value)));
 
+const planted = ({ trees }: Plain) => (trees ? { trees: new Float32Array(trees as number[]) } : {});
+
 function requestOf(message: Plain): Request {
-  const trees = message.type === "forest" ? { trees: new Float32Array(message.trees as number[]) } : {};
-  return { ...message, ...trees } as Request;
+  return { ...message, ...planted(message) } as Request;
 }
 
 function replyOf(message: Plain): Reply {
   if (message.type === "table") return { ...message, data: new Uint8Array(message.data as number[]) } as Reply;
-  if (message.type !== "frame") return message as unknown as Reply;
+  if (message.type !== "frame") return { ...message, ...planted(message) } as unknown as Reply;
   const rows = message.groups as { values: number[] }[];
   const groups = rows.map((row) => ({ ...row, values: new Int32Array(row.values) }));
   return { ...message, groups } as unknown as Reply;
@@ -54,11 +55,11 @@ test.each(refused)("$name is refused", ({ at, hex }) => {
 test("another version is refused naming both", () => {
   const data = file("pong");
   data[2] = 7;
-  expect(() => decodeReply(data.buffer)).toThrow(/7.*only version 1/);
+  expect(() => decodeReply(data.buffer)).toThrow(/7.*only version 2/);
 });
 
-test("rows of a frame are views into the message", () => {
-  const data = file("frame_delta");
+test("rows of a key frame are views into the message", () => {
+  const data = file("frame_key");
   const frame = decodeReply(data.buffer);
   if (frame.type !== "frame") throw new Error("not a frame");
   expect(frame.groups.every((group) => group.values.buffer === data.buffer)).toBe(true);

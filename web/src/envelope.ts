@@ -4,7 +4,7 @@
  */
 import { decode, encode } from "@msgpack/msgpack";
 
-export const VERSION = 1;
+export const VERSION = 2;
 const MAGIC = [0x47, 0x57]; // "GW"
 const PREFIX_BYTES = 8;
 const MAX_HEADER_BYTES = 64 * 1024;
@@ -124,5 +124,12 @@ export function number(header: Header, name: string, low = -1e12, high = 1e12): 
     throw new WireError(`${name} must be a finite number`);
   }
   if (value < low || value > high) throw new WireError(`${name} must lie in ${low}..${high}`);
+  return value;
+}
+
+/** True or false. */
+export function truth(header: Header, name: string): boolean {
+  const value = header[name];
+  if (typeof value !== "boolean") throw new WireError(`${name} must be true or false`);
   return value;
 }

@@ -1,34 +1,49 @@
 /**
- * THE wire format of /ws/forest, version 1: specified in docs/formats/wire.md, twin of server/wire.py.
+ * THE wire format of /ws/forest, version 2: specified in docs/formats/wire.md, twin of server/wire.py.
  *
- * Requests go from client to server, replies back; envelope.ts says what they have in common. encode… stands
- * beside decode…; what decodes has been checked, so that nobody downstream checks again.
+ * Requests go from client to server, replies back; envelope.ts says what they have in common, wireForest.ts and
+ * wireFrame.ts hold the messages with rows of numbers. encode… stands beside decode…; what decodes has been
+ * checked, so that nobody downstream checks again.
  */
 import {
   decodeMessage,
   encodeMessage,
-  entries,
   type Header,
   number,
   only,
   text,
   textMap,
+  truth,
   WireError,
   whole,
 } from "./envelope";
+import {
+  decodeForest,
+  decodeShared,
+  encodeForest,
+  encodeShared,
+  FOREST,
+  type Forest,
+  SHARED,
+  type Shared,
+} from "./wireForest";
+import { decodeFrame, encodeFrame, FRAME, type Frame } from "./wireFrame";
 
 export { VERSION, WireError } from "./envelope";
+export type { About, Forest, Group, Shared } from "./wireForest";
+export type { Frame, Rows } from "./wireFrame";
 
 const HELLO = 1;
-const FOREST = 2;
 const WIND = 3;
 const PING = 4;
+const PAUSE = 5;
+const RESYNC = 6;
 const WELCOME = 65;
 const TABLE = 66;
-const FRAME = 67;
 const ERROR = 68;
 const PONG = 69;
 const WIND_STATE = 70;
+const CLOCK = 71;
 
 // ---- client to server ----------------------------------------------------------------------------
 
@@ -36,27 +51,6 @@ const WIND_STATE = 70;
 export interface Hello {
   type: "hello";
   client: string;
-}
-
-/** `count` trees that share one table (SHA-256 in hex). */
-export interface Group {
-  table: string;
-  count: number;
-}
-
-/** What the client wants: tables to look up itself, or a stream of poses of these trees. */
-export interface Forest {
-  type: "forest";
-  mode: "stream" | "table";
-  groups: Group[];
-  wind: Header;
-  time_s: number;
-  /** null: each table's own. */
-  pose_easing: number | null;
-  /** How poses are made; "tangent" where it is not given. */
-  method?: "tangent" | "paper";
-  /** Four numbers a tree: x m, z m, yaw rad, scale; empty in mode "table". */
-  trees: Float32Array<ArrayBuffer>;
 }
 
 /** A new wind document (docs/formats/wind.md). */
@@ -71,7 +65,18 @@ export interface Ping {
   t: number;
 }
 
-export type Request = Hello | Forest | WindChange | Ping;
+/** Stops the forest's clock, or lets it run on. */
+export interface Pause {
+  type: "pause";
+  paused: boolean;
+}
+
+/** Asks for a key frame: the client lost its place. */
+export interface Resync {
+  type: "resync";
+}
+
+export type Request = Hello | Forest | WindChange | Ping | Pause | Resync;
 
 /** The bytes of a client's message. */
 export function encodeRequest(request: Request): Uint8Array<ArrayBuffer> {
@@ -82,6 +87,10 @@ export function encodeRequest(request: Request): Uint8Array<ArrayBuffer> {
       return encodeMessage(WIND, { wind: request.wind });
     case "ping":
       return encodeMessage(PING, { t: request.t });
+    case "pause":
+      return encodeMessage(PAUSE, { paused: request.paused });
+    case "resync":
+      return encodeMessage(RESYNC, {});
     case "forest":
       return encodeForest(request);
   }
@@ -102,72 +111,15 @@ export function decodeRequest(data: ArrayBuffer): Request {
     case PING:
       only(header, "t");
       return { type: "ping", t: number(header, "t") };
+    case PAUSE:
+      only(header, "paused");
+      return { type: "pause", paused: truth(header, "paused") };
+    case RESYNC:
+      only(header);
+      return { type: "resync" };
     default:
       throw new WireError(`kind ${kind} is not a message that clients send`, "unknown-kind");
   }
-}
-
-/** FOREST: groups in the header, a row of four float32 a tree in the payload. */
-export function encodeForest(forest: Forest): Uint8Array<ArrayBuffer> {
-  const header = {
-    mode: forest.mode,
-    groups: forest.groups.map(({ table, count }) => ({ table, count })),
-    options: {
-      ...(forest.pose_easing !== null && { pose_easing: forest.pose_easing }),
-      ...(forest.method === "paper" && { method: forest.method }),
-    },
-    wind: forest.wind,
-    time_s: forest.time_s,
-  };
-  const { buffer, byteOffset, byteLength } = forest.trees;
-  return encodeMessage(FOREST, header, new Uint8Array(buffer, byteOffset, byteLength));
-}
-
-/** The twin of encodeForest. Throws WireError. */
-export function decodeForest(header: Header, payload: Uint8Array<ArrayBuffer>): Forest {
-  only(header, "mode", "groups", "options", "wind", "time_s");
-  const mode = text(header, "mode");
-  if (mode !== "stream" && mode !== "table") throw new WireError("mode must be 'stream' or 'table'");
-  const options = textMap(header.options, "options");
-  const eased = "pose_easing" in options;
-  const named = "method" in options;
-  only(options, ...(eased ? ["pose_easing"] : []), ...(named ? ["method"] : []));
-  const method = named ? text(options, "method") : "tangent";
-  if (method !== "tangent" && method !== "paper") throw new WireError("method must be 'tangent' or 'paper'");
-  const groups = entries(header, "groups").map(decodeGroup);
-  const count = mode === "stream" ? groups.reduce((sum, group) => sum + group.count, 0) : 0;
-  return {
-    type: "forest",
-    mode,
-    groups,
-    wind: textMap(header.wind, "wind"),
-    time_s: number(header, "time_s", -1e9, 1e9),
-    pose_easing: eased ? number(options, "pose_easing", 0, 1) : null,
-    ...(named && { method }),
-    trees: decodeTrees(payload, count),
-  };
-}
-
-function decodeGroup(entry: unknown): Group {
-  const group = textMap(entry, "a group");
-  only(group, "table", "count");
-  const table = text(group, "table");
-  if (!/^[0-9a-f]{64}$/.test(table)) throw new WireError("table must be a SHA-256 in hex");
-  return { table, count: whole(group, "count") };
-}
-
-function decodeTrees(payload: Uint8Array<ArrayBuffer>, count: number): Float32Array<ArrayBuffer> {
-  if (payload.length !== count * 16) {
-    throw new WireError(`the payload has ${payload.length} bytes; ${count} trees need ${count * 16}`);
-  }
-  const trees = new Float32Array(payload.buffer, payload.byteOffset, count * 4);
-  if (!trees.every((value) => Math.abs(value) <= 1e6)) {
-    throw new WireError("a tree's place, yaw or scale is not a sensible number");
-  }
-  if (!trees.every((value, index) => index % 4 !== 3 || (value >= Math.fround(0.01) && value <= 100))) {
-    throw new WireError("a tree's scale must lie in 0.01..100");
-  }
-  return trees;
 }
 
 // ---- server to client ----------------------------------------------------------------------------
@@ -189,22 +141,6 @@ export interface TableChunk {
   data: Uint8Array<ArrayBuffer>;
 }
 
-/** `count` rows of `modes` numbers each. */
-export interface Rows {
-  count: number;
-  modes: number;
-  values: Int32Array<ArrayBuffer> | Int16Array<ArrayBuffer>;
-}
-
-/** Poses of every tree in units of its table's modes.scale: absolute if `key`, else to be added. */
-export interface Frame {
-  type: "frame";
-  seq: number;
-  time_s: number;
-  key: boolean;
-  groups: Rows[];
-}
-
 /** Why the server is about to close the connection. */
 export interface Failure {
   type: "error";
@@ -213,19 +149,28 @@ export interface Failure {
   hint: string;
 }
 
-/** Answer to Ping. */
+/** Answer to Ping, with the server's clock, which `made_s` of frames and clocks is read from. */
 export interface Pong {
   type: "pong";
   t: number;
+  server_s: number;
 }
 
-/** Answer to WindChange in a stream: the wind and its clock (docs/formats/wind.md). */
+/** The forest's time at `made_s` of the server's clock, and whether it stands still. */
+export interface Clock {
+  type: "clock";
+  time_s: number;
+  made_s: number;
+  paused: boolean;
+}
+
+/** The forest's wind and its clock (docs/formats/wind.md), after a change or on joining. */
 export interface WindStateReply {
   type: "windState";
   state: Header;
 }
 
-export type Reply = Welcome | TableChunk | Frame | Failure | Pong | WindStateReply;
+export type Reply = Welcome | TableChunk | Frame | Failure | Pong | WindStateReply | Clock | Shared;
 
 /** The bytes of a server's message. */
 export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
@@ -241,7 +186,13 @@ export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
     case "error":
       return encodeMessage(ERROR, { code: reply.code, title: reply.title, hint: reply.hint });
     case "pong":
-      return encodeMessage(PONG, { t: reply.t });
+      return encodeMessage(PONG, { t: reply.t, server_s: reply.server_s });
+    case "clock": {
+      const header = { time_s: reply.time_s, made_s: reply.made_s, paused: reply.paused };
+      return encodeMessage(CLOCK, header);
+    }
+    case "shared":
+      return encodeShared(reply);
     case "windState":
       return encodeMessage(WIND_STATE, { state: reply.state });
     case "frame":
@@ -253,8 +204,9 @@ export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
 export function decodeReply(data: ArrayBuffer): Reply {
   const { kind, header, payload } = decodeMessage(data);
   if (kind === FRAME) return decodeFrame(header, payload);
+  if (kind === SHARED) return decodeShared(header, payload);
   if (kind === TABLE) return decodeChunk(header, payload);
-  if (payload.length) throw new WireError("only FRAME and TABLE messages have a payload");
+  if (payload.length) throw new WireError("only FRAME, TABLE and SHARED messages have a payload");
   switch (kind) {
     case WELCOME:
       only(header, "server", "version", "tick_hz");
@@ -273,8 +225,16 @@ export function decodeReply(data: ArrayBuffer): Reply {
         hint: text(header, "hint"),
       };
     case PONG:
-      only(header, "t");
-      return { type: "pong", t: number(header, "t") };
+      only(header, "t", "server_s");
+      return { type: "pong", t: number(header, "t"), server_s: number(header, "server_s") };
+    case CLOCK:
+      only(header, "time_s", "made_s", "paused");
+      return {
+        type: "clock",
+        time_s: number(header, "time_s"),
+        made_s: number(header, "made_s"),
+        paused: truth(header, "paused"),
+      };
     case WIND_STATE:
       only(header, "state");
       return { type: "windState", state: textMap(header.state, "state") };
@@ -288,51 +248,4 @@ function decodeChunk(header: Header, payload: Uint8Array<ArrayBuffer>): TableChu
   const [offset, total] = [whole(header, "offset"), whole(header, "total")];
   if (offset + payload.length > total) throw new WireError("a chunk reaches past the end of its table");
   return { type: "table", table: text(header, "table"), offset, total, data: payload };
-}
-
-/** FRAME: int32 rows if key, else int16 rows, group after group. */
-export function encodeFrame(frame: Frame): Uint8Array<ArrayBuffer> {
-  const header = {
-    seq: frame.seq,
-    time_s: frame.time_s,
-    key: frame.key,
-    groups: frame.groups.map(({ count, modes }) => ({ count, modes })),
-  };
-  const width = frame.key ? 4 : 2;
-  const sizes = frame.groups.map((group) => group.values.length * width);
-  const payload = new Uint8Array(sizes.reduce((sum, size) => sum + size, 0));
-  let offset = 0;
-  for (const [index, group] of frame.groups.entries()) {
-    const rows = frame.key ? new Int32Array(group.values) : new Int16Array(group.values);
-    payload.set(new Uint8Array(rows.buffer), offset);
-    offset += sizes[index];
-  }
-  return encodeMessage(FRAME, header, payload);
-}
-
-/** The twin of encodeFrame; the rows are views into the message. Throws WireError. */
-export function decodeFrame(header: Header, payload: Uint8Array<ArrayBuffer>): Frame {
-  only(header, "seq", "time_s", "key", "groups");
-  const key = header.key;
-  if (typeof key !== "boolean") throw new WireError("key must be true or false");
-  const shapes = entries(header, "groups").map(decodeShape);
-  const width = key ? 4 : 2;
-  if (payload.length !== shapes.reduce((sum, { count, modes }) => sum + count * modes, 0) * width) {
-    throw new WireError("the payload does not have the length that the groups say");
-  }
-  let offset = payload.byteOffset;
-  const groups = shapes.map(({ count, modes }): Rows => {
-    const size = count * modes;
-    const Kind = key ? Int32Array : Int16Array;
-    const values = new Kind(payload.buffer, offset, size);
-    offset += size * width;
-    return { count, modes, values };
-  });
-  return { type: "frame", seq: whole(header, "seq"), time_s: number(header, "time_s"), key, groups };
-}
-
-function decodeShape(entry: unknown): { count: number; modes: number } {
-  const group = textMap(entry, "a group");
-  only(group, "count", "modes");
-  return { count: whole(group, "count"), modes: whole(group, "modes") };
 }

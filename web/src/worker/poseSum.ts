@@ -4,28 +4,36 @@ import type { Frame } from "../wire";
 
 export interface GroupShape {
   readonly count: number;
-  /** Metres^... per integer unit, one per mode: the table's modes.scale. */
+  /** The table's modes.scale, one per mode. */
   readonly scale: Float32Array;
 }
 
 export class PoseSum {
   private readonly units: Int32Array[];
-  private started = false;
+  private quanta: number[];
+  private tick: number | null = null;
 
   constructor(private readonly shapes: readonly GroupShape[]) {
     this.units = shapes.map(({ count, scale }) => new Int32Array(count * scale.length));
+    this.quanta = shapes.map(() => 1);
   }
 
-  /** Takes a frame in; false if it is a delta before any key frame, or for another forest. */
+  /** Whether a frame is one of this forest's. */
+  fits({ groups }: Frame): boolean {
+    return (
+      groups.length === this.shapes.length &&
+      groups.every((rows, g) => rows.values.length === this.units[g].length)
+    );
+  }
+
+  /** Takes a frame in; false if it is of another forest, or adds to a tick that is not the one known here. */
   add(frame: Frame): boolean {
-    const fits =
-      frame.groups.length === this.shapes.length &&
-      frame.groups.every((rows, g) => rows.values.length === this.units[g].length);
-    if (!fits || (!frame.key && !this.started)) return false;
-    this.started = true;
+    if (!this.fits(frame) || (frame.base !== null && frame.base !== this.tick)) return false;
+    this.tick = frame.tick;
+    this.quanta = frame.groups.map(({ quantum }) => quantum);
     for (const [g, { values }] of frame.groups.entries()) {
       const sum = this.units[g];
-      if (frame.key) sum.set(values);
+      if (frame.base === null) sum.set(values);
       else for (let i = 0; i < sum.length; i++) sum[i] += values[i];
     }
     return true;
@@ -35,10 +43,11 @@ export class PoseSum {
   write(out: readonly Float32Array[]): void {
     for (const [g, { count, scale }] of this.shapes.entries()) {
       const modes = scale.length;
+      const quantum = this.quanta[g];
       const stride = poseStride(modes);
       for (let tree = 0; tree < count; tree++) {
         for (let k = 0; k < modes; k++)
-          out[g][tree * stride + k] = this.units[g][tree * modes + k] * scale[k];
+          out[g][tree * stride + k] = this.units[g][tree * modes + k] * quantum * scale[k];
       }
     }
   }

@@ -137,7 +137,10 @@ export class StreamMotion implements MotionSource {
   }
 
   private frame(frame: Frame): void {
-    if (!this.sum.add(frame)) return;
+    if (!this.sum.add(frame)) {
+      if (this.sum.fits(frame)) this.send({ type: "resync" });
+      return;
+    }
     this.state = "live";
     this.retry_ms = RETRY_MS.first;
     this.received_ms = performance.now();
