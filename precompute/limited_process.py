@@ -2,7 +2,7 @@
 the caller.
 
 Arguments and results are arrays in .npz files (no pickles). The child's current directory is a temporary
-folder.
+folder, the only one it can write to; it has no network (confinement.py says where that holds).
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from precompute.confinement import confine
 from precompute.intake_types import IntakeError
 
 Arrays = dict[str, NDArray[Any]]
@@ -30,6 +31,7 @@ KEPT_ENVIRONMENT = ("PATH", "LANG", "LD_LIBRARY_PATH", "NUMBA_CACHE_DIR", "VIRTU
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 REFUSED = 3  # exit code: the function raised an IntakeError
 OUT_OF_MEMORY = 4
+FILE_BYTES = 4 << 30  # the longest file a child may write
 
 
 @dataclass(frozen=True)
@@ -128,9 +130,12 @@ def main(target: str, memory_bytes: int, cpu_s: int) -> int:
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
     resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (FILE_BYTES, FILE_BYTES))
     try:
+        kernels = _own_kernels(Path.cwd())
         module, _, name = target.partition(":")
         function: Callable[[Arrays], Arrays] = getattr(import_module(module), name)
+        confine(Path.cwd(), readable=kernels)
         with np.load("in.npz", allow_pickle=False) as data:
             result = function({key: data[key] for key in data.files})
         np.savez("out.npz", allow_pickle=False, **result)
@@ -141,6 +146,19 @@ def main(target: str, memory_bytes: int, cpu_s: int) -> int:
         Path("error.json").write_text(json.dumps(problem))
         return REFUSED
     return 0
+
+
+def _own_kernels(folder: Path) -> list[str]:
+    """Compiled kernels are read where they lie but written beside us: the caller runs what it finds there."""
+    shared = os.environ.get("NUMBA_CACHE_DIR")
+    if not shared:
+        return []
+    os.environ["NUMBA_CACHE_DIR"] = str(folder / "kernels")
+    for file in Path(shared).resolve().glob("*/*.nb[ic]"):
+        link = folder / "kernels" / file.parent.name / file.name
+        link.parent.mkdir(parents=True, exist_ok=True)
+        link.symlink_to(file)
+    return [shared]
 
 
 if __name__ == "__main__":
