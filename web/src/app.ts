@@ -11,6 +11,7 @@ import type { SpeciesOptions } from "./scene/speciesForest";
 import { Stage } from "./scene/stage";
 import { queryFromSettings, type Settings, withWind } from "./settings";
 import { meanCrownDisplacement_m } from "./sway";
+import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
 import { Panel, type SettingKey } from "./ui/panel";
 import { ProgressCards } from "./ui/progress";
@@ -38,6 +39,7 @@ export class App {
   private readonly panel: Panel;
   readonly studio: WindStudio;
   readonly visit: Visit;
+  readonly picker: TreePicker;
   private readonly from_s: number;
   private readonly meter = new Meter();
   private readonly flutter = { value: { x: 0, y: 0 } };
@@ -79,6 +81,7 @@ export class App {
       wind: (wind) => this.takeWind(wind),
       problem: showToast,
     });
+    this.picker = new TreePicker(this.stage, this.forest, this.client);
     this.stage.renderer.setAnimationLoop((now) => this.tick(now));
   }
 
@@ -177,6 +180,9 @@ export class App {
     if (this.client.takeFresh()) {
       for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
     }
+    this.picker.enabled = !this.studio.isPlacing;
+    this.picker.advance(dt_s);
+    this.studio.tipOf = this.picker.moving;
     this.studio.advance(dt_s, this.client, this.forest);
     const wind_m_s = windVector_m_s(this.settings);
     this.stage.sky.advance(dt_s, wind_m_s);
@@ -257,6 +263,7 @@ export class App {
 
   dispose(): void {
     this.stage.renderer.setAnimationLoop(null);
+    this.picker.dispose();
     this.studio.dispose();
     this.visit.dispose();
     this.stopUploads();

@@ -1,5 +1,6 @@
 /** `window.galewood`: what tests and embedding pages may read and do. */
 import type { App } from "./app";
+import type { TreePicker } from "./treePicker";
 import type { WindDocument } from "./wind";
 
 export interface Probe {
@@ -21,6 +22,12 @@ export interface Probe {
   pause(): void;
   resume(): void;
   look: App["look"];
+  /** Picks the tree under a place of the window (px), as a click does; null where there is none. */
+  pick(left_px: number, top_px: number): TreePicker["figures"];
+  /** The picked tree and its figures now. */
+  readonly picked: TreePicker["figures"];
+  /** Whether the camera keeps the picked tree in the middle. */
+  follow(following: boolean): void;
   /** What the page costs: frame, script, worker, triangles. */
   readonly statistics: App["statistics"];
   /** Draws the trees as plain instances that stand still, or moving again: what does the motion cost? */
@@ -76,6 +83,16 @@ export function exposeProbe(app: App): void {
       app.paused = false;
     },
     look: (eye, at) => app.look(eye, at),
+    pick(left_px, top_px) {
+      app.picker.select(app.picker.find(left_px, top_px));
+      return app.picker.figures;
+    },
+    get picked() {
+      return app.picker.figures;
+    },
+    follow(following) {
+      app.picker.following = following;
+    },
     get statistics() {
       return app.statistics;
     },

@@ -7,8 +7,16 @@ export interface TipOf {
   readonly basis: Float32Array;
 }
 
+const known = new WeakMap<Float32Array, number>();
+
 /** The node that moves most with the first two modes: the end of the leading shoot. */
-export function tipNode({ stride, basis }: TipOf): number {
+export function tipNode(of: TipOf): number {
+  const node = known.get(of.basis) ?? findTip(of);
+  known.set(of.basis, node);
+  return node;
+}
+
+function findTip({ stride, basis }: TipOf): number {
   let best = 0;
   let most = -1;
   for (let node = 0; node < basis.length / (3 * stride); node++) {

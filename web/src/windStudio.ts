@@ -12,6 +12,7 @@ import { element } from "./ui/dom";
 import { dialTurn_deg } from "./ui/instruments/dial";
 import { Instruments } from "./ui/instruments/instruments";
 import { parseWind, type WindDocument, WindField } from "./wind";
+import type { TreeAt } from "./worker/protocol";
 
 export interface StudioEvents {
   wind(wind: WindDocument): void;
@@ -33,6 +34,8 @@ export class WindStudio {
   private time_s = 0;
   private shownCoverage_ms = 0;
   coverage = 1;
+  /** The tree whose tip is shown instead of the nearest, if one is picked. */
+  tipOf: TreeAt | null = null;
 
   constructor(
     private readonly stage: Stage,
@@ -74,6 +77,11 @@ export class WindStudio {
     const wind = parseWind(document);
     this.show(wind);
     this.events.wind(wind);
+  }
+
+  /** Whether a click on the ground places the anemometer. */
+  get isPlacing(): boolean {
+    return this.placing;
   }
 
   private setPlacing(active: boolean): void {
@@ -136,12 +144,12 @@ export class WindStudio {
     }
   }
 
-  /** How far the tip of the tree nearest to the anemometer is from rest. */
+  /** How far the tip of the picked tree, or of the one nearest to the anemometer, is from rest. */
   private tip_m(client: ForestClient, forest: Forest): number {
     const { place } = this.instruments.anemometer;
     if (!place) return 0;
     const placements = forest.moving.map(({ forest: { stand } }) => stand.placement);
-    const found = nearestTree(placements, place.x, place.z);
+    const found = this.tipOf ?? nearestTree(placements, place.x, place.z);
     if (!found) return 0;
     const { motion } = forest.moving[found.group].forest;
     const poses = client.poses[found.group];

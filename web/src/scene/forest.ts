@@ -2,13 +2,15 @@
 import { Group, type WebGLRenderer } from "three";
 import type { TableMotion } from "../worker/protocol";
 import type { View } from "./drawList";
+import type { Ray } from "./groundPick";
 import { groundHeight_m } from "./landscape";
 import { leafTint } from "./palette";
 import { chooseSpecies, placeTrees } from "./planting";
 import type { Season } from "./season";
 import { SpeciesForest, type SpeciesOptions } from "./speciesForest";
-import { makeStand, retint, type Stand } from "./stand";
+import { INSTANCE_FLOATS, makeStand, retint, type Stand } from "./stand";
 import type { TreeModel } from "./treeMesh";
+import { pickTree } from "./treePick";
 
 /** A species that the forest may plant; without a model its places stay free. */
 export interface Grower {
@@ -31,6 +33,20 @@ export interface PlantedGroup {
 export interface MovingGroup {
   readonly grower: Grower;
   readonly forest: SpeciesForest;
+}
+
+/** A tree that was picked. */
+export interface PickedTree {
+  /** Identity of its place: stays when other trees come and go. */
+  readonly id: number;
+  /** The server's tree (species or upload) that grows there. */
+  readonly treeId: string;
+  readonly species: string | null;
+  readonly position: { x: number; y: number; z: number };
+  readonly height_m: number;
+  readonly radius_m: number;
+  /** From the eye to where it was hit. */
+  readonly distance_m: number;
 }
 
 export interface PlantingOptions {
@@ -118,6 +134,32 @@ export class Forest {
   freeze(frozen: boolean): void {
     this.frozen = frozen;
     for (const { forest } of this.moving) forest.freeze(frozen);
+  }
+
+  /** The tree that a ray meets first, where the newest poses of the moving groups have it. */
+  pick(ray: Ray, poses: readonly Float32Array[]): PickedTree | null {
+    const groups = this.all.map((group) => ({
+      ...group.forest.pickable,
+      poses: poses[this.moving.indexOf(group)] ?? null,
+    }));
+    const hit = pickTree(groups, ray);
+    if (!hit) return null;
+    const { grower, forest } = this.all[hit.group];
+    const [x, y, z, , , , scale] = forest.stand.data.subarray(hit.tree * INSTANCE_FLOATS);
+    return {
+      id: forest.stand.ids[hit.tree],
+      treeId: grower.id,
+      species: grower.species,
+      position: { x, y, z },
+      height_m: forest.model.height_m * scale,
+      radius_m: forest.model.radius_m * scale,
+      distance_m: hit.distance_m,
+    };
+  }
+
+  /** Whether this tree still stands. */
+  has({ treeId, id }: { treeId: string; id: number }): boolean {
+    return this.all.some(({ grower, forest }) => grower.id === treeId && forest.stand.ids.includes(id));
   }
 
   get triangles(): number {

@@ -9,6 +9,7 @@ import { NodePass } from "./nodePass";
 import type { Stand } from "./stand";
 import { type MaterialOptions, type PartMaterials, partMaterials } from "./treeMaterial";
 import type { TreeModel, TreePart } from "./treeMesh";
+import { nodeRadii } from "./treePick";
 import type { TreeUniforms } from "./treeShader";
 
 export interface SpeciesOptions extends MaterialOptions {
@@ -47,6 +48,7 @@ export class SpeciesForest {
   private readonly room: number;
   private list: DrawList;
   private frozen = false;
+  private nodeRadius_m: Float32Array | null = null;
 
   /** `motion` null: the trees stand still, in the grey of work in progress. */
   constructor(
@@ -123,6 +125,18 @@ export class SpeciesForest {
   get bounds(): Bounds {
     const { height_m, radius_m } = this.model;
     return { height_m, radius_m, reach_m: this.motion?.reach_m ?? 0 };
+  }
+
+  /** What picking needs to know. */
+  get pickable() {
+    const { stand, bounds, motion } = this;
+    this.nodeRadius_m ??= motion
+      ? nodeRadii(
+          this.model.parts.map(({ position }) => position.array),
+          motion,
+        )
+      : new Float32Array(0);
+    return { stand, bounds, motion, nodeRadius_m: this.nodeRadius_m };
   }
 
   /** Chooses what is drawn from this view, and at which level. */

@@ -1,0 +1,92 @@
+import { expect, test } from "vitest";
+import { INSTANCE_FLOATS, makeStand } from "../../web/src/scene/stand";
+import { ballEntry, type PickGroup, pickTree } from "../../web/src/scene/treePick";
+import type { TableMotion } from "../../web/src/worker/protocol";
+import { seededRandom } from "./seeded";
+
+const BOUNDS = { height_m: 10, radius_m: 3, reach_m: 1 };
+
+/** Three nodes up a trunk; the one mode moves the uppermost along the tree's own x. */
+const motion = {
+  modes: 1,
+  stride: 4,
+  nodes: 3,
+  rest_m: Float32Array.of(0, 1, 0, 0, 5, 0, 0, 9, 0),
+  basis: Float32Array.from({ length: 36 }, (_, i) => (i === 24 ? 1 : 0)),
+} as unknown as TableMotion;
+
+function group(places: { x_m: number; z_m: number; yaw_rad?: number; scale?: number }[], moves = true): PickGroup {
+  const stand = makeStand(
+    places.map((place, id) => ({ id, yaw_rad: 0, scale: 1, ...place })),
+    () => 0,
+    () => [1, 1, 1, 0],
+  );
+  return {
+    stand,
+    bounds: BOUNDS,
+    motion: moves ? motion : null,
+    nodeRadius_m: Float32Array.of(1, 1, 1),
+    poses: new Float32Array(places.length * 4),
+  };
+}
+
+const ray = (x: number, y: number, z: number, dx: number, dy: number, dz: number) => {
+  const length = Math.hypot(dx, dy, dz);
+  return { from: { x, y, z }, to: { x: dx / length, y: dy / length, z: dz / length } };
+};
+
+test("the entry into a ball is the first root of |o + t d| = r", () => {
+  expect(ballEntry(-10, 0, 0, 1, 0, 0, 2)).toBe(8);
+  expect(ballEntry(-10, 3, 0, 1, 0, 0, 2)).toBe(Number.POSITIVE_INFINITY);
+  expect(ballEntry(10, 0, 0, 1, 0, 0, 2)).toBe(Number.POSITIVE_INFINITY);
+  expect(ballEntry(1, 0, 0, 1, 0, 0, 2)).toBe(0);
+});
+
+test("of two trees in line the nearer is picked", () => {
+  const found = pickTree([group([{ x_m: 20, z_m: 0 }, { x_m: 10, z_m: 0 }])], ray(0, 5, 0, 1, 0, 0));
+  expect(found).toMatchObject({ group: 0, tree: 1 });
+  expect(found?.distance_m).toBeCloseTo(9, 2);
+});
+
+test("a ray through a gap of the nearer tree picks the one behind", () => {
+  const found = pickTree([group([{ x_m: 20, z_m: 0, scale: 1.5 }, { x_m: 10, z_m: 0 }])], ray(0, 7.5, 0, 1, 0, 0));
+  expect(found?.tree).toBe(0);
+});
+
+test("a tree is picked where the wind has bent it, turned and scaled as it stands", () => {
+  const one = group([{ x_m: 0, z_m: 0, yaw_rad: Math.PI / 2, scale: 2 }]);
+  const down = ray(0, 40, -6, 0, -1, 0); // a quarter turn sends own x to world -z: 3 m times 2
+  expect(pickTree([one], down)).toBeNull();
+  const bounds = { ...BOUNDS, reach_m: 4 };
+  (one.poses as Float32Array)[0] = 3;
+  const found = pickTree([{ ...one, bounds }], down);
+  expect(found?.tree).toBe(0);
+  expect(found?.distance_m).toBeCloseTo(40 - (18 - 0.12) - 2, 1);
+});
+
+test("a tree that stands still is picked by its crown", () => {
+  const still = [group([{ x_m: 10, z_m: 0 }], false)];
+  expect(pickTree(still, ray(0, 5, 0, 1, 0, 0))?.distance_m).toBeCloseTo(7, 1);
+  expect(pickTree(still, ray(0, 9.5, 2.5, 1, 0, 0))).toBeNull();
+});
+
+test("among many trees the pick is the nearest of all single picks", () => {
+  const random = seededRandom(11);
+  const places = Array.from({ length: 60 }, () => ({
+    x_m: 80 * random(),
+    z_m: 40 * random() - 20,
+    yaw_rad: 6 * random(),
+    scale: 0.7 + random(),
+  }));
+  const all = group(places);
+  const single = places.map((place) => group([place]));
+  for (let k = 0; k < 40; k++) {
+    const one = ray(-5, 6, 0, 1, 0.1 * random() - 0.05, random() - 0.5);
+    const distances = single.map((tree) => pickTree([tree], one)?.distance_m ?? Number.POSITIVE_INFINITY);
+    const nearest = Math.min(...distances);
+    const found = pickTree([all], one);
+    expect(found?.distance_m ?? Number.POSITIVE_INFINITY).toBe(nearest);
+    if (found) expect(found.tree).toBe(distances.indexOf(nearest));
+  }
+  expect(all.stand.data.length).toBe(60 * INSTANCE_FLOATS);
+});
