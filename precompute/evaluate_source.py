@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,18 +19,20 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse
 
+from precompute import tabulate
 from precompute.binding import render_binding
+from precompute.build_types import BuildOptions
 from precompute.dynamics import FemModel, load_model
 from precompute.intake_process import run_intake
 from precompute.intake_types import IntakeOptions, TreeMesh
 from precompute.nodes import render_basis
-from precompute.runner import content_hash, run_in_processes, sample_tasks
-from precompute.sampling import SampleWind, Trajectory, read_trajectory, sample_winds
+from precompute.runner import content_hash, run_in_processes
+from precompute.samples import Samples, planned, simulate
 from precompute.skeleton import extract_skeleton, sampled_elements
-from precompute.subspace import Subspace, fit_subspace, thinned
+from precompute.subspace import Subspace
 from precompute.table import Metadata, Table
-from precompute.tabulate import TableSettings
-from precompute.tangent_winds import training_winds
+from precompute.tabulate import Learning, TableSettings
+from precompute.tangent_modes import oscillators_of
 from precompute.tetrahedra import TetMesh
 
 Floats = npt.NDArray[np.float64]
@@ -57,6 +60,8 @@ class Source:
     model: FemModel
     model_path: Path
     mesh: TetMesh
+    tree: TreeMesh
+    binding: scipy.sparse.csr_matrix  # (v, n) render vertices on the wood's
     subspace: Subspace
     seen: Seen
 
@@ -90,7 +95,8 @@ def source_of(
     subspace = shown_modes(table, fem, tets, cache_dir, workers)
     check_basis(table, binding, subspace)
     tick(1.0, "Found the model")
-    return Source(fem, model_path, tets, subspace, distinct(binding, table.vertex_node.astype(np.int64)))
+    seen = distinct(binding, table.vertex_node.astype(np.int64))
+    return Source(fem, model_path, tets, tree, binding, subspace, seen)
 
 
 def find_model(metadata: Metadata, cache_dir: Path) -> Path:
@@ -146,34 +152,28 @@ def _same_nodes(table: Table, tree: TreeMesh) -> bool:
     return bool(np.abs(middle - table.node_rest_m).max() < 1e-3 * float(table.metadata["height_m"]))
 
 
-def winds_of(metadata: Metadata) -> tuple[list[SampleWind], list[SampleWind]]:
-    """The winds of a table: those of its records, and those that the drift-free method also learns from."""
-    speed_m_s, dt_s = float(metadata["design_speed_m_s"]), float(metadata["dt_s"])
-    names, frames = metadata["provenance"]["winds"], metadata["provenance"]["frames"]
-    cosine = next((n for name, n in zip(names, frames, strict=True) if name.startswith("cosine")), 180)
-    return sample_winds(speed_m_s, dt_s, cosine), training_winds(speed_m_s, dt_s)
-
-
-def sampled_runs(
-    table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int = 2
-) -> tuple[list[Trajectory], list[Trajectory]]:
-    """The trajectories of ``winds_of``, from the cache or simulated again."""
-    winds, more = winds_of(table.metadata)
-    skeleton = extract_skeleton(mesh)
-    points = mesh.tets[sampled_elements(mesh, skeleton, int(table.metadata["sampled_elements"]))]
-    tasks = sample_tasks(model, [*winds, *more], points, cache_dir)
-    runs = [read_trajectory(path) for path in run_in_processes(tasks, lambda done: None, workers)]
-    return runs[: len(winds)], runs[len(winds) :]
+def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int = 2) -> Samples:
+    """The runs that a table was made from, in the cache or simulated again."""
+    provenance = table.metadata["provenance"]
+    by_name = zip(provenance["winds"], provenance["frames"], strict=True)
+    frames = next((count for name, count in by_name if name.startswith("cosine")), BuildOptions.frames)
+    options = BuildOptions(
+        frames=int(frames), fem=model.settings, seed=int(provenance.get("seed", BuildOptions.seed))
+    )
+    elements = sampled_elements(mesh, extract_skeleton(mesh), int(table.metadata["sampled_elements"]))
+    speed_m_s = float(table.metadata["design_speed_m_s"])
+    samples = planned(model, speed_m_s, mesh.tets[elements], options, cache_dir)
+    simulate(samples, partial(run_in_processes, workers=workers), lambda done: None, lambda: None)
+    return samples
 
 
 def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
     """The table's modes on the wood's vertices, fitted as the build fits them."""
-    winds, more = winds_of(table.metadata)
-    paper, learnt = sampled_runs(table, model, mesh, cache_dir, workers)
-    free = [run for run, wind in zip([*paper, *learnt], [*winds, *more], strict=True) if not wind.fade_frames]
-    seen = thinned([run.displacement_m for run in (*paper, *free)])
+    samples = samples_of(table, model, mesh, cache_dir, workers)
+    learning = Learning(oscillators_of(model), model.settings, samples.learnt_runs())
     tolerance_m = TableSettings().truncation_share * float(table.metadata["height_m"])
-    return fit_subspace(seen, model.mass_kg[: model.vertex_count], tolerance_m)
+    mass_kg = model.mass_kg[: model.vertex_count]
+    return tabulate.shown_modes(samples.recorded_runs(), mass_kg, tolerance_m, learning)[1]
 
 
 def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:

@@ -16,7 +16,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from precompute.similarity import last_records, still_records
+from precompute.candidates import last_records, still_records
 from precompute.table import Table
 
 Array = npt.NDArray[Any]
@@ -45,16 +45,36 @@ def gaussian(exponent):
 
 
 @numba.njit(cache=True, nogil=True)
-def nearest_pressure(pressure, barred, calm, air, fx, fz):
+def nearest_pressure(pressure, by_x, barred, calm, air, fx, fz):
     """The first step (line 2): the lowest record with a successor whose pressure is nearest.
 
-    ``air`` as in ``best_candidate``.
+    ``by_x`` are the records in the order of their pressure along x: asked outwards from fx, until that part
+    of the distance alone is too much. ``air`` as in ``best_candidate``. −1 if there is none.
     """
+    below, above = 0, len(by_x)
+    while below < above:
+        middle = (below + above) // 2
+        if pressure[by_x[middle], 0] < fx:
+            below = middle + 1
+        else:
+            above = middle
+    right, left = below, below - 1
     best, found = np.inf, -1
-    for j in range(len(pressure)):
+    while left >= 0 or right < len(by_x):
+        to_left = fx - pressure[by_x[left], 0] if left >= 0 else np.inf
+        to_right = pressure[by_x[right], 0] - fx if right < len(by_x) else np.inf
+        if to_left < to_right:
+            j = by_x[left]
+            left -= 1
+        else:
+            j = by_x[right]
+            right += 1
         dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
+        if dx * dx > best:
+            break
         distance = dx * dx + dz * dz
-        if distance < best and not barred[j] and (air == ANY or calm[j] == air):
+        better = distance < best or (distance == best and j < found)
+        if better and not barred[j] and (air == ANY or calm[j] == air):
             best, found = distance, j
     return found
 
@@ -116,6 +136,7 @@ class SearchArrays:
     pressure: Floats  # (z, 2) Pa
     calm: npt.NDArray[np.bool_]  # (z,) no wind acts
     barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory
+    by_x: npt.NDArray[np.int64]  # (z,) records in the order of their pressure along x
     half_precision: float  # 1 / (2 σ²), Pa⁻²
 
 
@@ -129,6 +150,7 @@ def search_arrays(table: Table) -> SearchArrays:
         table.pressure_pa.astype(np.float64),
         still_records(table.pressure_pa),
         last_records(table.trajectory),
+        np.argsort(table.pressure_pa[:, 0], kind="stable"),
         1.0 / (2.0 * sigma * sigma),
     )
 
@@ -178,10 +200,13 @@ def _step(search, dq, poses, starts, rule, i, fx, fz, record, weight, now, befor
 
 @numba.njit(cache=True, nogil=True)
 def _find(search, state, weight, air, fx, fz):
-    """The record for the next step from a record's state (0: the first step)."""
-    offsets, candidate, error, pressure, calm, barred, half_precision = search
-    if state == 0:
-        return nearest_pressure(pressure, barred, calm, air, fx, fz)
+    """The record for the next step from a record's state (0: the first step).
+
+    When the air begins to move about a tree in still air, that is a first step again.
+    """
+    offsets, candidate, error, pressure, calm, barred, by_x, half_precision = search
+    if state == 0 or (air == 0 and calm[state]):
+        return nearest_pressure(pressure, by_x, barred, calm, air, fx, fz)
     return best_candidate(
         offsets, candidate, error, pressure, calm, half_precision, state, weight, air, fx, fz
     )

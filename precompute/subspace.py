@@ -6,7 +6,7 @@ u = Σ_k basis_k q_k relative to gravity rest.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +27,7 @@ class Subspace:
 
     basis: Floats  # (n, 3, r) m per unit of q
     dual: Floats  # (r, 3n): q = dual @ u.ravel(), the mass-weighted projection
+    scale: Floats  # (r,) how far the farthest vertex moved in each mode as it was given, before scaling
     max_error_m: float  # largest vertex error of the truncation over the snapshots
     energy_left: float  # share of the mass-weighted variance outside the basis
 
@@ -43,33 +44,55 @@ class Subspace:
         return np.einsum("nik,tk->tni", self.basis, q)
 
 
-def thinned(displacements: Sequence[Array]) -> Floats:
-    """At most about MAX_SNAPSHOTS evenly chosen snapshots (s, 3n), float64."""
-    total = sum(len(u) for u in displacements)
+def thinned(displacements: Iterable[Array], total: int | None = None) -> Floats:
+    """At most about MAX_SNAPSHOTS evenly chosen snapshots (s, 3n), float64.
+
+    With the ``total`` number of them known, displacements are taken one run at a time.
+    """
+    if total is None:
+        displacements = list(displacements)
+        total = sum(len(u) for u in displacements)
     stride = max(1, -(-total // MAX_SNAPSHOTS))
-    return np.concatenate([u[::stride].reshape(-1, u.shape[1] * 3) for u in displacements]).astype(np.float64)
+    return np.concatenate([u[::stride].reshape(-1, u.shape[1] * 3).astype(np.float64) for u in displacements])
 
 
 def fit_subspace(
-    snapshots: Floats, mass_kg: Floats, tolerance_m: float, *, least: int = 8, most: int = 24
+    snapshots: Floats,
+    mass_kg: Floats,
+    tolerance_m: float,
+    *,
+    leading: Floats | None = None,
+    least: int = 8,
+    most: int = 24,
 ) -> Subspace:
     """The fewest modes (least..most) that reproduce all snapshots (s, 3n) within tolerance_m at every vertex.
 
-    Method of snapshots (Sirovich 1987). The Gram matrix and everything after it stay in float64: in float32
-    the modes beyond some twenty would be noise.
+    ``leading`` (d, 3n) are shapes that come first as they are; ``least`` and ``most`` count those that proper
+    orthogonal decomposition adds to them. Method of snapshots (Sirovich 1987). The Gram matrix and everything
+    after it stay in float64: in float32 the modes beyond some twenty would be noise.
     """
     root_mass = np.sqrt(np.repeat(np.maximum(mass_kg, 1e-9 * mass_kg.max()), 3))
-    weighted = snapshots * root_mass
-    variance, vectors = scipy.linalg.eigh(weighted @ weighted.T)
+    given = np.empty((0, snapshots.shape[1])) if leading is None else leading
+    rest = _without(snapshots * root_mass, (given * root_mass).T)
+    variance, vectors = scipy.linalg.eigh(rest @ rest.T)
     variance, vectors = variance[::-1], vectors[:, ::-1]
-    most = max(1, min(most, int(np.sum(variance > 1e-12 * variance[0]))))
-    modes, _ = np.linalg.qr(weighted.T @ vectors[:, :most])
+    whole = float(np.square(snapshots * root_mass).sum())
+    most = min(most, int(np.sum(variance > 1e-13 * whole)))
+    modes, _ = np.linalg.qr(rest.T @ vectors[:, :most])
     modes = _first_positive(modes)
-    errors = _max_errors(snapshots, weighted, modes, root_mass)
-    enough = [r + 1 for r, error in enumerate(errors) if error <= tolerance_m and r + 1 >= least]
+    errors = _max_errors(rest, modes, root_mass)
+    enough = [r for r, error in enumerate(errors) if error <= tolerance_m and r >= least]
     r = min([*enough, most])
-    left = float(np.maximum(variance[r:], 0).sum() / np.maximum(variance, 0).sum())
-    return _scaled(modes[:, :r], root_mass, errors[r - 1], left)
+    left = float(np.maximum(variance[r:], 0).sum()) / whole
+    return _scaled(np.concatenate([given, modes[:, :r].T / root_mass]), root_mass, errors[r], left)
+
+
+def _without(weighted: Floats, given: Floats) -> Floats:
+    """Rows (s, 3n) less their part in the span of the columns (3n, d)."""
+    if not given.shape[1]:
+        return weighted
+    span, _ = np.linalg.qr(given)
+    return weighted - (weighted @ span) @ span.T
 
 
 def _first_positive(modes: Floats) -> Floats:
@@ -78,25 +101,31 @@ def _first_positive(modes: Floats) -> Floats:
     return modes * np.sign(modes[largest, np.arange(modes.shape[1])])
 
 
-def _max_errors(snapshots: Floats, weighted: Floats, modes: Floats, root_mass: Floats) -> list[float]:
-    """Largest vertex error over all snapshots with the first 1, 2, … modes."""
+def _max_errors(weighted: Floats, modes: Floats, root_mass: Floats) -> list[float]:
+    """Largest vertex error over all mass-weighted snapshots with the first 0, 1, 2, … modes."""
     coordinates = weighted @ modes
-    residual = snapshots.copy()
-    errors: list[float] = []
+    residual = weighted / root_mass
+    errors = [_largest(residual)]
     for k in range(modes.shape[1]):
         residual -= np.outer(coordinates[:, k], modes[:, k] / root_mass)
-        points = residual.reshape(len(residual), -1, 3)
-        errors.append(float(np.sqrt(np.einsum("sni,sni->sn", points, points).max())))
+        errors.append(_largest(residual))
     return errors
 
 
-def _scaled(modes: Floats, root_mass: Floats, max_error_m: float, energy_left: float) -> Subspace:
-    shapes = (modes / root_mass[:, None]).reshape(-1, 3, modes.shape[1])
-    reach = np.sqrt(np.square(shapes).sum(axis=1).max(axis=0))
-    dual = (modes * root_mass[:, None] * reach).T
-    return Subspace(
-        np.ascontiguousarray(shapes / reach), np.ascontiguousarray(dual), max_error_m, energy_left
-    )
+def _largest(residual: Floats) -> float:
+    points = residual.reshape(len(residual), -1, 3)
+    return float(np.sqrt(np.einsum("sni,sni->sn", points, points).max()))
+
+
+def _scaled(shapes: Floats, root_mass: Floats, max_error_m: float, energy_left: float) -> Subspace:
+    """Modes (r, 3n), each scaled so that its farthest vertex moves 1 m; coordinates by least squares."""
+    points = shapes.reshape(len(shapes), -1, 3)
+    scale = np.sqrt(np.square(points).sum(axis=2).max(axis=1))
+    modes = shapes / scale[:, None]
+    weighted = modes * root_mass
+    dual = np.linalg.solve(weighted @ weighted.T, weighted * root_mass)
+    basis = np.ascontiguousarray((points / scale[:, None, None]).transpose(1, 2, 0))
+    return Subspace(basis, np.ascontiguousarray(dual), scale, max_error_m, energy_left)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from safetensors.numpy import load, save
 from precompute.tangent import Tangent, coupled_modes, force_terms, shape_terms
 
 FORMAT = "galewood-table"
-VERSION = 2
+VERSION = 3
 MAX_HEADER_BYTES = 1 << 20
 MAX_DYNAMIC = 64
 
@@ -50,7 +50,8 @@ class Table:
     tangent_load: npt.NDArray[np.float32]  # (d, 2)
     tangent_sway: npt.NDArray[np.float32]  # (2, d)
     tangent_force: npt.NDArray[np.float32]  # (26 + 2 c, d)
-    tangent_pose: npt.NDArray[np.float32]  # (d + 9 + 2 c, r)
+    tangent_shown: npt.NDArray[np.float32]  # (d,)
+    tangent_pose: npt.NDArray[np.float32]  # (d + 9 + 2 c, r - d)
     tangent_limits: npt.NDArray[np.float32]  # (3 + c,)
 
     @property
@@ -58,7 +59,7 @@ class Table:
         """The drift-free method's own tensors."""
         return Tangent(
             self.tangent_step, self.tangent_load, self.tangent_sway,
-            self.tangent_force, self.tangent_pose, self.tangent_limits,
+            self.tangent_force, self.tangent_shown, self.tangent_pose, self.tangent_limits,
         )  # fmt: skip
 
     def pose(self) -> npt.NDArray[np.int32]:
@@ -76,11 +77,12 @@ TENSORS: dict[str, tuple[str, Any, int]] = {
     "samples.trajectory": ("trajectory", np.uint32, 1),
     "search.offsets": ("offsets", np.uint32, 1),
     "search.record": ("candidate", np.uint16, 1),
-    "search.mismatches": ("mismatches", np.uint16, 1),
+    "search.mismatch_steps": ("mismatches", np.uint16, 1),
     "tangent.step": ("tangent_step", np.float32, 2),
     "tangent.load": ("tangent_load", np.float32, 2),
     "tangent.sway": ("tangent_sway", np.float32, 2),
     "tangent.force": ("tangent_force", np.float32, 2),
+    "tangent.shown": ("tangent_shown", np.float32, 1),
     "tangent.pose": ("tangent_pose", np.float32, 2),
     "tangent.limits": ("tangent_limits", np.float32, 1),
 }
@@ -102,6 +104,7 @@ def encode(table: Table) -> bytes:
         name: np.ascontiguousarray(getattr(table, field), dtype)
         for name, (field, dtype, _) in TENSORS.items()
     }
+    tensors["search.mismatch_steps"] = _steps(table.mismatches, table.offsets)
     return save(tensors, {"galewood": json.dumps(table.metadata, allow_nan=False, separators=(",", ":"))})
 
 
@@ -118,8 +121,29 @@ def decode(data: bytes) -> Table:
     extra = set(tensors) - set(TENSORS)
     if extra:
         raise TableError(f"unknown tensor {sorted(extra)[0]:.60}")
+    check_metadata(table.metadata)
+    _check_shapes(table)
+    _check_offsets(table)
+    table = replace(table, mismatches=_sums(table.mismatches, table.offsets))
     check(table)
     return table
+
+
+def _steps(mismatches: Array, offsets: Array) -> npt.NDArray[np.uint16]:
+    """Each candidate's mismatches less those of the one before it; the first of a row stands as it is."""
+    steps = np.diff(mismatches, prepend=np.uint16(0))
+    first = offsets[:-1].astype(np.int64)
+    steps[first] = mismatches[first]
+    return steps
+
+
+def _sums(steps: Array, offsets: Array) -> npt.NDArray[np.uint16]:
+    """The other way. What overflows is not in order, and is refused for that."""
+    sums = np.cumsum(steps, dtype=np.int64)
+    first = offsets[:-1].astype(np.int64)
+    sums -= np.repeat(sums[first] - steps[first], np.diff(offsets.astype(np.int64)))
+    _need(int(sums.max()) <= 65535, "tensor search.mismatch_steps: out of range")
+    return sums.astype(np.uint16)
 
 
 def read_metadata(data: bytes) -> Metadata:
@@ -201,7 +225,8 @@ def _check_shapes(table: Table) -> None:
     r, z, n = int(table.metadata["modes"]), int(table.metadata["records"]), len(table.node_rest_m)
     vertices = sum(int(p["vertices"]) for p in table.metadata["primitives"])
     d = len(table.tangent_step)
-    _need(2 <= d <= MAX_DYNAMIC, f"tensor tangent.step: expected 2..{MAX_DYNAMIC} rows")
+    most = min(MAX_DYNAMIC, r)
+    _need(2 <= d <= most, f"tensor tangent.step: expected 2..{most} rows")
     c = coupled_modes(d)
     for name, shape in (
         ("modes.scale", (r,)),
@@ -211,12 +236,13 @@ def _check_shapes(table: Table) -> None:
         ("samples.dq", (z, r)),
         ("samples.pressure_pa", (z, 2)),
         ("search.offsets", (z + 1,)),
-        ("search.mismatches", (len(table.candidate),)),
+        ("search.mismatch_steps", (len(table.candidate),)),
         ("tangent.step", (d, 6)),
         ("tangent.load", (d, 2)),
         ("tangent.sway", (2, d)),
         ("tangent.force", (force_terms(c), d)),
-        ("tangent.pose", (d + 2 + shape_terms(c), r)),
+        ("tangent.shown", (d,)),
+        ("tangent.pose", (d + 2 + shape_terms(c), r - d)),
         ("tangent.limits", (3 + c,)),
     ):
         found = getattr(table, TENSORS[name][0]).shape
@@ -242,10 +268,15 @@ def _check_trajectories(table: Table) -> None:
     _need(worst < 2**31, "tensor samples.trajectory: a trajectory is too long")
 
 
-def _check_search(table: Table) -> None:
-    offsets, z, nnz = table.offsets.astype(np.int64), len(table.dq), len(table.candidate)
+def _check_offsets(table: Table) -> None:
+    offsets, nnz = table.offsets.astype(np.int64), len(table.candidate)
     _need(bool(offsets[0] == 0 and offsets[-1] == nnz), "tensor search.offsets: must run from 0 to the end")
     _need(bool((np.diff(offsets) >= 1).all()), "tensor search.offsets: every record needs a candidate")
+
+
+def _check_search(table: Table) -> None:
+    _check_offsets(table)
+    offsets, z, nnz = table.offsets.astype(np.int64), len(table.dq), len(table.candidate)
     record = table.candidate.astype(np.int64)
     last = np.zeros(65536, np.bool_)
     last[z:] = True
@@ -253,7 +284,8 @@ def _check_search(table: Table) -> None:
     _need(not last[record].any(), "tensor search.record: out of range, or the last of its trajectory")
     mismatches = table.mismatches.astype(np.int64)
     _need(
-        int(mismatches.max()) <= int(table.metadata["components"]), "tensor search.mismatches: out of range"
+        int(mismatches.max()) <= int(table.metadata["components"]),
+        "tensor search.mismatch_steps: out of range",
     )
     key = mismatches * 65536 + record
     first = np.zeros(nnz, np.bool_)

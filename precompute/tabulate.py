@@ -10,17 +10,20 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse
 
+from precompute.candidates import Rule, air_of, build_search
 from precompute.model import FemSettings
 from precompute.nodes import Nodes, largest_motion_m, make_nodes, render_basis
-from precompute.sampling import Trajectory
-from precompute.similarity import InternalStates, build_search, typical_error
+from precompute.sampling import Recording
+from precompute.similarity import Compared, InternalStates, compared, typical_error
 from precompute.subspace import QuantisedMotion, Subspace, fit_subspace, quantise, thinned
 from precompute.table import FORMAT, VERSION, Metadata, Table, poses
-from precompute.tangent_fit import Run, fit_tangent
+from precompute.tangent_fit import fit_tangent, leading_oscillators
 from precompute.tangent_modes import Oscillators
 
 Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
+LEAST_FURTHER, MOST_FURTHER = 4, 8
+"""Shown modes beside the oscillators' own."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,7 @@ class TableSettings:
     """None follows from ``weight_leverage``."""
     weight_growth: float = 0.01
     pose_easing: float = 0.08
-    truncation_share: float = 3e-4
+    truncation_share: float = 6e-4
     """Largest vertex error of the reduced basis over the height."""
     node_share: float = 5e-4
     """Largest error of a vertex against its node, at RMS motion, over the height."""
@@ -60,11 +63,11 @@ class Learning:
 
     body: Oscillators
     scheme: FemSettings
-    runs: Sequence[Trajectory]
+    runs: Sequence[Recording]
     dynamic: int = 16
 
 
-def internal_states(runs: Sequence[Trajectory]) -> InternalStates:
+def internal_states(runs: Sequence[Recording]) -> InternalStates:
     """The records of all runs, one after another."""
     velocity, force, stiffness = (
         np.concatenate([getattr(run, name) for run in runs]) for name in ("velocity", "force", "stiffness")
@@ -72,9 +75,9 @@ def internal_states(runs: Sequence[Trajectory]) -> InternalStates:
     return InternalStates(velocity, force, stiffness)
 
 
-def weights(states: InternalStates, settings: TableSettings) -> dict[str, float]:
+def weights(layout: Compared, components: int, settings: TableSettings) -> dict[str, float]:
     """The weight rule's numbers for these states."""
-    leverage = settings.weight_leverage * typical_error(states)
+    leverage = settings.weight_leverage * typical_error(layout, components)
     maximum = settings.weight_maximum or leverage / (1.0 + leverage)
     initial = settings.weight_initial or 0.95 * maximum
     return {"initial": min(initial, maximum), "maximum": maximum, "growth": settings.weight_growth}
@@ -86,8 +89,20 @@ def spread_pa(pressure_pa: Array) -> float:
     return float(np.sqrt(squared[squared > 0].mean())) if squared.any() else 1.0
 
 
+def shown_modes(
+    runs: Sequence[Recording], mass_kg: Floats, tolerance_m: float, learning: Learning
+) -> tuple[Oscillators, Subspace]:
+    """The oscillators that are stepped, and the modes that are shown: their own shapes and a few more."""
+    seen = (*runs, *learning.runs)
+    snapshots = thinned((run.displacement_m for run in seen), sum(len(run.pressure_pa) + 1 for run in seen))
+    own = leading_oscillators(learning.body, learning.runs, learning.scheme, learning.dynamic)
+    return own, fit_subspace(
+        snapshots, mass_kg, tolerance_m, leading=own.shapes, least=LEAST_FURTHER, most=MOST_FURTHER
+    )
+
+
 def assemble_table(
-    runs: Sequence[Trajectory],
+    runs: Sequence[Recording],
     mass_kg: Floats,
     mesh: RenderMesh,
     description: Metadata,
@@ -97,17 +112,9 @@ def assemble_table(
 ) -> Table:
     """The table of all runs. ``description`` adds species, height, winds, provenance to the metadata."""
     height_m = float(description["height_m"])
-    seen = [run.displacement_m for run in (*runs, *learning.runs)]
-    subspace = fit_subspace(thinned(seen), mass_kg, settings.truncation_share * height_m)
+    own, subspace = shown_modes(runs, mass_kg, settings.truncation_share * height_m, learning)
     tick(0.1)
-    tangent = fit_tangent(
-        learning.body,
-        mass_kg,
-        [Run(run.pressure_pa, run.displacement_m) for run in learning.runs],
-        subspace,
-        learning.scheme,
-        dynamic=learning.dynamic,
-    )
+    tangent = fit_tangent(own, mass_kg, learning.runs, subspace, learning.scheme)
     tick(0.2)
     motion = quantise(subspace.project(run.displacement_m) for run in runs)
     starts = np.cumsum([0, *(len(run.pressure_pa) for run in runs)]).astype(np.uint32)
@@ -119,16 +126,16 @@ def assemble_table(
     tick(0.3)
     pressure = np.concatenate([run.pressure_pa for run in runs]).astype(np.float32)
     states = internal_states(runs)
-    weight = weights(states, settings)
+    layout = compared(states)
+    weight = weights(layout, states.components, settings)
     sigma_pa = settings.sigma_share * spread_pa(pressure)
-    search = build_search(
-        states, pressure, starts, sigma_pa, weight["maximum"], lambda f: tick(0.3 + 0.7 * f)
-    )
-    metadata = _metadata(description, settings, mesh, subspace, motion, nodes, states, sigma_pa)
+    rule = Rule(states.components, sigma_pa, weight["initial"], weight["maximum"])
+    search = build_search(layout, air_of(pressure, starts), rule, lambda f: tick(0.3 + 0.7 * f))
+    metadata = _metadata(description, settings, mesh, subspace, motion, nodes, states, sigma_pa, weight)
     return Table(
         metadata, motion.scale, nodes.basis, nodes.rest_m, nodes.vertex_node, motion.dq, pressure, starts,
         search.offsets, search.record, search.mismatches,
-        tangent.step, tangent.load, tangent.sway, tangent.force, tangent.pose, tangent.limits,
+        tangent.step, tangent.load, tangent.sway, tangent.force, tangent.shown, tangent.pose, tangent.limits,
     )  # fmt: skip
 
 
@@ -141,6 +148,7 @@ def _metadata(
     nodes: Nodes,
     states: InternalStates,
     sigma_pa: float,
+    weight: dict[str, float],
 ) -> Metadata:
     return {
         "format": FORMAT,
@@ -152,7 +160,7 @@ def _metadata(
         "points": states.velocity.shape[1],
         "components": states.components,
         "sigma_pa": sigma_pa,
-        "weight": weights(states, settings),
+        "weight": weight,
         "pose_easing": settings.pose_easing,
         "errors": {
             "truncation_max_m": subspace.max_error_m,

@@ -2,9 +2,9 @@
 
 State of a tree: d modal coordinates e (m·√kg) about its gravity rest pose and their velocities v. A step is
 the finite elements' own linear step, diagonal in e, under the wind's load and a force that is polynomial in
-the two sway coordinates (docs/design/0005-drift-free-motion.md). The shown pose q is linear in e and the
-pressure, plus a polynomial for what bending draws along. web/src/tangent.ts is the same arithmetic, operation
-for operation.
+the two sway coordinates (docs/design/0005-drift-free-motion.md). The shown pose is e itself, and a few modes
+more that follow e and the pressure at once, bending included. Trees are stepped side by side, LANES at a
+time, so that the compiler can use the whole width of the machine. web/src/tangent.ts is the same arithmetic.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -22,6 +22,7 @@ Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
+LANES = 16
 MAX_STEPS_PER_ADVANCE = 8
 """After a long pause a tree resumes instead of catching up."""
 MAX_COUPLED = 4
@@ -35,7 +36,7 @@ REST = 1e-7
 
 @dataclass(frozen=True)
 class Tangent:
-    """Tensors of the method: d dynamic coordinates, c coupled ones, r shown modes, F = 26 + 2c terms.
+    """Tensors of the method: d dynamic coordinates, c coupled ones, r ≥ d shown modes, F = 26 + 2c terms.
 
     A step of an oscillator under a force f is e' = r00 e + r01 v + s0 f, v' = r10 e + r11 v + s1 f.
     """
@@ -44,12 +45,17 @@ class Tangent:
     load: Singles  # (d, 2) modal force per Pa of pressure along x and z
     sway: Singles  # (2, d) the two sway coordinates, 1 at the edge of the sampled range
     force: Singles  # (F, d)
-    pose: Singles  # (d + 2 + 7 + 2c, r) m of q per unit
+    shown: Singles  # (d,) m of q_k per unit of e_k
+    pose: Singles  # (d + 2 + 7 + 2c, r − d) m of the further q per unit
     limits: Singles  # (3 + c,) sampled range: sway, sway's speed 1/s, pressure Pa, coupled coordinates
 
     @property
     def coupled(self) -> int:
         return len(self.limits) - 3
+
+    @property
+    def modes(self) -> int:
+        return len(self.shown) + self.pose.shape[1]
 
 
 def coupled_modes(dynamic: int) -> int:
@@ -65,141 +71,209 @@ def force_terms(coupled: int) -> int:
     return shape_terms(coupled) + 19
 
 
+# ---- terms: every array's last axis runs over trees side by side, or over the frames of a run ------------
+
+
 @numba.njit(cache=True, nogil=True)
-def write_shape(x, y, e, limits, out):  # pragma: no cover  (compiled)
+def write_shape(pair, e, limits, out):  # pragma: no cover  (compiled)
     """Terms in the pose alone: sway of degree 2 and 3, then each coupled coordinate times the sway."""
-    out[0], out[1], out[2] = x * x, x * y, y * y
-    out[3], out[4], out[5], out[6] = out[0] * x, out[0] * y, x * out[2], out[2] * y
+    for lane in range(pair.shape[1]):
+        x, y = pair[0, lane], pair[1, lane]
+        xx, xy, yy = x * x, x * y, y * y
+        out[0, lane], out[1, lane], out[2, lane] = xx, xy, yy
+        out[3, lane], out[4, lane], out[5, lane], out[6, lane] = xx * x, xx * y, x * yy, yy * y
     for j in range(len(limits) - 3):
         far = REACH * limits[3 + j]
-        z = min(max(e[2 + j], -far), far)
-        out[7 + 2 * j] = z * x
-        out[8 + 2 * j] = z * y
+        for lane in range(pair.shape[1]):
+            z = min(max(e[2 + j, lane], -far), far)
+            out[7 + 2 * j, lane] = z * pair[0, lane]
+            out[8 + 2 * j, lane] = z * pair[1, lane]
 
 
 @numba.njit(cache=True, nogil=True)
-def write_motion(x, y, vx, vy, px, pz, at, out):  # pragma: no cover  (compiled)
+def write_motion(pair, speed, pressure, out, at):  # pragma: no cover  (compiled)
     """Terms with the sway's speed (centrifugal) and with the pressure (a bent tree is pushed otherwise)."""
-    a, b, c = vx * vx, vx * vy, vy * vy
-    out[at], out[at + 1], out[at + 2] = a, b, c
-    out[at + 3], out[at + 4], out[at + 5] = a * x, a * y, b * x
-    out[at + 6], out[at + 7], out[at + 8] = b * y, c * x, c * y
-    out[at + 9], out[at + 10], out[at + 11], out[at + 12] = px * x, px * y, pz * x, pz * y
-    out[at + 13], out[at + 14], out[at + 15] = px * out[0], px * out[1], px * out[2]
-    out[at + 16], out[at + 17], out[at + 18] = pz * out[0], pz * out[1], pz * out[2]
+    for lane in range(pair.shape[1]):
+        x, y = pair[0, lane], pair[1, lane]
+        vx, vy = speed[0, lane], speed[1, lane]
+        a, b, c = vx * vx, vx * vy, vy * vy
+        out[at, lane], out[at + 1, lane], out[at + 2, lane] = a, b, c
+        out[at + 3, lane], out[at + 4, lane], out[at + 5, lane] = a * x, a * y, b * x
+        out[at + 6, lane], out[at + 7, lane], out[at + 8, lane] = b * y, c * x, c * y
+    for side in range(2):
+        linear, square = at + 9 + 2 * side, at + 13 + 3 * side
+        for lane in range(pair.shape[1]):
+            p = pressure[side, lane]
+            out[linear, lane], out[linear + 1, lane] = p * pair[0, lane], p * pair[1, lane]
+            out[square, lane], out[square + 1, lane] = p * out[0, lane], p * out[1, lane]
+            out[square + 2, lane] = p * out[2, lane]
 
 
 @numba.njit(cache=True, nogil=True)
-def held(x, y, far):  # pragma: no cover  (compiled)
-    """(x, y) drawn back to length ``far`` if it is longer."""
-    size = np.sqrt(x * x + y * y)
-    if size > far:
-        return x * (far / size), y * (far / size)
-    return x, y
+def hold(pair, far):  # pragma: no cover  (compiled)
+    """Draw every (x, y) back to length ``far`` where it is longer."""
+    for lane in range(pair.shape[1]):
+        size = np.sqrt(pair[0, lane] * pair[0, lane] + pair[1, lane] * pair[1, lane])
+        back = far / size if size > far else 1.0
+        pair[0, lane] *= back
+        pair[1, lane] *= back
 
 
 @numba.njit(cache=True, nogil=True)
-def swayed(sway, e):  # pragma: no cover  (compiled)
-    x, y = 0.0, 0.0
+def add_rows(matrix, terms, out):  # pragma: no cover  (compiled)
+    """out (m, lanes) += matrixᵀ (m, F) terms (F, lanes)."""
+    for k in range(matrix.shape[1]):
+        for f in range(matrix.shape[0]):
+            factor = matrix[f, k]
+            for lane in range(terms.shape[1]):
+                out[k, lane] += factor * terms[f, lane]
+
+
+@numba.njit(cache=True, nogil=True)
+def write_sway(sway, values, out):  # pragma: no cover  (compiled)
+    """The two sway coordinates (2, lanes) of values (d, lanes)."""
+    out[:] = 0.0
+    for k in range(len(values)):
+        for lane in range(values.shape[1]):
+            out[0, lane] += sway[0, k] * values[k, lane]
+            out[1, lane] += sway[1, k] * values[k, lane]
+
+
+@numba.njit(cache=True, nogil=True)
+def write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, out):  # pragma: no cover
+    """All terms of the force at the middle of the coming step, as far as the state now tells.
+
+    ahead (d, lanes) and pairs (3, 2, lanes) are room to work in.
+    """
     for k in range(len(e)):
-        x += sway[0, k] * e[k]
-        y += sway[1, k] * e[k]
-    return x, y
+        for lane in range(e.shape[1]):
+            ahead[k, lane] = e[k, lane] + half_s * v[k, lane]
+    write_sway(sway, ahead, pairs[0])
+    write_sway(sway, v, pairs[1])
+    pairs[2] = pressure
+    for i in range(3):
+        hold(pairs[i], REACH * limits[i])
+    write_shape(pairs[0], ahead, limits, out)
+    write_motion(pairs[0], pairs[1], pairs[2], out, 7 + 2 * (len(limits) - 3))
 
 
 @numba.njit(cache=True, nogil=True)
-def write_force_terms(sway, limits, half_s, e, v, px, pz, ahead, out):  # pragma: no cover  (compiled)
-    """All terms of the force at the middle of the coming step, as far as the state now tells."""
-    for k in range(len(e)):
-        ahead[k] = e[k] + half_s * v[k]
-    x, y = swayed(sway, ahead)
-    x, y = held(x, y, REACH * limits[0])
-    vx, vy = swayed(sway, v)
-    vx, vy = held(vx, vy, REACH * limits[1])
-    px, pz = held(px, pz, REACH * limits[2])
-    write_shape(x, y, ahead, limits, out)
-    write_motion(x, y, vx, vy, px, pz, 7 + 2 * (len(limits) - 3), out)
-
-
-@numba.njit(cache=True, nogil=True)
-def write_pose_terms(sway, limits, e, px, pz, out):  # pragma: no cover  (compiled)
-    """e, the pressure, and the terms in the pose."""
+def write_pose_terms(limits, e, pressure, pair, out):  # pragma: no cover  (compiled)
+    """e, the pressure, and the terms in the pose; pair: the sway of e, which is held in place."""
     d = len(e)
     out[:d] = e
-    out[d], out[d + 1] = px, pz
-    x, y = swayed(sway, e)
-    x, y = held(x, y, REACH * limits[0])
-    write_shape(x, y, e, limits, out[d + 2 :])
+    out[d : d + 2] = pressure
+    hold(pair, REACH * limits[0])
+    write_shape(pair, e, limits, out[d + 2 :])
+
+
+# ---- a step of LANES trees -------------------------------------------------------------------------------
 
 
 @numba.njit(cache=True, nogil=True)
-def _step(tensors, half_s, px, pz, e, v, work):  # pragma: no cover  (compiled)
-    """Advance one tree by the table's step."""
-    step, load, sway, force, _, limits = tensors
-    d = len(e)
-    ahead, terms, total = work[0, :d], work[1], work[2]
-    write_force_terms(sway, limits, half_s, e, v, px, pz, ahead, terms)
-    for k in range(d):
-        total[k] = load[k, 0] * px + load[k, 1] * pz
-    for f in range(len(force)):
-        for k in range(d):
-            total[k] += force[f, k] * terms[f]
-    for k in range(d):
-        a, b = e[k], v[k]
-        e[k] = a + (step[k, 0] * a + step[k, 1] * b + step[k, 4] * total[k])
-        v[k] = b + (step[k, 2] * a + step[k, 3] * b + step[k, 5] * total[k])
-
-
-@numba.njit(cache=True, nogil=True)
-def _settled(sway, limits, e, v, px, pz):  # pragma: no cover  (compiled)
-    """Whether the air is still and the tree moves too little to matter; then it rests."""
-    if px != 0.0 or pz != 0.0:
-        return False
-    x, y = swayed(sway, e)
-    vx, vy = swayed(sway, v)
-    small = REST * limits[0]
-    if max(abs(x), abs(y)) > small or max(abs(vx), abs(vy)) > REST * limits[1]:
-        return False
-    largest = 0.0
+def _step(tensors, half_s, lanes):  # pragma: no cover  (compiled)
+    """Advance the trees in the lanes by the table's step."""
+    step, load, sway, force, _, _, limits = tensors
+    e, v, pressure, ahead, pairs, terms, total, _ = lanes
+    write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, terms)
     for k in range(len(e)):
-        largest = max(largest, abs(e[k]))
-    return largest * max(abs(sway[0, 0]), abs(sway[1, 0])) < small
+        for lane in range(LANES):
+            total[k, lane] = load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
+    add_rows(force, terms[: len(force)], total)
+    for k in range(len(e)):
+        a, b, c, d, s0, s1 = step[k]
+        for lane in range(LANES):
+            x, y, f = e[k, lane], v[k, lane], total[k, lane]
+            e[k, lane] = x + (a * x + b * y + s0 * f)
+            v[k, lane] = y + (c * x + d * y + s1 * f)
 
 
 @numba.njit(cache=True, nogil=True)
-def _show(tensors, px, pz, e, work, before, now):  # pragma: no cover  (compiled)
-    """The pose of the state now, the one before kept."""
-    sway, pose, limits = tensors[2], tensors[4], tensors[5]
-    terms = work[1]
-    write_pose_terms(sway, limits, e, px, pz, terms)
-    for k in range(len(now)):
-        before[k] = now[k]
-        now[k] = 0.0
-    for f in range(len(pose)):
-        for k in range(len(now)):
-            now[k] += pose[f, k] * terms[f]
+def _settle(sway, limits, lanes):  # pragma: no cover  (compiled)
+    """Bring trees to rest that move too little to matter in still air. Leaves the sway of e in pairs[0]."""
+    e, v, pressure, _, pairs, _, _, _ = lanes
+    write_sway(sway, e, pairs[0])
+    small, reach = REST * limits[0], max(abs(sway[0, 0]), abs(sway[1, 0]))
+    for lane in range(LANES):
+        if pressure[0, lane] != 0.0 or pressure[1, lane] != 0.0:
+            continue
+        if max(abs(pairs[0, 0, lane]), abs(pairs[0, 1, lane])) > small:
+            continue
+        vx, vy, largest = 0.0, 0.0, 0.0
+        for k in range(len(e)):
+            vx += sway[0, k] * v[k, lane]
+            vy += sway[1, k] * v[k, lane]
+            largest = max(largest, abs(e[k, lane]))
+        if max(abs(vx), abs(vy)) <= REST * limits[1] and largest * reach < small:
+            e[:, lane] = 0.0
+            v[:, lane] = 0.0
+            pairs[0, :, lane] = 0.0
+
+
+@numba.njit(cache=True, nogil=True)
+def _show(tensors, lanes, tree, count, now, before, coverage):  # pragma: no cover  (compiled)
+    """The poses of the states now, those before kept; and how far into the sampled range the trees are."""
+    _, _, _, _, shown, pose, limits = tensors
+    e, _, pressure, _, pairs, terms, total, _ = lanes
+    d = len(e)
+    for lane in range(count):
+        x, y = pairs[0, 0, lane], pairs[0, 1, lane]
+        px, pz = pressure[0, lane], pressure[1, lane]
+        coverage[tree[lane]] = max(np.sqrt(x * x + y * y) / limits[0], np.sqrt(px * px + pz * pz) / limits[2])
+    write_pose_terms(limits, e, pressure, pairs[0], terms)
+    total[: pose.shape[1]] = 0.0
+    add_rows(pose, terms[: len(pose)], total)
+    for lane in range(count):
+        i = tree[lane]
+        for k in range(d):
+            before[i, k] = now[i, k]
+            now[i, k] = shown[k] * e[k, lane]
+        for k in range(pose.shape[1]):
+            before[i, d + k] = now[i, d + k]
+            now[i, d + k] = total[k, lane]
+
+
+@numba.njit(cache=True, nogil=True)
+def _step_trees(tensors, half_s, lanes, count, turned, e, v, now, before, coverage):  # pragma: no cover
+    """Step the ``count`` trees named in the lanes."""
+    own_e, own_v, pressure, _, _, _, _, tree = lanes
+    for lane in range(count):
+        i = tree[lane]
+        pressure[0, lane], pressure[1, lane] = turned[i, 0], turned[i, 1]
+        for k in range(len(own_e)):
+            own_e[k, lane], own_v[k, lane] = e[i, k], v[i, k]
+    _step(tensors, half_s, lanes)
+    _settle(tensors[2], tensors[6], lanes)
+    for lane in range(count):
+        i = tree[lane]
+        for k in range(len(own_e)):
+            e[i, k], v[i, k] = own_e[k, lane], own_v[k, lane]
+    _show(tensors, lanes, tree, count, now, before, coverage)
 
 
 @numba.njit(cache=True, nogil=True)
 def _advance(
-    tensors, half_s, rate, turn, pressure_x, pressure_z, e, v, phase, now, before, q, coverage, work
+    tensors, half_s, rate, turn, pressure_x, pressure_z, e, v, phase, turned, now, before, q, coverage, lanes
 ):  # pragma: no cover  (compiled)
-    sway, limits = tensors[2], tensors[5]
     for i in range(len(phase)):
-        px = turn[i, 0] * pressure_x[i] - turn[i, 1] * pressure_z[i]
-        pz = turn[i, 1] * pressure_x[i] + turn[i, 0] * pressure_z[i]
+        turned[i, 0] = turn[i, 0] * pressure_x[i] - turn[i, 1] * pressure_z[i]
+        turned[i, 1] = turn[i, 1] * pressure_x[i] + turn[i, 0] * pressure_z[i]
         phase[i] += rate[i]
-        steps = 0
-        while phase[i] >= 1.0 and steps < MAX_STEPS_PER_ADVANCE:
-            _step(tensors, half_s, px, pz, e[i], v[i], work)
-            if _settled(sway, limits, e[i], v[i], px, pz):
-                e[i] = 0.0
-                v[i] = 0.0
-            _show(tensors, px, pz, e[i], work, before[i], now[i])
-            x, y = swayed(sway, e[i])
-            coverage[i] = max(np.sqrt(x * x + y * y) / limits[0], np.sqrt(px * px + pz * pz) / limits[2])
-            phase[i] -= 1.0
-            steps += 1
+    tree = lanes[7]
+    for _ in range(MAX_STEPS_PER_ADVANCE):
+        count = stepped = 0
+        for i in range(len(phase)):
+            if phase[i] >= 1.0:
+                phase[i] -= 1.0
+                tree[count] = i
+                count += 1
+            if count == LANES or (count > 0 and i == len(phase) - 1):
+                _step_trees(tensors, half_s, lanes, count, turned, e, v, now, before, coverage)
+                stepped += count
+                count = 0
+        if stepped == 0:
+            break
+    for i in range(len(phase)):
         phase[i] -= np.floor(phase[i])
         for k in range(q.shape[1]):
             q[i, k] = before[i, k] + (now[i, k] - before[i, k]) * phase[i]
@@ -207,8 +281,18 @@ def _advance(
 
 def widened(tangent: Tangent) -> tuple[Floats, ...]:
     """The tensors in the type that steps are computed in."""
-    names = ("step", "load", "sway", "force", "pose", "limits")
+    names = ("step", "load", "sway", "force", "shown", "pose", "limits")
     return tuple(np.ascontiguousarray(getattr(tangent, name), np.float64) for name in names)
+
+
+def working_room(tangent: Tangent) -> tuple[Array, ...]:
+    """Lanes for e, v, pressure, e ahead, three pairs, terms, sums, and the trees that are in them."""
+    d = len(tangent.step)
+    terms = max(len(tangent.force), len(tangent.pose))
+    heights = (d, d, 2, d)
+    rooms = [np.zeros((height, LANES)) for height in heights]
+    total = np.zeros((max(d, tangent.pose.shape[1]), LANES))
+    return (*rooms, np.zeros((3, 2, LANES)), np.zeros((terms, LANES)), total, np.zeros(LANES, np.int64))
 
 
 class TangentForest:
@@ -218,12 +302,13 @@ class TangentForest:
         """``count`` trees at rest; dt_s is the table's step, mode_scale (r,) the stream's unit of q."""
         self._tensors = widened(tangent)
         self._dt_s, self._scale = dt_s, mode_scale.astype(np.float64)
-        d, r = len(tangent.step), tangent.pose.shape[1]
+        d, r = len(tangent.step), tangent.modes
         self._e, self._v = np.zeros((count, d)), np.zeros((count, d))
         self._now, self._before = np.zeros((count, r)), np.zeros((count, r))
         self._phase, self._rate, self._size = np.zeros(count), np.zeros(count), np.ones(count)
         self._turn = np.tile(np.array([1.0, 0.0]), (count, 1))
-        self._work = np.zeros((3, max(len(tangent.force), len(tangent.pose), d)))
+        self._turned = np.zeros((count, 2))
+        self._lanes = working_room(tangent)
         self.x_m, self.z_m = np.zeros(count, np.float32), np.zeros(count, np.float32)
         self.coverage = np.zeros(count, np.float32)
         """(count,) how far into the sampled range of sway and pressure a tree is: above 1 it is beyond it."""
@@ -247,7 +332,7 @@ class TangentForest:
         px, pz = np.asarray(pressure_x, np.float64), np.asarray(pressure_z, np.float64)
         _advance(
             self._tensors, self._dt_s / 2, self._rate, self._turn, px, pz, self._e, self._v,
-            self._phase, self._now, self._before, self.q, self.coverage, self._work,
+            self._phase, self._turned, self._now, self._before, self.q, self.coverage, self._lanes,
         )  # fmt: skip
 
     def poses(self) -> npt.NDArray[np.int32]:

@@ -4,16 +4,13 @@ The force is found by linear least squares on motions, not on one-step residuals
 true run, is sent through its oscillator, and the responses together must make up what the linear step misses.
 What a term does to the frequency and the damping of a mode thus weighs by what it does to the sway.
 """
-# pyright: reportMissingParameterType=false
-# (compiled kernels take their types from the call)
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -32,15 +29,26 @@ from precompute.tangent_modes import Oscillators, propagators, reduced, response
 Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
 
-DYNAMIC = 16
 FORCE_RIDGE = 1e-5
 POSE_RIDGE = 1e-7
 """Ridges relative to each term's own mean square."""
 
 
+class RunLike(Protocol):
+    """A run of the finite elements from rest: displacement (T + 1, n, 3) m under pressure (T, 2) Pa.
+
+    Asked for one after the other, each array once: they need not all be in memory.
+    """
+
+    @property
+    def pressure_pa(self) -> Array: ...
+    @property
+    def displacement_m(self) -> Array: ...
+
+
 @dataclass(frozen=True)
 class Run:
-    """A run of the finite elements from rest: displacement (T + 1, n, 3) m under pressure (T, 2) Pa."""
+    """A run in memory."""
 
     pressure_pa: Array
     displacement_m: Array
@@ -57,33 +65,40 @@ class ModalRun:
 
 
 def fit_tangent(
-    body: Oscillators,
+    ritz: Oscillators,
     mass_kg: Floats,
-    runs: Sequence[Run],
+    runs: Sequence[RunLike],
     subspace: Subspace,
     settings: FemSettings,
     *,
-    dynamic: int = DYNAMIC,
     force_ridge: float = FORCE_RIDGE,
 ) -> Tangent:
-    """The method's tensors from a body's natural modes and its runs; the shown modes are the subspace's."""
-    if not runs:
-        raise ValueError("the drift-free method needs runs to learn from")
-    ritz = reduced(body, [np.asarray(run.pressure_pa, np.float64) for run in runs], settings, dynamic)
+    """The method's tensors from a tree's oscillators (``leading_oscillators``) and its runs.
+
+    The shown modes are the subspace's, which begins with the oscillators' own shapes.
+    """
     modal = [modal_run(run, ritz, mass_kg, subspace, settings.dt_s) for run in runs]
     step = propagators(ritz.omega, np.diag(ritz.damping), settings)
     sway = sway_coordinates(ritz, modal)
     limits = sampled_range(sway, modal)
     force = _fit_force(modal, step, ritz.load, sway, limits, settings.dt_s, force_ridge)
-    pose = _fit_pose(modal, sway, limits)
+    shown, pose = subspace.scale[: len(step)], _fit_pose(modal, sway, limits)
     step[:, [0, 3]] -= 1.0
-    tensors = (step, ritz.load, sway, force, pose, limits)
+    tensors = (step, ritz.load, sway, force, shown, pose, limits)
     return Tangent(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
 
 
-def modal_run(run: Run, ritz: Oscillators, mass_kg: Floats, subspace: Subspace, dt_s: float) -> ModalRun:
+def leading_oscillators(
+    body: Oscillators, runs: Sequence[RunLike], settings: FemSettings, dynamic: int
+) -> Oscillators:
+    """The oscillators that the method steps: the best ``dynamic`` of a body's motion in the runs' winds."""
+    return reduced(body, [np.asarray(run.pressure_pa, np.float64) for run in runs], settings, dynamic)
+
+
+def modal_run(run: RunLike, ritz: Oscillators, mass_kg: Floats, subspace: Subspace, dt_s: float) -> ModalRun:
     """A run by its mass-weighted projection; velocities by central differences."""
-    u = np.asarray(run.displacement_m, np.float64).reshape(len(run.displacement_m), -1)
+    u = np.asarray(run.displacement_m, np.float64)
+    u = u.reshape(len(u), -1)
     weighted = ritz.shapes * np.repeat(mass_kg, 3)
     e: Floats = np.linalg.solve(weighted @ ritz.shapes.T, weighted @ u.T).T.astype(np.float64)
     v: Floats = np.zeros(e.shape)
@@ -112,19 +127,22 @@ def sampled_range(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
     return np.maximum([*sizes, *np.abs(e[:, 2 : 2 + coupled]).max(axis=0)], 1e-9)
 
 
-@numba.njit(cache=True)
-def _force_table(sway, limits, half_s, e, v, pressure, out):  # pragma: no cover  (compiled)
-    ahead = np.empty(e.shape[1])
-    for t in range(len(out)):
-        write_force_terms(sway, limits, half_s, e[t], v[t], pressure[t, 0], pressure[t, 1], ahead, out[t])
+def _force_table(run: ModalRun, sway: Floats, limits: Floats, half_s: float) -> Floats:
+    """(T, F) terms of the force at the beginning of every step: the frames stand in the lanes."""
+    frames = len(run.pressure)
+    e, v, pressure = (np.ascontiguousarray(rows[:frames].T) for rows in (run.e, run.v, run.pressure))
+    terms = np.empty((force_terms(len(limits) - 3), frames))
+    write_force_terms(sway, limits, half_s, e, v, pressure, np.empty_like(e), np.empty((3, 2, frames)), terms)
+    return terms.T
 
 
-@numba.njit(cache=True)
-def _pose_table(sway, limits, e, pressure, out):  # pragma: no cover  (compiled)
-    for t in range(len(out)):
-        before = max(t - 1, 0)
-        acted = 1.0 if t > 0 else 0.0
-        write_pose_terms(sway, limits, e[t], acted * pressure[before, 0], acted * pressure[before, 1], out[t])
+def _pose_table(run: ModalRun, sway: Floats, limits: Floats) -> Floats:
+    """(T + 1, terms) terms of the pose at every state, under the pressure of the step that led to it."""
+    e = np.ascontiguousarray(run.e.T)
+    pressure = np.concatenate([np.zeros((1, 2)), run.pressure]).T.copy()
+    terms, pair = np.empty((len(e) + 2 + shape_terms(len(limits) - 3), e.shape[1])), sway @ e
+    write_pose_terms(limits, e, pressure, pair, terms)
+    return terms.T
 
 
 def _fit_force(
@@ -136,9 +154,7 @@ def _fit_force(
     dt_s: float,
     ridge: float,
 ) -> Floats:
-    terms = [np.empty((len(run.pressure), force_terms(len(limits) - 3))) for run in runs]
-    for run, table in zip(runs, terms, strict=True):
-        _force_table(sway, limits, dt_s / 2, run.e, run.v, run.pressure, table)
+    terms = [_force_table(run, sway, limits, dt_s / 2) for run in runs]
     force = np.empty((terms[0].shape[1], len(step)))
     for k, oscillator in enumerate(step):
         moved = np.concatenate([response(oscillator, table) for table in terms])
@@ -149,11 +165,10 @@ def _fit_force(
 
 
 def _fit_pose(runs: Sequence[ModalRun], sway: Floats, limits: Floats) -> Floats:
-    d = sway.shape[1]
-    terms = [np.empty((len(run.e), d + 2 + shape_terms(len(limits) - 3))) for run in runs]
-    for run, table in zip(runs, terms, strict=True):
-        _pose_table(sway, limits, run.e, run.pressure, table)
-    return ridge_fit(np.concatenate(terms), np.concatenate([run.q for run in runs]), POSE_RIDGE)
+    """(terms, r − d) of the modes shown beside the oscillators' own."""
+    terms = np.concatenate([_pose_table(run, sway, limits) for run in runs])
+    further = np.concatenate([run.q[:, sway.shape[1] :] for run in runs])
+    return ridge_fit(terms, further, POSE_RIDGE)
 
 
 def ridge_fit(terms: Floats, target: Floats, ridge: float) -> Floats:

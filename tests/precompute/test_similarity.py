@@ -3,18 +3,7 @@
 import numpy as np
 import pytest
 
-from precompute.lookup import ANY, best_candidate, brute_force
-from precompute.similarity import (
-    InternalStates,
-    build_search,
-    compared,
-    gain_bound,
-    last_records,
-    mismatch_rows,
-    still_records,
-)
-from precompute.tabulate import internal_states, spread_pa
-from tests.golden.make import SMALL, Beam, beam_runs
+from precompute.similarity import InternalStates, compared, mismatch_rows
 
 
 def naive_mismatches(states: InternalStates, c: int, j: int, rms: np.ndarray) -> int:
@@ -55,39 +44,20 @@ def test_a_state_matches_itself_and_a_resting_component_matches() -> None:
     assert not mismatch_rows(compared(states), 0, 20).any()
 
 
-def test_the_bound_of_the_gain_bounds_it() -> None:
-    rng = np.random.default_rng(3)
-    a, b = rng.normal(size=(2, 100000, 2)) * 3
-    f = a + rng.normal(size=a.shape) * 2
-    gain = np.exp(-0.5 * ((f - b) ** 2).sum(1)) - np.exp(-0.5 * ((f - a) ** 2).sum(1))
-    bound = gain_bound()
-    index = np.minimum((np.linalg.norm(a - b, axis=1) * 256).astype(int) + 1, len(bound) - 1)
-    assert (gain <= bound[index]).all()
-    assert (np.diff(bound) >= 0).all()
+def test_ranks_are_exact_where_values_repeat_or_touch_the_edge_of_a_range() -> None:
+    values = np.array(
+        [0.0, 1.0, 1.05, 1.05, 0.95, -1.0, 20.0, 21.0, np.nextafter(np.float32(1.05), 2)], np.float32
+    )
+    states = InternalStates(
+        *(np.repeat(values[:, None, None], w, axis=2).repeat(2, axis=1) for w in (3, 3, 6))
+    )
+    rms = [np.sqrt(np.mean(np.square(p, dtype=np.float64), axis=0)) for p in vars(states).values()]
+    rows = mismatch_rows(compared(states), 0, len(values))
+    for c in range(len(values)):
+        assert rows[c].tolist() == [naive_mismatches(states, c, j, rms) for j in range(len(values))]
 
 
-@pytest.mark.parametrize("seed", [4, 5])
-def test_candidates_give_what_asking_every_record_gives(seed: int) -> None:
-    print("seed", seed)
-    rng = np.random.default_rng(seed)
-    beam = Beam()
-    runs = beam_runs(beam, 40)
-    states = internal_states(runs)
-    pressure = np.concatenate([run.pressure_pa for run in runs])
-    starts = np.cumsum([0, *(len(run.pressure_pa) for run in runs)])
-    sigma, maximum = SMALL.sigma_share * spread_pa(pressure), SMALL.weight_maximum
-    search = build_search(states, pressure, starts, sigma, maximum)
-    error = search.mismatches / states.components
-    wide, barred, calm = pressure.astype(np.float64), last_records(starts), still_records(pressure)
-    half = 1 / (2 * sigma * sigma)
-    layout = compared(states)
-    for _ in range(3000):
-        c = int(rng.integers(len(wide)))
-        weight = float(rng.uniform(0.05, maximum))
-        f = wide[rng.integers(len(wide))] + rng.normal(size=2) * rng.choice([0.0, 0.3, 3.0, 30.0])
-        row = mismatch_rows(layout, c, c + 1)[0] / states.components
-        for air in (ANY, 0, 1):
-            found = best_candidate(
-                search.offsets, search.record, error, wide, calm, half, c, weight, air, f[0], f[1]
-            )
-            assert found == brute_force(c, row, wide, barred, half, weight, f, air)
+def test_more_records_than_sixteen_bits_are_refused() -> None:
+    many = np.zeros((65536, 1, 3), np.float32)
+    with pytest.raises(ValueError, match="65536 records"):
+        compared(InternalStates(many, many, np.zeros((65536, 1, 6), np.float32)))

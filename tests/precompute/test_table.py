@@ -49,7 +49,7 @@ def test_refuses_truncated_files(share: float) -> None:
 
 
 def test_refuses_another_version_naming_both() -> None:
-    with pytest.raises(TableError, match="version 7, this reader knows version 2"):
+    with pytest.raises(TableError, match="version 7, this reader knows version 3"):
         decode(rewritten({"version": 7}))
 
 
@@ -94,7 +94,7 @@ def test_refuses_numbers_that_are_not_finite(name: str) -> None:
         ("render.vertex_node", 0, 60000),
         ("search.record", 5, 60000),
         ("search.record", 0, int(TABLE.trajectory[1]) - 1),
-        ("search.mismatches", -1, 60000),
+        ("search.mismatch_steps", -1, 60000),
         ("search.offsets", 1, 0),
         ("search.offsets", -1, 3),
         ("samples.trajectory", 1, 1),

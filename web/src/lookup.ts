@@ -37,6 +37,7 @@ export class TableSearch {
   private readonly error: Float64Array;
   private readonly barred: Uint8Array;
   private readonly calm: Uint8Array;
+  private readonly byX: Uint16Array;
   private readonly halfPrecision: number;
 
   constructor(private readonly table: Table) {
@@ -47,29 +48,55 @@ export class TableSearch {
     for (let j = 0; j < this.calm.length; j++) {
       this.calm[j] = table.pressure[2 * j] === 0 && table.pressure[2 * j + 1] === 0 ? STILL : MOVING;
     }
+    const { pressure } = table;
+    this.byX = Uint16Array.from(this.calm, (_, j) => j).sort(
+      (a, b) => pressure[2 * a] - pressure[2 * b] || a - b,
+    );
     this.halfPrecision = 1 / (2 * sigma * sigma);
   }
 
-  /** The record for the next step from a record's state (0: the first step); −1 if there is none of such air. */
+  /** The record for the next step from a record's state (0: the first step); −1 if there is none of such air.
+   *  When the air begins to move about a tree in still air, that is a first step again. */
   find(state: number, weight: number, air: number, fx: number, fz: number): number {
-    return state === 0 ? this.nearestPressure(air, fx, fz) : this.bestCandidate(state, weight, air, fx, fz);
+    const begins = state === 0 || (air === MOVING && this.calm[state] === STILL);
+    return begins ? this.nearestPressure(air, fx, fz) : this.bestCandidate(state, weight, air, fx, fz);
   }
 
-  /** The first step: the lowest record with a successor whose pressure is nearest. */
+  /** The first step: the lowest record with a successor whose pressure is nearest, asked outwards from fx. */
   private nearestPressure(air: number, fx: number, fz: number): number {
+    const { byX, calm, barred } = this;
     const { pressure } = this.table;
+    let right = this.firstFrom(fx);
+    let left = right - 1;
     let best = Number.POSITIVE_INFINITY;
     let found = -1;
-    for (let j = 0; j < this.barred.length; j++) {
+    while (left >= 0 || right < byX.length) {
+      const toLeft = left >= 0 ? fx - pressure[2 * byX[left]] : Number.POSITIVE_INFINITY;
+      const toRight = right < byX.length ? pressure[2 * byX[right]] - fx : Number.POSITIVE_INFINITY;
+      const j = toLeft < toRight ? byX[left--] : byX[right++];
       const dx = fx - pressure[2 * j];
       const dz = fz - pressure[2 * j + 1];
+      if (dx * dx > best) break;
       const distance = dx * dx + dz * dz;
-      if (distance < best && this.barred[j] === 0 && (air === ANY || this.calm[j] === air)) {
+      const better = distance < best || (distance === best && j < found);
+      if (better && barred[j] === 0 && (air === ANY || calm[j] === air)) {
         best = distance;
         found = j;
       }
     }
     return found;
+  }
+
+  /** The place in byX of the first record whose pressure along x is fx or more. */
+  private firstFrom(fx: number): number {
+    let below = 0;
+    let above = this.byX.length;
+    while (below < above) {
+      const middle = (below + above) >> 1;
+      if (this.table.pressure[2 * this.byX[middle]] < fx) below = middle + 1;
+      else above = middle;
+    }
+    return below;
   }
 
   /** Every later step: the candidate of least total error (Eq. 16); of equals the successor, then the lowest. */

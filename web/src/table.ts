@@ -1,10 +1,10 @@
 // THE table format, twin of precompute/table.py: one safetensors file a species (docs/formats/table.md).
 // Everything a reader relies on is checked on the way in: a decoded table is searched without bounds checks.
 
-import { contracts, coupledModes, type Tangent } from "./tangent";
+import { contracts, coupledModes, poseTerms, type Tangent } from "./tangent";
 
 export const FORMAT = "galewood-table";
-export const VERSION = 2;
+export const VERSION = 3;
 const MAX_HEADER_BYTES = 1 << 20;
 const MAX_DYNAMIC = 64;
 
@@ -72,11 +72,12 @@ const TENSORS: Readonly<Record<string, readonly [keyof typeof TYPES, number]>> =
   "samples.trajectory": ["U32", 1],
   "search.offsets": ["U32", 1],
   "search.record": ["U16", 1],
-  "search.mismatches": ["U16", 1],
+  "search.mismatch_steps": ["U16", 1],
   "tangent.step": ["F32", 2],
   "tangent.load": ["F32", 2],
   "tangent.sway": ["F32", 2],
   "tangent.force": ["F32", 2],
+  "tangent.shown": ["F32", 1],
   "tangent.pose": ["F32", 2],
   "tangent.limits": ["F32", 1],
 };
@@ -110,18 +111,21 @@ export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
     trajectory: values("samples.trajectory"),
     offsets: values("search.offsets"),
     candidate: values("search.record"),
-    mismatches: values("search.mismatches"),
+    mismatches: values("search.mismatch_steps"),
     tangent: {
       step: values("tangent.step"),
       load: values("tangent.load"),
       sway: values("tangent.sway"),
       force: values("tangent.force"),
+      shown: values("tangent.shown"),
       pose: values("tangent.pose"),
       limits: values("tangent.limits"),
     },
   };
   checkNumbers(table);
   checkTrajectories(table);
+  checkOffsets(table);
+  sumSteps(table);
   checkSearch(table);
   checkTangent(table.tangent);
   return table;
@@ -245,7 +249,8 @@ function checkShapes(tensors: ReadonlyMap<string, Tensor>, metadata: TableMetada
   const n = shapeOf("nodes.rest_m")[0];
   const vertices = metadata.primitives.reduce((sum, primitive) => sum + primitive.vertices, 0);
   const d = shapeOf("tangent.step")[0];
-  need(d >= 2 && d <= MAX_DYNAMIC, `tensor tangent.step: expected 2..${MAX_DYNAMIC} rows`);
+  const most = Math.min(MAX_DYNAMIC, r);
+  need(d >= 2 && d <= most, `tensor tangent.step: expected 2..${most} rows`);
   const c = coupledModes(d);
   const expected: Record<string, number[]> = {
     "modes.scale": [r],
@@ -255,12 +260,13 @@ function checkShapes(tensors: ReadonlyMap<string, Tensor>, metadata: TableMetada
     "samples.dq": [z, r],
     "samples.pressure_pa": [z, 2],
     "search.offsets": [z + 1],
-    "search.mismatches": [...shapeOf("search.record")],
+    "search.mismatch_steps": [...shapeOf("search.record")],
     "tangent.step": [d, 6],
     "tangent.load": [d, 2],
     "tangent.sway": [2, d],
     "tangent.force": [26 + 2 * c, d],
-    "tangent.pose": [d + 9 + 2 * c, r],
+    "tangent.shown": [d],
+    "tangent.pose": [poseTerms(d), r - d],
     "tangent.limits": [3 + c],
   };
   for (const [name, shape] of Object.entries(expected)) {
@@ -313,17 +319,33 @@ function checkTrajectories(table: Table): void {
   }
 }
 
-function checkSearch(table: Table): void {
-  const { offsets, candidate, mismatches, metadata } = table;
-  const z = metadata.records;
+function checkOffsets({ offsets, candidate, metadata: { records: z } }: Table): void {
   need(
     offsets[0] === 0 && offsets[z] === candidate.length,
     "tensor search.offsets: must run from 0 to the end",
   );
-  const last = lastRecords(table.trajectory);
   for (let c = 0; c < z; c++) {
     need(offsets[c + 1] > offsets[c], "tensor search.offsets: every record needs a candidate");
     need(offsets[c + 1] <= candidate.length, "tensor search.offsets: must run from 0 to the end");
+  }
+}
+
+/** In the file each candidate's mismatches are less those of the one before it, the first of a row as it is. */
+function sumSteps({ offsets, mismatches }: Table): void {
+  for (let c = 0; c + 1 < offsets.length; c++) {
+    for (let s = offsets[c] + 1; s < offsets[c + 1]; s++) {
+      const sum = mismatches[s - 1] + mismatches[s];
+      need(sum <= 65535, "tensor search.mismatch_steps: out of range");
+      mismatches[s] = sum;
+    }
+  }
+}
+
+function checkSearch(table: Table): void {
+  const { offsets, candidate, mismatches, metadata } = table;
+  const z = metadata.records;
+  const last = lastRecords(table.trajectory);
+  for (let c = 0; c < z; c++) {
     let before = -1;
     for (let s = offsets[c]; s < offsets[c + 1]; s++) {
       const key = mismatches[s] * 65536 + candidate[s];
@@ -332,7 +354,7 @@ function checkSearch(table: Table): void {
         candidate[s] < z && last[candidate[s]] === 0,
         "tensor search.record: out of range, or the last of its trajectory",
       );
-      need(mismatches[s] <= metadata.components, "tensor search.mismatches: out of range");
+      need(mismatches[s] <= metadata.components, "tensor search.mismatch_steps: out of range");
       before = key;
     }
   }

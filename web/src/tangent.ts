@@ -20,7 +20,9 @@ export interface Tangent {
   readonly sway: Float32Array;
   /** [26 + 2c, d] */
   readonly force: Float32Array;
-  /** [d + 9 + 2c, r] m of q per unit */
+  /** [d] m of q_k per unit of coordinate k */
+  readonly shown: Float32Array;
+  /** [d + 9 + 2c, r − d] m of the further q per unit */
   readonly pose: Float32Array;
   /** [3 + c] sampled range: sway, its speed 1/s, pressure Pa, coupled coordinates */
   readonly limits: Float32Array;
@@ -29,6 +31,11 @@ export interface Tangent {
 /** c: the coupled coordinates are those numbered 2 to 2 + c. */
 export function coupledModes(dynamic: number): number {
   return Math.min(MAX_COUPLED, dynamic - 2);
+}
+
+/** Rows of the pose map: the coordinates, the pressure, and the terms in the pose. */
+export function poseTerms(dynamic: number): number {
+  return dynamic + 9 + 2 * coupledModes(dynamic);
 }
 
 /** Whether every oscillator's step contracts: then a bounded wind gives a bounded motion. */
@@ -91,6 +98,7 @@ export class TangentForest {
   private readonly load: Float64Array;
   private readonly sway: Float64Array;
   private readonly force: Float64Array;
+  private readonly shownOf: Float64Array;
   private readonly pose: Float64Array;
   private readonly limits: Float64Array;
   private readonly e: Float64Array;
@@ -103,7 +111,7 @@ export class TangentForest {
   private readonly ahead: Float64Array;
   private readonly terms: Float64Array;
   private readonly total: Float64Array;
-  private readonly shown: Float64Array;
+  private readonly further: Float64Array;
   private readonly pair = new Float64Array(2);
 
   constructor(
@@ -120,6 +128,7 @@ export class TangentForest {
     this.load = Float64Array.from(tangent.load);
     this.sway = Float64Array.from(tangent.sway);
     this.force = Float64Array.from(tangent.force);
+    this.shownOf = Float64Array.from(tangent.shown);
     this.pose = Float64Array.from(tangent.pose);
     this.limits = Float64Array.from(tangent.limits);
     this.e = new Float64Array(count * d);
@@ -135,9 +144,9 @@ export class TangentForest {
     this.x = new Float32Array(count);
     this.z = new Float32Array(count);
     this.ahead = new Float64Array(d);
-    this.terms = new Float64Array(Math.max(tangent.force.length / d, tangent.pose.length / r));
+    this.terms = new Float64Array(Math.max(tangent.force.length / d, poseTerms(d)));
     this.total = new Float64Array(d);
-    this.shown = new Float64Array(r);
+    this.further = new Float64Array(r - d);
   }
 
   /** Place, turn and size of each tree; their state goes on. */
@@ -308,7 +317,7 @@ export class TangentForest {
 
   /** The pose of the state now, the one before kept; and how far into the sampled range it is. */
   private writePose(i: number, px: number, pz: number): void {
-    const { d, r, e, terms, limits, pair, now, before, shown } = this;
+    const { d, r, e, terms, limits, pair, now, before, further, shownOf } = this;
     const first = i * d;
     for (let k = 0; k < d; k++) terms[k] = e[first + k];
     terms[d] = px;
@@ -318,11 +327,12 @@ export class TangentForest {
     this.coverage[i] = Math.max(sway, Math.sqrt(px * px + pz * pz) / limits[2]);
     this.hold(REACH * limits[0]);
     this.writeShape(pair[0], pair[1], e, first, d + 2);
-    shown.fill(0);
-    addRows(this.pose, terms, this.pose.length / r, r, shown);
+    further.fill(0);
+    addRows(this.pose, terms, poseTerms(d), r - d, further);
+    const at = i * r;
     for (let k = 0; k < r; k++) {
-      before[i * r + k] = now[i * r + k];
-      now[i * r + k] = shown[k];
+      before[at + k] = now[at + k];
+      now[at + k] = k < d ? shownOf[k] * terms[k] : further[k - d];
     }
   }
 

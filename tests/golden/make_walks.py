@@ -1,0 +1,78 @@
+"""Write the golden walks: ``python -m tests.golden.make_walks``.
+
+Both methods over 10,000 frames under every model of the wind: the records of the paper's search, all of them,
+as a digest once a hundred frames, and as often the poses of the drift-free method.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from precompute.lookup import ForestLookup
+from precompute.table import Table, decode
+from precompute.tangent import TangentForest
+from precompute.wind import Wind, WindField
+
+HERE = Path(__file__).parent
+FRAMES, EVERY, FRAME_S = 10_000, 100, 1.0 / 30.0
+STEPS_PER_PA = 4
+"""Pressures are rounded, so that the last bit of a velocity decides no record."""
+GUSTY: dict[str, Any] = {"mean_speed_m_s": 9.0, "direction_deg": 40.0, "gustiness": 0.8, "seed": 12}
+WINDS = (
+    Wind(**GUSTY, model="cosine"),
+    Wind(**GUSTY, model="perlin", length_scale_m=30.0),
+    Wind(**GUSTY, model="spectral", length_scale_m=30.0),
+    Wind(**GUSTY, model="navier-stokes", length_scale_m=20.0),
+)
+TREES: dict[str, list[float]] = {
+    "x_m": [-11.5, 3.25, 18.0],
+    "z_m": [4.0, -9.75, 12.5],
+    "yaw_rad": [0.5, -2.25, 3.0],
+    "scale": [0.75, 1.0, 1.5],
+}
+
+
+def rounded(pressure_pa: np.ndarray) -> np.ndarray:
+    return np.floor(pressure_pa * STEPS_PER_PA + 0.5) / STEPS_PER_PA
+
+
+def walk(table: Table, wind: Wind) -> dict[str, Any]:
+    """Digests of the records and poses of the drift-free method under a wind."""
+    count = len(TREES["x_m"])
+    field, x, z = WindField(wind), np.array(TREES["x_m"]), np.array(TREES["z_m"])
+    paper = ForestLookup(table, count)
+    tangent = TangentForest(table.tangent, float(table.metadata["dt_s"]), table.mode_scale, count)
+    for forest in (paper, tangent):
+        forest.set_trees(TREES["x_m"], TREES["z_m"], TREES["yaw_rad"], TREES["scale"])
+    px, pz = np.zeros(count), np.zeros(count)
+    digests: list[str] = []
+    poses: list[list[float]] = []
+    records = hashlib.sha256()
+    for frame in range(FRAMES):
+        field.pressure(x, z, frame * FRAME_S, px, pz)
+        acting = rounded(px), rounded(pz)
+        paper.advance(FRAME_S, *acting)
+        tangent.advance(FRAME_S, *acting)
+        records.update(paper.record.astype("<i4").tobytes())
+        if frame % EVERY == EVERY - 1:
+            digests.append(records.hexdigest()[:16])
+            poses.append([float(f"{value:.9g}") for value in tangent.q.ravel()])
+    return {"wind": wind.document(), "records": digests, "poses": poses}
+
+
+def main() -> None:
+    table = decode((HERE / "pole.safetensors").read_bytes())
+    content = {
+        "frames": FRAMES, "every": EVERY, "steps_per_pa": STEPS_PER_PA, "trees": TREES,
+        "walks": [walk(table, wind) for wind in WINDS],
+    }  # fmt: skip
+    (HERE / "walks.json").write_text(json.dumps(content, separators=(",", ":")) + "\n")
+
+
+if __name__ == "__main__":
+    main()

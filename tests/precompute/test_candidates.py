@@ -1,0 +1,110 @@
+"""The candidates against asking every record: the same answer under any pressure and allowed weight."""
+
+import numpy as np
+import pytest
+
+from precompute.candidates import Rule, Search, air_of, build_search, gain_bound
+from precompute.lookup import ANY, best_candidate, brute_force, nearest_pressure
+from precompute.similarity import InternalStates, compared, mismatch_rows
+from precompute.tabulate import internal_states, spread_pa
+from tests.golden.make import SMALL, Beam, beam_runs
+
+
+def test_the_bound_of_the_gain_bounds_it() -> None:
+    rng = np.random.default_rng(3)
+    a, b = rng.normal(size=(2, 100000, 2)) * 3
+    f = a + rng.normal(size=a.shape) * 2
+    gain = np.exp(-0.5 * ((f - b) ** 2).sum(1)) - np.exp(-0.5 * ((f - a) ** 2).sum(1))
+    bound = gain_bound()
+    index = np.minimum((np.linalg.norm(a - b, axis=1) * 256).astype(int) + 1, len(bound) - 1)
+    assert (gain <= bound[index]).all()
+    assert (np.diff(bound) >= 0).all()
+
+
+def differences(
+    states: InternalStates, pressure: np.ndarray, starts: np.ndarray, rule: Rule, rng: np.random.Generator
+) -> tuple[int, Search]:
+    """Random queries on which the candidates and the brute-force twin disagree."""
+    layout, air = compared(states), air_of(pressure, starts)
+    search = build_search(layout, air, rule)
+    error = search.mismatches / states.components
+    half = 1 / (2 * rule.sigma_pa**2)
+    wrong = 0
+    for _ in range(1000):
+        c = int(rng.integers(len(pressure)))
+        weight = float(rng.uniform(rule.weight_initial, rule.weight_maximum))
+        f = (
+            air.pressure[rng.integers(len(pressure))]
+            + rng.normal(size=2) * rng.choice([0, 0.03, 0.3, 3]) * rule.sigma_pa
+        )
+        row = mismatch_rows(layout, c, c + 1)[0] / states.components
+        for asked in (ANY, 0, 1):
+            if asked == 0 and air.calm[c]:
+                continue  # a first step again: no question for the candidates
+            found = best_candidate(
+                search.offsets,
+                search.record,
+                error,
+                air.pressure,
+                air.calm,
+                half,
+                c,
+                weight,
+                asked,
+                f[0],
+                f[1],
+            )
+            wrong += found != brute_force(c, row, air.pressure, air.barred, half, weight, f, asked)
+    return wrong, search
+
+
+@pytest.mark.parametrize("seed", [4, 5])
+def test_candidates_of_a_swaying_beam_give_what_asking_every_record_gives(seed: int) -> None:
+    print("seed", seed)
+    runs = beam_runs(Beam(), 40)
+    states = internal_states(runs)
+    pressure = np.concatenate([run.pressure_pa for run in runs])
+    starts = np.cumsum([0, *(len(run.pressure_pa) for run in runs)])
+    rule = Rule(states.components, SMALL.sigma_share * spread_pa(pressure), 0.3, 0.5)
+    wrong, _ = differences(states, pressure, starts, rule, np.random.default_rng(seed))
+    assert wrong == 0
+
+
+@pytest.mark.parametrize(
+    ("seed", "initial", "maximum", "sigma_pa"),
+    [(6, 0.36, 0.38, 2.0), (7, 0.05, 0.6, 1.0), (8, 0.3, 0.33, 9.0)],
+)
+def test_candidates_of_random_states_give_what_asking_every_record_gives(
+    seed: int, initial: float, maximum: float, sigma_pa: float
+) -> None:
+    print("seed", seed)
+    rng = np.random.default_rng(seed)
+    z, q = 400, 6
+    walk = np.cumsum(rng.normal(size=(z, q, 12)), axis=0) * 0.02 + rng.choice([-1, 1], size=(z, q, 12))
+    states = InternalStates(
+        *(part.astype(np.float32) for part in (walk[..., :3], walk[..., 3:6], walk[..., 6:]))
+    )
+    pressure = (np.cumsum(rng.normal(size=(z, 2)), axis=0)).astype(np.float32)
+    starts = np.array([0, 90, 200, 310, z])
+    pressure[150:200] = 0.0
+    pressure[380:] = 0.0
+    wrong, search = differences(
+        states, pressure, starts, Rule(states.components, sigma_pa, initial, maximum), rng
+    )
+    print("candidates a state", len(search.record) / z)
+    assert wrong == 0
+    assert len(search.record) < 0.9 * z * z
+
+
+def test_the_nearest_pressure_is_found_outwards_from_it() -> None:
+    rng = np.random.default_rng(9)
+    pressure = rng.integers(-6, 7, size=(300, 2)).astype(np.float64)  # many equal ones
+    barred, calm = rng.random(300) < 0.3, ~pressure.any(axis=1)
+    by_x = np.argsort(pressure[:, 0], kind="stable")
+    for _ in range(500):
+        f = rng.choice([rng.normal(size=2) * 6, rng.integers(-8, 9, size=2).astype(float)])
+        for air in (ANY, 0, 1):
+            asked = ~barred & ((calm == air) if air != ANY else True)
+            gaps = np.where(asked, ((f - pressure) ** 2).sum(axis=1), np.inf)
+            expected = int(np.argmin(gaps)) if asked.any() else -1
+            assert nearest_pressure(pressure, by_x, barred, calm, air, f[0], f[1]) == expected

@@ -1,0 +1,21 @@
+"""The golden walks are what Python does (the twin's test is tests/web/walks.test.ts)."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from precompute.table import decode
+from tests.golden.make_walks import WINDS, walk
+
+GOLDEN = Path(__file__).parent.parent / "golden"
+
+
+@pytest.mark.parametrize("index", range(len(WINDS)))
+def test_walks_the_golden_records_under_every_wind(index: int) -> None:
+    table = decode((GOLDEN / "pole.safetensors").read_bytes())
+    golden = json.loads((GOLDEN / "walks.json").read_text())["walks"][index]
+    found = walk(table, WINDS[index])
+    assert found["records"] == golden["records"]
+    for row, expected in zip(found["poses"], golden["poses"], strict=True):
+        assert row == pytest.approx(expected, abs=1e-5 * float(table.metadata["height_m"]))

@@ -1,0 +1,54 @@
+import { createHash } from "node:crypto";
+import { describe, expect, test } from "vitest";
+import { ForestLookup } from "../../web/src/lookup";
+import { decodeTable } from "../../web/src/table";
+import { TangentForest } from "../../web/src/tangent";
+import { parseWind, type WindDocument, WindField } from "../../web/src/wind";
+import { golden, goldenJson } from "./golden";
+
+interface Walks {
+  frames: number;
+  every: number;
+  steps_per_pa: number;
+  trees: { x_m: number[]; z_m: number[]; yaw_rad: number[]; scale: number[] };
+  walks: { wind: WindDocument; records: string[]; poses: number[][] }[];
+}
+
+const TABLE = decodeTable(golden("pole.safetensors"));
+const { frames, every, steps_per_pa, trees, walks } = goldenJson<Walks>("walks.json");
+const count = trees.x_m.length;
+
+/** Where the forests stand after every hundred frames: what was found so far, and the poses. */
+function* walk(wind: WindDocument): Generator<[string, Float32Array]> {
+  const field = new WindField(parseWind(wind));
+  const paper = new ForestLookup(TABLE, count);
+  const tangent = new TangentForest(TABLE, count);
+  for (const forest of [paper, tangent]) forest.setTrees(trees.x_m, trees.z_m, trees.yaw_rad, trees.scale);
+  const px = new Float64Array(count);
+  const pz = new Float64Array(count);
+  const records = createHash("sha256");
+  for (let frame = 0; frame < frames; frame++) {
+    field.pressure(trees.x_m, trees.z_m, frame / 30, px, pz);
+    // As Python rounds them: the last bit of a velocity decides no record.
+    for (const p of [px, pz]) p.forEach((pa, i) => p.fill(Math.floor(pa * steps_per_pa + 0.5) / steps_per_pa, i, i + 1));
+    paper.advance(1 / 30, px, pz);
+    tangent.advance(1 / 30, px, pz);
+    records.update(new Uint8Array(paper.record.buffer));
+    if (frame % every === every - 1) yield [records.copy().digest("hex").slice(0, 16), tangent.q];
+  }
+}
+
+describe("walks as Python does over 10,000 frames: every record, and poses to 1e-5 of the height", () => {
+  for (const golden of walks) {
+    test(golden.wind.model, () => {
+      let row = 0;
+      for (const [records, poses] of walk(golden.wind)) {
+        expect(records, `records up to frame ${(row + 1) * every}`).toBe(golden.records[row]);
+        const worst = golden.poses[row].reduce((most, q, k) => Math.max(most, Math.abs(q - poses[k])), 0);
+        expect(worst / TABLE.metadata.height_m, `poses of frame ${(row + 1) * every}`).toBeLessThan(1e-5);
+        row++;
+      }
+      expect(row).toBe(golden.records.length);
+    });
+  }
+});
