@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from dataclasses import dataclass, field
 from typing import Annotated, cast
 
@@ -28,6 +29,9 @@ class Service:
     intake: Intake
     loop: asyncio.AbstractEventLoop
     intake_slots: asyncio.Semaphore
+    upload_slots: asyncio.Semaphore
+    # held while a file and the row that names it come or go together
+    files_lock: threading.Lock = field(default_factory=threading.Lock)
     # set when a job was queued or cancelled, so that the supervisor need not wait for its next look
     jobs_changed: asyncio.Event = field(default_factory=asyncio.Event)
     socket_addresses: dict[str, int] = field(default_factory=dict[str, int])

@@ -7,31 +7,55 @@ import fcntl
 import logging
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
-from importlib.metadata import version
 from pathlib import Path
 from typing import TextIO
 
 import uvicorn
 from fastapi import FastAPI
-from sqlalchemy import func, select
 
-from server import artefacts, comparisons, errors, events, jobs, species, stream, trees, winds
-from server.context import Service, ServiceHere
+from server import (
+    artefacts,
+    comparisons,
+    errors,
+    events,
+    health,
+    job_routes,
+    jobs,
+    metrics,
+    revising,
+    species,
+    species_routes,
+    stream,
+    tables,
+    thumbnails,
+    trees,
+    uploading,
+    winds,
+)
+from server.context import Service
 from server.database import migrate, open_database
+from server.doors import Doors
 from server.forests import Forests
+from server.headers import SecurityHeaders
+from server.health import VERSION
+from server.http_protocol import protocol_with_limit
 from server.intake import Intake, limited_intake
-from server.models import ACTIVE, Job, Tree
+from server.logs import configure_logging
+from server.metrics import Metrics, ServiceCollector
+from server.openapi import describe
 from server.page import Page
-from server.schemas import Health
 from server.settings import Settings
 from server.shelf import TableShelf
 from server.socket_protocol import SocketProtocol
 from server.storage import Stores
 from server.supervisor import Supervisor
+from server.tracing import Tracing
 
 log = logging.getLogger("galewood")
-VERSION = version("galewood")
-GRACE_S = 5
+ROUTES = (
+    uploading, trees, revising, thumbnails, job_routes, jobs, comparisons, tables, artefacts, species_routes,
+    winds, events, stream, health, metrics,
+)  # fmt: skip
 
 
 def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
@@ -43,6 +67,7 @@ def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
         await asyncio.to_thread(migrate, settings.database)
         app.state.service = service = _service(settings, intake or limited_intake(settings))
         app.state.feed = events.ChangeFeed(service)
+        app.state.metrics.registry.register(ServiceCollector(service))
         tasks = [
             asyncio.create_task(work)
             for work in (Supervisor(service).run(), app.state.feed.run(), species.register(service))
@@ -56,11 +81,16 @@ def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
             lock.close()
 
     app = FastAPI(title="Galewood", version=VERSION, lifespan=lifespan)
+    app.state.metrics = counted = Metrics(VERSION)
     errors.install(app)
-    for part in (trees, jobs, comparisons, winds, events, artefacts, stream):
-        app.include_router(part.router)
-    app.add_api_route("/healthz", health, tags=["service"])
+    for module in ROUTES:
+        app.include_router(module.router)
+    describe(app)
     app.mount("/", Page(settings.page_dir))
+    # the last added is the first to see a request
+    app.add_middleware(Doors, settings=settings, metrics=counted)
+    app.add_middleware(SecurityHeaders)
+    app.add_middleware(Tracing, metrics=counted)
     return app
 
 
@@ -75,6 +105,7 @@ def _service(settings: Settings, intake: Intake) -> Service:
         intake=intake,
         loop=asyncio.get_running_loop(),
         intake_slots=asyncio.Semaphore(settings.concurrent_intakes),
+        upload_slots=asyncio.Semaphore(settings.concurrent_uploads),
     )
 
 
@@ -92,29 +123,20 @@ def _lock(data_dir: Path) -> TextIO:
     return handle
 
 
-def health(service: ServiceHere) -> Health:
-    """Whether the service answers, and how much it holds."""
-    with service.sessions() as session:
-        return Health(
-            status="ok",
-            version=VERSION,
-            trees=session.scalar(select(func.count(Tree.id))) or 0,
-            ready=session.scalar(select(func.count(Tree.id)).where(Tree.table_sha256.is_not(None))) or 0,
-            jobs_active=session.scalar(select(func.count(Job.id)).where(Job.state.in_(ACTIVE))) or 0,
-            sockets=service.sockets,
-        )
-
-
 def run(app: FastAPI, settings: Settings) -> None:
-    """Answer until interrupted."""
+    """Answer until interrupted, then let what is being answered come to its end."""
+    configure_logging(settings)
     uvicorn.run(
         app,
         host=settings.host,
         port=settings.port,
+        http=protocol_with_limit(settings.header_s),
         ws=SocketProtocol,
         ws_max_size=settings.socket_message_bytes,
         ws_per_message_deflate=False,
-        timeout_graceful_shutdown=GRACE_S,
+        timeout_graceful_shutdown=settings.shutdown_s,
+        forwarded_allow_ips=settings.trusted_proxies,
+        log_config=None,
         server_header=False,
         access_log=False,
     )
