@@ -19,6 +19,12 @@ MARKED = (20, 40, 60)
 
 def plot_errors(figures: dict[str, Any], path: Path) -> None:
     """Write a picture (PNG, SVG or PDF by its name) of what ``evaluate_table`` found."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    error_figure(figures).savefig(path, dpi=110)
+
+
+def error_figure(figures: dict[str, Any]) -> Any:
+    """The figure itself, for who wants to save it otherwise."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.0, 1.5 * len(figures) + 0.8), layout="constrained")
@@ -38,5 +44,4 @@ def plot_errors(figures: dict[str, Any], path: Path) -> None:
     figure.supylabel("largest error / height", fontsize=8)
     panels[-1].set_xlabel("frame", fontsize=8)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", fontsize=7, ncols=5)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
+    return figure
