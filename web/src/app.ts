@@ -7,6 +7,7 @@ import { Meter } from "./meter";
 import { keep } from "./remembered";
 import { Forest, planForest } from "./scene/forest";
 import { groundHeight_m } from "./scene/landscape";
+import type { Season } from "./scene/season";
 import type { SpeciesOptions } from "./scene/speciesForest";
 import { Stage } from "./scene/stage";
 import { queryFromSettings, type Settings, withWind } from "./settings";
@@ -32,6 +33,8 @@ export class App {
   readonly stage: Stage;
   frame = 0;
   paused = false;
+  /** Neither moves nor draws: the processor is somebody else's. */
+  asleep = false;
   private readonly client = new ForestClient(showToast);
   private readonly catalogue: Catalogue;
   private readonly forest: Forest;
@@ -39,6 +42,7 @@ export class App {
   private readonly panel: Panel;
   readonly studio: WindStudio;
   readonly visit: Visit;
+  private readonly scenery: SceneryBar;
   readonly picker: TreePicker;
   private readonly from_s: number;
   private readonly meter = new Meter();
@@ -59,7 +63,7 @@ export class App {
     this.forest = new Forest(this.speciesOptions());
     this.stage.scene.add(this.forest.group);
     this.dress();
-    new SceneryBar(settings, () => this.change("season"));
+    this.scenery = new SceneryBar(settings, () => this.change("season"));
     this.visit = new Visit(
       settings,
       this.stage,
@@ -130,6 +134,14 @@ export class App {
     this.remember();
   }
 
+  /** Another season and time of day, from outside. */
+  setScenery(season: Season, daytime: number): void {
+    this.settings.season = season;
+    this.settings.daytime = Math.min(1, Math.max(0, daytime));
+    this.scenery.show();
+    this.change("season");
+  }
+
   /** Season and time of day: light, land and leaves. */
   private dress(): void {
     const { daytime, season } = this.settings;
@@ -161,6 +173,7 @@ export class App {
   }
 
   private tick(now_ms: number): void {
+    if (this.asleep) return;
     const begin_ms = performance.now();
     const frame_ms = now_ms - this.last_ms;
     const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));

@@ -41,7 +41,7 @@ function start(software: boolean): void {
   const settings = settingsFromQuery(location.search, usual);
   document.body.classList.toggle("bare", !settings.panel);
   takeWind(settings);
-  panelToggle("panel", settings.panel && innerWidth > 1100);
+  panelToggle("panel", false);
   panelToggle("instruments", settings.panel && innerWidth > 760);
   panelToggle("tools", innerWidth > 760);
   const app = new App(settings, defaults);

@@ -22,6 +22,14 @@ export interface Probe {
   pause(): void;
   resume(): void;
   look: App["look"];
+  /** Where the camera is, metres. */
+  readonly eye: readonly [number, number, number];
+  /** An address that brings back this forest, wind, light and view. */
+  readonly link: string;
+  /** Another season ("spring", "summer", "autumn", "winter") and share of the daylight that has passed. */
+  dress: App["setScenery"];
+  /** Stops drawing altogether, or goes on. */
+  sleep(asleep: boolean): void;
   /** Picks the tree under a place of the window (px), as a click does; null where there is none. */
   pick(left_px: number, top_px: number): TreePicker["figures"];
   /** The picked tree and its figures now. */
@@ -83,6 +91,16 @@ export function exposeProbe(app: App): void {
       app.paused = false;
     },
     look: (eye, at) => app.look(eye, at),
+    get eye() {
+      return app.visit.moment.eye;
+    },
+    get link() {
+      return app.visit.link;
+    },
+    dress: (season, daytime) => app.setScenery(season, daytime),
+    sleep(asleep) {
+      app.asleep = asleep;
+    },
     pick(left_px, top_px) {
       app.picker.select(app.picker.find(left_px, top_px));
       return app.picker.figures;

@@ -6,7 +6,7 @@ const LATITUDE_DEG = 47;
 /** The sun above the air, in the renderer's units of light. */
 export const SUN_POWER = 5.6;
 /** The slider's ends lie this share of the day outside sunrise and sunset: twilight. */
-const TWILIGHT = 0.035;
+const TWILIGHT = 0.015;
 /** Height of the clouds, for the light they are in. */
 const CLOUDS_M = 2500;
 const DEG = Math.PI / 180;
@@ -77,7 +77,7 @@ const step = (from: number, to: number, x: number) => {
 function exposureFor(sun: Rgb, sky: Rgb, elevation_deg: number, snow: number): number {
   const level = Math.max(0.22, Math.sin(Math.max(0, elevation_deg) * DEG));
   const light = 0.55 * brightness(sun) * level + brightness(sky);
-  return Math.min(3.2, 0.98 * (2.1 / light) ** 0.72) * (1 - 0.22 * snow);
+  return Math.min(4.5, 1.12 * (2.1 / light) ** 0.8) * (1 - 0.3 * snow);
 }
 
 /** Everything about the light of one moment; some milliseconds. */

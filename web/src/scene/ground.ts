@@ -38,12 +38,12 @@ float distant = smoothstep(140.0, 380.0, length(g));
 if (distant > 0.0) {
   vec4 crowns = texture2D(uNoise, g * 0.011);
   vec4 tops = texture2D(uNoise, g * 0.043 + 0.2);
-  vec3 woods = mix(uWoods[0], uWoods[1], smoothstep(0.45, 0.6, broad.b));
-  woods = mix(woods, uWoods[2], smoothstep(0.5, 0.7, broad.r));
-  woods *= 0.35 + 0.9 * crowns.r * crowns.g + 0.9 * tops.r * tops.b;
+  vec3 woods = mix(uWoods[0], uWoods[1], smoothstep(0.5, 0.62, tops.g + 0.25 * (broad.b - 0.5)));
+  woods = mix(woods, uWoods[2], smoothstep(0.42, 0.58, crowns.b + 0.5 * (broad.r - 0.5)));
+  woods *= 0.22 + 0.75 * crowns.r * crowns.g + 0.8 * tops.r * tops.b;
   ground = mix(ground, woods, distant);
 }
-float bare = 0.55 * distant * smoothstep(0.35, 0.6, patchy.g) + 0.35 * (1.0 - open) * smoothstep(0.5, 0.75, patchy.r);
+float bare = 0.9 * distant * smoothstep(0.3, 0.55, texture2D(uNoise, g * 0.013).g) + 0.4 * (1.0 - open) * smoothstep(0.5, 0.75, patchy.r);
 ground = mix(ground, uSnowColour * (0.9 + 0.12 * patchy.b), uSnow * (1.0 - bare));
 diffuseColor.rgb = ground;
 `;

@@ -22,7 +22,7 @@ import { SEASON_LOOKS, type Season } from "./season";
 import { seasonal } from "./seasonal";
 
 const COVER: Record<Quality, { side: number; spacing_m: number }> = {
-  low: { side: 36, spacing_m: 1.1 },
+  low: { side: 56, spacing_m: 0.85 },
   medium: { side: 96, spacing_m: 0.62 },
   high: { side: 176, spacing_m: 0.46 },
 };

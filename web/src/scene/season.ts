@@ -64,9 +64,9 @@ export const SEASON_LOOKS: Record<Season, SeasonLook> = {
     litter: [1, 1, 1],
     fallen: 1,
     woods: [
-      [0.42, 0.27, 0.05],
-      [0.38, 0.11, 0.035],
-      [0.17, 0.19, 0.05],
+      [0.3, 0.2, 0.04],
+      [0.26, 0.085, 0.03],
+      [0.11, 0.125, 0.04],
     ],
   },
   winter: {

@@ -24,6 +24,7 @@ import { Terrain } from "./terrain";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
+const BARE_DETAIL = 5;
 const LOOK_AT_M = new Vector3(-1, 6.2, -16);
 const EYE_M = { x: 7, above: 8.2, z: 24 };
 
@@ -42,6 +43,7 @@ export class Stage {
   private readonly seen = new Matrix4();
   private readonly observer: ResizeObserver;
   private quality: Quality;
+  private season: Season = "autumn";
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -93,6 +95,7 @@ export class Stage {
 
   /** Dresses sky, light and land for a moment of the year. */
   show(daytime: number, season: Season): Atmosphere {
+    this.season = season;
     const light = this.daylight.show(daytime, season);
     this.sky.show(light);
     setGroundSeason(season);
@@ -120,12 +123,18 @@ export class Stage {
     return true;
   }
 
+  /** Bare trees are all twigs: they stay whole for longer, and cost no leaves. */
+  private levelFrom_m(): readonly [number, number] {
+    const [first, second] = LEVEL_FROM_M[this.quality];
+    return this.season === "winter" ? [BARE_DETAIL * first, BARE_DETAIL * second] : [first, second];
+  }
+
   view(): View {
     return {
       planes: this.frustum.setFromProjectionMatrix(this.clip).planes,
       eye: this.camera.position,
       sun: this.daylight.towardsSun,
-      levelFrom_m: LEVEL_FROM_M[this.quality],
+      levelFrom_m: this.levelFrom_m(),
       shadow_m: this.daylight.shadowReach_m,
     };
   }

@@ -1,0 +1,122 @@
+import AxeBuilder from "@axe-core/playwright";
+import { changedPixels, expect, forest, frames, open, type Picture, picture, SMALL, test } from "./forest";
+
+const still = `${SMALL}&speed=0`;
+const panelled = still.replace("panel=0", "panel=1");
+
+/** Mean of each channel over the upper part of a picture: the sky. */
+function skyColour({ width, height, data }: Picture): [number, number, number] {
+  const sum: [number, number, number] = [0, 0, 0];
+  const pixels = width * Math.floor(height * 0.2);
+  for (let i = 0; i < pixels * 4; i += 4) for (let c = 0; c < 3; c++) sum[c] += data[i + c] / pixels;
+  return sum;
+}
+
+const share = (a: Picture, b: Picture, tolerance: number) => changedPixels(a, b, tolerance) / (a.width * a.height);
+
+test("every season and the evening look different", async ({ page }) => {
+  await open(page, still);
+  await forest(page);
+  const scene = async (season: string, daytime: number) => {
+    await page.evaluate(([name, time]) => window.galewood!.dress(name as never, time as number), [season, daytime]);
+    await frames(page, 2);
+    return picture(page);
+  };
+  const noon = await scene("summer", 0.5);
+  const evening = await scene("summer", 0.97);
+  const others = [await scene("spring", 0.5), await scene("autumn", 0.5), await scene("winter", 0.5)];
+  for (const other of others) expect(share(noon, other, 16)).toBeGreaterThan(0.15);
+  expect(share(others[1], others[2], 16)).toBeGreaterThan(0.3);
+  const [red, , blue] = skyColour(noon);
+  const [eveningRed, , eveningBlue] = skyColour(evening);
+  expect(blue).toBeGreaterThan(1.2 * red);
+  expect(eveningRed / eveningBlue).toBeGreaterThan((1.2 * red) / blue);
+  // Back in the first light, to the last pixel.
+  expect(share(noon, await scene("summer", 0.5), 0)).toBe(0);
+});
+
+test("a shared link brings the picture back", async ({ page, context }) => {
+  await page.setViewportSize({ width: 480, height: 270 });
+  await context.grantPermissions(["clipboard-read", "clipboard-write"]);
+  await open(page, `${panelled}&season=winter&time=0.8&forest=11`);
+  await forest(page);
+  await page.evaluate(() => window.galewood!.look({ x: -6, above: 5, z: 12 }, { x: 2, above: 5, z: -20 }));
+  await page.evaluate(() => document.querySelector<HTMLButtonElement>("[aria-label^='Copy a link']")?.click());
+  await expect(page.getByRole("alert")).toContainText("Link copied");
+  const link = await page.evaluate(() => navigator.clipboard.readText());
+  const bare = async () => {
+    await page.addStyleTag({ content: "body > :not(main) { visibility: hidden !important }" });
+    await frames(page, 3);
+    return picture(page);
+  };
+  const before = await bare();
+  await page.goto("about:blank");
+  await page.goto(link);
+  await forest(page);
+  const after = await bare();
+  // Damping of the camera may leave a hair's breadth.
+  expect(share(before, after, 24)).toBeLessThan(0.01);
+});
+
+test("settings stay from one visit to the next", async ({ page }) => {
+  await open(page, "quality=low&trees=5&speed=0");
+  await forest(page);
+  await page.getByRole("button", { name: "Summer" }).click();
+  await page.goto(`${process.env.BASE_URL}/`);
+  await forest(page);
+  await expect(page.getByRole("button", { name: "Summer" })).toHaveAttribute("aria-pressed", "true");
+  expect(await page.evaluate(() => window.galewood!.trees.moving)).toBeLessThanOrEqual(5);
+});
+
+for (const [name, width, height] of [["a desk", 1100, 640], ["a phone", 390, 760]] as const) {
+  test(`no serious fault of access on ${name}`, async ({ page }) => {
+    await page.setViewportSize({ width, height });
+    await open(page, "quality=low&trees=2&speed=0");
+    await forest(page);
+    // The picture has been seen: the audit needs only the controls, and the processor.
+    await page.evaluate(() => window.galewood!.sleep(true));
+    const faults = async () => {
+      const { violations } = await new AxeBuilder({ page }).analyze();
+      return violations
+        .filter(({ impact }) => impact === "serious" || impact === "critical")
+        .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join(" | ")}`);
+    };
+    expect(await faults()).toEqual([]);
+    await page.getByRole("button", { name: "Settings" }).click();
+    expect(await faults()).toEqual([]);
+    await page.getByRole("button", { name: "Settings" }).click();
+    if (width < 760) await page.getByRole("button", { name: "Tools" }).click();
+    await page.getByRole("button", { name: "About the trees" }).click();
+    await expect(page.getByRole("dialog")).toContainText("times a second");
+    expect(await faults()).toEqual([]);
+    await page.keyboard.press("Escape");
+    await expect(page.getByRole("dialog")).toBeHidden();
+  });
+}
+
+test("tools: a view, a flight that a key ends, a photo, a film", async ({ page }) => {
+  await page.setViewportSize({ width: 800, height: 300 });
+  await open(page, "quality=low&trees=3&speed=5");
+  await forest(page);
+  const eye = () => page.evaluate(() => window.galewood!.eye);
+  const first = await eye();
+  await page.getByRole("button", { name: "Views" }).click();
+  await page.getByRole("button", { name: "Above the canopy" }).click();
+  await expect.poll(async () => (await eye())[1]).toBeGreaterThan(first[1] + 8);
+  const fly = page.getByRole("button", { name: "Fly through the forest" });
+  await fly.click();
+  const begun = await eye();
+  await expect.poll(async () => Math.hypot(...(await eye()).map((at, k) => at - begun[k]))).toBeGreaterThan(1);
+  await fly.click();
+  await expect(fly).toHaveAttribute("aria-pressed", "false");
+  const photo = page.waitForEvent("download");
+  await page.getByRole("button", { name: "Save a photo" }).click();
+  expect((await photo).suggestedFilename()).toMatch(/^galewood-.*\.png$/);
+  const film = page.getByRole("button", { name: "Film" });
+  await film.click();
+  await expect(film).toHaveAttribute("aria-pressed", "true");
+  await frames(page, 6);
+  const saved = page.waitForEvent("download");
+  await film.click();
+  expect((await saved).suggestedFilename()).toMatch(/^galewood-.*\.webm$/);
+});

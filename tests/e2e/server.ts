@@ -1,0 +1,55 @@
+/** A real server for the tests: started, waited for, stopped. */
+import { type ChildProcess, spawn } from "node:child_process";
+import { existsSync } from "node:fs";
+import { createServer } from "node:net";
+import { join, resolve } from "node:path";
+
+const REPOSITORY = resolve(__dirname, "../..");
+export const STARTS_WITHIN_MS = 90_000;
+
+const pause = (ms: number) => new Promise((done) => setTimeout(done, ms));
+
+export function freePort(): Promise<number> {
+  return new Promise((found, failed) => {
+    const probe = createServer();
+    probe.once("error", failed);
+    probe.listen(0, "127.0.0.1", () => {
+      const address = probe.address();
+      probe.close(() => (address && typeof address === "object" ? found(address.port) : failed(address)));
+    });
+  });
+}
+
+export async function until(what: string, within_ms: number, holds: () => Promise<boolean>): Promise<void> {
+  const end = Date.now() + within_ms;
+  while (Date.now() < end) {
+    if (await holds().catch(() => false)) return;
+    await pause(500);
+  }
+  throw new Error(`waited ${within_ms / 1000} s for ${what}`);
+}
+
+export function serve(port: number, data: string): ChildProcess {
+  const own = join(REPOSITORY, ".venv/bin/galewood");
+  const env = { ...process.env, PORT: String(port), HOST: "127.0.0.1", GALEWOOD_DATA_DIR: data };
+  const server = spawn(existsSync(own) ? own : "galewood", ["serve"], {
+    cwd: REPOSITORY,
+    env,
+    stdio: ["ignore", "ignore", process.env.E2E_LOG ? "inherit" : "ignore"],
+    detached: true,
+  });
+  server.on("error", (error) => console.error(`the server did not start: ${error.message}`));
+  return server;
+}
+
+export async function stop(server: ChildProcess): Promise<void> {
+  if (server.exitCode !== null || server.pid === undefined) return;
+  const ended = new Promise((done) => server.once("exit", done));
+  server.kill("SIGTERM");
+  await Promise.race([ended, pause(15_000)]);
+  try {
+    process.kill(-server.pid, "SIGKILL"); // whatever the group still holds
+  } catch {
+    // nothing was left
+  }
+}
