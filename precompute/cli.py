@@ -62,12 +62,25 @@ def build(
     species: Annotated[str | None, typer.Option(help="Wood of this species.")] = None,
     height_m: Annotated[float | None, typer.Option(help="Height of the tree, m.")] = None,
     design_speed: Annotated[float, typer.Option(help="Strongest sampled wind, m/s.")] = 18.0,
-    elements: Annotated[int, typer.Option(help="Sampled elements of the paper's search.")] = 35,
+    elements: Annotated[int, typer.Option(min=1, help="Sampled elements of the paper's search.")] = 35,
     tets: Annotated[int, typer.Option(help="Tetrahedra to aim at.")] = 5500,
+    wind_frames: Annotated[int, typer.Option(min=2, help="Frames of each of the 36 cosine winds.")] = 180,
+    seed: Annotated[int, typer.Option(help="Of the noise and gusts that the drift-free method learns.")] = 1,
+    reference: Annotated[
+        bool, typer.Option("--reference", help="Quadratic elements: the reference itself, ten times as long.")
+    ] = False,
+    compared_frames: Annotated[
+        int, typer.Option(min=0, help="Frames of the run compared with the reference; 0: no comparison.")
+    ] = 60,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(file_okay=False, help="Folder for pictures and a first table, written on the way."),
+    ] = None,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
 ) -> None:
     """Simulate a tree mesh and write its table, and the mesh it moves beside it (FILE.glb)."""
+    from precompute.dynamics import FemSettings
     from precompute.intake_types import IntakeError, IntakeOptions
     from precompute.pipeline import BuildOptions, build_table
 
@@ -76,6 +89,9 @@ def build(
         target_tets=tets,
         sampled_elements=elements,
         design_speed_m_s=design_speed,
+        frames=wind_frames,
+        seed=seed,
+        fem=FemSettings(element="quadratic" if reference else "fitted", reference_frames=compared_frames),
     )
     try:
         with progress_bar() as bar:
@@ -86,6 +102,7 @@ def build(
                 options,
                 progress=lambda p: tell(p.fraction, p.message),
                 cache_dir=cache_dir,
+                publish=writer(pictures) if pictures else None,
             )
     except IntakeError as error:
         console.print(f"[red]{error.title}[/red] {error.hint}")
@@ -96,6 +113,16 @@ def build(
     write_figures(json_out, {**result.report, "table_bytes": len(result.table)})
     seconds = sum(result.report["seconds"].values())
     console.print(f"{out}: {len(result.table) / 1e6:.1f} MB in {seconds:.0f} s")
+
+
+def writer(folder: Path) -> Callable[[str, bytes], None]:
+    """A function that writes files of a folder."""
+
+    def write(name: str, content: bytes) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        folder.joinpath(name).write_bytes(content)
+
+    return write
 
 
 @app.command()
@@ -162,6 +189,32 @@ def evaluate(
     console.print_json(data=without_frames(figures))
 
 
+@app.command()
+def paper(
+    out: Annotated[
+        Path, typer.Option(help="Document to write; its pictures go to the folder of its name.")
+    ] = Path("docs/paper.md"),
+    meshes: Annotated[
+        Path, typer.Option(exists=True, file_okay=False, help="Folder of poplar, maple and apricot.")
+    ] = Path("assets/species"),
+    quick: Annotated[bool, typer.Option(help="One small tree, few frames: only to see it work.")] = False,
+    workers: Annotated[int, typer.Option(help="Processes that run the finite elements.")] = 2,
+    cache_dir: CacheDir = Path("data/cache"),
+    json_out: JsonOut = None,
+) -> None:
+    """Do every experiment of the paper again and write what comes out, beside the paper's own figures."""
+    from precompute.paper import run_paper
+    from precompute.paper_plan import full_plan, quick_plan
+
+    plan = full_plan(meshes, cache_dir, workers)
+    if quick:
+        plan = quick_plan({path.stem: path for path in sorted(meshes.glob("*.glb"))[:1]}, cache_dir)
+    with progress_bar() as bar:
+        figures = run_paper(plan, out, teller(bar))
+    write_figures(json_out, figures)
+    console.print(f"{out} and its pictures are written")
+
+
 def without_frames(figures: dict[str, Any]) -> dict[str, Any]:
     """Figures without their long lists, for a screen."""
     return {
@@ -173,32 +226,50 @@ def without_frames(figures: dict[str, Any]) -> dict[str, Any]:
 
 @app.command()
 def bench(
+    parts: Annotated[
+        list[str] | None, typer.Argument(help="fem, samples, build, lookup, tangent, wind; none: all.")
+    ] = None,
     mesh: Annotated[Path, typer.Option(exists=True, dir_okay=False, help="Tree to measure with.")] = Path(
-        "assets/species/maple.glb"
+        "assets/species/poplar.glb"
     ),
-    quick: Annotated[bool, typer.Option(help="Fewer tetrahedra and frames.")] = False,
+    table: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="Table for the part tangent: saves it a build."),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer frames; the rest by proportion.")] = False,
     json_out: JsonOut = None,
 ) -> None:
-    """Measure the FEM step, a build by stage, the table and the lookup."""
-    from precompute.bench import run_bench
+    """Measure the FEM step, the samples, a build by stage, the lookup, a forest's step and the wind."""
+    from precompute.bench import PARTS, run_bench
+    from precompute.bench_words import sentences
 
+    unknown = set(parts or ()) - set(PARTS)
+    if unknown:
+        raise typer.BadParameter(f"no part {sorted(unknown)[0]!r}: there are {', '.join(PARTS)}")
     with progress_bar() as bar:
-        figures = run_bench(
-            mesh,
-            quick=quick,
-            tick=teller(bar),
-        )
+        figures = run_bench(mesh, parts or (), quick=quick, table=table, tick=teller(bar))
     write_figures(json_out, figures)
-    console.print_json(data=figures)
+    for sentence in sentences(figures):
+        print(sentence)
 
 
 @app.command()
-def verify(json_out: JsonOut = None) -> None:
-    """Check the finite elements against exact solutions and other programs."""
-    from precompute.verify import run_checks
+def verify(
+    quick: Annotated[bool, typer.Option(help="Elements, bars and poles alone, not the grown trees.")] = False,
+    species_dir: Annotated[Path, typer.Option(help="Folder of the grown species.")] = Path("assets/species"),
+    docs: Annotated[Path | None, typer.Option(help="Page whose table of checks to rewrite.")] = None,
+    cache_dir: CacheDir = Path("data/cache"),
+    json_out: JsonOut = None,
+) -> None:
+    """Check the finite elements against exact solutions, a frame of beams, other programs and each other."""
+    from precompute.verify import Scope, run_checks, written_into
 
-    figures = run_checks()
+    scope = Scope(species_dir=None if quick else species_dir, cache_dir=cache_dir)
+    with console.status("Checking"):
+        figures = run_checks(scope, lambda check: console.print(check.line()))
     write_figures(json_out, figures)
-    console.print_json(data=figures)
+    if docs is not None:
+        docs.write_text(written_into(docs.read_text(), figures["markdown"]))
+    console.print(f"{'all passed' if figures['passed'] else 'FAILED'} in {figures['seconds']:.0f} s")
     if not figures["passed"]:
         raise typer.Exit(1)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from precompute.build_types import BuildOptions, BuildResult, Cancelled, Progress, Stages
@@ -10,15 +12,17 @@ from precompute.design_wind import design_wind
 from precompute.drawn_wood import as_drawn
 from precompute.dynamics import Simulator, build_model
 from precompute.foliage import bind_foliage, render_binding
+from precompute.gallery import Gallery, Publish
+from precompute.helpers import Helpers
 from precompute.intake_process import run_intake
-from precompute.pipeline_report import build_report, describe, render_mesh
-from precompute.runner import TrajectoryRunner, run_in_processes, sample_tasks
-from precompute.sampling import read_trajectory, sample_winds
+from precompute.pictures import skeleton_png, tetrahedra_png
+from precompute.pipeline_report import build_report, render_mesh
+from precompute.reference_check import start_comparison
+from precompute.runner import TrajectoryRunner, run_in_processes
+from precompute.samples import planned, simulate
 from precompute.skeleton import extract_skeleton, sampled_elements
 from precompute.table import encode
-from precompute.tabulate import Learning, assemble_table
-from precompute.tangent_modes import oscillators_of
-from precompute.tangent_winds import training_winds
+from precompute.table_maker import TableMaker
 from precompute.tetrahedra import tetrahedralise
 from precompute.wood import species
 
@@ -29,40 +33,44 @@ def build_table(
     source: bytes,
     filename: str,
     options: BuildOptions,
-    runner: TrajectoryRunner = run_in_processes,
+    runner: TrajectoryRunner | None = None,
     progress: Callable[[Progress], None] = lambda progress: None,
     cache_dir: Path = Path("data/cache"),
+    publish: Publish | None = None,
 ) -> BuildResult:
-    """The table of a tree mesh. Raises IntakeError, and whatever ``progress`` raises (Cancelled)."""
+    """The table of a tree mesh. Raises IntakeError, and whatever ``progress`` raises (Cancelled).
+
+    ``publish`` is handed "tetrahedra.png", "skeleton.png" and "early.table" as soon as they exist. ``runner``
+    simulates the winds; without one, processes of this machine do.
+    """
     stages = Stages(progress)
-    stages.enter("intake")
-    tree, render_glb = run_intake(source, filename, options.intake)
-    wood = species(tree.species or "default")
-    stages.enter("meshing")
-    mesh = tetrahedralise(tree, options.target_tets, cache_dir / "tets")
-    stages.enter("skeleton")
-    skeleton = extract_skeleton(mesh)
-    mesh = as_drawn(tree, mesh, skeleton)
-    lumps = bind_foliage(tree, mesh, wood)
-    binding = render_mesh(tree, render_binding(tree, mesh))
-    points = mesh.tets[sampled_elements(mesh, skeleton, options.sampled_elements)]
-    stages.enter("model")
-    model = build_model(mesh, skeleton, wood, lumps, options.fem)
-    wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
-    stages.enter("sampling")
-    winds = sample_winds(wind.speed_m_s, options.fem.dt_s, options.frames)
-    more = training_winds(wind.speed_m_s, options.fem.dt_s)
-    tasks = sample_tasks(model, [*winds, *more], points, cache_dir)
-    paths = runner(tasks, lambda count: stages.tick(count / len(tasks)))
-    stages.enter("reducing")
-    runs = [read_trajectory(path) for path in paths]
-    learnt = [run for run, wind in zip(runs, [*winds, *more], strict=True) if not wind.fade_frames]
-    learning = Learning(oscillators_of(model), options.fem, learnt)
-    stages.enter("table")
-    description = describe(tree, model, wind, [*winds, *more], options, render_glb)
-    mass_kg = model.mass_kg[: model.vertex_count]
-    paper = runs[: len(winds)]
-    table = assemble_table(paper, mass_kg, binding, description, options.table, learning, stages.tick)
-    stages.enter("done")
-    report = build_report(tree, mesh, skeleton, lumps, model, wind, table, stages)
-    return BuildResult(encode(table), render_glb, report)
+    with Helpers() as helpers:
+        gallery = Gallery(helpers, publish)
+        stages.enter("intake")
+        tree, render_glb = run_intake(source, filename, options.intake)
+        wood = species(tree.species or "default")
+        stages.enter("meshing")
+        mesh = tetrahedralise(tree, options.target_tets, cache_dir / "tets")
+        gallery.draw("tetrahedra.png", tetrahedra_png, mesh)
+        stages.enter("skeleton")
+        skeleton = extract_skeleton(mesh)
+        mesh = as_drawn(tree, mesh, skeleton)
+        elements = sampled_elements(mesh, skeleton, options.sampled_elements)
+        gallery.draw("skeleton.png", skeleton_png, mesh, skeleton, elements)
+        lumps = bind_foliage(tree, mesh, wood)
+        surface = render_mesh(tree, render_binding(tree, mesh))
+        stages.enter("model")
+        model = build_model(mesh, skeleton, wood, lumps, replace(options.fem, reference_frames=0))
+        reference = start_comparison(helpers, model, mesh, skeleton, wood, lumps, options.fem)
+        wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
+        stages.enter("sampling")
+        samples = planned(model, wind.speed_m_s, mesh.tets[elements], options, cache_dir)
+        maker = TableMaker(tree, model, wind, surface, options, render_glb)
+        early = partial(maker.make, samples.first(), preliminary=True)
+        publish_early = partial(gallery.hand_out, "early.table", lambda: encode(early()))
+        simulate(samples, runner or partial(run_in_processes, helpers=helpers), stages.tick, publish_early)
+        stages.enter("table")
+        table = maker.make(samples, stages.tick)
+        stages.enter("done")
+        report = build_report(tree, mesh, skeleton, lumps, model, wind, table, reference(), stages)
+        return BuildResult(encode(table), render_glb, report)

@@ -50,6 +50,7 @@ def describe(
             "wood": model.report["wood"],
             "tetrahedra": len(model.elements),
             "fem": asdict(options.fem),
+            "seed": options.seed,
             "winds": [w.name for w in winds],
             "frames": [len(w.pressure_pa) for w in winds],
         },
@@ -64,6 +65,7 @@ def build_report(
     model: FemModel,
     wind: DesignWind,
     table: Table,
+    reference: dict[str, Any] | None,
     stages: Stages,
 ) -> dict[str, Any]:
     """Everything assumed and measured on the way, by stage; JSON-able."""
@@ -73,7 +75,7 @@ def build_report(
         "meshing": mesh.report,
         "skeleton": skeleton.report,
         "foliage": lumps.report,
-        "model": model.report,
+        "model": model.report | ({"reference": reference} if reference else {}),
         "design_wind": asdict(wind),
         "table": {
             **{name: table.metadata[name] for name in ("records", "modes", "points", "sigma_pa", "errors")},
@@ -82,6 +84,7 @@ def build_report(
             "candidates_most": int(candidates.max()),
         },
         "seconds": stages.seconds,
+        "cpu_seconds": stages.cpu_seconds,
     }
 
 

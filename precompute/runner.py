@@ -1,14 +1,12 @@
-"""Samples a model under many winds in processes of its own; other runners (a cluster) run the same task."""
+"""Samples a model under many winds in processes beside; other runners (a cluster) run the same task."""
 
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import lru_cache
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from precompute.dynamics import FemModel, Simulator, load_model, save_model
-from precompute.sampling import SampleWind, sample_trajectory, trajectory_key, write_trajectory
+from precompute.helpers import Helpers
+from precompute.sampling import SampleWind, is_whole, sample_trajectory, trajectory_key, write_trajectory
 
 Array = npt.NDArray[Any]
 
@@ -42,15 +41,22 @@ def sample_tasks(
     """The runs of a table, recorded at the given vertices (any shape, repeats allowed).
 
     Model and runs are kept in ``cache_dir`` under their content's hash: a stopped build goes on where it was.
+    A damaged file (the power failed, the disk was full) is taken away, so that its run is made again.
     """
-    key, vertices = content_hash(model), np.unique(points)
+    key = content_hash(model)
     path = cache_dir / "models" / f"{key}.npz"
-    path.parent.mkdir(parents=True, exist_ok=True)
     save_model(model, path)
-    folder = cache_dir / "trajectories"
-    runs = [folder / f"{trajectory_key(key, wind, vertices)}.npz" for wind in winds]
-    numbers = tuple(int(vertex) for vertex in vertices)
-    return [SampleTask(path, wind, numbers, run) for wind, run in zip(winds, runs, strict=True)]
+    vertices = np.unique(points)
+    tasks = [_task(path, wind, vertices if wind.recorded else vertices[:0]) for wind in winds]
+    for task in tasks:
+        if task.path.exists() and not is_whole(task.path):
+            task.path.unlink(missing_ok=True)
+    return tasks
+
+
+def _task(model: Path, wind: SampleWind, vertices: Array) -> SampleTask:
+    run = model.parent.parent / "trajectories" / f"{trajectory_key(model.stem, wind, vertices)}.npz"
+    return SampleTask(model, wind, tuple(int(vertex) for vertex in vertices), run)
 
 
 def content_hash(model: FemModel) -> str:
@@ -77,24 +83,29 @@ def run_task(task: SampleTask, tick: Callable[[float], None] = lambda fraction: 
 
 
 def run_in_processes(
-    tasks: Sequence[SampleTask], done: Callable[[int], None], workers: int | None = None
+    tasks: Sequence[SampleTask],
+    done: Callable[[int], None],
+    workers: int | None = None,
+    helpers: Helpers | None = None,
 ) -> list[Path]:
-    """A TrajectoryRunner on this machine's cores."""
+    """A TrajectoryRunner on this machine's cores: in ``helpers`` at hand, or in ``workers`` of its own."""
     missing = [task for task in tasks if not task.path.exists()]
     ready = len(tasks) - len(missing)
     done(ready)
-    if missing:
-        _run_missing(missing, lambda count: done(ready + count), workers or os.cpu_count() or 1)
+    if missing and helpers:
+        _run_missing(missing, lambda count: done(ready + count), helpers)
+    elif missing:
+        with Helpers(workers) as own:
+            _run_missing(missing, lambda count: done(ready + count), own)
     return [task.path for task in tasks]
 
 
-def _run_missing(tasks: Sequence[SampleTask], done: Callable[[int], None], workers: int) -> None:
-    # Spawned, not forked: this process may hold threads and compiled code that do not survive a fork.
-    with ProcessPoolExecutor(min(workers, len(tasks)), mp_context=get_context("spawn")) as pool:
-        futures = [pool.submit(run_task, task) for task in tasks]
-        try:
-            for count, future in enumerate(as_completed(futures), 1):
-                future.result()
-                done(count)
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+def _run_missing(tasks: Sequence[SampleTask], done: Callable[[int], None], helpers: Helpers) -> None:
+    futures = [helpers.start(run_task, task) for task in tasks]
+    try:
+        for count, future in enumerate(as_completed(futures), 1):
+            future.result()
+            done(count)
+    finally:
+        for future in futures:
+            future.cancel()

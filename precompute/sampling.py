@@ -10,6 +10,7 @@ import hashlib
 import io
 import os
 import tempfile
+import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,6 +53,8 @@ class SampleWind:
     pressure_pa: Floats  # (T, 2)
     fade_frames: int = 0
     """Over this many last frames the motion is faded to exact rest: see ``fade``."""
+    recorded: bool = True
+    """Whether the internal states are, for the paper's search; else the motion alone."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,21 @@ class Trajectory:
     velocity: Array  # (T, q, 3) before record i
     force: Array  # (T, q, 3) internal force
     stiffness: Array  # (T, q, 6) xx yy zz xy xz yz of the diagonal blocks
+
+
+class Recording(Protocol):
+    """A trajectory, in memory or in its file; the fields are those of ``Trajectory``."""
+
+    @property
+    def displacement_m(self) -> Array: ...
+    @property
+    def pressure_pa(self) -> Array: ...
+    @property
+    def velocity(self) -> Array: ...
+    @property
+    def force(self) -> Array: ...
+    @property
+    def stiffness(self) -> Array: ...
 
 
 class Body(Protocol):
@@ -186,10 +204,55 @@ def write_trajectory(path: Path, trajectory: Trajectory) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as part:
         part.write(buffer.getbuffer())
+        part.flush()
+        os.fsync(part.fileno())  # else a power cut could leave the name without the content
     os.replace(part.name, path)  # noqa: PTH105  (the temporary name is a string)
+
+
+def is_whole(path: Path) -> bool:
+    """Whether a trajectory's file has its end, which holds the index of its arrays."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return len(archive.namelist()) == len(Trajectory.__dataclass_fields__)
+    except (OSError, zipfile.BadZipFile):
+        return False
 
 
 def read_trajectory(path: Path) -> Trajectory:
     """Read what ``write_trajectory`` wrote."""
     with np.load(path, allow_pickle=False) as arrays:
         return Trajectory(**{name: arrays[name] for name in Trajectory.__dataclass_fields__})
+
+
+@dataclass(frozen=True)
+class StoredRun:
+    """A trajectory left in its file: each array is read when it is asked for, and not kept.
+
+    All runs of a table together are some 250 MB; whoever goes through them one by one needs one at a time.
+    """
+
+    path: Path
+
+    @property
+    def displacement_m(self) -> Array:
+        return self._read("displacement_m")
+
+    @property
+    def pressure_pa(self) -> Array:
+        return self._read("pressure_pa")
+
+    @property
+    def velocity(self) -> Array:
+        return self._read("velocity")
+
+    @property
+    def force(self) -> Array:
+        return self._read("force")
+
+    @property
+    def stiffness(self) -> Array:
+        return self._read("stiffness")
+
+    def _read(self, name: str) -> Array:
+        with np.load(self.path, allow_pickle=False) as arrays:
+            return arrays[name]

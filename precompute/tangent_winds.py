@@ -64,4 +64,5 @@ def _gust(rng: np.random.Generator, k: int, design_speed_m_s: float, dt_s: float
 
 def _wind(name: str, start_rad: float, speed_m_s: Floats, heading_rad: Floats) -> SampleWind:
     along = np.stack([np.cos(heading_rad), np.sin(heading_rad)], axis=1)
-    return SampleWind(name, float(np.degrees(start_rad)), dynamic_pressure(speed_m_s)[:, None] * along)
+    pressure = dynamic_pressure(speed_m_s)[:, None] * along
+    return SampleWind(name, float(np.degrees(start_rad)), pressure, recorded=False)

@@ -64,6 +64,51 @@ def test_a_second_build_uses_what_the_first_has_kept(mesh: bytes, cache: Path) -
     build_table(mesh, "tree.glb", OPTIONS, no_runner, cache_dir=cache)
 
 
+def test_a_stopped_build_goes_on_from_what_is_stored(mesh: bytes, cache: Path) -> None:
+    """One run was torn by the stop, one was not made, all others are there."""
+    made: list[str] = []
+
+    def told(tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
+        made.extend(task.wind.name for task in tasks if not task.path.exists())
+        return in_this_process(tasks, done)
+
+    first = build_table(mesh, "tree.glb", OPTIONS, told, cache_dir=cache)
+    assert made == []
+    runs = sorted((cache / "trajectories").glob("*.npz"))
+    runs[3].unlink()
+    runs[7].write_bytes(runs[7].read_bytes()[:-100])
+    again = build_table(mesh, "tree.glb", OPTIONS, told, cache_dir=cache)
+    assert len(made) == 2
+    assert again.table == first.table
+
+
+def test_pictures_and_an_early_table_are_handed_out_on_the_way(mesh: bytes, cache: Path) -> None:
+    out: dict[str, bytes] = {}
+    left: list[int] = []
+
+    def one_by_one(tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
+        for count, task in enumerate(tasks, 1):
+            run_task(task)
+            done(count)
+            if "early.table" in out and not left:
+                left.append(len(tasks) - count)
+        return [task.path for task in tasks]
+
+    for run in sorted((cache / "trajectories").glob("*.npz")):
+        run.unlink()
+    result = build_table(mesh, "tree.glb", OPTIONS, one_by_one, cache_dir=cache, publish=out.__setitem__)
+    assert set(out) == {"tetrahedra.png", "skeleton.png", "early.table"}
+    for name in ("tetrahedra.png", "skeleton.png"):
+        assert out[name].startswith(b"\x89PNG")
+        assert len(out[name]) <= 200_000
+    early, whole = decode(out["early.table"]), decode(result.table)
+    assert left[0] > 30
+    assert early.metadata["provenance"]["preliminary"] is True
+    assert "preliminary" not in whole.metadata["provenance"]
+    assert 0 < len(early.dq) < len(whole.dq) / 2
+    assert result.report["model"]["reference"]["trajectory_error"] < 0.2
+
+
 @pytest.mark.parametrize("stage", ["skeleton", "table"])
 def test_what_the_progress_raises_stops_the_build(mesh: bytes, cache: Path, stage: str) -> None:
     def stop(progress: Progress) -> None:

@@ -7,7 +7,9 @@ import pytest
 
 from precompute.design_wind import design_wind
 from precompute.sampling import (
+    StoredRun,
     Trajectory,
+    is_whole,
     read_trajectory,
     sample_trajectory,
     sample_winds,
@@ -89,6 +91,7 @@ def test_kept_whole_under_a_hash_of_all_that_matters(tmp_path: Path) -> None:
     again = read_trajectory(path)
     for name, values in vars(trajectory).items():
         assert np.array_equal(getattr(again, name), values)
+        assert np.array_equal(getattr(StoredRun(path), name), values)
     assert [p.name for p in path.parent.iterdir()] == ["run.npz"]
     points = np.arange(3)
     keys = {trajectory_key(m, w, p) for m in "ab" for w in WINDS[:9] for p in (points, points + 1)}
@@ -108,3 +111,16 @@ def test_the_design_wind_is_lowered_until_the_sway_is_allowed() -> None:
     strong = design_wind(beam, 60.0, 0.5, beam.dt_s)  # as if it were half a metre high
     assert strong.speed_m_s < 60.0
     assert strong.sway_share <= 0.2
+
+
+def test_a_torn_file_is_not_taken_for_a_run(tmp_path: Path) -> None:
+    _, trajectory = run("still-000")
+    path = tmp_path / "run.npz"
+    write_trajectory(path, trajectory)
+    content = path.read_bytes()
+    assert is_whole(path)
+    for kept in (0, 1, len(content) // 2, len(content) - 1):
+        path.write_bytes(content[:kept])
+        assert not is_whole(path)
+    path.unlink()
+    assert not is_whole(path)

@@ -1,0 +1,84 @@
+"""The runs that a table is made from: which winds, in which order they are simulated, where they are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy.typing as npt
+
+from precompute.build_types import BuildOptions
+from precompute.model import FemModel
+from precompute.runner import SampleTask, TrajectoryRunner, sample_tasks
+from precompute.sampling import DIRECTIONS_DEG, Recording, SampleWind, StoredRun, sample_winds
+from precompute.tangent_winds import training_winds
+
+Array = npt.NDArray[Any]
+
+FIRST_NAMES = {
+    "still-000",
+    *(f"cosine-{k}-{direction:03.0f}" for k in (1, 3, 5) for direction in DIRECTIONS_DEG[::2]),
+    *(f"gust-{direction:03.0f}" for direction in DIRECTIONS_DEG[::3]),
+}
+"""Of an early table: weak, middling and strong winds from three sides, and two gusts that die down; …"""
+FIRST_LEARNT = slice(0, None, 3)
+"""… and every third of the winds that the drift-free method learns from."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Runs whose records the paper's search needs, and runs that only the drift-free method learns from."""
+
+    recorded: Sequence[SampleTask]
+    learnt: Sequence[SampleTask]
+
+    @property
+    def winds(self) -> list[SampleWind]:
+        return [task.wind for task in (*self.recorded, *self.learnt)]
+
+    @property
+    def ready(self) -> bool:
+        return all(task.path.exists() for task in (*self.recorded, *self.learnt))
+
+    def recorded_runs(self) -> list[Recording]:
+        return [StoredRun(task.path) for task in self.recorded]
+
+    def learnt_runs(self) -> list[Recording]:
+        """All that moves as the finite elements do: not what was faded to rest."""
+        free = [task for task in self.recorded if not task.wind.fade_frames]
+        return [StoredRun(task.path) for task in (*free, *self.learnt)]
+
+    def first(self) -> Samples:
+        """The few that an early table is made from, in the same order."""
+        return Samples([t for t in self.recorded if t.wind.name in FIRST_NAMES], self.learnt[FIRST_LEARNT])
+
+
+def planned(
+    model: FemModel, speed_m_s: float, points: Array, options: BuildOptions, cache_dir: Path
+) -> Samples:
+    """All winds up to a strongest, to be recorded at the given vertices."""
+    winds = sample_winds(speed_m_s, options.fem.dt_s, options.frames)
+    more = training_winds(speed_m_s, options.fem.dt_s, seed=options.seed)
+    tasks = sample_tasks(model, [*winds, *more], points, cache_dir)
+    return Samples(tasks[: len(winds)], tasks[len(winds) :])
+
+
+def simulate(
+    samples: Samples, runner: TrajectoryRunner, tick: Callable[[float], None], at_first: Callable[[], None]
+) -> None:
+    """Run what is not there yet, the first ones first; ``at_first`` is called as soon as these are done."""
+    first = samples.first()
+    early = [*first.recorded, *first.learnt]
+    taken = {task.path for task in early}
+    others = [task for task in (*samples.recorded, *samples.learnt) if task.path not in taken]
+    tasks, waiting = [*early, *others], [at_first]
+    frames = [len(task.wind.pressure_pa) for task in tasks]
+
+    def done(number: int) -> None:
+        tick(sum(frames[:number]) / sum(frames))
+        if waiting and number < len(tasks) and first.ready:
+            waiting.pop()()
+
+    runner(tasks, done)

@@ -1,0 +1,51 @@
+"""Tables of one tree from its runs: an early one from the first of them, and the whole one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+from precompute.build_types import BuildOptions
+from precompute.design_wind import DesignWind
+from precompute.intake_types import TreeMesh
+from precompute.model import FemModel
+from precompute.pipeline_report import describe
+from precompute.samples import Samples
+from precompute.table import Table
+from precompute.tabulate import Learning, RenderMesh, assemble_table
+from precompute.tangent_modes import Oscillators, oscillators_of
+
+
+@dataclass(frozen=True)
+class TableMaker:
+    """All that a table says and shows besides its motion."""
+
+    tree: TreeMesh
+    model: FemModel
+    wind: DesignWind
+    surface: RenderMesh
+    options: BuildOptions
+    render_glb: bytes
+
+    @cached_property
+    def oscillators(self) -> Oscillators:
+        """The tree's own free motion, which every table of it builds on."""
+        return oscillators_of(self.model)
+
+    def make(
+        self,
+        samples: Samples,
+        tick: Callable[[float], None] = lambda fraction: None,
+        *,
+        preliminary: bool = False,
+    ) -> Table:
+        """The table of these runs; one of the first few is marked as preliminary."""
+        description = describe(self.tree, self.model, self.wind, samples.winds, self.options, self.render_glb)
+        if preliminary:
+            description["provenance"]["preliminary"] = True
+        learning = Learning(self.oscillators, self.options.fem, samples.learnt_runs())
+        mass_kg = self.model.mass_kg[: self.model.vertex_count]
+        return assemble_table(
+            samples.recorded_runs(), mass_kg, self.surface, description, self.options.table, learning, tick
+        )
