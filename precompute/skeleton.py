@@ -14,7 +14,7 @@ from precompute.intake_types import Floats, Int32s, Ints
 from precompute.roots import root_vertices
 from precompute.skeleton_centre import fitted_lines, l1_centred
 from precompute.skeleton_levels import Sections, cut_sections, geodesic_distance, inner_faces
-from precompute.skeleton_tree import Tree, branches, linked_tree, without_spurs
+from precompute.skeleton_tree import Tree, branches, linked_tree, meetings, without_spurs
 from precompute.tetrahedra import TetMesh
 
 STEPS_PER_HEIGHT = 100
@@ -76,6 +76,7 @@ def extract_skeleton(mesh: TetMesh) -> Skeleton:
             "step_m": step_m,
             "trunk_radius_m": float(np.percentile(radius[branch == 0], 90)),
             "root_vertices": len(roots),
+            "meetings": meetings(sections),
         },
     )
 

@@ -58,6 +58,15 @@ def linked_tree(
     )
 
 
+def meetings(sections: Sections) -> int:
+    """How many times two ways out of the roots meet: where limbs touch, the solid has grown together.
+
+    All ways but one then end there and count as branches, though none ends there in nature.
+    """
+    _, count = np.unique(sections.above, return_counts=True)
+    return int((count - 1).sum())
+
+
 def _tip(last_m: Floats, before_m: Floats, far_m: Floats) -> Floats:
     """The end of a twig: the farthest vertex, which lies on the bark, brought to the axis."""
     along = last_m - before_m

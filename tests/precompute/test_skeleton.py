@@ -93,6 +93,22 @@ def test_a_twig_that_hangs_to_the_ground_is_not_a_root():
     assert np.linalg.norm(skeleton.points_m[tips] - (1.2, 0, 0), axis=1).min() < 0.2
 
 
+@pytest.mark.parametrize("touching", [False, True])
+def test_limbs_that_touch_are_told(touching):
+    """Two limbs of one trunk whose ends grow together in the solid: two ways out meet there."""
+    ends = ((0.03, 3.4, 0) if touching else (0.6, 3.4, 0), (-0.03, 3.4, 0) if touching else (-0.6, 3.4, 0))
+
+    def holds(points):
+        limbs = [near_segment(points, (0, 0, 0), (0, 1, 0), 0.2)]
+        for side, end in zip((1, -1), ends, strict=True):
+            limbs.append(near_segment(points, (0, 1, 0), (0.7 * side, 2.2, 0), 0.13))
+            limbs.append(near_segment(points, (0.7 * side, 2.2, 0), end, 0.13))
+        return (points[:, 1] > 0) & np.any(limbs, axis=0)
+
+    skeleton = extract_skeleton(grid_mesh(holds, (-1, 0, -0.3), (1, 3.6, 0.3), 0.06))
+    assert skeleton.report["meetings"] == int(touching)
+
+
 def test_branches_follow_the_longest_reach():
     points = np.array([[0, 0, 0], [0, 1, 0], [0, 2, 0], [1, 1, 0], [2, 1, 0], [3, 1, 0]], dtype=float)
     parent = np.array([-1, 0, 1, 1, 3, 4])

@@ -1,0 +1,42 @@
+"""The same tetrahedra, settings and seed give the same samples bit for bit, here and in another process."""
+
+import hashlib
+import subprocess
+import sys
+from pathlib import Path
+
+from precompute.design_wind import design_wind
+from precompute.dynamics import Simulator, build_model
+from precompute.model import FemSettings
+from precompute.sampling import sample_trajectory, sample_winds
+from precompute.skeleton import sampled_elements
+from precompute.tangent_winds import training_winds
+from tests.precompute.apricot import apricot
+
+FRAMES = 12
+
+
+def digest() -> str:
+    """Hash of a model of the apricot and of what is recorded of it under two winds."""
+    one = apricot()
+    model = build_model(one.mesh, one.skeleton, one.wood, one.lumps, FemSettings(reference_frames=0))
+    simulator = Simulator(model)
+    dt_s = model.settings.dt_s
+    speed_m_s = design_wind(simulator, 18.0, one.tree.height_m, dt_s).speed_m_s
+    points = one.mesh.tets[sampled_elements(one.mesh, one.skeleton, 35)].ravel()
+    found = hashlib.sha256()
+    for part in (model.blocks, model.mass_kg, model.u_rest, model.prestress):
+        found.update(part.tobytes())
+    for wind in (sample_winds(speed_m_s, dt_s, FRAMES)[5], training_winds(speed_m_s, dt_s)[0]):
+        run = sample_trajectory(simulator, wind, points, dt_s)
+        for part in (run.displacement_m, run.velocity, run.force, run.stiffness):
+            found.update(part.tobytes())
+    return found.hexdigest()
+
+
+def test_samples_are_the_same_bits_in_every_process():
+    command = [sys.executable, "-c", "from tests.precompute.test_determinism import digest; print(digest())"]
+    other = subprocess.Popen(
+        command, cwd=Path(__file__).parents[2], stdout=subprocess.PIPE, text=True, env=None
+    )
+    assert digest() == other.communicate()[0].strip()

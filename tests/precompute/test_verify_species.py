@@ -1,0 +1,51 @@
+"""A real tree against beams, its generator, its own eigenvalues and the reference; the table of checks."""
+
+import pytest
+
+from precompute.verify import MARKERS, absolute, markdown, relative, skipped, written_into
+from precompute.verify_species import against_reference, of_specimen, on_meshes, ringing, wood_mass
+from precompute.verify_specimens import TARGETS
+from tests.precompute.apricot import apricot
+
+
+def test_every_check_of_a_whole_tree_passes():
+    checks = list(of_specimen(apricot(), frames=45))
+    assert len(checks) >= 10
+    assert not [check.line() for check in checks if not check.passed]
+
+
+def test_the_first_frequency_hardly_depends_on_the_mesh():
+    checks = list(on_meshes([apricot(target) for target in TARGETS]))
+    assert not [check.line() for check in checks if not check.passed]
+
+
+def test_a_tree_that_is_wrong_fails():
+    """The checks can fail: the same tree with twigs as heavy and stiff as the mesh has them."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    one = apricot()
+    thick = replace(one, mesh=replace(one.mesh, radius_ratio=np.ones(len(one.mesh.tets))))
+    assert not wood_mass(thick).passed
+    undamped = replace(one.fast, alpha=0.0, beta=0.0)
+    other = replace(one)
+    other.__dict__["fast"] = undamped
+    assert [check.passed for check in ringing(other)] == [True, False]
+    linear = replace(one)
+    linear.__dict__["fast"] = one.model("linear")
+    assert not any(check.passed for check in against_reference(linear, 20))
+
+
+def test_the_table_replaces_what_stood_between_its_markers():
+    table = markdown([relative("a", 2.0, 2.1, "m", 0.1), absolute("b", 0.5, 0.1), skipped("c", "no reason")])
+    assert [line.split(" | ")[-1] for line in table.splitlines()[2:]] == [
+        "passed |",
+        "FAILED |",
+        "skipped; no reason |",
+    ]
+    page = f"before\n{MARKERS[0]}\nold\n{MARKERS[1]}\nafter\n"
+    again = written_into(written_into(page, table), table)
+    assert again == f"before\n{MARKERS[0]}\n{table}\n{MARKERS[1]}\nafter\n"
+    with pytest.raises(ValueError, match="no lines"):
+        written_into("nothing", table)
