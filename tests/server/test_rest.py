@@ -144,7 +144,7 @@ def test_a_build_that_always_crashes_fails_in_the_end(api: httpx.Client) -> None
 
 
 def test_delete_removes_files_that_no_other_tree_shares(api: httpx.Client, server: Server) -> None:
-    first, second = upload(api, b"shared").json(), upload(api, b"shared").json()
+    first, second = (upload(api, b"shared", species=name).json() for name in ("maple", "poplar"))
     mesh = f"/api/meshes/{first['mesh_sha256']}"
     assert api.delete(f"/api/trees/{first['id']}").status_code == 204
     assert api.get(mesh).status_code == 200

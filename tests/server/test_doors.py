@@ -1,0 +1,241 @@
+"""Who is let in: keys, this machine alone, rates, and headers; on a small application, without a server."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import anyio
+import httpx
+import pytest
+from fastapi import FastAPI, Request
+
+from server.doors import Doors
+from server.errors import install
+from server.headers import SecurityHeaders
+from server.keys import new_key
+from server.metrics import Metrics
+from server.rates import neighbourhood
+from server.settings import Settings
+from server.tracing import Tracing
+
+LOCAL, FAR = ("127.0.0.1", 5), ("203.0.113.9", 5)
+
+
+def application(**given: Any) -> FastAPI:
+    settings, counted = Settings(**given), Metrics("test")
+    app = FastAPI()
+    install(app)
+
+    @app.get("/api/thing")
+    @app.post("/api/thing")
+    @app.post("/api/winds/validate")
+    async def thing(request: Request) -> dict[str, int]:
+        return {"bytes": len(await request.body())}
+
+    @app.get("/api/broken")
+    async def broken() -> None:
+        raise ZeroDivisionError("a secret of the server")
+
+    app.add_middleware(Doors, settings=settings, metrics=counted)
+    app.add_middleware(SecurityHeaders)
+    app.add_middleware(Tracing, metrics=counted)
+    app.state.metrics = counted
+    return app
+
+
+def ask(
+    app: FastAPI,
+    method: str,
+    path: str,
+    *,
+    client: tuple[str, int] = LOCAL,
+    host: str = "localhost",
+    **given: Any,
+) -> httpx.Response:
+    async def send() -> httpx.Response:
+        transport = httpx.ASGITransport(app, client=client, raise_app_exceptions=False)
+        async with httpx.AsyncClient(transport=transport, base_url=f"http://{host}:8000") as http:
+            return await http.request(method, path, **given)
+
+    return anyio.run(send)
+
+
+def code_of(answer: httpx.Response) -> tuple[int, str]:
+    assert answer.headers["content-type"] == "application/problem+json"
+    return answer.status_code, answer.json()["code"]
+
+
+@pytest.mark.parametrize("client", [LOCAL, ("::1", 5), ("::ffff:127.0.0.1", 5), ("127.8.8.8", 1)])
+@pytest.mark.parametrize("host", ["localhost", "127.0.0.1", "[::1]", "galewood.localhost"])
+def test_without_keys_this_machine_may_write(client: tuple[str, int], host: str) -> None:
+    assert ask(application(), "POST", "/api/thing", client=client, host=host).status_code == 200
+
+
+def test_without_keys_others_may_only_read() -> None:
+    app = application()
+    assert ask(app, "GET", "/api/thing", client=FAR).status_code == 200
+    assert ask(app, "POST", "/api/winds/validate", client=FAR).status_code == 200
+    for client in (FAR, ("2001:db8::1", 5), ("testclient", 1)):
+        assert code_of(ask(app, "POST", "/api/thing", client=client)) == (403, "local-only")
+
+
+@pytest.mark.parametrize("name", ["X-Forwarded-For", "Forwarded", "Via", "X-Real-IP"])
+def test_what_a_proxy_passes_on_is_not_from_this_machine(name: str) -> None:
+    answer = ask(application(), "POST", "/api/thing", headers={name: "127.0.0.1"})
+    assert code_of(answer) == (403, "local-only")
+
+
+@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example", "localhost.evil.example"])
+def test_a_foreign_name_that_leads_here_may_not_write(host: str) -> None:
+    """DNS rebinding: the page's origin and the host agree, and the connection is local."""
+    headers = {"Origin": f"http://{host}:8000"}
+    assert code_of(ask(application(), "POST", "/api/thing", host=host, headers=headers)) == (
+        403,
+        "local-only",
+    )
+
+
+def test_pages_of_other_sites_may_not_write() -> None:
+    headers = {"Origin": "http://evil.example"}
+    assert code_of(ask(application(), "POST", "/api/thing", headers=headers)) == (403, "foreign-origin")
+    friendly = application(allowed_origins=["http://evil.example"])
+    assert ask(friendly, "POST", "/api/thing", headers=headers).status_code == 200
+
+
+def test_with_keys_only_their_holders_may_write() -> None:
+    (key, sha256), (other, _) = new_key(), new_key()
+    app = application(api_keys=[sha256, "0" * 64])
+    bearer = {"Authorization": f"Bearer {key}"}
+    assert ask(app, "POST", "/api/thing", client=FAR, headers=bearer).status_code == 200
+    for headers in ({}, {"Authorization": f"Bearer {other}"}, {"Authorization": f"Basic {key}"},
+                    {"Authorization": f"Bearer {sha256}"}):  # fmt: skip
+        answer = ask(app, "POST", "/api/thing", headers=headers)
+        assert code_of(answer) == (401, "key-needed") and "Bearer" in answer.headers["www-authenticate"]
+
+
+def test_keys_are_read_from_the_environment_and_must_be_hashes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GALEWOOD_API_KEYS", f"{'A' * 64}, {'b' * 64},")
+    assert Settings().api_keys == ["a" * 64, "b" * 64]
+    monkeypatch.setenv("GALEWOOD_API_KEYS", "swordfish")
+    with pytest.raises(ValueError, match="SHA-256"):
+        Settings()
+
+
+def test_guessing_keys_is_slowed_down_and_harms_nobody_else() -> None:
+    key, sha256 = new_key()
+    app = application(api_keys=[sha256])
+    wrong = {"Authorization": "Bearer wrong"}
+    statuses = [ask(app, "POST", "/api/thing", client=FAR, headers=wrong).status_code for _ in range(25)]
+    assert set(statuses) == {401, 429} and statuses == sorted(statuses)
+    bearer = {"Authorization": f"Bearer {key}"}
+    assert ask(app, "POST", "/api/thing", headers=bearer).status_code == 200
+
+
+@pytest.mark.parametrize(("method", "setting"), [("GET", "reads_per_minute"), ("POST", "writes_per_minute")])
+def test_an_address_may_ask_only_so_often(method: str, setting: str) -> None:
+    app = application(**{setting: 5})
+    answers = [ask(app, method, "/api/thing") for _ in range(8)]
+    assert [answer.status_code for answer in answers] == [200] * 5 + [429] * 3
+    assert code_of(answers[-1]) == (429, "too-many-requests")
+    assert 1 <= int(answers[-1].headers["retry-after"]) <= 60
+    assert ask(app, method, "/api/thing", client=("127.0.0.2", 5)).status_code == 200
+    assert b'galewood_refused_total{reason="too-many-requests"} 3.0' in app.state.metrics.text()
+
+
+def test_an_ipv6_customer_is_one_address() -> None:
+    assert neighbourhood("2001:db8:1:2::1") == neighbourhood("2001:db8:1:2:ffff::9")
+    assert neighbourhood("2001:db8:1:2::1") != neighbourhood("2001:db8:1:3::1")
+    assert neighbourhood("192.0.2.1") != neighbourhood("192.0.2.2")
+
+
+def test_a_body_that_stops_coming_ends_the_request() -> None:
+    app = application(body_stall_s=0.2)
+
+    async def body() -> Any:
+        yield b"a"
+        await anyio.sleep(5)
+        yield b"b"
+
+    scope_answers = anyio.run(_stream, app, body)
+    assert scope_answers == 408
+
+
+async def _stream(app: FastAPI, body: Any) -> int:
+    """httpx' own transport reads a body to its end before it asks; this one hands it on as it comes."""
+    pieces, status = body(), 0
+    ended = False
+
+    async def receive() -> dict[str, Any]:
+        nonlocal ended
+        if ended:
+            await anyio.sleep_forever()
+        try:
+            return {"type": "http.request", "body": await anext(pieces), "more_body": True}
+        except StopAsyncIteration:
+            ended = True
+            return {"type": "http.request", "body": b"", "more_body": False}
+
+    async def send(message: Any) -> None:
+        nonlocal status
+        status = message.get("status", status)
+
+    scope = {
+        "type": "http", "asgi": {"version": "3.0"}, "http_version": "1.1", "method": "POST", "scheme": "http",
+        "path": "/api/thing", "raw_path": b"/api/thing", "query_string": b"", "root_path": "",
+        "headers": [(b"host", b"localhost:8000")], "client": LOCAL,
+        "server": ("localhost", 8000), "state": {},
+    }  # fmt: skip
+    with anyio.fail_after(4):
+        await app(scope, receive, send)
+    return status
+
+
+def test_a_body_that_drips_ends_the_request(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.doors.GRACE_S", 0.3)
+    app = application(body_bytes_per_s=1000)
+
+    async def body() -> Any:
+        for _ in range(100):
+            yield b"a"
+            await anyio.sleep(0.05)
+
+    assert anyio.run(_stream, app, body) == 408
+
+
+def test_every_answer_has_its_headers_and_its_id() -> None:
+    app = application()
+    given = ask(app, "GET", "/api/thing", headers={"X-Request-ID": "abc.123"})
+    assert given.headers["x-request-id"] == "abc.123"
+    made = {
+        ask(app, "GET", "/api/thing", headers={"X-Request-ID": "a b\tc"}).headers["x-request-id"]
+        for _ in "12"
+    }
+    assert len(made) == 2 and "a b\tc" not in made
+    for answer in (given, ask(app, "POST", "/api/thing", client=FAR), ask(app, "GET", "/api/broken")):
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert "default-src 'none'" in answer.headers["content-security-policy"]
+        assert answer.headers["x-request-id"] and answer.headers["cache-control"] == "no-store"
+
+
+def test_a_failure_tells_nothing_of_itself_and_is_counted(caplog: pytest.LogCaptureFixture) -> None:
+    app = application()
+    answer = ask(app, "GET", "/api/broken")
+    assert code_of(answer) == (500, "internal-error") and "secret" not in answer.text
+    assert "a secret of the server" in caplog.text
+    line = b'galewood_http_requests_total{method="GET",route="/api/broken",status="500"} 1.0'
+    assert line in app.state.metrics.text()
+
+
+def test_unknown_paths_are_one_route_in_the_figures() -> None:
+    app = application()
+    for k in range(20):
+        ask(app, "GET", f"/api/unknown/{k}")
+    routes = [line for line in app.state.metrics.text().decode().splitlines() if "requests_total{" in line]
+    assert routes == ['galewood_http_requests_total{method="GET",route="none",status="404"} 20.0']
+
+
+def test_the_environment_names_every_setting_in_the_manual() -> None:
+    manual = (Path(__file__).parents[2] / "docs" / "operations.md").read_text()
+    missing = [name for name in Settings.model_fields if name.upper() not in manual.upper()]
+    assert not missing
