@@ -7,6 +7,7 @@ import { Meter } from "./meter";
 import { keep } from "./remembered";
 import { Forest, planForest } from "./scene/forest";
 import { groundHeight_m } from "./scene/landscape";
+import { woodReach_m } from "./scene/planting";
 import type { Season } from "./scene/season";
 import type { SpeciesOptions } from "./scene/speciesForest";
 import { Stage } from "./scene/stage";
@@ -121,6 +122,7 @@ export class App {
       windDocument(settings),
       () => {
         forest.show(planted);
+        this.stage.surround(woodReach_m(planted.map(({ stand }) => stand.placement)));
         this.dirty = true;
       },
     );

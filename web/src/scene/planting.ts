@@ -48,6 +48,17 @@ export function placeTrees(count: number, seed: number, density = 1): Place[] {
     .slice(0, count);
 }
 
+/** How far trees stand from the heart of the wood; `placements`: x, z, yaw, scale of each. */
+export function woodReach_m(placements: readonly Float32Array[]): number {
+  let reach_m = 0;
+  for (const placement of placements) {
+    for (let at = 0; at < placement.length; at += 4) {
+      reach_m = Math.max(reach_m, Math.hypot(placement[at] - HEART.x_m, placement[at + 1] - HEART.z_m));
+    }
+  }
+  return reach_m;
+}
+
 /** Liking of a species for a place: broad groves with strays. A newcomer takes its own places only. */
 function liking(place: Place, species: string): number {
   const seed = hashText(species);

@@ -13,6 +13,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Quality } from "../settings";
 import type { Atmosphere } from "./daytime";
 import type { View } from "./drawList";
+import { FarWood } from "./farWood";
 import { setGroundSeason } from "./ground";
 import { GroundCover } from "./groundCover";
 import { groundHeight_m } from "./landscape";
@@ -38,6 +39,7 @@ export class Stage {
   readonly daylight: Daylight;
   private readonly terrain = new Terrain(this.pictures);
   readonly cover: GroundCover;
+  private readonly farWood = new FarWood();
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
@@ -61,7 +63,7 @@ export class Stage {
     this.renderer.info.autoReset = false;
     this.daylight = new Daylight(quality);
     this.cover = new GroundCover(quality);
-    this.scene.add(this.terrain.mesh, this.sky.mesh, this.cover.mesh, this.daylight.group);
+    this.scene.add(this.terrain.mesh, this.sky.mesh, this.cover.mesh, this.farWood.mesh, this.daylight.group);
     this.camera.position.set(EYE_M.x, groundHeight_m(EYE_M.x, EYE_M.z) + EYE_M.above, EYE_M.z);
     this.controls = this.orbit();
     this.observer = new ResizeObserver(() => this.resize());
@@ -100,8 +102,14 @@ export class Stage {
     this.sky.show(light);
     setGroundSeason(season);
     this.cover.setSeason(season);
+    this.farWood.show(light, season);
     this.renderer.toneMappingExposure = light.exposure;
     return light;
+  }
+
+  /** Surrounds the simulated trees, which reach so far from their heart. */
+  surround(reach_m: number): void {
+    this.farWood.plant(reach_m, this.quality);
   }
 
   setQuality(quality: Quality): void {
@@ -149,6 +157,7 @@ export class Stage {
     this.sky.dispose();
     this.terrain.dispose();
     this.cover.dispose();
+    this.farWood.dispose();
     this.pictures.dispose();
     this.daylight.dispose();
     this.renderer.dispose();
