@@ -23,7 +23,9 @@ PAPER_ELEMENTS = (35, 135, 235, 335, 435)
 PAPER_FPS = (1133, 1098, 836, 602, 487)
 WOOD, INK, TANGENT, PAPER = "#4a3526", "#333333", "#1b7f5c", "#c2571a"
 LEAVES = {"poplar": "#c9a227", "maple": "#b5432a", "apricot": "#d08a3c"}
-LIGHT_COLOURS = 64
+LIGHT_COLOURS = 96
+DRAWN_SWAY = 0.1
+"""Of the height: smaller motions are drawn larger, and the picture says by how much."""
 
 
 def save_small(figure: Any, path: Path, dpi: int = 100) -> None:
@@ -75,34 +77,43 @@ def draw_gestures(fig: Fig3, table: Table, source: Source, path: Path) -> None:
         ("drift-free", lambda f: table_motion(table, fig.pose["tangent"][f]), "tangent"),
         ("paper's search", lambda f: table_motion(table, fig.pose["paper-literal"][f]), "paper-literal"),
     ]
-    frames = list(fig.truth_m)
-    figure = new_figure(6.2, 7.4)
-    panels = figure.subplots(len(rows), len(frames), squeeze=False)
+    times = magnified(list(fig.truth_m.values()), table)
+    figure = new_figure(6.0, 7.6)
+    panels = figure.subplots(len(rows), len(fig.truth_m), squeeze=False)
     for line, (name, moved, method) in zip(panels, rows, strict=True):
-        for panel, frame in zip(line, frames, strict=True):
-            ghost = true_motion(source, fig.truth_m[frame]) if method else None
-            draw_tree(panel, table, source, moved(frame), TARGET_DIRECTION_DEG, ghost)
+        for panel, frame in zip(line, fig.truth_m, strict=True):
+            ghost = times * true_motion(source, fig.truth_m[frame]) if method else None
+            draw_tree(panel, table, source, times * moved(frame), TARGET_DIRECTION_DEG, ghost)
             told = f"frame {frame}"
             if method:
                 told += f"   HD {fig.figures['hausdorff'][method][str(frame)]:.4f}"
             panel.set_title(told, fontsize=8)
         line[0].set_ylabel(name, fontsize=9)
-    save_small(figure, path, dpi=72)
+    figure.supxlabel(f"motion drawn {times:g} times as large", fontsize=7)
+    save_small(figure, path, dpi=90)
 
 
 def draw_directions(fig: Fig5, table: Table, source: Source, path: Path) -> None:
     """Fig. 5: six directions of one wind at frame 20, by the finite elements and the drift-free method."""
-    figure = new_figure(7.4, 4.6)
+    times = magnified(fig.truth_m, table)
+    figure = new_figure(7.6, 3.5)
     panels = figure.subplots(2, len(DIRECTIONS_DEG))
     for k, direction in enumerate(DIRECTIONS_DEG):
         truth, shown = true_motion(source, fig.truth_m[k]), table_motion(table, fig.pose[k])
         # Seen from the side of 90°, so that winds of 0° and 180° bend the tree right and left.
-        draw_tree(panels[0, k], table, source, truth, 0.0, None, direction)
-        draw_tree(panels[1, k], table, source, shown, 0.0, truth, direction)
+        draw_tree(panels[0, k], table, source, times * truth, 0.0, None, direction)
+        draw_tree(panels[1, k], table, source, times * shown, 0.0, times * truth, direction)
         panels[0, k].set_title(f"{direction:.0f}°", fontsize=8)
     panels[0, 0].set_ylabel("finite elements", fontsize=8)
     panels[1, 0].set_ylabel("drift-free", fontsize=8)
-    save_small(figure, path, dpi=80)
+    figure.supxlabel(f"motion drawn {times:g} times as large", fontsize=7)
+    save_small(figure, path, dpi=100)
+
+
+def magnified(truths_m: Sequence[Floats], table: Table) -> float:
+    """How many times as large motions have to be drawn to be seen; a whole number."""
+    largest = max(float(np.linalg.norm(truth, axis=1).max()) for truth in truths_m)
+    return float(max(1, round(DRAWN_SWAY * float(table.metadata["height_m"]) / max(largest, 1e-9))))
 
 
 def true_motion(source: Source, truth_m: Floats) -> Floats:
@@ -125,18 +136,16 @@ def draw_tree(
     ghost_m: Floats | None,
     arrow_deg: float | None = None,
 ) -> None:
-    """A tree from the side, the wind to the right; under it, in grey, where the finite elements have it."""
+    """A tree from the side, the wind to the right; behind it, in grey, where the finite elements have it."""
     positions = np.concatenate([p.positions_m for p in source.tree.primitives])
     heading, height = np.radians(heading_deg), float(table.metadata["height_m"])
     across = np.array([np.cos(heading), 0.0, np.sin(heading)])
 
-    def flat(points: Floats) -> Floats:
-        return np.stack([points @ across, points[:, 1]], axis=1)
-
+    view = np.stack([across, [0.0, 1.0, 0.0], np.cross(across, [0.0, 1.0, 0.0])], axis=1)
     if ghost_m is not None:
-        _patches(panel, source, flat(positions + ghost_m), "#bdbdbd", "#d4d4d4")
+        _patches(panel, source, (positions + ghost_m) @ view, "#a8a8a8", "#cfcfcf")
     colour = LEAVES.get(str(table.metadata.get("species")), "#a8842c")
-    _patches(panel, source, flat(positions + moved_m), WOOD, colour, 0.75)
+    _patches(panel, source, (positions + moved_m) @ view, WOOD, colour)
     seen = 1.0 if arrow_deg is None else np.cos(np.radians(arrow_deg))
     if abs(seen) > 0.1:
         low = -0.07 * height
@@ -144,7 +153,7 @@ def draw_tree(
             "", (0.22 * height * seen, low), (-0.22 * height * seen, low),
             arrowprops={"arrowstyle": "-|>", "color": "#e0a800", "linewidth": 1.4},
         )  # fmt: skip
-    panel.set_xlim(-0.55 * height, 0.55 * height)
+    panel.set_xlim(-0.45 * height, 0.45 * height)
     panel.set_ylim(-0.12 * height, 1.05 * height)
     panel.set_aspect("equal")
     panel.set_xticks([])
@@ -152,23 +161,30 @@ def draw_tree(
     panel.spines[:].set_visible(False)
 
 
-def _patches(panel: Any, source: Source, points: Floats, wood: str, leaves: str, alpha: float = 1.0) -> None:
+def _patches(panel: Any, source: Source, points: Floats, wood: str, leaves: str) -> None:
+    """All faces of points (v, 3) as (right, up, towards the eye), the farthest first."""
     from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb
 
+    corners: list[Floats] = []
+    colours: list[Floats] = []
     first = 0
-    for primitive in source.tree.primitives:
-        corners = points[first : first + len(primitive.positions_m)][np.asarray(primitive.faces)]
+    for k, primitive in enumerate(source.tree.primitives):
+        faces = np.asarray(primitive.faces)
+        corners.append(points[first : first + len(primitive.positions_m)][faces])
         first += len(primitive.positions_m)
         leafy = primitive.kind == "leaves"
-        panel.add_collection(
-            PolyCollection(
-                list(corners),
-                facecolors=leaves if leafy else wood,
-                alpha=alpha if leafy else 1.0,
-                linewidths=0,
-                antialiaseds=True,
-            )
-        )
+        shade = np.random.default_rng(k).uniform(0.72, 1.12 if leafy else 1.0, (len(faces) + 1) // 2)
+        each = np.repeat(shade, 2)[: len(faces), None]  # a leaf card is two faces
+        colours.append(np.clip(np.array(to_rgb(leaves if leafy else wood)) * each, 0, 1))
+    triangles, colour = np.concatenate(corners), np.concatenate(colours)
+    depth = triangles[:, :, 2].mean(axis=1)
+    near = 0.82 + 0.18 * (depth - depth.min()) / max(float(np.ptp(depth)), 1e-9)
+    order = np.argsort(depth)
+    colour = np.clip(colour * near[:, None], 0, 1)
+    panel.add_collection(
+        PolyCollection(list(triangles[order][:, :, :2]), facecolors=colour[order], linewidths=0)
+    )
 
 
 def draw_elements(found: dict[str, dict[str, Any]], elements: Sequence[int], path: Path) -> None:
