@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from precompute.cli import app
+from precompute.cli import JsonOut, app, console, write_figures
 
 
 @app.command()
@@ -26,6 +26,40 @@ def serve(
 
     settings = Settings()
     run(create_app(settings), settings)
+
+
+@app.command("bench-serve")
+def bench_serve(
+    clients: Annotated[int, typer.Option(help="Clients that read.")] = 200,
+    trees: Annotated[int, typer.Option(help="Trees of each forest.")] = 1000,
+    forests: Annotated[int, typer.Option(help="Forests that they share; 0 gives each its own.")] = 1,
+    deaf: Annotated[int, typer.Option(help="Further clients that never read, in a second phase.")] = 20,
+    seconds: Annotated[float, typer.Option(help="Length of the first phase.")] = 20.0,
+    paper: Annotated[
+        bool, typer.Option(help="The paper's search in place of the drift-free method.")
+    ] = False,
+    server_core: Annotated[int, typer.Option(help="Core of the server; −1 for any.")] = 0,
+    client_core: Annotated[int, typer.Option(help="Core of the clients; −1 for any.")] = 1,
+    table: Annotated[list[Path] | None, typer.Option(exists=True, help="Tables of the trees.")] = None,
+    data_dir: Annotated[Path, typer.Option(help="Where to look for tables.")] = Path("data"),
+    json_out: JsonOut = None,
+) -> None:
+    """Measure what one server process on one core carries: frame rate, age of frames, memory."""
+    from server.bench_load import Load, run_load, table_files
+
+    load = Load(
+        clients=clients,
+        trees=trees,
+        forests=forests,
+        deaf=deaf,
+        seconds=seconds,
+        method="paper" if paper else "tangent",
+        server_core=None if server_core < 0 else server_core,
+        client_core=None if client_core < 0 else client_core,
+    )
+    figures = run_load(table or table_files(data_dir), load)
+    write_figures(json_out, figures)
+    console.print_json(data=figures)
 
 
 if __name__ == "__main__":
