@@ -1,58 +1,19 @@
-"""The command line of the precomputation: build, simulate, evaluate, bench, verify."""
+"""The command line of the precomputation: build, simulate, export, evaluate, paper, bench, verify."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Generator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from precompute.cli_tools import console, progress_bar, teller, without_frames, write_figures, writer
 
 app = typer.Typer(
     no_args_is_help=True, add_completion=False, help="Tables of simulated tree motion, made and played."
 )
-console = Console(stderr=True)
-
 JsonOut = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
 CacheDir = Annotated[Path, typer.Option(help="Where meshes and trajectories are kept for the next time.")]
-
-
-def write_figures(path: Path | None, figures: dict[str, Any]) -> None:
-    """Figures as JSON: to a file, if one was asked for."""
-    if path is not None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(figures, indent=2, default=float) + "\n")
-
-
-@contextmanager
-def progress_bar() -> Generator[Progress]:
-    """A live bar with the stage, the share done and the time left."""
-    columns = (
-        TextColumn("{task.description:<48}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console) as bar:
-        yield bar
-
-
-Tick = Callable[[float, str], None]
-
-
-def teller(bar: Progress) -> Tick:
-    """A function that moves a new task of the bar: fraction done, and what is being done."""
-    task = bar.add_task("Starting", total=1.0)
-
-    def tell(fraction: float, message: str) -> None:
-        bar.update(task, completed=fraction, description=message)
-
-    return tell
 
 
 @app.command()
@@ -60,6 +21,9 @@ def build(
     mesh: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL.")],
     out: Annotated[Path, typer.Option(help="Table file to write.")],
     species: Annotated[str | None, typer.Option(help="Wood of this species.")] = None,
+    wood: Annotated[
+        Path | None, typer.Option(exists=True, dir_okay=False, help="A wood of your own (docs/physics.md).")
+    ] = None,
     height_m: Annotated[float | None, typer.Option(help="Height of the tree, m.")] = None,
     design_speed: Annotated[float, typer.Option(help="Strongest sampled wind, m/s.")] = 18.0,
     elements: Annotated[int, typer.Option(min=1, help="Sampled elements of the paper's search.")] = 35,
@@ -83,9 +47,16 @@ def build(
     from precompute.dynamics import FemSettings
     from precompute.intake_types import IntakeError, IntakeOptions
     from precompute.pipeline import BuildOptions, build_table
+    from precompute.wood_document import WoodError, read_wood
 
+    try:
+        own_wood = read_wood(wood.read_bytes()) if wood else None
+    except WoodError as error:
+        console.print(f"[red]{wood} is no wood.[/red]", *(f"{name}: {what}" for name, what in error.problems))
+        raise typer.Exit(1) from None
     options = BuildOptions(
         intake=IntakeOptions(species=species, height_m=height_m),
+        wood=own_wood,
         target_tets=tets,
         sampled_elements=elements,
         design_speed_m_s=design_speed,
@@ -115,16 +86,6 @@ def build(
     console.print(f"{out}: {len(result.table) / 1e6:.1f} MB in {seconds:.0f} s")
 
 
-def writer(folder: Path) -> Callable[[str, bytes], None]:
-    """A function that writes files of a folder."""
-
-    def write(name: str, content: bytes) -> None:
-        folder.mkdir(parents=True, exist_ok=True)
-        folder.joinpath(name).write_bytes(content)
-
-    return write
-
-
 @app.command()
 def simulate(
     table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
@@ -144,6 +105,40 @@ def simulate(
     figures = play(decode(table.read_bytes()), wind, seconds, trees)
     write_figures(json_out, figures)
     console.print_json(data=figures)
+
+
+@app.command()
+def export(
+    table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
+    out: Annotated[Path, typer.Argument(help="Animated GLB to write.")],
+    mesh: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="The mesh it moves; else the .glb beside the table."),
+    ] = None,
+    speed: Annotated[float, typer.Option(help="Mean wind speed, m/s.")] = 8.0,
+    direction: Annotated[float, typer.Option(help="Direction the wind blows towards, degrees.")] = 30.0,
+    gustiness: Annotated[float, typer.Option(help="0 steady … 1 wild.")] = 0.5,
+    seed: Annotated[int, typer.Option(help="Another seed, other gusts.")] = 1,
+    seconds: Annotated[float, typer.Option(min=0.1, max=600.0, help="How long to play.")] = 10.0,
+    loop: Annotated[bool, typer.Option("--loop", help="End as it begins.")] = False,
+    run: Annotated[str | None, typer.Option(help="Instead of a wind: a run of the table, by name.")] = None,
+) -> None:
+    """Write a tree swaying in a wind as an animated GLB (morph targets) for other programs."""
+    from precompute.export_glb import ExportError, animated_glb, blown, sampled
+    from precompute.table import TableError, decode
+    from precompute.wind import Wind
+
+    wind = Wind(mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness, seed=seed)
+    try:
+        decoded = decode(table.read_bytes())
+        q = sampled(decoded, run) if run else blown(decoded, wind, seconds, loop=loop)
+        glb = animated_glb(decoded, (mesh or table.with_suffix(".glb")).read_bytes(), q)
+    except (ExportError, TableError, KeyError, OSError) as error:
+        console.print(f"[red]{error.args[0] if isinstance(error, KeyError) else error}[/red]")
+        raise typer.Exit(1) from None
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_bytes(glb)
+    console.print(f"{out}: {len(glb) / 1e6:.1f} MB, {len(q)} frames")
 
 
 @app.command()
@@ -213,15 +208,6 @@ def paper(
         figures = run_paper(plan, out, teller(bar))
     write_figures(json_out, figures)
     console.print(f"{out} and its pictures are written")
-
-
-def without_frames(figures: dict[str, Any]) -> dict[str, Any]:
-    """Figures without their long lists, for a screen."""
-    return {
-        key: without_frames(value) if isinstance(value, dict) else value
-        for key, value in figures.items()
-        if key != "error_by_frame"
-    }
 
 
 @app.command()

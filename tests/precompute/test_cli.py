@@ -11,7 +11,7 @@ GOLDEN = Path(__file__).parents[1] / "golden" / "pole.safetensors"
 
 
 def test_every_command_has_help() -> None:
-    for command in ("build", "simulate", "evaluate", "bench", "verify"):
+    for command in ("build", "simulate", "export", "evaluate", "bench", "verify"):
         assert CliRunner().invoke(app, [command, "--help"]).exit_code == 0
 
 
@@ -36,3 +36,27 @@ def test_a_file_that_is_no_mesh_fails_with_a_sentence(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["build", str(mesh), "--out", str(tmp_path / "out")])
     assert result.exit_code == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_export_of_a_table_without_its_mesh_fails_with_a_sentence(tmp_path: Path) -> None:
+    table = tmp_path / "pole.gwt"
+    table.write_bytes(GOLDEN.read_bytes())
+    result = CliRunner().invoke(app, ["export", str(table), str(tmp_path / "out.glb"), "--seconds", "1"])
+    assert result.exit_code == 1
+    assert not (tmp_path / "out.glb").exists()
+
+
+def test_an_unknown_part_of_the_bench_is_refused() -> None:
+    result = CliRunner().invoke(app, ["bench", "speed"])
+    assert result.exit_code == 2
+
+
+def test_a_wood_that_is_none_is_refused_field_by_field(tmp_path: Path) -> None:
+    mesh, wood = tmp_path / "tree.obj", tmp_path / "wood.json"
+    mesh.write_text("v 0 0 0\n")
+    wood.write_text('{"name": "lead", "density_kg_m3": 11340.0}')
+    result = CliRunner().invoke(
+        app, ["build", str(mesh), "--wood", str(wood), "--out", str(tmp_path / "out")]
+    )
+    assert result.exit_code == 1
+    assert "density_kg_m3" in result.output
