@@ -1,0 +1,115 @@
+"""The interface against its own description: made-up requests never fail the server or surprise a client.
+
+Schemathesis makes the requests; the examples are few and always the same (derandomised).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import Any
+
+import httpx
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis.strategies import booleans
+from schemathesis.checks import not_a_server_error
+from schemathesis.core.failures import FailureGroup
+from schemathesis.specs.openapi.checks import (
+    content_type_conformance,
+    response_schema_conformance,
+    status_code_conformance,
+)
+
+from tests.server.conftest import NO_CLUSTER, Server, wait_until
+
+EXAMPLES = int(os.environ.get("GALEWOOD_API_EXAMPLES", "6"))
+CHECKS: list[Any] = [
+    not_a_server_error, status_code_conformance, content_type_conformance, response_schema_conformance,
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    data_dir = tmp_path_factory.mktemp("openapi") / "data"
+    data_dir.mkdir()
+    unlimited = {"GALEWOOD_READS_PER_MINUTE": "0", "GALEWOOD_WRITES_PER_MINUTE": "0"}
+    environment = {"GALEWOOD_JOB_MODULE": "tests.server.fake_job", **NO_CLUSTER, **unlimited}
+    server = Server(data_dir, "tests.server.fake_server", environment).start()
+    yield server
+    server.stop()
+
+
+@pytest.fixture(scope="module")
+def names_in_use(server: Server) -> dict[str, str]:
+    """A tree that is computed, and what belongs to it."""
+    with server.client() as api:
+        tree = api.post("/api/trees?build=true", files={"file": ("a.obj", b"a tree")}).json()
+        address = f"/api/trees/{tree['id']}"
+        tree = wait_until(lambda: (now := api.get(address).json())["state"] == "ready" and now)
+    return {"tree_id": tree["id"], "job_id": tree["job_id"], "sha256": tree["table_sha256"]}
+
+
+@pytest.fixture(scope="module")
+def described(server: Server) -> Any:
+    # streams of events do not end
+    return schemathesis.openapi.from_url(f"{server.url}/openapi.json").exclude(path_regex=r"/events$")
+
+
+FEW = settings(
+    max_examples=EXAMPLES,
+    derandomize=True,
+    deadline=None,
+    database=None,
+    phases=[Phase.explicit, Phase.generate],
+    suppress_health_check=list(HealthCheck),
+)
+
+
+def test_every_answer_is_a_described_one(
+    server: Server, described: Any, names_in_use: dict[str, str]
+) -> None:
+    tried = [operation.ok() for operation in described.get_all_operations()]
+    complaints = [complaint for operation in tried if (complaint := _try(operation, names_in_use))]
+    assert len(tried) > 20 and not complaints, "\n\n".join(complaints)
+    asked = [line.rsplit(" ", 1) for line in httpx.get(f"{server.url}/metrics").text.splitlines()]
+    asked = [(name, float(count)) for name, count in asked if name.startswith("galewood_http_requests_total")]
+    print(sorted(asked))
+    assert sum(count for _, count in asked) > 2 * len(tried)
+
+
+def _try(operation: Any, known: dict[str, str]) -> str:
+    """What is wrong with an operation; names in its path are made up, or those of things that are there."""
+
+    @FEW
+    @given(case=operation.as_strategy(), exists=booleans())
+    def ask(case: Any, exists: bool) -> None:
+        if exists:
+            case.path_parameters.update({key: known[key] for key in case.path_parameters if key in known})
+        case.validate_response(case.call(timeout=20), checks=CHECKS)
+
+    try:
+        ask()
+    except FailureGroup as group:
+        return f"{operation.label}: " + "; ".join(str(one) for one in group.exceptions)
+    return ""
+
+
+def test_every_route_is_described_with_words_and_problems(server: Server) -> None:
+    with server.client() as api:
+        paths = api.get("/openapi.json").json()["paths"]
+    for path, operations in paths.items():
+        for method, operation in operations.items():
+            assert operation.get("description") or path == "/metrics", (method, path)
+            if path.startswith("/api/"):
+                assert "429" in operation["responses"], (method, path)
+            if method in ("post", "put", "patch", "delete") and path != "/api/winds/validate":
+                assert {"401", "403"} <= set(operation["responses"]) and operation["security"], (method, path)
+
+
+def test_wrong_methods_are_told_the_right_ones(server: Server) -> None:
+    with httpx.Client(base_url=server.url) as api:
+        answer = api.put("/api/trees")
+        assert answer.status_code == 405 and answer.json()["code"] == "method-not-allowed"
+        assert answer.headers["allow"]
