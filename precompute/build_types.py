@@ -12,6 +12,7 @@ from precompute.intake_types import IntakeOptions
 from precompute.process_tree import cpu_seconds
 from precompute.tabulate import TableSettings
 from precompute.tangent_winds import SEED
+from precompute.wood import Wood
 
 Stage = Literal["intake", "meshing", "skeleton", "model", "sampling", "table", "done"]
 
@@ -58,6 +59,8 @@ class BuildOptions:
     """
 
     intake: IntakeOptions = field(default_factory=IntakeOptions)
+    wood: Wood | None = None
+    """What the tree is made of; None: the wood of its species."""
     target_tets: int = 5500
     sampled_elements: int = 35
     design_speed_m_s: float = 18.0

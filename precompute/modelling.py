@@ -1,6 +1,6 @@
 """From a mesh, a skeleton, a wood and the foliage to the finite-element model."""
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -85,6 +85,7 @@ def build_model(
     settings = settings or FemSettings()
     material = wood_elements(mesh, skeleton, wood, lumps)
     report: dict[str, Any] = {"wood": wood.name, "wood_source": wood.source, "element": settings.element}
+    report["wood_constants"] = asdict(wood)
     report["wood_mass_kg"] = float(material.element_mass_kg.sum())
     if settings.element != "fitted":
         return _finished(_raw(material, lumps, settings, settings.element), wood, report)

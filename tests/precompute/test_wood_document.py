@@ -1,0 +1,75 @@
+"""A user's own wood: what is taken, what is refused and how it is told."""
+
+import json
+
+import pytest
+
+from precompute.bars import polygon_bar
+from precompute.dynamics import build_model
+from precompute.model import FemSettings
+from precompute.wood import species
+from precompute.wood_document import WoodDocument, WoodError, read_wood
+
+
+def test_what_is_left_out_comes_from_the_species_it_is_based_on():
+    wood = read_wood(json.dumps({"name": "my oak", "based_on": "maple", "density_kg_m3": 1000.0}))
+    assert (wood.name, wood.density_kg_m3) == ("my oak", 1000.0)
+    assert wood.young_longitudinal_pa == species("maple").young_longitudinal_pa
+    assert wood.source == "the user"
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "word"),
+    [
+        ("young_longitudinal_pa", -1.0, "greater"),
+        ("young_longitudinal_pa", 7.0, "greater"),
+        ("density_kg_m3", 1e9, "less"),
+        ("damping_ratio", "much", "number"),
+        ("radial_ratio", True, "number"),
+        ("stiffness", 1.0, "Extra"),
+        ("name", "", "character"),
+    ],
+)
+def test_a_wrong_field_is_named(field, value, word):
+    with pytest.raises(WoodError, match=word) as caught:
+        read_wood(json.dumps({"name": "x", field: value}))
+    assert [name for name, _ in caught.value.problems] == [field]
+
+
+def test_every_wrong_field_is_named_at_once():
+    with pytest.raises(WoodError) as caught:
+        read_wood('{"name": "x", "density_kg_m3": 1.0, "drag_coefficient": 9.0}')
+    assert {name for name, _ in caught.value.problems} == {"density_kg_m3", "drag_coefficient"}
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("not json", "JSON"),
+        ("[]", "object"),
+        ('{"name": "x", "density_kg_m3": NaN}', "finite"),
+        ('{"name": "x", "based_on": "triffid"}', "apricot"),
+        ('{"name": "x", "poisson_transverse": 0.95, "poisson_longitudinal": 0.6}', "unstable"),
+    ],
+)
+def test_what_is_no_wood_is_refused_with_a_reason(text, word):
+    with pytest.raises(WoodError, match=word):
+        read_wood(text)
+
+
+def test_the_schema_states_ranges_and_units():
+    properties = WoodDocument.model_json_schema()["properties"]
+    assert properties["density_kg_m3"]["anyOf"][0]["maximum"] == 1500
+    assert "kg/m³" in properties["density_kg_m3"]["description"]
+
+
+def test_a_stiffer_wood_sways_faster():
+    bar = polygon_bar(sides=5, radius_m=0.05, length_m=3.0, layers=10)
+    settings = FemSettings(element="quadratic", gravity=False)
+    soft, stiff = (
+        build_model(bar, bar, read_wood(json.dumps({"name": "w", "young_longitudinal_pa": e})), bar, settings)
+        for e in (5e9, 2e10)
+    )
+    ratio = stiff.report["frequencies_hz"][0] / soft.report["frequencies_hz"][0]
+    assert ratio == pytest.approx(2.0, rel=1e-3)
+    assert stiff.report["wood_constants"]["young_longitudinal_pa"] == 2e10
