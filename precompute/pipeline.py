@@ -48,7 +48,7 @@ def build_table(
         gallery = Gallery(helpers, publish)
         stages.enter("intake")
         tree, render_glb = run_intake(source, filename, options.intake)
-        wood = species(tree.species or "default")
+        wood = options.wood or species(tree.species or "default")
         stages.enter("meshing")
         mesh = tetrahedralise(tree, options.target_tets, cache_dir / "tets")
         gallery.draw("tetrahedra.png", tetrahedra_png, mesh)
