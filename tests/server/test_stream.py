@@ -64,6 +64,8 @@ class Client:
         self.state: WindState | None = None
         self.clock: wire.Clock | None = None
         self.shared: wire.Shared | None = None
+        self.poses: list[Any] = []
+        self.tick: int | None = None
         self.socket: ClientConnection = connect(
             server.socket_url, max_size=None, compression=None, close_timeout=1, **options
         )
@@ -86,8 +88,6 @@ class Client:
 
     def frames(self) -> Iterator[tuple[wire.Frame, list[npt.NDArray[np.int32]]]]:
         """Frames with the poses they add up to, in units of quantum × modes.scale."""
-        poses: list[npt.NDArray[np.int32]] = []
-        tick: int | None = None
         while True:
             frame = self.receive()
             if isinstance(frame, wire.WindState):
@@ -97,11 +97,12 @@ class Client:
             elif isinstance(frame, wire.Shared):
                 self.shared = frame
             elif isinstance(frame, wire.Frame):
-                assert frame.base in (None, tick)
+                assert frame.base in (None, self.tick)
                 rows = [group.values for group in frame.groups]
-                poses = rows if frame.key else [a + b for a, b in zip(poses, rows, strict=True)]
-                tick = frame.tick
-                yield frame, poses
+                before = [np.int32(0)] * len(rows) if frame.key else self.poses
+                self.poses = [a + b for a, b in zip(before, rows, strict=True)]
+                self.tick = frame.tick
+                yield frame, self.poses
             else:
                 assert isinstance(frame, wire.Pong)
 

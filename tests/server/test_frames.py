@@ -1,0 +1,245 @@
+"""Frames encoded once for many, and the mailbox of one client."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given, seed, settings
+from hypothesis import strategies as st
+
+from precompute.table import decode
+from precompute.wind import Wind, steady
+from server import wire
+from server.bulletin import Bulletin
+from server.forest import ForestClock, ForestWalk, stream_quantum
+from server.forests import Forests
+from server.frames import KEPT_TICKS, FrameHistory
+from server.mailbox import Mailbox
+from server.refusal import Refusal
+from server.settings import Settings
+from server.shelf import TableShelf
+from server.storage import FileStore
+
+POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
+Poses = npt.NDArray[np.int32]
+
+
+def message_of(frame: bytes) -> bytes:
+    """The inside of an unmasked WebSocket frame."""
+    assert frame[0] == 0x82 and frame[1] < 128
+    return frame[{126: 4, 127: 10}.get(frame[1], 2) :]
+
+
+class Reader:
+    """A client's side: frames summed up, checked against the tick they were taken from."""
+
+    def __init__(self) -> None:
+        self.tick: int | None = None
+        self.poses: list[Poses] = []
+        self.keys = 0
+
+    def take(self, frame: bytes) -> None:
+        reply = wire.decode_reply(message_of(frame))
+        assert isinstance(reply, wire.Frame)
+        rows = [group.values for group in reply.groups]
+        if reply.base is None:
+            self.poses, self.keys = rows, self.keys + 1
+        else:
+            assert reply.base == self.tick
+            self.poses = [a + b for a, b in zip(self.poses, rows, strict=True)]
+        self.tick = reply.tick
+
+
+@seed(11)
+@given(st.lists(st.tuples(st.integers(1, 3), st.booleans(), st.booleans()), min_size=1, max_size=40))
+@settings(max_examples=60, deadline=None)
+def test_whatever_a_client_misses_it_ends_where_all_are(steps: list[tuple[int, bool, bool]]) -> None:
+    rng = np.random.default_rng(len(steps))
+    history = FrameHistory([(3, 4, 1), (2, 2, 9)])
+    truth = [np.zeros((3, 4), np.int32), np.zeros((2, 2), np.int32)]
+    brisk, slow = Reader(), Reader()
+    tick = 0
+    for ahead, jump, read in steps:
+        tick += ahead
+        for rows in truth:
+            rows += rng.integers(-200, 200, rows.shape, dtype=np.int32) * (400 if jump else 1)
+
+        def write(out: Sequence[Poses]) -> None:
+            for here, rows in zip(out, truth, strict=True):
+                here[:] = rows
+
+        history.add(tick, tick / 30, tick / 30, write)
+        for reader in (brisk, slow) if read else (brisk,):
+            frame = history.since(reader.tick)
+            assert frame is not None
+            reader.take(frame)
+            assert reader.tick == tick and history.since(tick) is None
+            for mine, rows in zip(reader.poses, truth, strict=True):
+                np.testing.assert_array_equal(mine, rows)
+
+
+def test_a_frame_is_made_once_and_a_client_that_is_far_behind_gets_a_key_frame() -> None:
+    history = FrameHistory([(1, 1, 1)])
+    for tick in range(2 * KEPT_TICKS):
+        history.add(tick, 0.0, 0.0, lambda out, tick=tick: out[0].fill(tick))
+    newest = 2 * KEPT_TICKS - 1
+    assert history.since(newest - 1) is history.since(newest - 1)
+    for behind in range(1, 2 * KEPT_TICKS):
+        frame = history.since(newest - behind)
+        assert frame is not None
+        reply = wire.decode_reply(message_of(frame))
+        assert isinstance(reply, wire.Frame)
+        assert reply.base == (newest - behind if behind < KEPT_TICKS else None)
+
+
+class FakeOutlet:
+    """A socket whose peer reads when told."""
+
+    def __init__(self) -> None:
+        self.unsent_bytes = 0
+        self.pushed: list[bytes] = []
+        self.aborted = False
+
+    def push(self, frame: bytes) -> None:
+        self.pushed.append(frame)
+        self.unsent_bytes += len(frame)
+
+    def abort(self) -> None:
+        self.aborted = True
+
+
+def test_while_anything_waits_nothing_follows_and_then_comes_the_newest() -> None:
+    outlet, bulletin, history = FakeOutlet(), Bulletin(), FrameHistory([(1, 1, 1)])
+    mailbox = Mailbox(outlet, streams=True, stall_s=10.0)
+    for tick in range(6):
+        history.add(tick, 0.0, 0.0, lambda out, tick=tick: out[0].fill(tick))
+        bulletin.post(wire.Clock(tick, 0.0, False))
+        bulletin.post(wire.Clock(tick, 0.5, True))
+        mailbox.deliver(bulletin, history, tick / 30)
+        assert len(outlet.pushed) == 2
+    outlet.unsent_bytes = 0
+    mailbox.deliver(bulletin, history, 0.3)
+    assert len(outlet.pushed) == 4
+    assert wire.decode_reply(message_of(outlet.pushed[2])) == wire.Clock(5, 0.5, True)
+    reader = Reader()
+    reader.take(outlet.pushed[1])
+    reader.take(outlet.pushed[3])
+    assert (reader.tick, reader.keys, reader.poses[0][0, 0]) == (5, 1, 5)
+
+
+def test_a_client_that_takes_nothing_is_cut_off_and_one_that_takes_little_is_not() -> None:
+    history = FrameHistory([(1, 1, 1)])
+    history.add(0, 0.0, 0.0, lambda out: out[0].fill(0))
+    deaf, slow = FakeOutlet(), FakeOutlet()
+    boxes = [Mailbox(outlet, streams=True, stall_s=2.0) for outlet in (deaf, slow)]
+    for tick in range(150):
+        for box in boxes:
+            box.deliver(Bulletin(), history, tick / 30)
+        if tick % 30 == 29:
+            slow.unsent_bytes -= 1
+    assert deaf.aborted and not slow.aborted
+
+
+def test_rounding_for_the_stream_moves_no_node_by_more_than_is_said() -> None:
+    table = decode(POLE)
+    quantum = stream_quantum(table)
+    rng = np.random.default_rng(4)
+    unit = quantum * table.mode_scale.astype(np.float64)
+    q = rng.uniform(-40, 40, (400, len(unit))) * unit
+    off = np.rint(q / unit) * unit - q
+    moved_m = np.linalg.norm(np.einsum("nik,tk->tni", table.node_basis, off), axis=2)
+    assert quantum > 1 and moved_m.max() < 0.5e-3
+    assert np.sqrt((moved_m**2).mean(axis=0)).max() < 0.25e-3
+
+
+def plan(count: int, share: str | None = None, **changes: object) -> wire.Forest:
+    rows = np.zeros((count, 4), np.float32)
+    rows[:, 0], rows[:, 3] = np.arange(count), 1.0
+    groups = (wire.Group(FileStoreWith.sha256, count),)
+    fields = {"mode": "stream", "groups": groups, "wind": Wind().document(), "time_s": 0.0}
+    return wire.Forest(**{**fields, "pose_easing": None, "trees": rows, "share": share, **changes})  # type: ignore[arg-type]
+
+
+class FileStoreWith:
+    sha256 = ""
+
+
+@pytest.fixture
+def forests(tmp_path: Path) -> Forests:
+    store = FileStore(tmp_path)
+    FileStoreWith.sha256 = store.put(POLE)
+    limits = Settings(server_trees=100, shared_forests=2, shared_forest_idle_s=0.05)
+    return Forests(limits, TableShelf(store))
+
+
+def test_many_clients_of_a_shared_forest_are_one_simulation(forests: Forests) -> None:
+    async def play() -> None:
+        outlets = [FakeOutlet() for _ in range(40)]
+        seats = await asyncio.gather(*(forests.join(plan(60, "a"), steady(Wind()), one) for one in outlets))
+        assert len({id(seat.forest) for seat in seats}) == 1
+        assert (forests.count, forests.tree_count) == (1, 60)
+        for _ in range(20):
+            await asyncio.sleep(0.02)
+            for outlet in outlets:
+                outlet.unsent_bytes = 0
+        frames = {id(outlet.pushed[-1]) for outlet in outlets}
+        assert len(frames) < 4  # the same bytes for all who are at the same tick
+        for seat in seats:
+            forests.leave(seat)
+        await asyncio.sleep(0.3)
+        assert forests.count == 0
+
+    asyncio.run(play())
+
+
+def test_a_server_plays_only_so_many_trees_and_shared_forests(forests: Forests) -> None:
+    async def play() -> None:
+        first = await forests.join(plan(60), steady(Wind()), FakeOutlet())
+        with pytest.raises(Refusal) as refusal:
+            await forests.join(plan(60), steady(Wind()), FakeOutlet())
+        assert (refusal.value.failure.code, refusal.value.close) == ("server-full", 1013)
+        forests.leave(first)
+        seats = [await forests.join(plan(10, name), steady(Wind()), FakeOutlet()) for name in "ab"]
+        with pytest.raises(Refusal) as refusal:
+            await forests.join(plan(10, "c"), steady(Wind()), FakeOutlet())
+        assert (refusal.value.failure.code, refusal.value.close) == ("too-many-forests", 1013)
+        forests.leave(seats[0])
+        await forests.join(plan(10, "c"), steady(Wind()), FakeOutlet())
+
+    asyncio.run(play())
+
+
+def test_a_forest_that_fails_ends_alone(forests: Forests, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def play() -> None:
+        sick, well = FakeOutlet(), FakeOutlet()
+        ill = await forests.join(plan(10), steady(Wind()), sick)
+        await forests.join(plan(20), steady(Wind()), well)
+        step = ForestWalk.step
+
+        def fail(walk: ForestWalk) -> None:
+            if walk.shapes[0][0] == 10:
+                raise ZeroDivisionError("on purpose")
+            step(walk)
+
+        monkeypatch.setattr(ForestWalk, "step", fail)
+        await asyncio.sleep(0.3)
+        well.unsent_bytes = 0
+        before = len(well.pushed)
+        await asyncio.sleep(0.2)
+        assert sick.aborted and not well.aborted and len(well.pushed) > before
+        forests.leave(ill)
+
+    asyncio.run(play())
+
+
+def test_a_walk_without_groups_is_a_walk() -> None:
+    clock = ForestClock(steady(Wind()), 0.0)
+    walk = ForestWalk([], plan(0, groups=(), trees=np.zeros((0, 4), np.float32)), clock)
+    clock.tick()
+    walk.step()
+    assert walk.shapes == []
