@@ -57,7 +57,8 @@ export async function problemFrom(response: Response): Promise<Problem> {
   return new Problem(title, hint, response.status);
 }
 
-async function ask(path: string, init?: RequestInit): Promise<Response> {
+/** Asks the server; a refusal or no answer is a Problem. */
+export async function ask(path: string, init?: RequestInit): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(path, init);

@@ -1,6 +1,7 @@
 /** The page: binds stage, forest, worker, catalogue and panel, and runs the frame loop. */
 import type { TreeChange } from "./api";
 import { Catalogue } from "./catalogue";
+import type { Candidate, CompareView } from "./compare/compareView";
 import { ForestClient } from "./forestClient";
 import { momentFrom } from "./link";
 import { Meter } from "./meter";
@@ -9,7 +10,7 @@ import { Forest, planForest } from "./scene/forest";
 import { groundHeight_m } from "./scene/landscape";
 import { woodReach_m } from "./scene/planting";
 import type { Season } from "./scene/season";
-import type { SpeciesOptions } from "./scene/speciesForest";
+import type { SpeciesForest, SpeciesOptions } from "./scene/speciesForest";
 import { Stage } from "./scene/stage";
 import { queryFromSettings, type Settings, withWind } from "./settings";
 import { meanCrownDisplacement_m } from "./sway";
@@ -49,6 +50,7 @@ export class App {
   private readonly meter = new Meter();
   private readonly flutter = { value: { x: 0, y: 0 } };
   private readonly stopUploads = acceptUploads();
+  private compareView: CompareView | null = null;
   private connected = true;
   private dirty = true;
   private last_ms = performance.now();
@@ -71,6 +73,7 @@ export class App {
       this.forest,
       () => this.catalogue,
       () => this.client.time_s,
+      () => void this.openCompare(),
     );
     this.visit.restore(location.search);
     this.panel = new Panel(settings, this.meter.statistics, (key) => this.change(key));
@@ -236,6 +239,29 @@ export class App {
     if (element("summary").textContent !== words) element("summary").textContent = words;
   }
 
+  /** The forest stands still meanwhile: its processor is the comparison's. */
+  private async openCompare(): Promise<void> {
+    const { CompareView } = await import("./compare/compareView");
+    this.compareView ??= new CompareView({
+      candidates: () => this.forest.moving.flatMap(({ grower, forest }) => this.candidate(grower.id, forest)),
+      wind: () => this.client.wind && { state: this.client.wind.state, time_s: this.client.time_s },
+      closed: () => {
+        this.asleep = false;
+      },
+    });
+    this.asleep = true;
+    this.compareView.open(this.picker.figures?.treeId ?? null);
+  }
+
+  /** A tree for the comparison, where the picked one stands or the first of its kind. */
+  private candidate(id: string, { model, motion, stand }: SpeciesForest): Candidate[] {
+    const tree = this.catalogue.trees.find((known) => known.id === id);
+    if (!tree || !motion) return [];
+    const picked = this.picker.figures?.treeId === id ? (this.picker.moving?.tree ?? 0) : 0;
+    const [x_m, z_m, yaw_rad] = stand.placement.subarray(4 * picked, 4 * picked + 3);
+    return [{ tree, model, motion, place: { x_m, z_m, yaw_rad } }];
+  }
+
   get readySpecies(): string[] {
     return this.catalogue.ready;
   }
@@ -281,6 +307,7 @@ export class App {
     this.picker.dispose();
     this.studio.dispose();
     this.visit.dispose();
+    this.compareView?.dispose();
     this.stopUploads();
     this.catalogue.dispose();
     this.client.dispose();

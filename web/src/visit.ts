@@ -27,6 +27,7 @@ export class Visit {
     private readonly forest: Forest,
     private readonly catalogue: () => Catalogue,
     private readonly clock_s: () => number,
+    private readonly compare: () => void,
   ) {
     this.cameraman = new Cameraman(stage.camera, stage.controls, () => this.toolbar.showFlight(false));
     this.toolbar = new Toolbar(
@@ -39,6 +40,7 @@ export class Visit {
         },
         film: () => this.filming(),
         physics: () => this.openPhysics(),
+        compare: () => this.compare(),
       },
       { film: canFilm(), fullScreen: document.fullscreenEnabled },
     );

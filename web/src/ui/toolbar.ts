@@ -12,6 +12,8 @@ export interface Tools {
   /** Starts or ends a film; says whether it films now. */
   film(): boolean;
   physics(): void;
+  /** Opens the view that holds a tree against the full simulation. */
+  compare(): void;
 }
 
 export class Toolbar {
@@ -38,6 +40,7 @@ export class Toolbar {
       this.menu,
       this.fly,
       button("trees", "About the trees", () => tools.physics()),
+      button("compare", "Is it right?", () => tools.compare()),
       button("link", "Copy a link to this view", () => tools.link()),
       button("photo", "Save a photo", () => tools.photo()),
       this.film,
