@@ -40,14 +40,15 @@ def build_table(
 ) -> BuildResult:
     """The table of a tree mesh. Raises IntakeError, and whatever ``progress`` raises (Cancelled).
 
-    ``publish`` is handed "tetrahedra.png", "skeleton.png" and "early.table" as soon as they exist. ``runner``
-    simulates the winds; without one, processes of this machine do.
+    ``publish`` is handed "render.glb", "tetrahedra.png", "skeleton.png" and "early.table" as soon as they
+    exist. ``runner`` simulates the winds; without one, processes of this machine do.
     """
     stages = Stages(progress)
     with Helpers() as helpers:
         gallery = Gallery(helpers, publish)
         stages.enter("intake")
         tree, render_glb = run_intake(source, filename, options.intake)
+        gallery.hand_out("render.glb", lambda: render_glb)
         wood = options.wood or species(tree.species or "default")
         stages.enter("meshing")
         mesh = tetrahedralise(tree, options.target_tets, cache_dir / "tets")

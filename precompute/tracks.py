@@ -69,7 +69,7 @@ def compare_methods(
     rest_m, height_m = table.node_rest_m.astype(np.float64), float(table.metadata["height_m"])
     truth = _simulate(model, rest_m, pressure_pa, lambda share: tick(0.8 * share, "Simulating"))
     basis = table.node_basis.astype(np.float64).reshape(-1, len(table.mode_scale))
-    seen: Floats = np.linalg.lstsq(basis, truth.reshape(frames, -1).T, rcond=None)[0].T
+    seen = np.asarray(np.linalg.lstsq(basis, truth.reshape(frames, -1).T, rcond=None)[0].T, np.float64)
     q, errors = {"fem": seen}, {}
     for k, name in enumerate(COMPARED):
         tick(0.8 + 0.1 * k, "Comparing")

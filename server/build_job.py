@@ -11,9 +11,12 @@ from sqlalchemy import update
 from precompute.build_types import BuildOptions, BuildResult, Progress
 from server.assumptions import NAMES, intake_options
 from server.database import Sessions
+from server.exchange import Exchange
 from server.jobs import end_job
 from server.models import Job, Tree, utc_now
+from server.publishing import Publisher
 from server.reporting import Mandate, Reporter
+from server.retired import retire_replaced
 from server.runner import DaskRunner
 from server.settings import Settings
 from server.species import fingerprint
@@ -57,24 +60,31 @@ def run_build(mandate: Mandate, address: str, settings: Settings, stores: Stores
     """Compute and publish. Raises IntakeError, EngineLostError, Cancelled."""
     order = read_order(mandate.sessions, stores, mandate.job_id)
     reporter = Reporter(mandate)
-    runner = DaskRunner(address, settings.cancel_flag(mandate.job_id), reporter.samples)
+    exchange = Exchange(settings.store_url, mandate.job_id) if settings.store_url else None
+    runner = DaskRunner(address, settings.cancel_flag(mandate.job_id), reporter.samples, exchange)
+    publish = Publisher(mandate, stores)
 
     def progress(now: Progress) -> None:
         reporter.tell(now.stage, now.fraction, now.message)
 
-    result = build(order.source, order.filename, order.options, runner, progress, settings.cache_dir)
+    result = build(order.source, order.filename, order.options, runner, progress, settings.cache_dir, publish)
     model = runner.model.read_bytes() if runner.model else None
     _publish(mandate, stores, order, result, model)
+    if exchange:
+        exchange.forget(runner.runs)
 
 
 def _publish(
     mandate: Mandate, stores: Stores, order: Order, result: BuildResult, model: bytes | None
 ) -> None:
     """The files first, then, in one transaction, the tree that names them and the job's end."""
-    tree = {
+    files = {
         "table_sha256": stores.tables.put(result.table),
         "mesh_sha256": stores.meshes.put(result.render_glb),
         "model_sha256": stores.models.put(model) if model else None,
+    }
+    tree: dict[str, Any] = {
+        **files,
         "preliminary": False,
         "report": result.report,
         "fingerprint": order.fingerprint,
@@ -83,4 +93,8 @@ def _publish(
     done: dict[str, Any] = {"stage": "done", "fraction": 1.0}
     with mandate.sessions.begin() as session:
         if end_job(session, mandate.job_id, "done", message="Done", lease=mandate.lease, **done):
+            retire_replaced(session, session.get_one(Tree, order.tree_id), files)
             session.execute(update(Tree).where(Tree.id == order.tree_id).values(**tree))
+    # again: a file of the same content may just have been removed for want of a user
+    stores.tables.put(result.table)
+    stores.meshes.put(result.render_glb)

@@ -15,10 +15,12 @@ from sse_starlette import EventSourceResponse
 from precompute.wind import parse_wind_or_state
 from server.artefacts import FOREVER
 from server.context import ServiceHere
-from server.errors import ProblemError, not_found
+from server.errors import ProblemError, not_found, problems
+from server.etags import NOT_MODIFIED, matches
 from server.events import feed_of, follow_job, stream
 from server.jobs import add_job, find_job, request_cancel
 from server.models import ACTIVE, Job, JobState, Tree
+from server.retired import forget_old_studies
 
 router = APIRouter(prefix="/api", tags=["comparisons"])
 MOST_WAITING = 8
@@ -63,7 +65,12 @@ def comparison_out(job: Job) -> ComparisonOut:
     return ComparisonOut(**fields, tracks=tracks)
 
 
-@router.post("/trees/{tree_id}/comparisons", status_code=202, max_body_size=64 * 1024)
+@router.post(
+    "/trees/{tree_id}/comparisons",
+    status_code=202,
+    max_body_size=64 * 1024,
+    responses=problems(404, 409, 413, 429),
+)
 def compare_tree(
     tree_id: str, body: ComparisonRequest, response: Response, service: ServiceHere
 ) -> ComparisonOut:
@@ -72,6 +79,7 @@ def compare_tree(
     with service.sessions.begin() as session:
         tree = _comparable(session, tree_id)
         asked = {**body.model_dump(), "table_sha256": tree.table_sha256, "model_sha256": tree.model_sha256}
+        forget_old_studies(session, tree)
         job = add_job(session, tree, "comparison", asked)
         answer = comparison_out(job)
     response.headers["Location"] = f"/api/comparisons/{answer.id}"
@@ -94,14 +102,14 @@ def _comparable(session: Session, tree_id: str) -> Tree:
     return tree
 
 
-@router.get("/comparisons/{comparison_id}")
+@router.get("/comparisons/{comparison_id}", responses=problems(404))
 def get_comparison(comparison_id: str, service: ServiceHere) -> ComparisonOut:
     """One comparison as it stands."""
     with service.sessions() as session:
         return comparison_out(find_job(session, comparison_id, "comparison"))
 
 
-@router.post("/comparisons/{comparison_id}/cancel")
+@router.post("/comparisons/{comparison_id}/cancel", responses=problems(404))
 def cancel_comparison(comparison_id: str, service: ServiceHere) -> ComparisonOut:
     """Ask a comparison to stop, as a job."""
     with service.sessions.begin() as session:
@@ -112,7 +120,9 @@ def cancel_comparison(comparison_id: str, service: ServiceHere) -> ComparisonOut
     return answer
 
 
-@router.get("/comparisons/{comparison_id}/events", response_class=EventSourceResponse)
+@router.get(
+    "/comparisons/{comparison_id}/events", response_class=EventSourceResponse, responses=problems(404)
+)
 def comparison_events(comparison_id: str, request: Request, service: ServiceHere) -> EventSourceResponse:
     """Events named "progress" with the comparison, until it ends."""
 
@@ -123,7 +133,11 @@ def comparison_events(comparison_id: str, request: Request, service: ServiceHere
     return stream(follow_job(feed_of(request), read))
 
 
-@router.get("/comparisons/{comparison_id}/tracks", response_class=FileResponse)
+@router.get(
+    "/comparisons/{comparison_id}/tracks",
+    response_class=FileResponse,
+    responses={**NOT_MODIFIED, **problems(404)},
+)
 def get_tracks(comparison_id: str, request: Request, service: ServiceHere) -> Response:
     """The motion by each way (docs/formats/comparison.md)."""
     with service.sessions() as session:
@@ -132,7 +146,7 @@ def get_tracks(comparison_id: str, request: Request, service: ServiceHere) -> Re
         title, hint = "There are no tracks yet", "Follow the comparison until it is done."
         raise ProblemError(404, "no-tracks", title, hint=hint)
     headers = {"ETag": f'"{sha256}"', "Cache-Control": FOREVER}
-    if sha256 in request.headers.get("if-none-match", ""):
+    if matches(request.headers.get("if-none-match", ""), headers["ETag"]):
         return Response(status_code=304, headers=headers)
     path = service.stores.results.path(sha256)
     return FileResponse(path, media_type="application/msgpack", headers=headers)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,18 @@ Sessions = sessionmaker[Session]
 
 def open_database(url: str) -> Sessions:
     """A factory of sessions on an existing, migrated database."""
-    engine = create_engine(url)
+    engine = create_engine(with_driver(url), pool_pre_ping=not url.startswith("sqlite"))
     if engine.dialect.name == "sqlite":
         event.listen(engine, "connect", _prepare_sqlite)
     return sessionmaker(engine, expire_on_commit=False)
+
+
+def with_driver(url: str) -> str:
+    """PostgreSQL's usual URL, with the driver that is installed here."""
+    for plain in ("postgresql://", "postgres://"):
+        if url.startswith(plain):
+            return "postgresql+psycopg://" + url.removeprefix(plain)
+    return url
 
 
 def _prepare_sqlite(connection: Any, _record: object) -> None:
@@ -28,10 +37,15 @@ def _prepare_sqlite(connection: Any, _record: object) -> None:
 
 
 def migrate(url: str) -> None:
-    """Bring the database to the newest schema; an empty one is made."""
-    if url.startswith("sqlite:///"):
-        Path(url.removeprefix("sqlite:///")).parent.mkdir(parents=True, exist_ok=True)
-    command.upgrade(migration_config(url), "head")
+    """Bring the database to the newest schema; an empty one is made. One server at a time does so."""
+    if not url.startswith("sqlite:///"):
+        command.upgrade(migration_config(url), "head")  # env.py takes an advisory lock
+        return
+    path = Path(url.removeprefix("sqlite:///"))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.with_name(path.name + ".migrating").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        command.upgrade(migration_config(url), "head")
 
 
 def migration_config(url: str) -> Config:

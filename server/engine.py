@@ -42,20 +42,20 @@ def connected(address: str) -> Generator[Any]:
 
 
 def map_on_cluster(
-    client: Any, work: Callable[[Item], Result], items: Sequence[Item], done: Callable[[int], None]
-) -> list[Result]:
+    client: Any, work: Callable[[Item], Result], items: Sequence[Item], done: Callable[[int, Item], None]
+) -> None:
     """`work` on every item, in worker processes.
 
-    `done` is told how many are finished, and may raise to stop the rest.
+    `done` is told how many are finished, and which was last; it may raise to stop the rest.
     """
     from distributed import as_completed
 
     futures = client.map(work, items, pure=False, retries=2)
+    item_of = {future.key: item for future, item in zip(futures, items, strict=True)}
     try:
         for count, future in enumerate(as_completed(futures, loop=client.loop), 1):
             future.result()
-            done(count)
-        return [future.result() for future in futures]
+            done(count, item_of[future.key])
     finally:
         client.cancel(futures, force=True)
 

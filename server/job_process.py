@@ -40,7 +40,7 @@ def run_job(mandate: Mandate, address: str, settings: Settings, build: Build) ->
 
 
 def _work(mandate: Mandate, address: str, settings: Settings, build: Build) -> None:
-    stores = Stores(settings.data_dir)
+    stores = Stores(settings.data_dir, settings.store_url)
     kind = _kind(mandate.sessions, mandate.job_id)
     if kind == "build":
         run_build(mandate, address, settings, stores, build)

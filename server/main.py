@@ -19,6 +19,7 @@ from server import (
     errors,
     events,
     health,
+    job_pictures,
     job_routes,
     jobs,
     metrics,
@@ -53,8 +54,8 @@ from server.tracing import Tracing
 
 log = logging.getLogger("galewood")
 ROUTES = (
-    uploading, trees, revising, thumbnails, job_routes, jobs, comparisons, tables, artefacts, species_routes,
-    winds, events, stream, health, metrics,
+    uploading, trees, revising, thumbnails, job_routes, jobs, job_pictures, comparisons, tables, artefacts,
+    species_routes, winds, events, stream, health, metrics,
 )  # fmt: skip
 
 
@@ -95,7 +96,7 @@ def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
 
 
 def _service(settings: Settings, intake: Intake) -> Service:
-    stores = Stores(settings.data_dir)
+    stores = Stores(settings.data_dir, settings.store_url)
     return Service(
         settings=settings,
         sessions=open_database(settings.database),

@@ -119,3 +119,14 @@ class Job(Base):
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
     tree: Mapped[Tree] = relationship(back_populates="jobs")
+
+
+class Retired(Base):
+    """A file that was replaced or whose tree was deleted; removed later, unless something names it again."""
+
+    __tablename__ = "retired"
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    kind: Mapped[str] = mapped_column(String(16))
+    sha256: Mapped[str] = mapped_column(String(64))
+    retired_at: Mapped[datetime] = mapped_column(UtcDateTime, index=True)

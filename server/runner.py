@@ -8,7 +8,8 @@ from pathlib import Path
 
 from precompute.build_types import Cancelled
 from precompute.runner import SampleTask, run_task
-from server.engine import connected, map_on_cluster
+from server.engine import EngineLostError, connected, map_on_cluster
+from server.exchange import Exchange, ExchangedTask, run_elsewhere
 
 
 @dataclass(frozen=True)
@@ -20,22 +21,32 @@ class CancellableTask:
 
 
 class DaskRunner:
-    """Samples every wind on the cluster; the trajectories are files in the cache that all processes share."""
+    """Samples every wind on the cluster. The trajectories are files in the cache, which the workers share, or
+    come there through a bucket (exchange.py) from workers that do not.
+    """
 
     def __init__(
-        self, address: str, flag: Path, samples: Callable[[int, int], None] = lambda done, total: None
+        self,
+        address: str,
+        flag: Path,
+        samples: Callable[[int, int], None] = lambda done, total: None,
+        exchange: Exchange | None = None,
     ) -> None:
-        """``samples`` hears how many runs there are, of how many, before ``done`` of each call does."""
+        """``samples`` hears how many runs there are, of how many, each time before ``done`` does."""
         self._address = address
         self._flag = flag
         self._samples = samples
+        self._exchange = exchange
         self.model: Path | None = None
         """The finite-element model whose runs were asked for."""
+        self.runs: list[Path] = []
+        """Every run that was asked for."""
 
     def __call__(self, tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
         """A precompute.runner.TrajectoryRunner; sends only what is not there yet. EngineLostError."""
         self.model = tasks[0].model if tasks else None
-        missing = [CancellableTask(task, self._flag) for task in tasks if not task.path.exists()]
+        self.runs += [task.path for task in tasks]
+        missing = [task for task in tasks if not self._here(task)]
         ready = len(tasks) - len(missing)
 
         def tell(count: int) -> None:
@@ -44,9 +55,26 @@ class DaskRunner:
 
         tell(0)
         if missing:
-            with connected(self._address) as client:
-                map_on_cluster(client, run_unless_cancelled, missing, tell)
+            self._run(missing, tell)
         return [task.path for task in tasks]
+
+    def _here(self, task: SampleTask) -> bool:
+        return task.path.exists() or (self._exchange is not None and self._exchange.take(task))
+
+    def _run(self, missing: list[SampleTask], tell: Callable[[int], None]) -> None:
+        exchange, flag = self._exchange, self._flag
+
+        def taken(count: int, item: ExchangedTask) -> None:
+            if exchange and not exchange.take(item.task):
+                raise EngineLostError("a worker's run did not arrive")
+            tell(count)
+
+        with connected(self._address) as client:
+            if exchange:
+                map_on_cluster(client, run_elsewhere, [exchange.ask(task) for task in missing], taken)
+            else:
+                items = [CancellableTask(task, flag) for task in missing]
+                map_on_cluster(client, run_unless_cancelled, items, lambda count, _: tell(count))
 
 
 def run_unless_cancelled(item: CancellableTask) -> str:

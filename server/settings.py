@@ -28,6 +28,7 @@ class Settings(BaseSettings):
     port: int = Field(default=8000, ge=0, le=65535, validation_alias=AliasChoices("GALEWOOD_PORT", "PORT"))
     data_dir: Path = Path("data")
     database_url: str | None = None
+    store_url: str | None = None
     scheduler_url: str | None = None
     page_dir: Path = REPOSITORY / "web" / "dist"
     species_dir: Path = REPOSITORY / "assets" / "species"
@@ -37,6 +38,8 @@ class Settings(BaseSettings):
     concurrent_jobs: int = Field(default=1, ge=1, le=64)
     concurrent_studies: int = Field(default=1, ge=1, le=64)
     lease_s: float = Field(default=15.0, ge=1, le=3600)
+    replaced_files_s: float = Field(default=600.0, ge=0)
+    sweep_s: float = Field(default=60.0, gt=0)
     job_attempts: int = Field(default=3, ge=1, le=20)
     job_module: str = "server.job_process"
     cluster_idle_s: float = Field(default=30.0, ge=0)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, TypeAdapter
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from precompute import table
@@ -20,6 +21,8 @@ from server.jobs import queue_job
 from server.models import ACTIVE, Tree
 
 log = logging.getLogger("galewood.species")
+BUILD_VERSION = 2
+"""Raise it when builds store more than they did (2: the model)."""
 
 
 class Species(BaseModel):
@@ -44,14 +47,16 @@ def read_species(folder: Path) -> list[Species]:
 
 def fingerprint(source_sha256: str, options: dict[str, Any], settings: dict[str, Any]) -> str:
     """Hash of all that a table depends on: a built-in species is computed again when it changes."""
-    versions = [version("galewood"), table.VERSION, SAMPLING_VERSION]
+    versions = [version("galewood"), table.VERSION, SAMPLING_VERSION, BUILD_VERSION]
     parts = json.dumps([source_sha256, options, settings, versions], sort_keys=True)
     return hashlib.sha256(parts.encode()).hexdigest()
 
 
 async def register(service: Service) -> None:
     """Enter the built-in species and queue those whose table is missing or out of date."""
+    await asyncio.to_thread(_renew_uploads, service)
     if not service.settings.builtin_species:
+        service.wake_supervisor()
         return
     try:
         for entry in await asyncio.to_thread(read_species, service.settings.species_dir):
@@ -59,6 +64,24 @@ async def register(service: Service) -> None:
     except (OSError, ValueError):
         log.exception("the built-in species cannot be read from %s", service.settings.species_dir)
     service.wake_supervisor()
+
+
+def _renew_uploads(service: Service) -> None:
+    """Queue the uploads whose table an older version of the software made: as they were last computed."""
+    with service.sessions.begin() as session:
+        for tree in session.scalars(
+            select(Tree).where(Tree.builtin.is_(False), Tree.fingerprint.is_not(None))
+        ):
+            done = [job for job in tree.jobs if job.kind == "build" and job.state == "done"]
+            settings = done[-1].settings if done else {}
+            stale = tree.fingerprint != fingerprint(tree.source_sha256, tree.options, settings)
+            # once a version: a mesh that it cannot compute is not tried again at every start
+            tried = tree.job is not None and (
+                tree.job.state in ACTIVE or (tree.job.settings == settings and tree.job.state != "done")
+            )
+            if stale and not tried:
+                queue_job(session, tree, settings)
+                log.info("%s waits to be computed again", tree.name)
 
 
 def _register(service: Service, entry: Species) -> None:

@@ -6,6 +6,7 @@ import hashlib
 import os
 import re
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 _HASH = re.compile(r"[0-9a-f]{64}")
@@ -49,6 +50,10 @@ class FileStore:
         """The stored bytes. FileNotFoundError if there are none."""
         return self.path(sha256).read_bytes()
 
+    def names(self) -> Iterator[str]:
+        """The hash of every stored file."""
+        return (path.name for path in self.root.glob("??/*") if is_hash(path.name))
+
     def remove(self, sha256: str) -> None:
         """Forget a file; one that is not there is forgotten already."""
         self.path(sha256).unlink(missing_ok=True)
@@ -69,13 +74,34 @@ def write_atomically(target: Path, data: bytes) -> None:
         raise
 
 
-class Stores:
-    """The kinds of file the service keeps, apart so that no URL of one kind reaches another."""
+KINDS = ("sources", "meshes", "tables", "models", "pictures", "results")
 
-    def __init__(self, data_dir: Path) -> None:
-        self.sources = FileStore(data_dir / "sources")
-        self.meshes = FileStore(data_dir / "meshes")
-        self.tables = FileStore(data_dir / "tables")
-        self.models = FileStore(data_dir / "models")
-        self.pictures = FileStore(data_dir / "pictures")
-        self.results = FileStore(data_dir / "results")
+
+class Stores:
+    """The kinds of file the service keeps, apart so that no URL of one kind reaches another.
+
+    In the data folder, or by a URL in a bucket (`object_store.py`) that several servers share.
+    """
+
+    def __init__(self, data_dir: Path, url: str | None = None) -> None:
+        """`url` such as s3://bucket/prefix; its credentials come from the environment."""
+        self._named = (
+            _in_bucket(url, data_dir) if url else {kind: FileStore(data_dir / kind) for kind in KINDS}
+        )
+        self.sources = self._named["sources"]
+        self.meshes = self._named["meshes"]
+        self.tables = self._named["tables"]
+        self.models = self._named["models"]
+        self.pictures = self._named["pictures"]
+        self.results = self._named["results"]
+
+    def named(self, kind: str) -> FileStore:
+        """A store by its kind's name. KeyError."""
+        return self._named[kind]
+
+
+def _in_bucket(url: str, data_dir: Path) -> dict[str, FileStore]:
+    from server.object_store import BucketStore, open_bucket
+
+    bucket = open_bucket(url)
+    return {kind: BucketStore(bucket, kind, data_dir / "store-cache" / kind) for kind in KINDS}

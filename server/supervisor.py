@@ -12,9 +12,11 @@ from sqlalchemy.exc import SQLAlchemyError
 from server import leases
 from server.cluster import Cluster, ClusterError
 from server.context import Service
+from server.exchange import Exchange
 from server.jobs import end_job
 from server.models import Job, JobKind
 from server.processes import start_module, stop
+from server.retired import sweep
 from server.storage import write_atomically
 
 log = logging.getLogger("galewood.jobs")
@@ -40,6 +42,7 @@ class Supervisor:
         self._cluster = Cluster(service.settings)
         self._owner = leases.server_identity(service.settings.data_dir)
         self._watched: dict[Claim, asyncio.Task[None]] = {}
+        self._swept_s = time.monotonic()
 
     async def run(self) -> None:
         """Work until cancelled, then stop every child and give unfinished jobs back to the queue."""
@@ -50,6 +53,7 @@ class Supervisor:
             while True:
                 await self._look()
                 await self._cluster.close_if_idle(busy=self._busy("builds") > 0)
+                await self._sweep()
                 await self._pause()
         finally:
             for task in self._watched.values():
@@ -77,6 +81,22 @@ class Supervisor:
                 await self._start_waiting(lane)
         except SQLAlchemyError:
             log.exception("the queue could not be read")
+
+    async def _sweep(self) -> None:
+        """Now and then, remove files that were replaced."""
+        if time.monotonic() - self._swept_s > self._service.settings.sweep_s:
+            self._swept_s = time.monotonic()
+            try:
+                await asyncio.to_thread(self._remove_retired)
+            except (SQLAlchemyError, OSError):
+                log.exception("replaced files could not be removed")
+
+    def _remove_retired(self) -> None:
+        service = self._service
+        with service.files_lock:
+            removed = sweep(service.sessions, service.stores, service.settings.replaced_files_s)
+        if removed:
+            log.info("%d replaced file(s) removed", removed)
 
     def _busy(self, lane: str) -> int:
         self._watched = {claim: task for claim, task in self._watched.items() if not task.done()}
@@ -151,10 +171,16 @@ class Supervisor:
                     await process.wait()
             except TimeoutError:
                 if await asyncio.to_thread(self._must_stop, claim.job_id):
-                    flag = self._service.settings.cancel_flag(claim.job_id)
-                    await asyncio.to_thread(write_atomically, flag, b"")
+                    await asyncio.to_thread(self._raise_flag, claim.job_id)
                     return True
         return False
+
+    def _raise_flag(self, job_id: str) -> None:
+        """Tell the workers, which Dask cannot stop."""
+        settings = self._service.settings
+        write_atomically(settings.cancel_flag(job_id), b"")
+        if settings.store_url:
+            Exchange(settings.store_url, job_id).cancel()
 
     def _must_stop(self, job_id: str) -> bool:
         try:

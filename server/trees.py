@@ -15,6 +15,7 @@ from server.etags import NOT_MODIFIED, tagged
 from server.jobs import queue_job
 from server.models import ACTIVE, Tree
 from server.pages import Asked, bad_cursor, beyond, cursor_of, parts_of
+from server.retired import retire_tree
 from server.schemas import JobOut, PrecomputeRequest, TreeList, TreeOut
 from server.storage import FileStore
 
@@ -92,6 +93,7 @@ def delete_tree(tree_id: str, service: ServiceHere) -> Response:
             raise ProblemError(
                 409, "still-building", "This tree is being computed", hint="Cancel its job first."
             )
+        retire_tree(session, tree)
         session.delete(tree)
         session.flush()
         _remove_files(session, service, tree)

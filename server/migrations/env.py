@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from alembic import context
-from sqlalchemy import create_engine
+from sqlalchemy import create_engine, text
 
+from server.database import with_driver
 from server.models import Base
 from server.settings import Settings
 
+LOCK = 0x67616C65  # "gale": a number that only we take in this database
+
 url = context.config.attributes.get("url") or Settings().database
-engine = create_engine(url)
+engine = create_engine(with_driver(url))
 with engine.connect() as connection:
     # batch mode: SQLite cannot alter a column, so tables are copied
     context.configure(connection=connection, target_metadata=Base.metadata, render_as_batch=True)
     with context.begin_transaction():
+        if connection.dialect.name == "postgresql":
+            # of several servers that start at once, one migrates and the others wait, then find nothing to do
+            connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": LOCK})
         context.run_migrations()
 engine.dispose()

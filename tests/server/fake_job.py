@@ -25,6 +25,7 @@ def fake_build(
     runner: object,
     progress: Callable[[Progress], None],
     cache_dir: Path,
+    publish: Callable[[str, bytes], None],
 ) -> BuildResult:
     if filename.startswith("fail"):
         raise ValueError("a build that fails")

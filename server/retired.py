@@ -1,0 +1,94 @@
+"""Files that nothing names any more: removed after a while, as somebody may just be fetching them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import timedelta
+
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
+
+from server.database import Sessions
+from server.leases import database_now
+from server.models import ACTIVE, Job, Retired, Tree
+from server.storage import Stores
+
+FIELDS = {
+    "sources": "source_sha256",
+    "meshes": "mesh_sha256",
+    "tables": "table_sha256",
+    "models": "model_sha256",
+}
+KEPT_STUDIES = 12
+
+
+def retire(session: Session, kind: str, sha256: str | None) -> None:
+    """Say that a file lost a user; whether it has others is asked when its time has come."""
+    if sha256:
+        session.add(Retired(kind=kind, sha256=sha256, retired_at=database_now(session)))
+
+
+def retire_replaced(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:
+    """Before a tree gets other files, by field: those that it has now and loses."""
+    for kind, field in FIELDS.items():
+        if field in files and getattr(tree, field) != files[field]:
+            retire(session, kind, getattr(tree, field))
+
+
+def retire_tree(session: Session, tree: Tree) -> None:
+    """Before a tree is deleted: its files, and those of its jobs."""
+    for kind, field in FIELDS.items():
+        retire(session, kind, getattr(tree, field))
+    for job in tree.jobs:
+        _retire_job(session, job)
+
+
+def forget_old_studies(session: Session, tree: Tree) -> None:
+    """Of a tree's ended comparisons and evaluations the newest stay."""
+    ended = [job for job in tree.jobs if job.kind != "build" and job.state not in ACTIVE]
+    for job in ended[:-KEPT_STUDIES]:
+        _retire_job(session, job)
+        tree.jobs.remove(job)
+
+
+def _retire_job(session: Session, job: Job) -> None:
+    retire(session, "results", job.result_sha256)
+    for sha256 in job.pictures.values():
+        retire(session, "pictures", sha256)
+
+
+def referenced(session: Session) -> dict[str, set[str]]:
+    """Kind → the hashes of all files that trees and jobs name."""
+    named: dict[str, set[str]] = {kind: set() for kind in (*FIELDS, "pictures", "results")}
+    for kind, field in FIELDS.items():
+        named[kind] |= set(filter(None, session.scalars(select(getattr(Tree, field)))))
+    named["results"] |= set(filter(None, session.scalars(select(Job.result_sha256))))
+    for pictures in session.scalars(select(Job.pictures)):
+        named["pictures"] |= set(pictures.values())
+    return named
+
+
+def in_work(session: Session) -> set[str]:
+    """Hashes of the tables and models that studies under way were asked about."""
+    asked = session.scalars(select(Job.settings).where(Job.state.in_(ACTIVE), Job.kind != "build")).all()
+    return {str(one[field]) for one in asked for field in ("table_sha256", "model_sha256") if field in one}
+
+
+def sweep(sessions: Sessions, stores: Stores, grace_s: float) -> int:
+    """Remove files that were retired so long ago and that nothing names. How many."""
+    removed = 0
+    with sessions.begin() as session:
+        old = database_now(session) - timedelta(seconds=grace_s)
+        busy = in_work(session)
+        due = [
+            one
+            for one in session.scalars(select(Retired).where(Retired.retired_at < old))
+            if one.sha256 not in busy
+        ]
+        named = referenced(session) if due else {}
+        for one in due:
+            if one.sha256 not in named[one.kind]:
+                stores.named(one.kind).remove(one.sha256)
+                removed += 1
+        session.execute(delete(Retired).where(Retired.id.in_([one.id for one in due])))
+    return removed

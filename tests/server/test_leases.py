@@ -1,0 +1,122 @@
+"""Several servers on one database and one store: each job has one server, and another when that one dies."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import psutil
+import pytest
+
+from server.database import migrate, open_database
+from server.leases import claim, give_back, renew
+from server.models import Job, Tree
+from tests.server.conftest import NO_CLUSTER, Server, wait_until
+from tests.server.fake_job import STEPS
+from tests.server.test_jobs import begin, state
+
+
+class Pair:
+    """Two servers with data folders of their own that share a database and a store."""
+
+    def __init__(self, folder: Path) -> None:
+        shared = {
+            "GALEWOOD_DATABASE_URL": f"sqlite:///{folder / 'shared.sqlite'}",
+            "GALEWOOD_STORE_URL": f"file://{folder / 'store'}",
+            "GALEWOOD_JOB_MODULE": "tests.server.fake_job",
+            "GALEWOOD_LEASE_S": "2",
+            "FAKE_STEP_S": "0.15",
+            **NO_CLUSTER,
+        }
+        self.servers = [self._server(folder / name / "data", shared) for name in ("one", "two")]
+
+    def _server(self, data_dir: Path, environment: dict[str, str]) -> Server:
+        data_dir.mkdir(parents=True)
+        return Server(data_dir, "tests.server.fake_server", environment).start()
+
+    def steps(self, filename: str) -> list[int]:
+        """How many steps of a build each server did."""
+        logs = [server.data_dir / "cache" / f"steps-{filename}" for server in self.servers]
+        return [len(log.read_text().split()) if log.exists() else 0 for log in logs]
+
+    def at_work(self, filename: str) -> tuple[Server, Server]:
+        """Who runs a build, and the other."""
+        steps = wait_until(lambda: sum(self.steps(filename)) and self.steps(filename))
+        first, second = self.servers
+        return (first, second) if steps[0] else (second, first)
+
+
+@pytest.fixture
+def pair(tmp_path: Path) -> Iterator[Pair]:
+    pair = Pair(tmp_path)
+    yield pair
+    for server in pair.servers:
+        server.process.send_signal(signal.SIGCONT)
+        server.stop()
+
+
+def all_done(api: httpx.Client, jobs: list[dict[str, Any]]) -> None:
+    for job in jobs:
+        wait_until(lambda job=job: state(api, job) == "done", 60)
+
+
+def test_each_job_has_one_server_and_both_work(pair: Pair) -> None:
+    with pair.servers[0].client() as api, pair.servers[1].client() as other:
+        jobs = [begin(api, f"{name}.obj") for name in "abcd"]
+        all_done(other, jobs)  # the other server sees them too
+        counts = [pair.steps(f"{name}.obj") for name in "abcd"]
+        assert all(sorted(count) == [0, STEPS] for count in counts), counts
+        assert {count.index(STEPS) for count in counts} == {0, 1}, counts
+        for tree in other.get("/api/trees").json()["trees"]:
+            assert other.get(f"/api/tables/{tree['table_sha256']}").content.startswith(b"table of")
+
+
+def test_another_server_takes_over_from_one_that_died(pair: Pair) -> None:
+    with pair.servers[0].client() as api:
+        job = begin(api)
+    busy, idle = pair.at_work("tree.obj")
+    busy.kill()
+    with idle.client() as api:
+        all_done(api, [job])
+    busy.start()  # so that the fixture can end it
+
+
+def test_a_server_that_was_only_slow_changes_nothing_afterwards(pair: Pair) -> None:
+    with pair.servers[0].client() as api:
+        job = begin(api)
+    busy, idle = pair.at_work("tree.obj")
+    family = [psutil.Process(busy.process.pid), *busy.family()]
+    for one in family:
+        one.suspend()
+    with idle.client() as api:
+        wait_until(lambda: pair.steps("tree.obj")[pair.servers.index(idle)] > 2)
+        for one in family:
+            one.resume()
+        all_done(api, [job])
+    wait_until(lambda: not [one for one in busy.family() if "tests.server.fake_job" in one.cmdline()])
+    assert pair.steps("tree.obj")[pair.servers.index(idle)] == STEPS
+    assert pair.steps("tree.obj")[pair.servers.index(busy)] < STEPS
+
+
+def test_a_claim_is_won_once_and_a_lost_lease_writes_nothing(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'jobs.sqlite'}"
+    migrate(url)
+    sessions = open_database(url)
+    with sessions.begin() as session:
+        session.add(Tree(id="t", name="t", filename="t.obj", source_sha256="0" * 64, jobs=[Job(id="j")]))
+    with sessions.begin() as session:
+        won = claim(session, "one", ("build",), 60)
+        assert won and won[0] == "j"
+        assert claim(session, "two", ("build",), 60) is None
+        assert renew(session, *won, 0)
+    with sessions.begin() as session:
+        taken = claim(session, "two", ("build",), 60)
+        assert taken and taken[0] == "j" and taken[1] != won[1]
+        assert not renew(session, *won, 60)
+        assert give_back(session, "one") == 0 and give_back(session, "two") == 1
+        assert session.get_one(Job, "j").state == "queued"
+    with sessions() as session:
+        assert claim(session, "one", ("comparison",), 60) is None
