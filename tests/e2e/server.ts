@@ -4,8 +4,11 @@ import { existsSync } from "node:fs";
 import { createServer } from "node:net";
 import { join, resolve } from "node:path";
 
-const REPOSITORY = resolve(__dirname, "../..");
+/** The bench, which is no test, runs in the folder of the page. */
+const REPOSITORY = typeof __dirname === "undefined" ? resolve(process.cwd(), "..") : resolve(__dirname, "../..");
 export const STARTS_WITHIN_MS = 90_000;
+/** On whatever this machine has. */
+const TABLES_WITHIN_MS = 20 * 60_000;
 
 const pause = (ms: number) => new Promise((done) => setTimeout(done, ms));
 
@@ -52,4 +55,22 @@ export async function stop(server: ChildProcess): Promise<void> {
   } catch {
     // nothing was left
   }
+}
+
+interface Listed {
+  trees: { state: string; builtin: boolean; name: string }[];
+}
+
+/** Whether every species of our own has its table. */
+async function allReady(base: string): Promise<boolean> {
+  const { trees } = (await (await fetch(`${base}/api/trees`)).json()) as Listed;
+  const own = trees.filter((tree) => tree.builtin);
+  return own.length > 0 && own.every((tree) => tree.state === "ready");
+}
+
+/** Waits until a server answers and its species are computed. */
+export async function untilReady(base: string): Promise<void> {
+  await until("the server", STARTS_WITHIN_MS, async () => (await fetch(`${base}/healthz`)).ok);
+  // All of them: one that joined in the middle of a test would change its pictures.
+  await until("the three species", TABLES_WITHIN_MS, () => allReady(base));
 }

@@ -3,21 +3,7 @@
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { freePort, serve, STARTS_WITHIN_MS, stop, until } from "./server";
-
-/** On whatever this machine has. */
-const TABLES_WITHIN_MS = 20 * 60_000;
-
-interface Listed {
-  trees: { state: string; builtin: boolean; name: string }[];
-}
-
-/** Whether every species of our own has its table. */
-async function allReady(base: string): Promise<boolean> {
-  const { trees } = (await (await fetch(`${base}/api/trees`)).json()) as Listed;
-  const own = trees.filter((tree) => tree.builtin);
-  return own.length > 0 && own.every((tree) => tree.state === "ready");
-}
+import { freePort, serve, stop, untilReady } from "./server";
 
 export default async function setup(): Promise<() => Promise<void>> {
   let end = async () => {};
@@ -33,11 +19,8 @@ export default async function setup(): Promise<() => Promise<void>> {
       if (!kept) rmSync(data, { recursive: true, force: true });
     };
   }
-  const base = process.env.BASE_URL;
   try {
-    await until("the server", STARTS_WITHIN_MS, async () => (await fetch(`${base}/healthz`)).ok);
-    // All of them: one that joined in the middle of a test would change its pictures.
-    await until("the three species", TABLES_WITHIN_MS, () => allReady(base));
+    await untilReady(process.env.BASE_URL);
   } catch (error) {
     await end();
     throw error;
