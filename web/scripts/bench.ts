@@ -1,0 +1,64 @@
+/**
+ * What the page costs, in a real (headless) Chromium on the software rasteriser; see README, "Bench".
+ *
+ *   npm run bench -- [--base URL | --data DIR] [--minutes 0.5] [--json ../build/bench-web.json]
+ */
+import { mkdirSync, writeFileSync } from "node:fs";
+import { cpus, loadavg } from "node:os";
+import { dirname, resolve } from "node:path";
+import { parseArgs } from "node:util";
+import { chromium } from "@playwright/test";
+import { LAUNCH } from "../../tests/e2e/chromium";
+import { freePort, serve, stop, untilReady } from "../../tests/e2e/server";
+import { measureFrames } from "./bench/frames";
+import { measureMemory } from "./bench/memory";
+import { type Figure, printTable } from "./bench/report";
+import { measureStart } from "./bench/start";
+import { measureWorker } from "./bench/worker";
+
+const { values } = parseArgs({
+  options: {
+    base: { type: "string" },
+    data: { type: "string", default: process.env.GALEWOOD_DATA_DIR ?? "../data" },
+    minutes: { type: "string", default: "0.5" },
+    json: { type: "string", default: "../build/bench-web.json" },
+  },
+});
+
+const say = (text: string) => console.error(text);
+
+async function measure(base: string): Promise<Figure[]> {
+  say("Waiting for the species");
+  await untilReady(base);
+  const browser = await chromium.launch(LAUNCH);
+  try {
+    const figures: Figure[] = [];
+    const steps = [
+      ["start", () => measureStart(browser, base)],
+      ["worker", () => measureWorker(browser, base)],
+      ["frames of 1,000 trees", () => measureFrames(browser, base, 1000, 1.25)],
+      ["frames of 10,000 trees", () => measureFrames(browser, base, 10_000, 1.35)],
+      ["memory", () => measureMemory(browser, base, Number(values.minutes))],
+    ] as const;
+    for (const [name, step] of steps) {
+      say(`Measuring ${name}`);
+      figures.push(...(await step()));
+    }
+    return figures;
+  } finally {
+    await browser.close();
+  }
+}
+
+const port = await freePort();
+const server = values.base ? null : serve(port, resolve(process.cwd(), values.data));
+try {
+  const figures = await measure(values.base ?? `http://127.0.0.1:${port}`);
+  printTable(figures);
+  const machine = { cpu: cpus()[0]?.model, cores: cpus().length, load: loadavg()[0] };
+  const file = resolve(process.cwd(), values.json);
+  mkdirSync(dirname(file), { recursive: true });
+  writeFileSync(file, `${JSON.stringify({ machine, figures }, null, 2)}\n`);
+} finally {
+  if (server) await stop(server);
+}

@@ -1,0 +1,29 @@
+/** Whether the page's memory grows while it runs. */
+import type { Browser } from "@playwright/test";
+import { openPage, untilMoving } from "./page";
+import type { Figure } from "./report";
+
+const SAMPLES = 6;
+
+export async function measureMemory(browser: Browser, base: string, minutes: number): Promise<Figure[]> {
+  const page = await openPage(browser, base, "trees=400");
+  await untilMoving(page);
+  const session = await page.context().newCDPSession(page);
+  const heap_MB = async () => {
+    await session.send("HeapProfiler.collectGarbage");
+    const { usedSize } = await session.send("Runtime.getHeapUsage");
+    return usedSize / 1e6;
+  };
+  await page.waitForTimeout(3000);
+  const all = [await heap_MB()];
+  for (let k = 0; k < SAMPLES; k++) {
+    await page.waitForTimeout((minutes * 60_000) / SAMPLES);
+    all.push(await heap_MB());
+  }
+  await page.close();
+  const growth = (all[SAMPLES] - all[0]) / minutes;
+  return [
+    { name: `heap after ${minutes} min`, value: all[SAMPLES], unit: "MB", all },
+    { name: "heap growth", value: growth, unit: "MB/min" },
+  ];
+}

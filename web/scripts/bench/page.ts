@@ -1,0 +1,83 @@
+/** A small page with instruments in it: time of every frame's script, bytes sent to the graphics card. */
+import type { Browser, Page } from "@playwright/test";
+
+const SIZE = { width: 320, height: 180 };
+
+/** What the instruments count, kept on the page's window. */
+export interface Counted {
+  /** Time that the main thread spent in each frame's callbacks, ms. */
+  script_ms: number[];
+  /** Time from each frame to the next, ms. */
+  frame_ms: number[];
+  bytes: number[];
+  firstMoving_ms: number | null;
+}
+
+declare global {
+  interface Window {
+    counted: Counted;
+  }
+}
+
+/** Runs in the page before its own scripts. */
+function instrument(): void {
+  const counted: Counted = { script_ms: [], frame_ms: [], bytes: [], firstMoving_ms: null };
+  window.counted = counted;
+  let last_ms = 0;
+  let bytes = 0;
+  const original = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (callback) =>
+    original((now_ms) => {
+      const begin_ms = performance.now();
+      callback(now_ms);
+      if (now_ms === last_ms) return;
+      counted.script_ms.push(performance.now() - begin_ms);
+      if (last_ms > 0) counted.frame_ms.push(now_ms - last_ms);
+      counted.bytes.push(bytes);
+      bytes = 0;
+      last_ms = now_ms;
+      const page = window.galewood;
+      if (counted.firstMoving_ms === null && page && page.trees.moving > 0 && page.time_s > 0) {
+        counted.firstMoving_ms = performance.now();
+      }
+    });
+  const proto = WebGL2RenderingContext.prototype as unknown as Record<string, (...a: unknown[]) => unknown>;
+  const viewBytes = (value: unknown) => (ArrayBuffer.isView(value) ? value.byteLength : 0);
+  const wrap = (name: string, size: (args: unknown[]) => number) => {
+    const plain = proto[name];
+    proto[name] = function (this: unknown, ...args: unknown[]) {
+      bytes += size(args);
+      return plain.apply(this, args);
+    };
+  };
+  wrap("bufferData", (args) => viewBytes(args[1]));
+  // (target, offset, data, first element, number of elements)
+  wrap("bufferSubData", ([, , data, , length]) => {
+    const view = data as Float32Array;
+    return typeof length === "number" && length > 0 ? length * view.BYTES_PER_ELEMENT : viewBytes(data);
+  });
+  // (target, level, x, y, width, height, format, type, pixels): only this part of the pixels is read
+  wrap("texSubImage2D", ([, , , , width, height, format, , data]) => {
+    if (!ArrayBuffer.isView(data)) return 0;
+    const channels = format === 0x1903 ? 1 : 4; // RED, or RGBA
+    return Number(width) * Number(height) * channels * (data as Float32Array).BYTES_PER_ELEMENT;
+  });
+  wrap("texImage2D", (args) => viewBytes(args.at(-1)));
+}
+
+export async function openPage(browser: Browser, base: string, query: string): Promise<Page> {
+  const page = await browser.newPage({ viewport: SIZE });
+  page.on("pageerror", (error) => console.error(`page: ${error.message}`));
+  await page.addInitScript(instrument);
+  await page.goto(`${base}/?panel=0&quality=low&flutter=0&speed=8&${query}`);
+  return page;
+}
+
+/** Waits until every species moves. */
+export async function untilMoving(page: Page): Promise<void> {
+  await page.waitForFunction(
+    () => (window.galewood?.readySpecies.length ?? 0) >= 3 && (window.galewood?.time_s ?? 0) > 0.5,
+    undefined,
+    { timeout: 180_000 },
+  );
+}
