@@ -69,9 +69,10 @@ test-e2e: build browser ## the page in a real Chromium against a real server
 browser: web/node_modules/.stamp ## a Chromium for the tests, where the machine has none
 	@scripts/install-browser
 
-bench: build ## speed and memory, as ratios to named rivals; writes build/bench.json
+bench: build browser ## speed and memory, as ratios to named rivals; writes build/bench.json and build/bench-web.json
 	@mkdir -p build
 	$(BIN)/galewood bench --json build/bench.json
+	@cd web && npm run --silent bench
 
 format: $(VENV)/.dev web/node_modules/.stamp ## rewrite the sources in the project's format
 	$(BIN)/ruff check --fix .

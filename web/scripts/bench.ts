@@ -1,7 +1,9 @@
 /**
  * What the page costs, in a real (headless) Chromium on the software rasteriser; see README, "Bench".
  *
- *   npm run bench -- [--base URL | --data DIR] [--minutes 0.5] [--json ../build/bench-web.json]
+ *   npm run bench -- [--base URL | --data DIR] [--minutes 0.5] [--json build/bench-web.json]
+ *
+ * Paths are relative to the repository. Without --base a server is started over the data folder.
  */
 import { mkdirSync, writeFileSync } from "node:fs";
 import { cpus, loadavg } from "node:os";
@@ -19,12 +21,13 @@ import { measureWorker } from "./bench/worker";
 const { values } = parseArgs({
   options: {
     base: { type: "string" },
-    data: { type: "string", default: process.env.GALEWOOD_DATA_DIR ?? "../data" },
+    data: { type: "string", default: process.env.GALEWOOD_DATA_DIR ?? "data" },
     minutes: { type: "string", default: "0.5" },
-    json: { type: "string", default: "../build/bench-web.json" },
+    json: { type: "string", default: "build/bench-web.json" },
   },
 });
 
+const inRepository = (path: string) => resolve(process.cwd(), "..", path);
 const say = (text: string) => console.error(text);
 
 async function measure(base: string): Promise<Figure[]> {
@@ -51,12 +54,12 @@ async function measure(base: string): Promise<Figure[]> {
 }
 
 const port = await freePort();
-const server = values.base ? null : serve(port, resolve(process.cwd(), values.data));
+const server = values.base ? null : serve(port, inRepository(values.data));
 try {
   const figures = await measure(values.base ?? `http://127.0.0.1:${port}`);
   printTable(figures);
   const machine = { cpu: cpus()[0]?.model, cores: cpus().length, load: loadavg()[0] };
-  const file = resolve(process.cwd(), values.json);
+  const file = inRepository(values.json);
   mkdirSync(dirname(file), { recursive: true });
   writeFileSync(file, `${JSON.stringify({ machine, figures }, null, 2)}\n`);
 } finally {
