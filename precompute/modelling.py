@@ -27,7 +27,7 @@ STIFFNESS_FLOOR = 0.2
 
 A twig a fifth as thick as the mesh resolves has 1/600 of its stiffness. One drawn thinner still (a line, a
 game's needle) would hang like a thread under its leaves, and the whole tree would count as one that cannot
-stand. The species here end at 0.23, so none of their twigs is touched.
+stand. The species here end at 0.22, so none of their twigs is touched.
 """
 
 

@@ -7,11 +7,14 @@ Sources, by the tag each entry carries:
 
 - ``WH``: Forest Products Laboratory, *Wood Handbook*, FPL-GTR-190 (2010), chapter 5: tables 5-1 (elastic
   ratios, at about 12 % moisture), 5-2 (Poisson's ratios), 5-3 (static bending of green wood).
-- ``engdb``: engdatabase.com's reprint of the same tables (sugar maple and Douglas-fir were compared with it).
+- ``engdb``: engdatabase.com's reprint of the same tables (sugar maple and Douglas-fir were compared with it;
+  Douglas-fir's ratios also with a transcript of the 2021 edition's table 5-1, FPL-GTR-282, page 5-2).
 - ``matweb``: MatWeb, North American eastern cottonwood, unseasoned: 1,010 ksi, 49 lb/ft³.
 - ``AHEC``: American Hardwood Information Center, black cherry, green: 1.31 million psi.
 
-What could not be compared with a second source is marked "unchecked" in the entry. The handbook's bending
+What could not be compared with a second source is marked "unchecked" in the entry: the ratios of cottonwood and
+of black cherry. They weigh little: 30 % more or less transverse stiffness changes the first ten frequencies by
+1.6 % at most, 30 % of the shear stiffness by 2 to 10 % (docs/physics.md). The handbook's bending
 moduli hold some shear deflection; it advises adding 10 % for the true E_L, which is not done here, as the
 spread between trees (22 % of the mean) is larger.
 """
