@@ -1,0 +1,222 @@
+"""Trees, jobs and tables as lists and as things that are the same when they come twice."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import httpx
+import pytest
+import zstandard
+
+from server.encodings import coding_of
+from server.etags import matches
+from tests.server.conftest import NO_CLUSTER, Server, wait_until
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    environment = {"GALEWOOD_JOB_MODULE": "tests.server.fake_job", "FAKE_STEP_S": "0.01", **NO_CLUSTER}
+    data_dir = tmp_path_factory.mktemp("trees") / "data"
+    data_dir.mkdir()
+    server = Server(data_dir, "tests.server.fake_server", environment).start()
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def api(server: Server) -> Iterator[httpx.Client]:
+    with server.client() as client:
+        yield client
+
+
+def upload(
+    api: httpx.Client, data: bytes, filename: str = "a.obj", path: str = "/api/trees", **fields: str
+) -> Any:
+    return api.post(path, files={"file": (filename, data)}, data=fields)
+
+
+def built(api: httpx.Client, data: bytes) -> dict[str, Any]:
+    tree = upload(api, data, path="/api/trees?build=true").json()
+    path = f"/api/trees/{tree['id']}"
+    return wait_until(lambda: (now := api.get(path).json())["state"] == "ready" and now, 120)
+
+
+def test_the_same_file_is_the_same_tree(api: httpx.Client) -> None:
+    first = upload(api, b"once", name="One")
+    again = upload(api, b"once", "other.obj", name="Two")
+    assert (first.status_code, again.status_code) == (201, 200)
+    assert again.json() == first.json()
+    other = upload(api, b"once", height_m="9")
+    assert other.status_code == 201 and other.json()["id"] != first.json()["id"]
+
+
+def test_the_same_file_at_the_same_moment_is_one_tree(api: httpx.Client, server: Server) -> None:
+    def send(_: int) -> tuple[int, str]:
+        with server.client() as client:
+            answer = upload(client, b"at once")
+            return answer.status_code, answer.json()["id"]
+
+    with ThreadPoolExecutor(8) as pool:
+        answers = list(pool.map(send, range(8)))
+    assert len({name for _, name in answers}) == 1
+    assert sorted(status for status, _ in answers) == [200] * 7 + [201]
+
+
+def test_assumptions_can_be_changed_until_there_is_a_table(api: httpx.Client) -> None:
+    tree = upload(api, b"assumed", species="maple").json()
+    path = f"/api/trees/{tree['id']}"
+    changed = api.patch(path, json={"species": "poplar", "height_m": 7}).json()
+    assert (changed["species"], changed["height_m"], changed["id"]) == ("poplar", 7, tree["id"])
+    back = api.patch(path, json={"species": None, "name": "Mine"}).json()
+    assert (back["species"], back["height_m"], back["name"]) == (None, 7, "Mine")
+    twin = upload(api, b"assumed", species="maple")
+    assert twin.status_code == 201 and twin.json()["id"] != tree["id"]
+    api.post("/api/jobs", json={"tree_id": tree["id"]})
+    wait_until(lambda: api.get(path).json()["state"] == "ready", 120)
+    refused = api.patch(path, json={"height_m": 8})
+    assert (refused.status_code, refused.json()["code"]) == (409, "already-built")
+    assert api.patch(path, json={"name": "Still mine"}).json()["name"] == "Still mine"
+    for wrong in ({"height_m": -1}, {"wood_materials": []}, {"colour": 1}, {"name": ""}):
+        assert api.patch(path, json=wrong).status_code == 422
+
+
+def test_pages_hold_every_tree_once_while_others_come(api: httpx.Client) -> None:
+    names = {upload(api, f"page {k}".encode()).json()["id"] for k in range(7)}
+    seen: list[str] = []
+    page = api.get("/api/trees?limit=3").json()
+    while True:
+        seen += [tree["id"] for tree in page["trees"]]
+        if page["next"] is None:
+            break
+        upload(api, f"late {len(seen)}".encode())
+        page = api.get("/api/trees", params={"limit": 3, "after": page["next"]}).json()
+        if len(seen) > 60:
+            break
+    assert len(seen) == len(set(seen)) and names <= set(seen)
+    assert len(seen) == page["total"]
+
+
+@pytest.mark.parametrize("path", ["/api/trees", "/api/jobs", "/api/tables"])
+def test_bad_pages_are_problems(api: httpx.Client, path: str) -> None:
+    for query in ("after=x", "after=WyJhIl0", "after=%00", "limit=0", "limit=9999", "after=" + "a" * 500):
+        answer = api.get(f"{path}?{query}")
+        assert answer.status_code == 422 and answer.json()["code"] in ("bad-cursor", "invalid-request"), query
+
+
+def test_jobs_are_listed_newest_first_and_can_be_repeated(api: httpx.Client) -> None:
+    tree = upload(api, b"fails", "fail.obj").json()
+    job = api.post("/api/jobs", json={"tree_id": tree["id"], "settings": {"height_m": 6}}).json()
+    wait_until(lambda: api.get(f"/api/jobs/{job['id']}").json()["state"] == "failed", 120)
+    again = api.post(f"/api/jobs/{job['id']}/retry")
+    assert again.status_code == 202 and again.json()["id"] != job["id"]
+    wait_until(lambda: api.get(f"/api/jobs/{again.json()['id']}").json()["state"] == "failed", 120)
+    listed = api.get("/api/jobs", params={"tree_id": tree["id"], "limit": 1}).json()
+    assert listed["total"] == 2 and [one["id"] for one in listed["jobs"]] == [again.json()["id"]]
+    rest = api.get("/api/jobs", params={"tree_id": tree["id"], "after": listed["next"]}).json()
+    assert [one["id"] for one in rest["jobs"]] == [job["id"]] and rest["next"] is None
+    assert api.get("/api/jobs?state=failed").json()["total"] >= 2
+    assert api.post("/api/jobs/none/retry").json()["code"] == "no-such-job"
+    assert api.post("/api/jobs", json={"tree_id": "none"}).json()["code"] == "no-such-tree"
+
+
+def test_a_table_that_is_there_is_not_computed_again(api: httpx.Client) -> None:
+    tree = built(api, b"twice asked")
+    again = api.post("/api/jobs", json={"tree_id": tree["id"]})
+    assert (again.status_code, again.json()["id"]) == (200, tree["job_id"])
+    other = api.post("/api/jobs", json={"tree_id": tree["id"], "settings": {"design_speed_m_s": 9}})
+    assert other.status_code == 202 and other.json()["id"] != tree["job_id"]
+    api.post(f"/api/jobs/{other.json()['id']}/cancel")
+
+
+def test_lists_and_trees_are_tagged(api: httpx.Client) -> None:
+    tree = upload(api, b"tagged").json()
+    for path in ("/api/trees", f"/api/trees/{tree['id']}", "/api/jobs", "/api/tables", "/api/species"):
+        whole = api.get(path)
+        tag = whole.headers["etag"]
+        same = api.get(path, headers={"If-None-Match": f'"x", W/{tag}'})
+        assert same.status_code == 304 and not same.content and same.headers["etag"] == tag
+    api.patch(f"/api/trees/{tree['id']}", json={"name": "Changed"})
+    assert api.get("/api/trees", headers={"If-None-Match": tag}).status_code == 200
+
+
+def test_tables_come_compressed_and_each_form_has_its_tag(api: httpx.Client, server: Server) -> None:
+    table = built(api, b"compressed")["table_sha256"]
+    path = f"/api/tables/{table}"
+    raw: dict[str, bytes] = {}
+    tags: set[str] = set()
+    for name in ("identity", "gzip", "zstd"):
+        with api.stream("GET", path, headers={"Accept-Encoding": name}) as answer:
+            raw[name] = b"".join(answer.iter_raw())
+            assert answer.headers.get("content-encoding", "identity") == name
+            assert (
+                answer.headers["vary"] == "Accept-Encoding" and "immutable" in answer.headers["cache-control"]
+            )
+            tags.add(answer.headers["etag"])
+        assert (
+            api.get(
+                path, headers={"Accept-Encoding": name, "If-None-Match": answer.headers["etag"]}
+            ).status_code
+            == 304
+        )
+    assert len(tags) == 3 and hashlib.sha256(raw["identity"]).hexdigest() == table
+    assert gzip.decompress(raw["gzip"]) == raw["identity"] == zstandard.decompress(raw["zstd"])
+    kept = list((server.data_dir / "cache" / "encoded").rglob(table))
+    assert len(kept) == 2
+    part = api.get(path, headers={"Accept-Encoding": "zstd", "Range": "bytes=3-9"})
+    assert (part.status_code, part.content) == (206, raw["identity"][3:10])
+    changed = api.get(
+        path, headers={"Range": "bytes=3-9", "If-Range": '"other"', "Accept-Encoding": "identity"}
+    )
+    assert (changed.status_code, changed.content) == (200, raw["identity"])
+    assert api.get(path, headers={"Range": "bytes=900000-"}).status_code == 416
+    assert api.get(path, headers={"Range": "leaves=1-2"}).json()["code"] == "bad-range"
+    head = api.head(path, headers={"Accept-Encoding": "identity"})
+    assert head.headers["content-length"] == str(len(raw["identity"])) and not head.content
+
+
+@pytest.mark.parametrize(
+    ("header", "coding"),
+    [("", None), ("gzip", "gzip"), ("gzip, zstd", "zstd"), ("br", None), ("*", "zstd"),
+     ("zstd;q=0, gzip", "gzip"),
+     ("gzip;q=0.5, zstd;q=0.1", "gzip"), ("identity, gzip;q=0.5", None), ("gzip;q=x", None), ("*;q=0", None)],
+)  # fmt: skip
+def test_the_coding_that_a_client_prefers(header: str, coding: str | None) -> None:
+    assert coding_of(header) == coding
+
+
+def test_tags_are_compared_whole() -> None:
+    assert matches('"a"', '"a"') and matches('W/"a", "b"', '"a"') and matches("*", '"a"')
+    assert not matches('"ab"', '"a"') and not matches("", '"a"') and not matches("a", '"a"')
+
+
+def test_tables_are_listed_and_unreadable_ones_say_so(api: httpx.Client) -> None:
+    tree = built(api, b"listed")
+    listed = api.get("/api/tables?limit=500").json()["tables"]
+    one = next(table for table in listed if table["tree_id"] == tree["id"])
+    assert one["sha256"] == tree["table_sha256"] and one["size_bytes"] == len(b"table of listed")
+    said = api.get(f"/api/tables/{one['sha256']}/metadata")
+    assert (said.status_code, said.json()["code"]) == (409, "unreadable-table")
+
+
+def test_species_say_where_their_numbers_come_from(api: httpx.Client) -> None:
+    species = api.get("/api/species").json()["species"]
+    assert {"maple", "poplar", "apricot"} <= {one["id"] for one in species}
+    assert all(one["source"] and one["young_longitudinal_pa"] > 1e9 for one in species)
+
+
+def test_health_and_figures(api: httpx.Client) -> None:
+    live, ready = api.get("/api/health"), api.get("/api/health/ready")
+    assert live.json()["status"] == "ok" and live.json()["table_version"] >= 2
+    assert ready.status_code == 200 and ready.json()["checks"]["database"] is True
+    text = api.get("/metrics").text
+    for name in (
+        "galewood_jobs{",
+        "galewood_trees{",
+        "galewood_stored_bytes",
+        "process_resident_memory_bytes",
+    ):
+        assert name in text
