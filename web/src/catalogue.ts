@@ -16,8 +16,10 @@ export interface CatalogueEvents {
 interface Entry {
   tree: Tree;
   readonly grower: Grower;
+  /** The newest mesh and table, on their way or here. */
   mesh: string | null;
   table: string | null;
+  motion: TableMotion | null;
 }
 
 export class Catalogue {
@@ -76,29 +78,51 @@ export class Catalogue {
     let entry = this.entries.get(tree.id);
     if (!entry) {
       const grower: Grower = { id: tree.id, species: tree.species, model: null, motion: null };
-      entry = { tree, grower, mesh: null, table: null };
+      entry = { tree, grower, mesh: null, table: null, motion: null };
       this.entries.set(tree.id, entry);
     }
     entry.tree = tree;
     void this.follow(entry).catch((error: unknown) => this.report(error));
   }
 
-  /** Fetches what is new. The mesh goes first: it can stand while its table is on the way. */
+  /** Fetches what is new, side by side; what is superseded on its way is dropped. */
   private async follow(entry: Entry): Promise<void> {
-    const { mesh_sha256: mesh, table_sha256: table } = entry.tree;
-    const newTable = table !== entry.table ? table : null;
+    await Promise.all([this.takeMesh(entry), this.takeTable(entry)]);
+  }
+
+  private async takeMesh(entry: Entry): Promise<void> {
+    const { mesh_sha256: mesh } = entry.tree;
+    if (!mesh || mesh === entry.mesh) return;
+    entry.mesh = mesh;
+    const model = await readTreeModel(await fetchMesh(mesh));
+    if (entry.mesh !== mesh) return;
+    entry.grower.model = model;
+    this.fit(entry);
+  }
+
+  /** A table may replace an early one of the same mesh: the trees sway on meanwhile. */
+  private async takeTable(entry: Entry): Promise<void> {
+    const { table_sha256: table } = entry.tree;
+    if (!table || table === entry.table) return;
     entry.table = table;
-    const motion = newTable ? this.loadTable(newTable) : null;
-    if (mesh && mesh !== entry.mesh) {
-      entry.mesh = mesh;
-      entry.grower.motion = null;
-      entry.grower.model = await readTreeModel(await fetchMesh(mesh));
-      if (!motion) this.events.grow();
+    try {
+      const motion = await this.loadTable(table);
+      if (entry.table !== table) return;
+      entry.motion = motion;
+      this.fit(entry);
+    } catch (error) {
+      if (entry.table === table) throw error;
     }
-    if (motion) {
-      entry.grower.motion = await motion;
-      this.events.grow();
-    }
+  }
+
+  /** The trees sway once mesh and table are in and belong together, and stand until then. */
+  private fit(entry: Entry): void {
+    const { grower, motion, table } = entry;
+    if (!grower.model || !this.entries.has(entry.tree.id)) return;
+    const vertices = grower.model.parts.reduce((sum, part) => sum + part.vertices, 0);
+    grower.motion = motion?.vertexNode.length === vertices ? motion : null;
+    // One whose table is about to come is planted with it.
+    if (grower.motion || !table || motion) this.events.grow();
   }
 
   private report(error: unknown): void {
