@@ -97,7 +97,7 @@ export class Catalogue {
     const model = await readTreeModel(await fetchMesh(mesh));
     if (entry.mesh !== mesh) return;
     entry.grower.model = model;
-    this.fit(entry);
+    this.join(entry);
   }
 
   /** A table may replace an early one of the same mesh: the trees sway on meanwhile. */
@@ -109,14 +109,14 @@ export class Catalogue {
       const motion = await this.loadTable(table);
       if (entry.table !== table) return;
       entry.motion = motion;
-      this.fit(entry);
+      this.join(entry);
     } catch (error) {
       if (entry.table === table) throw error;
     }
   }
 
   /** The trees sway once mesh and table are in and belong together, and stand until then. */
-  private fit(entry: Entry): void {
+  private join(entry: Entry): void {
     const { grower, motion, table } = entry;
     if (!grower.model || !this.entries.has(entry.tree.id)) return;
     const vertices = grower.model.parts.reduce((sum, part) => sum + part.vertices, 0);
