@@ -12,11 +12,11 @@ Sources, by the tag each entry carries:
 - ``matweb``: MatWeb, North American eastern cottonwood, unseasoned: 1,010 ksi, 49 lb/ft³.
 - ``AHEC``: American Hardwood Information Center, black cherry, green: 1.31 million psi.
 
-What could not be compared with a second source is marked "unchecked" in the entry: the ratios of cottonwood and
-of black cherry. They weigh little: 30 % more or less transverse stiffness changes the first ten frequencies by
-1.6 % at most, 30 % of the shear stiffness by 2 to 10 % (docs/physics.md). The handbook's bending
-moduli hold some shear deflection; it advises adding 10 % for the true E_L, which is not done here, as the
-spread between trees (22 % of the mean) is larger.
+What could not be compared with a second source is marked "unchecked" in the entry: the ratios of cottonwood
+and of black cherry. They weigh little: 30 % more or less transverse stiffness changes the first ten
+frequencies by 1.6 % at most, 30 % of the shear stiffness by 2 to 10 % (docs/physics.md). The handbook's
+bending moduli hold some shear deflection; it advises adding 10 % for the true E_L, which is not done here, as
+the spread between trees (22 % of the mean) is larger.
 """
 
 from dataclasses import dataclass

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from precompute.drawn_wood import as_drawn, drawn_volume
+from precompute.dynamics import Simulator, build_model
+from precompute.foliage import Lumps
 from precompute.intake_repair import Surface, volume
+from precompute.model import FemSettings
 from precompute.modelling import STIFFNESS_FLOOR, wood_elements
+from precompute.roots import root_vertices
 from precompute.skeleton import extract_skeleton
 from precompute.tet_quality import tet_volumes
 from precompute.wood import species
@@ -76,3 +80,24 @@ def test_a_needle_keeps_its_true_weight_but_not_a_thread_s_stiffness(thick_y):
     assert np.allclose(made[1].axial, STIFFNESS_FLOOR**4 * made[0].axial)
     assert np.allclose(made[2].axial, made[1].axial)
     assert np.allclose(made[2].element_mass_kg, 4e-4 * made[0].element_mass_kg)
+
+
+def test_a_tree_of_needles_stands_and_weathers_a_storm():
+    """Limbs a fiftieth as thick as meshed: the rest pose is found or balanced, and nothing blows up."""
+    mesh = y_mesh(0.1)
+    high = mesh.vertices_m[mesh.tets].mean(axis=1)[:, 1] > 3.0
+    mesh = replace(mesh, radius_ratio=np.where(high, 0.02, 1.0))
+    count = len(mesh.vertices_m)
+    lumps = Lumps(
+        np.full(count, 5.0 / count),
+        np.full(count, 4.0 / count),
+        root_vertices(mesh.vertices_m, mesh.tets),
+        {},
+    )
+    model = build_model(mesh, extract_skeleton(mesh), species("maple"), lumps, FemSettings(element="linear"))
+    simulator = Simulator(model)
+    for k in range(120):
+        simulator.step(np.array([400.0 * (-1) ** (k // 15), 100.0]))
+    for _ in range(240):
+        simulator.step(np.zeros(2))
+    assert np.abs(simulator.u).max() < 0.5
