@@ -31,6 +31,14 @@ def binary_frame(message: bytes) -> bytes:
     return head + message
 
 
+def _is_text(data: bytes) -> bool:
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
 class SocketProtocol(WebSocketsSansIOProtocol):
     """Closing a socket waits until the peer has read everything; a stalled peer must be cut off instead."""
 
@@ -50,10 +58,24 @@ class SocketProtocol(WebSocketsSansIOProtocol):
         super().keepalive_timeout()
         self.transport.abort()
 
+    def send_receive_event_to_app(self) -> None:
+        """Close on text that is not UTF-8 without a traceback in the log: anybody can send some."""
+        if self.curr_msg_data_type == "text" and not self.close_sent and not _is_text(b"".join(self.frames)):
+            self.frames = []
+            self.conn.send_close(1007)
+            self.handle_parser_exception()
+            return
+        super().send_receive_event_to_app()
+
     def push(self, frame: bytes) -> None:
         """Write a frame that `binary_frame` made, whole and at once; nothing on a socket that is closing."""
-        if not (self.close_sent or self.disconnected or self.transport.is_closing()):
+        if not self.closing:
             self.transport.write(frame)
+
+    @property
+    def closing(self) -> bool:
+        """Whether nothing more can be sent: either side has closed."""
+        return self.close_sent or self.disconnected or self.transport.is_closing()
 
     @property
     def unsent_bytes(self) -> int:

@@ -180,6 +180,10 @@ class Session:
             log.info("dropped a client that does not read")
             self._protocol.abort()
             raise WebSocketDisconnect(1006, "the client does not read") from None
+        except RuntimeError:
+            if self._protocol.closing:  # what it sent next closed the socket before we could answer
+                raise WebSocketDisconnect(1006) from None
+            raise
 
     async def _refuse(self, refusal: Refusal) -> None:
         try:
