@@ -25,6 +25,8 @@ export interface Job {
   fraction: number;
   message: string;
   seconds_left: number | null;
+  /** Name and hash of what the build has drawn so far. */
+  pictures?: Record<string, string>;
   error: { title?: string; hint?: string } | string | null;
 }
 
@@ -81,6 +83,38 @@ export async function startPrecompute(treeId: string): Promise<Job> {
   const init = { method: "POST", headers: { "content-type": "application/json" }, body: "{}" };
   return (await (await ask(path, init)).json()) as Job;
 }
+
+/** What a visitor says of an upload; null leaves it to the server again. */
+export interface Assumptions {
+  species?: string | null;
+  height_m?: number | null;
+  up_axis?: string | null;
+  wood_materials?: string[] | null;
+}
+
+/** The mesh is read again under other assumptions. */
+export async function changeAssumptions(treeId: string, assumptions: Assumptions): Promise<Tree> {
+  const init = {
+    method: "PATCH",
+    headers: { "content-type": "application/json" },
+    body: JSON.stringify(assumptions),
+  };
+  return (await (await ask(`api/trees/${encodeURIComponent(treeId)}`, init)).json()) as Tree;
+}
+
+export async function deleteTree(treeId: string): Promise<void> {
+  await ask(`api/trees/${encodeURIComponent(treeId)}`, { method: "DELETE" });
+}
+
+/** The woods that a tree can be given. */
+export async function knownSpecies(): Promise<{ id: string; name: string }[]> {
+  const answer = (await (await ask("api/species")).json()) as { species: { id: string; name: string }[] };
+  return answer.species;
+}
+
+/** A picture of a job on its way. */
+export const pictureUrl = (jobId: string, name: string, sha256: string) =>
+  `api/jobs/${encodeURIComponent(jobId)}/pictures/${encodeURIComponent(name)}?${sha256.slice(0, 8)}`;
 
 export const tableUrl = (sha256: string) => `api/tables/${sha256}`;
 

@@ -1,15 +1,17 @@
 /** A card for every tree whose table is being computed. */
-import type { Job, TreeChange } from "../api";
+import { type Job, pictureUrl, type TreeChange } from "../api";
 import { element, make } from "./dom";
 import { displayName, progressLine } from "./words";
 
 const FAREWELL_MS = 4000;
+const PICTURES = { "tetrahedra.png": "The tetrahedra", "skeleton.png": "The skeleton" };
 
 interface Card {
   readonly root: HTMLElement;
   readonly percent: HTMLElement;
   readonly line: HTMLElement;
   readonly bar: HTMLElement;
+  readonly pictures: HTMLElement;
   leaving: boolean;
 }
 
@@ -25,8 +27,9 @@ function makeCard(name: string): Card {
   bar.setAttribute("aria-valuemin", "0");
   bar.setAttribute("aria-valuemax", "100");
   bar.append(make("i"));
-  root.append(heading, line, bar);
-  return { root, percent, line, bar, leaving: false };
+  const pictures = make("div", "", "job-pictures");
+  root.append(heading, line, bar, pictures);
+  return { root, percent, line, bar, pictures, leaving: false };
 }
 
 export class ProgressCards {
@@ -56,6 +59,22 @@ export class ProgressCards {
     card.line.textContent = progressLine(job);
     card.bar.setAttribute("aria-valuenow", String(percent));
     (card.bar.firstElementChild as HTMLElement).style.transform = `scaleX(${percent / 100})`;
+    this.showPictures(card, name, job);
+  }
+
+  /** What the build has drawn so far; a press opens it in full. */
+  private showPictures({ pictures }: Card, name: string, job: Job): void {
+    for (const [file, sha256] of Object.entries(job.pictures ?? {})) {
+      if (!(file in PICTURES) || pictures.querySelector(`[data-name="${file}"]`)) continue;
+      const link = make("a");
+      const image = make("img");
+      link.href = image.src = pictureUrl(job.id, file, sha256);
+      link.target = "_blank";
+      link.dataset.name = file;
+      image.alt = `${PICTURES[file as keyof typeof PICTURES]} of ${name}`;
+      link.append(image);
+      pictures.append(link);
+    }
   }
 
   private fail(id: string, name: string, job: Job): void {

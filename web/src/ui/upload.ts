@@ -1,5 +1,5 @@
 /** A tree of the visitor's own: by button or dropped anywhere. */
-import { Problem, startPrecompute, uploadTree } from "../api";
+import { Problem, uploadTree } from "../api";
 import { element } from "./dom";
 import { showToast } from "./toast";
 import { displayName } from "./words";
@@ -7,7 +7,12 @@ import { displayName } from "./words";
 async function send(file: File): Promise<void> {
   try {
     const tree = await uploadTree(file);
-    await startPrecompute(tree.id);
+    if (tree.state !== "uploaded" && tree.state !== "failed") {
+      showToast(`${displayName(tree)} is here already`, "It was uploaded before.", "good");
+      return;
+    }
+    const { OwnTreeDialog } = await import("../ownTree/dialog");
+    if (!(await new OwnTreeDialog(tree).open())) return;
     showToast(
       `${displayName(tree)} is on its way`,
       "It joins the forest once its motion is computed.",
@@ -19,6 +24,11 @@ async function send(file: File): Promise<void> {
   }
 }
 
+/** One dialog after the other. */
+async function sendInTurn(files: Iterable<File>): Promise<void> {
+  for (const file of files) await send(file);
+}
+
 /** Returns what undoes it. */
 export function acceptUploads(): () => void {
   const input = element<HTMLInputElement>("file");
@@ -27,12 +37,12 @@ export function acceptUploads(): () => void {
   const { signal } = life;
   element("upload").addEventListener("click", () => input.click(), { signal });
   const sendAll = (files: Iterable<File>) => {
-    for (const file of files) void send(file);
+    void sendInTurn(files);
   };
   input.addEventListener(
     "change",
     () => {
-      sendAll([...(input.files ?? [])]);
+      sendAll([...(input.files ?? [])]); // a copy: the list is emptied below
       input.value = "";
     },
     { signal },
