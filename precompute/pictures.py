@@ -31,6 +31,10 @@ ORDERS = LinearSegmentedColormap.from_list("orders", ["#f2ad3f", "#e0664f", "#b0
 MOST_ORDERS = 5
 CLOSE_UP_SHARE = 0.06
 """Half the width of what the close-up shows, of the height."""
+TALL = 1.35
+"""Its height over its width."""
+CUT_SHARE = 0.04
+"""How far before the wood's middle it is cut, of half that width."""
 SHRUNK = 0.84
 
 
@@ -75,19 +79,20 @@ def _draw_inside(plot: Axes, mesh: TetMesh, camera: Camera, at_m: Floats, half_m
     seen, middle = camera.view(mesh.vertices_m), camera.view(at_m[None])[0]
     corners = seen[mesh.tets]
     centre = corners.mean(axis=1)
-    shown = (np.abs(centre[:, :2] - middle[:2]) < half_m * 1.1).all(axis=1) & (centre[:, 2] < middle[2])
+    near = np.abs(centre[:, :2] - middle[:2]) < half_m * np.array([1.3, TALL + 0.4])
+    shown = near.all(axis=1) & (centre[:, 2] < middle[2] + CUT_SHARE * half_m)
     corners, centre = corners[shown], centre[shown]
     small = centre[:, None] + SHRUNK * (corners - centre[:, None])
     faces = small[:, FACES_OF_TET].reshape(-1, 3, 3)
     depth = np.clip(np.repeat((middle[2] - centre[:, 2]) / half_m, 4), 0.0, 1.0)[:, None]
     add_faces(plot, faces, lit(faces, SAPWOOD + depth * (BARK - SAPWOOD)), edge=0.45, width=0.5)
     plot.set_xlim(middle[0] - half_m, middle[0] + half_m)
-    plot.set_ylim(middle[1] - 1.35 * half_m, middle[1] + 1.35 * half_m)
+    plot.set_ylim(middle[1] - TALL * half_m, middle[1] + TALL * half_m)
 
 
 def _mark(whole: Axes, near: Axes, middle: Floats, half_m: float) -> None:
     """A frame around the close-up, and where it is in the whole."""
-    x, y = half_m * np.array([-1, 1, 1, -1, -1]), 1.35 * half_m * np.array([-1, -1, 1, 1, -1])
+    x, y = half_m * np.array([-1, 1, 1, -1, -1]), TALL * half_m * np.array([-1, -1, 1, 1, -1])
     whole.plot(middle[0] + x, middle[1] + y, color=SOFT_INK, linewidth=0.8)
     x, y = [0, 1, 1, 0, 0], [0, 0, 1, 1, 0]
     near.plot(x, y, transform=near.transAxes, color=SOFT_INK, linewidth=1.2, clip_on=False)
