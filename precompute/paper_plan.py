@@ -31,7 +31,7 @@ class Plan:
     record_frames: int = 180
     frames: int = 600
     elements: tuple[int, ...] = (35, 135, 235, 335, 435)
-    element_frames: int = 60
+    element_frames: int = 180
     trees: tuple[int, ...] = (20, 30, 40, 50, 200, 1000, 10_000)
     steps: int = 150
     queries: int = 20_000
