@@ -112,6 +112,12 @@ export async function knownSpecies(): Promise<{ id: string; name: string }[]> {
   return answer.species;
 }
 
+/** Names and hashes of the pictures that a job has drawn. */
+export async function jobPictures(jobId: string): Promise<Record<string, string>> {
+  const job = (await (await ask(`api/jobs/${encodeURIComponent(jobId)}`)).json()) as Job;
+  return job.pictures ?? {};
+}
+
 /** A picture of a job on its way. */
 export const pictureUrl = (jobId: string, name: string, sha256: string) =>
   `api/jobs/${encodeURIComponent(jobId)}/pictures/${encodeURIComponent(name)}?${sha256.slice(0, 8)}`;

@@ -13,10 +13,12 @@ import type { Season } from "./scene/season";
 import type { SpeciesForest, SpeciesOptions } from "./scene/speciesForest";
 import { Stage } from "./scene/stage";
 import { queryFromSettings, type Settings, withWind } from "./settings";
+import { adoptPlanting, plantingOf, sharedFrom, withShared } from "./shared";
 import { meanCrownDisplacement_m } from "./sway";
 import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
 import { Panel, type SettingKey } from "./ui/panel";
+import { PickedCard } from "./ui/pickedCard";
 import { ProgressCards } from "./ui/progress";
 import { SceneryBar } from "./ui/scenery";
 import { showToast } from "./ui/toast";
@@ -26,6 +28,7 @@ import { Visit } from "./visit";
 import type { WindDocument } from "./wind";
 import { windDocument, windVector_m_s } from "./windSettings";
 import { WindStudio } from "./windStudio";
+import type { About } from "./wire";
 
 const REPORT_EVERY_MS = 250;
 const REPLANTS: SettingKey[] = ["trees", "density", "shares", "forestSeed", "lookup", "method", "poseEasing"];
@@ -34,10 +37,15 @@ const BLOWS: SettingKey[] = ["meanSpeed_m_s", "direction_deg", "gustiness", "win
 export class App {
   readonly stage: Stage;
   frame = 0;
-  paused = false;
+  private stopped = false;
   /** Neither moves nor draws: the processor is somebody else's. */
   asleep = false;
-  private readonly client = new ForestClient(showToast);
+  private readonly client = new ForestClient(showToast, {
+    planted: (about) => this.takePlanting(about),
+    wind: (wind) => this.takeSharedWind(wind),
+  });
+  /** The forest that this page shares with others, of its address. */
+  private readonly share = sharedFrom(location.search);
   private readonly catalogue: Catalogue;
   private readonly forest: Forest;
   private readonly cards = new ProgressCards();
@@ -46,6 +54,7 @@ export class App {
   readonly visit: Visit;
   private readonly scenery: SceneryBar;
   readonly picker: TreePicker;
+  private readonly pickedCard: PickedCard;
   private readonly from_s: number;
   private readonly meter = new Meter();
   private readonly flutter = { value: { x: 0, y: 0 } };
@@ -89,7 +98,15 @@ export class App {
       wind: (wind) => this.takeWind(wind),
       problem: showToast,
     });
-    this.picker = new TreePicker(this.stage, this.forest, this.client);
+    this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
+    this.pickedCard = new PickedCard({
+      follow: (following) => {
+        this.picker.following = following;
+      },
+      compare: () => void this.openCompare(),
+      physics: () => this.visit.openPhysics(),
+      close: () => this.picker.select(null),
+    });
     this.stage.renderer.setAnimationLoop((now) => this.tick(now));
   }
 
@@ -110,8 +127,8 @@ export class App {
     this.report();
   }
 
-  /** Trees that stay go on moving; the others come when their first poses are in. */
-  private plant(): void {
+  /** Trees that stay go on moving; the others come when their first poses are in. `replant`: for all who share. */
+  private plant(replant = false): void {
     const { settings, client, forest } = this;
     const planted = planForest(this.catalogue.growers, settings.trees, settings.forestSeed, settings);
     client.plan(
@@ -121,6 +138,7 @@ export class App {
         method: settings.method,
         poseEasing: settings.poseEasing,
         from_s: this.from_s,
+        share: this.share === null ? null : { id: this.share, replant, about: plantingOf(settings) },
       },
       windDocument(settings),
       () => {
@@ -137,6 +155,32 @@ export class App {
     this.panel.refresh();
     this.client.setWind(wind);
     this.remember();
+  }
+
+  /** Others who share this forest planted it anew. */
+  private takePlanting(about: About): void {
+    if (!adoptPlanting(this.settings, about)) return;
+    this.panel.refresh();
+    this.plant();
+    this.remember();
+  }
+
+  /** Others who share this forest changed its wind; the worker has it already. */
+  private takeSharedWind(wind: WindDocument): void {
+    if (JSON.stringify(wind) === JSON.stringify(windDocument(this.settings))) return;
+    withWind(this.settings, wind);
+    this.panel.refresh();
+    this.studio.show(wind);
+    this.remember();
+  }
+
+  get paused(): boolean {
+    return this.stopped;
+  }
+
+  set paused(paused: boolean) {
+    this.stopped = paused;
+    this.client.pause(paused);
   }
 
   /** Another season and time of day, from outside. */
@@ -161,7 +205,7 @@ export class App {
       this.client.setWind(windDocument(this.settings));
       this.studio.show(windDocument(this.settings));
     }
-    if (REPLANTS.includes(key)) this.plant();
+    if (REPLANTS.includes(key)) this.plant(key !== "lookup");
     if (key === "quality") {
       this.stage.setQuality(this.settings.quality);
       this.forest.options = this.speciesOptions();
@@ -173,7 +217,7 @@ export class App {
   /** Keeps the address a link to what is shown. */
   private remember(): void {
     if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
-    const query = queryFromSettings(this.settings);
+    const query = withShared(queryFromSettings(this.settings), this.share);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
   }
 
@@ -235,8 +279,15 @@ export class App {
     const status = statusLine({ events: this.connected, lookup: this.settings.lookup, connection });
     element("status").dataset.state = status.state;
     if (element("status").textContent !== status.text) element("status").textContent = status.text;
+    this.showPicked();
     const words = summary(forest.trees, this.catalogue.waiting);
     if (element("summary").textContent !== words) element("summary").textContent = words;
+  }
+
+  private showPicked(): void {
+    const { figures } = this.picker;
+    const tree = this.catalogue.trees.find(({ id }) => id === figures?.treeId) ?? null;
+    this.pickedCard.show(figures, tree);
   }
 
   /** The forest stands still meanwhile: its processor is the comparison's. */
@@ -305,6 +356,7 @@ export class App {
   dispose(): void {
     this.stage.renderer.setAnimationLoop(null);
     this.picker.dispose();
+    this.pickedCard.dispose();
     this.studio.dispose();
     this.visit.dispose();
     this.compareView?.dispose();

@@ -8,6 +8,7 @@ import type { Forest } from "./scene/forest";
 import type { Stage } from "./scene/stage";
 import { type Subject, type ViewName, viewpoint } from "./scene/viewpoints";
 import type { Settings } from "./settings";
+import { sharedFrom, withShared } from "./shared";
 import { PhysicsCards } from "./ui/physicsCards";
 import { showToast } from "./ui/toast";
 import { Toolbar } from "./ui/toolbar";
@@ -67,7 +68,7 @@ export class Visit {
   }
 
   get link(): string {
-    return `${location.origin}${location.pathname}?${shareQuery(this.settings, this.moment)}`;
+    return `${location.origin}${location.pathname}?${withShared(shareQuery(this.settings, this.moment), sharedFrom(location.search))}`;
   }
 
   private async copyLink(): Promise<void> {
@@ -116,7 +117,7 @@ export class Visit {
     this.toolbar.showFilm(false);
   }
 
-  private openPhysics(): void {
+  openPhysics(): void {
     const catalogue = this.catalogue();
     this.physics.open(catalogue.trees.map((tree) => ({ tree, tableBytes: catalogue.tableBytes(tree.id) })));
   }

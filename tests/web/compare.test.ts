@@ -1,0 +1,100 @@
+import { encode } from "@msgpack/msgpack";
+import { describe, expect, test } from "vitest";
+import { decodeTracks, poseAt } from "../../web/src/compare/tracks";
+import { assumedOf } from "../../web/src/ownTree/assumed";
+import { figuresInWords } from "../../web/src/ui/pickedCard";
+
+const bytes = (...values: number[]) => new Uint8Array(Float32Array.from(values).buffer);
+const errors = { max: [0.001, 0.002], hausdorff: [0.0005, 0.001] };
+const good = {
+  format: "galewood-comparison",
+  version: 1,
+  frames: 2,
+  dt_s: 1 / 30,
+  height_m: 10,
+  modes: 3,
+  pressure_pa: bytes(1, 2, 3, 4),
+  tracks: { fem: bytes(1, 2, 3, 4, 5, 6), tangent: bytes(0, 0, 0, 1, 1, 1), paper: bytes(9, 9, 9, 9, 9, 9) },
+  sway: [0.1, 0.2],
+  left_out: [0, 0],
+  error: { tangent: errors, paper: errors },
+};
+
+describe("the tracks of a comparison", () => {
+  test("are read", () => {
+    const tracks = decodeTracks(encode(good));
+    expect([...tracks.q.fem]).toEqual([1, 2, 3, 4, 5, 6]);
+    expect(tracks.error.paper.max).toEqual([0.001, 0.002]);
+  });
+
+  test.each([
+    ["another version", { version: 2 }],
+    ["another format", { format: "else" }],
+    ["no frames", { frames: 0 }],
+    ["a track of another length", { modes: 4 }],
+    ["no errors", { error: {} }],
+    ["a sway of another length", { sway: [0.1] }],
+  ])("with %s are refused in words", (_, change) => {
+    expect(() => decodeTracks(encode({ ...good, ...change }))).toThrow("The comparison could not be read");
+  });
+
+  test("are met between two frames, and stay at their ends", () => {
+    const q = Float32Array.from([1, 2, 3, 3, 6, 9]);
+    const out = new Float32Array(3);
+    for (const [place, expected] of [
+      [0.5, [2, 4, 6]],
+      [-1, [1, 2, 3]],
+      [7, [3, 6, 9]],
+    ] as const) {
+      poseAt(q, 3, place, out);
+      expect([...out]).toEqual(expected);
+    }
+  });
+});
+
+describe("what was assumed of an upload", () => {
+  const intake = {
+    up_axis: { value: "z", reason: "the base is flat in z" },
+    unit: { reason: "a height of 70 fits no unit" },
+    height_m: 12,
+    species: { value: "poplar", reason: "the name" },
+    parts: [
+      { names: ["tree", "bark"], faces: 10, kind: "wood", reason: "the name 'bark'" },
+      { names: ["tree", "bark"], faces: 5, kind: "wood", reason: "the name 'bark'" },
+      { names: ["tree", "crown"], faces: 7, kind: "leaves", reason: "flat pieces" },
+    ],
+    warnings: ["The unit is assumed."],
+  };
+
+  test("is read from an intake report, or from that inside a build's", () => {
+    for (const report of [intake, { intake, meshing: {} }]) {
+      const assumed = assumedOf(report);
+      expect(assumed.axis.value).toBe("z");
+      expect(assumed.parts.map(({ name, faces, wood }) => [name, faces, wood])).toEqual([
+        ["bark", 15, true],
+        ["crown", 7, false],
+      ]);
+      expect(assumed.warnings).toEqual(["The unit is assumed."]);
+    }
+  });
+
+  test("a report that says nothing gives nothing, not an error", () => {
+    for (const report of [null, {}, [], "x", { parts: [null] }]) expect(assumedOf(report).axis.value).toBe("y");
+  });
+});
+
+test("the picked tree's figures in words", () => {
+  const tree = { id: 1, treeId: "maple", species: "maple", position: { x: 0, y: 0, z: 0 }, radius_m: 3, distance_m: 9 };
+  const words = figuresInWords({ ...tree, height_m: 10, moves: true, tip_m: 0.5, coverage: 1.2, record: 4321 });
+  expect(Object.fromEntries(words)).toEqual({
+    Height: "10.0 m",
+    "Tip is off by": "0.50 m, 5.0 % of its height",
+    "Of the sampled range": "120 %, beyond what was sampled",
+    "Record in use": "4,321",
+  });
+  const still = figuresInWords({ ...tree, height_m: 10, moves: false, tip_m: 0, coverage: null, record: null });
+  expect(still).toEqual([
+    ["Height", "10.0 m"],
+    ["Motion", "still to be computed"],
+  ]);
+});
