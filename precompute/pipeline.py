@@ -44,12 +44,12 @@ def build_table(
     exist. ``runner`` simulates the winds; without one, processes of this machine do.
     """
     stages = Stages(progress)
-    with Helpers() as helpers:
+    stages.enter("intake")
+    tree, render_glb = run_intake(source, filename, options.intake)
+    wood = options.wood or species(tree.species or "default")
+    with Helpers(1 if runner else None) as helpers:
         gallery = Gallery(helpers, publish)
-        stages.enter("intake")
-        tree, render_glb = run_intake(source, filename, options.intake)
         gallery.hand_out("render.glb", lambda: render_glb)
-        wood = options.wood or species(tree.species or "default")
         stages.enter("meshing")
         mesh = tetrahedralise(tree, options.target_tets, cache_dir / "tets")
         gallery.draw("tetrahedra.png", tetrahedra_png, mesh)
@@ -67,9 +67,8 @@ def build_table(
         stages.enter("sampling")
         samples = planned(model, wind.speed_m_s, mesh.tets[elements], options, cache_dir)
         maker = TableMaker(tree, model, wind, surface, options, render_glb)
-        early = partial(maker.make, samples.first(), preliminary=True)
-        publish_early = partial(gallery.hand_out, "early.table", lambda: encode(early()))
-        simulate(samples, runner or partial(run_in_processes, helpers=helpers), stages.tick, publish_early)
+        early = partial(gallery.hand_out, "early.table", lambda: encode(maker.early(samples)))
+        simulate(samples, runner or partial(run_in_processes, helpers=helpers), stages.tick, early)
         stages.enter("table")
         table = maker.make(samples, stages.tick)
         stages.enter("done")

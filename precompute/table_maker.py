@@ -33,17 +33,16 @@ class TableMaker:
         """The tree's own free motion, which every table of it builds on."""
         return oscillators_of(self.model)
 
-    def make(
-        self,
-        samples: Samples,
-        tick: Callable[[float], None] = lambda fraction: None,
-        *,
-        preliminary: bool = False,
-    ) -> Table:
-        """The table of these runs; one of the first few is marked as preliminary."""
-        description = describe(self.tree, self.model, self.wind, samples.winds, self.options, self.render_glb)
-        if preliminary:
-            description["provenance"]["preliminary"] = True
+    def early(self, samples: Samples) -> Table:
+        """A small table of the first runs alone, marked as preliminary."""
+        table = self.make(samples.first())
+        table.metadata["provenance"]["preliminary"] = True
+        return table
+
+    def make(self, samples: Samples, tick: Callable[[float], None] = lambda fraction: None) -> Table:
+        """The table of these runs."""
+        winds = samples.winds
+        description = describe(self.tree, self.model, self.wind, winds, self.options, self.render_glb)
         learning = Learning(self.oscillators, self.options.fem, samples.learnt_runs())
         mass_kg = self.model.mass_kg[: self.model.vertex_count]
         return assemble_table(
