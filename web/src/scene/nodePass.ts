@@ -6,132 +6,22 @@ import {
   BufferAttribute,
   BufferGeometry,
   Camera,
-  type DataTexture,
-  GLSL3,
   HalfFloatType,
-  Mesh,
   NearestFilter,
-  RawShaderMaterial,
   RGBAFormat,
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { type LevelRows, levelRows, nodeLayout } from "../nodeLayout";
-import type { NodeLevel, TableMotion } from "../worker/protocol";
+import { levelRows, nodeLayout } from "../nodeLayout";
+import type { TableMotion } from "../worker/protocol";
 import type { DrawList } from "./drawList";
-import { FLAT_SHIFT, flatTexture, uploadFirst } from "./flatTexture";
-
-const vertexShader = /* glsl */ `
-in vec3 position;
-void main() { gl_Position = vec4(position, 1.0); }
-`;
-
-const fragmentShader = /* glsl */ `
-precision highp float;
-precision highp int;
-precision highp sampler2D;
-uniform sampler2D uBasis;
-uniform sampler2D uPoses;
-uniform int uNodeCount;
-uniform int uShift;
-uniform int uRow;
-uniform int uDrawn;
-out vec4 node;
-
-vec4 flat_(sampler2D source, int i) {
-  return texelFetch(source, ivec2(i & ((1 << FLAT_SHIFT) - 1), i >> FLAT_SHIFT), 0);
-}
-
-void main() {
-  ivec2 texel = ivec2(gl_FragCoord.xy);
-  int i = ((texel.y - uRow) << uShift) + texel.x;
-  int slot = i / uNodeCount;
-  if (slot >= uDrawn) discard;
-  int row = (i - slot * uNodeCount) * 3 * QUADS;
-  vec4 q;
-  vec3 moved = vec3(0.0);
-  for (int k = 0; k < QUADS; k++) {
-    q = flat_(uPoses, slot * QUADS + k);
-    moved.x += dot(q, flat_(uBasis, row + k));
-    moved.y += dot(q, flat_(uBasis, row + QUADS + k));
-    moved.z += dot(q, flat_(uBasis, row + 2 * QUADS + k));
-  }
-  node = vec4(moved, q[WIND_CHANNEL]);
-}
-`;
+import { LevelPass, type PoseRows } from "./levelPass";
 
 function fullScreenTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
   const corners = new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]);
   geometry.setAttribute("position", new BufferAttribute(corners, 3));
   return geometry;
-}
-
-/** One level: its basis, the poses of its drawn trees, and the mesh that draws them. */
-class LevelPass {
-  readonly mesh: Mesh<BufferGeometry, RawShaderMaterial>;
-  private readonly basis: DataTexture;
-  private readonly poses;
-  rows: LevelRows = { row: 0, rows: 0, trees: 0 };
-
-  constructor(
-    readonly level: NodeLevel,
-    trees: number,
-    geometry: BufferGeometry,
-  ) {
-    const { texture, data } = flatTexture(level.basis.length / 4, 4);
-    data.set(level.basis);
-    this.basis = texture;
-    this.poses = flatTexture(trees * level.quads, 4);
-    this.mesh = new Mesh(geometry, this.material());
-    this.mesh.frustumCulled = false;
-  }
-
-  private material(): RawShaderMaterial {
-    return new RawShaderMaterial({
-      glslVersion: GLSL3,
-      vertexShader,
-      fragmentShader,
-      depthTest: false,
-      depthWrite: false,
-      defines: { QUADS: this.level.quads, FLAT_SHIFT, WIND_CHANNEL: this.level.modes % 4 },
-      uniforms: {
-        uBasis: { value: this.basis },
-        uPoses: { value: this.poses.texture },
-        uNodeCount: { value: this.level.nodes },
-        uShift: { value: 0 },
-        uRow: { value: 0 },
-        uDrawn: { value: 0 },
-      },
-    });
-  }
-
-  place(rows: LevelRows, shift: number): void {
-    this.rows = rows;
-    const { uniforms } = this.mesh.material;
-    uniforms.uShift.value = shift;
-    uniforms.uRow.value = rows.row;
-    uniforms.uDrawn.value = rows.trees;
-  }
-
-  /** Copies the first modes and the wind of each drawn tree from rows of `stride` floats. */
-  gather(poses: Float32Array, stride: number, wind: number, order: Uint32Array, start: number): void {
-    const { modes, quads } = this.level;
-    const { data, texture } = this.poses;
-    let to = 0;
-    for (let slot = start; slot < start + this.rows.trees; slot++, to += 4 * quads) {
-      const from = order[slot] * stride;
-      for (let k = 0; k < modes; k++) data[to + k] = poses[from + k];
-      data[to + modes] = poses[from + wind];
-    }
-    uploadFirst(texture, this.rows.trees * quads);
-  }
-
-  dispose(): void {
-    this.mesh.material.dispose();
-    this.basis.dispose();
-    this.poses.texture.dispose();
-  }
 }
 
 export class NodePass {
@@ -158,7 +48,7 @@ export class NodePass {
       magFilter: NearestFilter,
       depthBuffer: false,
     });
-    this.levels = motion.levels.map((level) => new LevelPass(level, trees, this.triangle));
+    this.levels = motion.levels.map((level, k) => new LevelPass(level, trees, this.triangle, k));
   }
 
   /** Room for this frame's drawn trees, with some to spare while the camera moves. */
@@ -189,7 +79,7 @@ export class NodePass {
       this.levels[k].place(rows, this.shift);
     });
     this.list = list;
-    this.gather();
+    this.eachLevel((level, rows) => level.restart(rows));
     return places.map(({ row, trees }, k) => ({
       first: row * width,
       trees,
@@ -199,16 +89,17 @@ export class NodePass {
 
   /** The newest poses: `stride` floats per tree, as the worker wrote them. */
   setPoses(poses: Float32Array): void {
+    const first = this.poses === null;
     this.poses = poses;
-    this.gather();
+    this.eachLevel((level, rows) => (first ? level.restart(rows) : level.advance(rows)));
   }
 
-  private gather(): void {
+  private eachLevel(act: (level: LevelPass, rows: PoseRows) => void): void {
     const { poses, list, motion } = this;
-    if (!poses || !list || poses.length < this.trees * motion.stride) return;
-    for (const [k, level] of this.levels.entries()) {
-      if (level.rows.trees > 0) level.gather(poses, motion.stride, motion.modes, list.order, list.start[k]);
-    }
+    if (!poses || !list || poses.length < list.share.length * motion.stride) return;
+    const { order, start } = list;
+    const rows = { poses, stride: motion.stride, wind: motion.modes, order, start };
+    for (const level of this.levels) if (level.rows.trees > 0) act(level, rows);
   }
 
   render(renderer: WebGLRenderer): void {
