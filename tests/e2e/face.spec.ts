@@ -94,7 +94,7 @@ for (const [name, width, height] of [["a desk", 1100, 640], ["a phone", 390, 760
   });
 }
 
-test("tools: a view, a flight that a key ends, a photo, a film", async ({ page }) => {
+test("tools: a view, a flight, a photo, a film", async ({ page }) => {
   await page.setViewportSize({ width: 800, height: 300 });
   await open(page, "quality=low&trees=3&speed=5");
   await forest(page);

@@ -1,0 +1,78 @@
+import { describe, expect, it } from "vitest";
+import { FailoverMotion } from "../../web/src/worker/failover";
+import type { LocalMotion } from "../../web/src/worker/localMotion";
+import type { ConnectionState } from "../../web/src/worker/protocol";
+import type { StreamMotion } from "../../web/src/worker/streamMotion";
+
+/** A source whose poses are its clock; only what the failover uses of the real ones. */
+class Source {
+  state: ConnectionState = "live";
+  disposed = false;
+  winds = 0;
+  coverage = 1;
+  extent = 0;
+
+  constructor(public time_s: number) {}
+
+  get connection() {
+    return { state: this.state, latency_ms: null, frameAge_ms: null, kB_s: 0 };
+  }
+
+  advance(dt_s: number, out: readonly Float32Array[]): boolean {
+    this.time_s += dt_s;
+    out[0][0] = this.time_s;
+    return true;
+  }
+
+  windChanged(): void {
+    this.winds++;
+  }
+
+  dispose(): void {
+    this.disposed = true;
+  }
+}
+
+function setUp() {
+  const stream = new Source(10);
+  const locals: Source[] = [];
+  const switches: number[] = [];
+  const motion = new FailoverMotion(
+    stream as unknown as StreamMotion,
+    (from_s) => {
+      locals.push(new Source(from_s));
+      return locals[locals.length - 1] as unknown as LocalMotion;
+    },
+    () => switches.push(motion.time_s),
+  );
+  return { stream, locals, switches, motion, out: [new Float32Array(1)] };
+}
+
+describe("when the server's stream is lost", () => {
+  it("local tables go on from the time reached, and the stream takes over again from theirs", () => {
+    const { stream, locals, switches, motion, out } = setUp();
+    motion.advance(1, out);
+    expect([out[0][0], locals.length]).toEqual([11, 0]);
+    stream.state = "lost";
+    for (let k = 0; k < 3; k++) motion.advance(1, out);
+    expect([out[0][0], motion.time_s, locals.length, switches.length]).toEqual([14, 14, 1, 1]);
+    expect(motion.connection.state).toBe("lost");
+    stream.state = "live";
+    motion.advance(1, out);
+    expect([out[0][0], locals[0].disposed, switches.length]).toEqual([14, true, 2]);
+    // A second loss begins anew.
+    stream.state = "lost";
+    motion.advance(1, out);
+    expect([locals.length, out[0][0]]).toEqual([2, 15]);
+  });
+
+  it("both hear of another wind, and both end", () => {
+    const { stream, locals, motion, out } = setUp();
+    stream.state = "lost";
+    motion.advance(1, out);
+    motion.windChanged({} as never);
+    expect([stream.winds, locals[0].winds]).toEqual([1, 1]);
+    motion.dispose();
+    expect([stream.disposed, locals[0].disposed]).toEqual([true, true]);
+  });
+});
