@@ -6,10 +6,13 @@ is the newest. So a client holds the memory of one message, and no task of its o
 
 from __future__ import annotations
 
+import logging
 from typing import Protocol
 
 from server.bulletin import Bulletin
 from server.frames import FrameHistory
+
+log = logging.getLogger("galewood.stream")
 
 
 class Outlet(Protocol):
@@ -61,6 +64,7 @@ class Mailbox:
         if unsent != self._unsent:
             self._unsent, self._stuck_since_s = unsent, now_s
         elif now_s - self._stuck_since_s > self._stall_s:
+            log.info("dropped a client that does not read")
             self.cut()
 
     def cut(self) -> None:

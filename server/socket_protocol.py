@@ -56,7 +56,7 @@ class SocketProtocol(WebSocketsSansIOProtocol):
     def keepalive_timeout(self) -> None:
         """No answer to a ping: drop the connection with whatever it still had to send."""
         super().keepalive_timeout()
-        self.transport.abort()
+        self.abort()
 
     def send_receive_event_to_app(self) -> None:
         """Close on text that is not UTF-8 without a traceback in the log: anybody can send some."""
@@ -89,7 +89,9 @@ class SocketProtocol(WebSocketsSansIOProtocol):
         return int.from_bytes(_count, sys.byteorder)
 
     def abort(self) -> None:
-        """Cut the connection at once, whatever was still to be sent."""
+        """Cut the connection at once and forget what was still to be sent, here and in the kernel."""
+        if self._raw is not None and self._raw.fileno() >= 0:
+            self._raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
         self.transport.abort()
 
     async def run_asgi(self) -> None:

@@ -1,6 +1,7 @@
 /** The main thread's end of the worker: plans go out, poses come back, buffers circulate. */
 import { tableUrl } from "./api";
 import type { WindDocument, WindState } from "./wind";
+import type { About } from "./wire";
 import type {
   Connection,
   ForestPlan,
@@ -18,6 +19,12 @@ type Buffers = Float32Array<ArrayBuffer>[];
 interface Waiting {
   resolve(motion: TableMotion): void;
   reject(error: Error): void;
+}
+
+/** Who hears what others do to a forest that many share. */
+export interface SharedEars {
+  planted(about: About): void;
+  wind(wind: WindDocument): void;
 }
 
 /** A group for the worker, with what tells the length of its rows. */
@@ -57,7 +64,11 @@ export class ForestClient {
   private owed_s = 0;
   private fresh = false;
 
-  constructor(private readonly problem: (title: string, hint: string) => void) {
+  /** `shared`: told what others do to a forest that many share. */
+  constructor(
+    private readonly problem: (title: string, hint: string) => void,
+    private readonly shared: SharedEars,
+  ) {
     this.worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
   }
 
@@ -106,6 +117,11 @@ export class ForestClient {
     this.send({ kind: "wind", wind });
   }
 
+  /** Stops a shared forest's clock for all, or lets it run on. */
+  pause(paused: boolean): void {
+    this.send({ kind: "pause", paused });
+  }
+
   /** Asks for one tree's figures with every frame, or no longer; a new plan ends it. */
   watch(at: TreeAt | null): void {
     this.watched = null;
@@ -140,7 +156,9 @@ export class ForestClient {
       this.settle(message.motion.sha256, ({ resolve }) => resolve(message.motion));
     else if (message.kind === "tableFailed") {
       this.settle(message.sha256, ({ reject }) => reject(new Error(message.title)));
-    } else this.problem(message.title, message.hint);
+    } else if (message.kind === "shared") this.shared.planted(message.about);
+    else if (message.kind === "sharedWind") this.shared.wind(message.wind);
+    else this.problem(message.title, message.hint);
   }
 
   private settle(sha256: string, end: (waiting: Waiting) => void): void {

@@ -51,6 +51,10 @@ export class FailoverMotion implements MotionSource {
     this.local?.windChanged();
   }
 
+  pause(paused: boolean): void {
+    this.stream.pause(paused);
+  }
+
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const lost = this.stream.connection.state === "lost";
     if (lost && !this.local) {

@@ -1,13 +1,16 @@
 /** The worker: decodes tables, and keeps every tree's pose, looked up here or received from the server. */
 import { poseStride } from "../nodeLayout";
 import { decodeTable, type Table } from "../table";
-import { sampledPeak, type WindDocument, WindField } from "../wind";
+import { parseState, sampledPeak, type WindDocument, WindField } from "../wind";
+import type { Reply } from "../wire";
 import { JumpBlend } from "./blend";
 import { carryGroup, type ShownGroup } from "./carry";
 import { FailoverMotion } from "./failover";
+import { forestRequest } from "./forestRequest";
 import { LocalMotion } from "./localMotion";
 import type { MotionSource } from "./motion";
 import type { ForestPlan, FromWorker, GroupPlan, ToWorker, TreeAt } from "./protocol";
+import { SharedMotion } from "./sharedMotion";
 import { StreamMotion } from "./streamMotion";
 import { motionBuffers, tableMotion } from "./tableMotion";
 
@@ -17,6 +20,7 @@ const scope = self as unknown as {
 };
 
 const tables = new Map<string, Table>();
+const tableBytes = new Map<string, number>();
 const blend = new JumpBlend();
 let source: MotionSource | null = null;
 let field: WindField | null = null;
@@ -36,6 +40,7 @@ async function load(sha256: string, url: string): Promise<void> {
     const bytes = await response.arrayBuffer();
     const table = decodeTable(bytes);
     tables.set(sha256, table);
+    tableBytes.set(sha256, bytes.byteLength);
     const motion = tableMotion(sha256, table, bytes.byteLength);
     scope.postMessage({ kind: "table", motion }, motionBuffers(motion));
   } catch (error) {
@@ -56,15 +61,17 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
   if (plan.lookup === "worker" || plan.groups.length === 0) {
     const groups = plan.groups.map((group) => ({ ...group, table: tableOf(group) }));
     const motion = new LocalMotion(groups, shared, plan, time_s);
-    if (source instanceof LocalMotion) motion.adopt(source);
-    return motion;
+    const before = source instanceof SharedMotion ? source.local : source;
+    if (before instanceof LocalMotion) motion.adopt(before);
+    return plan.share ? sharing(motion, plan, shared, socketUrl) : motion;
   }
   const groups = plan.groups.map((group) => {
     const { modeScale, pressure, metadata } = tableOf(group);
     const sampledPeak_pa = sampledPeak(pressure);
     return { ...group, scale: modeScale, height_m: metadata.height_m, sampledPeak_pa };
   });
-  const options = { url: socketUrl, method: plan.method, poseEasing: plan.poseEasing, problem };
+  const { method, poseEasing, share } = plan;
+  const options = { url: socketUrl, method, poseEasing, share, told, problem };
   const stream = new StreamMotion(groups, shared, options, time_s);
   const local = plan.groups.map((group) => ({ ...group, table: tableOf(group) }));
   return new FailoverMotion(
@@ -72,6 +79,19 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
     (from_s) => new LocalMotion(local, shared, plan, from_s),
     () => blend.start(shown.map((poses, g) => ({ poses, known: everyTree(plan.groups[g]) }))),
   );
+}
+
+/** The trees are looked up here, the wind and the clock are those of all. */
+function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: string): SharedMotion {
+  const have = Object.fromEntries(plan.groups.map(({ table }) => [table, tableBytes.get(table) ?? 0]));
+  const request = () => forestRequest("table", plan.groups, wind, local.time_s, { ...plan, have });
+  return new SharedMotion(local, wind, { url, request, told, problem });
+}
+
+function told(reply: Reply): void {
+  if (reply.type === "shared") scope.postMessage({ kind: "shared", about: reply.about });
+  if (reply.type === "windState")
+    scope.postMessage({ kind: "sharedWind", wind: parseState(reply.state).wind });
 }
 
 const everyTree = ({ ids }: GroupPlan) => new Uint8Array(ids.length).fill(1);
@@ -130,6 +150,9 @@ scope.onmessage = ({ data }) => {
     case "wind":
       field?.change(data.wind, source?.time_s ?? 0);
       source?.windChanged(data.wind);
+      break;
+    case "pause":
+      source?.pause?.(data.paused);
       break;
     case "watch":
       watched = data.at;

@@ -14,6 +14,8 @@ export interface MotionSource {
   inspect(at: TreeAt): Inspection | null;
   /** The wind glides to another; the field that both share is told by the caller. */
   windChanged(wind: WindDocument): void;
+  /** Stops a shared forest's clock for all, or lets it run on. */
+  pause?(paused: boolean): void;
   /** Moves on and fills a row of `poseStride(modes)` floats per tree; false while no pose is known. */
   advance(dt_s: number, out: readonly Float32Array[]): boolean;
   dispose(): void;

@@ -1,6 +1,8 @@
 /** What main thread and worker say to each other. Types only: neither side imports the other. */
 import type { LookupPlace, Method } from "../settings";
 import type { WindDocument, WindState } from "../wind";
+import type { About } from "../wire";
+import type { ShareRequest } from "./forestRequest";
 
 /** Nodes for one level of detail. */
 export interface NodeLevel {
@@ -82,6 +84,8 @@ export interface ForestPlan {
   readonly method: Method;
   /** null takes each table's own default. */
   readonly poseEasing: number | null;
+  /** The forest that many share, whose wind and clock hold for all. */
+  readonly share: ShareRequest | null;
 }
 
 export type ToWorker =
@@ -95,6 +99,8 @@ export type ToWorker =
       buffers: Float32Array<ArrayBuffer>[];
     }
   | { kind: "wind"; wind: WindDocument }
+  /** Stops a shared forest's clock for all, or lets it run on. */
+  | { kind: "pause"; paused: boolean }
   /** Which tree's figures to send along. */
   | { kind: "watch"; at: TreeAt | null }
   /** Moves the forest on; the buffers come back filled. */
@@ -126,4 +132,7 @@ export type FromWorker =
       extent: number;
       watched: Inspection | null;
     }
+  /** What others did to a shared forest. */
+  | { kind: "shared"; about: About }
+  | { kind: "sharedWind"; wind: WindDocument }
   | { kind: "problem"; title: string; hint: string };

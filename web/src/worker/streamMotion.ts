@@ -2,11 +2,14 @@
 import { poseStride } from "../nodeLayout";
 import type { Method } from "../settings";
 import { parseState, type WindDocument, type WindField } from "../wind";
-import { decodeReply, encodeRequest, type Frame, type Reply, type Request } from "../wire";
+import type { Frame, Reply, Request } from "../wire";
+import { forestRequest, type ShareRequest } from "./forestRequest";
+import { ForestSocket } from "./forestSocket";
 import { coverageOf, extentOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motion";
 import { PoseSum } from "./poseSum";
-import type { Connection, ConnectionState, Inspection, TreeAt } from "./protocol";
+import type { Connection, Inspection, TreeAt } from "./protocol";
+import { SharedClock } from "./sharedClock";
 import { PoseTimeline } from "./timeline";
 
 export interface StreamGroup {
@@ -21,30 +24,24 @@ export interface StreamOptions {
   readonly url: string;
   readonly method: Method;
   readonly poseEasing: number | null;
+  /** The forest that many share, if it is one. */
+  readonly share?: ShareRequest | null;
+  /** SHARED and WIND_STATE, for the page. */
+  told?(reply: Reply): void;
   problem(title: string, hint: string): void;
 }
 
-const PING_EVERY_MS = 1000;
-/** Short, so that the stream is back soon after the server is; meanwhile the local tables move the trees. */
-const RETRY_MS = { first: 250, longest: 1000 } as const;
 const STALE_MS = 1400;
-/** A connection that has been silent for so long is given up. */
-const DEAD_MS = 5000;
 
 export class StreamMotion implements MotionSource {
-  private socket: WebSocket | null = null;
-  private state: ConnectionState = "connecting";
-  private latency_ms: number | null = null;
+  private readonly socket: ForestSocket;
+  private readonly clock: SharedClock;
   private received_ms = Number.NaN;
-  private bytes = 0;
-  private kB_s = 0;
-  private retry_ms: number = RETRY_MS.first;
-  private disposed = false;
+  private made_s = 0;
   private wind_ms = 0;
   private readonly sum: PoseSum;
   private readonly timeline: PoseTimeline;
   private readonly winds: GroupWind[];
-  private readonly pinging: ReturnType<typeof setInterval>;
 
   constructor(
     private readonly groups: readonly StreamGroup[],
@@ -59,98 +56,61 @@ export class StreamMotion implements MotionSource {
     this.winds = groups.map(
       ({ placement, height_m, sampledPeak_pa }) => new GroupWind(placement, height_m, sampledPeak_pa),
     );
-    this.pinging = setInterval(() => this.ping(), PING_EVERY_MS);
-    this.connect();
+    this.socket = new ForestSocket(options.url, {
+      request: () => this.forestRequest(),
+      reply: (reply) => this.reply(reply),
+      problem: options.problem,
+    });
+    this.clock = new SharedClock(this.socket.clock);
   }
 
   get connection(): Connection {
-    const age = performance.now() - this.received_ms;
-    const frameAge_ms = Number.isNaN(age) ? null : age;
-    const stale = this.state === "live" && frameAge_ms !== null && frameAge_ms > STALE_MS;
-    return { state: stale ? "lost" : this.state, latency_ms: this.latency_ms, frameAge_ms, kB_s: this.kB_s };
-  }
-
-  private connect(): void {
-    const socket = new WebSocket(this.options.url);
-    this.socket = socket;
-    socket.binaryType = "arraybuffer";
-    socket.onopen = () => {
-      this.send({ type: "hello", client: "galewood-web" });
-      this.send(this.forestRequest());
+    const { latency_ms, kB_s, lost } = this.socket;
+    const silent_ms = performance.now() - this.received_ms;
+    if (Number.isNaN(silent_ms)) {
+      return { state: lost ? "lost" : "connecting", latency_ms, frameAge_ms: null, kB_s };
+    }
+    const stale = silent_ms > STALE_MS && !this.clock.paused;
+    const age_ms = this.socket.clock.age_ms(this.made_s, performance.now()) ?? silent_ms;
+    return {
+      state: lost || stale ? "lost" : "live",
+      latency_ms,
+      frameAge_ms: this.clock.paused ? null : Math.max(0, age_ms),
+      kB_s,
     };
-    socket.onmessage = (event: MessageEvent<ArrayBuffer>) => this.receive(event.data);
-    socket.onclose = () => {
-      if (this.disposed) return;
-      this.state = "lost";
-      setTimeout(() => !this.disposed && this.connect(), this.retry_ms);
-      this.retry_ms = Math.min(RETRY_MS.longest, this.retry_ms * 1.7);
-    };
-  }
-
-  private send(request: Request): void {
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(encodeRequest(request));
   }
 
   private forestRequest(): Request {
-    const trees = new Float32Array(this.groups.reduce((sum, { placement }) => sum + placement.length, 0));
-    let at = 0;
-    for (const { placement } of this.groups) {
-      trees.set(placement, at);
-      at += placement.length;
-    }
-    return {
-      type: "forest",
-      mode: "stream",
-      groups: this.groups.map(({ table, placement }) => ({ table, count: placement.length / 4 })),
-      wind: { ...this.field.state },
-      time_s: this.time_s,
-      pose_easing: this.options.poseEasing,
-      method: this.options.method,
-      trees,
-    };
+    const { poseEasing, method, share } = this.options;
+    return forestRequest("stream", this.groups, this.field, this.time_s, { method, poseEasing, share });
   }
 
-  private ping(): void {
-    if (performance.now() - this.received_ms > DEAD_MS && this.state === "live") this.socket?.close();
-    this.send({ type: "ping", t: performance.now() });
-    this.kB_s = this.bytes / PING_EVERY_MS;
-    this.bytes = 0;
-  }
-
-  private receive(data: ArrayBuffer): void {
-    this.bytes += data.byteLength;
-    let reply: Reply;
-    try {
-      reply = decodeReply(data);
-    } catch (error) {
-      this.options.problem(
-        "The stream made no sense.",
-        error instanceof Error ? error.message : String(error),
-      );
-      this.socket?.close();
-      return;
-    }
+  private reply(reply: Reply): void {
     if (reply.type === "frame") this.frame(reply);
-    else if (reply.type === "pong") this.latency_ms = performance.now() - reply.t;
+    else if (reply.type === "clock") this.clock.tell(reply);
     else if (reply.type === "windState") this.field.state = parseState(reply.state);
-    else if (reply.type === "error") this.options.problem(reply.title, reply.hint);
+    if (reply.type === "shared" || reply.type === "windState") this.options.told?.(reply);
   }
 
   private frame(frame: Frame): void {
     if (!this.sum.add(frame)) {
-      if (this.sum.fits(frame)) this.send({ type: "resync" });
+      if (this.sum.fits(frame)) this.socket.send({ type: "resync" });
       return;
     }
-    this.state = "live";
-    this.retry_ms = RETRY_MS.first;
+    this.socket.arrived();
     this.received_ms = performance.now();
+    this.made_s = frame.made_s;
     const poses = this.timeline.take();
     this.sum.write(poses);
     this.timeline.push(frame.time_s, poses);
   }
 
   windChanged(wind: WindDocument): void {
-    this.send({ type: "wind", wind: { ...wind } });
+    this.socket.send({ type: "wind", wind: { ...wind } });
+  }
+
+  pause(paused: boolean): void {
+    this.socket.send({ type: "pause", paused });
   }
 
   get coverage(): number {
@@ -186,8 +146,6 @@ export class StreamMotion implements MotionSource {
   }
 
   dispose(): void {
-    this.disposed = true;
-    clearInterval(this.pinging);
-    this.socket?.close();
+    this.socket.dispose();
   }
 }
