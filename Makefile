@@ -17,7 +17,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check 
 PYTEST ?= $(BIN)/python -m pytest
 WEB_SOURCES := $(shell find web/src web/public -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json
 
-.PHONY: help run build test check test-python test-web test-e2e browser bench format species golden clean
+.PHONY: help run build test check test-python test-distributed test-web test-e2e browser bench format species golden clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -59,6 +59,9 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 
 test-python: $(VENV)/.dev ## the Python tests
 	$(PYTEST)
+
+test-distributed: $(VENV)/.dev ## the service on PostgreSQL, an S3-compatible store and a Dask cluster elsewhere
+	$(BIN)/python scripts/test-distributed
 
 test-web: web/node_modules/.stamp ## the TypeScript unit tests
 	cd web && npm test --silent

@@ -7,8 +7,9 @@ of the bucket, as another server may have removed it.
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterator
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,10 @@ def open_bucket(url: str) -> Any:
         return from_url(url, mkdir=True)
     return from_url(
         url,
-        client_options={"timeout": timedelta(seconds=TIMEOUT_S)},
+        client_options={
+            "timeout": timedelta(seconds=TIMEOUT_S),
+            "allow_http": os.environ.get("AWS_ALLOW_HTTP", "").lower() == "true",
+        },
         retry_config={"max_retries": 8, "retry_timeout": timedelta(seconds=RETRY_S)},
     )
 
@@ -76,6 +80,19 @@ class BucketStore(FileStore):
         if not self.has(sha256):
             obstore.put(self._bucket, self._key(sha256), data)
         return sha256
+
+    def get_anew(self, sha256: str) -> bytes:
+        """The bytes in the bucket; a copy here is put right. FileNotFoundError."""
+        super().path(sha256).unlink(missing_ok=True)
+        return self.get(sha256)
+
+    def age_s(self, sha256: str) -> float:
+        """Seconds since the bucket got the file; 0 if it is not there."""
+        try:
+            stored_at: datetime = obstore.head(self._bucket, self._key(sha256))["last_modified"]
+        except FileNotFoundError:
+            return 0.0
+        return (datetime.now(UTC) - stored_at).total_seconds()
 
     def names(self) -> Iterator[str]:
         """The hash of every stored file."""

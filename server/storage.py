@@ -6,6 +6,7 @@ import hashlib
 import os
 import re
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -50,6 +51,14 @@ class FileStore:
         """The stored bytes. FileNotFoundError if there are none."""
         return self.path(sha256).read_bytes()
 
+    def get_anew(self, sha256: str) -> bytes:
+        """As `get`, from where the file is kept, whatever copies there are. FileNotFoundError."""
+        return self.get(sha256)
+
+    def age_s(self, sha256: str) -> float:
+        """Seconds since the file was stored; 0 if it is not there."""
+        return file_age_s(self.path(sha256))
+
     def names(self) -> Iterator[str]:
         """The hash of every stored file."""
         return (path.name for path in self.root.glob("??/*") if is_hash(path.name))
@@ -57,6 +66,14 @@ class FileStore:
     def remove(self, sha256: str) -> None:
         """Forget a file; one that is not there is forgotten already."""
         self.path(sha256).unlink(missing_ok=True)
+
+
+def file_age_s(path: Path) -> float:
+    """Seconds since a file was written; 0 if it is not there."""
+    try:
+        return time.time() - path.stat().st_mtime
+    except OSError:
+        return 0.0
 
 
 def write_atomically(target: Path, data: bytes) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import signal
 import socket
@@ -15,6 +16,7 @@ from typing import Any
 
 import httpx
 import psutil
+import psycopg
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -38,6 +40,18 @@ def wait_until(holds: Callable[[], Any], timeout_s: float = 30.0, every_s: float
     raise AssertionError(f"did not happen within {timeout_s} s")
 
 
+def shared_services(folder: Path) -> dict[str, str]:
+    """Under `make test-distributed`: a PostgreSQL database and a bucket's prefix of this folder's own."""
+    postgres, store = os.environ.get("GALEWOOD_TEST_POSTGRES"), os.environ.get("GALEWOOD_TEST_STORE")
+    if not postgres or not store:
+        return {}
+    name = "t" + hashlib.sha256(str(folder).encode()).hexdigest()[:12]
+    with psycopg.connect(f"{postgres}/postgres", autocommit=True) as connection:
+        if not connection.execute("SELECT 1 FROM pg_database WHERE datname = %s", (name,)).fetchone():
+            connection.execute(f'CREATE DATABASE "{name}"'.encode())
+    return {"GALEWOOD_DATABASE_URL": f"{postgres}/{name}", "GALEWOOD_STORE_URL": f"{store}/{name}"}
+
+
 @dataclass
 class Server:
     """A server process; `stop` ends it kindly, `kill` as a crash would."""
@@ -56,22 +70,26 @@ class Server:
     def socket_url(self) -> str:
         return f"ws://127.0.0.1:{self.port}/ws/forest"
 
-    def start(self, *arguments: str) -> Server:
-        environment = {
+    def variables(self) -> dict[str, str]:
+        """The environment of the server, and of whoever looks at its data."""
+        return {
             **os.environ,
             "GALEWOOD_DATA_DIR": str(self.data_dir),
             "PORT": str(self.port),
             "GALEWOOD_WORKERS": "1",
             "GALEWOOD_BUILTIN_SPECIES": "false",
             "GALEWOOD_CLUSTER_IDLE_S": "1000",
+            **shared_services(self.data_dir),
             **self.environment,
         }
+
+    def start(self, *arguments: str) -> Server:
         with (self.data_dir.parent / "server.log").open("ab") as log:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", self.module, *arguments],
-                env=environment, cwd=REPOSITORY, stdout=log, stderr=log,
+                env=self.variables(), cwd=REPOSITORY, stdout=log, stderr=log,
             )  # fmt: skip
-        wait_until(self._answers, 60)
+        wait_until(self._answers, 180)
         return self
 
     def _answers(self) -> bool:

@@ -14,7 +14,7 @@ import pytest
 from server.database import migrate, open_database
 from server.leases import claim, give_back, renew
 from server.models import Job, Tree
-from tests.server.conftest import NO_CLUSTER, Server, wait_until
+from tests.server.conftest import NO_CLUSTER, Server, shared_services, wait_until
 from tests.server.fake_job import STEPS
 from tests.server.test_jobs import begin, state
 
@@ -30,6 +30,7 @@ class Pair:
             "GALEWOOD_LEASE_S": "2",
             "FAKE_STEP_S": "0.15",
             **NO_CLUSTER,
+            **shared_services(folder),
         }
         self.servers = [self._server(folder / name / "data", shared) for name in ("one", "two")]
 

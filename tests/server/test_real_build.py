@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import msgpack
 import numpy as np
 import psutil
 import pytest
 
 from precompute import table as table_format
+from precompute.sampling import is_whole
 from server import wire
 from tests.server import meshes
 from tests.server.conftest import Server, wait_until
@@ -68,7 +70,7 @@ def sampling(api: httpx.Client, job: dict[str, Any]) -> None:
     """Wait until some trajectories are done and some are not."""
     for now in progress(api, job["id"]):
         assert now["state"] in ("queued", "running"), now["error"]
-        if now["stage"] == "sampling" and now["fraction"] > 0.42:
+        if now["stage"] == "sampling" and (now["samples_done"] or 0) >= 2:
             return
 
 
@@ -109,10 +111,23 @@ def test_an_upload_becomes_a_streamed_tree_though_worker_and_cluster_die(
     wait_until(lambda: len(trajectories(server)) > len(finished))
     finished = trajectories(server)
     (cluster,) = [one for one in server.family() if "server.engine" in one.cmdline()]
-    cluster.kill()
-    wait_until(lambda: state(api, job) == "done", 300)
+    cluster.kill()  # with its scheduler
+    wait_until(lambda: len(trajectories(server)) > len(finished), 120)
+    finished |= trajectories(server)
+    family = server.family()
+    server.kill()
+    wait_until(lambda: gone(family))
+    server.start("serve")
+    pictures, states = follow(api, tree["id"], job["id"])
+    assert api.get(f"/api/jobs/{job['id']}").json()["state"] == "done"
     later = trajectories(server)
-    assert {path: later[path] for path in finished} == finished
+    assert {path: later[path] for path in finished} == finished  # none was computed twice
+    assert all(is_whole(path) for path in later)
+    assert "preliminary" in states
+    for name in pictures:
+        picture = api.get(f"/api/jobs/{job['id']}/pictures/{name}")
+        assert picture.content.startswith(b"\x89PNG") and picture.headers["content-type"] == "image/png"
+    assert set(pictures) == {"tetrahedra.png", "skeleton.png"}
     tree = api.get(f"/api/trees/{tree['id']}").json()
     assert tree["state"] == "ready"
     json.dumps(tree["report"], allow_nan=False)
@@ -120,6 +135,39 @@ def test_an_upload_becomes_a_streamed_tree_though_worker_and_cluster_die(
     assert table.metadata["mesh_sha256"] == tree["mesh_sha256"]
     assert api.get(f"/api/meshes/{tree['mesh_sha256']}").content[:4] == b"glTF"
     assert_sways(server, tree["table_sha256"])
+    assert_compares(api, tree, table)
+
+
+def follow(api: httpx.Client, tree_id: str, job_id: str) -> tuple[dict[str, str], set[str]]:
+    """The job's pictures at its end, and the states in which its tree was seen until then."""
+    states: set[str] = set()
+    for now in progress(api, job_id):
+        states.add(api.get(f"/api/trees/{tree_id}").json()["state"])
+        pictures = now["pictures"]
+    return pictures, states
+
+
+def assert_compares(api: httpx.Client, tree: dict[str, Any], table: table_format.Table) -> None:
+    """A comparison runs, its tracks are what they say, and the drift-free method is near to the truth."""
+    place = {"x_m": 3.0, "z_m": -2.0, "yaw_rad": 0.7, "frames": 90}
+    answer = api.post(f"/api/trees/{tree['id']}/comparisons", json={"wind": BREEZE, **place})
+    assert answer.status_code == 202, answer.text
+    url = answer.headers["location"]
+    wait_until(lambda: api.get(url).json()["state"] not in ("queued", "running"), 120)
+    found = api.get(url).json()
+    assert found["state"] == "done", found["error"]
+    tracks = msgpack.unpackb(api.get(found["tracks"]).content)
+    assert (tracks["format"], tracks["version"], tracks["frames"]) == ("galewood-comparison", 1, 90)
+    shape = (90, tracks["modes"])
+    q = {name: np.frombuffer(data, "<f4").reshape(shape) for name, data in tracks["tracks"].items()}
+    basis = table.node_basis.astype(np.float64)
+    shown = {name: np.einsum("nik,tk->tni", basis, track) / tracks["height_m"] for name, track in q.items()}
+    gap = np.linalg.norm(shown["tangent"] - shown["fem"], axis=2).max(axis=1)
+    told, left_out = np.array(tracks["error"]["tangent"]["max"]), np.array(tracks["left_out"])
+    assert np.all(np.abs(gap - told) <= left_out + 1e-6)
+    sway = np.linalg.norm(shown["fem"], axis=2).max()
+    assert abs(sway - max(tracks["sway"])) <= left_out.max() + 1e-6
+    assert found["result"]["max_error"]["tangent"] < 0.25 * found["result"]["true_sway"]
 
 
 def assert_sways(server: Server, table_sha256: str) -> None:
