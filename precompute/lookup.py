@@ -17,13 +17,12 @@ import numpy as np
 import numpy.typing as npt
 
 from precompute.candidates import last_records, still_records
+from precompute.paced import MAX_STEPS_PER_ADVANCE, PacedTrees
 from precompute.table import Table
 
 Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
 
-MAX_STEPS_PER_ADVANCE = 8
-"""After a long pause a tree resumes instead of catching up."""
 SNAP = 0.5
 """Pose easing ends exactly on the record's pose once offset and its speed are within half an integer step."""
 
@@ -230,7 +229,7 @@ def _advance(
             q[i, k] = (before[i, k] + (now[i, k] - before[i, k]) * phase[i]) * scale[k]
 
 
-class ForestLookup:
+class ForestLookup(PacedTrees):
     """Trees of one table, each with its own state, in its own frame and at its own pace."""
 
     def __init__(
@@ -242,6 +241,7 @@ class ForestLookup:
         still_air: ask records of still air when the air is exactly still, and no others; and vice versa.
         """
         metadata = table.metadata
+        super().__init__(count, table.mode_scale, float(metadata["dt_s"]))
         easing = metadata["pose_easing"] if pose_easing is None else pose_easing
         arrays = search_arrays(table)
         self._search = (*(getattr(arrays, name) for name in SearchArrays.__dataclass_fields__),)
@@ -257,41 +257,14 @@ class ForestLookup:
         self._poses = table.pose().astype(np.float64)
         self._starts = np.zeros(len(table.dq), np.bool_)
         self._starts[table.trajectory[:-1].astype(np.int64)] = True
-        self._scale = table.mode_scale.astype(np.float64)
-        self._dt_s = float(metadata["dt_s"])
-        modes = len(self._scale)
-        self._now, self._before = np.zeros((count, modes)), np.zeros((count, modes))
-        self._weight, self._phase = np.zeros(count), np.zeros(count)
-        self._turn = np.tile(np.array([1.0, 0.0]), (count, 1))
-        self._size = np.ones(count)
-        self._rate = np.zeros(count)
-        self.x_m, self.z_m = np.zeros(count, np.float32), np.zeros(count, np.float32)
+        self._weight = np.zeros(count)
         self.record = np.full(count, -1, np.int32)
         """(count,) record found last, −1 before the first step; the tree is in its successor's state."""
-        self.q = np.zeros((count, modes), np.float32)
-        """(count, r) shown pose, between the last two steps."""
-
-    def set_trees(
-        self, x_m: npt.ArrayLike, z_m: npt.ArrayLike, yaw_rad: npt.ArrayLike, scale: npt.ArrayLike
-    ) -> None:
-        """Place, turn and size of each tree (count,); their state goes on."""
-        self.x_m[:], self.z_m[:] = x_m, z_m
-        yaw = np.asarray(yaw_rad, np.float32).astype(np.float64)
-        self._turn[:, 0] = np.cos(yaw).astype(
-            np.float32
-        )  # rounded: the last bit of a cosine is nobody's promise
-        self._turn[:, 1] = np.sin(yaw).astype(np.float32)
-        self._size[:] = np.asarray(scale, np.float32)
 
     def advance(self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike) -> None:
         """Let dt_s seconds pass under world pressures (count,) in Pa; large trees walk their table slower."""
-        np.divide(dt_s / self._dt_s, self._size, out=self._rate)
-        px, pz = np.asarray(pressure_x, np.float64), np.asarray(pressure_z, np.float64)
+        px, pz = self._passing(dt_s, pressure_x, pressure_z)
         _advance(
             self._search, self._dq, self._poses, self._starts, self._scale, self._rule, self._rate,
             self._turn, px, pz, self.record, self._weight, self._phase, self._now, self._before, self.q,
         )  # fmt: skip
-
-    def poses(self) -> npt.NDArray[np.int32]:
-        """(count, r) shown pose in units of the table's mode scale, as the stream sends it."""
-        return np.rint(self.q / self._scale).astype(np.int32)

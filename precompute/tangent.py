@@ -18,13 +18,13 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+from precompute.paced import MAX_STEPS_PER_ADVANCE, PacedTrees
+
 Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
 LANES = 16
-MAX_STEPS_PER_ADVANCE = 8
-"""After a long pause a tree resumes instead of catching up."""
 MAX_COUPLED = 4
 """Modes beside the two sway coordinates whose products with these are kept."""
 REACH = 1.25
@@ -295,46 +295,23 @@ def working_room(tangent: Tangent) -> tuple[Array, ...]:
     return (*rooms, np.zeros((3, 2, LANES)), np.zeros((terms, LANES)), total, np.zeros(LANES, np.int64))
 
 
-class TangentForest:
+class TangentForest(PacedTrees):
     """Trees of one table, each with its own state, in its own frame and at its own pace."""
 
     def __init__(self, tangent: Tangent, dt_s: float, mode_scale: Singles, count: int) -> None:
         """``count`` trees at rest; dt_s is the table's step, mode_scale (r,) the stream's unit of q."""
-        self._tensors = widened(tangent)
-        self._dt_s, self._scale = dt_s, mode_scale.astype(np.float64)
-        d, r = len(tangent.step), tangent.modes
+        super().__init__(count, mode_scale, dt_s)
+        self._tensors, self._lanes = widened(tangent), working_room(tangent)
+        d = len(tangent.step)
         self._e, self._v = np.zeros((count, d)), np.zeros((count, d))
-        self._now, self._before = np.zeros((count, r)), np.zeros((count, r))
-        self._phase, self._rate, self._size = np.zeros(count), np.zeros(count), np.ones(count)
-        self._turn = np.tile(np.array([1.0, 0.0]), (count, 1))
         self._turned = np.zeros((count, 2))
-        self._lanes = working_room(tangent)
-        self.x_m, self.z_m = np.zeros(count, np.float32), np.zeros(count, np.float32)
         self.coverage = np.zeros(count, np.float32)
         """(count,) how far into the sampled range of sway and pressure a tree is: above 1 it is beyond it."""
-        self.q = np.zeros((count, r), np.float32)
-        """(count, r) shown pose, between the last two steps."""
-
-    def set_trees(
-        self, x_m: npt.ArrayLike, z_m: npt.ArrayLike, yaw_rad: npt.ArrayLike, scale: npt.ArrayLike
-    ) -> None:
-        """Place, turn and size of each tree (count,); their state goes on."""
-        self.x_m[:], self.z_m[:] = x_m, z_m
-        yaw = np.asarray(yaw_rad, np.float32).astype(np.float64)
-        # Rounded: the last bit of a cosine is nobody's promise.
-        self._turn[:, 0] = np.cos(yaw).astype(np.float32)
-        self._turn[:, 1] = np.sin(yaw).astype(np.float32)
-        self._size[:] = np.asarray(scale, np.float32)
 
     def advance(self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike) -> None:
         """Let dt_s seconds pass under world pressures (count,) in Pa; large trees sway slower."""
-        np.divide(dt_s / self._dt_s, self._size, out=self._rate)
-        px, pz = np.asarray(pressure_x, np.float64), np.asarray(pressure_z, np.float64)
+        px, pz = self._passing(dt_s, pressure_x, pressure_z)
         _advance(
-            self._tensors, self._dt_s / 2, self._rate, self._turn, px, pz, self._e, self._v,
-            self._phase, self._turned, self._now, self._before, self.q, self.coverage, self._lanes,
+            self._tensors, self._dt_s / 2, self._rate, self._turn, px, pz, self._e, self._v, self._phase,
+            self._turned, self._now, self._before, self.q, self.coverage, self._lanes,
         )  # fmt: skip
-
-    def poses(self) -> npt.NDArray[np.int32]:
-        """(count, r) shown pose in units of the table's mode scale, as the stream sends it."""
-        return np.rint(self.q / self._scale).astype(np.int32)

@@ -40,7 +40,7 @@ function* walk(wind: WindDocument): Generator<[string, Float32Array]> {
 
 describe("walks as Python does over 10,000 frames: every record, and poses to 1e-5 of the height", () => {
   for (const golden of walks) {
-    test(golden.wind.model, () => {
+    test(golden.wind.model, { timeout: 60_000 }, () => {
       let row = 0;
       for (const [records, poses] of walk(golden.wind)) {
         expect(records, `records up to frame ${(row + 1) * every}`).toBe(golden.records[row]);

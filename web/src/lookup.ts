@@ -1,10 +1,9 @@
 // Algorithm 1 of the paper for many trees at once, twin of precompute/lookup.py: the same records, and in units
 // of the table's mode scale the same poses, bit for bit. Allocates nothing while trees move.
 
+import { PacedTrees } from "./pacedTrees";
 import { lastRecords, poses, type Table } from "./table";
 
-/** After a long pause a tree resumes instead of catching up. */
-export const MAX_STEPS_PER_ADVANCE = 8;
 /** Pose easing ends exactly on the record's pose once offset and its speed are within half an integer step. */
 const SNAP = 0.5;
 
@@ -122,32 +121,22 @@ export class TableSearch {
 }
 
 /** Trees of one table, each with its own state, in its own frame and at its own pace. */
-export class ForestLookup {
+export class ForestLookup extends PacedTrees {
   /** [count] record found last, −1 before the first step; the tree is in its successor's state. */
   readonly record: Int32Array;
-  /** [count, r] shown pose, between the last two steps. */
-  readonly q: Float32Array;
-  /** Place of each tree (m), for the wind. */
-  readonly x: Float32Array;
-  readonly z: Float32Array;
   private readonly search: TableSearch;
   private readonly poses: Int32Array;
   private readonly starts: Uint8Array;
   private readonly easing: number;
   private readonly stillAir: boolean;
-  private readonly now: Float64Array;
-  private readonly before: Float64Array;
   private readonly weight: Float64Array;
-  private readonly phase: Float64Array;
-  private readonly turn: Float32Array;
-  private readonly size: Float32Array;
 
   constructor(
     private readonly table: Table,
-    readonly count: number,
+    count: number,
     options: LookupOptions = {},
   ) {
-    const r = table.metadata.modes;
+    super(count, table.metadata.modes, table.metadata.dt_s);
     this.search = new TableSearch(table);
     this.poses = poses(table);
     this.starts = new Uint8Array(table.metadata.records);
@@ -155,68 +144,20 @@ export class ForestLookup {
     this.stillAir = options.stillAir ?? true;
     this.easing = options.poseEasing ?? table.metadata.pose_easing;
     this.record = new Int32Array(count).fill(-1);
-    this.q = new Float32Array(count * r);
-    this.x = new Float32Array(count);
-    this.z = new Float32Array(count);
-    this.now = new Float64Array(count * r);
-    this.before = new Float64Array(count * r);
     this.weight = new Float64Array(count);
-    this.phase = new Float64Array(count);
-    this.turn = new Float32Array(count * 2);
-    for (let i = 0; i < count; i++) this.turn[2 * i] = 1;
-    this.size = new Float32Array(count).fill(1);
-  }
-
-  /** Place, turn and size of each tree; their state goes on. */
-  setTrees(
-    x: ArrayLike<number>,
-    z: ArrayLike<number>,
-    yaw: ArrayLike<number>,
-    scale: ArrayLike<number>,
-  ): void {
-    this.x.set(x);
-    this.z.set(z);
-    this.size.set(scale);
-    for (let i = 0; i < this.count; i++) {
-      // Rounded to float32: the last bit of a cosine is nobody's promise.
-      this.turn[2 * i] = Math.cos(Math.fround(yaw[i]));
-      this.turn[2 * i + 1] = Math.sin(Math.fround(yaw[i]));
-    }
   }
 
   /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
   adopt(from: ForestLookup, rows: Int32Array): void {
-    const r = this.table.metadata.modes;
     rows.forEach((row, i) => {
       if (row < 0) return;
+      this.takeOver(i, from, row);
       this.record[i] = from.record[row];
       this.weight[i] = from.weight[row];
-      this.phase[i] = from.phase[row];
-      this.now.set(from.now.subarray(row * r, (row + 1) * r), i * r);
-      this.before.set(from.before.subarray(row * r, (row + 1) * r), i * r);
     });
   }
 
-  /** Lets dt seconds pass under world pressures (Pa); a tree s times as large walks its table s times slower. */
-  advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
-    const rate = dtS / this.table.metadata.dt_s;
-    for (let i = 0; i < this.count; i++) {
-      const c = this.turn[2 * i];
-      const s = this.turn[2 * i + 1];
-      const fx = c * pressureX[i] - s * pressureZ[i];
-      const fz = s * pressureX[i] + c * pressureZ[i];
-      let phase = this.phase[i] + rate / this.size[i];
-      for (let steps = 0; phase >= 1 && steps < MAX_STEPS_PER_ADVANCE; steps++) {
-        this.step(i, fx, fz);
-        phase -= 1;
-      }
-      phase -= Math.floor(phase);
-      this.phase[i] = phase;
-      this.show(i, phase);
-    }
-  }
-
-  private step(i: number, fx: number, fz: number): void {
+  protected step(i: number, fx: number, fz: number): void {
     const { initial, maximum, growth } = this.table.metadata.weight;
     const state = this.record[i] + 1;
     const air = this.stillAir ? (fx === 0 && fz === 0 ? STILL : MOVING) : ANY;
@@ -260,12 +201,12 @@ export class ForestLookup {
     for (let k = 0; k < r; k++) now[i * r + k] = pose[(found + 1) * r + k];
   }
 
-  private show(i: number, phase: number): void {
+  protected show(i: number, part: number): void {
     const { now, before, q } = this;
     const scale = this.table.modeScale;
     for (let k = 0; k < scale.length; k++) {
       const at = i * scale.length + k;
-      q[at] = (before[at] + (now[at] - before[at]) * phase) * scale[k];
+      q[at] = (before[at] + (now[at] - before[at]) * part) * scale[k];
     }
   }
 }

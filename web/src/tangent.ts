@@ -1,7 +1,7 @@
 // The drift-free method for many trees at once, twin of precompute/tangent.py: a few oscillators of the tree's
 // own, stepped exactly, bent by a small polynomial force. Allocates nothing while trees move.
 
-import { MAX_STEPS_PER_ADVANCE } from "./lookup";
+import { PacedTrees } from "./pacedTrees";
 import type { Table } from "./table";
 
 const MAX_COUPLED = 4;
@@ -83,17 +83,10 @@ function addRows(
 }
 
 /** Trees of one table, each with its own state, in its own frame and at its own pace. */
-export class TangentForest {
-  /** [count, r] shown pose, between the last two steps. */
-  readonly q: Float32Array;
+export class TangentForest extends PacedTrees {
   /** [count] how far into the sampled range a tree's sway and pressure are: above 1 it is beyond it. */
   readonly coverage: Float32Array;
-  /** Place of each tree (m), for the wind. */
-  readonly x: Float32Array;
-  readonly z: Float32Array;
   private readonly d: number;
-  private readonly r: number;
-  private readonly dt: number;
   private readonly stepOf: Float64Array;
   private readonly load: Float64Array;
   private readonly sway: Float64Array;
@@ -103,27 +96,16 @@ export class TangentForest {
   private readonly limits: Float64Array;
   private readonly e: Float64Array;
   private readonly v: Float64Array;
-  private readonly now: Float64Array;
-  private readonly before: Float64Array;
-  private readonly phase: Float64Array;
-  private readonly turn: Float32Array;
-  private readonly size: Float32Array;
   private readonly ahead: Float64Array;
   private readonly terms: Float64Array;
   private readonly total: Float64Array;
   private readonly further: Float64Array;
   private readonly pair = new Float64Array(2);
 
-  constructor(
-    table: Table,
-    readonly count: number,
-  ) {
-    const { tangent } = table;
+  constructor({ tangent, metadata }: Table, count: number) {
+    super(count, metadata.modes, metadata.dt_s);
     const d = tangent.step.length / 6;
-    const r = table.metadata.modes;
     this.d = d;
-    this.r = r;
-    this.dt = table.metadata.dt_s;
     this.stepOf = Float64Array.from(tangent.step);
     this.load = Float64Array.from(tangent.load);
     this.sway = Float64Array.from(tangent.sway);
@@ -133,73 +115,26 @@ export class TangentForest {
     this.limits = Float64Array.from(tangent.limits);
     this.e = new Float64Array(count * d);
     this.v = new Float64Array(count * d);
-    this.now = new Float64Array(count * r);
-    this.before = new Float64Array(count * r);
-    this.phase = new Float64Array(count);
-    this.turn = new Float32Array(count * 2);
-    for (let i = 0; i < count; i++) this.turn[2 * i] = 1;
-    this.size = new Float32Array(count).fill(1);
-    this.q = new Float32Array(count * r);
     this.coverage = new Float32Array(count);
-    this.x = new Float32Array(count);
-    this.z = new Float32Array(count);
     this.ahead = new Float64Array(d);
     this.terms = new Float64Array(Math.max(tangent.force.length / d, poseTerms(d)));
     this.total = new Float64Array(d);
-    this.further = new Float64Array(r - d);
-  }
-
-  /** Place, turn and size of each tree; their state goes on. */
-  setTrees(
-    x: ArrayLike<number>,
-    z: ArrayLike<number>,
-    yaw: ArrayLike<number>,
-    scale: ArrayLike<number>,
-  ): void {
-    this.x.set(x);
-    this.z.set(z);
-    this.size.set(scale);
-    for (let i = 0; i < this.count; i++) {
-      // Rounded to float32: the last bit of a cosine is nobody's promise.
-      this.turn[2 * i] = Math.cos(Math.fround(yaw[i]));
-      this.turn[2 * i + 1] = Math.sin(Math.fround(yaw[i]));
-    }
+    this.further = new Float64Array(this.r - d);
   }
 
   /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
   adopt(from: TangentForest, rows: Int32Array): void {
-    const { d, r } = this;
+    const { d } = this;
     rows.forEach((row, i) => {
       if (row < 0) return;
-      this.phase[i] = from.phase[row];
+      this.takeOver(i, from, row);
       this.coverage[i] = from.coverage[row];
       this.e.set(from.e.subarray(row * d, (row + 1) * d), i * d);
       this.v.set(from.v.subarray(row * d, (row + 1) * d), i * d);
-      this.now.set(from.now.subarray(row * r, (row + 1) * r), i * r);
-      this.before.set(from.before.subarray(row * r, (row + 1) * r), i * r);
     });
   }
 
-  /** Lets dt seconds pass under world pressures (Pa); a tree s times as large sways s times slower. */
-  advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
-    const rate = dtS / this.dt;
-    for (let i = 0; i < this.count; i++) {
-      const c = this.turn[2 * i];
-      const s = this.turn[2 * i + 1];
-      const px = c * pressureX[i] - s * pressureZ[i];
-      const pz = s * pressureX[i] + c * pressureZ[i];
-      let phase = this.phase[i] + rate / this.size[i];
-      for (let steps = 0; phase >= 1 && steps < MAX_STEPS_PER_ADVANCE; steps++) {
-        this.step(i, px, pz);
-        phase -= 1;
-      }
-      phase -= Math.floor(phase);
-      this.phase[i] = phase;
-      this.show(i, phase);
-    }
-  }
-
-  private step(i: number, px: number, pz: number): void {
+  protected step(i: number, px: number, pz: number): void {
     const { d, e, v, stepOf, load, total } = this;
     const first = i * d;
     this.writeForceTerms(first, px, pz);
@@ -336,9 +271,9 @@ export class TangentForest {
     }
   }
 
-  private show(i: number, phase: number): void {
+  protected show(i: number, part: number): void {
     const { now, before, q } = this;
     const end = (i + 1) * this.r;
-    for (let at = i * this.r; at < end; at++) q[at] = before[at] + (now[at] - before[at]) * phase;
+    for (let at = i * this.r; at < end; at++) q[at] = before[at] + (now[at] - before[at]) * part;
   }
 }

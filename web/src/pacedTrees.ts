@@ -1,0 +1,85 @@
+// Trees that stand side by side: where, turned how, how large, and so at which pace each goes through time. Twin
+// of precompute/paced.py. Allocates nothing while trees move.
+
+/** After a long pause a tree resumes instead of catching up. */
+const MAX_STEPS_PER_ADVANCE = 8;
+
+/** What both methods keep of their trees. */
+export abstract class PacedTrees {
+  /** [count, r] shown pose, between the last two steps. */
+  readonly q: Float32Array;
+  /** Place of each tree (m), for the wind. */
+  readonly x: Float32Array;
+  readonly z: Float32Array;
+  /** [count, r] pose after the last step, and after the one before. */
+  protected readonly now: Float64Array;
+  protected readonly before: Float64Array;
+  private readonly phase: Float64Array;
+  private readonly turn: Float32Array;
+  private readonly size: Float32Array;
+
+  constructor(
+    readonly count: number,
+    protected readonly r: number,
+    protected readonly dt: number,
+  ) {
+    this.q = new Float32Array(count * r);
+    this.x = new Float32Array(count);
+    this.z = new Float32Array(count);
+    this.now = new Float64Array(count * r);
+    this.before = new Float64Array(count * r);
+    this.phase = new Float64Array(count);
+    this.turn = new Float32Array(count * 2);
+    for (let i = 0; i < count; i++) this.turn[2 * i] = 1;
+    this.size = new Float32Array(count).fill(1);
+  }
+
+  /** Moves tree i by the table's step under a pressure (Pa) in its own frame. */
+  protected abstract step(i: number, px: number, pz: number): void;
+  /** Writes the pose of tree i at a part (0 to 1) of the way from the step before to the last. */
+  protected abstract show(i: number, part: number): void;
+
+  /** Place, turn and size of each tree; their state goes on. */
+  setTrees(
+    x: ArrayLike<number>,
+    z: ArrayLike<number>,
+    yaw: ArrayLike<number>,
+    scale: ArrayLike<number>,
+  ): void {
+    this.x.set(x);
+    this.z.set(z);
+    this.size.set(scale);
+    for (let i = 0; i < this.count; i++) {
+      // Rounded to float32: the last bit of a cosine is nobody's promise.
+      this.turn[2 * i] = Math.cos(Math.fround(yaw[i]));
+      this.turn[2 * i + 1] = Math.sin(Math.fround(yaw[i]));
+    }
+  }
+
+  /** Tree i goes on as tree `row` of another forest of this table was. */
+  protected takeOver(i: number, from: PacedTrees, row: number): void {
+    const { r } = this;
+    this.phase[i] = from.phase[row];
+    this.now.set(from.now.subarray(row * r, (row + 1) * r), i * r);
+    this.before.set(from.before.subarray(row * r, (row + 1) * r), i * r);
+  }
+
+  /** Lets dt seconds pass under world pressures (Pa); a tree s times as large sways s times slower. */
+  advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
+    const rate = dtS / this.dt;
+    for (let i = 0; i < this.count; i++) {
+      const c = this.turn[2 * i];
+      const s = this.turn[2 * i + 1];
+      const px = c * pressureX[i] - s * pressureZ[i];
+      const pz = s * pressureX[i] + c * pressureZ[i];
+      let phase = this.phase[i] + rate / this.size[i];
+      for (let steps = 0; phase >= 1 && steps < MAX_STEPS_PER_ADVANCE; steps++) {
+        this.step(i, px, pz);
+        phase -= 1;
+      }
+      phase -= Math.floor(phase);
+      this.phase[i] = phase;
+      this.show(i, phase);
+    }
+  }
+}
