@@ -51,11 +51,13 @@ run: build ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DA
 
 test: check test-python test-web test-e2e ## set everything up and run every test
 
-check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type checkers, both languages
+check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	web/node_modules/.bin/pyright
 	cd web && npm run --silent lint && npm run --silent typecheck
+	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml
+	$(BIN)/hadolint Dockerfile
 
 test-python: $(VENV)/.dev ## the Python tests
 	$(PYTEST)
