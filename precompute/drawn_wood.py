@@ -87,7 +87,7 @@ def drawn_volume(wood: Surface, solid: Solid, line: Line) -> Floats:
     normal /= np.bincount(face, minlength=len(corners))[:, None]
     stretch = line.tet_point[KDTree(centre).query(point)[1]]
     away = point - line.points_m[stretch]
-    along = _tangents(line)[stretch]
+    along = _axes(normal[face], stretch, line)[stretch]
     away -= np.einsum("ij,ij->i", away, along)[:, None] * along
     return _sums(stretch, np.einsum("ij,ij->i", away, normal[face]) / 2, line)
 
@@ -95,6 +95,19 @@ def drawn_volume(wood: Surface, solid: Solid, line: Line) -> Floats:
 def _sums(stretch: Int32s, values: Floats, line: Line) -> Floats:
     """(p,) sums of the values (k,) that belong to each stretch."""
     return np.bincount(stretch, values, len(line.parent)).astype(np.float64)
+
+
+def _axes(normal: Floats, stretch: Int32s, line: Line) -> Floats:
+    """Unit axis (p, 3) of the surface around each point: the direction that its normals are across to.
+
+    Ends of branches and feet of trunks, which face along the skeleton, do not count.
+    """
+    area = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
+    facing = np.einsum("ki,ki->k", normal, _tangents(line)[stretch]) / area
+    weight = (1.0 - np.clip(facing, -1.0, 1.0) ** 2) ** 2 / area
+    outer = np.einsum("k,ki,kj->kij", weight, normal, normal)
+    tensor = np.stack([_sums(stretch, column, line) for column in outer.reshape(-1, 9).T], axis=1)
+    return np.linalg.eigh(_with_neighbours(tensor, line).reshape(-1, 3, 3))[1][:, :, 0]
 
 
 def _tangents(line: Line) -> Floats:
