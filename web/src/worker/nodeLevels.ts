@@ -4,10 +4,10 @@ import type { NodeLevel } from "./protocol";
 
 /** Nodes and texels of modes (four each, the last holds the wind) of each level after the full one. */
 const COARSER = [
-  { nodes: 192, quads: 4 },
-  { nodes: 80, quads: 3 },
-  { nodes: 32, quads: 2 },
-  { nodes: 16, quads: 2 },
+  { nodes: 256, quads: 4 },
+  { nodes: 112, quads: 3 },
+  { nodes: 48, quads: 2 },
+  { nodes: 24, quads: 2 },
 ] as const;
 
 /** Basis rows in metres at each mode's own measure, so that distances between rows are distances in space. */
