@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from precompute.cli import JsonOut, app, console, write_figures
+from server import cli_operations as cli_operations  # its commands join the app
 
 
 @app.command()

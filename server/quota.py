@@ -10,9 +10,10 @@ from pathlib import Path
 
 from server.errors import ProblemError
 from server.settings import Settings
+from server.storage import KINDS
 
 LOOK_S = 10.0
-FOLDERS = ("sources", "meshes", "tables", "cache")
+FOLDERS = (*KINDS, "cache")
 _lock = threading.Lock()
 _looked: dict[Path, tuple[float, int]] = {}
 

@@ -17,7 +17,7 @@ MaterialName = Annotated[str, StringConstraints(min_length=1, max_length=200)]
 class JobOut(BaseModel):
     """A job: `fraction` in [0, 1], `seconds_left` an estimate, `error` a sentence.
 
-    `samples_done` of `samples_total` runs are simulated; `pictures` are names with the hash of what they show.
+    `samples_done` of `samples_total` runs are simulated; `pictures` are names with a hash each.
     """
 
     model_config = ConfigDict(from_attributes=True)

@@ -1,0 +1,132 @@
+"""The client and its commands against a real server: a mesh goes up, its table comes down, a forest moves."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import anyio
+import httpx
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from server.cli import app
+from server.client import Client, ServiceError, stream
+from server.keys import new_key
+from server.wire import Failure, Forest, Group, Reply, Welcome
+from tests.server.conftest import NO_CLUSTER, Server
+
+KEY, KEY_HASH = new_key()
+run = CliRunner().invoke
+STILL = {"version": 1, "model": "cosine", "mean_speed_m_s": 0, "direction_deg": 0, "gustiness": 0,
+         "convection_speed_m_s": 8, "seed": 1}  # fmt: skip
+FOREST = Forest("stream", (Group("0" * 64, 2),), STILL, 0.0, None, np.zeros((2, 4), np.float32))
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    data_dir = tmp_path_factory.mktemp("client") / "data"
+    data_dir.mkdir()
+    environment = {
+        "GALEWOOD_JOB_MODULE": "tests.server.fake_job", "FAKE_STEP_S": "0.01", "GALEWOOD_API_KEYS": KEY_HASH,
+        "GALEWOOD_LOG_FORMAT": "json", **NO_CLUSTER,
+    }  # fmt: skip
+    server = Server(data_dir, "tests.server.fake_server", environment).start()
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def mesh(tmp_path: Path) -> Path:
+    (tmp_path / "oak.obj").write_bytes(b"an oak")
+    return tmp_path / "oak.obj"
+
+
+def test_a_mesh_goes_up_and_its_table_comes_down(server: Server, mesh: Path) -> None:
+    with Client(server.url, KEY) as client:
+        tree = client.upload(mesh, species="maple", height_m=7.5)
+        assert (tree["name"], tree["species"], tree["height_m"]) == ("oak", "maple", 7.5)
+        assert client.upload(mesh, species="maple", height_m=7.5)["id"] == tree["id"]
+        jobs = list(client.follow(client.start(tree["id"])["id"]))
+        assert jobs[-1]["state"] == "done"
+        assert client.start(tree["id"])["id"] == jobs[-1]["id"]
+        assert client.table(client.tree(tree["id"])["table_sha256"]) == b"table of an oak"
+
+
+def test_problems_are_errors_with_words(server: Server, mesh: Path) -> None:
+    with Client(server.url) as stranger, pytest.raises(ServiceError, match="needs a key") as caught:
+        stranger.upload(mesh)
+    assert (caught.value.status, caught.value.code) == (401, "key-needed")
+    with Client(server.url, KEY) as client:
+        with pytest.raises(ServiceError, match="no such job"):
+            list(client.follow("none"))
+        with pytest.raises(ServiceError) as unknown:
+            client.upload(mesh, colour="red")
+    assert unknown.value.status == 422 and unknown.value.hint
+
+
+def test_a_damaged_table_is_refused() -> None:
+    damaged = httpx.MockTransport(lambda _: httpx.Response(200, content=b"other bytes"))
+    with Client("http://server", transport=damaged) as client, pytest.raises(ValueError, match="damaged"):
+        client.table("0" * 64)
+
+
+def test_a_broken_stream_of_events_is_taken_up_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.client.time.sleep", lambda _: None)
+    answers = iter(["running", None, None, "running", "done"])
+
+    def answer(_: httpx.Request) -> httpx.Response:
+        state = next(answers)
+        if state is None:
+            raise httpx.ConnectError("gone")
+        event = f"event: progress\ndata: {json.dumps({'state': state})}\n\n"
+        return httpx.Response(200, headers={"content-type": "text/event-stream"}, text=event)
+
+    # each answer ends after one event, which a stream of a job that runs on must not
+    with Client("http://server", transport=httpx.MockTransport(answer)) as client:
+        assert [job["state"] for job in client.follow("x")] == ["running", "running", "done"]
+
+
+def test_the_command_waits_and_writes_the_table(server: Server, mesh: Path, tmp_path: Path) -> None:
+    table, report = tmp_path / "oak.gwt", tmp_path / "oak.json"
+    mesh.write_bytes(b"another oak")
+    arguments = ["upload", str(mesh), "--server", server.url, "--out", str(table), "--json", str(report)]
+    refused = run(app, arguments)
+    assert refused.exit_code == 1 and not table.exists()
+    assert run(app, [*arguments, "--key", KEY, "--inspect"]).exit_code == 0
+    assert json.loads(report.read_text())["state"] == "uploaded" and not table.exists()
+    assert run(app, [*arguments, "--key", KEY]).exit_code == 0
+    assert table.read_bytes() == b"table of another oak"
+    assert json.loads(report.read_text())["state"] == "ready"
+    away = run(app, ["upload", str(mesh), "--server", "http://127.0.0.1:9"])
+    assert away.exit_code == 1
+
+
+def test_a_stream_answers_in_messages(server: Server) -> None:
+    async def told() -> list[Reply]:
+        return [reply async for reply in stream(server.url, FOREST)]
+
+    replies = anyio.run(told)
+    assert isinstance(replies[0], Welcome) and replies[0].tick_hz == 30
+    # there is no such table, which is said before the socket is closed
+    assert isinstance(replies[-1], Failure) and replies[-1].title
+
+
+def test_the_log_is_json_with_the_request_in_it(server: Server) -> None:
+    headers = {"X-Request-ID": "find-me.1"}
+    httpx.get(f"{server.url}/api/trees/none", headers=headers)
+    lines: list[dict[str, Any]] = [
+        json.loads(line) for line in server.log().splitlines() if line.startswith("{")
+    ]
+    (line,) = [line for line in lines if line.get("request_id") == "find-me.1"]
+    assert (line["status"], line["method"], line["path"]) == (404, "GET", "/api/trees/none")
+    assert line["timestamp"] and line["level"] == "info" and line["ms"] >= 0
+    assert KEY not in server.log()
+
+
+def test_a_key_is_made_with_its_hash() -> None:
+    made = run(app, ["key"]).output.split()
+    assert made[0] == "key" and made[1].startswith("gw_") and len(made[3]) == 64

@@ -1,0 +1,135 @@
+"""A store that is whole has no findings; each way to lose something is found, and mended where it can be."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from server.cli import app
+from server.database import migrate, open_database
+from server.doctor import examine
+from server.models import Job, Tree
+from server.settings import Settings
+from server.storage import Stores
+
+OLD_S = 1_000_000_000
+
+
+@pytest.fixture
+def settings(tmp_path: Path) -> Settings:
+    """A tree with every kind of file, a job with a picture, all of it sound."""
+    settings = Settings(data_dir=tmp_path / "data")
+    migrate(settings.database)
+    stores = Stores(settings.data_dir)
+    files = {
+        kind: stores.named(kind).put(f"{kind} of a tree".encode()) for kind in ("sources", "meshes", "models")
+    }
+    table = stores.tables.put(b"table of a tree")
+    picture = stores.pictures.put(b"a picture")
+    with open_database(settings.database).begin() as session:
+        tree = Tree(
+            id="oak",
+            name="Oak",
+            filename="a.obj",
+            source_sha256=files["sources"],
+            mesh_sha256=files["meshes"],
+            model_sha256=files["models"],
+            table_sha256=table,
+            fingerprint="f" * 64,
+        )
+        tree.jobs.append(Job(id="job", state="done", pictures={"skeleton": picture}))
+        session.add(tree)
+    return settings
+
+
+def faults(settings: Settings, *, repair: bool = False) -> list[str]:
+    return [f"{one.kind}: {one.what}" for one in examine(settings, repair=repair) if one.is_fault]
+
+
+def tree_of(settings: Settings) -> Tree:
+    with open_database(settings.database)() as session:
+        return session.get_one(Tree, "oak")
+
+
+def test_a_sound_store_has_no_faults(settings: Settings) -> None:
+    assert faults(settings) == []
+    # what a table of rubbish says of itself is only worth knowing
+    assert [one.kind for one in examine(settings) if one.kind == "version"] == ["version"]
+
+
+@pytest.mark.parametrize("kind", ["sources", "meshes", "tables", "models", "pictures"])
+def test_a_file_that_is_gone_is_missed(settings: Settings, kind: str) -> None:
+    store = Stores(settings.data_dir).named(kind)
+    (name,) = store.names()
+    store.remove(name)
+    assert [line.split("/")[0] for line in faults(settings)] == [f"missing: {kind}"]
+    still = faults(settings, repair=True)
+    if kind == "sources":  # nothing can bring an upload back, and the tree stays as it was
+        assert len(still) == 1 and tree_of(settings).table_sha256
+        return
+    assert still == [] == faults(settings)
+    tree = tree_of(settings)
+    assert tree.state == ("ready" if kind == "pictures" else "uploaded")
+    assert tree.jobs[0].pictures == ({} if kind == "pictures" else tree.jobs[0].pictures)
+
+
+def test_a_torn_file_is_found_by_its_bytes(settings: Settings) -> None:
+    store = Stores(settings.data_dir).tables
+    (name,) = store.names()
+    store.path(name).write_bytes(b"table of a tr")
+    assert [line.split("/")[0] for line in faults(settings)] == ["torn: tables"]
+    assert store.has(name)
+    assert faults(settings, repair=True) == []
+    assert not store.has(name) and tree_of(settings).table_sha256 is None
+    assert faults(settings) == []
+
+
+def test_a_file_that_nothing_names_goes_when_it_is_old(settings: Settings) -> None:
+    store = Stores(settings.data_dir).meshes
+    name = store.put(b"nobody's")
+    assert faults(settings, repair=True) == [] and store.has(name)  # an upload may be about to name it
+    os.utime(store.path(name), (OLD_S, OLD_S))
+    part = store.path(name).with_name(".part-abc")
+    part.write_bytes(b"half")
+    os.utime(part, (OLD_S, OLD_S))
+    assert sorted(line.split(":")[0] for line in faults(settings)) == ["orphaned", "orphaned"]
+    assert faults(settings, repair=True) == []
+    assert not store.has(name) and not part.exists()
+    assert len(list(store.names())) == 1
+
+
+def test_unfinished_jobs_and_little_disk_are_told(settings: Settings) -> None:
+    with open_database(settings.database).begin() as session:
+        session.add(Job(tree_id="oak", state="running"))
+    assert [one.what for one in examine(settings) if one.kind == "jobs"] == [
+        "1 running; a running server carries them on"
+    ]
+    assert faults(settings.model_copy(update={"free_bytes": 1 << 60}))[0].startswith("disk: ")
+    assert faults(settings.model_copy(update={"stored_bytes": 1}))[0].startswith("disk: ")
+
+
+def test_a_database_that_is_not_ours_is_told(tmp_path: Path) -> None:
+    (tmp_path / "data").mkdir()
+    settings = Settings(data_dir=tmp_path / "data")
+    assert [line.split(":")[0] for line in faults(settings)] == ["database"]
+    (tmp_path / "data" / "galewood.sqlite").write_bytes(b"this is not a database" * 100)
+    assert faults(settings) == ["database: cannot be opened (DatabaseError)"]
+
+
+def test_the_command_ends_with_a_status(
+    settings: Settings, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("GALEWOOD_DATA_DIR", str(settings.data_dir))
+    run = CliRunner().invoke
+    report = tmp_path / "report.json"
+    assert run(app, ["doctor", "--json", str(report)]).exit_code == 0
+    assert json.loads(report.read_text())["faults"] == 0
+    store = Stores(settings.data_dir).tables
+    store.remove(next(iter(store.names())))
+    assert run(app, ["doctor"]).exit_code == 1
+    assert run(app, ["doctor", "--repair"]).exit_code == 0
+    assert run(app, ["doctor"]).exit_code == 0
