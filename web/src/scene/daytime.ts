@@ -77,7 +77,7 @@ const step = (from: number, to: number, x: number) => {
 function exposureFor(sun: Rgb, sky: Rgb, elevation_deg: number, snow: number): number {
   const level = Math.max(0.22, Math.sin(Math.max(0, elevation_deg) * DEG));
   const light = 0.55 * brightness(sun) * level + brightness(sky);
-  return Math.min(4.5, 1.12 * (2.1 / light) ** 0.8) * (1 - 0.3 * snow);
+  return Math.min(4.5, 1.12 * (2.1 / light) ** 0.74) * (1 - 0.3 * snow);
 }
 
 /** Everything about the light of one moment; some milliseconds. */
@@ -105,7 +105,7 @@ export function atmosphereAt(daytime: number, season: Season): Atmosphere {
     skylight,
     cloudlight,
     exposure: exposureFor(direct, skylight, sun.elevation_deg, look.snow),
-    haze: times([0.00062, 0.00088, 0.00135], 0.75 + 0.35 * look.haziness + 0.9 * morning + 0.3 * dusk),
+    haze: times([0.00042, 0.0006, 0.00092], 0.75 + 0.35 * look.haziness + 0.9 * morning + 0.3 * dusk),
     mist: 0.016 * look.mist * morning,
     clouds: look.clouds,
   };

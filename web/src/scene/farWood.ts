@@ -64,7 +64,7 @@ void main() {
   vec2 span = vec2(length(dFdx(vAt)), length(dFdy(vAt))) * vec2(textureSize(uCards, 0));
   if (card.a * (1.0 + 0.3 * max(0.0, log2(max(span.x, span.y)))) < 0.45) discard;
   vec3 own = card.rgb / max(card.a, 0.2);
-  vec3 albedo = mix(vTint * (0.12 + 0.95 * own.r), vec3(0.11, 0.085, 0.065), own.g);
+  vec3 albedo = mix(vTint * (0.08 + 0.78 * own.r), vec3(0.11, 0.085, 0.065), own.g);
   albedo = mix(albedo, uSnowColour, 0.4 * uSnow);
   vec3 out_ = normalize(vOut);
   float facing = dot(out_, uSunWorld);
