@@ -9,6 +9,7 @@ from typing import Any
 from sqlalchemy import update
 
 from precompute.build_types import BuildOptions, BuildResult, Progress
+from precompute.wood_document import WoodDocument
 from server.assumptions import NAMES, intake_options
 from server.database import Sessions
 from server.exchange import Exchange
@@ -53,6 +54,8 @@ def read_order(sessions: Sessions, stores: Stores, job_id: str) -> Order:
 def build_options(given: dict[str, Any]) -> BuildOptions:
     """The options of a build from names and values."""
     rest = {key: value for key, value in given.items() if key not in NAMES}
+    if "wood" in rest:
+        rest["wood"] = WoodDocument.model_validate(rest["wood"]).wood()
     return BuildOptions(intake=intake_options(given), **rest)
 
 
@@ -69,12 +72,12 @@ def run_build(mandate: Mandate, address: str, settings: Settings, stores: Stores
 
     result = build(order.source, order.filename, order.options, runner, progress, settings.cache_dir, publish)
     model = runner.model.read_bytes() if runner.model else None
-    _publish(mandate, stores, order, result, model)
+    publish_result(mandate, stores, order, result, model)
     if exchange:
         exchange.forget(runner.runs)
 
 
-def _publish(
+def publish_result(
     mandate: Mandate, stores: Stores, order: Order, result: BuildResult, model: bytes | None
 ) -> None:
     """The files first, then, in one transaction, the tree that names them and the job's end."""

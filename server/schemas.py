@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator
 
 from precompute.wood import SPECIES
+from precompute.wood_document import WoodDocument
 from server.models import JobState, TreeState
 
 TreeName = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=200)]
@@ -150,6 +151,10 @@ class BuildSettings(Assumptions):
     sampled_elements: int | None = Field(default=None, ge=1, le=2000)
     design_speed_m_s: float | None = Field(default=None, gt=0, le=60)
     frames: int | None = Field(default=None, ge=30, le=1800)
+    seed: int | None = Field(default=None, ge=0, lt=2**31, description="Of the winds that are learnt from.")
+    wood: WoodDocument | None = Field(
+        default=None, description="A wood of one's own, before that of a species."
+    )
 
 
 class PrecomputeRequest(BaseModel):
