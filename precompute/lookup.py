@@ -9,6 +9,7 @@ the table's mode scale, the same poses bit for bit. No fused multiply-add, no fa
 from __future__ import annotations
 
 import math
+import weakref
 from dataclasses import dataclass
 from typing import Any
 
@@ -229,6 +230,36 @@ def _advance(
             q[i, k] = (before[i, k] + (now[i, k] - before[i, k]) * phase[i]) * scale[k]
 
 
+@dataclass(frozen=True)
+class LookupArrays:
+    """What every forest of a table reads and none writes to."""
+
+    search: tuple[Any, ...]  # SearchArrays, as the kernels take them
+    dq: Floats  # (z, r) in units of mode_scale
+    poses: Floats  # (z, r)
+    starts: npt.NDArray[np.bool_]  # (z,) first of a trajectory
+
+
+_arrays: dict[int, LookupArrays] = {}
+
+
+def lookup_arrays(table: Table) -> LookupArrays:
+    """The table in the types that steps are computed in: made once, and kept as long as the table is."""
+    found = _arrays.get(id(table))
+    if found is None:
+        found = _arrays[id(table)] = _widened(table)
+        weakref.finalize(table, _arrays.pop, id(table), None)
+    return found
+
+
+def _widened(table: Table) -> LookupArrays:
+    arrays = search_arrays(table)
+    starts = np.zeros(len(table.dq), np.bool_)
+    starts[table.trajectory[:-1].astype(np.int64)] = True
+    search = (*(getattr(arrays, name) for name in SearchArrays.__dataclass_fields__),)
+    return LookupArrays(search, table.dq.astype(np.float64), table.pose().astype(np.float64), starts)
+
+
 class ForestLookup(PacedTrees):
     """Trees of one table, each with its own state, in its own frame and at its own pace."""
 
@@ -243,8 +274,10 @@ class ForestLookup(PacedTrees):
         metadata = table.metadata
         super().__init__(count, table.mode_scale, float(metadata["dt_s"]))
         easing = metadata["pose_easing"] if pose_easing is None else pose_easing
-        arrays = search_arrays(table)
-        self._search = (*(getattr(arrays, name) for name in SearchArrays.__dataclass_fields__),)
+        arrays = lookup_arrays(table)
+        self._search, self._dq, self._poses, self._starts = (
+            arrays.search, arrays.dq, arrays.poses, arrays.starts,
+        )  # fmt: skip
         weight = metadata["weight"]
         self._rule = (
             float(weight["initial"]),
@@ -253,10 +286,6 @@ class ForestLookup(PacedTrees):
             float(easing),
             bool(still_air),
         )
-        self._dq = table.dq.astype(np.float64)
-        self._poses = table.pose().astype(np.float64)
-        self._starts = np.zeros(len(table.dq), np.bool_)
-        self._starts[table.trajectory[:-1].astype(np.int64)] = True
         self._weight = np.zeros(count)
         self.record = np.full(count, -1, np.int32)
         """(count,) record found last, −1 before the first step; the tree is in its successor's state."""

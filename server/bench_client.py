@@ -21,7 +21,7 @@ import numpy as np
 from server import wire
 from server.wire_frame import FRAME
 
-BUFFER_BYTES = 1 << 20
+BYTES_PER_TREE = 256
 _HANDSHAKE = (
     b"GET /ws/forest HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
     b"Sec-WebSocket-Key: Z2FsZXdvb2QtYmVuY2gtMQ==\r\nSec-WebSocket-Version: 13\r\n\r\n"
@@ -72,13 +72,13 @@ def connected(port: int, forest: wire.Forest) -> socket.socket:
 class Listener:
     """One client: what it received, and whether every difference met the tick it was taken from."""
 
-    def __init__(self, link: socket.socket) -> None:
+    def __init__(self, link: socket.socket, trees: int) -> None:
         self.link = link
         self.ages_s: list[float] = []
         self.received_bytes = 0
         self.keys = self.misfits = 0
         self.tick: int | None = None
-        self._buffer = bytearray(BUFFER_BYTES)
+        self._buffer = bytearray((1 << 18) + BYTES_PER_TREE * trees)
         self._view = memoryview(self._buffer)
         self._filled = 0
         link.setblocking(False)
@@ -200,7 +200,7 @@ def _listeners(job: dict[str, Any]) -> list[Listener]:
     """All clients; those that are connected read while the others come."""
     listeners: list[Listener] = []
     for member in range(job["clients"]):
-        listeners.append(Listener(connected(job["port"], grown(job, member))))
+        listeners.append(Listener(connected(job["port"], grown(job, member)), job["trees"]))
         if member % 8 == 7:
             listen(listeners, time.monotonic() + 0.05)
     return listeners
@@ -214,10 +214,17 @@ def _wait_for_frames(listeners: list[Listener], patience_s: float = 180.0) -> No
             raise RuntimeError("some clients get no frames: see the server's log")
 
 
+def _next_line(listeners: list[Listener]) -> str:
+    """The next line of standard input; clients go on reading meanwhile, or what follows would be old."""
+    while not select.select([sys.stdin], [], [], 0)[0]:
+        listen(listeners, time.monotonic() + 0.05)
+    return sys.stdin.readline()
+
+
 def _phases(listeners: list[Listener]) -> list[dict[str, Any]]:
     """One measurement for each line "SECONDS" of standard input, until it ends."""
     phases: list[dict[str, Any]] = []
-    for line in sys.stdin:
+    while line := _next_line(listeners):
         for listener in listeners:
             listener.forget()
         seconds, spent_s = float(line), time.process_time()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
+import gc
+import weakref
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,7 @@ import pytest
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
+from precompute.lookup import ForestLookup, lookup_arrays
 from precompute.table import decode
 from precompute.wind import Wind, steady
 from server import wire
@@ -157,6 +160,22 @@ def test_rounding_for_the_stream_moves_no_node_by_more_than_is_said() -> None:
     assert np.sqrt((moved_m**2).mean(axis=0)).max() < 0.25e-3
 
 
+def test_forests_of_a_table_read_the_same_arrays_and_let_them_go_with_it() -> None:
+    table = decode(POLE)
+    one, other = ForestLookup(table, 3), ForestLookup(table, 4)
+    shared = lookup_arrays(table)
+    for forest in (one, other):
+        assert forest._search is shared.search and forest._poses is shared.poses
+    before = shared.poses.copy()
+    for _ in range(5):
+        one.advance(1 / 30, np.full(3, 4.0), np.zeros(3))
+    np.testing.assert_array_equal(shared.poses, before)
+    watch = weakref.ref(shared)
+    del one, other, forest, shared, table
+    gc.collect()
+    assert watch() is None
+
+
 def plan(count: int, share: str | None = None, **changes: object) -> wire.Forest:
     rows = np.zeros((count, 4), np.float32)
     rows[:, 0], rows[:, 3] = np.arange(count), 1.0
@@ -167,6 +186,12 @@ def plan(count: int, share: str | None = None, **changes: object) -> wire.Forest
 
 class FileStoreWith:
     sha256 = ""
+
+
+async def until(holds: Callable[[], bool]) -> None:
+    async with asyncio.timeout(60):
+        while not holds():
+            await asyncio.sleep(0.02)
 
 
 @pytest.fixture
@@ -191,8 +216,7 @@ def test_many_clients_of_a_shared_forest_are_one_simulation(forests: Forests) ->
         assert len(frames) < 4  # the same bytes for all who are at the same tick
         for seat in seats:
             forests.leave(seat)
-        await asyncio.sleep(0.3)
-        assert forests.count == 0
+        await until(lambda: forests.count == 0)
 
     asyncio.run(play())
 
@@ -227,11 +251,11 @@ def test_a_forest_that_fails_ends_alone(forests: Forests, monkeypatch: pytest.Mo
             step(walk)
 
         monkeypatch.setattr(ForestWalk, "step", fail)
-        await asyncio.sleep(0.3)
-        well.unsent_bytes = 0
+        await until(lambda: sick.aborted)
         before = len(well.pushed)
-        await asyncio.sleep(0.2)
-        assert sick.aborted and not well.aborted and len(well.pushed) > before
+        well.unsent_bytes = 0
+        await until(lambda: len(well.pushed) > before)
+        assert not well.aborted
         forests.leave(ill)
 
     asyncio.run(play())
