@@ -1,0 +1,84 @@
+/** Trees, meshes and tables as they come in, also out of order. */
+import { afterEach, expect, test, vi } from "vitest";
+import type { Tree } from "../../web/src/api";
+import { Catalogue } from "../../web/src/catalogue";
+import type { TableMotion } from "../../web/src/worker/protocol";
+
+const model = vi.hoisted(() => ({ parts: [{ vertices: 3 }] }));
+const handlers = vi.hoisted(() => ({ change: (_: unknown) => {} }));
+vi.mock("../../web/src/scene/treeMesh", () => ({ readTreeModel: async () => model }));
+vi.mock("../../web/src/api", () => ({
+  fetchMesh: async () => new ArrayBuffer(0),
+  followEvents: (given: typeof handlers) => {
+    handlers.change = given.change;
+    return () => {};
+  },
+  Problem: class extends Error {},
+}));
+
+const tree = (table: string | null): Tree =>
+  ({ id: "ash", species: "ash", state: "ready", mesh_sha256: "m", table_sha256: table }) as Tree;
+const motionOf = (sha256: string, vertices = 3) =>
+  ({ sha256, vertexNode: new Uint16Array(vertices) }) as unknown as TableMotion;
+
+/** A catalogue whose tables arrive when the test says so. */
+function started() {
+  const arriving = new Map<string, { resolve(motion: TableMotion): void; reject(error: Error): void }>();
+  const grown: (string | null)[] = [];
+  const problems: string[] = [];
+  const catalogue: Catalogue = new Catalogue(
+    (sha256) => new Promise((resolve, reject) => arriving.set(sha256, { resolve, reject })),
+    {
+      change: () => {},
+      grow: () => grown.push(catalogue.growers[0]?.motion?.sha256 ?? null),
+      connected: () => {},
+      problem: (title) => problems.push(title),
+    },
+  );
+  const settle = () => new Promise((done) => setTimeout(done));
+  return { arriving, grown, problems, settle, catalogue };
+}
+
+afterEach(() => vi.clearAllMocks());
+
+test("a tree stands until its table is there, and is planted once with it if both are on their way", async () => {
+  const { arriving, grown, settle } = started();
+  handlers.change({ tree: tree(null), job: null });
+  await settle();
+  handlers.change({ tree: tree("full"), job: null });
+  arriving.get("full")?.resolve(motionOf("full"));
+  await settle();
+  expect(grown).toEqual([null, "full"]);
+});
+
+test("a full table replaces an early one, which never comes back however late it arrives", async () => {
+  const { arriving, grown, settle, catalogue } = started();
+  handlers.change({ tree: tree("early"), job: null });
+  handlers.change({ tree: tree("full"), job: null });
+  arriving.get("full")?.resolve(motionOf("full"));
+  await settle();
+  arriving.get("early")?.resolve(motionOf("early"));
+  await settle();
+  expect(grown.at(-1)).toBe("full");
+  expect(catalogue.growers[0].motion?.sha256).toBe("full");
+});
+
+test("an early table that is gone by now is no problem; a table that cannot be read is one", async () => {
+  const { arriving, problems, settle } = started();
+  handlers.change({ tree: tree("early"), job: null });
+  handlers.change({ tree: tree("full"), job: null });
+  arriving.get("early")?.reject(new Error("404"));
+  await settle();
+  expect(problems).toEqual([]);
+  arriving.get("full")?.reject(new Error("unreadable"));
+  await settle();
+  expect(problems).toHaveLength(1);
+});
+
+test("a table of another mesh moves nothing", async () => {
+  const { arriving, settle, catalogue } = started();
+  handlers.change({ tree: tree("other"), job: null });
+  arriving.get("other")?.resolve(motionOf("other", 7));
+  await settle();
+  expect(catalogue.growers[0].motion).toBeNull();
+});
