@@ -48,6 +48,7 @@ test("the forest goes on while its server is away, and the stream comes back wit
     const own = quiet.splice(0).filter((text) => !/ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY|WebSocket connection/.test(text));
     expect(own).toEqual([]);
   } finally {
+    await page.goto("about:blank"); // nobody is left to complain of the server's end
     await stop(server);
     rmSync(data, { recursive: true, force: true });
   }

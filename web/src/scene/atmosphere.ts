@@ -14,7 +14,7 @@ const OZONE: Rgb = [0.65e-6, 1.881e-6, 0.085e-6];
 const AEROSOL = { scattered: 3.996e-6, absorbed: 0.44e-6 } as const;
 const SCALE_M = { rayleigh: 8000, aerosol: 1200 } as const;
 /** Light that was scattered more than once, per steradian and unit of sunlight. */
-const AGAIN = 0.05;
+const AGAIN = 0.075;
 const EYE_M = 120;
 
 const TO_SUN_STEPS = 32;

@@ -77,7 +77,7 @@ const step = (from: number, to: number, x: number) => {
 function exposureFor(sun: Rgb, sky: Rgb, elevation_deg: number, snow: number): number {
   const level = Math.max(0.22, Math.sin(Math.max(0, elevation_deg) * DEG));
   const light = 0.55 * brightness(sun) * level + brightness(sky);
-  return Math.min(4.5, 1.12 * (2.1 / light) ** 0.74) * (1 - 0.3 * snow);
+  return Math.min(3.6, 1.12 * (2.1 / light) ** 0.66) * (1 - 0.3 * snow);
 }
 
 /** Everything about the light of one moment; some milliseconds. */

@@ -31,7 +31,7 @@ export const SEASON_LOOKS: Record<Season, SeasonLook> = {
     snow: 0,
     mist: 0.8,
     grass: [0.62, 1.12, 0.5],
-    litter: [0.5, 0.52, 0.45],
+    litter: [0.4, 0.44, 0.4],
     fallen: 0.1,
     woods: [
       [0.15, 0.26, 0.05],
@@ -46,7 +46,7 @@ export const SEASON_LOOKS: Record<Season, SeasonLook> = {
     snow: 0,
     mist: 0.6,
     grass: [0.52, 0.8, 0.42],
-    litter: [0.46, 0.44, 0.36],
+    litter: [0.34, 0.38, 0.33],
     fallen: 0.06,
     woods: [
       [0.06, 0.13, 0.03],
