@@ -23,6 +23,7 @@ from server import (
     job_routes,
     jobs,
     metrics,
+    notices,
     revising,
     species,
     species_routes,
@@ -71,7 +72,12 @@ def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
         app.state.metrics.registry.register(ServiceCollector(service))
         tasks = [
             asyncio.create_task(work)
-            for work in (Supervisor(service).run(), app.state.feed.run(), species.register(service))
+            for work in (
+                Supervisor(service).run(),
+                app.state.feed.run(),
+                species.register(service),
+                asyncio.to_thread(notices.tell, settings),
+            )
         ]
         try:
             yield
