@@ -1,0 +1,158 @@
+"""What a build hands out early, and what becomes of the files that it replaces."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import timedelta
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select, update
+
+from precompute import table as table_format
+from precompute.build_types import BuildOptions, BuildResult
+from server.build_job import Order, publish_result
+from server.database import Sessions, migrate, open_database
+from server.jobs import add_job
+from server.leases import claim
+from server.models import Job, Retired, Tree, utc_now
+from server.publishing import Publisher
+from server.reporting import Mandate
+from server.retired import referenced, sweep
+from server.storage import Stores
+
+POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
+MESH = b"glTF of the tree"
+
+
+class Build:
+    """A tree with a job that is under way, in a database and stores of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        url = f"sqlite:///{folder / 'galewood.sqlite'}"
+        migrate(url)
+        self.sessions: Sessions = open_database(url)
+        self.stores = Stores(folder)
+        with self.sessions.begin() as session:
+            session.add(Tree(id="t", name="t", filename="t.obj", source_sha256=self.stores.sources.put(b"t")))
+        self.next()
+
+    def next(self) -> None:
+        """Another job, claimed."""
+        with self.sessions.begin() as session:
+            add_job(session, session.get_one(Tree, "t"), "build", {})
+            claimed = claim(session, "here", ("build",), 60)
+        assert claimed
+        self.mandate = Mandate(self.sessions, *claimed)
+        self.publish = Publisher(self.mandate, self.stores)
+
+    def table(self, height_m: float) -> bytes:
+        """A table of the mesh, different for each height."""
+        pole = table_format.decode(POLE)
+        mesh_sha256 = self.stores.meshes.put(MESH)
+        metadata = {**pole.metadata, "height_m": height_m, "mesh_sha256": mesh_sha256}
+        return table_format.encode(replace(pole, metadata=metadata))
+
+    def finish(self, table: bytes) -> None:
+        order = Order("t", b"", "t.obj", BuildOptions(), "fingerprint")
+        publish_result(self.mandate, self.stores, order, BuildResult(table, MESH, {}), b"model")
+
+    @property
+    def tree(self) -> Tree:
+        with self.sessions() as session:
+            tree = session.get_one(Tree, "t")
+            assert tree.jobs
+            return tree
+
+    def sweep(self, grace_s: float = -1.0) -> int:
+        return sweep(self.sessions, self.stores, grace_s)
+
+
+@pytest.fixture
+def build(tmp_path: Path) -> Build:
+    return Build(tmp_path)
+
+
+def test_the_early_table_plays_until_the_full_one_replaces_it(build: Build) -> None:
+    early, full = build.table(3.0), build.table(4.0)
+    build.publish("render.glb", MESH)
+    assert build.tree.state == "building" and build.stores.meshes.get(build.tree.mesh_sha256) == MESH
+    build.publish("early.table", early)
+    assert build.tree.state == "preliminary"
+    old = build.tree.table_sha256
+    assert build.stores.tables.get(old) == early
+    build.finish(full)
+    assert build.tree.state == "ready" and build.stores.tables.get(build.tree.table_sha256) == full
+    assert build.stores.models.get(build.tree.model_sha256) == b"model"
+    assert build.stores.tables.has(old)  # somebody may be fetching it
+    assert build.sweep(grace_s=600) == 0 and build.stores.tables.has(old)
+    assert build.sweep() == 1 and not build.stores.tables.has(old)
+    assert build.stores.tables.has(build.tree.table_sha256)
+
+
+def test_an_early_table_does_not_take_the_place_of_a_full_one(build: Build) -> None:
+    build.finish(build.table(4.0))
+    full = build.tree.table_sha256
+    build.next()
+    build.publish("early.table", build.table(3.0))
+    assert build.tree.table_sha256 == full and build.tree.state == "ready"
+    build.sweep()
+    assert list(build.stores.tables.names()) == [full]
+
+
+def test_an_early_table_takes_the_place_of_one_that_no_reader_knows(build: Build) -> None:
+    with build.sessions.begin() as session:
+        session.execute(update(Tree).values(table_sha256=build.stores.tables.put(b"of another age")))
+    early = build.table(3.0)
+    build.publish("early.table", early)
+    assert build.stores.tables.get(build.tree.table_sha256) == early
+
+
+def test_pictures_are_named_with_what_they_show(build: Build) -> None:
+    build.publish("skeleton.png", b"a picture")
+    build.publish("skeleton.png", b"a better one")
+    build.publish("tetrahedra.png", b"another")
+    pictures = build.tree.job.pictures
+    assert {name: build.stores.pictures.get(sha256) for name, sha256 in pictures.items()} == {
+        "skeleton.png": b"a better one",
+        "tetrahedra.png": b"another",
+    }
+
+
+def test_a_build_whose_lease_is_gone_publishes_nothing(build: Build) -> None:
+    with build.sessions.begin() as session:
+        session.execute(update(Job).values(lease="another's"))
+    build.publish("early.table", build.table(3.0))
+    build.publish("skeleton.png", b"a picture")
+    build.finish(build.table(4.0))
+    assert build.tree.table_sha256 is None and build.tree.job.pictures == {}
+    assert build.tree.job.state == "running"
+
+
+def test_a_replaced_table_stays_while_a_comparison_needs_it(build: Build) -> None:
+    build.finish(build.table(3.0))
+    old = build.tree.table_sha256
+    with build.sessions.begin() as session:
+        tree = session.get_one(Tree, "t")
+        study = add_job(session, tree, "comparison", {"table_sha256": old, "model_sha256": tree.model_sha256})
+    build.next()
+    build.finish(build.table(4.0))
+    assert build.sweep() == 0 and build.stores.tables.has(old)
+    with build.sessions.begin() as session:
+        session.get_one(Job, study.id).state = "done"
+    assert build.sweep() == 1 and not build.stores.tables.has(old)
+
+
+def test_a_file_that_two_trees_name_stays_when_one_lets_go(build: Build) -> None:
+    build.finish(build.table(3.0))
+    shared = build.tree.table_sha256
+    with build.sessions.begin() as session:
+        session.add(Tree(id="u", name="u", filename="u.obj", source_sha256="0" * 64, table_sha256=shared))
+    build.next()
+    build.finish(build.table(4.0))
+    build.sweep()
+    assert build.stores.tables.has(shared)
+    with build.sessions() as session:
+        assert referenced(session)["tables"] == {shared, build.tree.table_sha256}
+        late = utc_now() + timedelta(days=1)
+        assert not session.scalars(select(Retired).where(Retired.retired_at < late)).all()
