@@ -9,7 +9,7 @@ import { chooseSpecies, placeTrees } from "./planting";
 import type { Season } from "./season";
 import { SpeciesForest, type SpeciesOptions } from "./speciesForest";
 import { INSTANCE_FLOATS, makeStand, retint, type Stand } from "./stand";
-import type { TreeModel } from "./treeMesh";
+import { disposeModel, type TreeModel } from "./treeMesh";
 import { pickTree } from "./treePick";
 
 /** A species that the forest may plant; without a model its places stay free. */
@@ -98,7 +98,14 @@ export class Forest {
     });
     const kept = new Set(this.all.map(({ forest }) => forest));
     for (const { forest } of before) if (!kept.has(forest)) forest.dispose();
+    this.freeModels(before);
     this.moving = this.all.filter(({ forest }) => forest.motion);
+  }
+
+  /** What no tree is drawn with any longer need not stay on the graphics card. */
+  private freeModels(before: readonly MovingGroup[]): void {
+    const used = new Set(this.all.map(({ forest }) => forest.model));
+    for (const { model } of before.map(({ forest }) => forest)) if (!used.has(model)) disposeModel(model);
   }
 
   private serves(forest: SpeciesForest, { model, motion }: PlantedGroup): boolean {
@@ -172,8 +179,10 @@ export class Forest {
   }
 
   clear(): void {
-    for (const { forest } of this.all) forest.dispose();
+    const before = this.all;
+    for (const { forest } of before) forest.dispose();
     this.all = [];
+    this.freeModels(before);
     this.moving = [];
   }
 }

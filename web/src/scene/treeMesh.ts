@@ -141,3 +141,11 @@ export async function readTreeModel(bytes: ArrayBuffer): Promise<TreeModel> {
   for (const mesh of meshes) mesh.geometry.dispose();
   return { parts, height_m: high.y, radius_m };
 }
+
+/** Frees the textures of a model on the graphics card; one that is drawn again after all sends them again. */
+export function disposeModel({ parts }: TreeModel): void {
+  for (const { material } of parts) {
+    for (const texture of [material.map, material.normalMap]) texture?.dispose();
+    material.dispose();
+  }
+}
