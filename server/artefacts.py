@@ -51,14 +51,14 @@ def _file(
     if ranges is not None and not _RANGE.fullmatch(ranges):
         raise ProblemError(400, "bad-range", "The Range header cannot be read", hint="Send bytes=FIRST-LAST.")
     # a range is of the plain bytes, so that whoever asks for one need not know of compression
-    coding = None if ranges is not None else coding_of(request.headers.get("accept-encoding", ""))
-    etag = f'"{sha256}-{coding}"' if coding else f'"{sha256}"'
+    coding = coding_of(request.headers.get("accept-encoding", "")) if kind == "table" and not ranges else None
+    folder = service.settings.cache_dir / "encoded"
+    path = encoded_file(folder, sha256, coding, lambda: store.get(sha256)) if coding else None
+    etag = f'"{sha256}-{coding}"' if path else f'"{sha256}"'
     headers = {"ETag": etag, "Cache-Control": FOREVER, "Vary": "Accept-Encoding"}
     if matches(request.headers.get("if-none-match", ""), etag):
         return Response(status_code=304, headers=headers)
-    if coding is None:
+    if path is None or coding is None:
         return FileResponse(store.path(sha256), media_type=media_type, headers=headers)
     headers["Content-Encoding"] = coding
-    folder = service.settings.cache_dir / "encoded"
-    path = encoded_file(folder, sha256, coding, lambda: store.get(sha256))
     return FileResponse(path, media_type=media_type, headers=headers)

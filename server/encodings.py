@@ -1,10 +1,12 @@
-"""Compressed copies of immutable files, made once, on the first request that can take one, and kept."""
+"""Compressed copies of immutable files, made once, after the first request that could take one, and kept."""
 
 from __future__ import annotations
 
 import gzip
+import logging
 import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Literal
 
@@ -14,9 +16,11 @@ from server.storage import write_atomically
 
 Coding = Literal["zstd", "gzip"]
 PREFERRED: tuple[Coding, ...] = ("zstd", "gzip")
-ZSTD_LEVEL, GZIP_LEVEL = 15, 9
-_locks: dict[str, threading.Lock] = {}
-_locks_lock = threading.Lock()
+ZSTD_LEVEL, GZIP_LEVEL = 12, 6
+_lock = threading.Lock()
+_under_way: set[Path] = set()
+_compressor = ThreadPoolExecutor(1, thread_name_prefix="compress")
+log = logging.getLogger("galewood.encodings")
 
 
 def coding_of(accept_encoding: str) -> Coding | None:
@@ -38,27 +42,31 @@ def _weight(part: str) -> tuple[str, float]:
         return name.strip(), 0.0
 
 
-def encoded_file(folder: Path, sha256: str, coding: Coding, read: Callable[[], bytes]) -> Path:
-    """The compressed copy of a file, made now if it is not there; `read` gives the plain bytes."""
+def encoded_file(folder: Path, sha256: str, coding: Coding, read: Callable[[], bytes]) -> Path | None:
+    """The compressed copy of a file. None if it is not there yet: it is begun, and the plain bytes
+    do for this once, as nobody should wait for it. `read` gives the plain bytes."""
     target = folder / coding / sha256[:2] / sha256
-    with _lock_of(f"{coding}-{sha256}"):
-        if not target.is_file():
-            write_atomically(target, _compress(read(), coding))
-    return target
+    if target.is_file():
+        return target
+    with _lock:
+        begin = target not in _under_way
+        _under_way.add(target)
+    if begin:
+        _compressor.submit(_make, target, coding, read)
+    return None
 
 
-def forget_encoded(folder: Path, sha256: str) -> None:
-    """Remove the compressed copies of a file."""
-    for coding in PREFERRED:
-        (folder / coding / sha256[:2] / sha256).unlink(missing_ok=True)
+def _make(target: Path, coding: Coding, read: Callable[[], bytes]) -> None:
+    try:
+        write_atomically(target, _compress(read(), coding))
+    except OSError as error:  # no room, or the file was removed meanwhile: the next request tries again
+        log.warning("no compressed copy of %s: %s", target.name, error)
+    finally:
+        with _lock:
+            _under_way.discard(target)
 
 
 def _compress(data: bytes, coding: Coding) -> bytes:
     if coding == "zstd":
         return zstandard.ZstdCompressor(level=ZSTD_LEVEL).compress(data)
     return gzip.compress(data, GZIP_LEVEL, mtime=0)
-
-
-def _lock_of(name: str) -> threading.Lock:
-    with _locks_lock:
-        return _locks.setdefault(name, threading.Lock())
