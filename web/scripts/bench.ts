@@ -19,6 +19,7 @@ import { measureStart } from "./bench/start";
 import { measureWorker } from "./bench/worker";
 
 const { values } = parseArgs({
+  args: process.argv.slice(3), // after node, the runner and this file
   options: {
     base: { type: "string" },
     data: { type: "string", default: process.env.GALEWOOD_DATA_DIR ?? "data" },
