@@ -21,7 +21,10 @@ from tests.server.test_jobs import gone, state
 from tests.server.test_real_build import assert_compares, begin, follow, sampling
 
 SCHEDULER = os.environ.get("GALEWOOD_TEST_SCHEDULER", "")
-pytestmark = pytest.mark.skipif(not SCHEDULER, reason="run by make test-distributed")
+pytestmark = [
+    pytest.mark.skipif(not SCHEDULER, reason="run by make test-distributed"),
+    pytest.mark.timeout(1800),
+]
 
 
 def runs(environment: dict[str, str]) -> dict[str, Any]:

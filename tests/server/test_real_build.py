@@ -101,7 +101,8 @@ def idle(server: Server) -> bool:
     return busy < 30 and trajectories(server) == before
 
 
-def test_an_upload_becomes_a_streamed_tree_though_worker_and_cluster_die(
+@pytest.mark.timeout(1800)
+def test_an_upload_becomes_a_streamed_tree_though_worker_cluster_and_server_die(
     server: Server, api: httpx.Client
 ) -> None:
     tree, job = begin(api, 4.0)
