@@ -89,7 +89,11 @@ class Server:
                 [sys.executable, "-m", self.module, *arguments],
                 env=self.variables(), cwd=REPOSITORY, stdout=log, stderr=log,
             )  # fmt: skip
-        wait_until(self._answers, 180)
+        try:
+            wait_until(self._answers, 300)
+        except AssertionError:
+            self.stop()
+            raise
         return self
 
     def _answers(self) -> bool:
