@@ -1,0 +1,37 @@
+"""The small picture of a tree: what is drawn where, and in which colours."""
+
+import io
+
+import numpy as np
+from PIL import Image
+
+from precompute.intake_types import RawPart
+from precompute.thumbnail import SIDE_PX, draw
+
+SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
+FACES = np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def part(label: str, low, high, z: float = 0.0) -> RawPart:
+    """A rectangle that faces the viewer."""
+    flat = np.array(low) + SQUARE * (np.array(high) - np.array(low))
+    return RawPart((label,), np.column_stack([flat, np.full(4, z)]), FACES)
+
+
+def pixels(*parts: RawPart) -> np.ndarray:
+    return np.asarray(Image.open(io.BytesIO(draw(list(parts)))).convert("RGBA"), dtype=int)
+
+
+def test_a_trunk_and_a_crown_are_where_they_stand():
+    picture = pixels(part("wood_0", (-0.1, 0), (0.1, 2)), part("leaves_0", (-1, 2), (1, 4)))
+    assert picture.shape == (SIDE_PX, SIDE_PX, 4)
+    trunk, crown, beside = picture[200, 128], picture[64, 128], picture[200, 20]
+    assert trunk[3] == crown[3] == 255 and beside[3] == 0
+    assert trunk[0] > trunk[1] > trunk[2] and crown[1] > crown[0] > crown[2]
+
+
+def test_what_is_nearer_hides_what_is_behind():
+    wood, leaves = part("wood_0", (0, 0), (1, 1), z=1.0), part("leaves_0", (0, 0), (1, 1), z=-1.0)
+    for order in ((wood, leaves), (leaves, wood)):
+        middle = pixels(*order)[128, 128]
+        assert middle[0] > middle[1] > middle[2]
