@@ -66,7 +66,7 @@ class Card {
 }
 
 function paintCrown(card: Card, shape: number): void {
-  card.limb(0, 0, 0, 0.5, 0.016, 40 + shape);
+  for (let y = 0; y < 0.3; y += 0.004) card.disc(0, y, 0.014, 0.5, 1); // the trunk; limbs are hidden by leaves
   const puffs = Array.from({ length: 1100 }, (_, i) => {
     const at = (channel: number) => hashUnit(90 + shape, i, channel);
     const y = 0.14 + 0.84 * at(0);
