@@ -11,11 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import KDTree
+import scipy.sparse
 
+from precompute.binding import render_binding
 from precompute.dynamics import FemModel, Simulator
 from precompute.evaluate import METHODS, played
 from precompute.evaluate_measure import hausdorff
+from precompute.evaluate_source import tets_of
+from precompute.intake_types import TreeMesh
 from precompute.table import Table
 from precompute.wind import (
     WindField,
@@ -61,13 +64,36 @@ class Comparison:
     left_out: Floats  # (frames,) of the true motion, what no q of this table can show, over the height
 
 
+def nodes_on_wood(table: Table, model: FemModel, tree: TreeMesh) -> scipy.sparse.csr_matrix:
+    """(n, N) weights that make the table's nodes of the model's vertices.
+
+    A node is the mean of the render vertices that it stands for, which hang on the wood as they did when the
+    table was built.
+    """
+    label = table.vertex_node.astype(np.int64)
+    count = np.bincount(label, minlength=len(table.node_rest_m))
+    mean = scipy.sparse.csr_matrix(
+        (1.0 / count[label], (label, np.arange(len(label)))), shape=(len(count), len(label))
+    )
+    return scipy.sparse.csr_matrix(mean @ render_binding(tree, tets_of(model)))
+
+
 def compare_methods(
-    table: Table, model: FemModel, wind: WindState, place: Place, frames: int, tick: Tick
+    table: Table,
+    model: FemModel,
+    nodes: scipy.sparse.csr_matrix,
+    wind: WindState,
+    place: Place,
+    frames: int,
+    tick: Tick,
 ) -> Comparison:
-    """Play a wind at a place. ``tick`` hears the share done and may raise to stop."""
+    """Play a wind at a place, ``nodes`` as from ``nodes_on_wood``.
+
+    ``tick`` hears the share done and may raise to stop.
+    """
     pressure_pa = pressure_at(table, wind, place, frames)
     rest_m, height_m = table.node_rest_m.astype(np.float64), float(table.metadata["height_m"])
-    truth = _simulate(model, rest_m, pressure_pa, lambda share: tick(0.8 * share, "Simulating"))
+    truth = _simulate(model, nodes, pressure_pa, lambda share: tick(0.8 * share, "Simulating"))
     basis = table.node_basis.astype(np.float64).reshape(-1, len(table.mode_scale))
     seen = np.asarray(np.linalg.lstsq(basis, truth.reshape(frames, -1).T, rcond=None)[0].T, np.float64)
     q, errors = {"fem": seen}, {}
@@ -99,15 +125,17 @@ def pressure_at(table: Table, wind: WindState, place: Place, frames: int) -> Flo
     return np.stack(own, axis=1)
 
 
-def _simulate(model: FemModel, rest_m: Floats, pressure_pa: Floats, tick: Callable[[float], None]) -> Floats:
-    """(frames, n, 3) displacements of the model's vertices nearest to the table's nodes at rest (n, 3)."""
-    _, nearest = KDTree(model.nodes_m[: model.vertex_count]).query(rest_m)
+def _simulate(
+    model: FemModel, nodes: scipy.sparse.csr_matrix, pressure_pa: Floats, tick: Callable[[float], None]
+) -> Floats:
+    """(frames, n, 3) displacements of the nodes (n, N) of the model's vertices."""
     simulator, frames = Simulator(model), len(pressure_pa)
-    track = np.empty((frames, len(rest_m), 3))
+    at_rest = nodes @ simulator.u[: model.vertex_count]
+    track = np.empty((frames, len(at_rest), 3))
     for frame, pressure in enumerate(pressure_pa):
         tick(frame / frames)
         simulator.step(pressure)
-        track[frame] = simulator.u[nearest]
+        track[frame] = nodes @ simulator.u[: model.vertex_count]
     return track
 
 

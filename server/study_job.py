@@ -9,8 +9,10 @@ import msgpack
 import numpy as np
 
 from precompute.dynamics import FemModel, load_model
+from precompute.intake_process import run_intake
+from precompute.intake_types import IntakeOptions, TreeMesh
 from precompute.table import Table, decode
-from precompute.tracks import Comparison, Place, compare_methods
+from precompute.tracks import Comparison, Place, compare_methods, nodes_on_wood
 from precompute.wind import parse_wind_or_state
 from server.jobs import end_job
 from server.models import Job, JobKind
@@ -47,9 +49,17 @@ def _compare(
         reporter.tell("comparing", share, message)
 
     wind = parse_wind_or_state(request["wind"])
-    found = compare_methods(table, model, wind, place, request["frames"], tick)
+    nodes = nodes_on_wood(table, model, _mesh_of(table, stores))
+    found = compare_methods(table, model, nodes, wind, place, request["frames"], tick)
     sha256 = stores.results.put(pack(found, table))
     _finish(mandate, result=figures(found), result_sha256=sha256)
+
+
+def _mesh_of(table: Table, stores: Stores) -> TreeMesh:
+    """The tree whose vertices the table's nodes stand for."""
+    metadata = table.metadata
+    options = IntakeOptions(species=metadata["species"], height_m=float(metadata["height_m"]), up_axis="y")
+    return run_intake(stores.meshes.get(metadata["mesh_sha256"]), "tree.glb", options)[0]
 
 
 def _finish(mandate: Mandate, **values: Any) -> None:

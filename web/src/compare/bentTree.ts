@@ -4,6 +4,7 @@ import {
   BufferGeometry,
   Color,
   DoubleSide,
+  FrontSide,
   Group,
   type Material,
   Mesh,
@@ -126,7 +127,7 @@ function solidMaterial({ material, kind }: TreePart): Material {
     map: material.map,
     color: leaves ? 0xd7c9a0 : 0xd9cbb8,
     vertexColors: true,
-    side: leaves ? DoubleSide : undefined,
+    side: leaves ? DoubleSide : FrontSide,
     alphaTest: leaves && material.map ? 0.42 : 0,
   });
 }
