@@ -1,6 +1,6 @@
 /** The REST interface of the server, as this page uses it. */
 
-export type TreeState = "uploaded" | "building" | "ready" | "failed";
+export type TreeState = "uploaded" | "building" | "preliminary" | "ready" | "failed";
 export type JobState = "queued" | "running" | "done" | "failed" | "cancelled";
 
 export interface Tree {
