@@ -59,13 +59,35 @@ export async function problemFrom(response: Response): Promise<Problem> {
   return new Problem(title, hint, response.status);
 }
 
-/** Asks the server; a refusal or no answer is a Problem. */
-export async function ask(path: string, init?: RequestInit): Promise<Response> {
-  let response: Response;
+/** Where requests get the server's key from: the one that is known, and one that the visitor is asked for. */
+export interface KeyRing {
+  known(): string | null;
+  ask(): Promise<string | null>;
+}
+
+let keys: KeyRing = { known: () => null, ask: async () => null };
+
+export function useKeys(ring: KeyRing): void {
+  keys = ring;
+}
+
+async function send(path: string, init: RequestInit | undefined, key: string | null): Promise<Response> {
+  const headers = new Headers(init?.headers);
+  if (key) headers.set("authorization", `Bearer ${key}`);
   try {
-    response = await fetch(path, init);
+    return await fetch(path, { ...init, headers });
   } catch {
     throw new Problem("The server cannot be reached.", "Check that it is running, then try again.");
+  }
+}
+
+/** Asks the server; a refusal or no answer is a Problem. Only what changes something is sent with a key. */
+export async function ask(path: string, init?: RequestInit): Promise<Response> {
+  const writes = init?.method !== undefined && init.method !== "GET";
+  let response = await send(path, init, writes ? keys.known() : null);
+  if (response.status === 401) {
+    const key = await keys.ask();
+    if (key) response = await send(path, init, key);
   }
   if (!response.ok) throw await problemFrom(response);
   return response;

@@ -1,5 +1,5 @@
 /** The page: binds stage, forest, worker, catalogue and panel, and runs the frame loop. */
-import type { TreeChange } from "./api";
+import { type TreeChange, useKeys } from "./api";
 import { Catalogue } from "./catalogue";
 import type { Candidate, CompareView } from "./compare/compareView";
 import { ForestClient } from "./forestClient";
@@ -17,6 +17,7 @@ import { adoptPlanting, plantingOf, sharedFrom, withShared } from "./shared";
 import { meanCrownDisplacement_m } from "./sway";
 import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
+import { askForKey, keptKey } from "./ui/keyDialog";
 import { Panel, type SettingKey } from "./ui/panel";
 import { PickedCard } from "./ui/pickedCard";
 import { ProgressCards } from "./ui/progress";
@@ -70,6 +71,7 @@ export class App {
     readonly settings: Settings,
     private readonly defaults: Settings,
   ) {
+    useKeys({ known: keptKey, ask: askForKey });
     this.from_s = momentFrom(location.search).time_s ?? 0;
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
     this.forest = new Forest(this.speciesOptions());
