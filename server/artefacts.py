@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, Response
 
 from server.context import Service, ServiceHere
-from server.encodings import coding_of, encoded_file
+from server.encodings import PREFERRED, coding_of, encoded_file
 from server.errors import ProblemError, not_found, problems
 from server.etags import NOT_MODIFIED, matches
 from server.storage import FileStore
@@ -56,7 +56,10 @@ def _file(
     path = encoded_file(folder, sha256, coding, lambda: store.get(sha256)) if coding else None
     etag = f'"{sha256}-{coding}"' if path else f'"{sha256}"'
     headers = {"ETag": etag, "Cache-Control": FOREVER, "Vary": "Accept-Encoding"}
-    if matches(request.headers.get("if-none-match", ""), etag):
+    # the bytes never change, so whoever holds them in any coding holds them: the compressed file may
+    # have been made between two requests of one client
+    held = request.headers.get("if-none-match", "")
+    if any(matches(held, f'"{sha256}{end}"') for end in ("", *(f"-{known}" for known in PREFERRED))):
         return Response(status_code=304, headers=headers)
     if path is None or coding is None:
         return FileResponse(store.path(sha256), media_type=media_type, headers=headers)

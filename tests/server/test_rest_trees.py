@@ -180,6 +180,13 @@ def test_tables_come_compressed_and_each_form_has_its_tag(api: httpx.Client, ser
     assert head.headers["content-length"] == str(len(raw["identity"])) and not head.content
 
 
+def test_who_holds_the_plain_bytes_is_told_so_after_they_were_compressed(api: httpx.Client) -> None:
+    path = f"/api/tables/{built(api, b'held plain')['table_sha256']}"
+    plain = api.get(path, headers={"Accept-Encoding": "identity"}).headers["etag"]
+    wait_until(lambda: _coding(api, path, "gzip") == "gzip", 60)
+    assert api.get(path, headers={"Accept-Encoding": "gzip", "If-None-Match": plain}).status_code == 304
+
+
 def _coding(api: httpx.Client, path: str, accepted: str) -> str:
     answer = api.get(path, headers={"Accept-Encoding": accepted})
     assert answer.content and answer.status_code == 200
