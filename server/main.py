@@ -16,6 +16,7 @@ from fastapi import FastAPI
 from server import (
     artefacts,
     comparisons,
+    docs_page,
     errors,
     events,
     health,
@@ -87,12 +88,13 @@ def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
             await asyncio.gather(*tasks, return_exceptions=True)
             lock.close()
 
-    app = FastAPI(title="Galewood", version=VERSION, lifespan=lifespan)
+    app = FastAPI(title="Galewood", version=VERSION, lifespan=lifespan, docs_url=None, redoc_url=None)
     app.state.metrics = counted = Metrics(VERSION)
     errors.install(app)
     for module in ROUTES:
         app.include_router(module.router)
     describe(app)
+    docs_page.install(app)
     app.mount("/", Page(settings.page_dir))
     # the last added is the first to see a request
     app.add_middleware(Doors, settings=settings, metrics=counted)
