@@ -39,6 +39,6 @@ test("an upload is shown as it was understood, can be put right, and leaves no t
   await dialog.getByRole("button", { name: "Remove it" }).click();
   await expect(dialog).toHaveCount(0);
   await expect
-    .poll(async () => (await (await page.request.get("/api/trees")).text()).includes("shown-tree"))
+    .poll(async () => (await (await page.request.get(`${process.env.BASE_URL}/api/trees`)).text()).includes("shown-tree"))
     .toBe(false);
 });

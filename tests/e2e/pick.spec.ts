@@ -1,6 +1,8 @@
 import { expect, forest, frames, open, SMALL, test } from "./forest";
 
 test("a click picks the tree under it; its figures follow its motion, the camera follows the tree", async ({ page }) => {
+  // Wide enough for the card of the picked tree to stand beside the middle.
+  await page.setViewportSize({ width: 760, height: 428 });
   await open(page, `${SMALL.replace("trees=6", "trees=20")}&speed=14`);
   await forest(page);
   // Some tree of the first view, then a close look at it.
@@ -18,7 +20,7 @@ test("a click picks the tree under it; its figures follow its motion, the camera
   }, found);
   await frames(page, 2);
   const canvas = page.locator("#view");
-  await canvas.click({ position: { x: 160, y: 90 } });
+  await canvas.click({ position: { x: 380, y: 214 } });
   const picked = await page.evaluate(() => window.galewood!.picked);
   expect(picked).toMatchObject({ id: found.id, treeId: found.treeId, moves: true });
   expect(picked!.distance_m).toBeGreaterThan(1);
@@ -26,9 +28,9 @@ test("a click picks the tree under it; its figures follow its motion, the camera
   await expect.poll(() => page.evaluate(() => window.galewood!.picked!.coverage)).toBeGreaterThan(0);
   await expect.poll(() => page.evaluate(() => window.galewood!.picked!.tip_m)).toBeGreaterThan(0.02);
   // Dragging the view is no click.
-  await page.mouse.move(100, 90);
+  await page.mouse.move(420, 214);
   await page.mouse.down();
-  await page.mouse.move(160, 90, { steps: 3 });
+  await page.mouse.move(480, 214, { steps: 3 });
   await page.mouse.up();
   expect(await page.evaluate(() => window.galewood!.picked!.id)).toBe(found.id);
   // Followed, the tree comes to the middle from wherever the camera looks.

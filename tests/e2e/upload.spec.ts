@@ -4,6 +4,7 @@ import { expect, forest, open, SMALL, sway_m, test } from "./forest";
 const panelled = SMALL.replace("panel=0", "panel=1");
 
 test("a broken file is refused in words", async ({ page, quiet }) => {
+  await page.setViewportSize({ width: 640, height: 480 });
   await open(page, `${panelled}&speed=5`);
   const file = { name: "tree.glb", mimeType: "model/gltf-binary", buffer: Buffer.from("this is no tree") };
   await page.setInputFiles("#file", file);

@@ -95,6 +95,8 @@ export class PickedCard {
     const none: Record<string, string> = {};
     const found = tree.job_id ? await jobPictures(tree.job_id).catch(() => none) : none;
     if (this.shownId !== tree.id || !tree.job_id) return;
+    // picked, let go and picked again while the answer was under way: two answers, one set of pictures
+    this.pictures.replaceChildren();
     for (const [name, sha256] of Object.entries(found)) {
       if (!(name in PICTURES)) continue;
       const link = make("a");
