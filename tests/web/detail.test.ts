@@ -1,16 +1,19 @@
 import { describe, expect, test } from "vitest";
-import { componentCentres, connectedComponents, weldedComponents } from "../../web/src/scene/components";
+import { componentCentres, connectedComponents, holders, weldedComponents } from "../../web/src/scene/components";
 import {
   branchBases,
+  grownLeaf,
   LEVEL_SHARES,
   leafGrowth,
   leafRanks,
   levelFor,
+  MOST_GROWTH,
   pieceSize,
   rankedIndex,
   shareAt,
   woodRanks,
 } from "../../web/src/scene/detail";
+import { seededRandom } from "./seeded";
 import { leafReach, openness, roundNormals } from "../../web/src/scene/foliage";
 
 /** `count` separate quads, the k-th of side 1 + k/count, standing at x = 10 k. */
@@ -66,10 +69,39 @@ describe("levels of detail", () => {
   });
 
   test("the crown's area stays while leaves go, as long as they may grow", () => {
-    for (const share of [1, 0.7, 0.45, 0.2, 0.07]) {
+    for (const share of [1, 0.7, 0.45, 0.25, 0.18]) {
       const area = Array.from({ length: 5000 }, (_, k) => (pieceSize(k / 5000, share) * leafGrowth(share)) ** 2);
       expect(area.reduce((a, b) => a + b) / 5000).toBeCloseTo(1, 0);
     }
+  });
+
+  test("leaves that stay grow about their own middle, evenly, and by no more than they may", () => {
+    const random = seededRandom(5);
+    for (let k = 0; k < 300; k++) {
+      const point = () => [random() - 0.5, random() - 0.5, random() - 0.5];
+      const [a, b] = [point(), point()];
+      const corners = [point(), point(), point(), point()].map((p, i) => p.map((x, axis) => x + 3 * (i & 1 ? a : b)[axis]));
+      const middle = [0, 1, 2].map((axis) => corners.reduce((sum, c) => sum + c[axis], 0) / 4);
+      const share = 0.02 + 0.98 * random();
+      const rank = random() * share;
+      const grown = corners.map((corner) => grownLeaf(corner, middle, rank, share));
+      const edges = (of: number[][]) => of.map((c, i) => Math.hypot(...c.map((x, axis) => x - of[(i + 1) % 4][axis])));
+      const factors = edges(grown).map((edge, i) => edge / edges(corners)[i]);
+      for (const factor of factors) {
+        expect(factor).toBeCloseTo(factors[0], 9);
+        expect(factor).toBeLessThanOrEqual(MOST_GROWTH + 1e-9);
+      }
+      const moved = [0, 1, 2].map((axis) => grown.reduce((sum, c) => sum + c[axis], 0) / 4);
+      moved.forEach((x, axis) => expect(x).toBeCloseTo(middle[axis], 9));
+    }
+    expect(MOST_GROWTH).toBeLessThanOrEqual(2.5);
+  });
+
+  test("a card hangs on one node; leaves that are one large piece keep a node for each vertex", () => {
+    const { pieces } = quads(3);
+    expect([...holders(pieces)]).toEqual([0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8]);
+    const sheet = connectedComponents(Array.from({ length: 60 }, (_, i) => Math.floor(i / 3) + (i % 3)), 22);
+    expect([...holders(sheet)]).toEqual(Array.from({ length: 22 }, (_, v) => v));
   });
 
   test("the level does not flicker where two meet", () => {

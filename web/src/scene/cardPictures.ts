@@ -67,16 +67,20 @@ class Card {
 
 function paintCrown(card: Card, shape: number): void {
   for (let y = 0; y < 0.3; y += 0.004) card.disc(0, y, 0.014, 0.5, 1); // the trunk; limbs are hidden by leaves
-  const puffs = Array.from({ length: 1100 }, (_, i) => {
+  const puffs = Array.from({ length: 1700 }, (_, i) => {
     const at = (channel: number) => hashUnit(90 + shape, i, channel);
     const y = 0.14 + 0.84 * at(0);
     const side = at(1) < 0.5 ? -1 : 1;
     // A ragged outline: boughs reach out at some heights and leave gaps at others.
-    const reach = 0.8 + 0.28 * Math.sin(23 * y + 2.1 * side + shape) + 0.14 * Math.sin(57 * y - side);
+    const reach =
+      0.78 +
+      0.2 * Math.sin(23 * y + 2.1 * side + shape) +
+      0.16 * Math.sin(57 * y - side) +
+      0.22 * (at(6) - 0.5);
     const x = side * Math.sqrt(at(5)) * SHAPES[shape](y) * reach;
     // Clumps: light above, dark in the gaps below.
     const clump = 0.5 + 0.5 * Math.sin(26 * x + 3 * shape) * Math.cos(31 * y + 9 * x);
-    return { x, y, radius: 0.009 + 0.017 * at(2), light: 0.12 + 0.22 * y + 0.34 * clump + 0.3 * at(3) };
+    return { x, y, radius: 0.007 + 0.013 * at(2), light: 0.12 + 0.22 * y + 0.34 * clump + 0.3 * at(3) };
   });
   puffs.sort((a, b) => a.light - b.light);
   for (const { x, y, radius, light } of puffs) {

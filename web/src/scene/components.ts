@@ -86,3 +86,17 @@ export function componentRadii(
   });
   return radii;
 }
+
+/** More vertices than this are no leaf that can hang on a single point. */
+const MOST_OF_LEAF = 16;
+
+/** The first vertex of each small piece for all of its vertices; those of a large piece keep to themselves. */
+export function holders({ ofVertex, count }: Components): Uint32Array {
+  const first = new Int32Array(count).fill(-1);
+  const sizes = new Uint32Array(count);
+  ofVertex.forEach((piece, v) => {
+    if (first[piece] < 0) first[piece] = v;
+    sizes[piece]++;
+  });
+  return ofVertex.map((piece, v) => (sizes[piece] > MOST_OF_LEAF ? v : first[piece]));
+}

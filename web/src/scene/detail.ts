@@ -6,14 +6,14 @@ import { hashUnit } from "../math/random";
 import { type Components, componentCentres, componentRadii } from "./components";
 
 /** Levels of detail: prefixes of the index that hold every piece seen at up to this share. */
-export const LEVEL_SHARES = [1, 0.45, 0.18, 0.07, 0.03] as const;
+export const LEVEL_SHARES = [1, 0.5, 0.25, 0.13, 0.07] as const;
 export const LEVEL_COUNT = LEVEL_SHARES.length;
 /** A piece shrinks while its rank is between the share and this much more of it. */
 export const EDGE = 0.2;
-/** Leaves that stay grow to cover for those that went, but no more than this. */
-export const MOST_GROWTH = 4.5;
+/** Leaves that stay grow to cover for those that went, but no more than this: larger ones no longer look like leaves. */
+export const MOST_GROWTH = 2.4;
 /** Share at the second of a view's two distances. */
-const SHARE_AT_SECOND = 0.14;
+const SHARE_AT_SECOND = 0.2;
 /** A tree keeps its finer level until it needs this much less than the coarser one has. */
 const HYSTERESIS = 0.93;
 /** Far away the share falls no further; low enough for the last level. */
@@ -41,6 +41,17 @@ export function pieceSize(rank: number, share: number): number {
 
 /** How much the leaves that stay are grown; the shader computes the same. */
 export const leafGrowth = (share: number): number => Math.min(MOST_GROWTH, 1 / Math.sqrt(share));
+
+/** Where a leaf's vertex goes in a tree that shows this share, xyz: about the leaf's middle; the shader does the same. */
+export function grownLeaf(
+  vertex: readonly number[],
+  middle: readonly number[],
+  rank: number,
+  share: number,
+): number[] {
+  const grown = pieceSize(rank, share) * leafGrowth(share);
+  return vertex.map((at, axis) => middle[axis] + grown * (at - middle[axis]));
+}
 
 /** Rank of each leaf, seeded. */
 export function leafRanks(pieces: Components): Float32Array {

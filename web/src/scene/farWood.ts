@@ -50,6 +50,7 @@ void main() {
 
 const fragmentShader = /* glsl */ `
 uniform sampler2D uCards;
+uniform float uBare;
 uniform vec3 uSunLight;
 uniform vec3 uSkyLight;
 uniform float uSnow;
@@ -62,7 +63,8 @@ ${AIR_PARS}
 void main() {
   vec4 card = texture2D(uCards, vAt);
   vec2 span = vec2(length(dFdx(vAt)), length(dFdy(vAt))) * vec2(textureSize(uCards, 0));
-  if (card.a * (1.0 + 0.3 * max(0.0, log2(max(span.x, span.y)))) < 0.45) discard;
+  // Bare twigs need their coverage back from the mip levels; crowns are full, and keep their ragged edge.
+  if (card.a * (1.0 + mix(0.03, 0.3, uBare) * max(0.0, log2(max(span.x, span.y)))) < 0.45) discard;
   vec3 own = card.rgb / max(card.a, 0.2);
   vec3 albedo = mix(vTint * (0.08 + 0.78 * own.r), vec3(0.11, 0.085, 0.065), own.g);
   albedo = mix(albedo, uSnowColour, 0.4 * uSnow);

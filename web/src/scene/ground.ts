@@ -30,7 +30,7 @@ vec3 grass = texture2D(uGrass, g * 0.16).rgb * (0.75 + 0.45 * patchy.g);
 grass *= mix(vec3(0.86, 1.0, 0.8), vec3(1.25, 1.05, 0.8), broad.g) * uGrassTint;
 float open = smoothstep(0.28, 0.72, vMeadow + 0.75 * (patchy.b - 0.5) + 0.3 * (broad.r - 0.5));
 // Without fallen leaves grass and moss grow far into the wood.
-open = max(open, (1.0 - uFallen) * smoothstep(0.35, 0.6, patchy.g));
+open = max(open, (1.0 - uFallen) * smoothstep(0.2, 0.5, patchy.g));
 vec3 ground = mix(litter, grass, open);
 // Leaves that blew onto the grass.
 ground = mix(ground, litter, open * smoothstep(0.62, 0.8, patchy.r) * 0.75 * uFallen);

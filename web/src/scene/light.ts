@@ -21,6 +21,9 @@ const GROUND_ALBEDO = { bare: [0.13, 0.105, 0.055], snow: [0.7, 0.74, 0.8] } as 
 /** Leaves and twigs scatter the sky's light among them: a little more of it than of a plain surface. */
 const SKY_GAIN = 1.35;
 
+/** The sky as it is shown beside the land that it lights: cameras and eyes keep its blue from going dark. */
+const SKY_SHOWN = 1.5;
+
 export class Daylight {
   readonly group = new Group();
   readonly sun = new SunLight(0xffffff, 1);
@@ -39,7 +42,7 @@ export class Daylight {
   show(daytime: number, season: Season): Atmosphere {
     const light = atmosphereAt(daytime, season);
     this.point(light.sun.azimuth_deg, light.sun.elevation_deg);
-    fillSkyTexture(this.texture, light.table, SUN_POWER);
+    fillSkyTexture(this.texture, light.table, SKY_SHOWN * SUN_POWER);
     this.sun.color.setRGB(...light.sunlight);
     this.fillIn(light, season);
     air.uHaze.value.setRGB(...light.haze);

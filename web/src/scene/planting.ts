@@ -14,7 +14,7 @@ export interface Place {
   readonly scale: number;
 }
 
-export const SPACING_M = 7.2;
+export const SPACING_M = 6.4;
 /** The wood grows outward from here, so that the first camera looks into it. */
 export const HEART = { x_m: 0, z_m: -26 } as const;
 

@@ -31,7 +31,7 @@ export const SEASON_LOOKS: Record<Season, SeasonLook> = {
     snow: 0,
     mist: 0.8,
     grass: [0.62, 1.12, 0.5],
-    litter: [0.4, 0.44, 0.4],
+    litter: [0.24, 0.56, 0.9],
     fallen: 0.1,
     woods: [
       [0.15, 0.26, 0.05],
@@ -46,7 +46,7 @@ export const SEASON_LOOKS: Record<Season, SeasonLook> = {
     snow: 0,
     mist: 0.6,
     grass: [0.52, 0.8, 0.42],
-    litter: [0.34, 0.38, 0.33],
+    litter: [0.17, 0.5, 0.8],
     fallen: 0.06,
     woods: [
       [0.06, 0.13, 0.03],
@@ -61,7 +61,7 @@ export const SEASON_LOOKS: Record<Season, SeasonLook> = {
     snow: 0,
     mist: 1,
     grass: [0.8, 0.86, 0.6],
-    litter: [1, 1, 1],
+    litter: [0.92, 1.04, 0.95],
     fallen: 1,
     woods: [
       [0.3, 0.2, 0.04],

@@ -26,7 +26,7 @@ const ALL: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 }
 function nodeAttribute(part: TreePart, firstVertex: number, motion: TableMotion, level: NodeLevel) {
   const fine = motion.vertexNode.subarray(firstVertex, firstVertex + part.vertices);
   return new BufferAttribute(
-    fine.map((node) => level.of[node]),
+    fine.map((_, vertex) => level.of[fine[part.hold[vertex]]]),
     1,
   );
 }

@@ -9,7 +9,13 @@ import {
 } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { hashUnit } from "../math/random";
-import { type Components, componentCentres, connectedComponents, weldedComponents } from "./components";
+import {
+  type Components,
+  componentCentres,
+  connectedComponents,
+  holders,
+  weldedComponents,
+} from "./components";
 import { branchBases, leafRanks, rankedIndex, woodRanks } from "./detail";
 import { leafReach, openness, roundNormals } from "./foliage";
 import type { Part } from "./treeShader";
@@ -25,6 +31,8 @@ export interface TreePart {
   readonly anchor: BufferAttribute;
   /** Random of the piece, openness to the sky, free end of the leaf, rank of the piece. */
   readonly piece: BufferAttribute;
+  /** The vertex whose node each vertex takes: a small leaf hangs on one node at every level, and stays what it is. */
+  readonly hold: Uint32Array;
   /** Triangles by rank; a level of detail draws so many indices. */
   readonly index: BufferAttribute;
   readonly counts: readonly number[];
@@ -117,6 +125,7 @@ function partFrom(
     position: new BufferAttribute(positions, 3),
     anchor: new BufferAttribute(anchor, 3),
     piece: new BufferAttribute(piece, 4),
+    hold: leaves ? holders(pieces) : Uint32Array.from({ length: vertices }, (_, v) => v),
     index: new BufferAttribute(ranked.index, 1),
     counts: ranked.counts,
   };

@@ -71,9 +71,14 @@ varying vec4 vPiece;
 const LEAF_MAP = /* glsl */ `
 #ifdef USE_MAP
   vec4 leaf = texture2D(map, vMapUv);
+  vec2 texels = vec2(textureSize(map, 0));
+  vec2 right = dFdx(vMapUv) * texels;
+  vec2 down = dFdy(vMapUv) * texels;
+  float area = abs(right.x * down.y - right.y * down.x) + 1e-4;
   // Mip levels wash out the cut-outs: give the coverage back.
-  vec2 span = vec2(length(dFdx(vMapUv)), length(dFdy(vMapUv))) * vec2(textureSize(map, 0));
-  leaf.a *= 1.0 + 0.28 * max(0.0, log2(max(span.x, span.y)));
+  leaf.a *= 1.0 + 0.14 * max(0.0, log2(area));
+  // Seen from its edge a card is a smear of all its leaves: let it fade. 1 from in front, twice the cosine at the edge.
+  leaf.a *= smoothstep(0.1, 0.5, 2.0 * area / (dot(right, right) + dot(down, down)));
   diffuseColor *= leaf;
 #endif
 float shade = dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722));
@@ -85,7 +90,8 @@ diffuseColor.rgb = mix(diffuseColor.rgb, diffuseColor.rgb * vec3(1.12, 0.92, 0.7
 
 const WOOD_MAP = /* glsl */ `
 #include <map_fragment>
-diffuseColor.rgb *= 0.85 + 0.3 * vTint.g;
+// Pale bark would be white in the sun.
+diffuseColor.rgb *= (0.85 + 0.3 * vPiece.x) * (1.0 - 0.5 * diffuseColor.g);
 `;
 
 /** Snow lies on what faces the sky, in patches. */
