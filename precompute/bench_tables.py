@@ -35,7 +35,8 @@ def bench_build(
     begun, handed_out_s = time.perf_counter(), dict[str, float]()
 
     def publish(name: str, _content: bytes) -> None:
-        handed_out_s[name] = time.perf_counter() - begun
+        shown = "tetrahedra" if name.startswith("tets-") else name
+        handed_out_s[shown] = time.perf_counter() - begun
 
     with PeakMemory() as memory:
         result = build_table(

@@ -23,7 +23,7 @@ from precompute.samples import planned, simulate
 from precompute.skeleton import extract_skeleton, sampled_elements
 from precompute.table import encode
 from precompute.table_maker import TableMaker
-from precompute.tetrahedra import tetrahedralise
+from precompute.tetrahedra import kept_tetrahedra, tetrahedralise
 from precompute.wood import species
 
 __all__ = ["BuildOptions", "BuildResult", "Cancelled", "Progress", "TrajectoryRunner", "build_table"]
@@ -40,8 +40,9 @@ def build_table(
 ) -> BuildResult:
     """The table of a tree mesh. Raises IntakeError, and whatever ``progress`` raises (Cancelled).
 
-    ``publish`` is handed "render.glb", "tetrahedra.png", "skeleton.png" and "early.table" as soon as they
-    exist. ``runner`` simulates the winds; without one, processes of this machine do.
+    ``publish`` is handed "render.glb", "tets-….npz" (as kept in the cache), "tetrahedra.png", "skeleton.png"
+    and "early.table" as soon as they exist. ``runner`` simulates the winds; without one, processes of this
+    machine do.
     """
     stages = Stages(progress)
     stages.enter("intake")
@@ -52,6 +53,8 @@ def build_table(
         gallery.hand_out("render.glb", lambda: render_glb)
         stages.enter("meshing")
         mesh = tetrahedralise(tree, options.target_tets, cache_dir / "tets")
+        kept = kept_tetrahedra(tree, options.target_tets, cache_dir / "tets")
+        gallery.hand_out(kept.name, kept.read_bytes)
         gallery.draw("tetrahedra.png", tetrahedra_png, mesh)
         stages.enter("skeleton")
         skeleton = extract_skeleton(mesh)

@@ -24,9 +24,14 @@ def cache_key(vertices: Floats, faces: Ints, target_tets: int) -> str:
     return digest.hexdigest()
 
 
+def cached_path(folder: Path, key: str) -> Path:
+    """Where the mesh of a key is kept."""
+    return folder / f"tets-{key}.npz"
+
+
 def load_cached(folder: Path | None, key: str) -> tuple[Floats, Int32s, Floats, dict[str, Any]] | None:
     """(vertices, tets, radius ratio, report), or None where nothing readable is kept."""
-    path = None if folder is None else folder / f"tets-{key}.npz"
+    path = None if folder is None else cached_path(folder, key)
     if path is None or not path.exists():
         return None
     try:
@@ -50,4 +55,4 @@ def store_cached(
         np.savez(
             file, allow_pickle=False, vertices=vertices, tets=tets, radius_ratio=radius_ratio, report=text
         )
-    Path(name).replace(folder / f"tets-{key}.npz")
+    Path(name).replace(cached_path(folder, key))

@@ -19,7 +19,7 @@ from precompute.intake_repair import Surface, volume
 from precompute.intake_types import Floats, Int32s, IntakeError, TreeMesh
 from precompute.limited_process import Limits, run_limited
 from precompute.radius_ratio import radius_ratio
-from precompute.tet_cache import cache_key, load_cached, store_cached
+from precompute.tet_cache import cache_key, cached_path, load_cached, store_cached
 from precompute.tet_quality import largest_component, lost_extent, quality_report, restore_volume, tet_volumes
 from precompute.thicken import thicken
 from precompute.wrap import decimate, wrap
@@ -73,6 +73,11 @@ def tetrahedralise(tree: TreeMesh, target_tets: int = 5500, cache_dir: Path | No
     mesh = _attempts(Surface(tree.wood_vertices_m, tree.wood_faces), target_tets)
     store_cached(cache_dir, key, mesh.vertices_m, mesh.tets, mesh.radius_ratio, mesh.report)
     return mesh
+
+
+def kept_tetrahedra(tree: TreeMesh, target_tets: int, cache_dir: Path) -> Path:
+    """The file in which `tetrahedralise` keeps its mesh: who has it elsewhere goes on with the same mesh."""
+    return cached_path(cache_dir, cache_key(tree.wood_vertices_m, tree.wood_faces, target_tets))
 
 
 def _attempts(surface: Surface, target_tets: int) -> TetMesh:

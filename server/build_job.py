@@ -65,7 +65,9 @@ def run_build(mandate: Mandate, address: str, settings: Settings, stores: Stores
     reporter = Reporter(mandate)
     exchange = Exchange(settings.store_url, mandate.job_id) if settings.store_url else None
     runner = DaskRunner(address, settings.cancel_flag(mandate.job_id), reporter.samples, exchange)
-    publish = Publisher(mandate, stores)
+    publish = Publisher(mandate, stores, exchange)
+    if exchange:
+        exchange.bring_tetrahedra(settings.cache_dir / "tets")
 
     def progress(now: Progress) -> None:
         reporter.tell(now.stage, now.fraction, now.message)

@@ -34,12 +34,15 @@ class ExchangedTask:
 
 
 class Exchange:
-    """The asking side: models out, runs in."""
+    """The asking side: models out, runs in; and the tetrahedra, which no two meshings make alike, kept for
+    the server that may take the job over: with others the finished runs would be of no use.
+    """
 
     def __init__(self, url: str, job_id: str) -> None:
         self._url = url
         self._bucket = open_bucket(url)
         self._flag = flag_key(job_id)
+        self._tets = f"exchange/tets/{job_id}/"
 
     def ask(self, task: SampleTask) -> ExchangedTask:
         """The task as a worker elsewhere can run it; its model is put where the worker finds it."""
@@ -57,9 +60,21 @@ class Exchange:
         write_atomically(task.path, data)
         return True
 
+    def keep_tetrahedra(self, name: str, data: bytes) -> None:
+        """Put a build's mesh where the next server of this job finds it."""
+        obstore.put(self._bucket, self._tets + name, data)
+
+    def bring_tetrahedra(self, folder: Path) -> None:
+        """Put the mesh of this job's earlier servers, if there is one, into the cache of meshes."""
+        for key in self._kept_tetrahedra():
+            write_atomically(folder / key.rsplit("/", 1)[-1], fetch(self._bucket, key))
+
+    def _kept_tetrahedra(self) -> list[str]:
+        return [item["path"] for page in obstore.list(self._bucket, prefix=self._tets) for item in page]
+
     def forget(self, runs: Sequence[Path]) -> None:
-        """Once the table is published: nobody needs the runs there any more."""
-        obstore.delete(self._bucket, [run_key(run) for run in runs])
+        """Once the table is published: nobody needs the runs and the mesh there any more."""
+        obstore.delete(self._bucket, [*(run_key(run) for run in runs), *self._kept_tetrahedra()])
 
     def cancel(self) -> None:
         """Tell the workers that nobody wants the runs of this job."""

@@ -9,21 +9,23 @@ from sqlalchemy.orm import Session
 
 from precompute.build_types import Cancelled
 from precompute.table import TableError, read_metadata
+from server.exchange import Exchange
 from server.models import Job, Tree, utc_now
 from server.reporting import Mandate
 from server.retired import retire, retire_replaced
 from server.storage import Stores
 
 log = logging.getLogger("galewood.job")
-EARLY, MESH, PICTURE = "early.table", "render.glb", ".png"
+EARLY, MESH, PICTURE, TETS = "early.table", "render.glb", ".png", "tets-"
 
 
 class Publisher:
     """Stores what `build_table` publishes and names it in the database; called from the build's threads."""
 
-    def __init__(self, mandate: Mandate, stores: Stores) -> None:
+    def __init__(self, mandate: Mandate, stores: Stores, exchange: Exchange | None = None) -> None:
         self._mandate = mandate
         self._stores = stores
+        self._exchange = exchange
         self._lock = threading.Lock()
 
     def __call__(self, name: str, content: bytes) -> None:
@@ -37,6 +39,8 @@ class Publisher:
     def _take(self, name: str, content: bytes) -> None:
         if name.endswith(PICTURE):
             self._show(name, self._stores.pictures.put(content))
+        elif name.startswith(TETS) and self._exchange:
+            self._exchange.keep_tetrahedra(name, content)
         elif name == MESH:
             self._draw(self._stores.meshes.put(content))
         elif name == EARLY:

@@ -1,0 +1,34 @@
+"""What servers of one job and workers elsewhere give each other through a bucket (here a folder)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from server.exchange import Exchange
+from server.publishing import Publisher
+from tests.server.test_publishing import Build
+
+
+@pytest.fixture
+def url(tmp_path: Path) -> str:
+    return f"file://{tmp_path / 'bucket'}"
+
+
+def test_the_next_server_of_a_job_has_the_tetrahedra_of_the_first(tmp_path: Path, url: str) -> None:
+    """Regression: it made others, whose runs have other names, and all winds were simulated again."""
+    build = Build(tmp_path)
+    publish = Publisher(build.mandate, build.stores, Exchange(url, "job"))
+    publish("tets-abc.npz", b"tetrahedra")
+    Exchange(url, "job").bring_tetrahedra(tmp_path / "tets")
+    assert (tmp_path / "tets" / "tets-abc.npz").read_bytes() == b"tetrahedra"
+    Exchange(url, "another").bring_tetrahedra(tmp_path / "others")
+    assert not list(tmp_path.glob("others/*"))
+
+
+def test_a_finished_job_leaves_nothing_there(tmp_path: Path, url: str) -> None:
+    exchange = Exchange(url, "job")
+    exchange.keep_tetrahedra("tets-abc.npz", b"tetrahedra")
+    exchange.forget([])
+    assert not [path for path in (tmp_path / "bucket").rglob("*") if path.is_file()]
