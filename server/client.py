@@ -67,12 +67,15 @@ class Client:
         """Have a tree's table computed; its job, done already if the table is there. ServiceError."""
         return self._ask("POST", "/api/jobs", json={"tree_id": tree_id, "settings": settings})
 
-    def follow(self, job_id: str) -> Iterator[Json]:
-        """The job at every change until it ends; a broken connection is taken up again. ServiceError."""
+    def follow(self, job_id: str, kind: str = "jobs") -> Iterator[Json]:
+        """The job at every change until it ends; a broken connection is taken up again. ServiceError.
+
+        `kind`: "jobs", "evaluations" or "comparisons".
+        """
         tries = 0
         while True:
             try:
-                for job in self._events(job_id):
+                for job in self._events(job_id, kind):
                     tries = 0
                     yield job
                     if job["state"] in ENDED:
@@ -92,13 +95,33 @@ class Client:
             raise ValueError("the table came damaged")
         return answer.content
 
-    def cancel(self, job_id: str) -> Json:
+    def cancel(self, job_id: str, kind: str = "jobs") -> Json:
         """Ask a job to stop. ServiceError."""
-        return self._ask("POST", f"/api/jobs/{job_id}/cancel")
+        return self._ask("POST", f"/api/{kind}/{job_id}/cancel")
 
-    def _events(self, job_id: str) -> Iterator[Json]:
+    def evaluate(self, tree_id: str, **asked: float) -> Json:
+        """Have a tree's table held against its finite elements: `sway` or `speed_m_s`, `frames`, `seed`; the
+        evaluation, to be followed as one of the kind "evaluations". ServiceError.
+        """
+        return self._ask("POST", f"/api/trees/{tree_id}/evaluations", json=asked)
+
+    def evaluations(self, tree_id: str) -> list[Json]:
+        """The evaluations of a tree, the newest first. ServiceError."""
+        return self._ask("GET", f"/api/trees/{tree_id}/evaluations")["evaluations"]
+
+    def evaluation_report(self, evaluation_id: str) -> Json:
+        """All figures of an evaluation that is done (docs/formats/evaluation.md). ServiceError."""
+        return self._ask("GET", f"/api/evaluations/{evaluation_id}/report")
+
+    def evaluation_plot(self, evaluation_id: str) -> bytes:
+        """Its errors over time as a PNG. ServiceError."""
+        answer = self._http.get(f"/api/evaluations/{evaluation_id}/plot")
+        _check(answer)
+        return answer.content
+
+    def _events(self, job_id: str, kind: str) -> Iterator[Json]:
         timeout = httpx.Timeout(60.0, read=QUIET_S)
-        path = f"/api/jobs/{job_id}/events"
+        path = f"/api/{kind}/{job_id}/events"
         with connect_sse(self._http, "GET", path, timeout=timeout) as source:
             if source.response.is_error:
                 source.response.read()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import sys
+from collections.abc import Callable
 
 from precompute.build_types import Cancelled
 from precompute.intake_types import IntakeError
@@ -13,19 +14,22 @@ from server.database import Sessions, open_database
 from server.engine import NICENESS, EngineLostError
 from server.models import Job, JobKind
 from server.processes import die_with_parent
-from server.reporting import Mandate
+from server.reporting import JobFailedError, Mandate
 from server.settings import Settings
 from server.storage import Stores
 
 log = logging.getLogger("galewood.job")
+Study = Callable[[Mandate, JobKind, Settings, Stores], None]
 TRY_AGAIN = 75  # EX_TEMPFAIL: the supervisor queues the job again
 
 
-def run_job(mandate: Mandate, address: str, settings: Settings, build: Build) -> None:
+def run_job(
+    mandate: Mandate, address: str, settings: Settings, build: Build, study: Study | None = None
+) -> None:
     """Do what the job asks; every failure becomes its last state."""
     job_id = mandate.job_id
     try:
-        _work(mandate, address, settings, build)
+        _work(mandate, address, settings, build, study)
     except Cancelled:
         mandate.end("cancelled", "Cancelled")
     except EngineLostError:
@@ -33,17 +37,22 @@ def run_job(mandate: Mandate, address: str, settings: Settings, build: Build) ->
         sys.exit(TRY_AGAIN)
     except IntakeError as error:
         mandate.end("failed", "Failed", f"{error.title} {error.hint}".strip())
+    except JobFailedError as error:
+        log.warning("job %s failed: %s", job_id, error.__cause__ or error)
+        mandate.end("failed", "Failed", str(error))
     except Exception as error:
         log.exception("job %s failed", job_id)
         text = f"The computation failed ({type(error).__name__}); the cause is in the server's log."
         mandate.end("failed", "Failed", text)
 
 
-def _work(mandate: Mandate, address: str, settings: Settings, build: Build) -> None:
+def _work(mandate: Mandate, address: str, settings: Settings, build: Build, study: Study | None) -> None:
     stores = Stores(settings.data_dir, settings.store_url)
     kind = _kind(mandate.sessions, mandate.job_id)
     if kind == "build":
         run_build(mandate, address, settings, stores, build)
+    elif study:
+        study(mandate, kind, settings, stores)
     else:
         from server.study_job import run_study  # lookups and elements: a build loads its own
 
@@ -58,14 +67,14 @@ def _kind(sessions: Sessions, job_id: str) -> JobKind:
         return job.kind
 
 
-def main(build: Build) -> None:
-    """Read the arguments and work, gently, until done or until the server is gone."""
+def main(build: Build, study: Study | None = None) -> None:
+    """Read the arguments and work, gently, until done or until the server is gone. `study`: for the tests."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     die_with_parent()
     os.nice(NICENESS)
     job_id, lease, address = sys.argv[1:4]
     settings = Settings()
-    run_job(Mandate(open_database(settings.database), job_id, lease), address, settings, build)
+    run_job(Mandate(open_database(settings.database), job_id, lease), address, settings, build, study)
 
 
 if __name__ == "__main__":

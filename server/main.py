@@ -18,6 +18,7 @@ from server import (
     comparisons,
     docs_page,
     errors,
+    evaluations,
     events,
     health,
     job_pictures,
@@ -56,8 +57,8 @@ from server.tracing import Tracing
 
 log = logging.getLogger("galewood")
 ROUTES = (
-    uploading, trees, revising, thumbnails, job_routes, jobs, job_pictures, comparisons, tables, artefacts,
-    species_routes, winds, events, stream, health, metrics,
+    uploading, trees, revising, thumbnails, job_routes, jobs, job_pictures, comparisons, evaluations,
+    tables, artefacts, species_routes, winds, events, stream, health, metrics,
 )  # fmt: skip
 
 

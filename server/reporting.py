@@ -19,6 +19,10 @@ LEAST_DONE = 0.03
 """Share of the work after which its pace is worth telling."""
 
 
+class JobFailedError(Exception):
+    """A job cannot be done; the words are for whoever asked for it."""
+
+
 @dataclass(frozen=True)
 class Mandate:
     """The job that this process may work on, and the word that says so (leases.py)."""

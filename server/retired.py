@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
 from datetime import timedelta
+from pathlib import Path
 
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from server.database import Sessions
 from server.leases import database_now
-from server.models import ACTIVE, Job, Retired, Tree
+from server.models import ACTIVE, Job, JobKind, Retired, Tree
 from server.storage import Stores
 
 FIELDS = {
@@ -20,6 +22,7 @@ FIELDS = {
     "models": "model_sha256",
 }
 KEPT_STUDIES = 12
+ASKED = ("table_sha256", "model_sha256", "mesh_sha256")
 
 
 def retire(session: Session, kind: str, sha256: str | None) -> None:
@@ -43,9 +46,9 @@ def retire_tree(session: Session, tree: Tree) -> None:
         _retire_job(session, job)
 
 
-def forget_old_studies(session: Session, tree: Tree) -> None:
-    """Of a tree's ended comparisons and evaluations the newest stay."""
-    ended = [job for job in tree.jobs if job.kind != "build" and job.state not in ACTIVE]
+def forget_old_studies(session: Session, tree: Tree, kind: JobKind) -> None:
+    """Of a tree's ended studies of a kind the newest stay."""
+    ended = [job for job in tree.jobs if job.kind == kind and job.state not in ACTIVE]
     for job in ended[:-KEPT_STUDIES]:
         _retire_job(session, job)
         tree.jobs.remove(job)
@@ -69,9 +72,9 @@ def referenced(session: Session) -> dict[str, set[str]]:
 
 
 def in_work(session: Session) -> set[str]:
-    """Hashes of the tables and models that studies under way were asked about."""
+    """Hashes of the tables, models and meshes that studies under way were asked about."""
     asked = session.scalars(select(Job.settings).where(Job.state.in_(ACTIVE), Job.kind != "build")).all()
-    return {str(one[field]) for one in asked for field in ("table_sha256", "model_sha256") if field in one}
+    return {str(one[field]) for one in asked for field in ASKED if field in one}
 
 
 def sweep(sessions: Sessions, stores: Stores, grace_s: float) -> int:
@@ -92,3 +95,14 @@ def sweep(sessions: Sessions, stores: Stores, grace_s: float) -> int:
                 removed += 1
         session.execute(delete(Retired).where(Retired.id.in_([one.id for one in due])))
     return removed
+
+
+def forget_study_folders(sessions: Sessions, folder: Path) -> None:
+    """Remove what evaluations keep beside while they run, of those that have ended, however they did."""
+    kept = [path for path in folder.glob("*") if path.is_dir()]
+    if kept:
+        with sessions() as session:
+            active = set(session.scalars(select(Job.id).where(Job.state.in_(ACTIVE))))
+        for path in kept:
+            if path.name not in active:
+                shutil.rmtree(path, ignore_errors=True)

@@ -37,6 +37,7 @@ class Settings(BaseSettings):
     workers: int = Field(default_factory=default_workers, ge=1, le=256)
     concurrent_jobs: int = Field(default=1, ge=1, le=64)
     concurrent_studies: int = Field(default=1, ge=1, le=64)
+    concurrent_evaluations: int = Field(default=1, ge=1, le=64)
     lease_s: float = Field(default=15.0, ge=1, le=3600)
     replaced_files_s: float = Field(default=600.0, ge=0)
     sweep_s: float = Field(default=60.0, gt=0)
@@ -100,6 +101,15 @@ class Settings(BaseSettings):
     def cancel_flag(self, job_id: str) -> Path:
         """The file that tells the workers that a job was cancelled."""
         return self.cache_dir / "cancelled" / job_id
+
+    @property
+    def studies_dir(self) -> Path:
+        """A folder for each evaluation while it runs."""
+        return self.cache_dir / "studies"
+
+    def study_folder(self, job_id: str) -> Path:
+        """What an evaluation has finished so far, so that a restart goes on."""
+        return self.studies_dir / job_id
 
     def environment(self) -> dict[str, str]:
         """The environment in which a child process reads these same settings."""

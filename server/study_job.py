@@ -8,17 +8,17 @@ from typing import Any, cast
 import msgpack
 import numpy as np
 
-from precompute.dynamics import FemModel, load_model
+from precompute.dynamics import load_model
 from precompute.intake_process import run_intake
 from precompute.intake_types import IntakeOptions, TreeMesh
 from precompute.table import Table, decode
 from precompute.tracks import Comparison, Place, compare_methods, nodes_on_wood
 from precompute.wind import parse_wind_or_state
-from server.jobs import end_job
 from server.models import Job, JobKind
 from server.reporting import Mandate, Reporter
 from server.settings import Settings
 from server.storage import Stores
+from server.study_files import finish, keep
 
 FORMAT, VERSION = "galewood-comparison", 1
 
@@ -29,20 +29,17 @@ def run_study(mandate: Mandate, kind: JobKind, settings: Settings, stores: Store
         request = dict(session.get_one(Job, mandate.job_id).settings)
     reporter = Reporter(mandate)
     reporter.tell("model", 0.0, "Fetching table and model")
+    if kind == "comparison":
+        _compare(mandate, reporter, request, stores)
+    else:
+        from server.evaluation_job import evaluate  # with plots, which a comparison need not load
+
+        evaluate(mandate, reporter, request, settings, stores)
+
+
+def _compare(mandate: Mandate, reporter: Reporter, request: dict[str, Any], stores: Stores) -> None:
     table = decode(stores.tables.get(request["table_sha256"]))
     model = load_model(stores.models.path(request["model_sha256"]))
-    if kind == "comparison":
-        _compare(mandate, reporter, request, table, model, stores)
-
-
-def _compare(
-    mandate: Mandate,
-    reporter: Reporter,
-    request: dict[str, Any],
-    table: Table,
-    model: FemModel,
-    stores: Stores,
-) -> None:
     place = Place(**{name: request[name] for name in Place.__dataclass_fields__})
 
     def tick(share: float, message: str) -> None:
@@ -51,8 +48,8 @@ def _compare(
     wind = parse_wind_or_state(request["wind"])
     nodes = nodes_on_wood(table, model, _mesh_of(table, stores))
     found = compare_methods(table, model, nodes, wind, place, request["frames"], tick)
-    sha256 = stores.results.put(pack(found, table))
-    _finish(mandate, result=figures(found), result_sha256=sha256)
+    sha256 = keep(mandate, stores, "results", pack(found, table))
+    finish(mandate, result=figures(found), result_sha256=sha256)
 
 
 def _mesh_of(table: Table, stores: Stores) -> TreeMesh:
@@ -60,12 +57,6 @@ def _mesh_of(table: Table, stores: Stores) -> TreeMesh:
     metadata = table.metadata
     options = IntakeOptions(species=metadata["species"], height_m=float(metadata["height_m"]), up_axis="y")
     return run_intake(stores.meshes.get(metadata["mesh_sha256"]), "tree.glb", options)[0]
-
-
-def _finish(mandate: Mandate, **values: Any) -> None:
-    done: dict[str, Any] = {"stage": "done", "fraction": 1.0, **values}
-    with mandate.sessions.begin() as session:
-        end_job(session, mandate.job_id, "done", message="Done", lease=mandate.lease, **done)
 
 
 def pack(found: Comparison, table: Table) -> bytes:

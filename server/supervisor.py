@@ -16,13 +16,17 @@ from server.exchange import Exchange
 from server.jobs import end_job
 from server.models import Job, JobKind
 from server.processes import start_module, stop
-from server.retired import sweep
+from server.retired import forget_study_folders, sweep
 from server.storage import write_atomically
 
 log = logging.getLogger("galewood.jobs")
 LOOK_S = 0.4
-LANES: dict[str, tuple[JobKind, ...]] = {"builds": ("build",), "studies": ("comparison", "evaluation")}
-"""Studies take seconds and somebody waits for them: they do not queue behind builds."""
+LANES: dict[str, tuple[JobKind, ...]] = {
+    "builds": ("build",),
+    "comparisons": ("comparison",),
+    "evaluations": ("evaluation",),
+}
+"""A comparison takes seconds and somebody waits for it: it does not queue behind builds or evaluations."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,7 @@ class Supervisor:
         service = self._service
         with service.files_lock:
             removed = sweep(service.sessions, service.stores, service.settings.replaced_files_s)
+        forget_study_folders(service.sessions, service.settings.studies_dir)
         if removed:
             log.info("%d replaced file(s) removed", removed)
 
@@ -104,8 +109,12 @@ class Supervisor:
 
     async def _start_waiting(self, lane: str) -> None:
         settings = self._service.settings
-        room = settings.concurrent_jobs if lane == "builds" else settings.concurrent_studies
-        while self._busy(lane) < room:
+        room = {
+            "builds": settings.concurrent_jobs,
+            "comparisons": settings.concurrent_studies,
+            "evaluations": settings.concurrent_evaluations,
+        }
+        while self._busy(lane) < room[lane]:
             claim = await asyncio.to_thread(self._claim, lane)
             if claim is None:
                 return

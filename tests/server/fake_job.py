@@ -14,6 +14,11 @@ from pathlib import Path
 
 from precompute.build_types import BuildOptions, BuildResult, Progress
 from server.job_process import main
+from server.models import JobKind
+from server.reporting import Mandate, Reporter
+from server.settings import Settings
+from server.storage import Stores
+from server.study_files import PLOT, finish, keep
 
 STEPS = 20
 
@@ -31,6 +36,8 @@ def fake_build(
         raise ValueError("a build that fails")
     if filename.startswith("crash"):
         os.abort()
+    if filename.startswith("study"):
+        runner.model = _model(cache_dir)  # type: ignore[attr-defined]
     step_s = float(os.environ.get("FAKE_STEP_S", "0.05"))
     log = cache_dir / f"steps-{filename}"
     log.parent.mkdir(parents=True, exist_ok=True)
@@ -45,5 +52,26 @@ def fake_build(
     )
 
 
+def _model(cache_dir: Path) -> Path:
+    path = cache_dir / "models" / "model.npz"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(b"a model")
+    return path
+
+
+def fake_study(mandate: Mandate, kind: JobKind, settings: Settings, stores: Stores) -> None:
+    """A study in as many steps, each a file in its folder, as an evaluation keeps its runs."""
+    reporter, folder = Reporter(mandate), settings.study_folder(mandate.job_id)
+    folder.mkdir(parents=True, exist_ok=True)
+    for step in range(STEPS):
+        reporter.tell("evaluating", step / STEPS, f"step {step}")
+        time.sleep(float(os.environ.get("FAKE_STEP_S", "0.05")))
+        with (folder / "steps").open("a") as file:
+            file.write(f"{step}\n")
+    report = keep(mandate, stores, "results", json.dumps({"kind": kind, "job": mandate.job_id}).encode())
+    plot = keep(mandate, stores, "pictures", b"\x89PNG of " + mandate.job_id.encode())
+    finish(mandate, result={"kind": kind}, result_sha256=report, pictures={PLOT: plot})
+
+
 if __name__ == "__main__":
-    main(fake_build)
+    main(fake_build, fake_study)

@@ -1,9 +1,9 @@
 """A long, random use of a real server: `python -m tests.server.soak --minutes 10 --seed 1 [--json FILE]`.
 
-Uploads, builds, cancels, deletions, comparisons, listeners that come and go and streams that break off, as
-the dice fall. At the end nothing may have stuck: the server's memory and open files are flat, every job has
-ended, every file is named by something, `galewood doctor` finds no fault, and once all is deleted the stores
-are empty.
+Uploads, builds, cancels, deletions, comparisons, evaluations, listeners that come and go and streams that
+break off, as the dice fall. At the end nothing may have stuck: the server's memory and open files are flat,
+every job has ended, every file is named by something, `galewood doctor` finds no fault, and once all is
+deleted the stores are empty.
 """
 
 from __future__ import annotations
@@ -57,13 +57,14 @@ class Soak:
         self.wrong: list[str] = []
         self.memory: list[int] = []
         self.handles: list[int] = []
+        self.cold: int | None = None  # samples before the first frames: code that streams was not loaded yet
         self.listeners: list[threading.Thread] = []
 
     def run(self, minutes: float) -> None:
         """Act until the time is over."""
         actions = {
             self.upload: 3, self.build: 5, self.cancel: 2, self.delete: 2,
-            self.compare: 3, self.listen: 3, self.stream: 3, self.nonsense: 1,
+            self.compare: 3, self.evaluate: 2, self.listen: 3, self.stream: 3, self.nonsense: 1,
         }  # fmt: skip
         end_s, measured_s = time.monotonic() + 60 * minutes, 0.0
         while time.monotonic() < end_s:
@@ -122,6 +123,17 @@ class Soak:
             self.ask("POST", answer.headers["location"] + "/cancel")
         return answer.status_code
 
+    def evaluate(self) -> int:
+        trees = self.trees()
+        if not trees:
+            return 0
+        body = {"speed_m_s": self.dice.choice([3.0, 5.0]), "frames": 60, "seed": self.dice.randrange(1000)}
+        address = f"/api/trees/{self.dice.choice(trees)['id']}/evaluations"
+        answer = self.ask("POST", address, json=body)
+        if answer.status_code == 202 and self.dice.random() < 0.4:
+            self.ask("POST", answer.headers["location"] + "/cancel")
+        return answer.status_code
+
     def listen(self) -> int:
         """Somebody follows all events for a while, in a thread of its own, then drops the line."""
         until_s = time.monotonic() + self.dice.uniform(0.1, 4)
@@ -152,7 +164,9 @@ class Soak:
         client = Client(self.server)
         try:
             client.send(wire.Forest("stream", groups, BREEZE, 0.0, None, rows))
-            return sum(1 for _ in zip(range(self.dice.randint(1, 40)), client.frames(), strict=False)) and 1
+            took = sum(1 for _ in zip(range(self.dice.randint(1, 40)), client.frames(), strict=False))
+            self.cold = len(self.memory) if self.cold is None and took else self.cold
+            return took and 1
         except Exception as error:  # the table may just have been replaced and removed
             return self._excuse(error)
         finally:
@@ -174,6 +188,8 @@ class Soak:
         for tree in self.trees():
             if tree["job_id"]:
                 self.ask("POST", f"/api/jobs/{tree['job_id']}/cancel")
+            for one in self.ask("GET", f"/api/trees/{tree['id']}/evaluations").json()["evaluations"]:
+                self.ask("POST", f"/api/evaluations/{one['id']}/cancel")
         wait_until(lambda: self.api.get("/healthz").json()["jobs_active"] == 0, 300, 0.5)
         time.sleep(3)
         self.measure()
@@ -195,7 +211,7 @@ class Soak:
 
     def verdict(self) -> dict[str, Any]:
         """Figures, and what is wrong: an empty list is a pass."""
-        memory, handles = flat(self.memory), flat(self.handles)
+        memory, handles = flat(self.memory[self.cold or 0 :]), flat(self.handles[self.cold or 0 :])
         if memory["growth"] > GROWTH_BYTES:
             self.wrong.append(f"memory grew by {memory['growth'] >> 20} MB")
         if handles["growth"] > GROWTH_HANDLES:

@@ -137,6 +137,7 @@ def test_an_upload_becomes_a_streamed_tree_though_worker_cluster_and_server_die(
     assert api.get(f"/api/meshes/{tree['mesh_sha256']}").content[:4] == b"glTF"
     assert_sways(server, tree["table_sha256"])
     assert_compares(api, tree, table)
+    assert_evaluates(api, server, tree, table)
 
 
 def follow(api: httpx.Client, tree_id: str, job_id: str) -> tuple[dict[str, str], set[str]]:
@@ -169,6 +170,34 @@ def assert_compares(api: httpx.Client, tree: dict[str, Any], table: table_format
     sway = np.linalg.norm(shown["fem"], axis=2).max()
     assert abs(sway - max(tracks["sway"])) <= left_out.max() + 1e-6
     assert found["result"]["max_error"]["tangent"] < 0.25 * found["result"]["true_sway"]
+
+
+def assert_evaluates(
+    api: httpx.Client, server: Server, tree: dict[str, Any], table: table_format.Table
+) -> None:
+    """An evaluation finds what the finite elements say, from the sampled runs that are there already."""
+    before = trajectories(server)
+    answer = api.post(f"/api/trees/{tree['id']}/evaluations", json={"speed_m_s": 4.0, "frames": 60})
+    assert answer.status_code == 202, answer.text
+    url = answer.headers["location"]
+    wait_until(lambda: api.get(url).json()["state"] not in ("queued", "running"), 300)
+    found = api.get(url).json()
+    assert found["state"] == "done", found["error"]
+    assert trajectories(server) == before  # none was computed twice
+    report = api.get(found["report"]).json()
+    assert report["frames"] == 60 and len(report["winds"]) == 6
+    assert report["design_speed_m_s"] == table.metadata["design_speed_m_s"]
+    for wind, figures in report["winds"].items():
+        shown = found["result"][wind]
+        assert shown["sway"] == figures["rest-pose"]["true_sway"] > 0
+        assert len(figures["tangent"]["error_by_frame"]) == 60
+        assert shown["methods"]["tangent"]["max_error"] == max(figures["tangent"]["error_by_frame"])
+        # a tree that stays at rest errs by all its sway
+        assert shown["methods"]["rest-pose"]["max_error"] == pytest.approx(shown["sway"], rel=1e-6)
+        assert shown["methods"]["tangent"]["max_error"] < 0.5 * shown["sway"]
+    picture = api.get(found["plot"])
+    assert picture.content.startswith(b"\x89PNG") and picture.headers["content-type"] == "image/png"
+    assert not list((server.data_dir / "cache" / "studies").glob("*"))
 
 
 def assert_sways(server: Server, table_sha256: str) -> None:

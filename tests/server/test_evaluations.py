@@ -1,0 +1,155 @@
+"""Evaluations as a client meets them: queued, followed, cancelled, read, and gone with their tree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from server.client import Client, ServiceError
+from server.keys import new_key
+from tests.server.conftest import NO_CLUSTER, Server, wait_until
+from tests.server.fake_job import STEPS
+from tests.server.test_jobs import gone
+from tests.server.test_rest import assert_problem
+
+KEY, KEY_HASH = new_key()
+MINE = {"Authorization": f"Bearer {KEY}"}
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    data_dir = tmp_path_factory.mktemp("evaluations") / "data"
+    data_dir.mkdir()
+    environment = {
+        "GALEWOOD_JOB_MODULE": "tests.server.fake_job", "FAKE_STEP_S": "0.05", "GALEWOOD_API_KEYS": KEY_HASH,
+        "GALEWOOD_REPLACED_FILES_S": "0", "GALEWOOD_SWEEP_S": "0.2", **NO_CLUSTER,
+    }  # fmt: skip
+    server = Server(data_dir, "tests.server.fake_server", environment).start()
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def api(server: Server) -> Iterator[httpx.Client]:
+    with httpx.Client(base_url=server.url, timeout=60, headers=MINE) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def tree(server: Server) -> dict[str, Any]:
+    with httpx.Client(base_url=server.url, timeout=60, headers=MINE) as client:
+        return computed(client, "study.obj")
+
+
+def computed(api: httpx.Client, name: str) -> dict[str, Any]:
+    """A tree whose table and model are there."""
+    answer = api.post("/api/trees?build=true", files={"file": (name, name.encode())})
+    address = f"/api/trees/{answer.json()['id']}"
+    found: dict[str, Any] = wait_until(lambda: (now := api.get(address).json())["state"] == "ready" and now)
+    return found
+
+
+def evaluate(api: httpx.Client, tree: dict[str, Any], **asked: Any) -> httpx.Response:
+    return api.post(f"/api/trees/{tree['id']}/evaluations", json=asked)
+
+
+def ended(api: httpx.Client, url: str) -> dict[str, Any]:
+    found: dict[str, Any] = wait_until(
+        lambda: (now := api.get(url).json())["state"] not in ("queued", "running") and now
+    )
+    return found
+
+
+def test_the_same_question_is_asked_once_and_answered_in_full(
+    api: httpx.Client, tree: dict[str, Any]
+) -> None:
+    first = evaluate(api, tree, sway=0.1, frames=120)
+    assert first.status_code == 202 and first.json()["report"] is None
+    url = first.headers["location"]
+    assert_problem(api.get(f"{url}/report"), 404, "no-report")
+    again = evaluate(api, tree, sway=0.1, frames=120)
+    assert (again.status_code, again.json()["id"]) == (200, first.json()["id"])
+    other = evaluate(api, tree, sway=0.2, frames=120)
+    assert other.status_code == 202
+    found = ended(api, url)
+    assert found["state"] == "done" and found["settings"]["seed"] == 20_001
+    assert found["settings"]["table_sha256"] == tree["table_sha256"]
+    assert api.get(found["report"]).json() == {"kind": "evaluation", "job": found["id"]}
+    picture = api.get(found["plot"])
+    assert picture.content.startswith(b"\x89PNG") and picture.headers["content-type"] == "image/png"
+    held = {"If-None-Match": picture.headers["etag"]}
+    assert api.get(found["plot"], headers=held).status_code == 304
+    listed = api.get(f"/api/trees/{tree['id']}/evaluations").json()
+    assert [one["id"] for one in listed["evaluations"]][:2] == [other.json()["id"], found["id"]]
+    assert listed["total"] == len(listed["evaluations"])
+
+
+def test_what_cannot_be_evaluated_is_a_problem(api: httpx.Client, tree: dict[str, Any]) -> None:
+    for asked in ({"sway": 0.1, "speed_m_s": 8}, {"sway": 3}, {"speed_m_s": 0}, {"frames": 10}, {"wind": 1}):
+        assert_problem(evaluate(api, tree, **asked), 422, "invalid-request")
+    assert_problem(evaluate(api, {"id": "none"}), 404, "no-such-tree")
+    bare = api.post("/api/trees", files={"file": ("bare.obj", b"bare")}).json()
+    assert_problem(evaluate(api, bare), 409, "not-computed")
+    assert_problem(api.get("/api/evaluations/none"), 404, "no-such-evaluation")
+    build = f"/api/evaluations/{tree['job_id']}"
+    assert_problem(api.get(build), 404, "no-such-evaluation")  # a build is none
+    stranger = httpx.post(f"{api.base_url}/api/trees/{tree['id']}/evaluations", json={})
+    assert_problem(stranger, 401, "key-needed")
+
+
+def test_cancelled_it_stops_and_leaves_nothing(
+    server: Server, api: httpx.Client, tree: dict[str, Any]
+) -> None:
+    url = evaluate(api, tree, speed_m_s=7.5).headers["location"]
+    wait_until(lambda: api.get(url).json()["fraction"] > 0)
+    folder = server.data_dir / "cache" / "studies" / url.rsplit("/", 1)[-1]
+    running = [one for one in server.family() if folder.name in one.cmdline()]
+    assert running and folder.exists()
+    api.post(f"{url}/cancel")
+    assert ended(api, url)["state"] == "cancelled"
+    wait_until(lambda: gone(running) and not folder.exists())
+    assert evaluate(api, tree, speed_m_s=7.5).status_code == 202  # asked again, it runs again
+
+
+def test_its_files_go_with_the_tree(server: Server, api: httpx.Client) -> None:
+    tree = computed(api, "study-gone.obj")
+    found = ended(api, evaluate(api, tree, seed=7).headers["location"])
+    assert len(files_of(server, found["id"])) == 2
+    api.delete(f"/api/trees/{tree['id']}")
+    wait_until(lambda: not files_of(server, found["id"]))
+    assert_problem(api.get(f"/api/evaluations/{found['id']}"), 404, "no-such-evaluation")
+
+
+def files_of(server: Server, evaluation_id: str) -> list[Path]:
+    """The stored files that speak of an evaluation."""
+    kinds = [path for kind in ("results", "pictures") for path in (server.data_dir / kind).rglob("??/*")]
+    return [path for path in kinds if evaluation_id.encode() in path.read_bytes()]
+
+
+def test_the_client_evaluates_and_follows(server: Server, tree: dict[str, Any]) -> None:
+    with Client(server.url, KEY) as client:
+        begun = client.evaluate(tree["id"], sway=0.05, frames=60)
+        states = [one["state"] for one in client.follow(begun["id"], "evaluations")]
+        assert states[-1] == "done"
+        assert client.evaluation_report(begun["id"])["job"] == begun["id"]
+        assert client.evaluation_plot(begun["id"]).startswith(b"\x89PNG")
+        assert client.evaluations(tree["id"])[0]["id"] == begun["id"]
+        with pytest.raises(ServiceError, match="no plot"):
+            client.evaluation_plot(client.evaluate(tree["id"], seed=9)["id"])
+
+
+def test_a_killed_server_takes_it_up_again(server: Server, api: httpx.Client, tree: dict[str, Any]) -> None:
+    url = evaluate(api, tree, frames=90).headers["location"]
+    steps = server.data_dir / "cache" / "studies" / url.rsplit("/", 1)[-1] / "steps"
+    wait_until(lambda: steps.exists() and len(steps.read_text().split()) > 2)
+    family = server.family()
+    server.kill()
+    wait_until(lambda: gone(family))
+    kept = len(steps.read_text().split())
+    server.start()
+    assert ended(api, url)["state"] == "done"
+    assert kept < STEPS  # it was under way
