@@ -2,6 +2,7 @@
  * What the page costs, in a real (headless) Chromium on the software rasteriser; see README, "Bench".
  *
  *   npm run bench -- [--base URL | --data DIR] [--minutes 0.5] [--json build/bench-web.json]
+ *   npm run bench -- --soak-minutes 10    # only the heap, for so long
  *
  * Paths are relative to the repository. Without --base a server is started over the data folder.
  */
@@ -24,6 +25,7 @@ const { values } = parseArgs({
     base: { type: "string" },
     data: { type: "string", default: process.env.GALEWOOD_DATA_DIR ?? "data" },
     minutes: { type: "string", default: "0.5" },
+    "soak-minutes": { type: "string" },
     json: { type: "string", default: "build/bench-web.json" },
   },
 });
@@ -37,6 +39,8 @@ async function measure(base: string): Promise<Figure[]> {
   const browser = await chromium.launch(LAUNCH);
   try {
     const figures: Figure[] = [];
+    const soak = values["soak-minutes"];
+    if (soak) return await measureMemory(browser, base, Number(soak));
     const steps = [
       ["start", () => measureStart(browser, base)],
       ["worker", () => measureWorker(browser, base)],

@@ -23,6 +23,7 @@ export async function measureMemory(browser: Browser, base: string, minutes: num
   await page.close();
   const growth = (all[SAMPLES] - all[0]) / minutes;
   return [
+    { name: "heap at first", value: all[0], unit: "MB" },
     { name: `heap after ${minutes} min`, value: all[SAMPLES], unit: "MB", all },
     { name: "heap growth", value: growth, unit: "MB/min" },
   ];
