@@ -59,8 +59,8 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml
 	$(BIN)/hadolint Dockerfile
 
-test-python: $(VENV)/.dev ## the Python tests
-	$(PYTEST)
+test-python: $(VENV)/.dev ## the Python tests, two files at a time
+	$(PYTEST) -n 2 --dist loadfile
 
 test-distributed: $(VENV)/.dev ## the service on PostgreSQL, an S3-compatible store and a Dask cluster elsewhere
 	$(BIN)/python scripts/test-distributed

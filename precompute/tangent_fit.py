@@ -32,6 +32,8 @@ Floats = npt.NDArray[np.float64]
 FORCE_RIDGE = 1e-5
 POSE_RIDGE = 1e-7
 """Ridges relative to each term's own mean square."""
+LIGHT_SHARE = 0.05
+"""Runs that sway by less than this share of the farthest are not weighted more than that."""
 
 
 class RunLike(Protocol):
@@ -81,8 +83,9 @@ def fit_tangent(
     step = propagators(ritz.omega, np.diag(ritz.damping), settings)
     sway = sway_coordinates(ritz, modal)
     limits = sampled_range(sway, modal)
-    force = _fit_force(modal, step, ritz.load, sway, limits, settings.dt_s, force_ridge)
-    shown, pose = subspace.scale[: len(step)], _fit_pose(modal, sway, limits)
+    weights = run_weights(sway, modal)
+    force = _fit_force(modal, weights, step, ritz.load, sway, limits, settings.dt_s, force_ridge)
+    shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits)
     step[:, [0, 3]] -= 1.0
     tensors = (step, ritz.load, sway, force, shown, pose, limits)
     return Tangent(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
@@ -127,6 +130,17 @@ def sampled_range(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
     return np.maximum([*sizes, *np.abs(e[:, 2 : 2 + coupled]).max(axis=0)], 1e-9)
 
 
+def run_weights(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
+    """(R,) what each run's rows weigh: 1 / (its farthest sway)², mean 1.
+
+    What bending does grows with the sway's square and cube: unweighted, the strongest runs alone would decide,
+    with what in them no term of the method can follow.
+    """
+    farthest = [np.linalg.norm(run.e @ sway.T, axis=1).max() for run in runs]
+    weights = np.maximum(farthest, LIGHT_SHARE) ** -2.0
+    return weights / weights.mean()
+
+
 def _force_table(run: ModalRun, sway: Floats, limits: Floats, half_s: float) -> Floats:
     """(T, F) terms of the force at the beginning of every step: the frames stand in the lanes."""
     frames = len(run.pressure)
@@ -147,6 +161,7 @@ def _pose_table(run: ModalRun, sway: Floats, limits: Floats) -> Floats:
 
 def _fit_force(
     runs: Sequence[ModalRun],
+    weights: Floats,
     step: Floats,
     load: Floats,
     sway: Floats,
@@ -157,17 +172,19 @@ def _fit_force(
     terms = [_force_table(run, sway, limits, dt_s / 2) for run in runs]
     force = np.empty((terms[0].shape[1], len(step)))
     for k, oscillator in enumerate(step):
-        moved = np.concatenate([response(oscillator, table) for table in terms])
+        moved = np.concatenate([w * response(oscillator, t) for w, t in zip(weights, terms, strict=True)])
         linear = [response(oscillator, (run.pressure @ load[k])[:, None])[:, 0] for run in runs]
-        missed = np.concatenate([run.e[:, k] - known for run, known in zip(runs, linear, strict=True)])
+        missed = np.concatenate(
+            [w * (run.e[:, k] - known) for w, run, known in zip(weights, runs, linear, strict=True)]
+        )
         force[:, k] = ridge_fit(moved, missed[:, None], ridge)[:, 0]
     return force
 
 
-def _fit_pose(runs: Sequence[ModalRun], sway: Floats, limits: Floats) -> Floats:
+def _fit_pose(runs: Sequence[ModalRun], weights: Floats, sway: Floats, limits: Floats) -> Floats:
     """(terms, r − d) of the modes shown beside the oscillators' own."""
-    terms = np.concatenate([_pose_table(run, sway, limits) for run in runs])
-    further = np.concatenate([run.q[:, sway.shape[1] :] for run in runs])
+    terms = np.concatenate([w * _pose_table(run, sway, limits) for w, run in zip(weights, runs, strict=True)])
+    further = np.concatenate([w * run.q[:, sway.shape[1] :] for w, run in zip(weights, runs, strict=True)])
     return ridge_fit(terms, further, POSE_RIDGE)
 
 
