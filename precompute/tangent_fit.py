@@ -133,8 +133,8 @@ def sampled_range(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
 def run_weights(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
     """(R,) what each run's rows weigh: 1 / (its farthest sway)², mean 1.
 
-    What bending does grows with the sway's square and cube: unweighted, the strongest runs alone would decide,
-    with what in them no term of the method can follow.
+    What bending does grows with the sway's square and cube: unweighted, the strongest runs alone would
+    decide, with what in them no term of the method can follow.
     """
     farthest = [np.linalg.norm(run.e @ sway.T, axis=1).max() for run in runs]
     weights = np.maximum(farthest, LIGHT_SHARE) ** -2.0
