@@ -241,9 +241,7 @@ export class App {
 
   private move(dt_s: number): void {
     if (!this.paused) this.client.advance(dt_s);
-    if (this.client.takeFresh()) {
-      for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
-    }
+    this.takePoses();
     this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);
     this.studio.tipOf = this.picker.moving;
@@ -254,6 +252,20 @@ export class App {
     this.stage.cover.update(this.stage.camera.position, wind_m_s, this.client.time_s);
     this.flutter.value.x += dt_s;
     this.flutter.value.y = this.settings.flutter ? 1 : 0;
+  }
+
+  private takePoses(): void {
+    if (!this.client.takeFresh()) return;
+    for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
+  }
+
+  /** A frame so many seconds after the last, in the poses of its own moment, however long it takes: for films, asleep. */
+  async step(dt_s: number, drawn = true): Promise<void> {
+    this.move(dt_s);
+    while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));
+    this.takePoses();
+    if (drawn) this.draw();
+    this.frame++;
   }
 
   private draw(): void {

@@ -143,6 +143,11 @@ export class ForestClient {
     );
   }
 
+  /** Whether the worker still owes the poses that were asked for last. */
+  get isBusy(): boolean {
+    return this.busy;
+  }
+
   /** True once after new poses came in. */
   takeFresh(): boolean {
     const { fresh } = this;

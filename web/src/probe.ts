@@ -30,6 +30,8 @@ export interface Probe {
   dress: App["setScenery"];
   /** Stops drawing altogether, or goes on. */
   sleep(asleep: boolean): void;
+  /** One frame, so many seconds after the last, however long it takes: frame by frame, asleep. */
+  step(dt_s: number, drawn?: boolean): Promise<void>;
   /** Picks the tree under a place of the window (px), as a click does; null where there is none. */
   pick(left_px: number, top_px: number): TreePicker["figures"];
   /** The picked tree and its figures now. */
@@ -101,6 +103,7 @@ export function exposeProbe(app: App): void {
     sleep(asleep) {
       app.asleep = asleep;
     },
+    step: (dt_s, drawn) => app.step(dt_s, drawn),
     pick(left_px, top_px) {
       app.picker.select(app.picker.find(left_px, top_px));
       return app.picker.figures;

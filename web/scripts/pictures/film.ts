@@ -1,0 +1,34 @@
+/** Frames of a short film, drawn one by one by the page's own clock; scripts/film.py makes one file of them. */
+import { execFileSync } from "node:child_process";
+import { mkdirSync, rmSync, writeFileSync } from "node:fs";
+import { resolve } from "node:path";
+import type { Page } from "@playwright/test";
+import { dress, FOLDER, forest, frame, LOOK, resize, steps, TINY } from "./page";
+import { SHOTS } from "./shots";
+
+const SIZE = { width: 640, height: 360 };
+const FPS = 15;
+const FILM_S = 3.6;
+/** Frames after the film's end, faded into its beginning. */
+const FADED = 9;
+const REPOSITORY = resolve(import.meta.dirname, "../../..");
+
+/** Warms the wind up unseen, then draws every frame. */
+export async function film(page: Page): Promise<void> {
+  const folder = resolve(REPOSITORY, "build/film");
+  rmSync(folder, { recursive: true, force: true });
+  mkdirSync(folder, { recursive: true });
+  await resize(page, TINY);
+  await forest(page, `${LOOK}&panel=0`);
+  await dress(page, SHOTS.storm);
+  await steps(page, 120, 0.05);
+  await resize(page, SIZE);
+  for (let k = 0; k < FPS * FILM_S + FADED; k++) {
+    const bytes = await frame(page, 1 / FPS, "image/png");
+    writeFileSync(`${folder}/${String(k).padStart(3, "0")}.png`, bytes);
+  }
+  const python = resolve(REPOSITORY, ".venv/bin/python");
+  const out = `${FOLDER}/storm.webp`;
+  execFileSync(python, [resolve(REPOSITORY, "scripts/film.py"), folder, out, String(FPS), String(FADED)]);
+  console.log("storm.webp");
+}

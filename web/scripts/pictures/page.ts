@@ -1,0 +1,101 @@
+/** A page that draws only when it is told to: pictures of any size, whatever they cost. */
+import { writeFileSync } from "node:fs";
+import { resolve } from "node:path";
+import type { Page } from "@playwright/test";
+import type { Shot } from "./shots";
+
+export const BASE = process.env.BASE_URL ?? "http://127.0.0.1:8000";
+export const FOLDER = process.env.FOLDER ?? resolve(import.meta.dirname, "../../../docs/images");
+export const LARGE = { width: 1200, height: 675 };
+/** While the wind blows and nothing is shown. */
+export const TINY = { width: 96, height: 54 };
+export const PATIENCE_MS = 900_000;
+const STEP_S = 0.05;
+const QUALITIES = [84, 78, 70, 60];
+const MOST_BYTES = 300_000;
+
+export const LOOK = `quality=${process.env.QUALITY ?? "medium"}&trees=${process.env.TREES ?? 320}&density=1.2`;
+
+/** Opens a forest in which every tree moves, asleep. */
+export async function forest(page: Page, query: string): Promise<void> {
+  await page.goto(`${BASE}/?${query}`, { waitUntil: "commit" });
+  await page.waitForFunction(() => (window.galewood?.trees.moving ?? 0) > 0);
+  await page.waitForFunction(() => window.galewood?.trees.still === 0 && window.galewood.time_s > 0);
+  await page.evaluate(() => window.galewood?.sleep(true));
+}
+
+/** Lets so many steps of time pass, unseen. */
+export async function steps(page: Page, count: number, dt_s = STEP_S): Promise<void> {
+  await page.evaluate(
+    async ({ count, dt_s }) => {
+      for (let k = 0; k < count; k++) await window.galewood?.step(dt_s, false);
+    },
+    { count, dt_s },
+  );
+}
+
+export async function dress(page: Page, { season, daytime, eye, at, wind }: Shot): Promise<void> {
+  await page.evaluate(
+    ({ season, daytime, eye, at, wind }) => {
+      if (wind) window.galewood?.setWind(wind);
+      window.galewood?.dress(season, daytime);
+      window.galewood?.look(eye, at);
+    },
+    { season, daytime, eye, at, wind },
+  );
+}
+
+/** Waits until the page has laid itself out for its window. */
+export async function resize(page: Page, size: { width: number; height: number }): Promise<void> {
+  await page.setViewportSize(size);
+  await page.waitForFunction(({ width }) => {
+    const canvas = document.querySelector<HTMLCanvasElement>("#view")?.width ?? 0;
+    return innerWidth === width && canvas >= width && canvas <= 2 * width;
+  }, size);
+}
+
+/** One frame more, read from the canvas while it holds it: the picture of the forest alone. */
+export async function frame(page: Page, dt_s: number, type: string, quality = 1): Promise<Buffer> {
+  const url = await page.evaluate(
+    async ({ dt_s, type, quality }) => {
+      await window.galewood?.step(dt_s);
+      return document.querySelector<HTMLCanvasElement>("#view")?.toDataURL(type, quality) ?? "";
+    },
+    { dt_s, type, quality },
+  );
+  return Buffer.from(url.slice(url.indexOf(",") + 1), "base64");
+}
+
+/** Lets the page draw by itself for a moment, so that its window shows it. */
+export async function drawn(page: Page, frames = 2): Promise<void> {
+  const from = await page.evaluate(() => {
+    window.galewood?.sleep(false);
+    return window.galewood?.frame ?? 0;
+  });
+  await page.waitForFunction((until) => (window.galewood?.frame ?? 0) >= until, from + frames);
+  await page.evaluate(() => window.galewood?.sleep(true));
+}
+
+/** Saves what the window shows, as well as it fits. */
+export async function save(page: Page, name: string): Promise<void> {
+  const path = `${FOLDER}/${name}.jpg`;
+  for (const quality of QUALITIES) {
+    const bytes = await page.screenshot({ path, type: "jpeg", quality, timeout: PATIENCE_MS });
+    if (bytes.length <= MOST_BYTES) break;
+  }
+  console.log(`${name}.jpg`);
+}
+
+/** Small while the wind blows, so that it costs little; large for the picture. */
+export async function take(page: Page, name: string, shot: Shot): Promise<void> {
+  await resize(page, TINY);
+  await dress(page, shot);
+  await steps(page, Math.round(shot.after_s / STEP_S));
+  await resize(page, LARGE);
+  for (const quality of QUALITIES) {
+    const bytes = await frame(page, 0, "image/jpeg", quality / 100);
+    writeFileSync(`${FOLDER}/${name}.jpg`, bytes);
+    if (bytes.length <= MOST_BYTES) break;
+  }
+  console.log(`${name}.jpg`);
+}
