@@ -18,7 +18,7 @@ from precompute import table as table_format
 from server.object_store import open_bucket
 from tests.server.conftest import Server, shared_services, wait_until
 from tests.server.test_jobs import gone, state
-from tests.server.test_real_build import assert_compares, begin, follow, sampling
+from tests.server.test_real_build import LONG_S, assert_compares, begin, follow, sampling
 
 SCHEDULER = os.environ.get("GALEWOOD_TEST_SCHEDULER", "")
 pytestmark = [
@@ -54,10 +54,10 @@ def test_a_build_outlives_worker_and_server_without_a_shared_disk(tmp_path: Path
         tree, job = begin(api, 4.0)
         sampling(api, job)
     worker().kill()
-    finished = wait_until(lambda: len(runs(environment)) > 4 and runs(environment), 120)
+    finished = wait_until(lambda: len(runs(environment)) > 4 and runs(environment), LONG_S)
     family = first.family()
     first.kill()
-    wait_until(lambda: gone(family))
+    wait_until(lambda: gone(family), LONG_S)
     second = start(tmp_path / "second" / "data", environment)
     try:
         with second.client() as api:
@@ -74,12 +74,12 @@ def finish(
     finished: dict[str, Any],
 ) -> None:
     """The other server, whose disk is empty, goes on from the bucket: no run is made twice."""
-    wait_until(lambda: len(runs(environment)) > len(finished), 120)
+    wait_until(lambda: len(runs(environment)) > len(finished), LONG_S)
     later = runs(environment)
     assert {path: later.get(path) for path in finished} == finished
     follow(api, tree["id"], job["id"])
     assert state(api, job) == "done"
-    wait_until(lambda: not runs(environment))  # nobody needs them any more
+    wait_until(lambda: not runs(environment), LONG_S)  # nobody needs them any more
     tree = api.get(f"/api/trees/{tree['id']}").json()
     table = table_format.decode(api.get(f"/api/tables/{tree['table_sha256']}").content)
     assert_compares(api, tree, table)
@@ -93,8 +93,8 @@ def test_cancel_stops_workers_that_share_no_disk(tmp_path: Path) -> None:
             _, job = begin(api, 3.0)
             sampling(api, job)
             api.post(f"/api/jobs/{job['id']}/cancel")
-            wait_until(lambda: state(api, job) == "cancelled")
-            there = wait_until(lambda: settled(environment))
+            wait_until(lambda: state(api, job) == "cancelled", LONG_S)
+            there = wait_until(lambda: settled(environment), LONG_S)
             assert len(there) < 30
     finally:
         server.stop()
