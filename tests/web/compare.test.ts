@@ -88,7 +88,8 @@ test("the picked tree's figures in words", () => {
   const words = figuresInWords({ ...tree, height_m: 10, moves: true, tip_m: 0.5, coverage: 1.2, record: 4321 });
   expect(Object.fromEntries(words)).toEqual({
     Height: "10.0 m",
-    "Tip is off by": "0.50 m, 5.0 % of its height",
+    "Tip is off by": "0.50 m",
+    "Share of its height": "5.0 %",
     "Of the sampled range": "120 %, beyond what was sampled",
     "Record in use": "4,321",
   });

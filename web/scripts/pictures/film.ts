@@ -6,11 +6,11 @@ import type { Page } from "@playwright/test";
 import { dress, FOLDER, forest, frame, LOOK, resize, steps, TINY } from "./page";
 import { SHOTS } from "./shots";
 
-const SIZE = { width: 640, height: 360 };
-const FPS = 15;
-const FILM_S = 3.6;
+const SIZE = { width: 576, height: 324 };
+const FPS = 12;
+const FILM_S = 3;
 /** Frames after the film's end, faded into its beginning. */
-const FADED = 9;
+const FADED = 6;
 const REPOSITORY = resolve(import.meta.dirname, "../../..");
 
 /** Warms the wind up unseen, then draws every frame. */
@@ -18,7 +18,7 @@ export async function film(page: Page): Promise<void> {
   const folder = resolve(REPOSITORY, "build/film");
   rmSync(folder, { recursive: true, force: true });
   mkdirSync(folder, { recursive: true });
-  await resize(page, TINY);
+  await page.setViewportSize(TINY);
   await forest(page, `${LOOK}&panel=0`);
   await dress(page, SHOTS.storm);
   await steps(page, 120, 0.05);

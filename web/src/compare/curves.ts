@@ -37,7 +37,7 @@ export class Curves {
   }
 
   private height(paper: HTMLElement): number {
-    return Math.max(140, Math.min(300, paper.clientWidth * 0.55));
+    return Math.max(140, Math.min(300, paper.clientWidth * 0.42));
   }
 
   private options(paper: HTMLElement): uPlot.Options {
@@ -49,10 +49,10 @@ export class Curves {
       scales: { x: { time: false }, y: { distr: 3, range: [...DECADES] } },
       axes: [
         { ...AXIS, size: 28, values: (_, ticks) => ticks.map((tick) => `${tick} s`) },
-        { ...AXIS, size: 46, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} %` : "")) },
+        { ...AXIS, size: 58, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} %` : "")) },
       ],
       series: [
-        { value: (_, value) => (value === null ? "–" : `${value.toFixed(1)} s`) },
+        { label: "time", value: (_, value) => (value === null ? "–" : `${value.toFixed(1)} s`) },
         line("sway of the tree", COLOURS.sway),
         line("error", COLOURS.tangent),
         line("error, Hausdorff", COLOURS.tangent, [3, 3]),

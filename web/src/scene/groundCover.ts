@@ -157,6 +157,7 @@ export class GroundCover {
   }
 
   setSeason(season: Season): void {
+    this.mesh.visible = SEASON_LOOKS[season].snow === 0; // else it lies under the snow
     this.uniforms.uGrassTint.value.setRGB(...SEASON_LOOKS[season].grass);
   }
 

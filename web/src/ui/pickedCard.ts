@@ -23,10 +23,8 @@ export function figuresInWords({
 }: PickedFigures): [string, string][] {
   const rows: [string, string][] = [["Height", `${height_m.toFixed(1)} m`]];
   if (!moves) return [...rows, ["Motion", "still to be computed"]];
-  rows.push([
-    "Tip is off by",
-    `${tip_m.toFixed(2)} m, ${((100 * tip_m) / height_m).toFixed(1)} % of its height`,
-  ]);
+  rows.push(["Tip is off by", `${tip_m.toFixed(2)} m`]);
+  rows.push(["Share of its height", `${((100 * tip_m) / height_m).toFixed(1)} %`]);
   if (coverage !== null) {
     const beyond = coverage > 1 ? ", beyond what was sampled" : "";
     rows.push(["Of the sampled range", `${(100 * coverage).toFixed(0)} %${beyond}`]);
