@@ -21,7 +21,7 @@ export async function film(page: Page): Promise<void> {
   await page.setViewportSize(TINY);
   await forest(page, `${LOOK}&panel=0`);
   await dress(page, SHOTS.storm);
-  await steps(page, 120, 0.05);
+  await steps(page, 280, 0.05);
   await resize(page, SIZE);
   for (let k = 0; k < FPS * FILM_S + FADED; k++) {
     const bytes = await frame(page, 1 / FPS, "image/png");
