@@ -56,11 +56,13 @@ export class PickedCard {
       made.addEventListener("click", pressed);
       return made;
     };
+    const close = button("✕", () => tools.close());
+    close.setAttribute("aria-label", "Close");
     row.append(
       this.follow,
       button("Is it right?", () => tools.compare()),
       button("Physics", () => tools.physics()),
-      button("Close", () => tools.close()),
+      close,
     );
     for (const made of row.querySelectorAll("button")) made.type = "button";
     this.root.append(this.heading, this.list, this.pictures, row);
