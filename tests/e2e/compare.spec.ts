@@ -3,6 +3,9 @@ import { expect, forest, open, SMALL, test } from "./forest";
 
 const panelled = SMALL.replace("panel=0", "panel=1");
 
+// A wide page for the dialogs; the picture behind them is drawn in fewer pixels, in software.
+test.use({ deviceScaleFactor: 0.5 });
+
 test("a tree is held against the full simulation, and the errors are told", async ({ page }) => {
   test.setTimeout(10 * 60_000);
   await page.setViewportSize({ width: 800, height: 600 });

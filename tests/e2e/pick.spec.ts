@@ -1,5 +1,8 @@
 import { expect, forest, frames, open, SMALL, test } from "./forest";
 
+// A wide page for the cards; the picture behind them is drawn in fewer pixels, in software.
+test.use({ deviceScaleFactor: 0.5 });
+
 test("a click picks the tree under it; its figures follow its motion, the camera follows the tree", async ({ page }) => {
   // Wide enough for the card of the picked tree to stand beside the middle.
   await page.setViewportSize({ width: 760, height: 428 });

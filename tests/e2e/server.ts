@@ -72,5 +72,5 @@ async function allReady(base: string): Promise<boolean> {
 export async function untilReady(base: string): Promise<void> {
   await until("the server", STARTS_WITHIN_MS, async () => (await fetch(`${base}/healthz`)).ok);
   // All of them: one that joined in the middle of a test would change its pictures.
-  await until("the three species", TABLES_WITHIN_MS, () => allReady(base));
+  await until("the species", TABLES_WITHIN_MS, () => allReady(base));
 }

@@ -1,9 +1,23 @@
 /** Starts the real server on a free port with a data folder of its own, unless BASE_URL names one,
- * and waits until its three species are computed. */
-import { mkdtempSync, rmSync } from "node:fs";
+ * and waits until its species are computed: two of ours, which are enough for a mixed forest. */
+import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 import { freePort, serve, stop, untilReady } from "./server";
+
+const OURS = resolve(__dirname, "../../assets/species");
+const ENOUGH = ["poplar", "maple"];
+
+/** A folder of species with few of ours, under `data`. */
+function fewSpecies(data: string): string {
+  const folder = join(data, "few-species");
+  mkdirSync(folder, { recursive: true });
+  const all = JSON.parse(readFileSync(join(OURS, "species.json"), "utf8")) as { id: string; file: string }[];
+  const few = all.filter(({ id }) => ENOUGH.includes(id));
+  writeFileSync(join(folder, "species.json"), JSON.stringify(few));
+  for (const { file } of few) cpSync(join(OURS, file), join(folder, file));
+  return folder;
+}
 
 export default async function setup(): Promise<() => Promise<void>> {
   let end = async () => {};
@@ -11,6 +25,7 @@ export default async function setup(): Promise<() => Promise<void>> {
     const port = await freePort();
     const kept = process.env.E2E_DATA_DIR;
     const data = kept ?? mkdtempSync(join(tmpdir(), "galewood-e2e-"));
+    process.env.GALEWOOD_SPECIES_DIR = fewSpecies(data);
     const server = serve(port, data);
     process.env.SERVER_DATA = data;
     process.env.BASE_URL = `http://127.0.0.1:${port}`;

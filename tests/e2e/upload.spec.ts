@@ -3,6 +3,8 @@ import { expect, forest, open, SMALL, sway_m, test } from "./forest";
 
 const panelled = SMALL.replace("panel=0", "panel=1");
 
+test.use({ deviceScaleFactor: 0.5 });
+
 test("a broken file is refused in words", async ({ page, quiet }) => {
   await page.setViewportSize({ width: 640, height: 480 });
   await open(page, `${panelled}&speed=5`);

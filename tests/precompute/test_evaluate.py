@@ -21,8 +21,8 @@ from precompute.intake_types import IntakeOptions
 from precompute.pipeline import BuildOptions, build_table
 from precompute.runner import run_task
 from precompute.table import Table, decode
+from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
 from tests.precompute.test_table import FILE
-from tests.precompute.tree_meshes import BRANCHES, cards, glb_bytes, y_tree
 
 TABLE = decode(FILE)
 
@@ -137,14 +137,19 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("evaluate")
     options = BuildOptions(
         intake=IntakeOptions(species="maple"),
-        target_tets=800,
+        target_tets=TARGET_TETS,
         sampled_elements=8,
         design_speed_m_s=14.0,
         frames=60,
     )
-    mesh = glb_bytes(y_tree(), cards([end for _, end in BRANCHES]))
-    built = build_table(mesh, "tree.glb", options, lambda tasks, done: [run_task(t) for t in tasks],
-                        cache_dir=path / "cache")  # fmt: skip
+    cache = cache_with_tets(path / "cache", tmp_path_factory)
+    built = build_table(
+        small_tree_glb(),
+        "tree.glb",
+        options,
+        lambda tasks, done: [run_task(t) for t in tasks],
+        cache_dir=cache,
+    )
     (path / "tree.gwt").write_bytes(built.table)
     (path / "tree.glb").write_bytes(built.render_glb)
     return path

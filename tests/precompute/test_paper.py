@@ -10,13 +10,14 @@ from precompute.paper import run_paper
 from precompute.paper_gestures import first_maximum
 from precompute.paper_plan import Notes, quick_plan
 from precompute.paper_text import table
-from tests.precompute.tree_meshes import BRANCHES, cards, glb_bytes, y_tree
+from tests.precompute.shared_tets import cache_with_tets, small_tree_glb
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("paper")
-    (path / "maple.glb").write_bytes(glb_bytes(y_tree(), cards([end for _, end in BRANCHES])))
+    (path / "maple.glb").write_bytes(small_tree_glb())
+    cache_with_tets(path / "cache", tmp_path_factory)
     return path
 
 

@@ -14,11 +14,11 @@ from precompute.lookup import ForestLookup
 from precompute.pipeline import BuildOptions, BuildResult, Cancelled, Progress, build_table
 from precompute.runner import SampleTask, run_task
 from precompute.table import decode
-from tests.precompute.tree_meshes import BRANCHES, cards, glb_bytes, y_tree
+from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
 
 OPTIONS = BuildOptions(
     intake=IntakeOptions(species="maple"),
-    target_tets=800,
+    target_tets=TARGET_TETS,
     sampled_elements=8,
     design_speed_m_s=20.0,
     frames=12,
@@ -47,12 +47,12 @@ class Built:
 
 @pytest.fixture(scope="module")
 def mesh() -> bytes:
-    return glb_bytes(y_tree(), cards([end for _, end in BRANCHES]))
+    return small_tree_glb()
 
 
 @pytest.fixture(scope="module")
 def built(mesh: bytes, tmp_path_factory: pytest.TempPathFactory) -> Built:
-    build = Built(tmp_path_factory.mktemp("cache"))
+    build = Built(cache_with_tets(tmp_path_factory.mktemp("built") / "cache", tmp_path_factory))
     publish = build.out.__setitem__
     build.result = build_table(
         mesh, "tree.glb", OPTIONS, build.sampled, build.told.append, build.cache, publish
