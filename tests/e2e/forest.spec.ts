@@ -32,7 +32,7 @@ for (const lookup of ["worker", "server"] as const) {
   });
 
   test(`the wind dies down and the trees come to rest (${lookup})`, async ({ page }) => {
-    await open(page, `${SMALL.replace("panel=0", "panel=1")}&speed=15&lookup=${lookup}`);
+    await open(page, `${SMALL.replace("panel=0", "panel=1")}&speed=4&lookup=${lookup}`);
     await forest(page);
     await expect.poll(() => sway_m(page)).toBeGreaterThan(0.02);
     await page.getByRole("button", { name: "Still" }).click();
