@@ -19,19 +19,20 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse
 
-from precompute import tabulate
+from precompute import learning
 from precompute.binding import render_binding
 from precompute.build_types import BuildOptions
 from precompute.dynamics import FemModel, load_model
 from precompute.intake_process import run_intake
 from precompute.intake_types import IntakeOptions, TreeMesh
+from precompute.learning import Learning
 from precompute.nodes import render_basis
 from precompute.runner import content_hash, run_in_processes
 from precompute.samples import Samples, planned, simulate
 from precompute.skeleton import extract_skeleton, sampled_elements
 from precompute.subspace import Subspace
 from precompute.table import Metadata, Table
-from precompute.tabulate import Learning, TableSettings
+from precompute.tabulate import TableSettings
 from precompute.tangent_modes import oscillators_of
 from precompute.tetrahedra import TetMesh
 
@@ -170,10 +171,16 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
 def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
     """The table's modes on the wood's vertices, fitted as the build fits them."""
     samples = samples_of(table, model, mesh, cache_dir, workers)
-    learning = Learning(oscillators_of(model), model.settings, samples.learnt_runs())
+    learnt = Learning(oscillators_of(model), model.settings, samples.learnt_runs())
     tolerance_m = TableSettings().truncation_share * float(table.metadata["height_m"])
     mass_kg = model.mass_kg[: model.vertex_count]
-    return tabulate.shown_modes(samples.recorded_runs(), mass_kg, tolerance_m, learning)[1]
+    return learning.shown_modes(
+        samples.recorded_runs(),
+        mass_kg,
+        tolerance_m,
+        learnt,
+        learning.size_of(learnt, len(table.tangent_step)),
+    )[1]
 
 
 def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:

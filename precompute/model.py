@@ -1,6 +1,7 @@
 """The finite-element model of one tree: everything a simulation needs, as plain arrays in one file."""
 
 import json
+import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -104,11 +105,11 @@ def save_model(model: FemModel, path: Path) -> None:
         "report": model.report,
     }
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    with part.open("wb") as file:
+    # a name of its own: another process may be writing the same model
+    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as file:
         arrays: dict[str, Any] = {name: getattr(model, name) for name in _ARRAYS}
         np.savez(file, header=np.frombuffer(json.dumps(header).encode(), np.uint8), **arrays)
-    part.replace(path)
+    Path(file.name).replace(path)
 
 
 def load_model(path: Path) -> FemModel:

@@ -14,13 +14,14 @@ from precompute.evaluate_measure import FRAMES_SHOWN, hausdorff
 from precompute.evaluate_source import Source, samples_of
 from precompute.evaluate_truth import TruthTask, read_truth, run_truths
 from precompute.evaluate_winds import along
+from precompute.learning import Learning, shown_modes, size_of
 from precompute.lookup import ForestLookup
 from precompute.paper_plan import Plan
 from precompute.pipeline_report import render_mesh
 from precompute.sampling import DIRECTIONS_DEG, Recording, sample_winds
 from precompute.subspace import Subspace
 from precompute.table import Table
-from precompute.tabulate import Learning, TableSettings, assemble_table, shown_modes
+from precompute.tabulate import TableSettings, assemble_table
 from precompute.tangent_modes import oscillators_of
 
 Floats = npt.NDArray[np.float64]
@@ -110,8 +111,10 @@ def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace
     ]
     mass_kg = source.model.mass_kg[: source.model.vertex_count]
     tolerance_m = TableSettings().truncation_share * float(table.metadata["height_m"])
-    modes = shown_modes(chosen, mass_kg, tolerance_m, _learning(source, chosen))[1]
-    return small_table(table, source, chosen), modes
+    own = small_table(table, source, chosen)
+    learning = _learning(source, chosen)
+    size = size_of(learning, len(own.tangent_step))
+    return own, shown_modes(chosen, mass_kg, tolerance_m, learning, size)[1]
 
 
 def _learning(source: Source, runs: Sequence[Recording]) -> Learning:

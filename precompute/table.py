@@ -16,10 +16,10 @@ import numpy.typing as npt
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
-from precompute.tangent import Tangent, coupled_modes, force_terms, shape_terms
+from precompute.tangent import Tangent, force_terms, shape_terms
 
 FORMAT = "galewood-table"
-VERSION = 3
+VERSION = 4
 MAX_HEADER_BYTES = 1 << 20
 MAX_DYNAMIC = 64
 
@@ -227,7 +227,8 @@ def _check_shapes(table: Table) -> None:
     d = len(table.tangent_step)
     most = min(MAX_DYNAMIC, r)
     _need(2 <= d <= most, f"tensor tangent.step: expected 2..{most} rows")
-    c = coupled_modes(d)
+    c = len(table.tangent_limits) - 3
+    _need(0 <= c <= d - 2, f"tensor tangent.limits: expected 3..{d + 1} numbers")
     for name, shape in (
         ("modes.scale", (r,)),
         ("nodes.basis", (n, 3, r)),

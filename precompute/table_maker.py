@@ -9,11 +9,12 @@ from functools import cached_property
 from precompute.build_types import BuildOptions
 from precompute.design_wind import DesignWind
 from precompute.intake_types import TreeMesh
+from precompute.learning import Learning
 from precompute.model import FemModel
 from precompute.pipeline_report import describe
 from precompute.samples import Samples
 from precompute.table import Table
-from precompute.tabulate import Learning, RenderMesh, assemble_table
+from precompute.tabulate import RenderMesh, assemble_table
 from precompute.tangent_modes import Oscillators, oscillators_of
 
 

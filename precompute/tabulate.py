@@ -11,19 +11,15 @@ import numpy.typing as npt
 import scipy.sparse
 
 from precompute.candidates import Rule, air_of, build_search
-from precompute.model import FemSettings
+from precompute.learning import Fitted, Learning, fit_smallest
 from precompute.nodes import Nodes, largest_motion_m, make_nodes, render_basis
 from precompute.sampling import Recording
 from precompute.similarity import Compared, InternalStates, compared, typical_error
-from precompute.subspace import QuantisedMotion, Subspace, fit_subspace, quantise, thinned
+from precompute.subspace import QuantisedMotion, quantise
 from precompute.table import FORMAT, VERSION, Metadata, Table, poses
-from precompute.tangent_fit import fit_tangent, leading_oscillators
-from precompute.tangent_modes import Oscillators
 
 Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
-LEAST_FURTHER, MOST_FURTHER = 4, 8
-"""Shown modes beside the oscillators' own."""
 
 
 @dataclass(frozen=True)
@@ -57,16 +53,6 @@ class RenderMesh:
     primitives: list[dict[str, Any]]  # name, kind, vertices
 
 
-@dataclass(frozen=True)
-class Learning:
-    """What the drift-free method is made from: free oscillators of the body, its scheme, and true runs."""
-
-    body: Oscillators
-    scheme: FemSettings
-    runs: Sequence[Recording]
-    dynamic: int = 16
-
-
 def internal_states(runs: Sequence[Recording]) -> InternalStates:
     """The records of all runs, one after another."""
     velocity, force, stiffness = (
@@ -89,18 +75,6 @@ def spread_pa(pressure_pa: Array) -> float:
     return float(np.sqrt(squared[squared > 0].mean())) if squared.any() else 1.0
 
 
-def shown_modes(
-    runs: Sequence[Recording], mass_kg: Floats, tolerance_m: float, learning: Learning
-) -> tuple[Oscillators, Subspace]:
-    """The oscillators that are stepped, and the modes that are shown: their own shapes and a few more."""
-    seen = (*runs, *learning.runs)
-    snapshots = thinned((run.displacement_m for run in seen), sum(len(run.pressure_pa) + 1 for run in seen))
-    own = leading_oscillators(learning.body, learning.runs, learning.scheme, learning.dynamic)
-    return own, fit_subspace(
-        snapshots, mass_kg, tolerance_m, leading=own.shapes, least=LEAST_FURTHER, most=MOST_FURTHER
-    )
-
-
 def assemble_table(
     runs: Sequence[Recording],
     mass_kg: Floats,
@@ -112,9 +86,8 @@ def assemble_table(
 ) -> Table:
     """The table of all runs. ``description`` adds species, height, winds, provenance to the metadata."""
     height_m = float(description["height_m"])
-    own, subspace = shown_modes(runs, mass_kg, settings.truncation_share * height_m, learning)
-    tick(0.1)
-    tangent = fit_tangent(own, mass_kg, learning.runs, subspace, learning.scheme)
+    fitted = fit_smallest(runs, mass_kg, height_m, settings.truncation_share * height_m, learning)
+    tangent, subspace = fitted.tangent, fitted.subspace
     tick(0.2)
     motion = quantise(subspace.project(run.displacement_m) for run in runs)
     starts = np.cumsum([0, *(len(run.pressure_pa) for run in runs)]).astype(np.uint32)
@@ -131,7 +104,7 @@ def assemble_table(
     sigma_pa = settings.sigma_share * spread_pa(pressure)
     rule = Rule(states.components, sigma_pa, weight["initial"], weight["maximum"])
     search = build_search(layout, air_of(pressure, starts), rule, lambda f: tick(0.3 + 0.7 * f))
-    metadata = _metadata(description, settings, mesh, subspace, motion, nodes, states, sigma_pa, weight)
+    metadata = _metadata(description, settings, mesh, fitted, motion, nodes, states, sigma_pa, weight)
     return Table(
         metadata, motion.scale, nodes.basis, nodes.rest_m, nodes.vertex_node, motion.dq, pressure, starts,
         search.offsets, search.record, search.mismatches,
@@ -143,7 +116,7 @@ def _metadata(
     description: Metadata,
     settings: TableSettings,
     mesh: RenderMesh,
-    subspace: Subspace,
+    fitted: Fitted,
     motion: QuantisedMotion,
     nodes: Nodes,
     states: InternalStates,
@@ -154,7 +127,7 @@ def _metadata(
         "format": FORMAT,
         "version": VERSION,
         **description,
-        "modes": subspace.modes,
+        "modes": fitted.subspace.modes,
         "records": len(motion.dq),
         "primitives": mesh.primitives,
         "points": states.velocity.shape[1],
@@ -163,8 +136,9 @@ def _metadata(
         "weight": weight,
         "pose_easing": settings.pose_easing,
         "errors": {
-            "truncation_max_m": subspace.max_error_m,
-            "truncation_energy": subspace.energy_left,
+            "truncation_max_m": fitted.subspace.max_error_m,
+            "truncation_energy": fitted.subspace.energy_left,
+            "replay_m": fitted.replay_error_m,
             "node_rms_m": nodes.rms_error_m,
             "node_max_m": nodes.max_error_m,
         },

@@ -25,8 +25,6 @@ Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
 LANES = 16
-MAX_COUPLED = 4
-"""Modes beside the two sway coordinates whose products with these are kept."""
 REACH = 1.25
 """The polynomials are held where they are beyond this multiple of the sampled range: their force stays
 bounded, and the linear step that it drives is contracting, so any bounded wind gives a bounded motion."""
@@ -36,7 +34,7 @@ REST = 1e-7
 
 @dataclass(frozen=True)
 class Tangent:
-    """Tensors of the method: d dynamic coordinates, c coupled ones, r ≥ d shown modes, F = 26 + 2c terms.
+    """Tensors of the method: d dynamic coordinates, c coupled ones, r ≥ d shown modes, F = 44 + 2c terms.
 
     A step of an oscillator under a force f is e' = r00 e + r01 v + s0 f, v' = r10 e + r11 v + s1 f.
     """
@@ -51,6 +49,7 @@ class Tangent:
 
     @property
     def coupled(self) -> int:
+        """c: products of the coordinates numbered 2 to 2 + c with the sway are kept."""
         return len(self.limits) - 3
 
     @property
@@ -58,17 +57,12 @@ class Tangent:
         return len(self.shown) + self.pose.shape[1]
 
 
-def coupled_modes(dynamic: int) -> int:
-    """c: the coupled coordinates are those numbered 2 to 2 + c."""
-    return min(MAX_COUPLED, dynamic - 2)
-
-
 def shape_terms(coupled: int) -> int:
     return 7 + 2 * coupled
 
 
 def force_terms(coupled: int) -> int:
-    return shape_terms(coupled) + 19
+    return shape_terms(coupled) + 37
 
 
 # ---- terms: every array's last axis runs over trees side by side, or over the frames of a run ------------
@@ -92,21 +86,28 @@ def write_shape(pair, e, limits, out):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def write_motion(pair, speed, pressure, out, at):  # pragma: no cover  (compiled)
-    """Terms with the sway's speed (centrifugal) and with the pressure (a bent tree is pushed otherwise)."""
+    """Terms with the sway's speed and with the pressure.
+
+    A bent tree has centrifugal forces, damps otherwise (β acts on its elements as they stand) and is pushed
+    otherwise.
+    """
     for lane in range(pair.shape[1]):
-        x, y = pair[0, lane], pair[1, lane]
-        vx, vy = speed[0, lane], speed[1, lane]
-        a, b, c = vx * vx, vx * vy, vy * vy
-        out[at, lane], out[at + 1, lane], out[at + 2, lane] = a, b, c
-        out[at + 3, lane], out[at + 4, lane], out[at + 5, lane] = a * x, a * y, b * x
-        out[at + 6, lane], out[at + 7, lane], out[at + 8, lane] = b * y, c * x, c * y
+        x, y, u, v = pair[0, lane], pair[1, lane], speed[0, lane], speed[1, lane]
+        uu, uv, vv = u * u, u * v, v * v
+        out[at, lane], out[at + 1, lane], out[at + 2, lane] = uu, uv, vv
+        out[at + 3, lane], out[at + 4, lane], out[at + 5, lane] = uu * x, uu * y, uv * x
+        out[at + 6, lane], out[at + 7, lane], out[at + 8, lane] = uv * y, vv * x, vv * y
+    at += 9
     for side in range(2):
-        linear, square = at + 9 + 2 * side, at + 13 + 3 * side
+        slow, pushed = at + 5 * side, at + 10 + 9 * side
         for lane in range(pair.shape[1]):
-            p = pressure[side, lane]
-            out[linear, lane], out[linear + 1, lane] = p * pair[0, lane], p * pair[1, lane]
-            out[square, lane], out[square + 1, lane] = p * out[0, lane], p * out[1, lane]
-            out[square + 2, lane] = p * out[2, lane]
+            x, y, u, p = pair[0, lane], pair[1, lane], speed[side, lane], pressure[side, lane]
+            out[slow, lane], out[slow + 1, lane] = u * x, u * y
+            out[pushed, lane], out[pushed + 1, lane] = p * x, p * y
+            for k in range(3):
+                out[slow + 2 + k, lane] = u * out[k, lane]
+            for k in range(7):
+                out[pushed + 2 + k, lane] = p * out[k, lane]
 
 
 @numba.njit(cache=True, nogil=True)

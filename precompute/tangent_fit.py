@@ -18,7 +18,6 @@ from precompute.model import FemSettings
 from precompute.subspace import Subspace
 from precompute.tangent import (
     Tangent,
-    coupled_modes,
     force_terms,
     shape_terms,
     write_force_terms,
@@ -73,16 +72,18 @@ def fit_tangent(
     subspace: Subspace,
     settings: FemSettings,
     *,
+    coupled: int = 4,
     force_ridge: float = FORCE_RIDGE,
 ) -> Tangent:
     """The method's tensors from a tree's oscillators (``leading_oscillators``) and its runs.
 
-    The shown modes are the subspace's, which begins with the oscillators' own shapes.
+    The shown modes are the subspace's, which begins with the oscillators' own shapes. ``coupled`` coordinates
+    beside the first two, or as many as there are, bend with the sway.
     """
     modal = [modal_run(run, ritz, mass_kg, subspace, settings.dt_s) for run in runs]
     step = propagators(ritz.omega, np.diag(ritz.damping), settings)
     sway = sway_coordinates(ritz, modal)
-    limits = sampled_range(sway, modal)
+    limits = sampled_range(sway, modal, min(coupled, len(ritz.omega) - 2))
     weights = run_weights(sway, modal)
     force = _fit_force(modal, weights, step, ritz.load, sway, limits, settings.dt_s, force_ridge)
     shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits)
@@ -120,13 +121,12 @@ def sway_coordinates(ritz: Oscillators, runs: Sequence[ModalRun]) -> Floats:
     return sway / max(largest, 1e-12)
 
 
-def sampled_range(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
+def sampled_range(sway: Floats, runs: Sequence[ModalRun], coupled: int) -> Floats:
     """(3 + c,) largest sway, its speed, pressure and coupled coordinates in the runs (never zero)."""
     e = np.concatenate([run.e for run in runs])
     v = np.concatenate([run.v for run in runs])
     pressure = np.concatenate([run.pressure for run in runs])
     sizes = [np.linalg.norm(rows, axis=1).max() for rows in (e @ sway.T, v @ sway.T, pressure)]
-    coupled = coupled_modes(e.shape[1])
     return np.maximum([*sizes, *np.abs(e[:, 2 : 2 + coupled]).max(axis=0)], 1e-9)
 
 

@@ -21,7 +21,7 @@ from precompute.model import FemModel, FemSettings
 Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
 
-NATURAL_MODES = 80
+NATURAL_MODES = 120
 TRAPEZIUM = 1 - np.sqrt(0.5)
 """TR-BDF2's implicit coefficient."""
 
@@ -45,6 +45,13 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
     load = np.einsum("kni,n->ki", shapes[:, :, [0, 2]], model.drag_area_m2)
     seen = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
     return Oscillators(2 * np.pi * modes.frequencies_hz, damping, seen, load)
+
+
+def first_of(body: Oscillators, count: int) -> Oscillators:
+    """The same with its first ``count`` modes alone."""
+    return Oscillators(
+        body.omega[:count], body.damping[:count, :count], body.shapes[:count], body.load[:count]
+    )
 
 
 def _elastic(model: FemModel, shapes: Floats) -> Floats:

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse
 
+from precompute.learning import Learning, Size
 from precompute.lookup import ForestLookup
 from precompute.model import FemSettings
 from precompute.sampling import SampleWind, Trajectory, sample_trajectory, sample_winds
 from precompute.table import Table, encode
-from precompute.tabulate import Learning, RenderMesh, TableSettings, assemble_table
+from precompute.tabulate import RenderMesh, TableSettings, assemble_table
 from precompute.tangent import TangentForest
 from precompute.tangent_winds import training_winds
 from precompute.wind import Wind, wind_pressure
@@ -73,7 +74,7 @@ def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
     runs = beam_runs(beam, frames)
     winds = training_winds(12.0, beam.dt_s)
     learnt = [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
-    learning = Learning(beam.oscillators(), scheme(beam), learnt, dynamic=5)
+    learning = Learning(beam.oscillators(), scheme(beam), learnt, sizes=[Size(5, 3, 5)])
     return assemble_table(runs, beam.mass_kg, beam_mesh(beam), description, settings, learning)
 
 

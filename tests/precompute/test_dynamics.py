@@ -1,5 +1,6 @@
 """The moving tree: rest, damping, energy, determinism, what is recorded, what is stored."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -138,3 +139,13 @@ def test_a_mesh_that_is_inside_out_is_refused() -> None:
     bar = polygon_bar(sides=4, radius_m=0.05, length_m=1.0, layers=3)
     with pytest.raises(ValueError, match="inside out"):
         build_model(replace(bar, tets=bar.tets[:, [1, 0, 2, 3]]), bar, species("maple"), bar)
+
+
+def test_a_model_that_many_write_at_once_is_whole(tmp_path: Path) -> None:
+    """Two builds of one tree once took the same name for their unfinished file, and one of them failed."""
+    model, path = small(), tmp_path / "model.npz"
+    with ThreadPoolExecutor(8) as pool:
+        for written in [pool.submit(save_model, model, path) for _ in range(40)]:
+            written.result()
+    assert [one.name for one in tmp_path.iterdir()] == ["model.npz"]
+    assert np.array_equal(load_model(path).u_rest, model.u_rest)

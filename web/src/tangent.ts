@@ -4,7 +4,6 @@
 import { PacedTrees } from "./pacedTrees";
 import type { Table } from "./table";
 
-const MAX_COUPLED = 4;
 /** The polynomials are held where they are beyond this multiple of the sampled range. */
 const REACH = 1.25;
 /** In still air a motion below this share of the sampled range ends, exactly. */
@@ -18,7 +17,7 @@ export interface Tangent {
   readonly load: Float32Array;
   /** [2, d] the two sway coordinates, 1 at the edge of the sampled range */
   readonly sway: Float32Array;
-  /** [26 + 2c, d] */
+  /** [44 + 2c, d] */
   readonly force: Float32Array;
   /** [d] m of q_k per unit of coordinate k */
   readonly shown: Float32Array;
@@ -28,14 +27,14 @@ export interface Tangent {
   readonly limits: Float32Array;
 }
 
-/** c: the coupled coordinates are those numbered 2 to 2 + c. */
-export function coupledModes(dynamic: number): number {
-  return Math.min(MAX_COUPLED, dynamic - 2);
+/** Rows of the force: the terms in the pose, and those with the sway's speed and with the pressure. */
+export function forceTerms(coupled: number): number {
+  return 44 + 2 * coupled;
 }
 
 /** Rows of the pose map: the coordinates, the pressure, and the terms in the pose. */
-export function poseTerms(dynamic: number): number {
-  return dynamic + 9 + 2 * coupledModes(dynamic);
+export function poseTerms(dynamic: number, coupled: number): number {
+  return dynamic + 9 + 2 * coupled;
 }
 
 /** Whether every oscillator's step contracts: then a bounded wind gives a bounded motion. */
@@ -87,6 +86,7 @@ export class TangentForest extends PacedTrees {
   /** [count] how far into the sampled range a tree's sway and pressure are: above 1 it is beyond it. */
   readonly coverage: Float32Array;
   private readonly d: number;
+  private readonly c: number;
   private readonly stepOf: Float64Array;
   private readonly load: Float64Array;
   private readonly sway: Float64Array;
@@ -117,7 +117,8 @@ export class TangentForest extends PacedTrees {
     this.v = new Float64Array(count * d);
     this.coverage = new Float32Array(count);
     this.ahead = new Float64Array(d);
-    this.terms = new Float64Array(Math.max(tangent.force.length / d, poseTerms(d)));
+    this.c = tangent.limits.length - 3;
+    this.terms = new Float64Array(Math.max(forceTerms(this.c), poseTerms(d, this.c)));
     this.total = new Float64Array(d);
     this.further = new Float64Array(this.r - d);
   }
@@ -139,7 +140,7 @@ export class TangentForest extends PacedTrees {
     const first = i * d;
     this.writeForceTerms(first, px, pz);
     for (let k = 0; k < d; k++) total[k] = load[2 * k] * px + load[2 * k + 1] * pz;
-    addRows(this.force, this.terms, this.force.length / d, d, total);
+    addRows(this.force, this.terms, forceTerms(this.c), d, total);
     for (let k = 0; k < d; k++) {
       const a = e[first + k];
       const b = v[first + k];
@@ -200,7 +201,7 @@ export class TangentForest extends PacedTrees {
 
   /** All terms of the force at the middle of the coming step, as far as the state now tells. */
   private writeForceTerms(first: number, px: number, pz: number): void {
-    const { d, e, v, ahead, terms, limits, pair } = this;
+    const { d, e, v, ahead, limits, pair } = this;
     const half = this.dt / 2;
     for (let k = 0; k < d; k++) ahead[k] = e[first + k] + half * v[first + k];
     this.swayed(ahead, 0);
@@ -208,32 +209,42 @@ export class TangentForest extends PacedTrees {
     const x = pair[0];
     const y = pair[1];
     this.writeShape(x, y, ahead, 0, 0);
+    const at = 7 + 2 * this.c;
     this.swayed(v, first);
     this.hold(REACH * limits[1]);
-    const a = pair[0] * pair[0];
-    const b = pair[0] * pair[1];
-    const c = pair[1] * pair[1];
+    this.writeSquares(x, y, at);
+    this.writeProducts(x, y, 3, at + 9);
     pair[0] = px;
     pair[1] = pz;
     this.hold(REACH * limits[2]);
-    let at = 7 + 2 * (limits.length - 3);
-    terms[at++] = a;
-    terms[at++] = b;
-    terms[at++] = c;
-    terms[at++] = a * x;
-    terms[at++] = a * y;
-    terms[at++] = b * x;
-    terms[at++] = b * y;
-    terms[at++] = c * x;
-    terms[at++] = c * y;
-    terms[at++] = pair[0] * x;
-    terms[at++] = pair[0] * y;
-    terms[at++] = pair[1] * x;
-    terms[at++] = pair[1] * y;
-    for (let side = 0; side < 2; side++) {
-      terms[at++] = pair[side] * terms[0];
-      terms[at++] = pair[side] * terms[1];
-      terms[at++] = pair[side] * terms[2];
+    this.writeProducts(x, y, 7, at + 19);
+  }
+
+  /** Squares of the sway's speed, which is in `pair`, and these times the sway, from `at` on. */
+  private writeSquares(x: number, y: number, at: number): void {
+    const { terms, pair } = this;
+    const a = pair[0] * pair[0];
+    const b = pair[0] * pair[1];
+    const c = pair[1] * pair[1];
+    terms[at] = a;
+    terms[at + 1] = b;
+    terms[at + 2] = c;
+    terms[at + 3] = a * x;
+    terms[at + 4] = a * y;
+    terms[at + 5] = b * x;
+    terms[at + 6] = b * y;
+    terms[at + 7] = c * x;
+    terms[at + 8] = c * y;
+  }
+
+  /** `pair` times the sway and times the first `shapes` of its higher terms, from `at` on. */
+  private writeProducts(x: number, y: number, shapes: number, at: number): void {
+    const { terms, pair } = this;
+    for (let side = 0, to = at; side < 2; side++) {
+      const factor = pair[side];
+      terms[to++] = factor * x;
+      terms[to++] = factor * y;
+      for (let k = 0; k < shapes; k++) terms[to++] = factor * terms[k];
     }
   }
 
@@ -252,7 +263,7 @@ export class TangentForest extends PacedTrees {
 
   /** The pose of the state now, the one before kept; and how far into the sampled range it is. */
   private writePose(i: number, px: number, pz: number): void {
-    const { d, r, e, terms, limits, pair, now, before, further, shownOf } = this;
+    const { d, c, r, e, terms, limits, pair, now, before, further, shownOf } = this;
     const first = i * d;
     for (let k = 0; k < d; k++) terms[k] = e[first + k];
     terms[d] = px;
@@ -263,7 +274,7 @@ export class TangentForest extends PacedTrees {
     this.hold(REACH * limits[0]);
     this.writeShape(pair[0], pair[1], e, first, d + 2);
     further.fill(0);
-    addRows(this.pose, terms, poseTerms(d), r - d, further);
+    addRows(this.pose, terms, poseTerms(d, c), r - d, further);
     const at = i * r;
     for (let k = 0; k < r; k++) {
       before[at + k] = now[at + k];

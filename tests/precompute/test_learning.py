@@ -1,0 +1,50 @@
+"""The drift-free method is as large as its runs ask for, and replaying is what a lone tree does."""
+
+import numpy as np
+import pytest
+
+from precompute import learning
+from precompute.learning import Learning, Size, fit_smallest
+from precompute.sampling import Recording, sample_trajectory
+from precompute.tangent import TangentForest
+from precompute.tangent_replay import replay_error_m, replayed
+from precompute.tangent_winds import training_winds
+from tests.golden.beam import Beam
+from tests.golden.make import scheme
+
+FEW, MORE = Size(2, 0, 6), Size(5, 3, 6)
+
+
+def learnt(beam: Beam, design_speed_m_s: float) -> list[Recording]:
+    winds = training_winds(design_speed_m_s, beam.dt_s)[::3]
+    return [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
+
+
+@pytest.mark.parametrize(("share", "expected"), [(1e-3, FEW), (1e-6, MORE), (0.0, MORE)])
+def test_more_oscillators_are_taken_only_where_few_miss_the_runs(
+    monkeypatch: pytest.MonkeyPatch, share: float, expected: Size
+) -> None:
+    monkeypatch.setattr(learning, "REPLAY_SHARE", share)
+    beam = Beam()
+    runs = learnt(beam, 2.0)
+    given = Learning(beam.oscillators(), scheme(beam), runs, sizes=[FEW, MORE])
+    fitted = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4 * beam.height_m, given)
+    assert len(fitted.tangent.step) == expected.dynamic
+    assert fitted.tangent.coupled == expected.coupled
+    again = replay_error_m(fitted.tangent, fitted.subspace, runs, beam.dt_s)
+    assert again == fitted.replay_error_m
+
+
+def test_a_replay_is_the_motion_of_a_lone_tree() -> None:
+    rng = np.random.default_rng(901)
+    beam = Beam()
+    runs = learnt(beam, 8.0)
+    given = Learning(beam.oscillators(), scheme(beam), runs, sizes=[MORE])
+    tangent = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4, given).tangent
+    winds = [rng.normal(size=(frames, 2)) * 10.0 for frames in (30, 47)]
+    for wind, track in zip(winds, replayed(tangent, winds, beam.dt_s), strict=True):
+        lone = TangentForest(tangent, beam.dt_s, np.ones(tangent.modes, np.float32), 1)
+        assert len(track) == len(wind) + 1 and not track[0].any()
+        for frame, (x, z) in enumerate(np.concatenate([wind, [[0.0, 0.0]]])):
+            lone.advance(beam.dt_s, [x], [z])
+            assert np.array_equal(lone.q[0], track[frame].astype(lone.q.dtype))
