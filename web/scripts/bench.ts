@@ -2,6 +2,7 @@
  * What the page costs, in a real (headless) Chromium on the software rasteriser; see README, "Bench".
  *
  *   npm run bench -- [--base URL | --data DIR] [--minutes 0.5] [--json build/bench-web.json]
+ *   npm run bench -- --only worker        # one part: start, worker, 1000, 10000, memory
  *   npm run bench -- --soak-minutes 10    # only the heap, for so long
  *
  * Paths are relative to the repository. Without --base a server is started over the data folder.
@@ -25,6 +26,7 @@ const { values } = parseArgs({
     base: { type: "string" },
     data: { type: "string", default: process.env.GALEWOOD_DATA_DIR ?? "data" },
     minutes: { type: "string", default: "0.5" },
+    only: { type: "string" },
     "soak-minutes": { type: "string" },
     json: { type: "string", default: "build/bench-web.json" },
   },
@@ -42,13 +44,14 @@ async function measure(base: string): Promise<Figure[]> {
     const soak = values["soak-minutes"];
     if (soak) return await measureMemory(browser, base, Number(soak));
     const steps = [
-      ["start", () => measureStart(browser, base)],
-      ["worker", () => measureWorker(browser, base)],
-      ["frames of 1,000 trees", () => measureFrames(browser, base, 1000, 1.25)],
-      ["frames of 10,000 trees", () => measureFrames(browser, base, 10_000, 1.35)],
-      ["memory", () => measureMemory(browser, base, Number(values.minutes))],
+      ["start", "start", () => measureStart(browser, base)],
+      ["worker", "worker", () => measureWorker(browser, base)],
+      ["1000", "frames of 1,000 trees", () => measureFrames(browser, base, 1000, 1.25)],
+      ["10000", "frames of 10,000 trees", () => measureFrames(browser, base, 10_000, 1.35)],
+      ["memory", "memory", () => measureMemory(browser, base, Number(values.minutes))],
     ] as const;
-    for (const [name, step] of steps) {
+    for (const [part, name, step] of steps) {
+      if (values.only && values.only !== part) continue;
       say(`Measuring ${name}`);
       figures.push(...(await step()));
     }
