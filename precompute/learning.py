@@ -84,8 +84,12 @@ def fit_smallest(
 
 
 def size_of(learning: Learning, dynamic: int) -> Size:
-    """The size with so many oscillators."""
-    return next(size for size in learning.sizes if size.dynamic == dynamic)
+    """The size that gives so many oscillators: a small body has fewer than were asked for. Raises ValueError."""
+    most = len(learning.body.omega)
+    for size in learning.sizes:
+        if min(size.dynamic, size.natural, most) == dynamic:
+            return size
+    raise ValueError(f"no size of the drift-free method has {dynamic} oscillators: build the table again")
 
 
 def _fit(

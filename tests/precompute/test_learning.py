@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from precompute import learning
-from precompute.learning import Learning, Size, fit_smallest
+from precompute.learning import Learning, Size, fit_smallest, size_of
 from precompute.sampling import Recording, sample_trajectory
 from precompute.tangent import TangentForest
 from precompute.tangent_replay import replay_error_m, replayed
@@ -48,3 +48,12 @@ def test_a_replay_is_the_motion_of_a_lone_tree() -> None:
         for frame, (x, z) in enumerate(np.concatenate([wind, [[0.0, 0.0]]])):
             lone.advance(beam.dt_s, [x], [z])
             assert np.array_equal(lone.q[0], track[frame].astype(lone.q.dtype))
+
+
+def test_the_size_is_told_by_its_oscillators_on_a_small_body_too() -> None:
+    beam = Beam()
+    count = len(beam.oscillators().omega)
+    given = Learning(beam.oscillators(), scheme(beam), [], sizes=[FEW, Size(count + 7, 3, count + 9)])
+    assert [size_of(given, dynamic) for dynamic in (2, count)] == list(given.sizes)
+    with pytest.raises(ValueError, match="build the table again"):
+        size_of(given, 3)
