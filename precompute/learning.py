@@ -84,7 +84,7 @@ def fit_smallest(
 
 
 def size_of(learning: Learning, dynamic: int) -> Size:
-    """The size that gives so many oscillators: a small body has fewer than were asked for. Raises ValueError."""
+    """The size that gives so many oscillators (a small body has fewer than asked for). Raises ValueError."""
     most = len(learning.body.omega)
     for size in learning.sizes:
         if min(size.dynamic, size.natural, most) == dynamic:
