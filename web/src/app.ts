@@ -306,8 +306,8 @@ export class App {
 
   /** The forest stands still meanwhile: its processor is the comparison's. */
   private async openCompare(): Promise<void> {
-    const { CompareView } = await import("./compare/compareView");
-    this.compareView ??= new CompareView({
+    const view = await import("./compare/compareView");
+    this.compareView ??= new view.CompareView({
       candidates: () => this.forest.moving.flatMap(({ grower, forest }) => this.candidate(grower.id, forest)),
       wind: () => this.client.wind && { state: this.client.wind.state, time_s: this.client.time_s },
       closed: () => {

@@ -54,8 +54,8 @@ export function decodeMessage(data: ArrayBuffer): Message {
     throw new WireError("not a Galewood message: it must begin with the bytes 'GW'");
   }
   if (bytes[2] !== VERSION) {
-    const text = `wire version ${bytes[2]} is not spoken here, only version ${VERSION}`;
-    throw new WireError(text, "unknown-version");
+    const words = `wire version ${bytes[2]} is not spoken here, only version ${VERSION}`;
+    throw new WireError(words, "unknown-version");
   }
   const length = new DataView(data).getUint32(4, true);
   const start = PREFIX_BYTES + length + padding(length);

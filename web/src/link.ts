@@ -16,8 +16,8 @@ export interface Moment {
 const FARTHEST_M = 5000;
 const LONGEST_S = 1e7;
 
-const text = (numbers: readonly number[], digits: number) =>
-  numbers.map((number) => Number(number.toFixed(digits))).join(",");
+const text = (list: readonly number[], digits: number) =>
+  list.map((number) => Number(number.toFixed(digits))).join(",");
 
 /** The numbers of a list, null unless there are so many and all within the limit. */
 function numbers(list: string | null, count: number, limit: number): number[] | null {

@@ -51,6 +51,6 @@ function start(software: boolean): void {
   });
 }
 
-const { webgl2, software } = detectGraphics();
-if (webgl2) start(software);
+const graphics = detectGraphics();
+if (graphics.webgl2) start(graphics.software);
 else element("no-webgl").hidden = false;

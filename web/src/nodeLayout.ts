@@ -15,7 +15,7 @@ export interface NodeLayout {
 /** Room for so many texels in `parts` runs, each from the beginning of a row: the smallest width serves. */
 export function nodeLayout(texels: number, parts: number, maxSide: number): NodeLayout {
   const largestShift = Math.floor(Math.log2(maxSide));
-  const rows = (shift: number) => Math.max(1, Math.ceil(texels / 2 ** shift) + parts);
+  const rows = (log2: number) => Math.max(1, Math.ceil(texels / 2 ** log2) + parts);
   let shift = Math.min(8, largestShift);
   while (shift < largestShift && rows(shift) > 2 ** shift) shift++;
   return { width: 2 ** shift, shift, height: Math.min(maxSide, rows(shift)) };

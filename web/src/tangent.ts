@@ -1,6 +1,7 @@
 // The drift-free method for many trees at once, twin of precompute/tangent.py: a few oscillators of the tree's
 // own, stepped exactly, bent by a small polynomial force. Allocates nothing while trees move.
 
+import { addRows } from "./addRows";
 import { PacedTrees } from "./pacedTrees";
 import type { Table } from "./table";
 
@@ -46,51 +47,6 @@ export function contracts(step: Float32Array): boolean {
     if (!(Math.abs(product) < 1 && Math.abs(r00 + r11) < 1 + product)) return false;
   }
   return true;
-}
-
-/** Adds the rows of `matrix` [terms, width], each times its term, to `out`, eight columns at a time. */
-function addRows(
-  matrix: Float64Array,
-  terms: Float64Array,
-  count: number,
-  width: number,
-  out: Float64Array,
-): void {
-  let k = 0;
-  for (; k + 8 <= width; k += 8) {
-    let a = out[k];
-    let b = out[k + 1];
-    let c = out[k + 2];
-    let d = out[k + 3];
-    let e = out[k + 4];
-    let f = out[k + 5];
-    let g = out[k + 6];
-    let h = out[k + 7];
-    for (let f = 0, at = k; f < count; f++, at += width) {
-      const term = terms[f];
-      a += matrix[at] * term;
-      b += matrix[at + 1] * term;
-      c += matrix[at + 2] * term;
-      d += matrix[at + 3] * term;
-      e += matrix[at + 4] * term;
-      f += matrix[at + 5] * term;
-      g += matrix[at + 6] * term;
-      h += matrix[at + 7] * term;
-    }
-    out[k] = a;
-    out[k + 1] = b;
-    out[k + 2] = c;
-    out[k + 3] = d;
-    out[k + 4] = e;
-    out[k + 5] = f;
-    out[k + 6] = g;
-    out[k + 7] = h;
-  }
-  for (; k < width; k++) {
-    let a = out[k];
-    for (let f = 0, at = k; f < count; f++, at += width) a += matrix[at] * terms[f];
-    out[k] = a;
-  }
 }
 
 /** Trees of one table, each with its own state, in its own frame and at its own pace. */

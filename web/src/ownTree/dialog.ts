@@ -181,9 +181,9 @@ export class OwnTreeDialog {
 
 function warnings({ warnings: texts }: Assumed): HTMLElement[] {
   if (texts.length === 0) return [];
-  const words = make("ul", "", "own-tree-warnings");
-  words.append(...texts.map((words) => make("li", words)));
-  return [words];
+  const list = make("ul", "", "own-tree-warnings");
+  list.append(...texts.map((words) => make("li", words)));
+  return [list];
 }
 
 function row(words: string, control: HTMLElement, reason: string): HTMLElement {

@@ -126,8 +126,8 @@ export class LevelMeshes {
     const castStart = list.castStart[level];
     this.casters = list.castersWithin(level, Number.POSITIVE_INFINITY);
     this.castersWithin = (distance_m) => list.castersWithin(level, distance_m);
-    const caster = (i: number) => Math.min(list.casters[castStart + i], start + texels.trees - 1);
-    this.copy(this.casting, data, list, texels, this.casters, this.shadowShare, caster);
+    const casterAt = (i: number) => Math.min(list.casters[castStart + i], start + texels.trees - 1);
+    this.copy(this.casting, data, list, texels, this.casters, this.shadowShare, casterAt);
     for (const { mesh, caster } of this.meshes) mesh.visible = (caster ? this.casters : this.visible) > 0;
   }
 

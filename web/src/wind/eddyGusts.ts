@@ -86,7 +86,7 @@ export class EddyGusts implements Gusts {
   }
 
   private run(epoch: number, step: number): Run {
-    const old = this.runs.find((run) => run.epoch === epoch);
+    const old = this.runs.find((kept) => kept.epoch === epoch);
     if (old?.canReach(step - epoch * EPOCH)) return old;
     const run = new Run(this.seed, epoch);
     this.runs = [...this.runs.filter((other) => other !== old), run];

@@ -43,7 +43,7 @@ export interface Lattice {
 }
 
 /** `order` holds the whole numbers 0 … 255 in seeded order, twice. */
-export function lattice(seed: number): Lattice {
+export function latticeOf(seed: number): Lattice {
   const order = Int32Array.from({ length: 512 }, (_, i) => i);
   for (let i = 255; i > 0; i--) {
     const j = hash32(seed, i) % (i + 1);
@@ -114,7 +114,7 @@ export class PerlinGusts implements Gusts {
   private readonly view = new View(LATERAL_SHARE);
 
   constructor(seed: number) {
-    this.lattice = lattice(seed);
+    this.lattice = latticeOf(seed);
   }
 
   velocity(wind: ResolvedWind, travel: number, x: Places, z: Places, outX: Output, outZ: Output): void {

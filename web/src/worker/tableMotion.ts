@@ -17,7 +17,7 @@ function padBasis(basis: Float32Array, modes: number, stride: number): Float32Ar
 }
 
 /** Mean displacement of the crown per unit of each coordinate: [3, modes]. */
-export function crownBasis(table: Table): Float32Array<ArrayBuffer> {
+export function crownBasisOf(table: Table): Float32Array<ArrayBuffer> {
   const { modes, height_m } = table.metadata;
   const mean = new Float32Array(3 * modes);
   let nodes = 0;
@@ -85,7 +85,7 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     reach_m: reach_m(table),
     vertexNode: Uint16Array.from(table.vertexNode),
     primitives: primitives.map(({ name, kind, vertices }) => ({ name, kind, vertices })),
-    crownBasis: crownBasis(table),
+    crownBasis: crownBasisOf(table),
     height_m,
     meshSha256: mesh_sha256,
     poseEasing: pose_easing,

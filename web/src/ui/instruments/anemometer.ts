@@ -52,8 +52,8 @@ export class Anemometer {
   /** The plotting library is fetched when it is first needed. */
   private async loadPlots(): Promise<void> {
     if (this.plots) return;
-    const { Plots } = await import("./plots");
-    this.plots ??= new Plots(this.paper);
+    const drawn = await import("./plots");
+    this.plots ??= new drawn.Plots(this.paper);
   }
 
   remove(): void {
