@@ -174,13 +174,11 @@ def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
     learnt = Learning(oscillators_of(model), model.settings, samples.learnt_runs())
     tolerance_m = TableSettings().truncation_share * float(table.metadata["height_m"])
     mass_kg = model.mass_kg[: model.vertex_count]
-    return learning.shown_modes(
-        samples.recorded_runs(),
-        mass_kg,
-        tolerance_m,
-        learnt,
-        learning.size_of(learnt, len(table.tangent_step)),
-    )[1]
+    try:
+        size = learning.size_of(learnt, len(table.tangent_step))
+    except ValueError as error:
+        raise SourceError(str(error)) from error
+    return learning.shown_modes(samples.recorded_runs(), mass_kg, tolerance_m, learnt, size)[1]
 
 
 def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:

@@ -5,7 +5,6 @@ twice.
 from __future__ import annotations
 
 import hashlib
-import io
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from precompute.dynamics import Simulator, load_model
+from precompute.whole_file import write_arrays
 
 Floats = npt.NDArray[np.float64]
 
@@ -90,11 +90,7 @@ def run_truth(task: TruthTask, path: Path) -> None:
     truth = follow(simulator, task.pressure_pa)
     if task.sway_m is not None:
         truth = _scaled(simulator, truth, task.sway_m, task.most_pa)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    buffer, part = io.BytesIO(), path.with_name(path.name + ".part")
-    np.savez(buffer, pressure_pa=truth.pressure_pa, displacement_m=truth.displacement_m)
-    part.write_bytes(buffer.getbuffer())
-    part.replace(path)
+    write_arrays(path, pressure_pa=truth.pressure_pa, displacement_m=truth.displacement_m)
 
 
 def read_truth(path: Path) -> Truth:

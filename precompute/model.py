@@ -1,7 +1,6 @@
 """The finite-element model of one tree: everything a simulation needs, as plain arrays in one file."""
 
 import json
-import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from precompute.assembly import ElementSystem
+from precompute.whole_file import write_arrays
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -104,12 +104,8 @@ def save_model(model: FemModel, path: Path) -> None:
         "settings": asdict(model.settings),
         "report": model.report,
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    # a name of its own: another process may be writing the same model
-    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as file:
-        arrays: dict[str, Any] = {name: getattr(model, name) for name in _ARRAYS}
-        np.savez(file, header=np.frombuffer(json.dumps(header).encode(), np.uint8), **arrays)
-    Path(file.name).replace(path)
+    arrays: dict[str, Any] = {name: getattr(model, name) for name in _ARRAYS}
+    write_arrays(path, header=np.frombuffer(json.dumps(header).encode(), np.uint8), **arrays)
 
 
 def load_model(path: Path) -> FemModel:

@@ -13,6 +13,7 @@ from precompute.build_types import BuildOptions
 from precompute.intake_types import IntakeOptions
 from precompute.pipeline import build_table
 from precompute.table import Table, decode
+from precompute.whole_file import write_whole
 
 Tick = Callable[[float, str], None]
 
@@ -74,11 +75,7 @@ class Notes:
         digest = hashlib.sha256(f"{PAPER_VERSION} {self.code} {self.plan} {depends}".encode()).hexdigest()
         path = self.plan.cache_dir / "paper" / f"{name}-{digest[:24]}.json"
         if not path.exists():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            found = json.dumps(make(), default=float)
-            part = path.with_suffix(".part")
-            part.write_text(found)
-            part.replace(path)
+            write_whole(path, json.dumps(make(), default=float).encode())
         return json.loads(path.read_text())
 
 
@@ -107,7 +104,6 @@ def built(plan: Plan, notes: Notes, species: str, tick: Tick) -> tuple[Table, Pa
             progress=lambda p: tick(p.fraction, f"{species}: {p.message}"),
             cache_dir=plan.cache_dir,
         )
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.with_suffix(".glb").write_bytes(result.render_glb)
-        path.write_bytes(result.table)
+        write_whole(path.with_suffix(".glb"), result.render_glb)
+        write_whole(path, result.table)
     return decode(path.read_bytes()), path, path.with_suffix(".glb")

@@ -7,9 +7,6 @@ rest: in each direction a gust followed by still air, and one run in still air.
 from __future__ import annotations
 
 import hashlib
-import io
-import os
-import tempfile
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from precompute.whole_file import write_arrays
 from precompute.wind import dynamic_pressure
 
 Array = npt.NDArray[Any]
@@ -199,14 +197,7 @@ def trajectory_key(model_hash: str, wind: SampleWind, points: Array) -> str:
 
 def write_trajectory(path: Path, trajectory: Trajectory) -> None:
     """Write atomically: a file of this name is always whole."""
-    buffer = io.BytesIO()
-    np.savez(buffer, **vars(trajectory))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as part:
-        part.write(buffer.getbuffer())
-        part.flush()
-        os.fsync(part.fileno())  # else a power cut could leave the name without the content
-    os.replace(part.name, path)  # noqa: PTH105  (the temporary name is a string)
+    write_arrays(path, **vars(trajectory))
 
 
 def is_whole(path: Path) -> bool:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from precompute.intake_types import Floats, Int32s, Ints
+from precompute.whole_file import write_arrays
 
 RECIPE_VERSION = 5  # raise it when the recipe changes, so that old meshes are not found
 
@@ -48,11 +47,6 @@ def store_cached(
     """Written beside its place and moved there, so that a reader never sees half a file."""
     if folder is None:
         return
-    folder.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=folder, suffix=".tmp")
     text = np.frombuffer(json.dumps(report).encode(), dtype=np.uint8)
-    with os.fdopen(handle, "wb") as file:
-        np.savez(
-            file, allow_pickle=False, vertices=vertices, tets=tets, radius_ratio=radius_ratio, report=text
-        )
-    Path(name).replace(cached_path(folder, key))
+    path = cached_path(folder, key)
+    write_arrays(path, vertices=vertices, tets=tets, radius_ratio=radius_ratio, report=text)

@@ -12,7 +12,7 @@ from typing import Literal
 
 import zstandard
 
-from server.storage import write_atomically
+from precompute.whole_file import write_whole
 
 Coding = Literal["zstd", "gzip"]
 PREFERRED: tuple[Coding, ...] = ("zstd", "gzip")
@@ -58,7 +58,7 @@ def encoded_file(folder: Path, sha256: str, coding: Coding, read: Callable[[], b
 
 def _make(target: Path, coding: Coding, read: Callable[[], bytes]) -> None:
     try:
-        write_atomically(target, _compress(read(), coding))
+        write_whole(target, _compress(read(), coding))
     except OSError as error:  # no room, or the file was removed meanwhile: the next request tries again
         log.warning("no compressed copy of %s: %s", target.name, error)
     finally:

@@ -17,8 +17,8 @@ import obstore
 
 from precompute.build_types import Cancelled
 from precompute.runner import SampleTask, run_task
+from precompute.whole_file import write_whole
 from server.object_store import fetch, open_bucket, stored
-from server.storage import write_atomically
 
 LOOK_S = 0.5
 
@@ -57,7 +57,7 @@ class Exchange:
             data = fetch(self._bucket, run_key(task.path))
         except FileNotFoundError:
             return False
-        write_atomically(task.path, data)
+        write_whole(task.path, data)
         return True
 
     def keep_tetrahedra(self, name: str, data: bytes) -> None:
@@ -67,7 +67,7 @@ class Exchange:
     def bring_tetrahedra(self, folder: Path) -> None:
         """Put the mesh of this job's earlier servers, if there is one, into the cache of meshes."""
         for key in self._kept_tetrahedra():
-            write_atomically(folder / key.rsplit("/", 1)[-1], fetch(self._bucket, key))
+            write_whole(folder / key.rsplit("/", 1)[-1], fetch(self._bucket, key))
 
     def _kept_tetrahedra(self) -> list[str]:
         return [item["path"] for page in obstore.list(self._bucket, prefix=self._tets) for item in page]
@@ -133,5 +133,5 @@ def _model(url: str, model: Path) -> Path:
     if not here.exists():
         for other in here.parent.glob("*.npz"):
             other.unlink()
-        write_atomically(here, fetch(open_bucket(url), model_key(model)))
+        write_whole(here, fetch(open_bucket(url), model_key(model)))
     return here

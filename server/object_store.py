@@ -16,7 +16,8 @@ from typing import Any
 import obstore
 from obstore.store import from_url
 
-from server.storage import FileStore, is_hash, write_atomically
+from precompute.whole_file import write_whole
+from server.storage import FileStore, is_hash
 
 TIMEOUT_S = 30
 RETRY_S = 20
@@ -63,7 +64,7 @@ class BucketStore(FileStore):
         """A copy on this machine's disk, fetched if need be. FileNotFoundError, ValueError."""
         copy = super().path(sha256)
         if not copy.is_file():
-            write_atomically(copy, fetch(self._bucket, self._key(sha256)))
+            write_whole(copy, fetch(self._bucket, self._key(sha256)))
         return copy
 
     def has(self, sha256: str) -> bool:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import re
-import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+
+from precompute.whole_file import write_whole
 
 _HASH = re.compile(r"[0-9a-f]{64}")
 
@@ -44,7 +44,7 @@ class FileStore:
         sha256 = hashlib.sha256(data).hexdigest()
         target = self.path(sha256)
         if not target.is_file():
-            write_atomically(target, data)
+            write_whole(target, data)
         return sha256
 
     def get(self, sha256: str) -> bytes:
@@ -74,21 +74,6 @@ def file_age_s(path: Path) -> float:
         return time.time() - path.stat().st_mtime
     except OSError:
         return 0.0
-
-
-def write_atomically(target: Path, data: bytes) -> None:
-    """Write beside the target, flush to disk, then rename: a reader or a crash never meets a torn file."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=".part-")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(name).replace(target)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
 
 
 KINDS = ("sources", "meshes", "tables", "models", "pictures", "results")

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from sqlalchemy.exc import SQLAlchemyError
 
+from precompute.whole_file import write_whole
 from server import leases
 from server.cluster import Cluster, ClusterError
 from server.context import Service
@@ -17,7 +18,6 @@ from server.jobs import end_job
 from server.models import Job, JobKind
 from server.processes import start_module, stop
 from server.retired import forget_study_folders, sweep
-from server.storage import write_atomically
 
 log = logging.getLogger("galewood.jobs")
 LOOK_S = 0.4
@@ -187,7 +187,7 @@ class Supervisor:
     def _raise_flag(self, job_id: str) -> None:
         """Tell the workers, which Dask cannot stop."""
         settings = self._service.settings
-        write_atomically(settings.cancel_flag(job_id), b"")
+        write_whole(settings.cancel_flag(job_id), b"")
         if settings.store_url:
             Exchange(settings.store_url, job_id).cancel()
 

@@ -7,10 +7,11 @@ import asyncio
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
 
+from precompute.whole_file import write_whole
 from server.context import Service, ServiceHere
 from server.errors import ProblemError, problems
 from server.etags import NOT_MODIFIED, matches
-from server.storage import is_hash, write_atomically
+from server.storage import is_hash
 from server.trees import find_tree
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
@@ -31,7 +32,7 @@ async def get_thumbnail(tree_id: str, request: Request, service: ServiceHere) ->
     if not target.is_file():
         async with service.intake_slots:
             picture = await asyncio.to_thread(_draw, service, sha256)
-        await asyncio.to_thread(write_atomically, target, picture)
+        await asyncio.to_thread(write_whole, target, picture)
     return FileResponse(target, media_type="image/png", headers=headers)
 
 

@@ -17,7 +17,7 @@ from server.cli import app
 from server.client import Client, ServiceError, stream
 from server.keys import new_key
 from server.wire import Failure, Forest, Group, Reply, Welcome
-from tests.server.conftest import NO_CLUSTER, Server
+from tests.server.conftest import NO_CLUSTER, Server, wait_until
 
 KEY, KEY_HASH = new_key()
 run = CliRunner().invoke
@@ -115,13 +115,16 @@ def test_a_stream_answers_in_messages(server: Server) -> None:
     assert isinstance(replies[-1], Failure) and replies[-1].title
 
 
+def logged(server: Server, request_id: str) -> list[dict[str, Any]]:
+    """The log's lines of a request."""
+    whole = [line for line in server.log().splitlines(keepends=True) if line[0] == "{" and line[-1] == "\n"]
+    return [line for line in map(json.loads, whole) if line.get("request_id") == request_id]
+
+
 def test_the_log_is_json_with_the_request_in_it(server: Server) -> None:
     headers = {"X-Request-ID": "find-me.1"}
     httpx.get(f"{server.url}/api/trees/none", headers=headers)
-    lines: list[dict[str, Any]] = [
-        json.loads(line) for line in server.log().splitlines() if line.startswith("{")
-    ]
-    (line,) = [line for line in lines if line.get("request_id") == "find-me.1"]
+    (line,) = wait_until(lambda: logged(server, "find-me.1"))  # it may come after the answer
     assert (line["status"], line["method"], line["path"]) == (404, "GET", "/api/trees/none")
     assert line["timestamp"] and line["level"] == "info" and line["ms"] >= 0
     assert KEY not in server.log()

@@ -75,7 +75,9 @@ export async function measureFrames(
   });
   await page.waitForFunction(() => window.counted.bytes.length >= 8, undefined, { timeout: 120_000 });
   const counted = await page.evaluate(() => window.counted);
-  const { triangles } = await page.evaluate(() => window.galewood?.statistics ?? { triangles: 0 });
+  const { triangles, work } = await page.evaluate(
+    () => window.galewood?.statistics ?? { triangles: 0, work: { total_ms: Number.NaN } },
+  );
   await page.close();
   const name = `${trees.toLocaleString("en")} trees: `;
   const ratio = (cost: keyof Cost) => moving.map((value, round) => value[cost] / still[round][cost]);
@@ -106,5 +108,6 @@ export async function measureFrames(
       "kB/frame",
     ),
     figure("triangles in view", [triangles], ""),
+    figure("worker beside the rasteriser, all steps of a frame", [work.total_ms], "ms/frame"),
   ];
 }

@@ -65,9 +65,8 @@ function instrument(): void {
   wrap("texImage2D", (args) => viewBytes(args.at(-1)));
 }
 
-/** `sharpness`: pixels drawn for each of the page's, along each side. */
-export async function openPage(browser: Browser, base: string, query: string, sharpness = 1): Promise<Page> {
-  const page = await browser.newPage({ viewport: SIZE, deviceScaleFactor: sharpness });
+export async function openPage(browser: Browser, base: string, query: string): Promise<Page> {
+  const page = await browser.newPage({ viewport: SIZE });
   page.on("pageerror", (error) => console.error(`page: ${error.message}`));
   await page.addInitScript(instrument);
   await page.goto(`${base}/?panel=0&quality=low&flutter=0&speed=8&${query}`);

@@ -1,0 +1,34 @@
+"""Files that are whole or not there."""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from precompute.whole_file import write_arrays, write_whole
+
+
+def test_a_write_that_fails_leaves_the_old_file_and_nothing_beside_it(tmp_path: Path) -> None:
+    target = tmp_path / "folder" / "file"
+    write_whole(target, b"old")
+    with pytest.raises(TypeError):
+        write_whole(target, "no bytes")  # pyright: ignore[reportArgumentType]
+    assert target.read_bytes() == b"old"
+    assert list(target.parent.iterdir()) == [target]
+
+
+def test_of_many_writers_at_once_one_wins_whole(tmp_path: Path) -> None:
+    target = tmp_path / "file"
+    contents = [bytes([k]) * 100_000 for k in range(16)]
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(lambda content: write_whole(target, content), contents))
+    assert target.read_bytes() in contents
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_arrays_come_back(tmp_path: Path) -> None:
+    write_arrays(tmp_path / "a.npz", x=np.arange(3), y=np.eye(2))
+    with np.load(tmp_path / "a.npz", allow_pickle=False) as found:
+        assert found["x"].tolist() == [0, 1, 2]
+        assert np.array_equal(found["y"], np.eye(2))
