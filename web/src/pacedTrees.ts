@@ -4,16 +4,18 @@
 /** After a long pause a tree resumes instead of catching up. */
 const MAX_STEPS_PER_ADVANCE = 8;
 
-/** What both methods keep of their trees. */
+export type Numbers = Float64Array | Float32Array;
+
+/** What both methods keep of their trees; `room` for their poses where it is not to be made here. */
 export abstract class PacedTrees {
   /** [count, r] shown pose, between the last two steps. */
   readonly q: Float32Array;
   /** Place of each tree (m), for the wind. */
   readonly x: Float32Array;
   readonly z: Float32Array;
-  /** [count, r] pose after the last step, and after the one before. */
-  protected readonly now: Float64Array;
-  protected readonly before: Float64Array;
+  /** [count, r or more] pose after the last step, and after the one before. */
+  protected readonly now: Numbers;
+  protected readonly before: Numbers;
   private readonly phase: Float64Array;
   private readonly turn: Float32Array;
   private readonly size: Float32Array;
@@ -22,12 +24,13 @@ export abstract class PacedTrees {
     readonly count: number,
     protected readonly r: number,
     protected readonly dt: number,
+    room: { now: Numbers; before: Numbers } | null = null,
   ) {
     this.q = new Float32Array(count * r);
     this.x = new Float32Array(count);
     this.z = new Float32Array(count);
-    this.now = new Float64Array(count * r);
-    this.before = new Float64Array(count * r);
+    this.now = room?.now ?? new Float64Array(count * r);
+    this.before = room?.before ?? new Float64Array(count * r);
     this.phase = new Float64Array(count);
     this.turn = new Float32Array(count * 2);
     for (let i = 0; i < count; i++) this.turn[2 * i] = 1;
@@ -58,10 +61,10 @@ export abstract class PacedTrees {
 
   /** Tree i goes on as tree `row` of another forest of this table was. */
   protected takeOver(i: number, from: PacedTrees, row: number): void {
-    const { r } = this;
     this.phase[i] = from.phase[row];
-    this.now.set(from.now.subarray(row * r, (row + 1) * r), i * r);
-    this.before.set(from.before.subarray(row * r, (row + 1) * r), i * r);
+    const width = this.now.length / this.count;
+    this.now.set(from.now.subarray(row * width, (row + 1) * width), i * width);
+    this.before.set(from.before.subarray(row * width, (row + 1) * width), i * width);
   }
 
   /** Lets dt seconds pass under world pressures (Pa); a tree s times as large sways s times slower. */

@@ -2,8 +2,9 @@
 // own, stepped exactly, bent by a small polynomial force. Allocates nothing while trees move.
 
 import { addRows } from "./addRows";
-import { PacedTrees } from "./pacedTrees";
+import { type Numbers, PacedTrees } from "./pacedTrees";
 import type { Table } from "./table";
+import { TangentKernel } from "./tangentKernel";
 
 /** The polynomials are held where they are beyond this multiple of the sampled range. */
 const REACH = 1.25;
@@ -62,18 +63,26 @@ export class TangentForest extends PacedTrees {
   private readonly shownOf: Float64Array;
   private readonly pose: Float64Array;
   private readonly limits: Float64Array;
-  private readonly e: Float64Array;
-  private readonly v: Float64Array;
+  /** [count, own] state of the oscillators, a row of d or, in the kernel, filled up to whole vectors. */
+  private readonly e: Numbers;
+  private readonly v: Numbers;
+  private readonly own: number;
+  private readonly kernel: TangentKernel | null;
   private readonly ahead: Float64Array;
   private readonly terms: Float64Array;
   private readonly total: Float64Array;
   private readonly further: Float64Array;
   private readonly pair = new Float64Array(2);
 
-  constructor({ tangent, metadata }: Table, count: number) {
-    super(count, metadata.modes, metadata.dt_s);
+  /** `plain`: steps as written here, in double precision, where the kernel could run too. */
+  constructor({ tangent, metadata }: Table, count: number, plain = false) {
+    const { modes, dt_s } = metadata;
+    const kernel = plain ? null : TangentKernel.make(tangent, modes, count, dt_s);
+    super(count, modes, dt_s, kernel);
     const d = tangent.step.length / 6;
     this.d = d;
+    this.kernel = kernel;
+    this.own = kernel?.ownRow ?? d;
     this.stepOf = Float64Array.from(tangent.step);
     this.load = Float64Array.from(tangent.load);
     this.sway = Float64Array.from(tangent.sway);
@@ -81,9 +90,9 @@ export class TangentForest extends PacedTrees {
     this.shownOf = Float64Array.from(tangent.shown);
     this.pose = Float64Array.from(tangent.pose);
     this.limits = Float64Array.from(tangent.limits);
-    this.e = new Float64Array(count * d);
-    this.v = new Float64Array(count * d);
-    this.coverage = new Float32Array(count);
+    this.e = kernel?.e ?? new Float64Array(count * d);
+    this.v = kernel?.v ?? new Float64Array(count * d);
+    this.coverage = kernel?.coverage ?? new Float32Array(count);
     this.ahead = new Float64Array(d);
     this.c = tangent.limits.length - 3;
     this.terms = new Float64Array(Math.max(forceTerms(this.c), poseTerms(d, this.c)));
@@ -91,19 +100,30 @@ export class TangentForest extends PacedTrees {
     this.further = new Float64Array(this.r - d);
   }
 
+  /** Whether the kernel steps these trees. */
+  get compiled(): boolean {
+    return this.kernel !== null;
+  }
+
   /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
   adopt(from: TangentForest, rows: Int32Array): void {
-    const { d } = this;
+    const { own } = this;
+    if (from.own !== own) return; // one of them found no room for its kernel: its trees begin at rest
     rows.forEach((row, i) => {
       if (row < 0) return;
       this.takeOver(i, from, row);
       this.coverage[i] = from.coverage[row];
-      this.e.set(from.e.subarray(row * d, (row + 1) * d), i * d);
-      this.v.set(from.v.subarray(row * d, (row + 1) * d), i * d);
+      this.e.set(from.e.subarray(row * own, (row + 1) * own), i * own);
+      this.v.set(from.v.subarray(row * own, (row + 1) * own), i * own);
     });
   }
 
   protected step(i: number, px: number, pz: number): void {
+    if (this.kernel) this.kernel.step(i, px, pz);
+    else this.stepPlainly(i, px, pz);
+  }
+
+  private stepPlainly(i: number, px: number, pz: number): void {
     const { d, e, v, stepOf, load, total } = this;
     const first = i * d;
     this.writeForceTerms(first, px, pz);
@@ -125,7 +145,7 @@ export class TangentForest extends PacedTrees {
   }
 
   /** The two sway coordinates of a row of `values`, into `pair`. */
-  private swayed(values: Float64Array, first: number): void {
+  private swayed(values: Numbers, first: number): void {
     const { d, sway, pair } = this;
     let x = 0;
     let y = 0;
@@ -147,7 +167,7 @@ export class TangentForest extends PacedTrees {
   }
 
   /** Terms in the pose alone, from `at` on: sway of degree 2 and 3, each coupled coordinate times the sway. */
-  private writeShape(x: number, y: number, values: Float64Array, first: number, at: number): void {
+  private writeShape(x: number, y: number, values: Numbers, first: number, at: number): void {
     const { terms, limits } = this;
     const xx = x * x;
     const xy = x * y;
@@ -251,8 +271,14 @@ export class TangentForest extends PacedTrees {
   }
 
   protected show(i: number, part: number): void {
-    const { now, before, q } = this;
-    const end = (i + 1) * this.r;
-    for (let at = i * this.r; at < end; at++) q[at] = before[at] + (now[at] - before[at]) * part;
+    const { now, before, q, d, r } = this;
+    const width = now.length / this.count;
+    let from = i * width;
+    let at = i * r;
+    for (const end = at + d; at < end; at++, from++) q[at] = before[from] + (now[from] - before[from]) * part;
+    from = i * width + this.own;
+    for (const end = (i + 1) * r; at < end; at++, from++) {
+      q[at] = before[from] + (now[from] - before[from]) * part;
+    }
   }
 }

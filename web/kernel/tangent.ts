@@ -1,0 +1,286 @@
+// One step of the drift-free method for one tree, four oscillators at a time: the sums of ../src/tangent.ts in
+// single precision. AssemblyScript: `npm run kernel` compiles it to ../src/tangentKernel.wasm.ts. Addresses are
+// in bytes; ../src/tangentKernel.ts says what lies where before the first step.
+
+/** The polynomials are held where they are beyond this multiple of the sampled range. */
+const REACH: f32 = 1.25;
+/** In still air a motion below this share of the sampled range ends, exactly. */
+const REST: f32 = 1e-7;
+
+/** Half the table's step, s. */
+export let halfStep_s: f32 = 0;
+/** Coupled coordinates. */
+export let coupled: i32 = 0;
+/** Bytes of a row of the d oscillators and of one of the r − d further modes, filled up to whole vectors. */
+export let ownRow: usize = 0;
+export let furtherRow: usize = 0;
+
+/** [6, d] r00 − 1, r01, r10, r11 − 1, s0, s1 */
+export let stepping: usize = 0;
+/** [2, d] */
+export let pull: usize = 0;
+/** [2, d] */
+export let sway: usize = 0;
+/** [44 + 2c, d] */
+export let force: usize = 0;
+/** [d] */
+export let shown: usize = 0;
+/** [d + 9 + 2c, r − d], the rows of the coordinates apart from the others */
+export let posePlain: usize = 0;
+export let poseTerms: usize = 0;
+/** [3 + c] */
+export let limits: usize = 0;
+/** Room for the terms, and for one row of oscillators and one of further modes. */
+export let terms: usize = 0;
+export let ahead: usize = 0;
+export let total: usize = 0;
+/** [count, d] */
+export let e: usize = 0;
+export let v: usize = 0;
+/** [count, d + (r − d)], each part filled up */
+export let now: usize = 0;
+export let before: usize = 0;
+/** [count] */
+export let coverage: usize = 0;
+
+/** The pair that a function returns. */
+let pairX: f32 = 0;
+let pairY: f32 = 0;
+
+// @ts-ignore: decorator
+@inline
+function sum(a: v128): f32 {
+  return (
+    f32x4.extract_lane(a, 0) + f32x4.extract_lane(a, 1) + (f32x4.extract_lane(a, 2) + f32x4.extract_lane(a, 3))
+  );
+}
+
+/** The two sway coordinates of a row, into the pair. */
+// @ts-ignore: decorator
+@inline
+function swayed(row: usize): void {
+  let x = f32x4.splat(0);
+  let y = f32x4.splat(0);
+  for (let k: usize = 0; k < ownRow; k += 16) {
+    const value = v128.load(row + k);
+    x = f32x4.add(x, f32x4.mul(value, v128.load(sway + k)));
+    y = f32x4.add(y, f32x4.mul(value, v128.load(sway + ownRow + k)));
+  }
+  pairX = sum(x);
+  pairY = sum(y);
+}
+
+/** Draws the pair back to length `far` if it is longer. */
+// @ts-ignore: decorator
+@inline
+function hold(far: f32): void {
+  const square = pairX * pairX + pairY * pairY;
+  if (square <= far * far) return;
+  const share = far / sqrt(square);
+  pairX *= share;
+  pairY *= share;
+}
+
+/** Terms in the pose alone: sway of degree 2 and 3, each coupled coordinate of a row times the sway. */
+// @ts-ignore: decorator
+@inline
+function writeShape(x: f32, y: f32, row: usize): void {
+  const xx = x * x;
+  const xy = x * y;
+  const yy = y * y;
+  store<f32>(terms, xx);
+  store<f32>(terms, xy, 4);
+  store<f32>(terms, yy, 8);
+  store<f32>(terms, xx * x, 12);
+  store<f32>(terms, xx * y, 16);
+  store<f32>(terms, x * yy, 20);
+  store<f32>(terms, yy * y, 24);
+  for (let j = 0; j < coupled; j++) {
+    const far = REACH * load<f32>(limits + 4 * j, 12);
+    const z = min(max(load<f32>(row + 4 * j, 8), -far), far);
+    store<f32>(terms + 8 * j, z * x, 28);
+    store<f32>(terms + 8 * j, z * y, 32);
+  }
+}
+
+/** Squares of the sway's speed, which is the pair, and these times the sway. */
+// @ts-ignore: decorator
+@inline
+function writeSquares(x: f32, y: f32, to: usize): void {
+  const a = pairX * pairX;
+  const b = pairX * pairY;
+  const c = pairY * pairY;
+  store<f32>(to, a);
+  store<f32>(to, b, 4);
+  store<f32>(to, c, 8);
+  store<f32>(to, a * x, 12);
+  store<f32>(to, a * y, 16);
+  store<f32>(to, b * x, 20);
+  store<f32>(to, b * y, 24);
+  store<f32>(to, c * x, 28);
+  store<f32>(to, c * y, 32);
+}
+
+/** A factor times the sway and times the first `shapes` of its higher terms; where the next is written. */
+// @ts-ignore: decorator
+@inline
+function writeProducts(factor: f32, x: f32, y: f32, shapes: usize, to: usize): usize {
+  store<f32>(to, factor * x);
+  store<f32>(to, factor * y, 4);
+  to += 8;
+  for (let k: usize = 0; k < shapes; k++, to += 4) store<f32>(to, factor * load<f32>(terms + 4 * k));
+  return to;
+}
+
+/** Adds `count` rows of a matrix, each times its number in `factors`, to `out`. */
+// @ts-ignore: decorator
+@inline
+function addRows(matrix: usize, factors: usize, count: i32, row: usize, out: usize): void {
+  let k: usize = 0;
+  for (; k + 64 <= row; k += 64) {
+    let a = v128.load(out + k);
+    let b = v128.load(out + k, 16);
+    let c = v128.load(out + k, 32);
+    let d = v128.load(out + k, 48);
+    let at = matrix + k;
+    for (let f = 0; f < count; f++, at += row) {
+      const factor = v128.load32_splat(factors + 4 * f);
+      a = f32x4.add(a, f32x4.mul(factor, v128.load(at)));
+      b = f32x4.add(b, f32x4.mul(factor, v128.load(at, 16)));
+      c = f32x4.add(c, f32x4.mul(factor, v128.load(at, 32)));
+      d = f32x4.add(d, f32x4.mul(factor, v128.load(at, 48)));
+    }
+    v128.store(out + k, a);
+    v128.store(out + k, b, 16);
+    v128.store(out + k, c, 32);
+    v128.store(out + k, d, 48);
+  }
+  for (; k + 32 <= row; k += 32) {
+    let a = v128.load(out + k);
+    let b = v128.load(out + k, 16);
+    let at = matrix + k;
+    for (let f = 0; f < count; f++, at += row) {
+      const factor = v128.load32_splat(factors + 4 * f);
+      a = f32x4.add(a, f32x4.mul(factor, v128.load(at)));
+      b = f32x4.add(b, f32x4.mul(factor, v128.load(at, 16)));
+    }
+    v128.store(out + k, a);
+    v128.store(out + k, b, 16);
+  }
+  for (; k < row; k += 16) {
+    let a = v128.load(out + k);
+    let at = matrix + k;
+    for (let f = 0; f < count; f++, at += row) {
+      a = f32x4.add(a, f32x4.mul(v128.load32_splat(factors + 4 * f), v128.load(at)));
+    }
+    v128.store(out + k, a);
+  }
+}
+
+/** All terms of the force at the middle of the coming step, as far as the state now tells. */
+// @ts-ignore: decorator
+@inline
+function writeForceTerms(position: usize, speed: usize, px: f32, pz: f32): void {
+  const half = f32x4.splat(halfStep_s);
+  for (let k: usize = 0; k < ownRow; k += 16) {
+    v128.store(ahead + k, f32x4.add(v128.load(position + k), f32x4.mul(half, v128.load(speed + k))));
+  }
+  swayed(ahead);
+  hold(REACH * load<f32>(limits));
+  const x = pairX;
+  const y = pairY;
+  writeShape(x, y, ahead);
+  let to = terms + 28 + 8 * coupled;
+  swayed(speed);
+  hold(REACH * load<f32>(limits, 4));
+  writeSquares(x, y, to);
+  to = writeProducts(pairX, x, y, 3, to + 36);
+  to = writeProducts(pairY, x, y, 3, to);
+  pairX = px;
+  pairY = pz;
+  hold(REACH * load<f32>(limits, 8));
+  to = writeProducts(pairX, x, y, 7, to);
+  writeProducts(pairY, x, y, 7, to);
+}
+
+/** Whether the tree moves too little to matter in still air; then it rests. */
+function settled(position: usize, speed: usize): bool {
+  const small = REST * load<f32>(limits);
+  swayed(position);
+  if (max(abs(pairX), abs(pairY)) > small) return false;
+  swayed(speed);
+  if (max(abs(pairX), abs(pairY)) > REST * load<f32>(limits, 4)) return false;
+  let largest: f32 = 0;
+  for (let k: usize = 0; k < ownRow; k += 4) largest = max(largest, abs(load<f32>(position + k)));
+  return largest * max(abs(load<f32>(sway)), abs(load<f32>(sway + ownRow))) < small;
+}
+
+/** Each oscillator's own step under the total force. */
+// @ts-ignore: decorator
+@inline
+function move(position: usize, speed: usize): void {
+  for (let k: usize = 0; k < ownRow; k += 16) {
+    const a = v128.load(position + k);
+    const b = v128.load(speed + k);
+    const f = v128.load(total + k);
+    let at = stepping + k;
+    const r00 = f32x4.mul(v128.load(at), a);
+    const r01 = f32x4.mul(v128.load((at += ownRow)), b);
+    const r10 = f32x4.mul(v128.load((at += ownRow)), a);
+    const r11 = f32x4.mul(v128.load((at += ownRow)), b);
+    const s0 = f32x4.mul(v128.load((at += ownRow)), f);
+    const s1 = f32x4.mul(v128.load(at + ownRow), f);
+    v128.store(position + k, f32x4.add(a, f32x4.add(f32x4.add(r00, r01), s0)));
+    v128.store(speed + k, f32x4.add(b, f32x4.add(f32x4.add(r10, r11), s1)));
+  }
+}
+
+/** The pose of the state now, the one before kept; and how far into the sampled range it is. */
+// @ts-ignore: decorator
+@inline
+function writePose(tree: i32, position: usize, px: f32, pz: f32): void {
+  swayed(position);
+  const far = load<f32>(limits);
+  const reach = sqrt(pairX * pairX + pairY * pairY) / far;
+  const pressed = sqrt(px * px + pz * pz) / load<f32>(limits, 8);
+  store<f32>(coverage + 4 * tree, max(reach, pressed));
+  hold(REACH * far);
+  // Behind the pressure, which the pose is linear in, the same terms as the force's first ones.
+  writeShape(pairX, pairY, position);
+  const row = ownRow + furtherRow;
+  const to = now + row * tree;
+  const old = before + row * tree;
+  for (let k: usize = 0; k < row; k += 16) v128.store(old + k, v128.load(to + k));
+  for (let k: usize = 0; k < ownRow; k += 16) {
+    v128.store(to + k, f32x4.mul(v128.load(shown + k), v128.load(position + k)));
+  }
+  const x = f32x4.splat(px);
+  const z = f32x4.splat(pz);
+  for (let k: usize = 0; k < furtherRow; k += 16) {
+    const a = f32x4.mul(x, v128.load(poseTerms + k));
+    const b = f32x4.mul(z, v128.load(poseTerms + furtherRow + k));
+    v128.store(to + ownRow + k, f32x4.add(a, b));
+  }
+  addRows(posePlain, position, <i32>(ownRow >> 2), furtherRow, to + ownRow);
+  addRows(poseTerms + 2 * furtherRow, terms, 7 + 2 * coupled, furtherRow, to + ownRow);
+}
+
+/** Moves a tree by the table's step under a pressure (Pa) in its own frame. */
+export function step(tree: i32, px: f32, pz: f32): void {
+  const position = e + ownRow * tree;
+  const speed = v + ownRow * tree;
+  writeForceTerms(position, speed, px, pz);
+  const x = f32x4.splat(px);
+  const z = f32x4.splat(pz);
+  for (let k: usize = 0; k < ownRow; k += 16) {
+    const a = f32x4.mul(x, v128.load(pull + k));
+    v128.store(total + k, f32x4.add(a, f32x4.mul(z, v128.load(pull + ownRow + k))));
+  }
+  addRows(force, terms, 44 + 2 * coupled, ownRow, total);
+  move(position, speed);
+  if (px == 0 && pz == 0 && settled(position, speed)) {
+    memory.fill(position, 0, ownRow);
+    memory.fill(speed, 0, ownRow);
+  }
+  writePose(tree, position, px, pz);
+}

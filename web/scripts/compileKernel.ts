@@ -1,0 +1,35 @@
+/** Compiles kernel/tangent.ts, AssemblyScript, to WebAssembly with vectors. */
+import { readFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import asc from "assemblyscript/asc";
+
+const FOLDER = join(dirname(fileURLToPath(import.meta.url)), "../kernel");
+/** Memory is the caller's; nothing is allocated, so nothing need be collected. */
+const OPTIONS = ["--runtime", "stub", "-O3", "--noAssert", "--enable", "simd", "--importMemory"];
+
+/** Throws what the compiler says of a source that it refuses. */
+export async function compileKernel(): Promise<Uint8Array> {
+  let made: Uint8Array | null = null;
+  const { error, stderr } = await asc.main(["tangent.ts", ...OPTIONS, "--outFile", "tangent.wasm"], {
+    readFile: (name) => {
+      try {
+        return readFileSync(join(FOLDER, name), "utf8");
+      } catch {
+        return null;
+      }
+    },
+    writeFile: (name, content) => {
+      if (name === "tangent.wasm") made = content as Uint8Array;
+    },
+    listFiles: () => [],
+  });
+  if (error || !made) throw new Error(`${error?.message ?? "nothing was compiled"}\n${stderr.toString()}`);
+  return made;
+}
+
+/** The module that holds the compiled kernel. */
+export async function kernelModule(): Promise<string> {
+  const text = Buffer.from(await compileKernel()).toString("base64");
+  return `// Written by \`npm run kernel\` from ../kernel/tangent.ts.\nexport const TANGENT_KERNEL =\n  "${text}";\n`;
+}
