@@ -61,6 +61,7 @@ export class Stage {
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.info.autoReset = false;
+    this.pictures.setQuality(quality);
     this.daylight = new Daylight(quality);
     this.cover = new GroundCover(quality);
     this.scene.add(this.terrain.mesh, this.sky.mesh, this.cover.mesh, this.farWood.mesh, this.daylight.group);
@@ -114,6 +115,7 @@ export class Stage {
 
   setQuality(quality: Quality): void {
     this.quality = quality;
+    this.pictures.setQuality(quality);
     this.cover.setQuality(quality);
     this.daylight.setQuality(quality);
     this.resize();
