@@ -37,10 +37,6 @@ MESSAGES: dict[Stage, str] = {
 }
 
 
-class Cancelled(Exception):
-    """Raised by a progress callback to stop a build."""
-
-
 @dataclass(frozen=True)
 class Progress:
     """How far a build is: fraction 0..1 of the whole."""

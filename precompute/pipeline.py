@@ -7,7 +7,8 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from precompute.build_types import BuildOptions, BuildResult, Cancelled, Progress, Stages
+from precompute.build_types import BuildOptions, BuildResult, Progress, Stages
+from precompute.cancelled import Cancelled
 from precompute.design_wind import design_wind
 from precompute.drawn_wood import as_drawn
 from precompute.dynamics import Simulator, build_model

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import obstore
 
-from precompute.build_types import Cancelled
+from precompute.cancelled import Cancelled
 from precompute.runner import SampleTask, run_task
 from precompute.whole_file import write_whole
 from server.object_store import fetch, open_bucket, stored

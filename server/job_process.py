@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 
-from precompute.build_types import Cancelled
+from precompute.cancelled import Cancelled
 from precompute.intake_types import IntakeError
 from server.build_job import Build, run_build
 from server.database import Sessions, open_database

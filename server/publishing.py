@@ -7,7 +7,7 @@ import threading
 
 from sqlalchemy.orm import Session
 
-from precompute.build_types import Cancelled
+from precompute.cancelled import Cancelled
 from precompute.table import TableError, read_metadata
 from server.exchange import Exchange
 from server.models import Job, Tree, utc_now

@@ -9,7 +9,7 @@ from typing import Any
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
-from precompute.build_types import Cancelled
+from precompute.cancelled import Cancelled
 from server.database import Sessions
 from server.jobs import end_job
 from server.models import Job

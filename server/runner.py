@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from precompute.build_types import Cancelled
+from precompute.cancelled import Cancelled
 from precompute.runner import SampleTask, run_task
 from server.engine import EngineLostError, connected, map_on_cluster
 from server.exchange import Exchange, ExchangedTask, run_elsewhere

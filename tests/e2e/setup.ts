@@ -1,12 +1,12 @@
 /** Starts the real server on a free port with a data folder of its own, unless BASE_URL names one,
- * and waits until its species are computed: two of ours, which are enough for a mixed forest. */
+ * and waits until its species are computed: one of ours; an uploaded tree makes the forest a mixed one. */
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { freePort, serve, stop, untilReady } from "./server";
 
 const OURS = resolve(__dirname, "../../assets/species");
-const ENOUGH = ["poplar", "maple"];
+const ENOUGH = ["poplar"];
 
 /** A folder of species with few of ours, under `data`. */
 function fewSpecies(data: string): string {
