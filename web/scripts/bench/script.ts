@@ -1,0 +1,22 @@
+/** The main thread's script in each frame, in time of its own processor: the clock's would count the rasteriser's. */
+import type { Browser, Page } from "@playwright/test";
+
+interface Event {
+  readonly name: string;
+  /** Of the thread's processor, µs. */
+  readonly tdur?: number;
+}
+
+/** The processor's time of the callbacks of the next frames, ms. */
+export async function scriptTimes_ms(browser: Browser, page: Page, frames: number): Promise<number[]> {
+  await browser.startTracing(page, { categories: ["devtools.timeline"] });
+  const from = await page.evaluate(() => window.galewood?.frame ?? 0);
+  await page.waitForFunction((until) => (window.galewood?.frame ?? 0) >= until, from + frames, {
+    polling: 500, // not by frames: its own callbacks would be counted
+    timeout: 180_000,
+  });
+  const { traceEvents } = JSON.parse((await browser.stopTracing()).toString()) as { traceEvents: Event[] };
+  return traceEvents
+    .filter(({ name, tdur }) => name === "FireAnimationFrame" && tdur !== undefined)
+    .map(({ tdur = 0 }) => tdur / 1000);
+}
