@@ -86,3 +86,13 @@ test("a forest goes on where another of its table was", () => {
   }
   expect(poses(after, 1)).not.toEqual(poses(before, 2));
 });
+
+test("trees do not go on from a forest whose rows are laid out otherwise: they begin at rest", () => {
+  const table = madeUp(16, 2, 21, seededRandom(6));
+  const before = new TangentForest(table, 2, true);
+  for (let frame = 0; frame < 60; frame++) before.advance(1 / 30, [20, 10], [20, 10]);
+  const after = new TangentForest(table, 2);
+  after.adopt(before, Int32Array.of(0, 1));
+  after.advance(1 / 30, [0, 0], [0, 0]);
+  expect(after.q.every((q) => q === 0)).toBe(true);
+});

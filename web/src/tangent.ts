@@ -108,7 +108,7 @@ export class TangentForest extends PacedTrees {
   /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
   adopt(from: TangentForest, rows: Int32Array): void {
     const { own } = this;
-    if (from.own !== own) return; // one of them found no room for its kernel: its trees begin at rest
+    if (from.compiled !== this.compiled) return; // one of them found no room for a kernel: trees begin at rest
     rows.forEach((row, i) => {
       if (row < 0) return;
       this.takeOver(i, from, row);
