@@ -4,6 +4,8 @@ Each element's deformation gradient F is split into a rotation R and a stretch (
 element's force is R K (Rᵀ x − X) and its tangent R K Rᵀ, K the small-strain stiffness of `elasticity.py`. A
 quadratic element takes R from its four corners.
 
+Linear elements go eight at a time (`linear_batches.py`), quadratic ones one by one (here).
+
 Everything runs in the elimination order of the solver, so that the assembled blocks fall straight into the
 pattern of the factor. Blocks that touch a fixed node fall into one spare block at the end.
 """
@@ -14,7 +16,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from precompute.linear_batches import LinearBatches, linear_batches
 from precompute.quadratic import combination
+from precompute.rotation import Nine, nearest_rotation
 from precompute.solver import JIT, BlockCholesky
 
 Ints = NDArray[np.int32]
@@ -55,6 +59,7 @@ class ElementSystem:
         self.blocks = np.ascontiguousarray(blocks.reshape(len(blocks), 10, 9))
         self.prestress = np.zeros((len(blocks), 10)) if prestress is None else np.ascontiguousarray(prestress)
         self.slots, self.flips = self._scatter_map()
+        self._linear = None if self.quadratic else self._batches()
         self.values = np.zeros((self.solver.blocks + 1, 9))
         self.diagonal = self.solver.pointer[:-1]
 
@@ -68,22 +73,39 @@ class ElementSystem:
         part = copy(self)
         for name in ("elements", "grad", "blocks", "prestress", "slots", "flips"):
             setattr(part, name, np.ascontiguousarray(getattr(self, name)[touching]))
+        part._linear = None if self.quadratic else part._batches()
         return part
 
     def set_blocks(self, blocks: Floats) -> None:
         """Replace the elements' stiffness (m,10,3,3)."""
         self.blocks = np.ascontiguousarray(blocks.reshape(len(blocks), 10, 9))
+        if self._linear:
+            self._linear = self._linear.with_blocks(self.blocks)
+
+    def set_prestress(self, prestress: Floats) -> None:
+        """Replace what the stress of the rest pose adds (m,10), N/m."""
+        self.prestress = np.ascontiguousarray(prestress)
+        if self._linear:
+            self._linear = self._linear.with_prestress(self.prestress)
+
+    def _batches(self) -> LinearBatches:
+        return linear_batches(
+            self.rest, self.elements, self.grad, self.blocks, self.prestress, self._lower_slots
+        )
 
     def _scatter_map(self) -> tuple[Ints, NDArray[np.bool_]]:
         """Where each element block goes in the factor's pattern, and whether it goes there transposed."""
         width = self.elements.shape[1]
         pairs = [(a, b) for a in range(width) for b in range(a, width)]
         first, second = (self.elements[:, [pair[k] for pair in pairs]] for k in (0, 1))
-        low, high = np.minimum(first, second), np.maximum(first, second)
+        return self._lower_slots(np.maximum(first, second), np.minimum(first, second)), first < second
+
+    def _lower_slots(self, high: Ints, low: Ints) -> Ints:
+        """Slots of blocks below the diagonal, rows `high` and columns `low`; fixed ones go to the spare."""
         slots = np.full(low.shape, self.solver.blocks, np.int32)
         inside = high < self.free
         slots[inside] = self.solver.slots(high[inside], low[inside])
-        return slots, first < second
+        return slots
 
     def force(self, u: Floats, w: Floats, out: Floats) -> None:
         """Internal force (N,3) at displacement u; to that w is added with the rotations held.
@@ -102,15 +124,13 @@ class ElementSystem:
 
     def _run(self, u: Floats, w: Floats, scale: float, matrix: bool, out: Floats) -> None:
         out[:] = 0.0
-        mesh = (self.rest, self.elements, self.grad, self.blocks, self.prestress)
-        common = (*mesh, self.slots, self.flips, u, w, scale, matrix)
-        if self.quadratic:
-            c = _COMBINATION
-            _assemble10(
-                c.rows, c.columns, c.start, c.coefficient, c.block, c.transposed, *common, self.values, out
-            )
-        else:
-            _assemble4(*common, self.values, out)
+        if self._linear:
+            self._linear.run(u, w, scale, matrix, self.values, out)
+            return
+        c = _COMBINATION
+        mesh = (self.rest, self.elements, self.grad, self.blocks, self.prestress, self.slots, self.flips)
+        terms = (c.rows, c.columns, c.start, c.coefficient, c.block, c.transposed)
+        _assemble10(*terms, *mesh, u, w, scale, matrix, self.values, out)
 
     def diagonal_blocks(self, nodes: Ints) -> Floats:
         """(q,3,3) diagonal blocks of the last assembled matrix at inner nodes (zero at fixed ones)."""
@@ -127,62 +147,6 @@ def _node_pairs(elements: NDArray[np.int64]) -> Ints:
     pairs = np.sort(pairs[(pairs >= 0).all(axis=1)], axis=1)
     keys = np.unique(pairs[:, 0] * (elements.max() + 1) + pairs[:, 1])
     return np.stack([keys // (elements.max() + 1), keys % (elements.max() + 1)], axis=1).astype(np.int32)
-
-
-Nine = tuple[float, float, float, float, float, float, float, float, float]
-"""A 3 × 3 matrix, row by row, as the kernels pass it (in registers)."""
-Three = tuple[float, float, float]
-
-
-@numba.njit(**JIT)
-def _rotation(h: Nine) -> Nine:
-    """The rotation nearest to I + h, by Higham's Newton iteration."""
-    r0, r1, r2, r3, r4, r5, r6, r7, r8 = h
-    r0 += 1.0
-    r4 += 1.0
-    r8 += 1.0
-    for _ in range(20):
-        c0 = r4 * r8 - r5 * r7
-        c1 = r5 * r6 - r3 * r8
-        c2 = r3 * r7 - r4 * r6
-        det = r0 * c0 + r1 * c1 + r2 * c2
-        if not det > 1e-9:
-            break
-        f = 0.5 / det
-        d0 = f * c0 - 0.5 * r0
-        d1 = f * c1 - 0.5 * r1
-        d2 = f * c2 - 0.5 * r2
-        d3 = f * (r2 * r7 - r1 * r8) - 0.5 * r3
-        d4 = f * (r0 * r8 - r2 * r6) - 0.5 * r4
-        d5 = f * (r1 * r6 - r0 * r7) - 0.5 * r5
-        d6 = f * (r1 * r5 - r2 * r4) - 0.5 * r6
-        d7 = f * (r2 * r3 - r0 * r5) - 0.5 * r7
-        d8 = f * (r0 * r4 - r1 * r3) - 0.5 * r8
-        r0 += d0
-        r1 += d1
-        r2 += d2
-        r3 += d3
-        r4 += d4
-        r5 += d5
-        r6 += d6
-        r7 += d7
-        r8 += d8
-        # Convergence is quadratic: a step of 3e-9 leaves an error below rounding.
-        if d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3 + d4 * d4 + d5 * d5 + d6 * d6 + d7 * d7 + d8 * d8 < 1e-17:
-            return r0, r1, r2, r3, r4, r5, r6, r7, r8
-    return _gram_schmidt(r0, r1, r2, r3, r4, r5)
-
-
-@numba.njit(**JIT)
-def _gram_schmidt(r0: float, r1: float, r2: float, r3: float, r4: float, r5: float) -> Nine:
-    """A proper rotation from two rows, for an element that is flat or inside out."""
-    a = 1.0 / (np.sqrt(r0 * r0 + r1 * r1 + r2 * r2) + 1e-300)
-    r0, r1, r2 = a * r0, a * r1, a * r2
-    d = r0 * r3 + r1 * r4 + r2 * r5
-    r3, r4, r5 = r3 - d * r0, r4 - d * r1, r5 - d * r2
-    a = 1.0 / (np.sqrt(r3 * r3 + r4 * r4 + r5 * r5) + 1e-300)
-    r3, r4, r5 = a * r3, a * r4, a * r5
-    return r0, r1, r2, r3, r4, r5, r1 * r5 - r2 * r4, r2 * r3 - r0 * r5, r0 * r4 - r1 * r3
 
 
 @numba.njit(**JIT)
@@ -207,7 +171,7 @@ def _pose(rest: Floats, u: Floats, w: Floats, elements: Ints, grad: Floats, e: i
         h6 += v2 * g0
         h7 += v2 * g1
         h8 += v2 * g2
-    r = _rotation((h0, h1, h2, h3, h4, h5, h6, h7, h8))
+    r = nearest_rotation((h0, h1, h2, h3, h4, h5, h6, h7, h8))
     for a in range(elements.shape[1]):
         n = elements[e, a]
         x0 = rest[n, 0] - rest[n0, 0]
@@ -296,86 +260,6 @@ def _add_scaled(out: Floats, w: Floats, na: int, nb: int, s: float) -> None:
 
 
 @numba.njit(**JIT)
-def _plus(f: Three, blocks: Floats, e: int, p: int, x: Three) -> Three:
-    """f + K x for one stored block."""
-    return (
-        f[0] + blocks[e, p, 0] * x[0] + blocks[e, p, 1] * x[1] + blocks[e, p, 2] * x[2],
-        f[1] + blocks[e, p, 3] * x[0] + blocks[e, p, 4] * x[1] + blocks[e, p, 5] * x[2],
-        f[2] + blocks[e, p, 6] * x[0] + blocks[e, p, 7] * x[1] + blocks[e, p, 8] * x[2],
-    )
-
-
-@numba.njit(**JIT)
-def _plus_transposed(f: Three, blocks: Floats, e: int, p: int, x: Three) -> Three:
-    """f + Kᵀ x for one stored block."""
-    return (
-        f[0] + blocks[e, p, 0] * x[0] + blocks[e, p, 3] * x[1] + blocks[e, p, 6] * x[2],
-        f[1] + blocks[e, p, 1] * x[0] + blocks[e, p, 4] * x[1] + blocks[e, p, 7] * x[2],
-        f[2] + blocks[e, p, 2] * x[0] + blocks[e, p, 5] * x[1] + blocks[e, p, 8] * x[2],
-    )
-
-
-@numba.njit(**JIT)
-def _unturned(r: Nine, d: Floats, a: int) -> Three:
-    """Rᵀ d_a."""
-    x, y, z = d[a, 0], d[a, 1], d[a, 2]
-    return r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z
-
-
-@numba.njit(**JIT)
-def _add_turned(out: Floats, n: int, r: Nine, f: Three) -> None:
-    """out[n] += R f."""
-    out[n, 0] += r[0] * f[0] + r[1] * f[1] + r[2] * f[2]
-    out[n, 1] += r[3] * f[0] + r[4] * f[1] + r[5] * f[2]
-    out[n, 2] += r[6] * f[0] + r[7] * f[1] + r[8] * f[2]
-
-
-@numba.njit(**JIT)
-def _assemble4(
-    rest: Floats,
-    elements: Ints,
-    grad: Floats,
-    blocks: Floats,
-    prestress: Floats,
-    slots: Ints,
-    flips: NDArray[np.bool_],
-    u: Floats,
-    w: Floats,
-    scale: float,
-    matrix: bool,
-    values: Floats,
-    out: Floats,
-) -> None:
-    """Forces and, if asked, the matrix of linear tets. Blocks 0..9 are 00 01 02 03 11 12 13 22 23 33."""
-    d = np.empty((4, 3))
-    for e in range(len(elements)):
-        r = _pose(rest, u, w, elements, grad, e, d)
-        # Node 0 is the origin: its own displacement beyond the rotation is zero.
-        x1, x2, x3 = _unturned(r, d, 1), _unturned(r, d, 2), _unturned(r, d, 3)
-        zero = (0.0, 0.0, 0.0)
-        f = _plus(_plus(_plus(zero, blocks, e, 1, x1), blocks, e, 2, x2), blocks, e, 3, x3)
-        _add_turned(out, elements[e, 0], r, f)
-        f = _plus(_plus(_plus(zero, blocks, e, 4, x1), blocks, e, 5, x2), blocks, e, 6, x3)
-        _add_turned(out, elements[e, 1], r, f)
-        f = _plus(_plus(_plus_transposed(zero, blocks, e, 5, x1), blocks, e, 7, x2), blocks, e, 8, x3)
-        _add_turned(out, elements[e, 2], r, f)
-        f = _plus_transposed(_plus_transposed(zero, blocks, e, 6, x1), blocks, e, 8, x2)
-        _add_turned(out, elements[e, 3], r, _plus(f, blocks, e, 9, x3))
-        n0, n1, n2, n3 = elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]
-        for i in range(3):
-            # Rows of K_σ sum to zero, so only differences from node 0 count.
-            w1, w2, w3 = w[n1, i] - w[n0, i], w[n2, i] - w[n0, i], w[n3, i] - w[n0, i]
-            out[n0, i] += prestress[e, 1] * w1 + prestress[e, 2] * w2 + prestress[e, 3] * w3
-            out[n1, i] += prestress[e, 4] * w1 + prestress[e, 5] * w2 + prestress[e, 6] * w3
-            out[n2, i] += prestress[e, 5] * w1 + prestress[e, 7] * w2 + prestress[e, 8] * w3
-            out[n3, i] += prestress[e, 6] * w1 + prestress[e, 8] * w2 + prestress[e, 9] * w3
-        if matrix:
-            for p in range(10):
-                k = _raised(_rotated(r, blocks, e, p), prestress[e, p])
-                _add_block(values, slots[e, p], scale, k, flips[e, p])
-
-
-@numba.njit(**JIT)
 def _assemble10(
     rows: Ints,
     columns: Ints,
@@ -397,7 +281,10 @@ def _assemble10(
     values: Floats,
     out: Floats,
 ) -> None:
-    """The same for quadratic tets: each block a constant combination of the ten rotated linear ones."""
+    """Forces and, if asked, the matrix of quadratic tets.
+
+    Each block is a constant combination of the ten turned linear ones.
+    """
     d, f = np.empty((10, 3)), np.empty((10, 3))
     turned = np.empty((20, 9))
     for e in range(len(elements)):

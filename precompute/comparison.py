@@ -11,7 +11,7 @@ from precompute.statics import solve_static
 
 Floats = NDArray[np.float64]
 
-SWAY = 0.05
+SWAY = 0.04
 """The largest static displacement, as a part of the height, that the compared gusts would cause."""
 
 

@@ -195,5 +195,5 @@ def _finished(model: FemModel, wood: Wood, report: dict[str, Any]) -> FemModel:
 def _at_rest(model: FemModel, system: ElementSystem, pose: RestPose) -> tuple[FemModel, Modes]:
     model = replace(model, u_rest=pose.u_m, gravity_n=pose.gravity_n)
     model = replace(model, prestress=prestress(model))
-    system.prestress = model.prestress
+    system.set_prestress(model.prestress)
     return model, natural_modes(model, 10, system)
