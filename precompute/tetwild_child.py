@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from precompute.helpers import usable_cores
 from precompute.limited_process import Arrays
 
 
@@ -18,7 +19,7 @@ def tetrahedralise_surface(arguments: Arrays) -> Arrays:
         epsilon=float(arguments["epsilon"]),
         edge_length_fac=float(arguments["edge_length"]),
         stop_energy=float(arguments["stop_energy"]),
-        num_threads=1,
+        num_threads=usable_cores(),
         vtk_ordering=True,  # without it every tet comes out inverted
         quiet=True,
     )
