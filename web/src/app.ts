@@ -32,6 +32,8 @@ import { WindStudio } from "./windStudio";
 import type { About } from "./wire";
 
 const REPORT_EVERY_MS = 250;
+/** For so long the land waits for the first trees before it moves without them. */
+const PATIENCE_MS = 4000;
 const REPLANTS: SettingKey[] = ["trees", "density", "shares", "forestSeed", "lookup", "method", "poseEasing"];
 const BLOWS: SettingKey[] = ["meanSpeed_m_s", "direction_deg", "gustiness", "windSeed"];
 
@@ -268,9 +270,16 @@ export class App {
     this.frame++;
   }
 
+  /** While the first trees are on their way nothing but clouds would move: the processor is theirs. */
+  private get waitsForTrees(): boolean {
+    return this.frame > 0 && this.forest.group.children.length === 0 && performance.now() < PATIENCE_MS;
+  }
+
   private draw(): void {
     const { stage, forest } = this;
-    if (stage.updateCamera() || this.dirty) forest.select(stage.view());
+    const moved = stage.updateCamera();
+    if (!moved && !this.dirty && this.waitsForTrees) return;
+    if (moved || this.dirty) forest.select(stage.view());
     this.dirty = false;
     stage.renderer.info.reset();
     forest.renderNodes(stage.renderer);

@@ -51,6 +51,20 @@ function start(software: boolean): void {
   });
 }
 
-const graphics = detectGraphics();
-if (graphics.webgl2) start(graphics.software);
-else element("no-webgl").hidden = false;
+/** Calls back once what is there has been painted, or soon in a page that nobody sees. */
+function afterPaint(then: () => void): void {
+  let called = false;
+  const once = () => {
+    if (!called) then();
+    called = true;
+  };
+  requestAnimationFrame(() => setTimeout(once));
+  setTimeout(once, 300);
+}
+
+// Words first: the forest takes a moment, on a machine without graphics card a long one.
+afterPaint(() => {
+  const graphics = detectGraphics();
+  if (graphics.webgl2) start(graphics.software);
+  else element("no-webgl").hidden = false;
+});

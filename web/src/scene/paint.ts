@@ -10,35 +10,50 @@ export interface Picture {
 const wrap = (i: number, period: number) => ((i % period) + period) % period;
 const smooth = (t: number) => t * t * (3 - 2 * t);
 
-/** Value noise in [0, 1] that repeats after `period` cells. */
-function tileNoise(x: number, y: number, period: number, seed: number): number {
-  const ix = Math.floor(x);
-  const iy = Math.floor(y);
-  const u = smooth(x - ix);
-  const v = smooth(y - iy);
-  const at = (dx: number, dy: number) => hashUnit(seed, wrap(ix + dx, period), wrap(iy + dy, period));
-  const low = at(0, 0) * (1 - u) + at(1, 0) * u;
-  return low * (1 - v) + (at(0, 1) * (1 - u) + at(1, 1) * u) * v;
+/** Random values at the corners of a grid of cells, row by row. */
+function lattice(cells: number, seed: number): Float64Array {
+  return Float64Array.from({ length: cells * cells }, (_, i) =>
+    hashUnit(seed, i % cells, Math.floor(i / cells)),
+  );
 }
 
-/** Four octaves of tileNoise, stretched to use the whole range. */
-function tileFractal(x: number, y: number, cells: number, seed: number): number {
-  let sum = 0;
-  for (let k = 0; k < 4; k++)
-    sum += 2 ** -k * tileNoise(x * cells * 2 ** k, y * cells * 2 ** k, cells * 2 ** k, seed + k);
-  return Math.min(1, Math.max(0, (sum / 1.875 - 0.5) * 1.5 + 0.5));
+/** Value noise in [0, 1] at x, y ≥ 0, in cells of a lattice that it repeats. */
+function tileNoise(x: number, y: number, cells: number, at: Float64Array): number {
+  const ix = Math.floor(x) % cells;
+  const iy = Math.floor(y) % cells;
+  const u = smooth(x - Math.floor(x));
+  const v = smooth(y - Math.floor(y));
+  const right = (ix + 1) % cells;
+  const low = cells * iy;
+  const high = cells * ((iy + 1) % cells);
+  const near = at[low + ix] * (1 - u) + at[low + right] * u;
+  return near * (1 - v) + (at[high + ix] * (1 - u) + at[high + right] * u) * v;
+}
+
+/** Four octaves of tileNoise over the unit square, stretched to use the whole range. */
+function tileFractal(coarsest: number, seed: number): (x: number, y: number) => number {
+  const octaves = [0, 1, 2, 3].map((k) => ({
+    cells: coarsest * 2 ** k,
+    at: lattice(coarsest * 2 ** k, seed + k),
+  }));
+  return (x, y) => {
+    let sum = 0;
+    for (let k = 0; k < octaves.length; k++) {
+      const { cells, at } = octaves[k];
+      sum += 2 ** -k * tileNoise(x * cells, y * cells, cells, at);
+    }
+    return Math.min(1, Math.max(0, (sum / 1.875 - 0.5) * 1.5 + 0.5));
+  };
 }
 
 /** Three independent fractal noises in red, green and blue; a coarser one in alpha. */
 export function paintNoise(side: number): Picture {
   const pixels = new Uint8Array(side * side * 4);
-  for (let y = 0; y < side; y++) {
-    for (let x = 0; x < side; x++) {
-      for (let c = 0; c < 4; c++) {
-        const value = tileFractal(x / side, y / side, c === 3 ? 4 : 8, 100 * c + 7);
-        pixels[(y * side + x) * 4 + c] = Math.round(255 * value);
-      }
-    }
+  for (let c = 0; c < 4; c++) {
+    const noise = tileFractal(c === 3 ? 4 : 8, 100 * c + 7);
+    for (let y = 0; y < side; y++)
+      for (let x = 0; x < side; x++)
+        pixels[(y * side + x) * 4 + c] = Math.round(255 * noise(x / side, y / side));
   }
   return { side, pixels };
 }
@@ -67,9 +82,10 @@ class Canvas {
     for (let y = 0; y < side; y++) for (let x = 0; x < side; x++) this.set(x, y, base(x / side, y / side));
   }
 
-  set(x: number, y: number, [r, g, b]: Rgb): void {
+  set(x: number, y: number, colour: Rgb, light = 1): void {
     const at = (wrap(y, this.side) * this.side + wrap(x, this.side)) * 4;
-    this.pixels.set([Math.min(255, r), Math.min(255, g), Math.min(255, b), 255], at);
+    for (let c = 0; c < 3; c++) this.pixels[at + c] = Math.min(255, colour[c] * light);
+    this.pixels[at + 3] = 255;
   }
 
   /** A pointed ellipse with a lighter middle rib. */
@@ -82,11 +98,7 @@ class Canvas {
         const across = (y * cos - x * sin) / (0.5 * length);
         if (Math.abs(across) > 1 - along * along) continue;
         const light = 0.84 + 0.16 * along + (Math.abs(across) < 0.14 ? 0.14 : 0) + 0.1 * across;
-        this.set(Math.round(cx + x), Math.round(cy + y), [
-          colour[0] * light,
-          colour[1] * light,
-          colour[2] * light,
-        ]);
+        this.set(Math.round(cx + x), Math.round(cy + y), colour, light);
       }
     }
   }
@@ -96,19 +108,16 @@ class Canvas {
     for (let step = 0; step < length; step++) {
       const light = 0.55 + (0.6 * step) / length;
       const bent = x + (lean * step * step) / length;
-      this.set(Math.round(bent), Math.round(y - step), [
-        colour[0] * light,
-        colour[1] * light,
-        colour[2] * light,
-      ]);
+      this.set(Math.round(bent), Math.round(y - step), colour, light);
     }
   }
 }
 
 /** Fallen leaves over each other on dark earth. */
 export function paintLitter(side: number): Picture {
+  const noise = tileFractal(16, 5);
   const canvas = new Canvas(side, (x, y) => {
-    const light = 0.6 + 0.5 * tileFractal(x, y, 16, 5);
+    const light = 0.6 + 0.5 * noise(x, y);
     return [104 * light, 70 * light, 36 * light];
   });
   const leaves = Math.round((side * side) / 90);
@@ -124,8 +133,9 @@ export function paintLitter(side: number): Picture {
 
 /** Autumn grass, seen from above at a slant. */
 export function paintGrass(side: number): Picture {
+  const noise = tileFractal(8, 9);
   const canvas = new Canvas(side, (x, y) => {
-    const light = 0.7 + 0.5 * tileFractal(x, y, 8, 9);
+    const light = 0.7 + 0.5 * noise(x, y);
     return [108 * light, 108 * light, 44 * light];
   });
   const blades = Math.round((side * side) / 22);
