@@ -12,7 +12,10 @@ from precompute.statics import solve_static
 Floats = NDArray[np.float64]
 
 SWAY = 0.04
-"""The largest static displacement, as a part of the height, that the compared gusts would cause."""
+"""The largest static displacement, as a part of the height, that the compared gusts would cause.
+
+They pulse near the first frequency, so that a slender tree reaches five times as much: a fifth of its height.
+"""
 
 
 def compare(fast: FemModel, reference: FemModel, frames: int) -> dict[str, Any]:
