@@ -8,7 +8,7 @@ piece by piece.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -36,8 +36,15 @@ class Anchors:
 
 def render_binding(tree: TreeMesh, mesh: TetMesh) -> csr_matrix:
     """Weights (render vertices × tet vertices), rows summing to one, primitives in the tree's order."""
-    anchors = [_anchor_primitive(primitive, tree.height_m, mesh) for primitive in tree.primitives]
+    anchors = [_anchor_primitive(_as_kept(primitive), tree.height_m, mesh) for primitive in tree.primitives]
     return _matrix(anchors, mesh)
+
+
+def _as_kept(primitive: RenderPrimitive) -> RenderPrimitive:
+    """With the positions' 32 bits that the render mesh keeps: a leaf as near to one twig as to another hangs
+    on the same when that file is read again.
+    """
+    return replace(primitive, positions_m=primitive.positions_m.astype(np.float32).astype(np.float64))
 
 
 def _matrix(parts: list[tuple[Ints, Floats]], mesh: TetMesh) -> csr_matrix:

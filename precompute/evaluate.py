@@ -87,7 +87,8 @@ def evaluate_table(
     found: dict[str, Any] = {}
     for k, (name, path) in enumerate(zip(winds, paths, strict=True)):
         tick(0.8 + 0.2 * k / len(paths), f"Comparing: {name}")
-        found[name] = compare_methods(table, source, read_truth(path))
+        truth = read_truth(path)
+        found[name] = compare_methods(table, source, truth, len(truth.pressure_pa) - frames)
     tick(1.0, "Done")
     return found
 
@@ -106,21 +107,21 @@ def truth_tasks(table: Table, source: Source, winds: list[Floats], sway: float |
     return [TruthTask(source.model_path, wind, sway_m, most_pa) for wind in winds]
 
 
-def compare_methods(table: Table, source: Source, truth: Truth) -> dict[str, Any]:
-    """Every method and both baselines on one wind."""
+def compare_methods(table: Table, source: Source, truth: Truth, lead: int = 0) -> dict[str, Any]:
+    """Every method and both baselines on one wind, whose first frames are a lead-in."""
     pressure = truth.pressure_pa
     tracks = {method: played(table, pressure, make) for method, make in METHODS.items()}
     tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
     tracks["rest-pose"] = (np.zeros((len(pressure), source.subspace.modes)), 1.0)
     found = {
-        method: {**compare(table, source, q, truth.displacement_m), "coverage": coverage}
+        method: {**compare(table, source, q, truth.displacement_m, lead), "coverage": coverage}
         for method, (q, coverage) in tracks.items()
     }
     found["floor"] = floor(table, source, truth.displacement_m)
     return found
 
 
-def compare(table: Table, source: Source, q: Floats, truth_m: Array) -> dict[str, Any]:
+def compare(table: Table, source: Source, q: Floats, truth_m: Array, lead: int = 0) -> dict[str, Any]:
     """Figures of poses (T, r) on the wood's vertices, and under ``seen`` on the render vertices."""
     height_m = float(table.metadata["height_m"])
     wood, seen = [], []
@@ -131,10 +132,10 @@ def compare(table: Table, source: Source, q: Floats, truth_m: Array) -> dict[str
     first = slice(0, 60)
     shown = source.subspace.expand(q[first])
     return {
-        **figures(joined(wood), height_m),
+        **figures(joined(wood), height_m, lead),
         "true_sway": float(joined(wood).sway_m.max() / height_m),
         "hausdorff": hausdorff_by_frame(source.rest_m, shown, truth_m[first], height_m),
-        "seen": figures(joined(seen), height_m),
+        "seen": figures(joined(seen), height_m, lead),
     }
 
 

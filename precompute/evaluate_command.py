@@ -16,7 +16,7 @@ DEFINITIONS = {
     "rms_error": "root mean square of that distance over all vertices and frames, over the height",
     "max_error_of_sway": "the same over the farthest that any vertex goes in this run (true_sway × height)",
     "late_error": "largest error in the last sixth of the run, over the height",
-    "growth": "largest error of the second half over the first's; winds that go on repeat after half the run",
+    "growth": "largest error of the second half over the first's, after the lead-in of winds that repeat",
     "growth_of_sway": "the same with each half's error over its own sway; none where a half hardly moves",
     "hausdorff": "symmetric Hausdorff distance of the wood's displaced vertices, by frame, over the height",
     "seen": "the same figures for the render vertices as the viewer moves them, by nodes",

@@ -45,8 +45,14 @@ def joined(parts: list[ErrorByFrame]) -> ErrorByFrame:
     return ErrorByFrame(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
 
 
-def figures(error: ErrorByFrame, height_m: float) -> dict[str, Any]:
-    """Figures of one motion of one set of vertices."""
+def after(error: ErrorByFrame, lead: int) -> ErrorByFrame:
+    """A run without its first frames."""
+    names = ErrorByFrame.__dataclass_fields__
+    return ErrorByFrame(**{name: getattr(error, name)[lead:] for name in names})
+
+
+def figures(error: ErrorByFrame, height_m: float, lead: int = 0) -> dict[str, Any]:
+    """Figures of one motion of one set of vertices; growth is that after so many frames of lead-in."""
     largest, sway = error.largest_m, max(float(error.sway_m.max()), 1e-12)
     rms = float(np.sqrt(error.mean_square_m2.mean()))
     shown = [frame for frame in FRAMES_SHOWN if frame <= len(largest)]
@@ -57,7 +63,7 @@ def figures(error: ErrorByFrame, height_m: float) -> dict[str, Any]:
         "rms_error_of_sway": rms / sway,
         "late_error": float(largest[-max(1, len(largest) // 6) :].max() / height_m),
         "last_error": float(largest[-1] / height_m),
-        **growth(error, height_m),
+        **growth(after(error, lead), height_m),
         "frames": {str(frame): float(largest[frame - 1] / height_m) for frame in shown},
         "error_by_frame": [float(value) for value in largest / height_m],
     }

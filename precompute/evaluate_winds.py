@@ -1,8 +1,8 @@
 """Winds that no sample has, to judge a table by.
 
 A motion that drifts is told by errors that grow, and that only where the wind does not: every wind that
-goes on repeats after half the run, without a seam. The step goes on alike, and the gust leaves its second
-half still.
+goes on comes back twice without a seam, every half run, and the first pass, which begins with a tree at rest,
+is a lead-in. The step goes on alike, and the gust leaves its second half still.
 """
 
 from __future__ import annotations
@@ -24,22 +24,26 @@ GUST_END_S = 3.0
 def unseen_winds(
     design_speed_m_s: float, frames: int, dt_s: float, *, strength: float = 0.65, seed: int = 20_001
 ) -> dict[str, Floats]:
-    """Pressures (frames, 2) Pa that peak at ``strength`` of the design speed; the seed sets their turns."""
+    """Pressures (frames, 2) Pa that peak at ``strength`` of the design speed; the seed sets their turns.
+
+    Those that go on are half a run longer, by their lead-in.
+    """
     rng = np.random.default_rng(seed)
     half = max(frames // 2, 2)
+    once, frames = frames, frames + half
     peak, t = strength * design_speed_m_s, np.arange(frames, dtype=np.float64) * dt_s
     cosine = peak * (1 + 0.45 * _cosine(t, half * dt_s, rng.uniform(2, 7))) / 1.45
     between = peak * (1 + 0.8 * _cosine(t, half * dt_s, 3.2)) / 1.8
     smooth = np.clip(0.6 + 0.25 * _repeated(perlin(rng, half, dt_s), frames), 0, 1) * peak
     turning = _repeated(noise(rng, half, dt_s, 2.0), frames)
     smooth_heading = rng.uniform(0, 2 * np.pi) + 0.4 * turning
-    gust = peak * np.sin(np.pi * np.clip((t - 0.5) / (GUST_END_S - 0.5), 0, 1)) ** 2
+    gust = peak * np.sin(np.pi * np.clip((t[:once] - 0.5) / (GUST_END_S - 0.5), 0, 1)) ** 2
     return {
         "new-period-and-amplitude": along(cosine, rng.uniform(0, 2 * np.pi)),
         "between-directions": along(between, np.pi / 6),
         "perlin": along(smooth, smooth_heading),
         "one-over-f": one_over_f(rng, frames, half, dt_s, peak),
-        "step": along(0.85 * peak * (t > 1.0), rng.uniform(0, 2 * np.pi)),
+        "step": along(0.85 * peak * (t[:once] > 1.0), rng.uniform(0, 2 * np.pi)),
         "gust-then-still": along(gust, rng.uniform(0, 2 * np.pi)),
     }
 

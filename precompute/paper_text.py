@@ -132,9 +132,9 @@ def _unseen(figures: dict[str, Any], folder: str) -> str:
 
 {plan["frames"]} frames of each wind, peaking at {plan["strength"]} of the strongest sampled speed, seed
 {plan["seed"]}. Largest error of any vertex in any frame, per cent of the height. *Growth* is the largest
-error of the second half over that of the first: winds that go on repeat after half the run, so that both
-halves are alike. *Modes alone* is what the reduced basis leaves out even if the method made no error; *as
-drawn* is at the render vertices, where several of them share a node.
+error of the second half over that of the first: winds that go on repeat every half run, after one more pass
+as a lead-in from rest, so that both halves are alike. *Modes alone* is what the reduced basis leaves out even
+if the method made no error; *as drawn* is at the render vertices, where several of them share a node.
 
 {chr(10).join(f"{block}{chr(10)}" for block in blocks).rstrip()}"""
 

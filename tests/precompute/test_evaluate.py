@@ -103,11 +103,23 @@ def test_winds_keep_to_their_strength_and_change_with_the_seed() -> None:
 
 
 @pytest.mark.parametrize("name", ["new-period-and-amplitude", "between-directions", "perlin", "one-over-f"])
-def test_winds_that_go_on_repeat_after_half_the_run_without_a_seam(name: str) -> None:
+def test_winds_that_go_on_come_three_times_without_a_seam(name: str) -> None:
     wind = unseen_winds(12.0, 600, 1 / 30, seed=605)[name]
-    assert np.allclose(wind[300:], wind[:300], atol=1e-9)
+    assert len(wind) == 900
+    assert np.allclose(wind[300:], wind[:-300], atol=1e-9)
     steps = np.linalg.norm(np.diff(wind, axis=0), axis=1)
     assert steps[299] <= 1.5 * np.delete(steps, 299).max()
+
+
+def test_growth_leaves_out_the_lead_in() -> None:
+    truth = np.ones((90, 2, 3))
+    error = np.repeat([0.01, 0.3, 0.3], 30)
+    run = errors(truth + error[:, None, None], truth)
+    assert np.isclose(figures(run, 2.0, lead=30)["growth"], 1.0)
+    assert np.isclose(figures(run, 2.0)["growth"], 1.0)  # the largest of 45 frames either way
+    assert np.isclose(figures(run, 2.0, lead=30)["max_error"], 0.3 * np.sqrt(3) / 2)
+    early = errors(truth + error[::-1][:, None, None], truth)
+    assert np.isclose(figures(early, 2.0, lead=30)["growth"], 0.01 / 0.3)
 
 
 def test_noise_has_unit_variance_and_no_seam() -> None:
