@@ -35,7 +35,7 @@ class Size:
     """Natural modes that the oscillators are made of."""
 
 
-SIZES = (Size(16, 4, 80), Size(48, 20, 120))
+SIZES = (Size(16, 4, 80), Size(48, 12, 120))
 """Smallest first; docs/design/0005-drift-free-motion.md."""
 
 
