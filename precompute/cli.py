@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from precompute.cli_tools import console, progress_bar, teller, without_frames, write_figures, writer
-
-for _library in ("OMP", "OPENBLAS", "MKL"):
-    # Work is shared out by process; a library's own threads would only wait for each other. Read on import.
-    os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 
 app = typer.Typer(
     no_args_is_help=True, add_completion=False, help="Tables of simulated tree motion, made and played."

@@ -10,6 +10,18 @@ import typer
 
 from precompute.cli import JsonOut, app, console, write_figures
 from server import cli_operations as cli_operations  # its commands join the app
+from server.processes import SINGLE_THREADED
+
+
+def main() -> None:
+    """The program `galewood`.
+
+    Work is shared out by process, so a library's own threads would only wait for each other; what a table is
+    made of must not depend on their number either. Libraries read it when they are loaded, by a command.
+    """
+    for name, value in SINGLE_THREADED.items():
+        os.environ.setdefault(name, value)
+    app()
 
 
 @app.command()
