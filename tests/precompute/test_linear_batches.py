@@ -72,7 +72,7 @@ def test_force_and_matrix_are_the_textbooks(count: int) -> None:
 def test_a_flat_or_inverted_element_does_not_disturb_its_batch() -> None:
     print(f"seed {SEED}")
     rng = np.random.default_rng(SEED)
-    system = loose_system(8, rng)
+    system = loose_system(43, rng)
     u, still = np.zeros_like(system.rest), np.zeros_like(system.rest)
     touched = system.elements[3]
     corner = touched[~np.isin(touched, np.delete(system.elements, 3, axis=0))]
@@ -87,7 +87,7 @@ def test_a_flat_or_inverted_element_does_not_disturb_its_batch() -> None:
         system.force(u, still, out)
         alone = np.unique(system.elements[(system.elements != corner).all(axis=1)])
         untouched = np.setdiff1d(alone, system.elements[(system.elements == corner).any(axis=1)])
-        assert np.isfinite(out).all()
+        assert np.isfinite(out).all() and len(untouched) > 9
         assert np.abs(out[untouched]).max(initial=0) <= 1e-9 * np.abs(out).max()
         assert np.abs(out.sum(axis=0)).max() <= 1e-9 * np.abs(out).max()
 
