@@ -35,6 +35,8 @@ MESSAGES: dict[Stage, str] = {
     "table": "Comparing all states with each other",
     "done": "Done",
 }
+FURTHER = "Simulating more winds: this tree bends far"
+"""In place of the table's message while it is so."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +35,7 @@ class Size:
     """Natural modes that the oscillators are made of."""
 
 
-SIZES = (Size(16, 4, 80), Size(48, 12, 120))
+SIZES = (Size(16, 4, 80), Size(48, 20, 120))
 """Smallest first; docs/design/0005-drift-free-motion.md."""
 
 
@@ -47,6 +47,8 @@ class Learning:
     scheme: FemSettings
     runs: Sequence[Recording]
     sizes: Sequence[Size] = SIZES
+    further: Callable[[], Sequence[Recording]] = tuple
+    """More runs, asked for once if the smallest size does not do: the larger ones have more to find out."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +78,10 @@ def fit_smallest(
 ) -> Fitted:
     """The method with the fewest oscillators that follow the runs closely enough, or else the nearest."""
     tried: list[Fitted] = []
+    further: Sequence[Recording] = ()
     for size in learning.sizes:
-        tried.append(_fit(runs, mass_kg, tolerance_m, learning, size))
+        further = learning.further() if tried and not further else further
+        tried.append(_fit(runs, mass_kg, tolerance_m, learning, size, further))
         if tried[-1].replay_error_m <= REPLAY_SHARE * height_m:
             return tried[-1]
     return min(tried, key=lambda fitted: fitted.replay_error_m)
@@ -93,9 +97,16 @@ def size_of(learning: Learning, dynamic: int) -> Size:
 
 
 def _fit(
-    runs: Sequence[Recording], mass_kg: Floats, tolerance_m: float, learning: Learning, size: Size
+    runs: Sequence[Recording],
+    mass_kg: Floats,
+    tolerance_m: float,
+    learning: Learning,
+    size: Size,
+    further: Sequence[Recording],
 ) -> Fitted:
+    """The shown modes do not depend on the ``further`` runs: they can be found again without them."""
     own, subspace = shown_modes(runs, mass_kg, tolerance_m, learning, size)
-    tangent = fit_tangent(own, mass_kg, learning.runs, subspace, learning.scheme, coupled=size.coupled)
+    learnt = (*learning.runs, *further)
+    tangent = fit_tangent(own, mass_kg, learnt, subspace, learning.scheme, coupled=size.coupled)
     error_m = replay_error_m(tangent, subspace, learning.runs, learning.scheme.dt_s)
     return Fitted(tangent, subspace, error_m)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from precompute.build_types import BuildOptions, BuildResult, Progress, Stages
+from precompute.build_types import FURTHER, BuildOptions, BuildResult, Progress, Stages
 from precompute.cancelled import Cancelled
 from precompute.design_wind import design_wind
 from precompute.drawn_wood import as_drawn
@@ -72,9 +72,11 @@ def build_table(
         samples = planned(model, wind.speed_m_s, mesh.tets[elements], options, cache_dir)
         maker = TableMaker(tree, model, wind, surface, options, render_glb)
         early = partial(gallery.hand_out, "early.table", lambda: encode(maker.early(samples)))
-        simulate(samples, runner or partial(run_in_processes, helpers=helpers), stages.tick, early)
+        run = runner or partial(run_in_processes, helpers=helpers)
+        simulate(samples, run, stages.tick, early)
         stages.enter("table")
-        table = maker.make(samples, stages.tick)
+        further = partial(samples.further_runs, run, lambda share: stages.tick(0.15 * share, FURTHER))
+        table = maker.make(samples, stages.tick, further)
         stages.enter("done")
         report = build_report(tree, mesh, skeleton, lumps, model, wind, table, reference(), stages)
         return BuildResult(encode(table), render_glb, report)

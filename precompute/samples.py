@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from precompute.build_types import BuildOptions
 from precompute.model import FemModel
 from precompute.runner import SampleTask, TrajectoryRunner, sample_tasks
 from precompute.sampling import DIRECTIONS_DEG, Recording, SampleWind, StoredRun, sample_winds
-from precompute.tangent_winds import training_winds
+from precompute.tangent_winds import further_winds, training_winds
 
 Array = npt.NDArray[Any]
 
@@ -33,6 +34,8 @@ class Samples:
 
     recorded: Sequence[SampleTask]
     learnt: Sequence[SampleTask]
+    further: Sequence[SampleTask] = ()
+    """More to learn from, simulated only for a tree that bends far."""
 
     @property
     def winds(self) -> list[SampleWind]:
@@ -50,6 +53,11 @@ class Samples:
         free = [task for task in self.recorded if not task.wind.fade_frames]
         return [StoredRun(task.path) for task in (*free, *self.learnt)]
 
+    def further_runs(self, runner: TrajectoryRunner, tick: Callable[[float], None]) -> list[Recording]:
+        """Those that only few trees need, simulated now unless they are there."""
+        runner(self.further, lambda number: tick(number / max(len(self.further), 1)))
+        return [StoredRun(task.path) for task in self.further]
+
     def first(self) -> Samples:
         """The few that an early table is made from, in the same order."""
         return Samples([t for t in self.recorded if t.wind.name in FIRST_NAMES], self.learnt[FIRST_LEARNT])
@@ -61,8 +69,9 @@ def planned(
     """All winds up to a strongest, to be recorded at the given vertices."""
     winds = sample_winds(speed_m_s, options.fem.dt_s, options.frames)
     more = training_winds(speed_m_s, options.fem.dt_s, seed=options.seed)
-    tasks = sample_tasks(model, [*winds, *more], points, cache_dir)
-    return Samples(tasks[: len(winds)], tasks[len(winds) :])
+    further = further_winds(speed_m_s, options.fem.dt_s, seed=options.seed)
+    tasks = iter(sample_tasks(model, [*winds, *more, *further], points, cache_dir))
+    return Samples(*(list(islice(tasks, len(some))) for some in (winds, more, further)))
 
 
 def simulate(

@@ -19,7 +19,7 @@ from safetensors.numpy import load, save
 from precompute.tangent import Tangent, force_terms, shape_terms
 
 FORMAT = "galewood-table"
-VERSION = 4
+VERSION = 5
 MAX_HEADER_BYTES = 1 << 20
 MAX_DYNAMIC = 64
 
@@ -52,7 +52,7 @@ class Table:
     tangent_force: npt.NDArray[np.float32]  # (26 + 2 c, d)
     tangent_shown: npt.NDArray[np.float32]  # (d,)
     tangent_pose: npt.NDArray[np.float32]  # (d + 9 + 2 c, r - d)
-    tangent_limits: npt.NDArray[np.float32]  # (3 + c,)
+    tangent_limits: npt.NDArray[np.float32]  # (3 + 2c,)
 
     @property
     def tangent(self) -> Tangent:
@@ -227,8 +227,8 @@ def _check_shapes(table: Table) -> None:
     d = len(table.tangent_step)
     most = min(MAX_DYNAMIC, r)
     _need(2 <= d <= most, f"tensor tangent.step: expected 2..{most} rows")
-    c = len(table.tangent_limits) - 3
-    _need(0 <= c <= d - 2, f"tensor tangent.limits: expected 3..{d + 1} numbers")
+    c, odd = divmod(len(table.tangent_limits) - 3, 2)
+    _need(not odd and 0 <= c <= d - 2, f"tensor tangent.limits: expected 3, 5, … {2 * d - 1} numbers")
     for name, shape in (
         ("modes.scale", (r,)),
         ("nodes.basis", (n, 3, r)),
@@ -244,7 +244,7 @@ def _check_shapes(table: Table) -> None:
         ("tangent.force", (force_terms(c), d)),
         ("tangent.shown", (d,)),
         ("tangent.pose", (d + 2 + shape_terms(c), r - d)),
-        ("tangent.limits", (3 + c,)),
+        ("tangent.limits", (3 + 2 * c,)),
     ):
         found = getattr(table, TENSORS[name][0]).shape
         _need(found == shape, f"tensor {name}: shape {found}, expected {shape}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,6 +13,7 @@ from precompute.learning import Learning
 from precompute.model import FemModel
 from precompute.pipeline_report import describe
 from precompute.samples import Samples
+from precompute.sampling import Recording, SampleWind
 from precompute.table import Table
 from precompute.tabulate import RenderMesh, assemble_table
 from precompute.tangent_modes import Oscillators, oscillators_of
@@ -40,12 +41,26 @@ class TableMaker:
         table.metadata["provenance"]["preliminary"] = True
         return table
 
-    def make(self, samples: Samples, tick: Callable[[float], None] = lambda fraction: None) -> Table:
-        """The table of these runs."""
-        winds = samples.winds
+    def make(
+        self,
+        samples: Samples,
+        tick: Callable[[float], None] = lambda fraction: None,
+        further: Callable[[], Sequence[Recording]] = tuple,
+    ) -> Table:
+        """The table of these runs, and of the ``further`` ones if the tree asks for them."""
+        winds, asked = samples.winds, list[SampleWind]()
+
+        def ask() -> Sequence[Recording]:
+            asked.extend(task.wind for task in samples.further)
+            return further()
+
         description = describe(self.tree, self.model, self.wind, winds, self.options, self.render_glb)
-        learning = Learning(self.oscillators, self.options.fem, samples.learnt_runs())
+        learning = Learning(self.oscillators, self.options.fem, samples.learnt_runs(), further=ask)
         mass_kg = self.model.mass_kg[: self.model.vertex_count]
-        return assemble_table(
+        table = assemble_table(
             samples.recorded_runs(), mass_kg, self.surface, description, self.options.table, learning, tick
         )
+        provenance = table.metadata["provenance"]
+        provenance["winds"] += [wind.name for wind in asked]
+        provenance["frames"] += [len(wind.pressure_pa) for wind in asked]
+        return table

@@ -34,7 +34,7 @@ REST = 1e-7
 
 @dataclass(frozen=True)
 class Tangent:
-    """Tensors of the method: d dynamic coordinates, c coupled ones, r ≥ d shown modes, F = 44 + 2c terms.
+    """Tensors of the method: d dynamic coordinates, c coupled ones, r ≥ d shown modes, F = 44 + 6c terms.
 
     A step of an oscillator under a force f is e' = r00 e + r01 v + s0 f, v' = r10 e + r11 v + s1 f.
     """
@@ -45,16 +45,22 @@ class Tangent:
     force: Singles  # (F, d)
     shown: Singles  # (d,) m of q_k per unit of e_k
     pose: Singles  # (d + 2 + 7 + 2c, r − d) m of the further q per unit
-    limits: Singles  # (3 + c,) sampled range: sway, sway's speed 1/s, pressure Pa, coupled coordinates
+    limits: Singles  # (3 + 2c,) sampled range: sway, its speed 1/s, pressure Pa; coupled coordinates, speeds
 
     @property
     def coupled(self) -> int:
-        """c: products of the coordinates numbered 2 to 2 + c with the sway are kept."""
-        return len(self.limits) - 3
+        """c: products of the coordinates numbered 2 to 2 + c with the sway and the pressure are kept."""
+        return coupled_of(self.limits)
 
     @property
     def modes(self) -> int:
         return len(self.shown) + self.pose.shape[1]
+
+
+@numba.njit(cache=True, nogil=True)
+def coupled_of(limits):  # pragma: no cover  (compiled)
+    """c, of the sampled range (3 + 2c,)."""
+    return (len(limits) - 3) // 2
 
 
 def shape_terms(coupled: int) -> int:
@@ -62,7 +68,7 @@ def shape_terms(coupled: int) -> int:
 
 
 def force_terms(coupled: int) -> int:
-    return shape_terms(coupled) + 37
+    return shape_terms(coupled) + 37 + 4 * coupled
 
 
 # ---- terms: every array's last axis runs over trees side by side, or over the frames of a run ------------
@@ -76,7 +82,7 @@ def write_shape(pair, e, limits, out):  # pragma: no cover  (compiled)
         xx, xy, yy = x * x, x * y, y * y
         out[0, lane], out[1, lane], out[2, lane] = xx, xy, yy
         out[3, lane], out[4, lane], out[5, lane], out[6, lane] = xx * x, xx * y, x * yy, yy * y
-    for j in range(len(limits) - 3):
+    for j in range(coupled_of(limits)):
         far = REACH * limits[3 + j]
         for lane in range(pair.shape[1]):
             z = min(max(e[2 + j, lane], -far), far)
@@ -108,6 +114,24 @@ def write_motion(pair, speed, pressure, out, at):  # pragma: no cover  (compiled
                 out[slow + 2 + k, lane] = u * out[k, lane]
             for k in range(7):
                 out[pushed + 2 + k, lane] = p * out[k, lane]
+
+
+@numba.njit(cache=True, nogil=True)
+def write_coupled(pair, pressure, e, v, limits, out, at):  # pragma: no cover  (compiled)
+    """Each coupled coordinate's speed times the sway, and the coordinate times the pressure.
+
+    A bough of a bent tree damps otherwise, and one that is bent itself is pushed otherwise.
+    """
+    count = coupled_of(limits)
+    for j in range(count):
+        far, fast = REACH * limits[3 + j], REACH * limits[3 + count + j]
+        for lane in range(pair.shape[1]):
+            z = min(max(e[2 + j, lane], -far), far)
+            w = min(max(v[2 + j, lane], -fast), fast)
+            out[at + 4 * j, lane] = w * pair[0, lane]
+            out[at + 4 * j + 1, lane] = w * pair[1, lane]
+            out[at + 4 * j + 2, lane] = z * pressure[0, lane]
+            out[at + 4 * j + 3, lane] = z * pressure[1, lane]
 
 
 @numba.njit(cache=True, nogil=True)
@@ -155,7 +179,9 @@ def write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, out): 
     for i in range(3):
         hold(pairs[i], REACH * limits[i])
     write_shape(pairs[0], ahead, limits, out)
-    write_motion(pairs[0], pairs[1], pairs[2], out, 7 + 2 * (len(limits) - 3))
+    at = 7 + 2 * coupled_of(limits)
+    write_motion(pairs[0], pairs[1], pairs[2], out, at)
+    write_coupled(pairs[0], pairs[2], ahead, v, limits, out, at + 37)
 
 
 @numba.njit(cache=True, nogil=True)

@@ -18,6 +18,7 @@ from precompute.model import FemSettings
 from precompute.subspace import Subspace
 from precompute.tangent import (
     Tangent,
+    coupled_of,
     force_terms,
     shape_terms,
     write_force_terms,
@@ -122,12 +123,13 @@ def sway_coordinates(ritz: Oscillators, runs: Sequence[ModalRun]) -> Floats:
 
 
 def sampled_range(sway: Floats, runs: Sequence[ModalRun], coupled: int) -> Floats:
-    """(3 + c,) largest sway, its speed, pressure and coupled coordinates in the runs (never zero)."""
+    """(3 + 2c,) largest sway, its speed, pressure, coupled coordinates and their speeds (never zero)."""
     e = np.concatenate([run.e for run in runs])
     v = np.concatenate([run.v for run in runs])
     pressure = np.concatenate([run.pressure for run in runs])
     sizes = [np.linalg.norm(rows, axis=1).max() for rows in (e @ sway.T, v @ sway.T, pressure)]
-    return np.maximum([*sizes, *np.abs(e[:, 2 : 2 + coupled]).max(axis=0)], 1e-9)
+    beside = slice(2, 2 + coupled)
+    return np.maximum([*sizes, *np.abs(e[:, beside]).max(axis=0), *np.abs(v[:, beside]).max(axis=0)], 1e-9)
 
 
 def run_weights(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
@@ -145,7 +147,7 @@ def _force_table(run: ModalRun, sway: Floats, limits: Floats, half_s: float) -> 
     """(T, F) terms of the force at the beginning of every step: the frames stand in the lanes."""
     frames = len(run.pressure)
     e, v, pressure = (np.ascontiguousarray(rows[:frames].T) for rows in (run.e, run.v, run.pressure))
-    terms = np.empty((force_terms(len(limits) - 3), frames))
+    terms = np.empty((force_terms(coupled_of(limits)), frames))
     write_force_terms(sway, limits, half_s, e, v, pressure, np.empty_like(e), np.empty((3, 2, frames)), terms)
     return terms.T
 
@@ -154,7 +156,7 @@ def _pose_table(run: ModalRun, sway: Floats, limits: Floats) -> Floats:
     """(T + 1, terms) terms of the pose at every state, under the pressure of the step that led to it."""
     e = np.ascontiguousarray(run.e.T)
     pressure = np.concatenate([np.zeros((1, 2)), run.pressure]).T.copy()
-    terms, pair = np.empty((len(e) + 2 + shape_terms(len(limits) - 3), e.shape[1])), sway @ e
+    terms, pair = np.empty((len(e) + 2 + shape_terms(coupled_of(limits)), e.shape[1])), sway @ e
     write_pose_terms(limits, e, pressure, pair, terms)
     return terms.T
 

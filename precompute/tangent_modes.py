@@ -89,7 +89,10 @@ def response(step: Floats, force: Floats) -> Floats:
 
 
 def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, dynamic: int) -> Oscillators:
-    """The ``dynamic`` Ritz oscillators that follow the body best, in metres, under the winds (T, 2)."""
+    """The ``dynamic`` Ritz oscillators that follow the body best, in metres, under the winds (T, 2).
+
+    Those that move the tree most stand first.
+    """
     dynamic = min(dynamic, len(body.omega))
     step = propagators(body.omega, np.diag(body.damping), settings)
     motion = np.concatenate([_light_motion(body, step, wind) for wind in winds])
@@ -98,6 +101,9 @@ def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, d
     kept, _ = np.linalg.qr(np.linalg.solve(root.T, vectors[:, ::-1][:, :dynamic]))
     squared, turn = np.linalg.eigh(kept.T @ (body.omega[:, None] ** 2 * kept))
     mix = (kept @ turn).T
+    far = np.sqrt(((mix @ body.shapes).reshape(dynamic, -1, 3) ** 2).sum(axis=2).max(axis=1))
+    order = np.argsort(-far * np.sqrt(((motion @ mix.T) ** 2).mean(axis=0)), kind="stable")
+    squared, mix = squared[order], mix[order]
     mix *= np.sign(mix[np.arange(dynamic), np.argmax(np.abs(mix), axis=1)])[:, None]
     return Oscillators(np.sqrt(squared), mix @ body.damping @ mix.T, mix @ body.shapes, mix @ body.load)
 

@@ -5,6 +5,8 @@ Cosines alone excite too little of the motion; every operator fitted to them alo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -19,17 +21,39 @@ LEVELS = (0.35, 0.55, 0.75, 0.95)
 """Peaks over the design speed."""
 INTENSITY = 0.35
 SEED = 1
+FURTHER_NOISE_WINDS, FURTHER_GUST_WINDS = 42, 6
+FURTHER_LEVELS = (0.55, 0.75, 0.95)
+"""What a tree that bends far is learnt from besides: strong winds, in which single boughs bend."""
 
 
 def training_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) -> list[SampleWind]:
     """Noise of wandering heading and single gusts at several strengths."""
     rng = np.random.default_rng(seed)
-    winds: list[SampleWind] = []
-    for k in range(NOISE_WINDS):
-        mean_m_s = 0.75 * design_speed_m_s * LEVELS[k % len(LEVELS)]
-        wind = noise_wind(rng, f"learn-noise-{k:02d}", mean_m_s, dt_s, FRAMES, most_m_s=design_speed_m_s)
-        winds.append(wind)
-    return winds + [_gust(rng, k, design_speed_m_s, dt_s) for k in range(GUST_WINDS)]
+    noises = _noises(rng, "learn", NOISE_WINDS, LEVELS, design_speed_m_s, dt_s)
+    return noises + [_gust(rng, f"learn-gust-{k:02d}", k, design_speed_m_s, dt_s) for k in range(GUST_WINDS)]
+
+
+def further_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) -> list[SampleWind]:
+    """More of them, for a tree that so few do not teach enough."""
+    rng = np.random.default_rng((seed, 1))
+    noises = _noises(rng, "further", FURTHER_NOISE_WINDS, FURTHER_LEVELS, design_speed_m_s, dt_s)
+    gusts = range(FURTHER_GUST_WINDS)
+    return noises + [_gust(rng, f"further-gust-{k:02d}", k, design_speed_m_s, dt_s) for k in gusts]
+
+
+def _noises(
+    rng: np.random.Generator,
+    name: str,
+    count: int,
+    levels: Sequence[float],
+    design_speed_m_s: float,
+    dt_s: float,
+) -> list[SampleWind]:
+    means_m_s = [0.75 * design_speed_m_s * levels[k % len(levels)] for k in range(count)]
+    return [
+        noise_wind(rng, f"{name}-noise-{k:02d}", mean_m_s, dt_s, FRAMES, most_m_s=design_speed_m_s)
+        for k, mean_m_s in enumerate(means_m_s)
+    ]
 
 
 def noise_wind(
@@ -52,14 +76,14 @@ def noise(rng: np.random.Generator, frames: int, dt_s: float, beta: float) -> Fl
     return (series - series.mean()) / series.std()
 
 
-def _gust(rng: np.random.Generator, k: int, design_speed_m_s: float, dt_s: float) -> SampleWind:
+def _gust(rng: np.random.Generator, name: str, k: int, design_speed_m_s: float, dt_s: float) -> SampleWind:
     """One gust, soft or sudden, then still air."""
     time_s = np.arange(FRAMES) * dt_s
     share = np.clip((time_s - rng.uniform(0, 1)) / rng.uniform(0.8, 4), 0, 1)
     rise = np.sin(np.pi * share) ** 2 if k % 2 == 0 else ((share > 0) & (share < 1)).astype(np.float64)
     heading = rng.uniform(0, 2 * np.pi)
     speed = design_speed_m_s * (0.5 + 0.1 * k) * rise
-    return _wind(f"learn-gust-{k:02d}", heading, speed, np.full(FRAMES, heading))
+    return _wind(name, heading, speed, np.full(FRAMES, heading))
 
 
 def _wind(name: str, start_rad: float, speed_m_s: Floats, heading_rad: Floats) -> SampleWind:

@@ -49,7 +49,7 @@ def test_refuses_truncated_files(share: float) -> None:
 
 
 def test_refuses_another_version_naming_both() -> None:
-    with pytest.raises(TableError, match="version 7, this reader knows version 4"):
+    with pytest.raises(TableError, match="version 7, this reader knows version 5"):
         decode(rewritten({"version": 7}))
 
 

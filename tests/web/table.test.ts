@@ -46,7 +46,7 @@ describe("refuses", () => {
     const file = tampered((_, metadata) => {
       metadata.version = 2;
     });
-    expect(() => decodeTable(file)).toThrow("table version 2, this reader knows version 4");
+    expect(() => decodeTable(file)).toThrow("table version 2, this reader knows version 5");
   });
 
   test("another format, no metadata, metadata out of range", () => {

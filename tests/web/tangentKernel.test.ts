@@ -1,8 +1,9 @@
 import { expect, test } from "vitest";
 import { compileKernel } from "../../web/scripts/compileKernel";
 import { decodeTable, type Table } from "../../web/src/table";
-import { contracts, forceTerms, poseTerms, TangentForest } from "../../web/src/tangent";
+import { TangentForest } from "../../web/src/tangent";
 import { TANGENT_KERNEL } from "../../web/src/tangentKernel.wasm";
+import { contracts, forceTerms, poseTerms } from "../../web/src/tangentTensors";
 import { golden } from "./golden";
 import { seededRandom } from "./seeded";
 
@@ -25,7 +26,7 @@ function madeUp(d: number, c: number, r: number, next: () => number): Table {
     const r11 = gain - 1;
     step.set([dt * r10, dt * gain, r10, r11, dt * dt * gain, dt * gain], 6 * k);
   }
-  const limits = Float32Array.from({ length: 3 + c }, () => 0.5 + next());
+  const limits = Float32Array.from({ length: 3 + 2 * c }, () => 0.5 + next());
   limits[2] = 30;
   const sway = new Float32Array(2 * d);
   sway[0] = 1;

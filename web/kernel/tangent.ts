@@ -21,14 +21,14 @@ export let stepping: usize = 0;
 export let pull: usize = 0;
 /** [2, d] */
 export let sway: usize = 0;
-/** [44 + 2c, d] */
+/** [44 + 6c, d] */
 export let force: usize = 0;
 /** [d] */
 export let shown: usize = 0;
 /** [d + 9 + 2c, r − d], the rows of the coordinates apart from the others */
 export let posePlain: usize = 0;
 export let poseTerms: usize = 0;
-/** [3 + c] */
+/** [3 + 2c] */
 export let limits: usize = 0;
 /** Room for the terms, and for one row of oscillators and one of further modes. */
 export let terms: usize = 0;
@@ -132,6 +132,22 @@ function writeProducts(factor: f32, x: f32, y: f32, shapes: usize, to: usize): u
   return to;
 }
 
+/** Each coupled coordinate's speed times the sway, and the coordinate times the pressure, which is the pair. */
+// @ts-ignore: decorator
+@inline
+function writeCoupled(x: f32, y: f32, speed: usize, to: usize): void {
+  for (let j = 0; j < coupled; j++, to += 16) {
+    const far = REACH * load<f32>(limits + 4 * j, 12);
+    const fast = REACH * load<f32>(limits + 4 * (coupled + j), 12);
+    const z = min(max(load<f32>(ahead + 4 * j, 8), -far), far);
+    const w = min(max(load<f32>(speed + 4 * j, 8), -fast), fast);
+    store<f32>(to, w * x);
+    store<f32>(to, w * y, 4);
+    store<f32>(to, z * pairX, 8);
+    store<f32>(to, z * pairY, 12);
+  }
+}
+
 /** Adds `count` rows of a matrix, each times its number in `factors`, to `out`. */
 // @ts-ignore: decorator
 @inline
@@ -200,7 +216,8 @@ function writeForceTerms(position: usize, speed: usize, px: f32, pz: f32): void 
   pairY = pz;
   hold(REACH * load<f32>(limits, 8));
   to = writeProducts(pairX, x, y, 7, to);
-  writeProducts(pairY, x, y, 7, to);
+  to = writeProducts(pairY, x, y, 7, to);
+  writeCoupled(x, y, speed, to);
 }
 
 /** Whether the tree moves too little to matter in still air; then it rests. */
@@ -276,7 +293,7 @@ export function step(tree: i32, px: f32, pz: f32): void {
     const a = f32x4.mul(x, v128.load(pull + k));
     v128.store(total + k, f32x4.add(a, f32x4.mul(z, v128.load(pull + ownRow + k))));
   }
-  addRows(force, terms, 44 + 2 * coupled, ownRow, total);
+  addRows(force, terms, 44 + 6 * coupled, ownRow, total);
   move(position, speed);
   if (px == 0 && pz == 0 && settled(position, speed)) {
     memory.fill(position, 0, ownRow);

@@ -1,10 +1,10 @@
 // THE table format, twin of precompute/table.py: one safetensors file a species (docs/formats/table.md).
 // Everything a reader relies on is checked on the way in: a decoded table is searched without bounds checks.
 
-import { contracts, forceTerms, poseTerms, type Tangent } from "./tangent";
+import { contracts, coupledOf, forceTerms, poseTerms, type Tangent } from "./tangentTensors";
 
 export const FORMAT = "galewood-table";
-export const VERSION = 4;
+export const VERSION = 5;
 const MAX_HEADER_BYTES = 1 << 20;
 const MAX_DYNAMIC = 64;
 
@@ -251,8 +251,11 @@ function checkShapes(tensors: ReadonlyMap<string, Tensor>, metadata: TableMetada
   const d = shapeOf("tangent.step")[0];
   const most = Math.min(MAX_DYNAMIC, r);
   need(d >= 2 && d <= most, `tensor tangent.step: expected 2..${most} rows`);
-  const c = (shapeOf("tangent.limits")[0] ?? 0) - 3;
-  need(c >= 0 && c <= d - 2, `tensor tangent.limits: expected 3..${d + 1} numbers`);
+  const c = coupledOf(shapeOf("tangent.limits")[0] ?? 0);
+  need(
+    Number.isInteger(c) && c >= 0 && c <= d - 2,
+    `tensor tangent.limits: expected 3, 5, … ${2 * d - 1} numbers`,
+  );
   const expected: Record<string, number[]> = {
     "modes.scale": [r],
     "nodes.basis": [n, 3, r],
@@ -268,7 +271,7 @@ function checkShapes(tensors: ReadonlyMap<string, Tensor>, metadata: TableMetada
     "tangent.force": [forceTerms(c), d],
     "tangent.shown": [d],
     "tangent.pose": [poseTerms(d, c), r - d],
-    "tangent.limits": [3 + c],
+    "tangent.limits": [3 + 2 * c],
   };
   for (const [name, shape] of Object.entries(expected)) {
     const found = shapeOf(name);

@@ -5,50 +5,12 @@ import { addRows } from "./addRows";
 import { type Numbers, PacedTrees } from "./pacedTrees";
 import type { Table } from "./table";
 import { TangentKernel } from "./tangentKernel";
+import { coupledOf, forceTerms, poseTerms } from "./tangentTensors";
 
 /** The polynomials are held where they are beyond this multiple of the sampled range. */
 const REACH = 1.25;
 /** In still air a motion below this share of the sampled range ends, exactly. */
 const REST = 1e-7;
-
-/** Tensors of the method: d dynamic coordinates, c coupled ones, r shown modes. */
-export interface Tangent {
-  /** [d, 6] r00 − 1, r01, r10, r11 − 1, s0, s1 of each oscillator */
-  readonly step: Float32Array;
-  /** [d, 2] modal force per Pa along x and z */
-  readonly load: Float32Array;
-  /** [2, d] the two sway coordinates, 1 at the edge of the sampled range */
-  readonly sway: Float32Array;
-  /** [44 + 2c, d] */
-  readonly force: Float32Array;
-  /** [d] m of q_k per unit of coordinate k */
-  readonly shown: Float32Array;
-  /** [d + 9 + 2c, r − d] m of the further q per unit */
-  readonly pose: Float32Array;
-  /** [3 + c] sampled range: sway, its speed 1/s, pressure Pa, coupled coordinates */
-  readonly limits: Float32Array;
-}
-
-/** Rows of the force: the terms in the pose, and those with the sway's speed and with the pressure. */
-export function forceTerms(coupled: number): number {
-  return 44 + 2 * coupled;
-}
-
-/** Rows of the pose map: the coordinates, the pressure, and the terms in the pose. */
-export function poseTerms(dynamic: number, coupled: number): number {
-  return dynamic + 9 + 2 * coupled;
-}
-
-/** Whether every oscillator's step contracts: then a bounded wind gives a bounded motion. */
-export function contracts(step: Float32Array): boolean {
-  for (let k = 0; k < step.length; k += 6) {
-    const r00 = 1 + step[k];
-    const r11 = 1 + step[k + 3];
-    const product = r00 * r11 - step[k + 1] * step[k + 2];
-    if (!(Math.abs(product) < 1 && Math.abs(r00 + r11) < 1 + product)) return false;
-  }
-  return true;
-}
 
 /** Trees of one table, each with its own state, in its own frame and at its own pace. */
 export class TangentForest extends PacedTrees {
@@ -94,7 +56,7 @@ export class TangentForest extends PacedTrees {
     this.v = kernel?.v ?? new Float64Array(count * d);
     this.coverage = kernel?.coverage ?? new Float32Array(count);
     this.ahead = new Float64Array(d);
-    this.c = tangent.limits.length - 3;
+    this.c = coupledOf(tangent.limits.length);
     this.terms = new Float64Array(Math.max(forceTerms(this.c), poseTerms(d, this.c)));
     this.total = new Float64Array(d);
     this.further = new Float64Array(this.r - d);
@@ -168,7 +130,7 @@ export class TangentForest extends PacedTrees {
 
   /** Terms in the pose alone, from `at` on: sway of degree 2 and 3, each coupled coordinate times the sway. */
   private writeShape(x: number, y: number, values: Numbers, first: number, at: number): void {
-    const { terms, limits } = this;
+    const { c, terms, limits } = this;
     const xx = x * x;
     const xy = x * y;
     const yy = y * y;
@@ -179,7 +141,7 @@ export class TangentForest extends PacedTrees {
     terms[at + 4] = xx * y;
     terms[at + 5] = x * yy;
     terms[at + 6] = yy * y;
-    for (let j = 0; j < limits.length - 3; j++) {
+    for (let j = 0; j < c; j++) {
       const far = REACH * limits[3 + j];
       const z = Math.min(Math.max(values[first + 2 + j], -far), far);
       terms[at + 7 + 2 * j] = z * x;
@@ -206,6 +168,22 @@ export class TangentForest extends PacedTrees {
     pair[1] = pz;
     this.hold(REACH * limits[2]);
     this.writeProducts(x, y, 7, at + 19);
+    this.writeCoupled(x, y, first, at + 37);
+  }
+
+  /** Each coupled coordinate's speed times the sway, and the coordinate times the pressure, which is in `pair`. */
+  private writeCoupled(x: number, y: number, first: number, at: number): void {
+    const { c, v, ahead, terms, limits, pair } = this;
+    for (let j = 0, to = at; j < c; j++) {
+      const far = REACH * limits[3 + j];
+      const fast = REACH * limits[3 + c + j];
+      const z = Math.min(Math.max(ahead[2 + j], -far), far);
+      const w = Math.min(Math.max(v[first + 2 + j], -fast), fast);
+      terms[to++] = w * x;
+      terms[to++] = w * y;
+      terms[to++] = z * pair[0];
+      terms[to++] = z * pair[1];
+    }
   }
 
   /** Squares of the sway's speed, which is in `pair`, and these times the sway, from `at` on. */

@@ -1,6 +1,6 @@
 /** The drift-free method's step in WebAssembly, compiled from ../kernel/tangent.ts: what lies where in its memory. */
-import type { Tangent } from "./tangent";
 import { TANGENT_KERNEL } from "./tangentKernel.wasm";
+import { coupledOf, type Tangent } from "./tangentTensors";
 
 const PAGE = 65_536;
 /** Numbers of a vector: rows are filled up to whole ones. */
@@ -121,7 +121,7 @@ export class TangentKernel {
     });
     for (const name of Object.keys(given) as Tensor[]) views[name].set(given[name]);
     kernel.halfStep_s.value = dt_s / 2;
-    kernel.coupled.value = tangent.limits.length - 3;
+    kernel.coupled.value = coupledOf(tangent.limits.length);
     kernel.ownRow.value = 4 * own;
     kernel.furtherRow.value = 4 * (row - own);
     ({ e: this.e, v: this.v, now: this.now, before: this.before, coverage: this.coverage } = views);
