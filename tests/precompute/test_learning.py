@@ -7,6 +7,7 @@ from precompute import learning
 from precompute.learning import Learning, Size, fit_smallest, size_of
 from precompute.sampling import Recording, sample_trajectory
 from precompute.tangent import TangentForest
+from precompute.tangent_modes import propagators, reduced, response
 from precompute.tangent_replay import replay_error_m, replayed
 from precompute.tangent_winds import training_winds
 from tests.golden.beam import Beam
@@ -33,6 +34,41 @@ def test_more_oscillators_are_taken_only_where_few_miss_the_runs(
     assert fitted.tangent.coupled == expected.coupled
     again = replay_error_m(fitted.tangent, fitted.subspace, runs, beam.dt_s)
     assert again == fitted.replay_error_m
+
+
+@pytest.mark.parametrize(("share", "asked"), [(1.0, 0), (0.0, 1)])
+def test_further_runs_are_asked_for_once_and_only_where_the_smallest_does_not_do(
+    monkeypatch: pytest.MonkeyPatch, share: float, asked: int
+) -> None:
+    monkeypatch.setattr(learning, "REPLAY_SHARE", share)
+    beam = Beam()
+    runs, more = learnt(beam, 2.0), learnt(beam, 3.0)
+    times: list[int] = []
+
+    def further() -> list[Recording]:
+        times.append(1)
+        return more
+
+    given = Learning(beam.oscillators(), scheme(beam), runs, [FEW, Size(4, 2, 6), MORE], further)
+    tangent = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4, given).tangent
+    assert len(times) == asked
+    strongest_pa = max(np.linalg.norm(run.pressure_pa, axis=1).max() for run in (runs, more)[asked])
+    assert tangent.limits[2] == pytest.approx(strongest_pa)
+
+
+def test_the_oscillators_that_move_the_tree_most_stand_first() -> None:
+    beam = Beam()
+    winds = [np.asarray(run.pressure_pa) for run in learnt(beam, 8.0)]
+    ritz = reduced(beam.oscillators(), winds, scheme(beam), 5)
+    far = np.sqrt((ritz.shapes.reshape(5, -1, 3) ** 2).sum(axis=2).max(axis=1))
+    steps = propagators(ritz.omega, np.diag(ritz.damping), scheme(beam))
+    moved = [
+        np.concatenate([response(step, (wind @ load)[:, None]) for wind in winds])
+        for step, load in zip(steps, ritz.load, strict=True)
+    ]
+    sway = far * [np.sqrt(np.mean(motion**2)) for motion in moved]
+    assert (np.diff(sway) < 0.05 * sway[0]).all()
+    assert sway[0] > 3 * sway[-1]
 
 
 def test_a_replay_is_the_motion_of_a_lone_tree() -> None:

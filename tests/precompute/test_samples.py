@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from precompute.runner import SampleTask
+from precompute.runner import SampleTask, TrajectoryRunner
 from precompute.samples import Samples, simulate
 from precompute.sampling import SampleWind, sample_winds
-from precompute.tangent_winds import training_winds
+from precompute.tangent_winds import further_winds, training_winds
 
 
 def task(wind: SampleWind, folder: Path) -> SampleTask:
@@ -19,12 +19,14 @@ def task(wind: SampleWind, folder: Path) -> SampleTask:
 @pytest.fixture()
 def samples(tmp_path: Path) -> Samples:
     recorded = [task(wind, tmp_path) for wind in sample_winds(12.0, 1 / 30)]
-    return Samples(recorded, [task(wind, tmp_path) for wind in training_winds(12.0, 1 / 30)])
+    learnt, further = (
+        [task(wind, tmp_path) for wind in winds(12.0, 1 / 30)] for winds in (training_winds, further_winds)
+    )
+    return Samples(recorded, learnt, further)
 
 
-def play(samples: Samples) -> list[str]:
-    """What happens in turn: winds that are run, and the early table."""
-    happened: list[str] = []
+def touching(happened: list[str]) -> TrajectoryRunner:
+    """A runner that makes empty files and notes whose."""
 
     def runner(tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
         ready = [t for t in tasks if t.path.exists()]
@@ -35,8 +37,14 @@ def play(samples: Samples) -> list[str]:
             done(count)
         return [t.path for t in tasks]
 
+    return runner
+
+
+def play(samples: Samples) -> list[str]:
+    """What happens in turn: winds that are run, and the early table."""
+    happened: list[str] = []
     shares: list[float] = []
-    simulate(samples, runner, shares.append, lambda: happened.append("early"))
+    simulate(samples, touching(happened), shares.append, lambda: happened.append("early"))
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
     return happened
@@ -75,3 +83,15 @@ def test_what_moves_freely_is_learnt_and_what_was_faded_is_not(samples: Samples)
     names = [Path(run.path).name for run in samples.learnt_runs()]  # type: ignore[attr-defined]
     assert not [name for name in names if name.startswith("gust")]
     assert len(names) == 1 + 36 + 20
+
+
+def test_further_winds_are_run_when_asked_for_and_not_before(samples: Samples) -> None:
+    further = {task.wind.name for task in samples.further}
+    assert not further & set(play(samples))
+    happened: list[str] = []
+    shares: list[float] = []
+    runs = samples.further_runs(touching(happened), shares.append)
+    assert set(happened) == further
+    assert len(happened) == len(runs) == 48
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0

@@ -70,6 +70,14 @@ describe("refuses", () => {
     expect(() => decodeTable(typed)).toThrow("tensor samples.dq: expected I16 of rank 2");
   });
 
+  test("a sampled range that lacks a coupled speed", () => {
+    const lacking = tampered((header) => {
+      const limits = header["tangent.limits"] as unknown as { shape: number[] };
+      limits.shape[0] -= 1;
+    });
+    expect(() => decodeTable(lacking)).toThrow(TableError);
+  });
+
   test("random bytes and flipped bytes never decode to indices out of range (seed 11)", () => {
     const next = random(11);
     for (let round = 0; round < 300; round++) {
