@@ -4,7 +4,8 @@ State of a tree: d modal coordinates e (m·√kg) about its gravity rest pose an
 the finite elements' own linear step, diagonal in e, under the wind's load and a force that is polynomial in
 the two sway coordinates (docs/design/0005-drift-free-motion.md). The shown pose is e itself, and a few modes
 more that follow e and the pressure at once, bending included. Trees are stepped side by side, LANES at a
-time, so that the compiler can use the whole width of the machine. web/src/tangent.ts is the same arithmetic.
+time, so that the compiler can use the whole width of the machine and BLAS sums the terms. web/src/tangent.ts
+is the same arithmetic.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -24,7 +25,8 @@ Array = npt.NDArray[Any]
 Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
-LANES = 16
+LANES = 32
+"""Trees whose terms are multiplied at once, by BLAS: few enough that it does so on one core."""
 REACH = 1.25
 """The polynomials are held where they are beyond this multiple of the sampled range: their force stays
 bounded, and the linear step that it drives is contracting, so any bounded wind gives a bounded motion."""
@@ -145,16 +147,6 @@ def hold(pair, far):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def add_rows(matrix, terms, out):  # pragma: no cover  (compiled)
-    """out (m, lanes) += matrixᵀ (m, F) terms (F, lanes)."""
-    for k in range(matrix.shape[1]):
-        for f in range(matrix.shape[0]):
-            factor = matrix[f, k]
-            for lane in range(terms.shape[1]):
-                out[k, lane] += factor * terms[f, lane]
-
-
-@numba.njit(cache=True, nogil=True)
 def write_sway(sway, values, out):  # pragma: no cover  (compiled)
     """The two sway coordinates (2, lanes) of values (d, lanes)."""
     out[:] = 0.0
@@ -203,14 +195,12 @@ def _step(tensors, half_s, lanes):  # pragma: no cover  (compiled)
     step, load, sway, force, _, _, limits = tensors
     e, v, pressure, ahead, pairs, terms, total, _ = lanes
     write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, terms)
-    for k in range(len(e)):
-        for lane in range(LANES):
-            total[k, lane] = load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
-    add_rows(force, terms[: len(force)], total)
+    np.dot(force, terms[: force.shape[1]], total[: len(e)])
     for k in range(len(e)):
         a, b, c, d, s0, s1 = step[k]
         for lane in range(LANES):
-            x, y, f = e[k, lane], v[k, lane], total[k, lane]
+            pushed = load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
+            x, y, f = e[k, lane], v[k, lane], total[k, lane] + pushed
             e[k, lane] = x + (a * x + b * y + s0 * f)
             v[k, lane] = y + (c * x + d * y + s1 * f)
 
@@ -248,14 +238,13 @@ def _show(tensors, lanes, tree, count, now, before, coverage):  # pragma: no cov
         px, pz = pressure[0, lane], pressure[1, lane]
         coverage[tree[lane]] = max(np.sqrt(x * x + y * y) / limits[0], np.sqrt(px * px + pz * pz) / limits[2])
     write_pose_terms(limits, e, pressure, pairs[0], terms)
-    total[: pose.shape[1]] = 0.0
-    add_rows(pose, terms[: len(pose)], total)
+    np.dot(pose, terms[: pose.shape[1]], total[: len(pose)])
     for lane in range(count):
         i = tree[lane]
         for k in range(d):
             before[i, k] = now[i, k]
             now[i, k] = shown[k] * e[k, lane]
-        for k in range(pose.shape[1]):
+        for k in range(len(pose)):
             before[i, d + k] = now[i, d + k]
             now[i, d + k] = total[k, lane]
 
@@ -307,9 +296,10 @@ def _advance(
 
 
 def widened(tangent: Tangent) -> tuple[Floats, ...]:
-    """The tensors in the type that steps are computed in."""
-    names = ("step", "load", "sway", "force", "shown", "pose", "limits")
-    return tuple(np.ascontiguousarray(getattr(tangent, name), np.float64) for name in names)
+    """The tensors in the type that steps are computed in; force (d, F) and pose (r − d, terms) turned."""
+    t = tangent
+    tensors = (t.step, t.load, t.sway, t.force.T, t.shown, t.pose.T, t.limits)
+    return tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
 
 
 def working_room(tangent: Tangent) -> tuple[Array, ...]:
