@@ -34,6 +34,10 @@ test("reads the same table from an ArrayBuffer and at an odd place in a larger o
   expect(decodeTable(shifted.subarray(3)).dq).toEqual(decodeTable(FILE.slice().buffer).dq);
 });
 
+test("reads the same table from a Buffer of Node", () => {
+  expect(decodeTable(Buffer.from(FILE)).tangent).toEqual(decodeTable(FILE).tangent);
+});
+
 describe("refuses", () => {
   test("a truncated file, wherever it is cut", () => {
     for (const share of [0, 1e-5, 0.001, 0.1, 0.5, 0.99]) {

@@ -90,7 +90,11 @@ type Json = Record<string, unknown>;
 
 /** Decodes a table file. Throws TableError saying what is wrong with it. */
 export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
-  const bytes = file instanceof Uint8Array ? file : new Uint8Array(file);
+  // Plain bytes in any case: the slices of a Buffer of Node would share its memory.
+  const bytes =
+    file instanceof Uint8Array
+      ? new Uint8Array(file.buffer, file.byteOffset, file.byteLength)
+      : new Uint8Array(file);
   const [header, body] = readHeader(bytes);
   const metadata = readMetadata(header);
   const tensors = new Map<string, Tensor>();
