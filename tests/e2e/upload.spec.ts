@@ -5,10 +5,28 @@ const panelled = SMALL.replace("panel=0", "panel=1");
 
 test.use({ deviceScaleFactor: 0.5 });
 
+const file = { name: "tree.glb", mimeType: "model/gltf-binary", buffer: Buffer.from("this is no tree") };
+
+test("a file that is chosen before the page's script has come is not lost", async ({ page, quiet }) => {
+  await page.setViewportSize({ width: 640, height: 480 });
+  let release = () => {};
+  const chosen = new Promise<void>((resolve) => {
+    release = resolve;
+  });
+  await page.route("**/*.js", async (route) => {
+    await chosen;
+    await route.continue();
+  });
+  await page.goto(`${process.env.BASE_URL}/?${panelled}&speed=5`, { waitUntil: "commit" });
+  await page.setInputFiles("#file", file);
+  release();
+  await expect(page.getByRole("alert").locator("strong")).not.toBeEmpty();
+  expect(quiet.splice(0).length).toBeGreaterThan(0); // the browser logs the refused request
+});
+
 test("a broken file is refused in words", async ({ page, quiet }) => {
   await page.setViewportSize({ width: 640, height: 480 });
   await open(page, `${panelled}&speed=5`);
-  const file = { name: "tree.glb", mimeType: "model/gltf-binary", buffer: Buffer.from("this is no tree") };
   await page.setInputFiles("#file", file);
   const alert = page.getByRole("alert");
   await expect(alert.locator("strong")).not.toBeEmpty();

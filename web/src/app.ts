@@ -23,7 +23,6 @@ import { PickedCard } from "./ui/pickedCard";
 import { ProgressCards } from "./ui/progress";
 import { SceneryBar } from "./ui/scenery";
 import { showToast } from "./ui/toast";
-import { acceptUploads } from "./ui/upload";
 import { displayName, statusLine, summary } from "./ui/words";
 import { Visit } from "./visit";
 import type { WindDocument } from "./wind";
@@ -61,7 +60,6 @@ export class App {
   private readonly from_s: number;
   private readonly meter = new Meter();
   private readonly flutter = { value: { x: 0, y: 0 } };
-  private readonly stopUploads = acceptUploads();
   private compareView: CompareView | null = null;
   private connected = true;
   private dirty = true;
@@ -383,7 +381,6 @@ export class App {
     this.studio.dispose();
     this.visit.dispose();
     this.compareView?.dispose();
-    this.stopUploads();
     this.catalogue.dispose();
     this.client.dispose();
     this.panel.dispose();

@@ -6,6 +6,7 @@ import { remembered } from "./remembered";
 import { defaultsFor, type Settings, settingsFromQuery, windFromQuery, withWind } from "./settings";
 import { element } from "./ui/dom";
 import { showToast } from "./ui/toast";
+import { acceptUploads } from "./ui/upload";
 
 /** A panel starts open where there is room for it. */
 function panelToggle(id: string, open: boolean): void {
@@ -61,6 +62,12 @@ function afterPaint(then: () => void): void {
   requestAnimationFrame(() => setTimeout(once));
   setTimeout(once, 300);
 }
+
+// A visitor's file is taken from the first moment on: dropped before that, the browser would open it in the page's place.
+const stopUploads = acceptUploads();
+addEventListener("pagehide", ({ persisted }) => {
+  if (!persisted) stopUploads();
+});
 
 // Words first: the forest takes a moment, on a machine without graphics card a long one.
 afterPaint(() => {

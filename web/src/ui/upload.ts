@@ -39,14 +39,12 @@ export function acceptUploads(): () => void {
   const sendAll = (files: Iterable<File>) => {
     void sendInTurn(files);
   };
-  input.addEventListener(
-    "change",
-    () => {
-      sendAll([...(input.files ?? [])]); // a copy: the list is emptied below
-      input.value = "";
-    },
-    { signal },
-  );
+  const sendChosen = () => {
+    sendAll([...(input.files ?? [])]); // a copy: the list is emptied below
+    input.value = "";
+  };
+  input.addEventListener("change", sendChosen, { signal });
+  sendChosen(); // what was chosen before the page's script was here
   addEventListener(
     "dragover",
     (event) => {
