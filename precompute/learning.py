@@ -80,7 +80,8 @@ def fit_smallest(
     tried: list[Fitted] = []
     further: Sequence[Recording] = ()
     for size in learning.sizes:
-        further = learning.further() if tried and not further else further
+        if len(tried) == 1:
+            further = learning.further()
         tried.append(_fit(runs, mass_kg, tolerance_m, learning, size, further))
         if tried[-1].replay_error_m <= REPLAY_SHARE * height_m:
             return tried[-1]

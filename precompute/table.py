@@ -49,9 +49,9 @@ class Table:
     tangent_step: npt.NDArray[np.float32]  # (d, 6), as the rest below: precompute.tangent.Tangent
     tangent_load: npt.NDArray[np.float32]  # (d, 2)
     tangent_sway: npt.NDArray[np.float32]  # (2, d)
-    tangent_force: npt.NDArray[np.float32]  # (26 + 2 c, d)
+    tangent_force: npt.NDArray[np.float32]  # (44 + 6c, d)
     tangent_shown: npt.NDArray[np.float32]  # (d,)
-    tangent_pose: npt.NDArray[np.float32]  # (d + 9 + 2 c, r - d)
+    tangent_pose: npt.NDArray[np.float32]  # (d + 9 + 2c, r - d)
     tangent_limits: npt.NDArray[np.float32]  # (3 + 2c,)
 
     @property

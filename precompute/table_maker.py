@@ -51,8 +51,9 @@ class TableMaker:
         winds, asked = samples.winds, list[SampleWind]()
 
         def ask() -> Sequence[Recording]:
-            asked.extend(task.wind for task in samples.further)
-            return further()
+            runs = further()
+            asked.extend(task.wind for task in samples.further[: len(runs)])
+            return runs
 
         description = describe(self.tree, self.model, self.wind, winds, self.options, self.render_glb)
         learning = Learning(self.oscillators, self.options.fem, samples.learnt_runs(), further=ask)
