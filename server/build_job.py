@@ -17,7 +17,7 @@ from server.jobs import end_job
 from server.models import Job, Tree, utc_now
 from server.publishing import Publisher
 from server.reporting import Mandate, Reporter
-from server.retired import retire_replaced
+from server.retired import FIELDS, hold, retire_replaced
 from server.runner import DaskRunner
 from server.settings import Settings
 from server.species import fingerprint
@@ -83,11 +83,9 @@ def publish_result(
     mandate: Mandate, stores: Stores, order: Order, result: BuildResult, model: bytes | None
 ) -> None:
     """The files first, then, in one transaction, the tree that names them and the job's end."""
-    files = {
-        "table_sha256": stores.tables.put(result.table),
-        "mesh_sha256": stores.meshes.put(result.render_glb),
-        "model_sha256": stores.models.put(model) if model else None,
-    }
+    made = {"tables": result.table, "meshes": result.render_glb} | ({"models": model} if model else {})
+    files: dict[str, str | None] = {"model_sha256": None}
+    files |= {FIELDS[kind]: stores.named(kind).put(data) for kind, data in made.items()}
     tree: dict[str, Any] = {
         **files,
         "preliminary": False,
@@ -99,7 +97,6 @@ def publish_result(
     with mandate.sessions.begin() as session:
         if end_job(session, mandate.job_id, "done", message="Done", lease=mandate.lease, **done):
             retire_replaced(session, session.get_one(Tree, order.tree_id), files)
+            for kind, data in made.items():
+                hold(session, stores, kind, data)
             session.execute(update(Tree).where(Tree.id == order.tree_id).values(**tree))
-    # again: a file of the same content may just have been removed for want of a user
-    stores.tables.put(result.table)
-    stores.meshes.put(result.render_glb)

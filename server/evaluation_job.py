@@ -13,7 +13,7 @@ from precompute.table import read_metadata
 from server.reporting import JobFailedError, Mandate, Reporter
 from server.settings import Settings
 from server.storage import Stores
-from server.study_files import PLOT, finish, keep
+from server.study_files import PLOT, finish
 
 STRENGTH = 0.65
 """Peak of the winds over the design speed where nothing was asked, as in `galewood evaluate`."""
@@ -28,9 +28,9 @@ def evaluate(
     folder.mkdir(parents=True, exist_ok=True)
     found = _figures(folder, reporter, request, settings, stores)
     # `growth` is null where nothing grows; a figure that is no number would be a fault worth failing for
-    report = keep(mandate, stores, "results", json.dumps(found, allow_nan=False, default=float).encode())
-    plot = keep(mandate, stores, "pictures", (folder / PLOT).read_bytes())
-    finish(mandate, result=main_figures(found["winds"]), result_sha256=report, pictures={PLOT: plot})
+    report = json.dumps(found, allow_nan=False, default=float).encode()
+    pictures = {PLOT: (folder / PLOT).read_bytes()}
+    finish(mandate, stores, main_figures(found["winds"]), report, pictures)
     shutil.rmtree(folder, ignore_errors=True)
 
 

@@ -12,7 +12,7 @@ from precompute.table import TableError, read_metadata
 from server.exchange import Exchange
 from server.models import Job, Tree, utc_now
 from server.reporting import Mandate
-from server.retired import retire, retire_replaced
+from server.retired import hold, retire, retire_replaced
 from server.storage import Stores
 
 log = logging.getLogger("galewood.job")
@@ -38,32 +38,36 @@ class Publisher:
 
     def _take(self, name: str, content: bytes) -> None:
         if name.endswith(PICTURE):
-            self._show(name, self._stores.pictures.put(content))
+            self._show(name, content)
         elif name.startswith(TETS) and self._exchange:
             self._exchange.keep_tetrahedra(name, content)
         elif name == MESH:
-            self._draw(self._stores.meshes.put(content))
+            self._draw(content)
         elif name == EARLY:
             mesh_sha256 = str(read_metadata(content)["mesh_sha256"])
             if self._stores.meshes.has(mesh_sha256):
-                self._play(self._stores.tables.put(content), mesh_sha256)
+                self._play(content, mesh_sha256)
 
-    def _show(self, name: str, sha256: str) -> None:
+    def _show(self, name: str, picture: bytes) -> None:
         with self._mandate.sessions.begin() as session:
             self._mandate.check(session)
+            sha256 = hold(session, self._stores, "pictures", picture)
             job = session.get_one(Job, self._mandate.job_id)
             job.pictures = {**job.pictures, name: sha256}
 
-    def _draw(self, mesh_sha256: str) -> None:
+    def _draw(self, mesh: bytes) -> None:
         """The mesh stands in the forest while its table is on the way; a moving one keeps its own."""
+        mesh_sha256 = self._stores.meshes.put(mesh)
         with self._mandate.sessions.begin() as session:
             tree = self._tree(session)
             if not tree.table_sha256 and tree.mesh_sha256 != mesh_sha256:
+                hold(session, self._stores, "meshes", mesh)
                 retire(session, "meshes", tree.mesh_sha256)
                 tree.mesh_sha256, tree.updated_at = mesh_sha256, utc_now()
 
-    def _play(self, table_sha256: str, mesh_sha256: str) -> None:
+    def _play(self, table: bytes, mesh_sha256: str) -> None:
         """The early table takes the place of none, of another early one, or of one no reader knows."""
+        table_sha256 = self._stores.tables.put(table)
         with self._mandate.sessions.begin() as session:
             tree = self._tree(session)
             if tree.table_sha256 and not tree.preliminary and self._readable(tree.table_sha256):
@@ -71,6 +75,7 @@ class Publisher:
                 return
             files = {"table_sha256": table_sha256, "mesh_sha256": mesh_sha256, "model_sha256": None}
             retire_replaced(session, tree, files)
+            hold(session, self._stores, "tables", table)
             tree.table_sha256, tree.mesh_sha256 = table_sha256, mesh_sha256
             tree.preliminary, tree.model_sha256, tree.updated_at = True, None, utc_now()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 from collections.abc import Mapping
 from datetime import timedelta
@@ -29,6 +30,16 @@ def retire(session: Session, kind: str, sha256: str | None) -> None:
     """Say that a file lost a user; whether it has others is asked when its time has come."""
     if sha256:
         session.add(Retired(kind=kind, sha256=sha256, retired_at=database_now(session)))
+
+
+def hold(session: Session, stores: Stores, kind: str, data: bytes) -> str:
+    """In the transaction that names a file: keep it from the sweep, and store it again should the sweep have
+    just taken it. Its hash. What is large is better stored before as well, so that the transaction is short.
+    """
+    sha256 = hashlib.sha256(data).hexdigest()
+    # waits for a sweep that has this file in hand, and makes the next one wait for us
+    session.execute(delete(Retired).where(Retired.kind == kind, Retired.sha256 == sha256))
+    return stores.named(kind).put(data)
 
 
 def retire_replaced(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:
@@ -79,22 +90,20 @@ def in_work(session: Session) -> set[str]:
 
 def sweep(sessions: Sessions, stores: Stores, grace_s: float) -> int:
     """Remove files that were retired so long ago and that nothing names. How many."""
-    removed = 0
     with sessions.begin() as session:
         old = database_now(session) - timedelta(seconds=grace_s)
-        busy = in_work(session)
-        due = [
-            one
-            for one in session.scalars(select(Retired).where(Retired.retired_at < old))
-            if one.sha256 not in busy
-        ]
+        # their rows first: whoever is about to name one of these files (`hold`) now waits until it is gone
+        rows = delete(Retired).where(Retired.retired_at < old).returning(Retired)
+        due = {(one.kind, one.sha256): one.retired_at for one in session.scalars(rows)}
+        busy = in_work(session) if due else set()
         named = referenced(session) if due else {}
-        for one in due:
-            if one.sha256 not in named[one.kind]:
-                stores.named(one.kind).remove(one.sha256)
-                removed += 1
-        session.execute(delete(Retired).where(Retired.id.in_([one.id for one in due])))
-    return removed
+        unused = [(kind, sha256) for kind, sha256 in due if sha256 not in named[kind]]
+        for kind, sha256 in unused:
+            if sha256 in busy:
+                session.add(Retired(kind=kind, sha256=sha256, retired_at=due[kind, sha256]))
+            else:
+                stores.named(kind).remove(sha256)
+    return sum(sha256 not in busy for _kind, sha256 in unused)
 
 
 def forget_study_folders(sessions: Sessions, folder: Path) -> None:

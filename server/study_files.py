@@ -3,28 +3,41 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from typing import Any
 
 from server.jobs import end_job
 from server.reporting import Mandate
-from server.retired import retire
+from server.retired import hold, retire
 from server.storage import Stores
 
 PLOT = "errors.png"
 
 
-def keep(mandate: Mandate, stores: Stores, kind: str, data: bytes) -> str:
-    """Store a file under its hash. It counts as retired until the job names it: should the job be cancelled
-    or its process die right now, the sweep takes the file away.
+def finish(
+    mandate: Mandate,
+    stores: Stores,
+    result: dict[str, Any],
+    report: bytes,
+    pictures: Mapping[str, bytes] | None = None,
+) -> None:
+    """Store what was found and give the job its last state, if it is still ours. Raises Cancelled."""
+    plots = dict(pictures or {})
+    named: dict[str, Any] = {"result_sha256": _keep(mandate, stores, "results", report)}
+    named["pictures"] = {name: _keep(mandate, stores, "pictures", plot) for name, plot in plots.items()}
+    done: dict[str, Any] = {"stage": "done", "fraction": 1.0, "result": result, **named}
+    with mandate.sessions.begin() as session:
+        if end_job(session, mandate.job_id, "done", message="Done", lease=mandate.lease, **done):
+            hold(session, stores, "results", report)
+            for plot in plots.values():
+                hold(session, stores, "pictures", plot)
+
+
+def _keep(mandate: Mandate, stores: Stores, kind: str, data: bytes) -> str:
+    """Store a file under its hash and return that. It counts as retired until the job names it: should the
+    job be cancelled or its process die right now, the sweep takes the file away.
     """
     with mandate.sessions.begin() as session:
         mandate.check(session)
         retire(session, kind, hashlib.sha256(data).hexdigest())
     return stores.named(kind).put(data)
-
-
-def finish(mandate: Mandate, **values: Any) -> None:
-    """The job's last state and what it found, if it is still ours."""
-    done: dict[str, Any] = {"stage": "done", "fraction": 1.0, **values}
-    with mandate.sessions.begin() as session:
-        end_job(session, mandate.job_id, "done", message="Done", lease=mandate.lease, **done)

@@ -18,7 +18,7 @@ from server.models import Job, JobKind
 from server.reporting import Mandate, Reporter
 from server.settings import Settings
 from server.storage import Stores
-from server.study_files import finish, keep
+from server.study_files import finish
 
 FORMAT, VERSION = "galewood-comparison", 1
 
@@ -48,8 +48,7 @@ def _compare(mandate: Mandate, reporter: Reporter, request: dict[str, Any], stor
     wind = parse_wind_or_state(request["wind"])
     nodes = nodes_on_wood(table, model, _mesh_of(table, stores))
     found = compare_methods(table, model, nodes, wind, place, request["frames"], tick)
-    sha256 = keep(mandate, stores, "results", pack(found, table))
-    finish(mandate, result=figures(found), result_sha256=sha256)
+    finish(mandate, stores, figures(found), pack(found, table))
 
 
 def _mesh_of(table: Table, stores: Stores) -> TreeMesh:

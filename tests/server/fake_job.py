@@ -18,7 +18,7 @@ from server.models import JobKind
 from server.reporting import Mandate, Reporter
 from server.settings import Settings
 from server.storage import Stores
-from server.study_files import PLOT, finish, keep
+from server.study_files import PLOT, finish
 
 STEPS = 20
 
@@ -68,9 +68,8 @@ def fake_study(mandate: Mandate, kind: JobKind, settings: Settings, stores: Stor
         time.sleep(float(os.environ.get("FAKE_STEP_S", "0.05")))
         with (folder / "steps").open("a") as file:
             file.write(f"{step}\n")
-    report = keep(mandate, stores, "results", json.dumps({"kind": kind, "job": mandate.job_id}).encode())
-    plot = keep(mandate, stores, "pictures", b"\x89PNG of " + mandate.job_id.encode())
-    finish(mandate, result={"kind": kind}, result_sha256=report, pictures={PLOT: plot})
+    report = json.dumps({"kind": kind, "job": mandate.job_id}).encode()
+    finish(mandate, stores, {"kind": kind}, report, {PLOT: b"\x89PNG of " + mandate.job_id.encode()})
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
@@ -11,15 +12,17 @@ from sqlalchemy import select, update
 
 from precompute import table as table_format
 from precompute.build_types import BuildOptions, BuildResult
+from precompute.cancelled import Cancelled
 from server.build_job import Order, publish_result
 from server.database import Sessions, migrate, open_database
 from server.jobs import add_job
 from server.leases import claim
-from server.models import Job, Retired, Tree, utc_now
+from server.models import Job, JobKind, Retired, Tree, utc_now
 from server.publishing import Publisher
 from server.reporting import Mandate
-from server.retired import referenced, sweep
-from server.storage import Stores
+from server.retired import referenced, retire, sweep
+from server.storage import FileStore, Stores
+from server.study_files import PLOT, finish
 
 POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
 MESH = b"glTF of the tree"
@@ -37,11 +40,11 @@ class Build:
             session.add(Tree(id="t", name="t", filename="t.obj", source_sha256=self.stores.sources.put(b"t")))
         self.next()
 
-    def next(self) -> None:
+    def next(self, kind: JobKind = "build") -> None:
         """Another job, claimed."""
         with self.sessions.begin() as session:
-            add_job(session, session.get_one(Tree, "t"), "build", {})
-            claimed = claim(session, "here", ("build",), 60)
+            add_job(session, session.get_one(Tree, "t"), kind, {})
+            claimed = claim(session, "here", (kind,), 60)
         assert claimed
         self.mandate = Mandate(self.sessions, *claimed)
         self.publish = Publisher(self.mandate, self.stores)
@@ -156,3 +159,51 @@ def test_a_file_that_two_trees_name_stays_when_one_lets_go(build: Build) -> None
         assert referenced(session)["tables"] == {shared, build.tree.table_sha256}
         late = utc_now() + timedelta(days=1)
         assert not session.scalars(select(Retired).where(Retired.retired_at < late)).all()
+
+
+@pytest.fixture
+def sweep_after_every_put(build: Build, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The worst moments for a sweep: a file is stored and not yet named, or is just being named."""
+    put = FileStore.put
+
+    def put_and_sweep(store: FileStore, data: bytes) -> str:
+        sha256 = put(store, data)
+        rival = threading.Thread(target=build.sweep)
+        rival.start()
+        rival.join(0.5)  # inside a transaction that holds the file, it waits for our end
+        return sha256
+
+    monkeypatch.setattr(FileStore, "put", put_and_sweep)
+
+
+@pytest.mark.usefixtures("sweep_after_every_put")
+def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_study(build: Build) -> None:
+    build.next("evaluation")
+    finish(build.mandate, build.stores, {"largest": 1.0}, b"a report", {PLOT: b"a picture"})
+    study = build.tree.jobs[-1]
+    assert study.state == "done" and study.result_sha256
+    build.sweep()
+    assert build.stores.results.get(study.result_sha256) == b"a report"
+    assert build.stores.pictures.get(study.pictures[PLOT]) == b"a picture"
+
+
+@pytest.mark.usefixtures("sweep_after_every_put")
+def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_build(build: Build) -> None:
+    with build.sessions.begin() as session:  # the very files were an earlier build's, and are to be removed
+        for kind, data in (("tables", build.table(3.0)), ("meshes", MESH), ("models", b"model")):
+            retire(session, kind, build.stores.named(kind).put(data))
+    build.finish(build.table(3.0))
+    build.sweep()
+    tree = build.tree
+    assert build.stores.tables.get(tree.table_sha256) == build.table(3.0)
+    assert build.stores.meshes.get(tree.mesh_sha256) == MESH
+    assert build.stores.models.get(tree.model_sha256) == b"model"
+
+
+def test_a_study_that_is_not_ours_any_more_leaves_no_file(build: Build) -> None:
+    build.next("evaluation")
+    kept = Mandate(build.sessions, build.mandate.job_id, "another's")
+    with pytest.raises(Cancelled):
+        finish(kept, build.stores, {}, b"a report")
+    build.sweep()
+    assert list(build.stores.results.names()) == [] and build.tree.jobs[-1].state == "running"
