@@ -25,7 +25,8 @@ export class WindRose {
   private readonly handle: SVGGElement;
   private wind: DialWind = { direction_deg: 0, mean_speed_m_s: 0 };
   private turn_deg = 0;
-  private dragging = false;
+  /** Where the dial was when the drag began: what appears above it meanwhile must not move the wind. */
+  private dial: DOMRect | null = null;
 
   constructor(private readonly changed: (wind: DialWind) => void) {
     const svg = this.element;
@@ -51,16 +52,16 @@ export class WindRose {
     const svg = this.element;
     svg.addEventListener("pointerdown", (event) => {
       if (event.button !== 0) return;
-      this.dragging = true;
+      this.dial = svg.getBoundingClientRect();
       svg.setPointerCapture(event.pointerId);
       this.handle.focus({ preventScroll: true });
       this.drag(event);
       event.preventDefault();
     });
-    svg.addEventListener("pointermove", (event) => this.dragging && this.drag(event));
+    svg.addEventListener("pointermove", (event) => this.drag(event));
     for (const end of ["pointerup", "pointercancel", "lostpointercapture"] as const) {
       svg.addEventListener(end, () => {
-        this.dragging = false;
+        this.dial = null;
       });
     }
     this.handle.addEventListener("keydown", (event) => {
@@ -73,10 +74,11 @@ export class WindRose {
   }
 
   private drag(event: PointerEvent): void {
-    const box = this.element.getBoundingClientRect();
-    const unit = (box.width / (2 * VIEW)) * RIM;
-    const right = (event.clientX - box.left - box.width / 2) / unit;
-    const down = (event.clientY - box.top - box.height / 2) / unit;
+    const { dial } = this;
+    if (!dial) return;
+    const unit = (dial.width / (2 * VIEW)) * RIM;
+    const right = (event.clientX - dial.left - dial.width / 2) / unit;
+    const down = (event.clientY - dial.top - dial.height / 2) / unit;
     this.choose(windAtPlace({ right, down }, this.turn_deg, this.wind));
   }
 
