@@ -1,3 +1,4 @@
+import type { Page } from "@playwright/test";
 import { CALM_BREEZE } from "../../web/src/wind/presets";
 import { expect, forest, open, SMALL, test } from "./forest";
 
@@ -15,6 +16,22 @@ const lean = (heading_deg: number) => {
   return (c * x + s * z) / Math.max(1e-9, Math.hypot(x, z));
 };
 
+/** Presses on the middle of the dial: where it is, and how far 4 m/s or more are. */
+async function takeArrow(page: Page) {
+  const rose = page.locator(".rose");
+  let box = await rose.boundingBox();
+  // again if it moved meanwhile: words and pictures of a tree that is being computed come above it
+  await expect(async () => {
+    await page.mouse.up();
+    box = await rose.boundingBox();
+    await page.mouse.move(box!.x + box!.width / 2, box!.y + box!.height / 2);
+    await page.mouse.down();
+    expect(await rose.boundingBox()).toEqual(box);
+  }).toPass();
+  const { x, y, width, height } = box!;
+  return { centre: { x: x + width / 2, y: y + height / 2 }, reach: 0.18 * width };
+}
+
 test.describe("the rose", () => {
   test.use(wide);
 
@@ -23,13 +40,7 @@ test.describe("the rose", () => {
     await forest(page);
     const directions: number[] = [];
     for (const [right, down] of [[1, 0], [-0.7, 0.7]]) {
-      // anew each time: the pictures of a tree that is being computed move the rose down as they come
-      const box = await page.locator(".rose").boundingBox();
-      if (!box) throw new Error("no rose");
-      const centre = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
-      const reach = 0.18 * box.width;
-      await page.mouse.move(centre.x, centre.y);
-      await page.mouse.down();
+      const { centre, reach } = await takeArrow(page);
       await page.mouse.move(centre.x + reach * right, centre.y + reach * down, { steps: 4 });
       await page.mouse.up();
       const { direction_deg, mean_speed_m_s } = await page.evaluate(() => window.galewood!.wind);
