@@ -299,6 +299,7 @@ export class App {
     this.panel.showSpecies(this.catalogue.trees.map((tree) => ({ id: tree.id, name: displayName(tree) })));
     const status = statusLine({ events: this.connected, lookup: this.settings.lookup, connection });
     element("status").dataset.state = status.state;
+    element("status").dataset.lookup = this.settings.lookup;
     if (element("status").textContent !== status.text) element("status").textContent = status.text;
     this.showPicked();
     const words = summary(forest.trees, this.catalogue.waiting);

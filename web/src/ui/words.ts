@@ -50,19 +50,19 @@ export interface ServiceState {
 }
 
 /** Latency there and back, and the age of the newest frame in steps that can be read. */
-function delays({ latency_ms, frameAge_ms }: Connection): string {
+function delays({ latency_ms, frameAge_ms }: Connection): string[] {
   const words = latency_ms === null ? [] : [`${Math.round(latency_ms)} ms`];
   if (frameAge_ms !== null) words.push(`frame ${Math.round(frameAge_ms / 10) * 10} ms old`);
-  return words.join(", ") || "no frame yet";
+  return words;
 }
 
-/** What the chip in the corner says, and its colour. Figures have a line of their own: what is below must not jump as they change. */
+/** What the chip in the corner says, and its colour. */
 export function statusLine(state: ServiceState): { state: string; text: string } {
   if (!state.events) return { state: "lost", text: "Server out of reach; the forest goes on here" };
   if (state.lookup === "worker") return { state: "live", text: "Lookup in this browser" };
   const { connection } = state;
   if (connection.state === "live") {
-    return { state: "live", text: `Lookup on the server,\n${delays(connection)}` };
+    return { state: "live", text: ["Lookup on the server", ...delays(connection)].join(", ") };
   }
   return connection.state === "lost"
     ? { state: "lost", text: "Stream lost; the forest goes on here" }
