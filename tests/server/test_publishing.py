@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
@@ -162,23 +163,30 @@ def test_a_file_that_two_trees_name_stays_when_one_lets_go(build: Build) -> None
 
 
 @pytest.fixture
-def sweep_after_every_put(build: Build, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The worst moments for a sweep: a file is stored and not yet named, or is just being named."""
-    put = FileStore.put
+def sweep_after_every_put(build: Build, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], None]]:
+    """Called, from then on: the worst moments for a sweep, a file is stored and not yet named, or is just
+    being named.
+    """
+    put, rivals = FileStore.put, list[threading.Thread]()
 
     def put_and_sweep(store: FileStore, data: bytes) -> str:
         sha256 = put(store, data)
         rival = threading.Thread(target=build.sweep)
+        rivals.append(rival)
         rival.start()
         rival.join(0.5)  # inside a transaction that holds the file, it waits for our end
         return sha256
 
-    monkeypatch.setattr(FileStore, "put", put_and_sweep)
+    yield lambda: monkeypatch.setattr(FileStore, "put", put_and_sweep)
+    for rival in rivals:
+        rival.join()
 
 
-@pytest.mark.usefixtures("sweep_after_every_put")
-def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_study(build: Build) -> None:
+def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_study(
+    build: Build, sweep_after_every_put: Callable[[], None]
+) -> None:
     build.next("evaluation")
+    sweep_after_every_put()
     finish(build.mandate, build.stores, {"largest": 1.0}, b"a report", {PLOT: b"a picture"})
     study = build.tree.jobs[-1]
     assert study.state == "done" and study.result_sha256
@@ -187,15 +195,18 @@ def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_study(build: Buil
     assert build.stores.pictures.get(study.pictures[PLOT]) == b"a picture"
 
 
-@pytest.mark.usefixtures("sweep_after_every_put")
-def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_build(build: Build) -> None:
+def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_build(
+    build: Build, sweep_after_every_put: Callable[[], None]
+) -> None:
+    table = build.table(3.0)
     with build.sessions.begin() as session:  # the very files were an earlier build's, and are to be removed
-        for kind, data in (("tables", build.table(3.0)), ("meshes", MESH), ("models", b"model")):
+        for kind, data in (("tables", table), ("meshes", MESH), ("models", b"model")):
             retire(session, kind, build.stores.named(kind).put(data))
-    build.finish(build.table(3.0))
+    sweep_after_every_put()
+    build.finish(table)
     build.sweep()
     tree = build.tree
-    assert build.stores.tables.get(tree.table_sha256) == build.table(3.0)
+    assert build.stores.tables.get(tree.table_sha256) == table
     assert build.stores.meshes.get(tree.mesh_sha256) == MESH
     assert build.stores.models.get(tree.model_sha256) == b"model"
 
