@@ -5,15 +5,10 @@ Strain energy W = e + ½ γ e², e = ½ uᵀKu: conservative, stiffening, with a
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg
-
-from precompute.tangent_modes import Oscillators
-
-Array = npt.NDArray[Any]
+from galewood.reduction.oscillators import Oscillators
+from galewood.util import Array
 
 
 class Beam:

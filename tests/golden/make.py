@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import scipy.sparse
+from galewood.build.assemble import RenderMesh, TableSettings, assemble_table
+from galewood.fem.model import FemSettings
+from galewood.player.modal_forest import TangentForest
+from galewood.player.paper_search import ForestLookup
+from galewood.reduction.training import Learning, Size
+from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
+from galewood.sampling.training_winds import training_winds
+from galewood.table.format import Table, encode
+from galewood.wind.evaluation import Wind, wind_pressure
 
-from precompute.learning import Learning, Size
-from precompute.lookup import ForestLookup
-from precompute.model import FemSettings
-from precompute.sampling import SampleWind, Trajectory, sample_trajectory, sample_winds
-from precompute.table import Table, encode
-from precompute.tabulate import RenderMesh, TableSettings, assemble_table
-from precompute.tangent import TangentForest
-from precompute.tangent_winds import training_winds
-from precompute.wind import Wind, wind_pressure
 from tests.golden.beam import Beam
 
 HERE = Path(__file__).parent

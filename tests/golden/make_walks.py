@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from precompute.lookup import ForestLookup
-from precompute.table import Table, decode
-from precompute.tangent import TangentForest
-from precompute.wind import Wind, WindField
+from galewood.player.modal_forest import TangentForest
+from galewood.player.paper_search import ForestLookup
+from galewood.table.format import Table, decode
+from galewood.wind.evaluation import Wind, WindField
 
 HERE = Path(__file__).parent
 FRAMES, EVERY, FRAME_S = 10_000, 100, 1.0 / 30.0

@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from precompute.wind import PRESETS, Wave, Wind, WindError, WindField, paper_wind, parse_wind
-from precompute.wind_models.navier_stokes import Eddies
-from precompute.wind_models.schema import wind_schema
+from galewood.wind.evaluation import PRESETS, Wave, Wind, WindError, WindField, paper_wind, parse_wind
+from galewood.wind.models.navier_stokes import Eddies
+from galewood.wind.schema import wind_schema
 
 HERE = Path(__file__).parent
 SCHEMA = HERE.parent.parent / "docs" / "formats" / "wind.schema.json"

@@ -12,9 +12,8 @@ from typing import Any
 
 import msgpack
 import numpy as np
-
-from server import wire
-from server.envelope import encode_message
+from galewood_server.stream import wire
+from galewood_server.stream.envelope import encode_message
 
 HERE = Path(__file__).parent / "wire"
 TABLE = "0123456789abcdef" * 4

@@ -4,11 +4,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-
-from precompute.intake_types import TreeMesh
-from precompute.tet_quality import tet_volumes
-from precompute.tetrahedra import TetMesh
-from precompute.verify_specimens import Specimen, read_tree, specimen
+from galewood.mesh.types import TreeMesh
+from galewood.tets.meshing import TetMesh
+from galewood.tets.quality import tet_volumes
+from galewood.verify.specimens import Specimen, read_tree, specimen
 
 ROOT = Path(__file__).parents[2]
 SPECIES = ROOT / "assets" / "species"

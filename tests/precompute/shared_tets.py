@@ -7,10 +7,10 @@ import os
 from pathlib import Path
 
 import pytest
+from galewood.mesh.importer import read_tree
+from galewood.mesh.types import IntakeOptions
+from galewood.tets.meshing import tetrahedralise
 
-from precompute.intake import read_tree
-from precompute.intake_types import IntakeOptions
-from precompute.tetrahedra import tetrahedralise
 from tests.precompute.tree_meshes import BRANCHES, cards, glb_bytes, y_tree
 
 TARGET_TETS = 800

@@ -4,12 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from precompute import beam_frame_tree
-from precompute.beam_frame import frame_frequencies, frame_matrices
-from precompute.beam_frame_tree import frame, read_frame
-from precompute.beams import pole_frequencies
-from precompute.wood import species
+from galewood.verify import beam_frame_tree
+from galewood.verify.beam_frame import frame_frequencies, frame_matrices
+from galewood.verify.beam_frame_tree import frame, read_frame
+from galewood.verify.beams import pole_frequencies
+from galewood.wood.species import species
 
 WOOD = species("maple")
 SPECIES = Path(__file__).parents[2] / "assets" / "species"

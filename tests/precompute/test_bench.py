@@ -3,12 +3,11 @@
 from pathlib import Path
 
 import pytest
-
-from precompute import bench_tables
-from precompute.bench import PARTS
-from precompute.bench_tables import bench_forest, sizes
-from precompute.bench_words import TELL, sentences
-from precompute.table import decode
+from galewood.bench import tables as bench_tables
+from galewood.bench.report import TELL, sentences
+from galewood.bench.run import PARTS
+from galewood.bench.tables import bench_forest, sizes
+from galewood.table.format import decode
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "pole.safetensors"
 

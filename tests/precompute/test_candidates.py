@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from galewood.build.assemble import internal_states, spread_pa
+from galewood.player.paper_search import ANY, best_candidate, brute_force, nearest_pressure
+from galewood.search.candidates import Rule, Search, air_of, build_search, gain_bound
+from galewood.search.similarity import InternalStates, compared, mismatch_rows
 
-from precompute.candidates import Rule, Search, air_of, build_search, gain_bound
-from precompute.lookup import ANY, best_candidate, brute_force, nearest_pressure
-from precompute.similarity import InternalStates, compared, mismatch_rows
-from precompute.tabulate import internal_states, spread_pa
 from tests.golden.make import SMALL, Beam, beam_runs
 
 

@@ -3,9 +3,8 @@
 import json
 from pathlib import Path
 
+from galewood.cli.commands import app
 from typer.testing import CliRunner
-
-from precompute.cli import app
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "pole.safetensors"
 

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from precompute.confinement import missing_here
-from precompute.limited_process import Arrays, Limits, run_limited
+from galewood.sandbox.confinement import missing_here
+from galewood.sandbox.limited_process import Arrays, Limits, run_limited
 
 HERE = "tests.precompute.test_confinement"
 

@@ -9,14 +9,12 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-
-from precompute import samples
-from precompute.build_types import BuildOptions
-from precompute.intake import IntakeError
-from precompute.model import FemSettings
-from precompute.pipeline import build_table
-from precompute.table import decode
-from precompute.tangent_winds import training_winds
+from galewood.build.options import BuildOptions
+from galewood.build.pipeline import build_table
+from galewood.sampling import plan as samples
+from galewood.sampling.training_winds import training_winds
+from galewood.table.format import decode
+from galewood.util import MeshError
 
 FOLDER = Path(os.environ.get("CORPUS", ""))
 REPORT = os.environ.get("CORPUS_REPORT")
@@ -24,7 +22,7 @@ CACHE = Path(os.environ["CORPUS_CACHE"]) if os.environ.get("CORPUS_CACHE") else 
 TYPES = (".glb", ".gltf", ".obj", ".ply", ".stl")
 FILES = sorted(p for p in FOLDER.rglob("*") if p.suffix in TYPES) if os.environ.get("CORPUS") else []
 REFUSED = ("draco-compressed", "meshopt-compressed", "external-buffers")
-QUICK = BuildOptions(frames=24, fem=FemSettings(reference_frames=0))
+QUICK = BuildOptions(frames=24, reference_frames=0)
 """Every stage of a build, with short winds, …"""
 LEARNT = slice(0, None, 4)
 """… and so many of those that the drift-free method learns from."""
@@ -37,7 +35,7 @@ def test_real_tree(path, tmp_path, monkeypatch):
     begin = perf_counter()
     try:
         built = build_table(path.read_bytes(), path.name, QUICK, cache_dir=CACHE or tmp_path)
-    except IntakeError as error:
+    except MeshError as error:
         assert error.code in REFUSED  # told by name, never decoded wrongly
         tell(path.name, error.code)
         return

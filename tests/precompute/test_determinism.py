@@ -5,12 +5,14 @@ import subprocess
 import sys
 from pathlib import Path
 
-from precompute.design_wind import design_wind
-from precompute.dynamics import Simulator, build_model
-from precompute.model import FemSettings
-from precompute.sampling import sample_trajectory, sample_winds
-from precompute.skeleton import sampled_elements
-from precompute.tangent_winds import training_winds
+from galewood.fem.dynamics import Simulator
+from galewood.fem.model import FemSettings
+from galewood.model.construction import build_model
+from galewood.sampling.design_speed import design_wind
+from galewood.sampling.recording import sample_trajectory, sample_winds
+from galewood.sampling.training_winds import training_winds
+from galewood.skeleton.extraction import sampled_elements
+
 from tests.precompute.apricot import apricot
 
 FRAMES = 12
@@ -19,7 +21,7 @@ FRAMES = 12
 def digest() -> str:
     """Hash of a model of the apricot and of what is recorded of it under two winds."""
     one = apricot()
-    model = build_model(one.mesh, one.skeleton, one.wood, one.lumps, FemSettings(reference_frames=0))
+    model = build_model(one.mesh, one.skeleton, one.wood, one.lumps, FemSettings())
     simulator = Simulator(model)
     dt_s = model.settings.dt_s
     speed_m_s = design_wind(simulator, 18.0, one.tree.height_m, dt_s).speed_m_s

@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from galewood.fem.dynamics import Simulator
+from galewood.fem.model import FemSettings
+from galewood.mesh.repair import Surface, volume
+from galewood.model.construction import STIFFNESS_FLOOR, build_model, wood_elements
+from galewood.model.foliage import Lumps
+from galewood.skeleton.extraction import extract_skeleton
+from galewood.skeleton.radius_correction import as_drawn, drawn_volume
+from galewood.skeleton.roots import root_vertices
+from galewood.tets.quality import tet_volumes
+from galewood.wood.species import species
 
-from precompute.drawn_wood import as_drawn, drawn_volume
-from precompute.dynamics import Simulator, build_model
-from precompute.foliage import Lumps
-from precompute.intake_repair import Surface, volume
-from precompute.model import FemSettings
-from precompute.modelling import STIFFNESS_FLOOR, wood_elements
-from precompute.roots import root_vertices
-from precompute.skeleton import extract_skeleton
-from precompute.tet_quality import tet_volumes
-from precompute.wood import species
 from tests.precompute import tree_meshes as make
 from tests.precompute.tet_meshes import Y_SEGMENTS, grid_mesh, near_segment, y_mesh
 

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from precompute.bars import polygon_bar
-from precompute.comparison import trajectory_difference
-from precompute.dynamics import Simulator, build_model, frequencies, load_model, save_model
-from precompute.model import FemModel, FemSettings, Scheme
-from precompute.verify_motion import energy_rise, laden_pole, ring_down
-from precompute.wood import species
+from galewood.fem.dynamics import Simulator
+from galewood.fem.model import FemModel, FemSettings, Scheme, load_model, save_model
+from galewood.fem.modes import frequencies
+from galewood.model.comparison import trajectory_difference
+from galewood.model.construction import build_model
+from galewood.verify.bars import polygon_bar
+from galewood.verify.motion_checks import energy_rise, laden_pole, ring_down
+from galewood.wood.species import species
 
 
 @cache

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from precompute.elasticity import PAIRS, gradients, moduli, stiffness_blocks
-from precompute.quadratic import combination, elevate, midside_parents, node_mass_shares
-from precompute.verify_elements import (
+from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
+from galewood.fem.quadratic import combination, elevate, midside_parents, node_mass_shares
+from galewood.verify.element_checks import (
     elasticity_tensor,
     element_system,
     patch_error,
@@ -13,7 +12,7 @@ from precompute.verify_elements import (
     shaken_box,
     stiffness_eigenvalues,
 )
-from precompute.wood import species
+from galewood.wood.species import species
 
 SEED = 11
 

@@ -6,21 +6,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.sparse
+from galewood.build.pipeline import BuildOptions, build_table
+from galewood.cli.commands import app
+from galewood.evaluation.evaluate import METHODS, compare, compare_methods, floor, nearest_sample, played
+from galewood.evaluation.long_run import beyond, long_run
+from galewood.evaluation.measures import errors, figures, growth, hausdorff, joined, windows
+from galewood.evaluation.plot import plot_errors
+from galewood.evaluation.reference_runs import Truth, TruthTask, follow, read_truth, run_truths, sway_of
+from galewood.evaluation.source import Source, SourceError, distinct, find_model, source_of
+from galewood.evaluation.winds import long_gusts, noise, perlin, unseen_winds
+from galewood.fem.dynamics import Simulator
+from galewood.mesh.types import IntakeOptions
+from galewood.sampling.runner import run_task
+from galewood.table.format import Table, decode
 from typer.testing import CliRunner
 
-from precompute.cli import app
-from precompute.dynamics import Simulator
-from precompute.evaluate import METHODS, compare, compare_methods, floor, nearest_sample, played
-from precompute.evaluate_long import beyond, long_run
-from precompute.evaluate_measure import errors, figures, growth, hausdorff, joined, windows
-from precompute.evaluate_plot import plot_errors
-from precompute.evaluate_source import Source, SourceError, distinct, find_model, source_of
-from precompute.evaluate_truth import Truth, TruthTask, follow, read_truth, run_truths, sway_of
-from precompute.evaluate_winds import long_gusts, noise, perlin, unseen_winds
-from precompute.intake_types import IntakeOptions
-from precompute.pipeline import BuildOptions, build_table
-from precompute.runner import run_task
-from precompute.table import Table, decode
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
 from tests.precompute.test_table import FILE
 

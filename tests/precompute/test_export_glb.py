@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from precompute.export_glb import ExportError, animated_glb, blown, sampled
-from precompute.intake_types import RenderPrimitive, TreeMesh
-from precompute.render_mesh import render_glb
-from precompute.table import Table, decode
-from precompute.wind import Wind
+from galewood.export.glb import ExportError, animated_glb, blown, sampled
+from galewood.mesh.render_mesh import render_glb
+from galewood.mesh.types import RenderPrimitive, TreeMesh
+from galewood.table.format import Table, decode
+from galewood.wind.evaluation import Wind
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "pole.safetensors"
 WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}

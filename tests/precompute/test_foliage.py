@@ -5,12 +5,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from galewood.mesh.repair import Surface
+from galewood.mesh.types import RenderPrimitive, TreeMesh
+from galewood.model.binding import nearest_tets
+from galewood.model.foliage import LEAF_MASS_KG_M2, MOST_LEAF_MASS, bind_foliage, render_binding
+from galewood.model.silhouette import silhouette_area
 
-from precompute.binding import nearest_tets
-from precompute.foliage import LEAF_MASS_KG_M2, MOST_LEAF_MASS, bind_foliage, render_binding
-from precompute.intake_repair import Surface
-from precompute.intake_types import RenderPrimitive, TreeMesh
-from precompute.silhouette import silhouette_area
 from tests.precompute import tree_meshes as make
 from tests.precompute.tet_meshes import Y_SEGMENTS, y_mesh
 

@@ -9,15 +9,14 @@ import time
 import numpy as np
 import psutil
 import pytest
-
-from precompute.helpers import Helpers
-from precompute.process_tree import PeakMemory, cpu_seconds
+from galewood.util.process_usage import PeakMemory, cpu_seconds
+from galewood.util.worker_pool import Helpers
 
 STARTS_ONE = """
 import time
-from precompute.helpers import Helpers
+from galewood.util.worker_pool import Helpers
 if __name__ == "__main__":
-    helpers = Helpers(1, warm=False)
+    helpers = Helpers(1)
     print(helpers.start(__import__("os").getpid).result(), flush=True)
     helpers.start(time.sleep, 600)
     time.sleep(600)
@@ -25,14 +24,14 @@ if __name__ == "__main__":
 
 
 def test_what_a_helper_returns_and_raises_comes_back() -> None:
-    with Helpers(1, warm=False) as helpers:
+    with Helpers(1) as helpers:
         assert helpers.start(divmod, 17, 5).result() == (3, 2)
         with pytest.raises(ZeroDivisionError):
             helpers.start(divmod, 1, 0).result()
 
 
 def test_an_exception_ends_what_is_still_being_done() -> None:
-    with pytest.raises(KeyError), Helpers(1, warm=False) as helpers:
+    with pytest.raises(KeyError), Helpers(1) as helpers:
         process = psutil.Process(helpers.start(os.getpid).result())
         helpers.start(time.sleep, 600)
         raise KeyError
@@ -54,7 +53,7 @@ def _fill(megabytes: int) -> int:
 
 
 def test_memory_of_a_helper_counts_as_its_own_and_in_the_sum() -> None:
-    with PeakMemory() as memory, Helpers(1, warm=False) as helpers:
+    with PeakMemory() as memory, Helpers(1) as helpers:
         helpers.start(_fill, 300).result()
     assert memory.child_mb > 300
     assert memory.total_mb > memory.child_mb + 50
@@ -62,7 +61,7 @@ def test_memory_of_a_helper_counts_as_its_own_and_in_the_sum() -> None:
 
 
 def test_cpu_time_of_a_living_helper_is_counted() -> None:
-    with Helpers(1, warm=False) as helpers:
+    with Helpers(1) as helpers:
         helpers.start(os.getpid).result()
         before = cpu_seconds()
         helpers.start(_burn).result()

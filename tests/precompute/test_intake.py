@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from galewood.mesh.importer import IntakeOptions, read_tree, render_glb
+from galewood.mesh.repair import Surface, agree_windings, cap, face_outwards, open_edges, volume, weld
 
-from precompute.intake import IntakeOptions, read_tree, render_glb
-from precompute.intake_repair import Surface, agree_windings, cap, face_outwards, open_edges, volume, weld
 from tests.precompute import tree_meshes as make
 
 Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])

@@ -6,10 +6,11 @@ import time
 
 import numpy as np
 import pytest
+from galewood.mesh.importer import read_tree, render_glb
+from galewood.mesh.sandboxed import pack_tree, run_intake, unpack_tree
+from galewood.sandbox.limited_process import Arrays, Limits, run_limited
+from galewood.util import MeshError
 
-from precompute.intake import IntakeError, read_tree, render_glb
-from precompute.intake_process import pack_tree, run_intake, unpack_tree
-from precompute.limited_process import Arrays, Limits, run_limited
 from tests.precompute import tree_meshes as make
 
 HERE = "tests.precompute.test_intake_process"
@@ -50,9 +51,9 @@ def test_child_gives_what_the_reader_gives():
 
 
 def test_errors_cross_the_border():
-    with pytest.raises(IntakeError) as caught:
+    with pytest.raises(MeshError) as caught:
         run_intake(b"PK\x03\x04 and more", "a.obj")
-    assert (caught.value.status, caught.value.code) == (415, "unsupported-type")
+    assert (caught.value.reason, caught.value.code) == ("unsupported", "unsupported-type")
 
 
 @pytest.mark.parametrize(
@@ -66,7 +67,7 @@ def test_errors_cross_the_border():
     ],
 )
 def test_each_way_to_die_is_told_apart(function, limits, code):
-    with pytest.raises(IntakeError) as caught:
+    with pytest.raises(MeshError) as caught:
         run_limited(f"{HERE}:{function}", {}, limits, what="The test")
-    assert (caught.value.code, caught.value.status) == (code, 422)
+    assert (caught.value.code, caught.value.reason) == (code, "unsuitable")
     assert "The test" in caught.value.title

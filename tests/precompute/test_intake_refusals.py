@@ -1,4 +1,4 @@
-"""Broken and hostile files: each ends in an IntakeError with the right status, and none opens a file."""
+"""Broken and hostile files: each ends in an MeshError with the right status, and none opens a file."""
 
 import builtins
 import io
@@ -8,9 +8,10 @@ import zipfile
 
 import numpy as np
 import pytest
+from galewood.mesh.importer import IntakeOptions, read_tree
+from galewood.mesh.repair import Surface
+from galewood.util import MeshError
 
-from precompute.intake import IntakeError, IntakeOptions, read_tree
-from precompute.intake_repair import Surface
 from tests.precompute import tree_meshes as make
 
 
@@ -50,51 +51,51 @@ def soup() -> bytes:
 
 GLB = make.glb_bytes(make.y_tree())
 CASES = [
-    ("empty.obj", b"", 400, "empty-file"),
-    ("blank.glb", b" \n", 400, "empty-file"),
-    ("half.glb", GLB[: len(GLB) // 2], 400, "truncated"),
-    ("header.glb", GLB[:10], 400, "truncated"),
-    ("version.glb", b"glTF" + struct.pack("<II", 7, len(GLB)) + GLB[12:], 400, "gltf-version"),
-    ("count.ply", make.ply_bytes(make.y_tree(), vertices=4_000_000_000), 400, "wrong-count"),
-    ("count.stl", b"x" * 80 + struct.pack("<I", 2**32 - 1) + b"\0" * 50, 400, "wrong-count"),
-    ("nan.obj", with_nan(), 422, "non-finite"),
-    ("triangle.obj", b"v 0 0 0\nv 1 0 0\nv 0 0 5\nf 1 2 3", 422, "no-volume"),
-    ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 0 5\n", 422, "no-faces"),
-    ("plane.obj", make.obj_bytes(make.cards([(0, 0, 0)], size=5.0)), 422, "no-volume"),
-    ("soup.stl", soup(), 422, "no-wood"),
+    ("empty.obj", b"", "malformed", "empty-file"),
+    ("blank.glb", b" \n", "malformed", "empty-file"),
+    ("half.glb", GLB[: len(GLB) // 2], "malformed", "truncated"),
+    ("header.glb", GLB[:10], "malformed", "truncated"),
+    ("version.glb", b"glTF" + struct.pack("<II", 7, len(GLB)) + GLB[12:], "malformed", "gltf-version"),
+    ("count.ply", make.ply_bytes(make.y_tree(), vertices=4_000_000_000), "malformed", "wrong-count"),
+    ("count.stl", b"x" * 80 + struct.pack("<I", 2**32 - 1) + b"\0" * 50, "malformed", "wrong-count"),
+    ("nan.obj", with_nan(), "unsuitable", "non-finite"),
+    ("triangle.obj", b"v 0 0 0\nv 1 0 0\nv 0 0 5\nf 1 2 3", "unsuitable", "no-volume"),
+    ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 0 5\n", "unsuitable", "no-faces"),
+    ("plane.obj", make.obj_bytes(make.cards([(0, 0, 0)], size=5.0)), "unsuitable", "no-volume"),
+    ("soup.stl", soup(), "unsuitable", "no-wood"),
     (
         "passwd.gltf",
         make.gltf_bytes(make.gltf_document(make.y_tree(), "../../etc/passwd")),
-        400,
+        "malformed",
         "external-buffers",
     ),
     (
         "remote.gltf",
         make.gltf_bytes(make.gltf_document(make.y_tree(), "http://x/y.bin")),
-        400,
+        "malformed",
         "external-buffers",
     ),
-    ("zip.obj", zipped(), 415, "unsupported-type"),
-    ("page.obj", b"<!doctype html><html>", 415, "unsupported-type"),
-    ("noise.bin", bytes(range(7, 200)), 415, "unsupported-type"),
-    ("deep.gltf", deep(), 422, "nodes-too-deep"),
-    ("draco.gltf", extension("KHR_draco_mesh_compression"), 422, "draco-compressed"),
-    ("meshopt.gltf", extension("EXT_meshopt_compression"), 422, "meshopt-compressed"),
-    ("other.gltf", extension("VENDOR_secret"), 422, "gltf-extension"),
-    ("past_end.gltf", changed(count=10**9), 400, "truncated"),
-    ("negative.gltf", changed(bufferView=-1), 400, "gltf-structure"),
-    ("type.gltf", changed(componentType=99), 400, "gltf-structure"),
-    ("json.gltf", b'{"nodes": [', 400, "gltf-json"),
-    ("nested.gltf", b'{"a":' + b"[" * 200_000, 400, "gltf-json"),
-    ("face.obj", b"v 0 0 0\nf 1 2 9\n", 400, "obj-syntax"),
+    ("zip.obj", zipped(), "unsupported", "unsupported-type"),
+    ("page.obj", b"<!doctype html><html>", "unsupported", "unsupported-type"),
+    ("noise.bin", bytes(range(7, 200)), "unsupported", "unsupported-type"),
+    ("deep.gltf", deep(), "unsuitable", "nodes-too-deep"),
+    ("draco.gltf", extension("KHR_draco_mesh_compression"), "unsuitable", "draco-compressed"),
+    ("meshopt.gltf", extension("EXT_meshopt_compression"), "unsuitable", "meshopt-compressed"),
+    ("other.gltf", extension("VENDOR_secret"), "unsuitable", "gltf-extension"),
+    ("past_end.gltf", changed(count=10**9), "malformed", "truncated"),
+    ("negative.gltf", changed(bufferView=-1), "malformed", "gltf-structure"),
+    ("type.gltf", changed(componentType=99), "malformed", "gltf-structure"),
+    ("json.gltf", b'{"nodes": [', "malformed", "gltf-json"),
+    ("nested.gltf", b'{"a":' + b"[" * 200_000, "malformed", "gltf-json"),
+    ("face.obj", b"v 0 0 0\nf 1 2 9\n", "malformed", "obj-syntax"),
 ]
 
 
-@pytest.mark.parametrize(("name", "data", "status", "code"), CASES, ids=[c[0] for c in CASES])
-def test_refused_by_name(name, data, status, code):
-    with pytest.raises(IntakeError) as caught:
+@pytest.mark.parametrize(("name", "data", "reason", "code"), CASES, ids=[c[0] for c in CASES])
+def test_refused_by_name(name, data, reason, code):
+    with pytest.raises(MeshError) as caught:
         read_tree(data, name)
-    assert (caught.value.status, caught.value.code) == (status, code)
+    assert (caught.value.reason, caught.value.code) == (reason, code)
     assert caught.value.title
     assert caught.value.hint
 
@@ -102,7 +103,7 @@ def test_refused_by_name(name, data, status, code):
 def test_circular_nodes_end():
     document = make.gltf_document(make.y_tree())
     document["nodes"] = [{"children": [1, 1]}, {"children": [0, 0]}]
-    with pytest.raises(IntakeError, match="nest"):
+    with pytest.raises(MeshError, match="nest"):
         read_tree(json.dumps(document).encode(), "a.gltf")
 
 
@@ -116,8 +117,8 @@ def test_damaged_bytes_never_raise_anything_else(seed):
             data[at] = random.integers(256)
         try:
             read_tree(bytes(data), "a.bin")
-        except IntakeError as error:
-            assert 400 <= error.status < 423, f"seed {seed}"
+        except MeshError as error:
+            assert error.reason in ("malformed", "too-large", "unsupported", "unsuitable"), f"seed {seed}"
 
 
 def test_names_in_the_data_open_no_file(monkeypatch):
@@ -139,6 +140,6 @@ def test_latin_1_names_and_quads_with_continuation_are_read():
 
 @pytest.mark.parametrize("options", [IntakeOptions(height_m=1e6), IntakeOptions(wood=("nothing",))])
 def test_impossible_options_are_refused(options):
-    with pytest.raises(IntakeError) as caught:
+    with pytest.raises(MeshError) as caught:
         read_tree(GLB, "a.glb", options)
-    assert caught.value.status == 422
+    assert caught.value.reason == "unsuitable"

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from galewood.player.modal_forest import TangentForest
+from galewood.reduction import training as learning
+from galewood.reduction.oscillators import propagators, reduced, response
+from galewood.reduction.training import Learning, Size, fit_smallest, size_of
+from galewood.reduction.training_error import replay_error_m, replayed
+from galewood.sampling.recording import Recording, sample_trajectory
+from galewood.sampling.training_winds import training_winds
 
-from precompute import learning
-from precompute.learning import Learning, Size, fit_smallest, size_of
-from precompute.sampling import Recording, sample_trajectory
-from precompute.tangent import TangentForest
-from precompute.tangent_modes import propagators, reduced, response
-from precompute.tangent_replay import replay_error_m, replayed
-from precompute.tangent_winds import training_winds
 from tests.golden.beam import Beam
 from tests.golden.make import scheme
 

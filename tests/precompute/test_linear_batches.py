@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from galewood.fem.assembly import ElementSystem
+from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
+from galewood.wood.species import species
 
-from precompute.assembly import ElementSystem
-from precompute.elasticity import PAIRS, gradients, moduli, stiffness_blocks
-from precompute.wood import species
 from tests.precompute.tet_meshes import grid_mesh
 
 SEED = 5

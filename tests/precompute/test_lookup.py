@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from galewood.player.paper_search import ForestLookup, gaussian
+from galewood.table.format import decode
 
-from precompute.lookup import ForestLookup, gaussian
-from precompute.table import decode
 from tests.golden.make import forest_walk
 
 GOLDEN = Path(__file__).parents[1] / "golden"

@@ -2,8 +2,7 @@
 
 import numpy as np
 import scipy.sparse
-
-from precompute.nodes import largest_motion_m, make_nodes, render_basis
+from galewood.reduction.nodes import largest_motion_m, make_nodes, render_basis
 
 
 def bending(v: int, seed: int) -> tuple[np.ndarray, np.ndarray]:

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from galewood.paper.gestures import first_maximum
+from galewood.paper.plan import Notes, quick_plan
+from galewood.paper.run import run_paper
+from galewood.paper.text import table
 
-from precompute.paper import run_paper
-from precompute.paper_gestures import first_maximum
-from precompute.paper_plan import Notes, quick_plan
-from precompute.paper_text import table
 from tests.precompute.shared_tets import cache_with_tets, small_tree_glb
 
 

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from galewood.build.options import BuildOptions, BuildResult, Progress
+from galewood.build.pipeline import build_table
+from galewood.mesh.types import IntakeOptions
+from galewood.player.paper_search import ForestLookup
+from galewood.sampling.runner import SampleTask, run_task
+from galewood.table.format import decode
+from galewood.util import Cancelled, MeshError
 
-from precompute.dynamics import FemSettings
-from precompute.intake_types import IntakeError, IntakeOptions
-from precompute.lookup import ForestLookup
-from precompute.pipeline import BuildOptions, BuildResult, Cancelled, Progress, build_table
-from precompute.runner import SampleTask, run_task
-from precompute.table import decode
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
 
 OPTIONS = BuildOptions(
@@ -22,7 +23,7 @@ OPTIONS = BuildOptions(
     sampled_elements=8,
     design_speed_m_s=20.0,
     frames=12,
-    fem=FemSettings(reference_frames=12),
+    reference_frames=12,
 )
 
 
@@ -134,5 +135,5 @@ def test_what_the_progress_raises_stops_the_build(mesh: bytes, built: Built, sta
 
 
 def test_what_is_no_tree_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(IntakeError):
+    with pytest.raises(MeshError):
         build_table(b"not a mesh at all", "tree.glb", OPTIONS, in_this_process, cache_dir=tmp_path)

@@ -1,10 +1,10 @@
 """A limb keeps its own stiffness where twigs grow out of its axis."""
 
 import numpy as np
+from galewood.tets.radius_ratio import radius_ratio
+from galewood.tets.thicken import thicken
+from galewood.verify.bars import polygon_bar
 
-from precompute.bars import polygon_bar
-from precompute.radius_ratio import radius_ratio
-from precompute.thicken import thicken
 from tests.precompute import tree_meshes as make
 
 FLOOR_M = 0.03

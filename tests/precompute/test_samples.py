@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from precompute.runner import SampleTask, TrajectoryRunner
-from precompute.samples import Samples, simulate
-from precompute.sampling import SampleWind, sample_winds
-from precompute.tangent_winds import further_winds, training_winds
+from galewood.sampling.plan import Samples, simulate
+from galewood.sampling.recording import SampleWind, sample_winds
+from galewood.sampling.runner import SampleTask, TrajectoryRunner
+from galewood.sampling.training_winds import further_winds, training_winds
 
 
 def task(wind: SampleWind, folder: Path) -> SampleTask:

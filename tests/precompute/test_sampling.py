@@ -4,9 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from precompute.design_wind import design_wind
-from precompute.sampling import (
+from galewood.sampling.design_speed import design_wind
+from galewood.sampling.recording import (
     StoredRun,
     Trajectory,
     is_whole,
@@ -17,7 +16,8 @@ from precompute.sampling import (
     trajectory_key,
     write_trajectory,
 )
-from precompute.wind import dynamic_pressure
+from galewood.wind.evaluation import dynamic_pressure
+
 from tests.golden.beam import Beam
 
 WINDS = sample_winds(12.0, 1 / 30)

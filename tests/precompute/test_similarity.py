@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from precompute.similarity import InternalStates, compared, mismatch_rows
+from galewood.search.similarity import InternalStates, compared, mismatch_rows
 
 
 def naive_mismatches(states: InternalStates, c: int, j: int, rms: np.ndarray) -> int:

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from galewood.pictures.build_pictures import skeleton_png
+from galewood.skeleton.extraction import extract_skeleton, sampled_elements
+from galewood.skeleton.levels import cut_sections, geodesic_distance, inner_faces
+from galewood.skeleton.roots import root_vertices
+from galewood.skeleton.tree import branches, reach
 
-from precompute.pictures import skeleton_png
-from precompute.roots import root_vertices
-from precompute.skeleton import extract_skeleton, sampled_elements
-from precompute.skeleton_levels import cut_sections, geodesic_distance, inner_faces
-from precompute.skeleton_tree import branches, reach
 from tests.precompute.tet_meshes import Y_SEGMENTS, grid_mesh, near_segment, y_mesh
 
 

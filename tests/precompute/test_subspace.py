@@ -1,8 +1,7 @@
 """Reduced coordinates: exact where the motion is, optimal where it is not, and integers that do not drift."""
 
 import numpy as np
-
-from precompute.subspace import fit_subspace, quantise, thinned
+from galewood.reduction.pod import fit_subspace, quantise, thinned
 
 
 def motion(seed: int, frames: int = 60, n: int = 40, rank: int = 5) -> tuple[np.ndarray, np.ndarray]:

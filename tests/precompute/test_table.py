@@ -6,11 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from galewood.table.format import TENSORS, Table, TableError, decode, encode
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from safetensors.numpy import load, save
-
-from precompute.table import TENSORS, Table, TableError, decode, encode
 
 FILE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
 TABLE = decode(FILE)

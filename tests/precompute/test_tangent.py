@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from galewood.fem.model import FemSettings
+from galewood.modal import Tangent
+from galewood.player.modal_forest import TangentForest
+from galewood.reduction.modal_fit import ridge_fit
+from galewood.reduction.oscillators import propagators, response
+from galewood.sampling.training_winds import noise_wind, training_winds
+from galewood.table.format import decode
 
-from precompute.model import FemSettings
-from precompute.table import decode
-from precompute.tangent import Tangent, TangentForest
-from precompute.tangent_fit import ridge_fit
-from precompute.tangent_modes import propagators, response
-from precompute.tangent_winds import noise_wind, training_winds
 from tests.golden.beam import Beam
 from tests.precompute.test_table import FILE
 

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from galewood.mesh.repair import Surface, face_components, open_edges, volume
+from galewood.sandbox.limited_process import Limits, run_limited
+from galewood.tets.meshing import tetrahedralise
+from galewood.tets.quality import boundary_faces, largest_component, lost_extent, restore_volume, tet_volumes
+from galewood.tets.thicken import inscribed_radius, surface_samples, thicken
+from galewood.tets.wrap import decimate, inside, wrap
+from galewood.util import MeshError
 
-from precompute.intake import IntakeError
-from precompute.intake_repair import Surface, face_components, open_edges, volume
-from precompute.limited_process import Limits, run_limited
-from precompute.tet_quality import boundary_faces, largest_component, lost_extent, restore_volume, tet_volumes
-from precompute.tetrahedra import tetrahedralise
-from precompute.thicken import inscribed_radius, surface_samples, thicken
-from precompute.wrap import decimate, inside, wrap
 from tests.precompute import tree_meshes as make
 
 
@@ -113,17 +113,17 @@ def test_volume_is_restored_by_one_even_layer(meshed):
 def test_what_crashes_the_mesher_is_an_error():
     bad = {"vertices": np.zeros((4, 3)), "faces": np.array([[0, 1, 2], [1, 2, 3]], dtype=np.int32)}
     settings = {"epsilon": np.float64(1e-3), "edge_length": np.float64(0.05), "stop_energy": np.float64(30.0)}
-    with pytest.raises(IntakeError) as caught:
+    with pytest.raises(MeshError) as caught:
         run_limited(
-            "precompute.tetwild_child:tetrahedralise_surface",
+            "galewood.sandbox.tetwild:tetrahedralise_surface",
             bad | settings,
             Limits(cpu_s=30),
             what="Meshing",
         )
-    assert caught.value.status == 422
+    assert caught.value.reason == "unsuitable"
 
 
 @pytest.mark.parametrize("target", [10, 10**7])
 def test_absurd_targets_are_refused(target):
-    with pytest.raises(IntakeError, match="not offered"):
+    with pytest.raises(MeshError, match="not offered"):
         tetrahedralise(make.as_tree(make.y_tree()), target_tets=target)

@@ -3,10 +3,9 @@
 import io
 
 import numpy as np
+from galewood.mesh.types import RawPart
+from galewood.pictures.thumbnail import SIDE_PX, draw
 from PIL import Image
-
-from precompute.intake_types import RawPart
-from precompute.thumbnail import SIDE_PX, draw
 
 SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 FACES = np.array([[0, 1, 2], [0, 2, 3]])

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from precompute.table import decode
-from precompute.tracks import Place, pressure_at
-from precompute.wind import Wind, change_wind, steady
+from galewood.evaluation.tracks import Place, pressure_at
+from galewood.table.format import decode
+from galewood.wind.evaluation import Wind, change_wind, steady
 
 POLE = decode((Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes())
 

@@ -1,10 +1,11 @@
 """A real tree against beams, its generator, its own eigenvalues and the reference; the table of checks."""
 
 import pytest
+from galewood.verify.checks import absolute, relative, skipped
+from galewood.verify.run import MARKERS, markdown, written_into
+from galewood.verify.species_checks import against_reference, of_specimen, on_meshes, ringing, wood_mass
+from galewood.verify.specimens import TARGETS
 
-from precompute.verify import MARKERS, absolute, markdown, relative, skipped, written_into
-from precompute.verify_species import against_reference, of_specimen, on_meshes, ringing, wood_mass
-from precompute.verify_specimens import TARGETS
 from tests.precompute.apricot import apricot
 
 

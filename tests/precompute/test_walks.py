@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
+from galewood.table.format import decode
 
-from precompute.table import decode
 from tests.golden.make_walks import WINDS, walk
 
 GOLDEN = Path(__file__).parent.parent / "golden"

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from precompute.bench_wind import bench_wind
-from precompute.wind import (
+from galewood.bench.wind import bench_wind
+from galewood.wind import transition as glide
+from galewood.wind.document import FIELDS, MODELS, Field
+from galewood.wind.evaluation import (
     PRESETS,
     Wave,
     Wind,
@@ -32,13 +33,12 @@ from precompute.wind import (
     wind_pressure,
     wind_speed,
 )
-from precompute.wind_models import glide
-from precompute.wind_models.cosine import cos_turns
-from precompute.wind_models.document import FIELDS, MODELS, Field
-from precompute.wind_models.fourier import roots_of_unity, transform_columns, transform_rows
-from precompute.wind_models.perlin import NOISE_VARIANCE, SLOPES, noise, permutation
-from precompute.wind_models.presets import PAPER_WAVES
-from precompute.wind_models.schema import wind_schema
+from galewood.wind.models.cosine import cos_turns
+from galewood.wind.models.fourier import roots_of_unity, transform_columns, transform_rows
+from galewood.wind.models.perlin import NOISE_VARIANCE, SLOPES, noise, permutation
+from galewood.wind.presets import PAPER_WAVES
+from galewood.wind.schema import wind_schema
+
 from tests.golden import make_wind
 
 ROOT = Path(__file__).parents[2]
@@ -96,7 +96,7 @@ def test_both_ends_of_every_range_are_allowed() -> None:
 
 
 def test_states_are_checked() -> None:
-    state = glide.change(glide.steady(Wind()), Wind(model="perlin"), 3.0)
+    state = glide.change_wind(glide.steady(Wind()), Wind(model="perlin"), 3.0)
     assert parse_state(json.loads(json.dumps(state.document()))) == state
     for bad in (None, {}, {**state.document(), "travel": math.nan}, {**state.document(), "wind": 3}):
         with pytest.raises(WindError):
@@ -223,7 +223,7 @@ def test_another_model_fades_in() -> None:
 
 def test_travel_is_the_integral_of_the_gliding_rate() -> None:
     state = glide.steady(Wind(model="perlin", convection_speed_m_s=8.0))
-    state = glide.change(state, Wind(model="perlin", convection_speed_m_s=3.0), 10.0)
+    state = glide.change_wind(state, Wind(model="perlin", convection_speed_m_s=3.0), 10.0)
     share = [min(max((t - 10.0) / glide.GLIDE_S, 0.0), 1.0) for t in np.arange(0.0005, 12.0, 0.001)]
     rate = [8.0 / 20.0 + (3.0 - 8.0) / 20.0 * s * s * (3.0 - 2.0 * s) for s in share]
     assert glide.at(state, 12.0).travel == pytest.approx(sum(rate) * 0.001, rel=1e-6)
@@ -267,7 +267,7 @@ def test_groups_of_trees_share_a_field() -> None:
 
 
 def test_a_document_or_a_state_may_be_sent() -> None:
-    state = glide.change(glide.steady(Wind()), Wind(model="perlin"), 3.0)
+    state = glide.change_wind(glide.steady(Wind()), Wind(model="perlin"), 3.0)
     assert parse_wind_or_state(state.document()) == state
     assert parse_wind_or_state(Wind().document()) == glide.steady(Wind())
     with pytest.raises(WindError, match=r"wind\.model"):
@@ -289,5 +289,5 @@ def test_a_wind_on_its_way_can_always_be_sent() -> None:
             for name, rule in FIELDS.items()
             if "spectral" in rule.models and not rule.whole
         }
-        state = glide.change(state, Wind(model="spectral", seed=int(rng.integers(3)), **wild), 0.17 * k)
+        state = glide.change_wind(state, Wind(model="spectral", seed=int(rng.integers(3)), **wild), 0.17 * k)
         assert parse_state(json.loads(json.dumps(state.document()))) == state

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from galewood.wind.evaluation import Wind, WindField
+from galewood.wind.models.frame import TURBULENCE_PER_GUSTINESS
+from galewood.wind.models.navier_stokes import GRID, Eddies
 from scipy.signal import welch
-
-from precompute.wind import Wind, WindField
-from precompute.wind_models.frame import TURBULENCE_PER_GUSTINESS
-from precompute.wind_models.navier_stokes import GRID, Eddies
 
 LENGTH_M, CONVECTION_M_S, MEAN_M_S = 20.0, 8.0, 10.0
 TRAVELLING = ("perlin", "spectral", "navier-stokes")

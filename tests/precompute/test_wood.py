@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from precompute.wood import SPECIES, species
+from galewood.wood.species import SPECIES, species
 
 
 @pytest.mark.parametrize("name", sorted(SPECIES))

@@ -3,12 +3,11 @@
 import json
 
 import pytest
-
-from precompute.bars import polygon_bar
-from precompute.dynamics import build_model
-from precompute.model import FemSettings
-from precompute.wood import species
-from precompute.wood_document import WoodDocument, WoodError, read_wood
+from galewood.fem.model import FemSettings
+from galewood.model.construction import build_model
+from galewood.verify.bars import polygon_bar
+from galewood.wood.document import WoodDocument, WoodError, read_wood
+from galewood.wood.species import species
 
 
 def test_what_is_left_out_comes_from_the_species_it_is_based_on():

@@ -1,9 +1,8 @@
 """Tetrahedral meshes of known shape, without any mesher: a bar, and a Y that is cut from a grid of cubes."""
 
 import numpy as np
-
-from precompute.tet_quality import largest_component
-from precompute.tetrahedra import TetMesh
+from galewood.tets.meshing import TetMesh
+from galewood.tets.quality import largest_component
 
 # A cube as six tets around its diagonal (Kuhn), corners numbered by bits x, y, z.
 KUHN = np.array([[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]])

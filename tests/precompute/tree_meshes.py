@@ -5,10 +5,9 @@ import json
 import struct
 
 import numpy as np
-
-from precompute.intake_repair import Surface
-from precompute.intake_types import RenderPrimitive, TreeMesh
-from precompute.render_mesh import render_glb
+from galewood.mesh.render_mesh import render_glb
+from galewood.mesh.repair import Surface
+from galewood.mesh.types import RenderPrimitive, TreeMesh
 
 
 def tube(start, end, radius_start, radius_end, sides=10, rings=6, closed=True) -> Surface:

@@ -12,13 +12,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from precompute.build_types import BuildOptions, BuildResult, Progress
-from server.job_process import main
-from server.models import JobKind
-from server.reporting import Mandate, Reporter
-from server.settings import Settings
-from server.storage import Stores
-from server.study_files import PLOT, finish
+from galewood.build.options import BuildOptions, BuildResult, Progress
+from galewood_server.jobs.analysis_files import PLOT, finish
+from galewood_server.jobs.job_process import main
+from galewood_server.jobs.reporting import Mandate, Reporter
+from galewood_server.settings import Settings
+from galewood_server.storage.files import Stores
+from galewood_server.storage.models import JobKind
 
 STEPS = 20
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from precompute.intake_types import IntakeError, IntakeOptions
-from server.main import create_app, run
-from server.settings import Settings
+from galewood.mesh.types import IntakeOptions
+from galewood.util import MeshError
+from galewood_server.app.main import create_app, run
+from galewood_server.settings import Settings
 
 
 def fake_intake(data: bytes, filename: str, options: IntakeOptions) -> Any:
     if not data:
-        raise IntakeError("empty-file", 400, "The file is empty.", "Choose another file.")
+        raise MeshError("empty-file", "malformed", "The file is empty.", "Choose another file.")
     mesh = SimpleNamespace(
         species=options.species, height_m=options.height_m or 5.0, report={"assumed": ["all"]}
     )

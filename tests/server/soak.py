@@ -24,8 +24,8 @@ from typing import Any
 import httpx
 import numpy as np
 import psutil
+from galewood_server.stream import wire
 
-from server import wire
 from tests.server import meshes
 from tests.server.conftest import Server, wait_until
 from tests.server.test_stream import BREEZE, Client
@@ -153,7 +153,7 @@ class Soak:
         def follow() -> None:
             with (
                 contextlib.suppress(httpx.TransportError),
-                self.server.client() as api,
+                self.galewood_server.cli.client() as api,
                 api.stream("GET", "/api/events", timeout=2) as answer,
             ):
                 for _ in answer.iter_lines():
@@ -216,7 +216,7 @@ class Soak:
         return [str(path) for kind in kinds for path in (folder / kind).rglob("*") if path.is_file()]
 
     def _doctor(self) -> list[str]:
-        command = [sys.executable, "-m", "server.cli", "doctor"]
+        command = [sys.executable, "-m", "galewood_server.cli.commands", "doctor"]
         answer = subprocess.run(command, env=self.server.variables(), capture_output=True, text=True)
         return [] if answer.returncode == 0 else [f"doctor: {answer.stdout} {answer.stderr}"]
 
@@ -252,7 +252,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="galewood-soak-") as folder:
         data_dir = Path(folder) / "data"
         data_dir.mkdir()
-        server = Server(data_dir, "server.cli", LIMITS).start("serve")
+        server = Server(data_dir, "galewood_server.cli.commands", LIMITS).start("serve")
         try:
             soak = Soak(server, options.seed)
             soak.begin()

@@ -6,12 +6,11 @@ import json
 from typing import Any
 
 import pytest
+from galewood.build.options import BuildOptions
+from galewood.wood.species import SPECIES
+from galewood_server.http.schemas import JobRequest
+from galewood_server.jobs.build_job import build_options
 from pydantic import ValidationError
-
-from precompute.build_types import BuildOptions
-from precompute.wood import SPECIES
-from server.build_job import build_options
-from server.schemas import JobRequest
 
 
 def options_of(settings: dict[str, Any]) -> BuildOptions:

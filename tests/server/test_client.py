@@ -11,12 +11,12 @@ import anyio
 import httpx
 import numpy as np
 import pytest
+from galewood_server.access.keys import new_key
+from galewood_server.cli.client import Client, ServiceError, stream
+from galewood_server.cli.commands import app
+from galewood_server.stream.wire import Failure, Forest, Group, Reply, Welcome
 from typer.testing import CliRunner
 
-from server.cli import app
-from server.client import Client, ServiceError, stream
-from server.keys import new_key
-from server.wire import Failure, Forest, Group, Reply, Welcome
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
 
 KEY, KEY_HASH = new_key()
@@ -75,7 +75,7 @@ def test_a_damaged_table_is_refused() -> None:
 
 
 def test_a_broken_stream_of_events_is_taken_up_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.client.time.sleep", lambda _: None)
+    monkeypatch.setattr("galewood_server.cli.client.time.sleep", lambda _: None)
     answers = iter(["running", None, None, "running", "done"])
 
     def answer(_: httpx.Request) -> httpx.Response:

@@ -13,9 +13,9 @@ import httpx
 import obstore
 import psutil
 import pytest
+from galewood.table import format as table_format
+from galewood_server.storage.object_store import open_bucket
 
-from precompute import table as table_format
-from server.object_store import open_bucket
 from tests.server.conftest import Server, shared_services, wait_until
 from tests.server.test_jobs import gone, state
 from tests.server.test_real_build import LONG_S, assert_compares, begin, follow, sampling
@@ -44,7 +44,7 @@ def worker() -> psutil.Process:
 
 def start(folder: Path, environment: dict[str, str]) -> Server:
     folder.mkdir(parents=True)
-    return Server(folder, "server.cli", environment).start("serve")
+    return Server(folder, "galewood_server.cli.commands", environment).start("serve")
 
 
 def test_a_build_outlives_worker_and_server_without_a_shared_disk(tmp_path: Path) -> None:

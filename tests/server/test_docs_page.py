@@ -8,9 +8,9 @@ from pathlib import Path
 import httpx
 import pytest
 from fastapi import FastAPI
+from galewood_server.app.main import create_app
+from galewood_server.settings import Settings
 
-from server.main import create_app
-from server.settings import Settings
 from tests.server.test_doors import ask
 
 

@@ -7,14 +7,13 @@ import os
 from pathlib import Path
 
 import pytest
+from galewood_server.cli.commands import app
+from galewood_server.cli.doctor import examine
+from galewood_server.settings import Settings
+from galewood_server.storage.database import migrate, open_database
+from galewood_server.storage.files import Stores
+from galewood_server.storage.models import Job, Tree
 from typer.testing import CliRunner
-
-from server.cli import app
-from server.database import migrate, open_database
-from server.doctor import examine
-from server.models import Job, Tree
-from server.settings import Settings
-from server.storage import Stores
 
 OLD_S = 1_000_000_000
 

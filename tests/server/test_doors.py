@@ -9,15 +9,14 @@ import anyio
 import httpx
 import pytest
 from fastapi import FastAPI, Request
-
-from server.doors import Doors
-from server.errors import install
-from server.headers import SecurityHeaders
-from server.keys import new_key
-from server.metrics import Metrics
-from server.rates import neighbourhood
-from server.settings import Settings
-from server.tracing import Tracing
+from galewood_server.access.keys import new_key
+from galewood_server.access.middleware import Doors
+from galewood_server.access.rates import neighbourhood
+from galewood_server.app.headers import SecurityHeaders
+from galewood_server.http.errors import install_error_handlers
+from galewood_server.ops.metrics import Metrics
+from galewood_server.ops.tracing import Tracing
+from galewood_server.settings import Settings
 
 LOCAL, FAR = ("127.0.0.1", 5), ("203.0.113.9", 5)
 
@@ -25,7 +24,7 @@ LOCAL, FAR = ("127.0.0.1", 5), ("203.0.113.9", 5)
 def application(**given: Any) -> FastAPI:
     settings, counted = Settings(**given), Metrics("test")
     app = FastAPI()
-    install(app)
+    install_error_handlers(app)
 
     @app.get("/api/thing")
     @app.post("/api/thing")
@@ -192,7 +191,7 @@ async def _stream(app: FastAPI, body: Any) -> int:
 
 
 def test_a_body_that_drips_ends_the_request(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.doors.GRACE_S", 0.3)
+    monkeypatch.setattr("galewood_server.access.middleware.GRACE_S", 0.3)
     app = application(body_bytes_per_s=1000)
 
     async def body() -> Any:

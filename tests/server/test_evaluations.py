@@ -8,9 +8,9 @@ from typing import Any
 
 import httpx
 import pytest
+from galewood_server.access.keys import new_key
+from galewood_server.cli.client import Client, ServiceError
 
-from server.client import Client, ServiceError
-from server.keys import new_key
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
 from tests.server.fake_job import STEPS
 from tests.server.test_jobs import gone

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from galewood_server.jobs.cluster.blob_transfer import Exchange
+from galewood_server.jobs.publishing import Publisher
 
-from server.exchange import Exchange
-from server.publishing import Publisher
 from tests.server.test_publishing import Build
 
 

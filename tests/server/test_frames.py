@@ -11,22 +11,21 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from galewood.player.paper_search import ForestLookup, lookup_arrays
+from galewood.table.format import decode
+from galewood.wind.evaluation import Wind, steady
+from galewood_server.settings import Settings
+from galewood_server.storage.files import FileStore
+from galewood_server.storage.table_cache import TableShelf
+from galewood_server.stream import wire
+from galewood_server.stream.client_buffer import Mailbox
+from galewood_server.stream.forest import ForestClock, ForestWalk, stream_quantum
+from galewood_server.stream.forests import Forests
+from galewood_server.stream.frames import KEPT_TICKS, FrameHistory
+from galewood_server.stream.latest_values import Bulletin
+from galewood_server.stream.refusal import Refusal
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
-
-from precompute.lookup import ForestLookup, lookup_arrays
-from precompute.table import decode
-from precompute.wind import Wind, steady
-from server import wire
-from server.bulletin import Bulletin
-from server.forest import ForestClock, ForestWalk, stream_quantum
-from server.forests import Forests
-from server.frames import KEPT_TICKS, FrameHistory
-from server.mailbox import Mailbox
-from server.refusal import Refusal
-from server.settings import Settings
-from server.shelf import TableShelf
-from server.storage import FileStore
 
 POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
 Poses = npt.NDArray[np.int32]

@@ -34,7 +34,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
         "GALEWOOD_STORED_BYTES": str(100 * MEGABYTE),
         "TMPDIR": str(folder / "tmp"),
     }
-    server = Server(folder / "data", "server.cli", environment).start("serve")
+    server = Server(folder / "data", "galewood_server.cli.commands", environment).start("serve")
     yield server
     server.stop()
 
@@ -210,7 +210,8 @@ def _full(api: httpx.Client) -> bool:
 
 
 def test_declared_faces_are_counted_without_a_library() -> None:
-    from server.declared import declared_faces
+    from galewood_server.access.face_count import declared_faces
+
     from tests.server.hostile import stl_of
 
     assert declared_faces(glb_of_faces(1234)) == 1234

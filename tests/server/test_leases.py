@@ -10,10 +10,10 @@ from typing import Any
 import httpx
 import psutil
 import pytest
+from galewood_server.jobs.leases import claim, give_back, renew
+from galewood_server.storage.database import migrate, open_database
+from galewood_server.storage.models import Job, Tree
 
-from server.database import migrate, open_database
-from server.leases import claim, give_back, renew
-from server.models import Job, Tree
 from tests.server.conftest import NO_CLUSTER, Server, shared_services, wait_until
 from tests.server.fake_job import STEPS
 from tests.server.test_jobs import begin, state

@@ -8,10 +8,9 @@ from pathlib import Path
 from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
+from galewood_server.storage.database import engine_of, migrate, migration_config, open_database, with_driver
+from galewood_server.storage.models import Base, Job, Tree
 from sqlalchemy import create_engine, text
-
-from server.database import engine_of, migrate, migration_config, open_database, with_driver
-from server.models import Base, Job, Tree
 
 OLD_TREE = """INSERT INTO trees (id, name, builtin, filename, options, report, source_sha256, table_sha256,
     created_at, updated_at) VALUES ('old', 'Old oak', false, 'oak.obj', '{}', '{}', 'aa', 'bb',

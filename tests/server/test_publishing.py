@@ -9,21 +9,20 @@ from datetime import timedelta
 from pathlib import Path
 
 import pytest
+from galewood.build.options import BuildOptions, BuildResult
+from galewood.table import format as table_format
+from galewood.util.cancelled import Cancelled
+from galewood_server.jobs.analysis_files import PLOT, finish
+from galewood_server.jobs.build_job import Order, publish_result
+from galewood_server.jobs.leases import claim
+from galewood_server.jobs.publishing import Publisher
+from galewood_server.jobs.queue import add_job
+from galewood_server.jobs.reporting import Mandate
+from galewood_server.storage.database import Sessions, migrate, open_database
+from galewood_server.storage.files import FileStore, Stores
+from galewood_server.storage.garbage import referenced, retire, sweep
+from galewood_server.storage.models import Job, JobKind, Retired, Tree, utc_now
 from sqlalchemy import select, update
-
-from precompute import table as table_format
-from precompute.build_types import BuildOptions, BuildResult
-from precompute.cancelled import Cancelled
-from server.build_job import Order, publish_result
-from server.database import Sessions, migrate, open_database
-from server.jobs import add_job
-from server.leases import claim
-from server.models import Job, JobKind, Retired, Tree, utc_now
-from server.publishing import Publisher
-from server.reporting import Mandate
-from server.retired import referenced, retire, sweep
-from server.storage import FileStore, Stores
-from server.study_files import PLOT, finish
 
 POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
 MESH = b"glTF of the tree"

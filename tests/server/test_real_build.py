@@ -12,10 +12,10 @@ import msgpack
 import numpy as np
 import psutil
 import pytest
+from galewood.sampling.recording import is_whole
+from galewood.table import format as table_format
+from galewood_server.stream import wire
 
-from precompute import table as table_format
-from precompute.sampling import is_whole
-from server import wire
 from tests.server import meshes
 from tests.server.conftest import Server, wait_until
 from tests.server.test_jobs import gone, state
@@ -38,7 +38,7 @@ BAD: dict[str, tuple[bytes, str, set[int]]] = {
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     data_dir = tmp_path_factory.mktemp("real") / "data"
     data_dir.mkdir()
-    server = Server(data_dir, "server.cli").start("serve")
+    server = Server(data_dir, "galewood_server.cli.commands").start("serve")
     yield server
     server.stop()
 
@@ -82,7 +82,9 @@ def trajectories(server: Server) -> dict[Path, int]:
 
 def workers(server: Server) -> list[psutil.Process]:
     """The processes under the cluster's own."""
-    (cluster,) = [one for one in server.family() if "server.engine" in one.cmdline()]
+    (cluster,) = [
+        one for one in server.family() if "galewood_server.jobs.cluster.dask_cluster" in one.cmdline()
+    ]
     return [one for one in cluster.children(recursive=True) if "spawn_main" in " ".join(one.cmdline())]
 
 
@@ -112,7 +114,9 @@ def test_an_upload_becomes_a_streamed_tree_though_worker_cluster_and_server_die(
     finished = trajectories(server)
     wait_until(lambda: len(trajectories(server)) > len(finished), LONG_S)
     finished = trajectories(server)
-    (cluster,) = [one for one in server.family() if "server.engine" in one.cmdline()]
+    (cluster,) = [
+        one for one in server.family() if "galewood_server.jobs.cluster.dask_cluster" in one.cmdline()
+    ]
     cluster.kill()  # with its scheduler
     wait_until(lambda: len(trajectories(server)) > len(finished), LONG_S)
     finished |= trajectories(server)

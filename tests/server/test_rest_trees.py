@@ -11,9 +11,9 @@ from typing import Any
 import httpx
 import pytest
 import zstandard
+from galewood_server.http.etags import matches
+from galewood_server.storage.encodings import coding_of
 
-from server.encodings import coding_of
-from server.etags import matches
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
 
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from galewood.wind.evaluation import Wind, parse_wind_or_state
+from galewood.wind.transition import at
+from galewood_server.stream import wire
 
-from precompute.wind import Wind, parse_wind_or_state
-from precompute.wind_models.glide import at
-from server import wire
 from tests.server.conftest import Server
 from tests.server.test_stream import POLE, SHA256, Client, forest, local_walk
 

@@ -11,11 +11,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from galewood_server.stream import wire
+from galewood_server.stream.envelope import encode_message
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-from server import wire
-from server.envelope import encode_message
 from tests.server.conftest import Server, wait_until
 from tests.server.test_stream import POLE, SHA256, Client, forest, sockets
 

@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from galewood.table import format as table_format
+from galewood.wind.evaluation import Wind, WindState, parse_state, parse_wind_or_state
+from galewood_server.stream import wire
+from galewood_server.stream.envelope import WIRE_VERSION, encode_message
+from galewood_server.stream.forest import ForestClock, ForestWalk
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from precompute import table as table_format
-from precompute.wind import Wind, WindState, parse_state, parse_wind_or_state
-from server import wire
-from server.envelope import VERSION, encode_message
-from server.forest import ForestClock, ForestWalk
 from tests.golden.make_wire import HERE
 from tests.server.conftest import Server, wait_until
 
@@ -74,7 +74,7 @@ class Client:
             welcome = self.receive()
             assert isinstance(welcome, wire.Welcome)
             assert (welcome.version, welcome.tick_hz) == (
-                VERSION,
+                WIRE_VERSION,
                 wire.TICK_HZ,
             ) and "galewood" in welcome.server
 
@@ -252,7 +252,7 @@ def test_another_version_is_told_both(server: Server) -> None:
         client.socket.send(bytes(data))
         failure, code, reason = client.refusal()
         assert (failure.code, code) == ("unknown-version", 1008)
-        assert "9" in reason and str(VERSION) in reason
+        assert "9" in reason and str(WIRE_VERSION) in reason
 
 
 @pytest.mark.parametrize(

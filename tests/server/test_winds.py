@@ -9,10 +9,10 @@ from typing import Any
 
 import httpx
 import pytest
+from galewood.wind.evaluation import PRESETS, Wind
+from galewood_server.stream import wire
 from websockets.sync.client import connect
 
-from precompute.wind import PRESETS, Wind
-from server import wire
 from tests.server.conftest import NO_CLUSTER, Server
 
 

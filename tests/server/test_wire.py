@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from galewood_server.stream import wire
+from galewood_server.stream.envelope import WireError, decode_message, encode_message
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-from server import wire
-from server.envelope import WireError, decode_message, encode_message
 from tests.golden.make_wire import HERE, REPLIES, REQUESTS, reply_of, request_of
 
 REFUSED = json.loads((HERE / "refused.json").read_text())

@@ -1,0 +1,82 @@
+"""What the samples of a table cost: the paper's 6,480 steps by the fast elements and by the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from time import thread_time
+from typing import Any
+
+import numpy as np
+
+from galewood.build import BuildOptions
+from galewood.fem import FemModel, Simulator
+from galewood.mesh import run_intake
+from galewood.model import bind_foliage, build_model, reference_model
+from galewood.sampling import SampleWind, design_wind, sample_trajectory, sample_winds
+from galewood.skeleton import as_drawn, extract_skeleton, sampled_elements
+from galewood.tets import tetrahedralise
+from galewood.wood import species
+
+Tick = Callable[[float, str], None]
+REFERENCE_FRAMES, QUICK_REFERENCE_FRAMES = 180, 20
+QUICK_WINDS = 3
+
+
+def bench_samples(mesh: Path, options: BuildOptions, cache_dir: Path, *, quick: bool, tick: Tick) -> Any:
+    """CPU seconds of all cosine winds by the fast elements, and of the reference, one core each.
+
+    The fast ones run every wind (``quick``: three, and the rest by proportion), recording as for a table. The
+    reference runs 180 frames of one wind (20), and the rest is by proportion: each step costs the same.
+    """
+    tick(0.0, "Preparing the tree")
+    fast, reference, points = prepared(mesh, options, cache_dir)
+    wind = design_wind(Simulator(fast), options.design_speed_m_s, _height_m(fast), options.fem.dt_s)
+    winds = [w for w in sample_winds(wind.speed_m_s, options.fem.dt_s) if w.name.startswith("cosine")]
+    chosen = winds[:: len(winds) // QUICK_WINDS] if quick else winds
+    frames = sum(len(w.pressure_pa) for w in winds)
+    fast_s = _seconds(fast, chosen, points, lambda f: tick(0.1 + 0.4 * f, "Sampling with the fast elements"))
+    cut = QUICK_REFERENCE_FRAMES if quick else REFERENCE_FRAMES
+    one = [SampleWind("reference", 0.0, winds[-1].pressure_pa[:cut])]
+    slow_s = _seconds(reference, one, points, lambda f: tick(0.5 + 0.5 * f, "Sampling with the reference"))
+    run = sum(len(w.pressure_pa) for w in chosen)
+    return {
+        "tree": mesh.stem,
+        "samples": frames,
+        "fast_cpu_s": fast_s * frames / run,
+        "fast_samples_run": run,
+        "reference_cpu_s": slow_s * frames / cut,
+        "reference_samples_run": cut,
+        "faster": (slow_s / cut) / (fast_s / run),
+        "elements": len(fast.elements),
+    }
+
+
+def prepared(mesh: Path, options: BuildOptions, cache_dir: Path) -> tuple[FemModel, FemModel, Any]:
+    """A tree's fast model, its reference, and the vertices to record."""
+    tree, _ = run_intake(mesh.read_bytes(), mesh.name, options.intake)
+    tets = tetrahedralise(tree, options.target_tets, cache_dir / "tets")
+    skeleton, wood = extract_skeleton(tets), species(tree.species or "default")
+    tets = as_drawn(tree, tets, skeleton)
+    lumps = bind_foliage(tree, tets, wood)
+    fast = build_model(tets, skeleton, wood, lumps, options.fem)
+    points = np.unique(tets.tets[sampled_elements(tets, skeleton, options.sampled_elements)])
+    return fast, reference_model(tets, skeleton, wood, lumps, options.fem), points
+
+
+def _height_m(model: FemModel) -> float:
+    return float(np.ptp(model.nodes_m[:, 1]))
+
+
+def _seconds(
+    model: FemModel, winds: Sequence[SampleWind], points: Any, tick: Callable[[float], None]
+) -> float:
+    """CPU seconds of this thread; the first step, which may compile, is not counted."""
+    simulator, dt_s = Simulator(model), model.settings.dt_s
+    sample_trajectory(simulator, SampleWind("first", 0.0, winds[0].pressure_pa[:1]), points, dt_s)
+    spent = 0.0
+    for k, wind in enumerate(winds):
+        begun = thread_time()
+        sample_trajectory(simulator, wind, points, dt_s, lambda f, k=k: tick((k + f) / len(winds)))
+        spent += thread_time() - begun
+    return spent

@@ -1,0 +1,132 @@
+"""What a table costs: its build by stages and in memory, its bytes, and a step of a forest that plays it."""
+
+from __future__ import annotations
+
+import time
+import zlib
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zstandard
+
+from galewood.build import BuildOptions, Progress, build_table
+from galewood.player import ForestLookup, TangentForest, planted
+from galewood.table import Table, decode
+from galewood.util import PeakMemory
+from galewood.wind import Wind, wind_pressure
+
+Tick = Callable[[float, str], None]
+Forest = ForestLookup | TangentForest
+ELEMENTS = (35, 435)
+COMPARED_FRAMES, QUICK_FRAMES = 60, 30
+SEARCHED_TREES, FOREST_TREES = 1000, 10_000
+STEPS, REPEATS = 60, 3
+
+
+def bench_build(
+    mesh: Path, options: BuildOptions, cache_dir: Path, tick: Tick
+) -> tuple[dict[str, Any], bytes]:
+    """A build with everything that it hands out, by stages: wall and CPU seconds, memory; and its table."""
+    begun, handed_out_s = time.perf_counter(), dict[str, float]()
+
+    def publish(name: str, _content: bytes) -> None:
+        shown = "tetrahedra" if name.startswith("tets-") else name
+        handed_out_s[shown] = time.perf_counter() - begun
+
+    with PeakMemory() as memory:
+        result = build_table(
+            mesh.read_bytes(), mesh.name, options, progress=_teller(tick, ""), cache_dir=cache_dir,
+            publish=publish,
+        )  # fmt: skip
+    wall_s, cpu_s = result.report["seconds"], result.report["cpu_seconds"]
+    figures = {
+        "tree": mesh.stem,
+        "wall_s": wall_s | {"total": sum(wall_s.values())},
+        "cpu_s": cpu_s | {"total": sum(cpu_s.values())},
+        "handed_out_after_s": handed_out_s,
+        "peak_memory_mb": {
+            "parent": memory.parent_mb,
+            "largest_worker": memory.child_mb,
+            "all_at_the_same_time": memory.total_mb,
+        },
+        "table": sizes(decode(result.table), result.table, int(result.report["meshing"]["vertices"])),
+    }
+    return figures, result.table
+
+
+def _teller(tick: Tick, what: str) -> Callable[[Progress], None]:
+    return lambda progress: tick(progress.fraction, what + progress.message)
+
+
+def sizes(table: Table, data: bytes, vertices: int) -> dict[str, Any]:
+    """Bytes of a table, as they go over the wire, and of Δu as the paper keeps it (float32, all vertices)."""
+    return {
+        "records": len(table.dq),
+        "modes": len(table.mode_scale),
+        "bytes": len(data),
+        "deflated_bytes": len(zlib.compress(data, 9)),
+        "zstd_bytes": len(zstandard.compress(data, 19)),
+        "raw_displacement_bytes": len(table.dq) * vertices * 3 * 4,
+    }
+
+
+def bench_search(mesh: Path, options: BuildOptions, cache_dir: Path, *, quick: bool, tick: Tick) -> Any:
+    """The paper's search with 35 and with 435 sampled elements; the frames of each wind are the same."""
+    frames = QUICK_FRAMES if quick else COMPARED_FRAMES
+    found: dict[str, Any] = {"frames_per_wind": frames, "trees": SEARCHED_TREES}
+    for k, count in enumerate(ELEMENTS):
+        with PeakMemory() as memory:
+            result = build_table(
+                mesh.read_bytes(), mesh.name, replace(options, sampled_elements=count, frames=frames),
+                progress=_teller(lambda f, m, k=k: tick((k + f) / len(ELEMENTS), m), f"{count} elements: "),
+                cache_dir=cache_dir,
+            )  # fmt: skip
+        table = decode(result.table)
+        found[str(count)] = {
+            "records": len(table.dq),
+            "points": int(table.metadata["points"]),
+            "candidates": len(table.candidate),
+            "table_bytes": len(result.table),
+            "us_per_tree_step": step_us(searching(table, SEARCHED_TREES), table, SEARCHED_TREES),
+            "build_peak_memory_mb": memory.total_mb,
+        }
+    return found
+
+
+def bench_forest(table: Table) -> dict[str, Any]:
+    """A step of a large forest by both methods, one core, in gusts: {method: {ms, us_per_tree}}."""
+    made = {"drift_free": swaying, "paper": searching}
+    us = {name: step_us(make(table, FOREST_TREES), table, FOREST_TREES) for name, make in made.items()}
+    steps = {name: {"ms": value * FOREST_TREES / 1e3, "us_per_tree": value} for name, value in us.items()}
+    return {"trees": FOREST_TREES, **steps}
+
+
+def searching(table: Table, trees: int) -> ForestLookup:
+    """A forest by the paper's search."""
+    return ForestLookup(table, trees)
+
+
+def swaying(table: Table, trees: int) -> TangentForest:
+    """A forest by the drift-free method."""
+    return TangentForest(table.tangent, float(table.metadata["dt_s"]), table.mode_scale, trees)
+
+
+def step_us(forest: Forest, table: Table, trees: int) -> float:
+    """CPU µs of one step of one tree, in a forest of this many under a gusty wind: the best repeat's mean."""
+    x, z, yaw, _ = planted(trees)
+    forest.set_trees(x, z, yaw, np.ones(trees))
+    dt_s = float(table.metadata["dt_s"])
+    pressure = np.zeros((2, trees), np.float32)
+    best = np.inf
+    for repeat in range(REPEATS + 1):  # the first one may compile, and starts from rest
+        spent = 0.0
+        for step in range(STEPS):
+            wind_pressure(Wind(), x, z, (repeat * STEPS + step) * dt_s, pressure[0], pressure[1])
+            begun = time.process_time()
+            forest.advance(dt_s * (1 + 1e-12), pressure[0], pressure[1])
+            spent += time.process_time() - begun
+        best = min(best, spent / STEPS / trees) if repeat else np.inf
+    return best * 1e6

@@ -1,0 +1,95 @@
+"""What a build writes down: the table's description of itself, and everything assumed and measured."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import asdict
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+
+from galewood.build.options import (BuildOptions, Stages)
+from galewood.sampling import (DesignWind)
+from galewood.model import (Lumps)
+from galewood.mesh import (TreeMesh)
+from galewood.fem import (FemModel)
+from galewood.sampling import (SampleWind)
+from galewood.skeleton import (Skeleton)
+from galewood.table import (Metadata, Table)
+from galewood.build.assemble import (RenderMesh)
+from galewood.tets import (TetMesh)
+
+
+def render_mesh(tree: TreeMesh, binding: scipy.sparse.csr_matrix) -> RenderMesh:
+    """The render vertices of all primitives in the GLB's order, with how they hang on the tet vertices."""
+    primitives = [{"name": p.name, "kind": p.kind, "vertices": len(p.positions_m)} for p in tree.primitives]
+    return RenderMesh(np.concatenate([p.positions_m for p in tree.primitives]), binding, primitives)
+
+
+def describe(
+    tree: TreeMesh,
+    model: FemModel,
+    wind: DesignWind,
+    winds: list[SampleWind],
+    options: BuildOptions,
+    render_glb: bytes,
+) -> Metadata:
+    """The part of a table's metadata that is known before its motion is."""
+    return {
+        "species": tree.species or "default",
+        "height_m": tree.height_m,
+        "dt_s": options.fem.dt_s,
+        "sampled_elements": options.sampled_elements,
+        "design_speed_m_s": wind.speed_m_s,
+        "mesh_sha256": hashlib.sha256(render_glb).hexdigest(),
+        "frequencies_hz": model.report["frequencies_hz"],
+        "provenance": {
+            "software": _version(),
+            "wood": model.report["wood"],
+            "tetrahedra": len(model.elements),
+            "fem": asdict(options.fem),
+            "seed": options.seed,
+            "winds": [w.name for w in winds],
+            "frames": [len(w.pressure_pa) for w in winds],
+        },
+    }
+
+
+def build_report(
+    tree: TreeMesh,
+    mesh: TetMesh,
+    skeleton: Skeleton,
+    lumps: Lumps,
+    model: FemModel,
+    wind: DesignWind,
+    table: Table,
+    reference: dict[str, Any] | None,
+    stages: Stages,
+) -> dict[str, Any]:
+    """Everything assumed and measured on the way, by stage; JSON-able."""
+    candidates = np.diff(table.offsets.astype(np.int64))
+    return {
+        "intake": tree.report,
+        "meshing": mesh.report,
+        "skeleton": skeleton.report,
+        "foliage": lumps.report,
+        "model": model.report | ({"reference": reference} if reference else {}),
+        "design_wind": asdict(wind),
+        "table": {
+            **{name: table.metadata[name] for name in ("records", "modes", "points", "sigma_pa", "errors")},
+            "nodes": len(table.node_rest_m),
+            "candidates": int(candidates.sum()),
+            "candidates_most": int(candidates.max()),
+        },
+        "seconds": stages.seconds,
+        "cpu_seconds": stages.cpu_seconds,
+    }
+
+
+def _version() -> str:
+    try:
+        return f"galewood {metadata.version('galewood')}"
+    except metadata.PackageNotFoundError:
+        return "galewood"

@@ -1,0 +1,67 @@
+"""Tables of one tree from its runs: an early one from the first of them, and the whole one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from galewood.build.options import (BuildOptions)
+from galewood.sampling import (DesignWind)
+from galewood.mesh import (TreeMesh)
+from galewood.reduction import (Learning)
+from galewood.fem import (FemModel)
+from galewood.build.report import (describe)
+from galewood.sampling import (Samples)
+from galewood.sampling import (Recording, SampleWind)
+from galewood.table import (Table)
+from galewood.build.assemble import (RenderMesh, assemble_table)
+from galewood.reduction import (Oscillators, oscillators_of)
+
+
+@dataclass(frozen=True)
+class TableMaker:
+    """All that a table says and shows besides its motion."""
+
+    tree: TreeMesh
+    model: FemModel
+    wind: DesignWind
+    surface: RenderMesh
+    options: BuildOptions
+    render_glb: bytes
+
+    @cached_property
+    def oscillators(self) -> Oscillators:
+        """The tree's own free motion, which every table of it builds on."""
+        return oscillators_of(self.model)
+
+    def early(self, samples: Samples) -> Table:
+        """A small table of the first runs alone, marked as preliminary."""
+        table = self.make(samples.first())
+        table.metadata["provenance"]["preliminary"] = True
+        return table
+
+    def make(
+        self,
+        samples: Samples,
+        tick: Callable[[float], None] = lambda fraction: None,
+        further: Callable[[], Sequence[Recording]] = tuple,
+    ) -> Table:
+        """The table of these runs, and of the ``further`` ones if the tree asks for them."""
+        winds, asked = samples.winds, list[SampleWind]()
+
+        def ask() -> Sequence[Recording]:
+            runs = further()
+            asked.extend(task.wind for task in samples.further[: len(runs)])
+            return runs
+
+        description = describe(self.tree, self.model, self.wind, winds, self.options, self.render_glb)
+        learning = Learning(self.oscillators, self.options.fem, samples.learnt_runs(), further=ask)
+        mass_kg = self.model.mass_kg[: self.model.vertex_count]
+        table = assemble_table(
+            samples.recorded_runs(), mass_kg, self.surface, description, self.options.table, learning, tick
+        )
+        provenance = table.metadata["provenance"]
+        provenance["winds"] += [wind.name for wind in asked]
+        provenance["frames"] += [len(wind.pressure_pa) for wind in asked]
+        return table

@@ -1,0 +1,260 @@
+"""The command line of the precomputation: build, simulate, export, evaluate, paper, bench, verify."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from galewood.cli.tools import console, progress_bar, teller, without_frames, write_figures, writer
+
+app = typer.Typer(
+    no_args_is_help=True, add_completion=False, help="Tables of simulated tree motion, made and played."
+)
+JsonOut = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
+CacheDir = Annotated[Path, typer.Option(help="Where meshes and trajectories are kept for the next time.")]
+
+
+@app.command()
+def build(
+    mesh: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL.")],
+    out: Annotated[Path, typer.Option(help="Table file to write.")],
+    species: Annotated[str | None, typer.Option(help="Wood of this species.")] = None,
+    wood: Annotated[
+        Path | None, typer.Option(exists=True, dir_okay=False, help="A wood of your own (docs/physics.md).")
+    ] = None,
+    height_m: Annotated[float | None, typer.Option(help="Height of the tree, m.")] = None,
+    design_speed: Annotated[float, typer.Option(help="Strongest sampled wind, m/s.")] = 18.0,
+    elements: Annotated[int, typer.Option(min=1, help="Sampled elements of the paper's search.")] = 35,
+    tets: Annotated[int, typer.Option(help="Tetrahedra to aim at.")] = 5500,
+    wind_frames: Annotated[int, typer.Option(min=2, help="Frames of each of the 36 cosine winds.")] = 180,
+    seed: Annotated[int, typer.Option(help="Of the noise and gusts that the drift-free method learns.")] = 1,
+    reference: Annotated[
+        bool, typer.Option("--reference", help="Quadratic elements: the reference itself, ten times as long.")
+    ] = False,
+    compared_frames: Annotated[
+        int, typer.Option(min=0, help="Frames of the run compared with the reference; 0: no comparison.")
+    ] = 60,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(file_okay=False, help="Folder for pictures and a first table, written on the way."),
+    ] = None,
+    cache_dir: CacheDir = Path("data/cache"),
+    json_out: JsonOut = None,
+) -> None:
+    """Simulate a tree mesh and write its table, and the mesh it moves beside it (FILE.glb)."""
+    from galewood.build import BuildOptions, build_table
+    from galewood.fem import FemSettings
+    from galewood.mesh import IntakeOptions
+    from galewood.util import MeshError
+    from galewood.wood import WoodError, read_wood
+
+    try:
+        own_wood = read_wood(wood.read_bytes()) if wood else None
+    except WoodError as error:
+        console.print(f"[red]{wood} is no wood.[/red]", *(f"{name}: {what}" for name, what in error.problems))
+        raise typer.Exit(1) from None
+    options = BuildOptions(
+        intake=IntakeOptions(species=species, height_m=height_m),
+        wood=own_wood,
+        target_tets=tets,
+        sampled_elements=elements,
+        design_speed_m_s=design_speed,
+        frames=wind_frames,
+        seed=seed,
+        reference_frames=compared_frames,
+        fem=FemSettings(element="quadratic" if reference else "fitted"),
+    )
+    try:
+        with progress_bar() as bar:
+            tell = teller(bar)
+            result = build_table(
+                mesh.read_bytes(),
+                mesh.name,
+                options,
+                progress=lambda p: tell(p.fraction, p.message),
+                cache_dir=cache_dir,
+                publish=writer(pictures) if pictures else None,
+            )
+    except MeshError as error:
+        console.print(f"[red]{error.title}[/red] {error.hint}")
+        raise typer.Exit(1) from None
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_bytes(result.table)
+    out.with_suffix(".glb").write_bytes(result.render_glb)
+    write_figures(json_out, {**result.report, "table_bytes": len(result.table)})
+    seconds = sum(result.report["seconds"].values())
+    console.print(f"{out}: {len(result.table) / 1e6:.1f} MB in {seconds:.0f} s")
+
+
+@app.command()
+def simulate(
+    table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
+    speed: Annotated[float, typer.Option(help="Mean wind speed, m/s.")] = 8.0,
+    direction: Annotated[float, typer.Option(help="Direction the wind blows towards, degrees.")] = 30.0,
+    gustiness: Annotated[float, typer.Option(help="0 steady … 1 wild.")] = 0.5,
+    seconds: Annotated[float, typer.Option(help="How long to play.")] = 20.0,
+    trees: Annotated[int, typer.Option(help="How many trees, 10 m apart.")] = 16,
+    json_out: JsonOut = None,
+) -> None:
+    """Play a table under a wind and tell how far its trees sway."""
+    from galewood.player import play
+    from galewood.table import decode
+    from galewood.wind import Wind
+
+    wind = Wind(mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness)
+    figures = play(decode(table.read_bytes()), wind, seconds, trees)
+    write_figures(json_out, figures)
+    console.print_json(data=figures)
+
+
+@app.command()
+def export(
+    table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
+    out: Annotated[Path, typer.Argument(help="Animated GLB to write.")],
+    mesh: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="The mesh it moves; else the .glb beside the table."),
+    ] = None,
+    speed: Annotated[float, typer.Option(help="Mean wind speed, m/s.")] = 8.0,
+    direction: Annotated[float, typer.Option(help="Direction the wind blows towards, degrees.")] = 30.0,
+    gustiness: Annotated[float, typer.Option(help="0 steady … 1 wild.")] = 0.5,
+    seed: Annotated[int, typer.Option(help="Another seed, other gusts.")] = 1,
+    seconds: Annotated[float, typer.Option(min=0.1, max=600.0, help="How long to play.")] = 10.0,
+    loop: Annotated[bool, typer.Option("--loop", help="End as it begins.")] = False,
+    run: Annotated[str | None, typer.Option(help="Instead of a wind: a run of the table, by name.")] = None,
+) -> None:
+    """Write a tree swaying in a wind as an animated GLB (morph targets) for other programs."""
+    from galewood.export import ExportError, animated_glb, blown, sampled
+    from galewood.table import TableError, decode
+    from galewood.wind import Wind
+
+    wind = Wind(mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness, seed=seed)
+    try:
+        decoded = decode(table.read_bytes())
+        q = sampled(decoded, run) if run else blown(decoded, wind, seconds, loop=loop)
+        glb = animated_glb(decoded, (mesh or table.with_suffix(".glb")).read_bytes(), q)
+    except (ExportError, TableError, KeyError, OSError) as error:
+        console.print(f"[red]{error.args[0] if isinstance(error, KeyError) else error}[/red]")
+        raise typer.Exit(1) from None
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_bytes(glb)
+    console.print(f"{out}: {len(glb) / 1e6:.1f} MB, {len(q)} frames")
+
+
+@app.command()
+def evaluate(
+    table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
+    mesh: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="The mesh it moves; else the .glb beside the table."),
+    ] = None,
+    model: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="The model's file; else the cache's that fits."),
+    ] = None,
+    frames: Annotated[int, typer.Option(min=60, help="Frames of each wind.")] = 600,
+    strength: Annotated[float, typer.Option(help="Strongest wind, of the design speed.")] = 0.65,
+    sway: Annotated[
+        float | None, typer.Option(help="Scale each wind until the tree sways by this share of its height.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Turns and times the winds.")] = 20_001,
+    long: Annotated[
+        int, typer.Option(help="Frames of a long run of gusts at --sway (else 0.1), and beyond the sampled.")
+    ] = 0,
+    plot: Annotated[Path | None, typer.Option(help="Picture of the errors over time to write.")] = None,
+    workers: Annotated[int, typer.Option(help="Processes that run the finite elements.")] = 2,
+    cache_dir: CacheDir = Path("data/cache"),
+    json_out: JsonOut = None,
+) -> None:
+    """Compare a table with the finite elements it was made from, on winds that were not sampled."""
+    from galewood.evaluation import SourceError, run_evaluation
+    from galewood.util import MeshError
+
+    try:
+        with progress_bar() as bar:
+            figures = run_evaluation(
+                table, mesh, model, cache_dir, teller(bar), plot=plot,
+                frames=frames, strength=strength, sway=sway, seed=seed, long=long, workers=workers,
+            )  # fmt: skip
+    except (MeshError, SourceError) as error:
+        console.print(f"[red]{error}[/red]")
+        raise typer.Exit(1) from None
+    write_figures(json_out, figures)
+    console.print_json(data=without_frames(figures))
+
+
+@app.command()
+def paper(
+    out: Annotated[
+        Path, typer.Option(help="Document to write; its pictures go to the folder of its name.")
+    ] = Path("docs/paper.md"),
+    meshes: Annotated[
+        Path, typer.Option(exists=True, file_okay=False, help="Folder of poplar, maple and apricot.")
+    ] = Path("assets/species"),
+    quick: Annotated[bool, typer.Option(help="One small tree, few frames: only to see it work.")] = False,
+    workers: Annotated[int, typer.Option(help="Processes that run the finite elements.")] = 2,
+    cache_dir: CacheDir = Path("data/cache"),
+    json_out: JsonOut = None,
+) -> None:
+    """Do every experiment of the paper again and write what comes out, beside the paper's own figures."""
+    from galewood.paper import full_plan, quick_plan, run_paper
+
+    plan = full_plan(meshes, cache_dir, workers)
+    if quick:
+        plan = quick_plan({path.stem: path for path in sorted(meshes.glob("*.glb"))[:1]}, cache_dir)
+    with progress_bar() as bar:
+        figures = run_paper(plan, out, teller(bar))
+    write_figures(json_out, figures)
+    console.print(f"{out} and its pictures are written")
+
+
+@app.command()
+def bench(
+    parts: Annotated[
+        list[str] | None, typer.Argument(help="fem, samples, build, lookup, tangent, wind; none: all.")
+    ] = None,
+    mesh: Annotated[Path, typer.Option(exists=True, dir_okay=False, help="Tree to measure with.")] = Path(
+        "assets/species/poplar.glb"
+    ),
+    table: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="Table for the part tangent: saves it a build."),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer frames; the rest by proportion.")] = False,
+    json_out: JsonOut = None,
+) -> None:
+    """Measure the FEM step, the samples, a build by stage, the lookup, a forest's step and the wind."""
+    from galewood.bench import PARTS, run_bench, sentences
+
+    unknown = set(parts or ()) - set(PARTS)
+    if unknown:
+        raise typer.BadParameter(f"no part {sorted(unknown)[0]!r}: there are {', '.join(PARTS)}")
+    with progress_bar() as bar:
+        figures = run_bench(mesh, parts or (), quick=quick, table=table, tick=teller(bar))
+    write_figures(json_out, figures)
+    for sentence in sentences(figures):
+        print(sentence)
+
+
+@app.command()
+def verify(
+    quick: Annotated[bool, typer.Option(help="Elements, bars and poles alone, not the grown trees.")] = False,
+    species_dir: Annotated[Path, typer.Option(help="Folder of the grown species.")] = Path("assets/species"),
+    docs: Annotated[Path | None, typer.Option(help="Page whose table of checks to rewrite.")] = None,
+    cache_dir: CacheDir = Path("data/cache"),
+    json_out: JsonOut = None,
+) -> None:
+    """Check the finite elements against exact solutions, a frame of beams, other programs and each other."""
+    from galewood.verify import Scope, run_checks, written_into
+
+    scope = Scope(species_dir=None if quick else species_dir, cache_dir=cache_dir)
+    with console.status("Checking"):
+        figures = run_checks(scope, lambda check: console.print(check.line()))
+    write_figures(json_out, figures)
+    if docs is not None:
+        docs.write_text(written_into(docs.read_text(), figures["markdown"]))
+    console.print(f"{'all passed' if figures['passed'] else 'FAILED'} in {figures['seconds']:.0f} s")
+    if not figures["passed"]:
+        raise typer.Exit(1)

@@ -1,0 +1,36 @@
+"""Comparison of a table with the finite-element reference solution on winds it was not built from."""
+
+from galewood.evaluation.evaluate import METHODS, Forest, Make, evaluate_table, played
+from galewood.evaluation.long_run import beyond
+from galewood.evaluation.measures import FRAMES_SHOWN, hausdorff
+from galewood.evaluation.plot import error_figure
+from galewood.evaluation.reference_runs import TruthTask, read_truth, run_truths
+from galewood.evaluation.report import run_evaluation
+from galewood.evaluation.source import Source, SourceError, samples_of, source_of
+from galewood.evaluation.tracks import Comparison, Place, compare_methods, nodes_on_wood
+from galewood.evaluation.winds import along
+
+__all__ = [
+    "FRAMES_SHOWN",
+    "METHODS",
+    "Comparison",
+    "Forest",
+    "Make",
+    "Place",
+    "Source",
+    "SourceError",
+    "TruthTask",
+    "along",
+    "beyond",
+    "compare_methods",
+    "error_figure",
+    "evaluate_table",
+    "hausdorff",
+    "nodes_on_wood",
+    "played",
+    "read_truth",
+    "run_evaluation",
+    "run_truths",
+    "samples_of",
+    "source_of",
+]

@@ -1,0 +1,166 @@
+"""A table beside the finite elements it was made from, on winds that were not sampled.
+
+Two sets of vertices are judged: the wood's own (the table's modes at the tetrahedra's vertices: what the
+method errs by, and what the modes leave out), and the render vertices as the viewer moves them (that many
+of them share a node is then in it too). ``floor`` says what is left if the method made no error at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from galewood.evaluation.measures import CHUNK, errors, figures, hausdorff_by_frame, joined
+from galewood.evaluation.reference_runs import Truth, TruthTask, read_truth, run_truths
+from galewood.evaluation.source import Source
+from galewood.evaluation.winds import unseen_winds
+from galewood.player import ForestLookup, TangentForest
+from galewood.table import Table
+from galewood.util import Array, Floats
+from galewood.wind import dynamic_pressure
+
+Forest = ForestLookup | TangentForest
+Make = Callable[[Table], Forest]
+Tick = Callable[[float, str], None]
+
+METHODS: dict[str, Make] = {
+    "tangent": lambda table: TangentForest(table.tangent, float(table.metadata["dt_s"]), table.mode_scale, 1),
+    "paper": lambda table: ForestLookup(table, 1),
+    "paper-literal": lambda table: ForestLookup(table, 1, pose_easing=0.0, still_air=False),
+}
+
+
+def played(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, float]:
+    """(T, r) shown pose after each step of one tree of the table, and its largest coverage (1 if not told).
+
+    A shown pose lies between two steps, and right after a step it is the older one: the track is taken a
+    frame later.
+    """
+    forest, dt_s = make(table), float(table.metadata["dt_s"])
+    poses, coverage = [], 0.0
+    for x, z in np.concatenate([pressure_pa, pressure_pa[-1:]]):
+        forest.advance(dt_s, [x], [z])
+        poses.append(forest.q[0].astype(np.float64))
+        coverage = max(coverage, float(forest.coverage[0]) if isinstance(forest, TangentForest) else 1.0)
+    return np.array(poses[1:]), coverage
+
+
+def nearest_sample(table: Table, pressure_pa: Floats) -> Floats:
+    """(T, r) the sampled run whose wind is nearest to this one, played over and over."""
+    starts = table.trajectory.astype(np.int64)
+    places = [np.resize(np.arange(a, b), len(pressure_pa)) for a, b in pairwise(starts.tolist())]
+    gaps = [float(np.mean((table.pressure_pa[place] - pressure_pa) ** 2)) for place in places]
+    return table.pose()[places[int(np.argmin(gaps))]] * table.mode_scale.astype(np.float64)
+
+
+def evaluate_table(
+    table: Table,
+    source: Source,
+    frames: int,
+    cache_dir: Path,
+    tick: Tick,
+    *,
+    strength: float = 0.65,
+    sway: float | None = None,
+    seed: int = 20_001,
+    workers: int = 2,
+) -> dict[str, Any]:
+    """Figures per unseen wind and method, beside a tree at rest and the nearest sampled run played back.
+
+    ``strength`` is the winds' peak over the design speed. With ``sway`` each wind is scaled until the finite
+    elements sway by that share of the height, or until it peaks at the design speed.
+    """
+    winds = _winds(table, frames, strength if sway is None else 0.9, seed)
+    tasks = truth_tasks(table, source, list(winds.values()), sway)
+
+    def done(count: int) -> None:
+        tick(0.8 * count / len(tasks), "Simulating the winds")
+
+    paths = run_truths(tasks, cache_dir, done, workers)
+    found: dict[str, Any] = {}
+    for k, (name, path) in enumerate(zip(winds, paths, strict=True)):
+        tick(0.8 + 0.2 * k / len(paths), f"Comparing: {name}")
+        truth = read_truth(path)
+        found[name] = compare_methods(table, source, truth, len(truth.pressure_pa) - frames)
+    tick(1.0, "Done")
+    return found
+
+
+def _winds(table: Table, frames: int, strength: float, seed: int) -> dict[str, Floats]:
+    speed_m_s, dt_s = float(table.metadata["design_speed_m_s"]), float(table.metadata["dt_s"])
+    return unseen_winds(speed_m_s, frames, dt_s, strength=strength, seed=seed)
+
+
+def truth_tasks(table: Table, source: Source, winds: list[Floats], sway: float | None) -> list[TruthTask]:
+    """What the finite elements have to run."""
+    if sway is None:
+        return [TruthTask(source.model_path, wind) for wind in winds]
+    most_pa = float(dynamic_pressure(float(table.metadata["design_speed_m_s"])))
+    sway_m = sway * float(table.metadata["height_m"])
+    return [TruthTask(source.model_path, wind, sway_m, most_pa) for wind in winds]
+
+
+def compare_methods(table: Table, source: Source, truth: Truth, lead: int = 0) -> dict[str, Any]:
+    """Every method and both baselines on one wind, whose first frames are a lead-in."""
+    pressure = truth.pressure_pa
+    tracks = {method: played(table, pressure, make) for method, make in METHODS.items()}
+    tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
+    tracks["rest-pose"] = (np.zeros((len(pressure), source.subspace.modes)), 1.0)
+    found = {
+        method: {**compare(table, source, q, truth.displacement_m, lead), "coverage": coverage}
+        for method, (q, coverage) in tracks.items()
+    }
+    found["floor"] = floor(table, source, truth.displacement_m)
+    return found
+
+
+def compare(table: Table, source: Source, q: Floats, truth_m: Array, lead: int = 0) -> dict[str, Any]:
+    """Figures of poses (T, r) on the wood's vertices, and under ``seen`` on the render vertices."""
+    height_m = float(table.metadata["height_m"])
+    wood, seen = [], []
+    for a in range(0, len(q), CHUNK):
+        pose, true = q[a : a + CHUNK], truth_m[a : a + CHUNK]
+        wood.append(errors(source.subspace.expand(pose), true))
+        seen.append(errors(seen_track(table, source, pose), seen_truth(source, true), source.seen.count))
+    first = slice(0, 60)
+    shown = source.subspace.expand(q[first])
+    return {
+        **figures(joined(wood), height_m, lead),
+        "true_sway": float(joined(wood).sway_m.max() / height_m),
+        "hausdorff": hausdorff_by_frame(source.rest_m, shown, truth_m[first], height_m),
+        "seen": figures(joined(seen), height_m, lead),
+    }
+
+
+def seen_track(table: Table, source: Source, q: Floats) -> Floats:
+    """(T, s, 3) distinct render vertices, each as its node goes."""
+    nodes = np.einsum("nik,tk->tni", table.node_basis.astype(np.float64), q)
+    return nodes[:, source.seen.node]
+
+
+def seen_truth(source: Source, truth_m: Array) -> Floats:
+    """(T, s, 3) distinct render vertices on the true wood."""
+    frames, n, _ = truth_m.shape
+    flat = truth_m.astype(np.float64).transpose(1, 0, 2).reshape(n, -1)
+    return np.asarray(source.seen.binding @ flat).reshape(-1, frames, 3).transpose(1, 0, 2)
+
+
+def floor(table: Table, source: Source, truth_m: Array) -> dict[str, float]:
+    """What no method can mend: the modes' truncation, and render vertices that share a node, over the
+    height.
+    """
+    height_m, truncation, nodes = float(table.metadata["height_m"]), [], []
+    for a in range(0, len(truth_m), CHUNK):
+        true = truth_m[a : a + CHUNK].astype(np.float64)
+        q = source.subspace.project(true)
+        truncation.append(errors(source.subspace.expand(q), true))
+        nodes.append(errors(seen_track(table, source, q), seen_truth(source, true), source.seen.count))
+    return {
+        "truncation": float(joined(truncation).largest_m.max() / height_m),
+        "truncation_and_nodes": float(joined(nodes).largest_m.max() / height_m),
+        "truncation_and_nodes_rms": float(np.sqrt(joined(nodes).mean_square_m2.mean()) / height_m),
+    }

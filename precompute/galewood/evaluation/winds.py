@@ -1,0 +1,104 @@
+"""Winds that no sample has, to judge a table by.
+
+A motion that drifts is told by errors that grow, and that only where the wind does not: every wind that
+goes on comes back twice without a seam, every half run, and the first pass, which begins with a tree at rest,
+is a lead-in. The step goes on alike, and the gust leaves its second half still.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from galewood.util import Floats
+from galewood.wind import dynamic_pressure
+
+NOISE_BAND_HZ = (0.03, 3.0)
+NOISE_INTENSITY = 0.35
+GUST_END_S = 3.0
+
+
+def unseen_winds(
+    design_speed_m_s: float, frames: int, dt_s: float, *, strength: float = 0.65, seed: int = 20_001
+) -> dict[str, Floats]:
+    """Pressures (frames, 2) Pa that peak at ``strength`` of the design speed; the seed sets their turns.
+
+    Those that go on are half a run longer, by their lead-in.
+    """
+    rng = np.random.default_rng(seed)
+    half = max(frames // 2, 2)
+    once, frames = frames, frames + half
+    peak, t = strength * design_speed_m_s, np.arange(frames, dtype=np.float64) * dt_s
+    cosine = peak * (1 + 0.45 * _cosine(t, half * dt_s, rng.uniform(2, 7))) / 1.45
+    between = peak * (1 + 0.8 * _cosine(t, half * dt_s, 3.2)) / 1.8
+    smooth = np.clip(0.6 + 0.25 * _repeated(perlin(rng, half, dt_s), frames), 0, 1) * peak
+    turning = _repeated(noise(rng, half, dt_s, 2.0), frames)
+    smooth_heading = rng.uniform(0, 2 * np.pi) + 0.4 * turning
+    gust = peak * np.sin(np.pi * np.clip((t[:once] - 0.5) / (GUST_END_S - 0.5), 0, 1)) ** 2
+    return {
+        "new-period-and-amplitude": along(cosine, rng.uniform(0, 2 * np.pi)),
+        "between-directions": along(between, np.pi / 6),
+        "perlin": along(smooth, smooth_heading),
+        "one-over-f": one_over_f(rng, frames, half, dt_s, peak),
+        "step": along(0.85 * peak * (t[:once] > 1.0), rng.uniform(0, 2 * np.pi)),
+        "gust-then-still": along(gust, rng.uniform(0, 2 * np.pi)),
+    }
+
+
+def one_over_f(rng: np.random.Generator, frames: int, period: int, dt_s: float, peak_m_s: float) -> Floats:
+    """(frames, 2) Pa: speed with a −5/3 power spectrum about 0.7 of its peak, a heading that wanders."""
+    series = _repeated(noise(rng, period, dt_s, 5 / 3), frames)
+    wander = _repeated(noise(rng, period, dt_s, 2.0), frames)
+    speed = np.clip(0.7 * peak_m_s * (1.0 + NOISE_INTENSITY * series), 0.0, peak_m_s)
+    return along(speed, rng.uniform(0, 2 * np.pi) + rng.uniform(0.3, 0.7) * wander)
+
+
+def long_gusts(seed: int, frames: int, window: int, dt_s: float, peak_m_s: float) -> Floats:
+    """(frames, 2) Pa: the same gusts in every window, their heading turning once around over the run."""
+    rng = np.random.default_rng(seed)
+    series, wander = (_repeated(noise(rng, window, dt_s, beta), frames) for beta in (5 / 3, 2.0))
+    speed = np.clip(0.55 * peak_m_s * (1.0 + 0.45 * series), 0.0, peak_m_s)
+    return along(speed, 0.5 * wander + 2 * np.pi * np.arange(frames) / frames)
+
+
+def along(speed_m_s: npt.NDArray[np.floating[Any]], heading_rad: Floats | float) -> Floats:
+    """Pressure vectors of a speed and a heading."""
+    heading = np.broadcast_to(heading_rad, speed_m_s.shape)
+    return dynamic_pressure(speed_m_s)[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+
+
+def noise(rng: np.random.Generator, period: int, dt_s: float, beta: float) -> Floats:
+    """(period,) random series of unit variance, power ∝ f^−beta inside the band, that repeats seamlessly."""
+    low, high = NOISE_BAND_HZ
+    frequency = np.fft.rfftfreq(period, dt_s)
+    inside = (frequency >= low) & (frequency <= high)
+    amplitude = np.where(inside, np.maximum(frequency, low) ** (-beta / 2), 0.0)
+    series = np.fft.irfft(amplitude * np.exp(2j * np.pi * rng.random(len(frequency))), period)
+    return (series - series.mean()) / max(float(series.std()), 1e-12)
+
+
+def perlin(rng: np.random.Generator, period: int, dt_s: float) -> Floats:
+    """(period,) two octaves of gradient noise over time (Perlin 2002), about unit amplitude, seamless."""
+    share, total = np.arange(period) / period, np.zeros(period)
+    for cell_s, amplitude in ((4.0, 2.0), (1.5, 1.0)):
+        cells = max(2, round(period * dt_s / cell_s))
+        slopes = rng.uniform(-1, 1, cells)
+        place = share * cells
+        cell = np.floor(place).astype(np.int64)
+        within = place - cell
+        fade = within**3 * (within * (6 * within - 15) + 10)
+        left, right = slopes[cell] * within, slopes[(cell + 1) % cells] * (within - 1)
+        total += amplitude * ((1 - fade) * left + fade * right) * 2
+    return total
+
+
+def _cosine(time_s: Floats, whole_s: float, period_s: float) -> Floats:
+    """A cosine wave from its low, of the period next to the given one that fits a whole number of times."""
+    times = max(1, round(whole_s / period_s))
+    return np.cos(2 * np.pi * (time_s * times / whole_s + 0.5))
+
+
+def _repeated(series: Floats, frames: int) -> Floats:
+    return np.resize(series, frames)

@@ -1,0 +1,162 @@
+"""A tree's motion as an animated GLB, for programs that know nothing of tables.
+
+The table's modes become morph targets and the motion their weights: a vertex is displaced by Σ basis_k q_k,
+which is just what a morph does. So the file is exact to the table's own float, and a few megabytes large
+whatever the length.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from galewood.player import TangentForest
+from galewood.table import Table
+from galewood.util import Floats
+from galewood.wind import Wind, WindField, height_factor, limit_pressure, sampled_peak_pa
+
+Json = dict[str, Any]
+
+FLOAT = 5126
+SETTLE_S = 8.0
+"""A tree sways for so long before the motion that is kept begins."""
+LEAST_M = 2e-4
+"""A mode that moves nothing farther than this in the whole motion is left out."""
+LOOP_S = 2.0
+"""Over this time the end of a loop passes into what came before its start."""
+
+
+class ExportError(ValueError):
+    """The mesh is not the table's."""
+
+
+def blown(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Floats:
+    """(T + 1, r) coordinates of one tree in a wind by the drift-free method, a frame each table step.
+
+    A ``loop`` ends as it begins: the last frame is the first.
+    """
+    dt_s, field = float(table.metadata["dt_s"]), WindField(wind)
+    forest = TangentForest(table.tangent, dt_s, table.mode_scale, 1)
+    before, frames = round(SETTLE_S / dt_s), round(seconds / dt_s) + 1
+    track = np.array([_step(table, forest, field, dt_s * (k + 1)) for k in range(before + frames)])
+    if not loop:
+        return track[before:]
+    blend = max(1, min(round(LOOP_S / dt_s), frames - 1, before))
+    share = (np.arange(1, blend + 1) / blend)[:, None]
+    track[-blend:] += share * (track[before - blend + 1 : before + 1] - track[-blend:])
+    return track[before:]
+
+
+def _step(table: Table, forest: TangentForest, field: WindField, time_s: float) -> Floats:
+    """(r,) after one table step in the wind as it is at a place in the forest."""
+    wind, place, pressure = field.at(time_s).wind, np.zeros(1), np.zeros((2, 1), np.float32)
+    height_m = np.array([float(table.metadata["height_m"])])
+    factor = height_factor(height_m, wind.height_exponent, wind.reference_height_m)
+    field.pressure(place, place, time_s, pressure[0], pressure[1], factor)
+    limit_pressure(pressure[0], pressure[1], sampled_peak_pa(table.pressure_pa))
+    forest.advance(float(table.metadata["dt_s"]) * (1 + 1e-12), pressure[0], pressure[1])
+    return forest.q[0].astype(np.float64)
+
+
+def sampled(table: Table, name: str) -> Floats:
+    """(T, r) coordinates of one of the table's own runs, as the finite elements made it; KeyError."""
+    names = table.metadata["provenance"].get("winds", [])[: len(table.trajectory) - 1]
+    if name not in names:
+        raise KeyError(f"no run {name!r} in this table; there are {', '.join(names)}")
+    first, last = table.trajectory[names.index(name) : names.index(name) + 2]
+    return table.pose()[int(first) : int(last)] * table.mode_scale.astype(np.float64)
+
+
+def animated_glb(table: Table, glb: bytes, q: Floats) -> bytes:
+    """The table's render mesh with the motion q (T, r), a frame each table step. Raises ExportError."""
+    document, binary = _read(glb)
+    counts = [int(primitive["vertices"]) for primitive in table.metadata["primitives"]]
+    if [_vertices(document, mesh) for mesh in document["meshes"]] != counts:
+        raise ExportError("the mesh has other vertices than the mesh of the table")
+    file = _File(document, binary)
+    reach = np.abs(q).max(axis=0)
+    farthest_m = np.linalg.norm(table.node_basis, axis=1).max(axis=0) * reach
+    kept = np.flatnonzero(farthest_m > LEAST_M)
+    kept = kept if len(kept) else np.array([0])
+    scale = np.where(reach > 0, reach, 1.0)
+    shapes = table.node_basis[:, :, kept] * scale[kept].astype(np.float32)
+    for mesh, nodes in zip(
+        document["meshes"], np.split(table.vertex_node, np.cumsum(counts)[:-1]), strict=True
+    ):
+        file.add_targets(mesh, shapes[nodes.astype(np.int64)])
+    file.animate(q[:, kept] / scale[kept], float(table.metadata["dt_s"]))
+    return file.glb()
+
+
+def _vertices(document: Json, mesh: Json) -> int:
+    return int(document["accessors"][mesh["primitives"][0]["attributes"]["POSITION"]]["count"])
+
+
+class _File:
+    """A GLB that is added to."""
+
+    def __init__(self, document: Json, binary: bytes) -> None:
+        self._document, self._binary = document, bytearray(binary)
+
+    def add_targets(self, mesh: Json, shapes: npt.NDArray[np.float32]) -> None:
+        """Morph targets from displacements (v, 3, k), all at weight zero."""
+        count = shapes.shape[2]
+        targets = [{"POSITION": self._floats(shapes[:, :, k], "VEC3")} for k in range(count)]
+        mesh["primitives"][0]["targets"] = targets
+        mesh["weights"] = [0.0] * count
+        mesh["extras"] = {"targetNames": [f"mode {k}" for k in range(count)]}
+
+    def animate(self, weights: Floats, dt_s: float) -> None:
+        """Weights (T, k) of all meshes, dt_s apart."""
+        time = self._floats(np.arange(len(weights), dtype=np.float32)[:, None] * np.float32(dt_s), "SCALAR")
+        sampler = {"input": time, "output": self._floats(weights.reshape(-1, 1), "SCALAR")}
+        channels = [
+            {"sampler": 0, "target": {"node": index, "path": "weights"}}
+            for index, node in enumerate(self._document["nodes"])
+            if "mesh" in node
+        ]
+        sway = {"name": "sway", "samplers": [sampler | {"interpolation": "LINEAR"}], "channels": channels}
+        self._document["animations"] = [sway]
+
+    def _floats(self, rows: npt.NDArray[Any], kind: str) -> int:
+        values = np.ascontiguousarray(rows, "<f4")
+        self._binary += b"\0" * (-len(self._binary) % 4)
+        view = {"buffer": 0, "byteOffset": len(self._binary), "byteLength": values.nbytes}
+        self._binary += values.tobytes()
+        self._document["bufferViews"].append(view)
+        accessor = {
+            "bufferView": len(self._document["bufferViews"]) - 1,
+            "componentType": FLOAT,
+            "count": len(values),
+            "type": kind,
+            "min": values.min(axis=0).tolist(),
+            "max": values.max(axis=0).tolist(),
+        }
+        self._document["accessors"].append(accessor)
+        return len(self._document["accessors"]) - 1
+
+    def glb(self) -> bytes:
+        self._document["buffers"][0]["byteLength"] = len(self._binary)
+        text = json.dumps(self._document, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
+        body = bytes(self._binary) + b"\0" * (-len(self._binary) % 4)
+        parts = [(b"JSON", text), (b"BIN\0", body)]
+        chunks = b"".join(struct.pack("<I4s", len(content), name) + content for name, content in parts)
+        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def _read(glb: bytes) -> tuple[Json, bytes]:
+    """JSON and binary of a GLB that ``galewood build`` wrote."""
+    if len(glb) < 20 or glb[:4] != b"glTF":
+        raise ExportError("the mesh is no GLB")
+    size = int.from_bytes(glb[12:16], "little")
+    try:
+        document = json.loads(glb[20 : 20 + size])
+    except ValueError as error:
+        raise ExportError("the mesh is damaged") from error
+    binary = glb[20 + size + 8 :]
+    return document, binary[: int(document["buffers"][0]["byteLength"])]

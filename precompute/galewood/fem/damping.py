@@ -1,0 +1,45 @@
+"""What damping a tree shows: Rayleigh's two coefficients and what the time step adds."""
+
+import numpy as np
+
+from galewood.fem.model import FemSettings
+
+
+def rayleigh(ratio: float, first_hz: float, frequency_ratio: float) -> tuple[float, float]:
+    """α (1/s) and β (s) that give the damping ratio at the first frequency and at a multiple of it."""
+    first = 2 * np.pi * first_hz
+    second = frequency_ratio * first
+    return 2 * ratio * first * second / (first + second), 2 * ratio / (first + second)
+
+
+def rayleigh_ratio(alpha: float, beta: float, omega: float) -> float:
+    """Damping ratio of a mode of angular frequency omega, 1/s."""
+    return alpha / (2 * omega) + beta * omega / 2
+
+
+def shown_ratio(settings: FemSettings, omega: float, ratio: float) -> float:
+    """Damping ratio that the time-stepping scheme shows for a linear mode of this ratio and angular
+    frequency, 1/s.
+    """
+    z = settings.dt_s / settings.substeps * omega * complex(-ratio, np.sqrt(1 - ratio**2))
+    if settings.scheme == "backward-euler":
+        growth = 1 / (1 - z)
+    else:
+        d = 1 - np.sqrt(0.5)
+        growth = (1 + (1 - 2 * d) * z) / (1 - d * z) ** 2
+    exponent = np.log(growth)
+    return float(-exponent.real / abs(exponent))
+
+
+def damping_report(
+    settings: FemSettings, alpha: float, beta: float, first_hz: float, target: float
+) -> dict[str, float]:
+    """Damping ratio of the first mode: as given, by Rayleigh, by the time step, and as shown."""
+    omega = 2 * np.pi * first_hz
+    by_rayleigh = rayleigh_ratio(alpha, beta, omega)
+    return {
+        "target": target,
+        "rayleigh": by_rayleigh,
+        "numerical": shown_ratio(settings, omega, 0.0),
+        "shown": shown_ratio(settings, omega, by_rayleigh),
+    }

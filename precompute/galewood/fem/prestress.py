@@ -1,0 +1,41 @@
+"""What the stress of the rest pose adds to the tangent: the moment that the weight gains from the sway (P–Δ).
+
+The corotational tangent holds each element's rotation still and so leaves it out. For an element of mean
+stress σ it is V (∇λ_i · σ ∇λ_j) I for each pair of corners, and as ∇λ_i · f_j with the corners' forces f_j =
+V σ ∇λ_j it needs no stress at all. The numbers do not change when the element turns: they are made once, in
+the rest pose.
+"""
+
+import numpy as np
+
+from galewood.fem.elasticity import PAIRS
+from galewood.fem.model import FemModel
+from galewood.fem.quadratic import EDGES
+from galewood.util import Floats
+
+
+def rest_prestress(model: FemModel) -> Floats:
+    """(m,10) N/m for the pairs of corners of each element, at the model's rest pose."""
+    rest = model.nodes_m[model.elements[:, :4]]
+    gradient = mean_gradient(model)
+    left, _, right = np.linalg.svd(np.eye(3) + gradient)
+    stretch = (left @ right).transpose(0, 2, 1) @ (np.eye(3) + gradient) - np.eye(3)
+    away = np.einsum("eij,eaj->eai", stretch, rest - rest[:, :1])
+    force = np.zeros_like(away)
+    for p, (i, j) in enumerate(PAIRS):
+        force[:, i] += np.einsum("eij,ej->ei", model.blocks[:, p], away[:, j])
+        if i != j:
+            force[:, j] += np.einsum("eji,ej->ei", model.blocks[:, p], away[:, i])
+    return np.stack([np.einsum("ek,ek->e", model.grad[:, i], force[:, j]) for i, j in PAIRS], axis=1)
+
+
+def mean_gradient(model: FemModel) -> Floats:
+    """(m,3,3) mean displacement gradient of each element in the rest pose."""
+    u = model.u_rest[model.elements]
+    if model.elements.shape[1] == 4:
+        return np.einsum("eai,eaj->eij", u, model.grad)
+    # A corner's quadratic shape function has no mean gradient, a midside's has its two corners' together.
+    total = np.zeros((len(u), 3, 3))
+    for k, (i, j) in enumerate(EDGES):
+        total += np.einsum("ei,ej->eij", u[:, 4 + k], model.grad[:, i] + model.grad[:, j])
+    return total

@@ -1,0 +1,26 @@
+"""Mesh import; in: the bytes of a file; out: a TreeMesh (metres, wood and leaves apart) and a render GLB."""
+
+from galewood.mesh.classification import weld_keeping_faces
+from galewood.mesh.gltf import read_glb
+from galewood.mesh.gltf_material import alpha_coverage, base_image
+from galewood.mesh.repair import Surface, compact, face_components, signed_volumes, volume
+from galewood.mesh.sandboxed import run_intake
+from galewood.mesh.types import IntakeOptions, Material, RawPart, RenderPrimitive, TreeMesh
+
+__all__ = [
+    "IntakeOptions",
+    "Material",
+    "RawPart",
+    "RenderPrimitive",
+    "Surface",
+    "TreeMesh",
+    "alpha_coverage",
+    "base_image",
+    "compact",
+    "face_components",
+    "read_glb",
+    "run_intake",
+    "signed_volumes",
+    "volume",
+    "weld_keeping_faces",
+]

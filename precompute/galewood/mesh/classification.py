@@ -1,0 +1,183 @@
+"""Wood or foliage, first match wins: names, alpha, flat cards, colour, then shape and place."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from galewood.mesh.gltf_material import greenness, is_cut_out
+from galewood.mesh.repair import Surface, face_components, weld
+from galewood.mesh.types import IntakeOptions, Kind, RawPart
+from galewood.util import Floats, Ints
+
+WOOD_NAMES = re.compile(
+    r"wood|bark|trunk|branch|stem|twig|timber|stump|\blogs?\b|limb|tronc|stamm|holz|rinde|\bast\b", re.I
+)
+LEAF_NAMES = re.compile(
+    r"leaf|leaves|foliage|frond|needle|blossom|flower|petal|fruit|crown|canopy|green|grass|bush|feuill|blatt|laub",
+    re.I,
+)
+CARD_FACES = 8
+CARD_FLATNESS = 0.02
+GREEN = 0.08
+TOUCHES_GROUND = 0.03
+TALL = 0.25
+BLOB = 0.35  # smallest over largest principal extent
+BLOB_SIZE = 0.12  # of the height
+
+
+@dataclass(frozen=True)
+class SortedPart:
+    """A part that is all wood or all leaves, and why."""
+
+    part: RawPart
+    kind: Kind
+    reason: str
+
+
+def sort_parts(parts: list[RawPart], options: IntakeOptions) -> tuple[list[SortedPart], list[str]]:
+    """Every part (y up, any unit) as wood or leaves, mixed ones split; and warnings."""
+    if options.wood is not None:
+        return [_by_choice(part, options.wood) for part in parts], []
+    low = min(float(part.positions[:, 1].min()) for part in parts)
+    height = max(float(part.positions[:, 1].max()) for part in parts) - low
+    result = [piece for part in parts for piece in _sort_part(part, low, height)]
+    if any(piece.kind == "wood" for piece in result) or not _has_solid(result):
+        return result, []
+    warning = (
+        "No wood was recognised: the whole mesh is one solid. Name the materials that are wood to correct it."
+    )
+    return [SortedPart(p, "wood", "no wood was recognised") for p in parts], [warning]
+
+
+def _by_choice(part: RawPart, wood: tuple[str, ...]) -> SortedPart:
+    chosen = any(label in wood for label in part.labels)
+    return SortedPart(
+        part, "wood" if chosen else "leaves", "given by name" if chosen else "not among the given wood"
+    )
+
+
+def _has_solid(pieces: list[SortedPart]) -> bool:
+    """Whether anything but flat cards is there: cards alone cannot be wood."""
+    return any(piece.reason != "flat cards" for piece in pieces)
+
+
+def _sort_part(part: RawPart, low: float, height: float) -> list[SortedPart]:
+    for label in part.labels:  # materials are trusted before nodes and meshes
+        is_wood, is_leaf = WOOD_NAMES.search(label), LEAF_NAMES.search(label)
+        if bool(is_wood) != bool(is_leaf):
+            return [SortedPart(part, "wood" if is_wood else "leaves", f"the name {label!r}")]
+    if is_cut_out(part.material):
+        return [SortedPart(part, "leaves", "its material is cut out by alpha")]
+    return _sort_by_shape(part, low, height)
+
+
+def _sort_by_shape(part: RawPart, low: float, height: float) -> list[SortedPart]:
+    welded, origin = _welded_with_origin(part)
+    count, of_face = face_components(welded.faces, len(welded.vertices))
+    green = greenness(part.material)
+    verdicts = _verdicts(welded, of_face, count, low, height, green is not None and green > GREEN)
+    pieces: list[SortedPart] = []
+    kinds: tuple[Kind, ...] = ("wood", "leaves")
+    for kind in kinds:
+        chosen = np.array([v[0] == kind for v in verdicts])[of_face]
+        if not chosen.any():
+            continue
+        reasons = dict.fromkeys(reason for other, reason in verdicts if other == kind)
+        pieces.append(SortedPart(sub_part(part, origin[chosen]), kind, "; ".join(reasons)))
+    return pieces
+
+
+def _welded_with_origin(part: RawPart) -> tuple[Surface, Ints]:
+    """The part welded, and for each welded face the face of the part it came from."""
+    surface = Surface(part.positions, part.faces)
+    welded = weld_keeping_faces(surface)
+    return welded, np.arange(len(part.faces), dtype=np.int32)
+
+
+def weld_keeping_faces(surface: Surface) -> Surface:
+    """Seams welded for connectivity; faces stay as many and in order, even degenerate ones."""
+    scale = float(np.ptp(surface.vertices, axis=0).max()) or 1.0
+    rounded = np.round(surface.vertices / (scale * 1e-6)).astype(np.int64)
+    _, first, inverse = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+    return Surface(surface.vertices[first], inverse.reshape(-1)[surface.faces].astype(np.int32))
+
+
+def _verdicts(
+    surface: Surface, of_face: Ints, count: int, low: float, height: float, is_green: bool
+) -> list[tuple[Kind, str]]:
+    order = np.argsort(of_face, kind="stable")
+    bounds = np.searchsorted(of_face[order], np.arange(count + 1))
+    return [
+        _verdict(surface, surface.faces[order[bounds[k] : bounds[k + 1]]], low, height, is_green)
+        for k in range(count)
+    ]
+
+
+def _verdict(surface: Surface, faces: Ints, low: float, height: float, is_green: bool) -> tuple[Kind, str]:
+    points = surface.vertices[np.unique(faces)]
+    extents = principal_extents(points)
+    if len(faces) <= CARD_FACES and extents[2] <= CARD_FLATNESS * extents[0]:
+        return "leaves", "flat cards"
+    bottom, top = float(points[:, 1].min()), float(points[:, 1].max())
+    grounded = bottom <= low + TOUCHES_GROUND * height
+    if grounded and top - bottom >= TALL * height:
+        return "wood", "tall and standing on the ground"
+    if is_green:
+        return "leaves", "its colour is green"
+    if not grounded and extents[2] > BLOB * extents[0] and extents[0] > BLOB_SIZE * height:
+        return "leaves", "a rounded mass above the ground"
+    return "wood", "a solid that is neither card nor crown"
+
+
+def principal_extents(points: Floats) -> Floats:
+    """Extents (3,) along the principal axes, largest first."""
+    centred = points - points.mean(axis=0)
+    _, axes = np.linalg.eigh(centred.T @ centred)
+    return np.sort(np.ptp(centred @ axes, axis=0))[::-1]
+
+
+def sub_part(part: RawPart, faces: Ints) -> RawPart:
+    """The part reduced to some faces, vertices in their old order."""
+    used, inverse = np.unique(part.faces[faces], return_inverse=True)
+
+    def pick(rows: Floats | None) -> Floats | None:
+        return None if rows is None else rows[used]
+
+    return replace(
+        part,
+        positions=part.positions[used],
+        faces=inverse.reshape(-1, 3).astype(np.int32),
+        normals=pick(part.normals),
+        uv=pick(part.uv),
+        colours=pick(part.colours),
+    )
+
+
+def welded_wood(pieces: list[SortedPart]) -> Surface:
+    """All wood as one welded surface."""
+    vertices, faces, offset = [], [], 0
+    for piece in pieces:
+        if piece.kind == "wood":
+            vertices.append(piece.part.positions)
+            faces.append(piece.part.faces + offset)
+            offset += len(piece.part.positions)
+    return weld(Surface(np.concatenate(vertices), np.concatenate(faces).astype(np.int32)))
+
+
+def without_strays(pieces: list[SortedPart], kept: Floats, strays: Floats) -> list[SortedPart]:
+    """Parts without the faces, of wood or leaves, that are nearer to a dropped body than to the tree
+    that was kept."""
+    if not len(strays):
+        return pieces
+    near, far = KDTree(kept), KDTree(strays)
+    result: list[SortedPart] = []
+    for piece in pieces:
+        middle = piece.part.positions[piece.part.faces].mean(axis=1)
+        own = np.flatnonzero(near.query(middle)[0] <= far.query(middle)[0])
+        if len(own):
+            result.append(replace(piece, part=sub_part(piece.part, own)))
+    return result

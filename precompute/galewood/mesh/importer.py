@@ -1,0 +1,224 @@
+"""From the bytes of a mesh file to a tree: format, axis, unit, wood and foliage, repair; nothing assumed
+in silence."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from galewood.mesh.axis import AXES, choose_scale, choose_up_axis, to_y_up
+from galewood.mesh.classification import SortedPart, sort_parts, welded_wood, without_strays
+from galewood.mesh.formats import read_parts
+from galewood.mesh.render_mesh import render_glb
+from galewood.mesh.repair import Surface
+from galewood.mesh.species_names import guess_species
+from galewood.mesh.surface import solid_wood
+from galewood.mesh.types import IntakeOptions, Kind, Material, RawPart, RenderPrimitive, TreeMesh
+from galewood.util import Floats, Ints, MeshError
+
+__all__ = [
+    "IntakeOptions",
+    "Material",
+    "MeshError",
+    "RenderPrimitive",
+    "TreeMesh",
+    "read_tree",
+    "render_glb",
+]  # fmt: skip
+
+MAX_FACES = 600_000
+MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
+BASE_SLAB = 0.02
+
+
+def read_tree(data: bytes, filename: str, options: IntakeOptions | None = None) -> TreeMesh:
+    """The tree in `data`, or an MeshError that says what is wrong and what to do.
+
+    `filename` only helps to tell formats without a signature apart; no file is opened.
+    """
+    options = options or IntakeOptions()
+    _check_options(options)
+    file_format, parts = read_parts(data, filename)
+    parts = _usable(parts)
+    vertices, faces = _joined(parts)
+    up = choose_up_axis(vertices, faces, file_format, options)
+    _check_volume(vertices)
+    parts = [_transformed(p, to_y_up(up.value), np.zeros(3), 1.0) for p in parts]
+    pieces, warnings = sort_parts(parts, options)
+    _check_wood(pieces, parts, options)
+    species, species_reason = guess_species(options.species, filename, parts)
+    wood, strays, repairs, wood_warnings = solid_wood(welded_wood(pieces))
+    pieces = without_strays(pieces, wood.vertices, strays)
+    raw_height = _height(pieces)
+    scale, unit = choose_scale(raw_height, species, options)
+    origin = _base_centre(wood)
+    pieces = [SortedPart(_transformed(s.part, np.eye(3), origin, scale), s.kind, s.reason) for s in pieces]
+    if up.assumed:
+        warnings.append(f"Up is taken as +{up.value.upper()}: {up.reason}.")
+    if unit.value not in ("m", "given"):
+        warnings.append(f"The unit is assumed: {unit.reason}.")
+    report: dict[str, Any] = {
+        "file": {"name": filename[:200], "format": file_format, "bytes": len(data)},
+        "up_axis": {"value": up.value, "reason": up.reason, "assumed": up.assumed},
+        "unit": {
+            "value": unit.value,
+            "metres_per_unit": scale,
+            "reason": unit.reason,
+            "assumed": unit.assumed,
+        },
+        "height_m": raw_height * scale,
+        "species": {"value": species, "reason": species_reason},
+        "parts": [_part_report(s) for s in pieces],
+        "repairs": repairs,
+        "roots": {"origin_in_file": origin.tolist(), "clamped_lowest_share": BASE_SLAB},
+        "warnings": warnings + wood_warnings,
+    }
+    return TreeMesh(
+        primitives=_primitives(pieces),
+        wood_vertices_m=np.ascontiguousarray((wood.vertices - origin) * scale),
+        wood_faces=wood.faces,
+        height_m=raw_height * scale,
+        species=species,
+        report=report,
+    )
+
+
+def _check_options(options: IntakeOptions) -> None:
+    height_m = options.height_m
+    if height_m is not None and not MIN_HEIGHT_M <= height_m <= MAX_HEIGHT_M:
+        raise MeshError(
+            "bad-height",
+            "unsuitable",
+            f"A height of {height_m:g} m is not a tree's.",
+            f"Give {MIN_HEIGHT_M} to {MAX_HEIGHT_M} m.",
+        )
+    if options.up_axis is not None and options.up_axis not in AXES:
+        raise MeshError("bad-axis", "unsuitable", f"There is no axis {options.up_axis!r}.", "Give x, y or z.")
+
+
+def _usable(parts: list[RawPart]) -> list[RawPart]:
+    parts = [p for p in parts if len(p.faces) and len(p.positions)]
+    count = sum(len(p.faces) for p in parts)
+    if count == 0:
+        raise MeshError(
+            "no-faces", "unsuitable", "The file holds no triangles.", "Export the tree as a triangle mesh."
+        )
+    if count > MAX_FACES:
+        raise MeshError(
+            "too-many-faces",
+            "too-large",
+            f"The mesh has {count} triangles.",
+            f"Decimate it below {MAX_FACES}.",
+        )
+    bad = sum(
+        int((~np.isfinite(p.positions).all(axis=1) | (np.abs(p.positions) > 1e12).any(axis=1)).sum())
+        for p in parts
+    )
+    if bad:
+        raise MeshError(
+            "non-finite", "unsuitable", f"{bad} vertices have coordinates that are not finite numbers.",
+            "Remove them (Blender: Mesh > Clean Up) and export again.",
+        )  # fmt: skip
+    for part in parts:
+        if int(part.faces.min()) < 0 or int(part.faces.max()) >= len(part.positions):
+            raise MeshError(
+                "index-out-of-range",
+                "malformed",
+                "A face points at a vertex that is not there.",
+                "Export it again.",
+            )
+    return [_with_finite_extras(p) for p in parts]
+
+
+def _with_finite_extras(part: RawPart) -> RawPart:
+    """Normals, texture coordinates and colours that are not finite or do not match are left out."""
+
+    def sound(rows: Floats | None) -> Floats | None:
+        return (
+            rows
+            if rows is not None and len(rows) == len(part.positions) and np.isfinite(rows).all()
+            else None
+        )
+
+    return replace(part, normals=sound(part.normals), uv=sound(part.uv), colours=sound(part.colours))
+
+
+def _joined(parts: list[RawPart]) -> tuple[Floats, Ints]:
+    offsets = np.cumsum([0] + [len(p.positions) for p in parts])
+    faces = np.concatenate([p.faces + int(o) for p, o in zip(parts, offsets, strict=False)])
+    return np.concatenate([p.positions for p in parts]), faces
+
+
+def _check_volume(vertices: Floats) -> None:
+    singular = np.linalg.svd(vertices - vertices.mean(axis=0), compute_uv=False)
+    if not singular[0] > 0 or singular[-1] < 1e-6 * singular[0] or len(vertices) < 4:
+        raise MeshError(
+            "no-volume",
+            "unsuitable",
+            "The mesh is flat and encloses no volume.",
+            "Send a tree with solid wood.",
+        )
+
+
+def _check_wood(pieces: list[SortedPart], parts: list[RawPart], options: IntakeOptions) -> None:
+    if any(s.kind == "wood" for s in pieces):
+        return
+    names = sorted({label for p in parts for label in p.labels})[:20]
+    hint = (
+        f"Say which of these are wood: {', '.join(names)}." if names else "Send a tree with solid branches."
+    )
+    raise MeshError("no-wood", "unsuitable", "No wood was found in the mesh: nothing could bend.", hint)
+
+
+def _transformed(part: RawPart, rotation: Floats, origin: Floats, scale: float) -> RawPart:
+    return replace(
+        part,
+        positions=np.ascontiguousarray((part.positions @ rotation.T - origin) * scale),
+        normals=None if part.normals is None else np.ascontiguousarray(part.normals @ rotation.T),
+    )
+
+
+def _height(pieces: list[SortedPart]) -> float:
+    """Height of the whole tree above the foot of its wood."""
+    foot = min(float(s.part.positions[:, 1].min()) for s in pieces if s.kind == "wood")
+    return max(float(s.part.positions[:, 1].max()) for s in pieces) - foot
+
+
+def _base_centre(wood: Surface) -> Floats:
+    """Centre of the trunk's base on the ground."""
+    y = wood.vertices[:, 1]
+    low = float(y.min())
+    base = wood.vertices[y <= low + BASE_SLAB * float(np.ptp(y))]
+    middle = (base.min(axis=0) + base.max(axis=0)) / 2
+    return np.array([middle[0], low, middle[2]])
+
+
+def _primitives(pieces: list[SortedPart]) -> list[RenderPrimitive]:
+    result: list[RenderPrimitive] = []
+    kinds: tuple[Kind, ...] = ("wood", "leaves")
+    for kind in kinds:
+        for number, piece in enumerate(s.part for s in pieces if s.kind == kind):
+            result.append(
+                RenderPrimitive(
+                    f"{kind}_{number}",
+                    kind,
+                    piece.positions,
+                    piece.faces,
+                    piece.normals,
+                    piece.uv,
+                    piece.material,
+                    piece.colours,
+                )
+            )
+    return result
+
+
+def _part_report(piece: SortedPart) -> dict[str, Any]:
+    return {
+        "names": list(piece.part.labels),
+        "faces": len(piece.part.faces),
+        "kind": piece.kind,
+        "reason": piece.reason,
+    }

@@ -1,0 +1,111 @@
+"""Intake in a child process: whatever an upload does to the reader, the caller gets a tree or an
+MeshError."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from galewood.mesh.formats import MAX_BYTES
+from galewood.mesh.gltf_material import pack_material, unpack_material
+from galewood.mesh.importer import read_tree, render_glb
+from galewood.mesh.types import IntakeOptions, RenderPrimitive, TreeMesh
+from galewood.sandbox import Arrays, Limits, run_limited
+from galewood.util import MeshError
+
+INTAKE_LIMITS = Limits(memory_bytes=3 << 30, cpu_s=40, wall_s=60.0)
+OPTIONAL_ROWS = ("normals", "uv", "colours")
+
+
+def run_intake(
+    data: bytes, filename: str, options: IntakeOptions | None = None, limits: Limits | None = None
+) -> tuple[TreeMesh, bytes]:
+    """read_tree and render_glb in a child; MeshError also for time, memory, kills and crashes."""
+    if len(data) > MAX_BYTES:  # not worth a process
+        raise MeshError(
+            "file-too-large", "too-large", f"The file is larger than {MAX_BYTES >> 20} MB.", "Decimate it."
+        )
+    request = {"filename": filename, "options": asdict(options or IntakeOptions())}
+    result = run_limited(
+        "galewood.mesh.sandboxed:read_in_child",
+        {"data": to_bytes_array(data), "request": to_json_array(request)},
+        limits or INTAKE_LIMITS,
+        what="Reading the mesh",
+    )
+    return unpack_tree(result), result["glb"].tobytes()
+
+
+def read_in_child(arguments: Arrays) -> Arrays:
+    """The child's side of run_intake."""
+    request = from_json_array(arguments["request"])
+    chosen = request["options"]
+    if chosen["wood"] is not None:
+        chosen["wood"] = tuple(chosen["wood"])
+    tree = read_tree(arguments["data"].tobytes(), request["filename"], IntakeOptions(**chosen))
+    return pack_tree(tree) | {"glb": to_bytes_array(render_glb(tree))}
+
+
+def pack_tree(tree: TreeMesh) -> Arrays:
+    """A tree as plain arrays, materials included."""
+    arrays: Arrays = {"wood_vertices_m": tree.wood_vertices_m, "wood_faces": tree.wood_faces}
+    heads: list[dict[str, Any]] = []
+    for i, primitive in enumerate(tree.primitives):
+        arrays[f"positions_{i}"], arrays[f"faces_{i}"] = primitive.positions_m, primitive.faces
+        for name in OPTIONAL_ROWS:
+            rows = getattr(primitive, name)
+            if rows is not None:
+                arrays[f"{name}_{i}"] = rows
+        material, images = pack_material(primitive.material)
+        for key, content in images.items():
+            arrays[f"image_{i}_{key}"] = to_bytes_array(content)
+        heads.append({"name": primitive.name, "kind": primitive.kind, "material": material})
+    head = {"primitives": heads, "height_m": tree.height_m, "species": tree.species, "report": tree.report}
+    return arrays | {"head": to_json_array(head)}
+
+
+def unpack_tree(arrays: Arrays) -> TreeMesh:
+    """The tree that pack_tree took apart."""
+    head = from_json_array(arrays["head"])
+    primitives = [_primitive(arrays, i, h) for i, h in enumerate(head["primitives"])]
+    return TreeMesh(
+        primitives,
+        arrays["wood_vertices_m"],
+        arrays["wood_faces"],
+        head["height_m"],
+        head["species"],
+        head["report"],
+    )
+
+
+def _primitive(arrays: Arrays, i: int, head: dict[str, Any]) -> RenderPrimitive:
+    prefix = f"image_{i}_"
+    images = {key[len(prefix) :]: rows.tobytes() for key, rows in arrays.items() if key.startswith(prefix)}
+    extras = {name: arrays.get(f"{name}_{i}") for name in OPTIONAL_ROWS}
+    material = unpack_material(head["material"], images)
+    return RenderPrimitive(
+        head["name"],
+        head["kind"],
+        arrays[f"positions_{i}"],
+        arrays[f"faces_{i}"],
+        material=material,
+        **extras,
+    )
+
+
+def to_bytes_array(content: bytes) -> NDArray[np.uint8]:
+    """Bytes as an array that .npz can hold."""
+    return np.frombuffer(content, dtype=np.uint8)
+
+
+def to_json_array(value: Any) -> NDArray[np.uint8]:
+    """JSON text as an array that .npz can hold."""
+    return to_bytes_array(json.dumps(value).encode())
+
+
+def from_json_array(array: NDArray[Any]) -> Any:
+    """What to_json_array stored."""
+    return json.loads(array.tobytes())

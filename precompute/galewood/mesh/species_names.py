@@ -1,0 +1,24 @@
+"""The species a file's names speak of."""
+
+from __future__ import annotations
+
+import re
+
+from galewood.mesh.types import RawPart
+
+NAMES = {
+    "poplar": r"poplar|aspen|populus|cottonwood|pappel|peuplier",
+    "maple": r"maple|acer\b|ahorn|[ée]rable",
+    "apricot": r"apricot|prunus|peach|cherry|aprikose|abricot",
+}
+
+
+def guess_species(given: str | None, filename: str, parts: list[RawPart]) -> tuple[str | None, str]:
+    """The species and why: what was given, else what the file's names say, else None."""
+    if given:
+        return given, "given"
+    for text in [filename, *(label for part in parts for label in part.labels)]:
+        for species, pattern in NAMES.items():
+            if re.search(pattern, text, re.I):
+                return species, f"the name {text[:80]!r}"
+    return None, "no name says so"

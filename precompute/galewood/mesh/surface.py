@@ -1,0 +1,110 @@
+"""The welded wood made fit for meshing: windings, holes, strays; what was done is listed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from galewood.mesh.repair import (
+    Surface,
+    agree_windings,
+    cap,
+    compact,
+    face_components,
+    face_outwards,
+    signed_volumes,
+)
+from galewood.util import Floats, Ints, MeshError
+
+STRAY_GAP = 0.1  # of the wood's height: farther away it is another body
+ROOTED = 0.05  # of the wood's height: how low a piece must reach to stand on the ground
+THICK = 0.1  # of the largest piece's volume
+
+
+def solid_wood(wood: Surface) -> tuple[Surface, Floats, dict[str, int], list[str]]:
+    """Wood with agreed, outward windings and closed loops; vertices of bodies left out; repairs done;
+    warnings.
+
+    Raises MeshError 422 where nothing with a volume is left.
+    """
+    faces, turned = agree_windings(wood.faces)
+    capped, loops = cap(Surface(wood.vertices, faces))
+    kept, dropped = _without_flat_pieces(capped)
+    outward, inverted = face_outwards(kept)
+    alone, others, strays = _one_tree(outward)
+    repairs = {
+        "faces_turned": turned,
+        "holes_capped": loops,
+        "flat_pieces_dropped": dropped,
+        "pieces_turned_inside_out": inverted,
+        "pieces": face_components(alone.faces, len(alone.vertices))[0],
+    }
+    warnings: list[str] = []
+    if inverted:
+        warnings.append(f"{inverted} pieces of wood were inside out and were turned.")
+    if loops:
+        warnings.append(f"{loops} open ends of the wood were closed.")
+    if others:
+        warnings.append(
+            f"The file holds {others + 1} separate trees or bodies; only the largest rooted one was kept."
+        )
+    return alone, strays, repairs, warnings
+
+
+def _without_flat_pieces(surface: Surface) -> tuple[Surface, int]:
+    count, of_face = face_components(surface.faces, len(surface.vertices))
+    volumes = np.abs(signed_volumes(surface, of_face, count))
+    low, high = piece_boxes(surface, of_face, count)
+    diagonal = np.linalg.norm(high - low, axis=1)
+    sound = volumes > 1e-9 * diagonal**3
+    if not sound.any():
+        raise MeshError(
+            "no-volume", "unsuitable", "The wood encloses no volume.", "Send a tree with solid branches."
+        )
+    return compact(Surface(surface.vertices, surface.faces[sound[of_face]])), int((~sound).sum())
+
+
+def piece_boxes(surface: Surface, of_face: Ints, count: int) -> tuple[Floats, Floats]:
+    """Lower and upper corners (count, 3) of each piece's bounding box."""
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    corners = surface.vertices[surface.faces]
+    np.minimum.at(low, of_face, corners.min(axis=1))
+    np.maximum.at(high, of_face, corners.max(axis=1))
+    return low, high
+
+
+def _one_tree(surface: Surface) -> tuple[Surface, int, Floats]:
+    """Pieces whose boxes chain up to the largest grounded one; bodies farther off are dropped, counted,
+    returned."""
+    count, of_face = face_components(surface.faces, len(surface.vertices))
+    if count == 1:
+        return surface, 0, np.zeros((0, 3))
+    low, high = piece_boxes(surface, of_face, count)
+    group = _chained(low, high, STRAY_GAP * float(np.ptp(surface.vertices[:, 1])))
+    volumes = np.bincount(group, np.abs(signed_volumes(surface, of_face, count)))
+    bottoms = np.full(len(volumes), np.inf)
+    np.minimum.at(bottoms, group, low[:, 1])
+    ground = float(low[:, 1].min()) + ROOTED * float(np.ptp(surface.vertices[:, 1]))
+    rooted = (bottoms <= ground) & (volumes >= THICK * volumes.max())
+    if not rooted.any():
+        rooted = volumes == volumes.max()
+    main = int(np.argmax(np.where(rooted, volumes, -1.0)))
+    keep = (group == main)[of_face]
+    strays = surface.vertices[np.unique(surface.faces[~keep])]
+    return compact(Surface(surface.vertices, surface.faces[keep])), len(volumes) - 1, strays
+
+
+def _chained(low: Floats, high: Floats, gap: float) -> Ints:
+    """Group number of each box; boxes nearer than `gap` share one."""
+    group = np.full(len(low), -1, dtype=np.int32)
+    for number, start in enumerate(range(len(low))):
+        if group[start] >= 0:
+            continue
+        group[start] = number
+        stack = [start]
+        while stack:
+            i = stack.pop()
+            apart = np.maximum(np.maximum(low - high[i], low[i] - high), 0.0)
+            for j in np.flatnonzero((np.linalg.norm(apart, axis=1) <= gap) & (group < 0)):
+                group[j] = number
+                stack.append(int(j))
+    return np.unique(group, return_inverse=True)[1].astype(np.int32)

@@ -1,0 +1,18 @@
+"""The modal reduced-order model: its tensors, polynomial terms and step."""
+
+from galewood.modal.step import MAX_STEPS_PER_ADVANCE, advance_trees, widened, working_room
+from galewood.modal.tensors import Tangent, coupled_of, force_terms, shape_terms
+from galewood.modal.terms import write_force_terms, write_pose_terms
+
+__all__ = [
+    "MAX_STEPS_PER_ADVANCE",
+    "Tangent",
+    "advance_trees",
+    "coupled_of",
+    "force_terms",
+    "shape_terms",
+    "widened",
+    "working_room",
+    "write_force_terms",
+    "write_pose_terms",
+]

@@ -1,0 +1,143 @@
+"""One step of many trees by the modal model, LANES trees at a time (docs/design/0010-kernel.md)."""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from galewood.modal.tensors import Tangent
+from galewood.modal.terms import hold as hold
+from galewood.modal.terms import write_force_terms, write_pose_terms, write_sway
+from galewood.util import Array, Floats
+
+MAX_STEPS_PER_ADVANCE = 8
+"""After a long pause a tree resumes instead of catching up."""
+LANES = 32
+"""Trees whose terms are multiplied at once, by BLAS: few enough that it does so on one core."""
+REST = 1e-7
+"""In still air a motion below this share of the sampled range ends, exactly."""
+
+
+@numba.njit(cache=True, nogil=True)
+def _step(tensors, half_s, lanes):  # pragma: no cover  (compiled)
+    """Advance the trees in the lanes by the table's step."""
+    step, load, sway, force, _, _, limits = tensors
+    e, v, pressure, ahead, pairs, terms, total, _ = lanes
+    write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, terms)
+    np.dot(force, terms[: force.shape[1]], total[: len(e)])
+    for k in range(len(e)):
+        a, b, c, d, s0, s1 = step[k]
+        for lane in range(LANES):
+            pushed = load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
+            x, y, f = e[k, lane], v[k, lane], total[k, lane] + pushed
+            e[k, lane] = x + (a * x + b * y + s0 * f)
+            v[k, lane] = y + (c * x + d * y + s1 * f)
+
+
+@numba.njit(cache=True, nogil=True)
+def _settle(sway, limits, lanes):  # pragma: no cover  (compiled)
+    """Bring trees to rest that move too little to matter in still air. Leaves the sway of e in pairs[0]."""
+    e, v, pressure, _, pairs, _, _, _ = lanes
+    write_sway(sway, e, pairs[0])
+    small, reach = REST * limits[0], max(abs(sway[0, 0]), abs(sway[1, 0]))
+    for lane in range(LANES):
+        if pressure[0, lane] != 0.0 or pressure[1, lane] != 0.0:
+            continue
+        if max(abs(pairs[0, 0, lane]), abs(pairs[0, 1, lane])) > small:
+            continue
+        vx, vy, largest = 0.0, 0.0, 0.0
+        for k in range(len(e)):
+            vx += sway[0, k] * v[k, lane]
+            vy += sway[1, k] * v[k, lane]
+            largest = max(largest, abs(e[k, lane]))
+        if max(abs(vx), abs(vy)) <= REST * limits[1] and largest * reach < small:
+            e[:, lane] = 0.0
+            v[:, lane] = 0.0
+            pairs[0, :, lane] = 0.0
+
+
+@numba.njit(cache=True, nogil=True)
+def _show(tensors, lanes, tree, count, now, before, coverage):  # pragma: no cover  (compiled)
+    """The poses of the states now, those before kept; and how far into the sampled range the trees are."""
+    _, _, _, _, shown, pose, limits = tensors
+    e, _, pressure, _, pairs, terms, total, _ = lanes
+    d = len(e)
+    for lane in range(count):
+        x, y = pairs[0, 0, lane], pairs[0, 1, lane]
+        px, pz = pressure[0, lane], pressure[1, lane]
+        coverage[tree[lane]] = max(np.sqrt(x * x + y * y) / limits[0], np.sqrt(px * px + pz * pz) / limits[2])
+    write_pose_terms(limits, e, pressure, pairs[0], terms)
+    np.dot(pose, terms[: pose.shape[1]], total[: len(pose)])
+    for lane in range(count):
+        i = tree[lane]
+        for k in range(d):
+            before[i, k] = now[i, k]
+            now[i, k] = shown[k] * e[k, lane]
+        for k in range(len(pose)):
+            before[i, d + k] = now[i, d + k]
+            now[i, d + k] = total[k, lane]
+
+
+@numba.njit(cache=True, nogil=True)
+def _step_trees(tensors, half_s, lanes, count, turned, e, v, now, before, coverage):  # pragma: no cover
+    """Step the ``count`` trees named in the lanes."""
+    own_e, own_v, pressure, _, _, _, _, tree = lanes
+    for lane in range(count):
+        i = tree[lane]
+        pressure[0, lane], pressure[1, lane] = turned[i, 0], turned[i, 1]
+        for k in range(len(own_e)):
+            own_e[k, lane], own_v[k, lane] = e[i, k], v[i, k]
+    _step(tensors, half_s, lanes)
+    _settle(tensors[2], tensors[6], lanes)
+    for lane in range(count):
+        i = tree[lane]
+        for k in range(len(own_e)):
+            e[i, k], v[i, k] = own_e[k, lane], own_v[k, lane]
+    _show(tensors, lanes, tree, count, now, before, coverage)
+
+
+@numba.njit(cache=True, nogil=True)
+def advance_trees(
+    tensors, half_s, rate, turn, pressure_x, pressure_z, e, v, phase, turned, now, before, q, coverage, lanes
+):  # pragma: no cover  (compiled)
+    for i in range(len(phase)):
+        turned[i, 0] = turn[i, 0] * pressure_x[i] - turn[i, 1] * pressure_z[i]
+        turned[i, 1] = turn[i, 1] * pressure_x[i] + turn[i, 0] * pressure_z[i]
+        phase[i] += rate[i]
+    tree = lanes[7]
+    for _ in range(MAX_STEPS_PER_ADVANCE):
+        count = stepped = 0
+        for i in range(len(phase)):
+            if phase[i] >= 1.0:
+                phase[i] -= 1.0
+                tree[count] = i
+                count += 1
+            if count == LANES or (count > 0 and i == len(phase) - 1):
+                _step_trees(tensors, half_s, lanes, count, turned, e, v, now, before, coverage)
+                stepped += count
+                count = 0
+        if stepped == 0:
+            break
+    for i in range(len(phase)):
+        phase[i] -= np.floor(phase[i])
+        for k in range(q.shape[1]):
+            q[i, k] = before[i, k] + (now[i, k] - before[i, k]) * phase[i]
+
+
+def widened(tangent: Tangent) -> tuple[Floats, ...]:
+    """The tensors in the type that steps are computed in; force (d, F) and pose (r − d, terms) turned."""
+    t = tangent
+    tensors = (t.step, t.load, t.sway, t.force.T, t.shown, t.pose.T, t.limits)
+    return tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
+
+
+def working_room(tangent: Tangent) -> tuple[Array, ...]:
+    """Lanes for e, v, pressure, e ahead, three pairs, terms, sums, and the trees that are in them."""
+    d = len(tangent.step)
+    terms = max(len(tangent.force), len(tangent.pose))
+    heights = (d, d, 2, d)
+    rooms = [np.zeros((height, LANES)) for height in heights]
+    total = np.zeros((max(d, tangent.pose.shape[1]), LANES))
+    return (*rooms, np.zeros((3, 2, LANES)), np.zeros((terms, LANES)), total, np.zeros(LANES, np.int64))

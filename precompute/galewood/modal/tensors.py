@@ -1,0 +1,50 @@
+"""Tensors of the modal reduced-order model and how many terms its polynomials have."""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numba
+
+from galewood.util import Singles
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """Tensors of the method: d dynamic coordinates, c coupled ones, r ≥ d shown modes, F = 44 + 6c terms.
+
+    A step of an oscillator under a force f is e' = r00 e + r01 v + s0 f, v' = r10 e + r11 v + s1 f.
+    """
+
+    step: Singles  # (d, 6) r00 − 1, r01, r10, r11 − 1, s0, s1
+    load: Singles  # (d, 2) modal force per Pa of pressure along x and z
+    sway: Singles  # (2, d) the two sway coordinates, 1 at the edge of the sampled range
+    force: Singles  # (F, d)
+    shown: Singles  # (d,) m of q_k per unit of e_k
+    pose: Singles  # (d + 2 + 7 + 2c, r − d) m of the further q per unit
+    limits: Singles  # (3 + 2c,) sampled range: sway, its speed 1/s, pressure Pa; coupled coordinates, speeds
+
+    @property
+    def coupled(self) -> int:
+        """c: products of the coordinates numbered 2 to 2 + c with the sway and the pressure are kept."""
+        return coupled_of(self.limits)
+
+    @property
+    def modes(self) -> int:
+        return len(self.shown) + self.pose.shape[1]
+
+
+@numba.njit(cache=True, nogil=True)
+def coupled_of(limits):  # pragma: no cover  (compiled)
+    """c, of the sampled range (3 + 2c,)."""
+    return (len(limits) - 3) // 2
+
+
+def shape_terms(coupled: int) -> int:
+    return 7 + 2 * coupled
+
+
+def force_terms(coupled: int) -> int:
+    return shape_terms(coupled) + 37 + 4 * coupled

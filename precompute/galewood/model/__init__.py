@@ -1,0 +1,22 @@
+"""The finite-element model of a tree; in: TetMesh, Skeleton, wood, foliage; out: a FemModel."""
+
+from galewood.model.binding import render_binding
+from galewood.model.comparison import gusty_pressure, trajectory_difference
+from galewood.model.construction import GRAVITY_M_S2, LumpsLike, MeshLike, SkeletonLike, build_model
+from galewood.model.foliage import Lumps, bind_foliage
+from galewood.model.reference import compare_with_reference, reference_model
+
+__all__ = [
+    "GRAVITY_M_S2",
+    "Lumps",
+    "LumpsLike",
+    "MeshLike",
+    "SkeletonLike",
+    "bind_foliage",
+    "build_model",
+    "compare_with_reference",
+    "gusty_pressure",
+    "reference_model",
+    "render_binding",
+    "trajectory_difference",
+]

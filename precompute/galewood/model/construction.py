@@ -1,0 +1,201 @@
+"""From a mesh, a skeleton, a wood and the foliage to the finite-element model."""
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from galewood.fem import (
+    Element,
+    ElementSystem,
+    FemModel,
+    FemSettings,
+    Modes,
+    NotPositiveDefinite,
+    RestPose,
+    balanced_pose,
+    damping_report,
+    elevate,
+    gradients,
+    gravity_rest_pose,
+    midside_parents,
+    moduli,
+    natural_modes,
+    node_mass_shares,
+    rayleigh,
+    rest_prestress,
+    stiffness_blocks,
+)
+from galewood.model.calibration import fit_factors, reference_target
+from galewood.util import Floats, Int32s
+from galewood.wood import Wood
+
+GRAVITY_M_S2 = 9.81
+STIFFNESS_FLOOR = 0.2
+"""Ratio of radii below which a twig is not made softer (its mass always is the drawn one).
+
+A twig a fifth as thick as the mesh resolves has 1/600 of its stiffness. One drawn thinner still (a line, a
+game's needle) would hang like a thread under its leaves, and the whole tree would count as one that cannot
+stand. The species here end at 0.22, so none of their twigs is touched.
+"""
+
+
+class MeshLike(Protocol):
+    """What of a TetMesh is needed here: vertices (n,3) m, tets (m,4), original over thickened radius (m,)."""
+
+    @property
+    def vertices_m(self) -> Floats: ...
+    @property
+    def tets(self) -> Int32s: ...
+    @property
+    def radius_ratio(self) -> Floats: ...
+
+
+class SkeletonLike(Protocol):
+    """What of a Skeleton is needed here: the fibre direction (m,3) of each tet."""
+
+    @property
+    def tet_fibre(self) -> Floats: ...
+
+
+class LumpsLike(Protocol):
+    """What of the foliage is needed here: extra mass (n,) kg, drag area (n,) m², fixed vertices (k,)."""
+
+    @property
+    def mass_kg(self) -> Floats: ...
+    @property
+    def drag_area_m2(self) -> Floats: ...
+    @property
+    def fixed(self) -> Int32s: ...
+
+
+@dataclass(frozen=True)
+class Material:
+    """The linear elements of a tree: geometry, stiffness parts (m,10,3,3) N/m, wood mass (m,) kg."""
+
+    vertices_m: Floats
+    tets: Int32s
+    grad: Floats
+    axial: Floats
+    shear: Floats
+    element_mass_kg: Floats
+
+
+def build_model(
+    mesh: MeshLike,
+    skeleton: SkeletonLike,
+    wood: Wood,
+    lumps: LumpsLike,
+    settings: FemSettings | None = None,
+) -> FemModel:
+    """Model of a tree: stiffness (fitted), masses, gravity rest pose, Rayleigh damping. ValueError on a bad
+    mesh.
+    """
+    settings = settings or FemSettings()
+    material = wood_elements(mesh, skeleton, wood, lumps)
+    report: dict[str, Any] = {"wood": wood.name, "wood_source": wood.source, "element": settings.element}
+    report["wood_constants"] = asdict(wood)
+    report["wood_mass_kg"] = float(material.element_mass_kg.sum())
+    if settings.element != "fitted":
+        return _finished(_raw(material, lumps, settings, settings.element), wood, report)
+    raw_reference = _raw(material, lumps, settings, "quadratic")
+    model, fit = _fitted(material, _raw(material, lumps, settings, "linear"), raw_reference)
+    return _finished(model, wood, {**report, "fit": fit})
+
+
+def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumps: LumpsLike) -> Material:
+    """Stiffness and mass of the tets, what was thickened for the mesh made thin again."""
+    vertices = np.ascontiguousarray(mesh.vertices_m, np.float64)
+    tets = np.ascontiguousarray(mesh.tets, np.int32)
+    grad, volume = gradients(vertices[tets])
+    _check_mesh(vertices, volume, lumps)
+    ratio = np.asarray(mesh.radius_ratio, np.float64)
+    fibre = np.asarray(skeleton.tet_fibre, np.float64)
+    axial, shear = stiffness_blocks(grad, volume, fibre, moduli(wood))
+    thinned = (np.maximum(ratio, STIFFNESS_FLOOR) ** 4)[:, None, None, None]
+    return Material(
+        vertices, tets, grad, axial * thinned, shear * thinned, volume * wood.density_kg_m3 * ratio**2
+    )
+
+
+def _check_mesh(vertices: Floats, volume: Floats, lumps: LumpsLike) -> None:
+    if not np.isfinite(vertices).all():
+        raise ValueError("the mesh has vertices that are not finite")
+    if not (volume > 0).all():
+        raise ValueError(f"{int((volume <= 0).sum())} tetrahedra are flat or inside out")
+    if len(lumps.fixed) < 3:
+        raise ValueError("fewer than three vertices are fixed: the tree has no root")
+
+
+def _raw(material: Material, lumps: LumpsLike, settings: FemSettings, element: Element) -> FemModel:
+    """The model before it knows its rest pose and damping."""
+    count = len(material.vertices_m)
+    nodes, elements, shares = material.vertices_m, material.tets, np.full(4, 0.25)
+    fixed = np.unique(np.asarray(lumps.fixed, np.int32))
+    if element == "quadratic":
+        nodes, elements = elevate(nodes, elements)
+        shares = node_mass_shares()
+        held = np.isin(midside_parents(count, elements), fixed).all(axis=1)
+        fixed = np.concatenate([fixed, (count + np.flatnonzero(held)).astype(np.int32)])
+    mass: Floats = np.bincount(
+        elements.ravel(), np.outer(material.element_mass_kg, shares).ravel(), len(nodes)
+    ).astype(np.float64)
+    mass[:count] += lumps.mass_kg
+    gravity, area = np.zeros((len(nodes), 3)), np.zeros(len(nodes))
+    gravity[:, 1] = -GRAVITY_M_S2 * mass * settings.gravity
+    area[:count] = lumps.drag_area_m2
+    return FemModel(
+        nodes_m=nodes,
+        elements=elements,
+        grad=material.grad,
+        blocks=material.axial + material.shear,
+        mass_kg=mass,
+        drag_area_m2=area,
+        fixed=fixed,
+        gravity_n=gravity,
+        u_rest=np.zeros_like(nodes),
+        prestress=np.zeros((len(elements), 10)),
+        vertex_count=count,
+        alpha=0.0,
+        beta=0.0,
+        settings=replace(settings, element=element),
+        report={},
+    )
+
+
+def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[FemModel, dict[str, Any]]:
+    """The linear model with its stiffness fitted to the quadratic one's, and the fit's report."""
+    target = reference_target(reference.system(), reference.mass_kg, linear.mass_kg, linear.drag_area_m2)
+    fit = fit_factors(linear.system(), material.axial, material.shear, linear.mass_kg, target)
+    blocks = fit.apply(material.axial, material.shear)
+    return replace(linear, blocks=blocks, settings=replace(linear.settings, element="fitted")), fit.report
+
+
+def _finished(model: FemModel, wood: Wood, report: dict[str, Any]) -> FemModel:
+    """The model with its gravity rest pose, its frequencies and its damping."""
+    height_m = float(np.ptp(model.nodes_m[:, 1]))
+    system = model.system()
+    pose = gravity_rest_pose(system, model.gravity_n, height_m)
+    try:
+        model, modes = _at_rest(model, system, pose)
+    except NotPositiveDefinite:
+        # An equilibrium, but one from which the tree would fall: its weight is beyond the buckling load.
+        pose = balanced_pose(model.gravity_n, "it buckles")
+        model, modes = _at_rest(model, system, pose)
+    frequencies = [float(f) for f in modes.frequencies_hz]
+    alpha, beta = rayleigh(wood.damping_ratio, frequencies[0], model.settings.damping_frequency_ratio)
+    report = {
+        **report,
+        "mass_kg": float(model.mass_kg.sum()),
+        "rest_pose": pose.report,
+        "frequencies_hz": frequencies,
+        "damping": damping_report(model.settings, alpha, beta, frequencies[0], wood.damping_ratio),
+    }
+    return replace(model, alpha=alpha, beta=beta, report=report)
+
+
+def _at_rest(model: FemModel, system: ElementSystem, pose: RestPose) -> tuple[FemModel, Modes]:
+    model = replace(model, u_rest=pose.u_m, gravity_n=pose.gravity_n)
+    model = replace(model, prestress=rest_prestress(model))
+    system.set_prestress(model.prestress)
+    return model, natural_modes(model, 10, system)

@@ -1,0 +1,121 @@
+"""Foliage as what it does to the wood: weight on it, and area for the wind to push; both lumped at tet
+vertices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from galewood.mesh import RenderPrimitive, TreeMesh, alpha_coverage
+from galewood.model.binding import foliage_pieces, nearest_of_pieces, nearest_tets, render_binding
+from galewood.model.silhouette import silhouette_area
+from galewood.skeleton import CLAMPED_SHARE, root_vertices
+from galewood.tets import TetMesh, tet_volumes
+from galewood.util import Floats, Int32s
+
+__all__ = ["Lumps", "bind_foliage", "render_binding"]
+
+LEAF_MASS_KG_M2 = 0.2  # fresh leaf with its petiole, per one-sided area
+MOST_LEAF_MASS = 0.5  # of the wood's own mass
+PROFILE_EXPONENT = 0.4  # wind pressure over height: speed grows with about the fifth root
+RANDOM_PROJECTION = 0.5  # mean shadow of a flat leaf over its one-sided area
+CONVEX_PROJECTION = 0.25  # mean shadow of a convex body over its surface (Cauchy)
+
+
+class WoodLike(Protocol):
+    """What of a Wood is needed here."""
+
+    @property
+    def density_kg_m3(self) -> float: ...
+    @property
+    def drag_coefficient(self) -> float: ...
+
+
+@dataclass(frozen=True)
+class Lumps:
+    """Per tet vertex: extra mass (n,), Cd·A with the height profile in it (n,); and the fixed vertices
+    (k,)."""
+
+    mass_kg: Floats
+    drag_area_m2: Floats
+    fixed: Int32s
+    report: dict[str, Any]
+
+
+def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> Lumps:
+    """Leaf mass and wind area at the vertices of the wood's mesh.
+
+    The silhouette of the whole tree, averaged over directions, is shared out by each piece's own area.
+    """
+    leaf_area = np.zeros(len(mesh.vertices_m))
+    shadow = np.zeros(len(mesh.vertices_m))
+    for primitive in tree.primitives:
+        area = vertex_areas(primitive) * alpha_coverage(primitive.material)
+        if primitive.kind == "leaves":
+            spread = _spread(primitive, area, mesh)
+            leaf_area += spread
+            shadow += RANDOM_PROJECTION * spread
+        else:
+            shadow += CONVEX_PROJECTION * _spread(primitive, area, mesh)
+    wood_mass = float(
+        (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
+    )
+    leaf_mass, capped = _leaf_mass(leaf_area, wood_mass)
+    silhouette = silhouette_area(*_triangles(tree))
+    frontal = shadow * (silhouette / max(float(shadow.sum()), 1e-300))
+    profile = np.clip(mesh.vertices_m[:, 1] / tree.height_m, 0.0, 1.0) ** PROFILE_EXPONENT
+    return Lumps(
+        mass_kg=leaf_mass,
+        drag_area_m2=wood.drag_coefficient * frontal * profile,
+        fixed=root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32),
+        report={
+            "silhouette_m2": silhouette,
+            "leaf_area_m2": float(leaf_area.sum()),
+            "leaf_mass_kg": float(leaf_mass.sum()),
+            "leaf_mass_capped": capped,
+            "wood_mass_kg": wood_mass,
+            "drag_coefficient": wood.drag_coefficient,
+            "profile_exponent": PROFILE_EXPONENT,
+            "clamped_lowest_share": CLAMPED_SHARE,
+        },
+    )
+
+
+def _leaf_mass(leaf_area: Floats, wood_mass_kg: float) -> tuple[Floats, bool]:
+    mass = LEAF_MASS_KG_M2 * leaf_area
+    most = MOST_LEAF_MASS * wood_mass_kg
+    total = float(mass.sum())
+    return (mass * (most / total), True) if total > most else (mass, False)
+
+
+def vertex_areas(primitive: RenderPrimitive) -> Floats:
+    """Area (n,) of the faces around each vertex, a third of each face to each of its corners."""
+    corners = primitive.positions_m[primitive.faces]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    share = np.linalg.norm(cross, axis=1) / 6.0
+    return np.asarray(
+        np.bincount(primitive.faces.ravel(), np.repeat(share, 3), len(primitive.positions_m)),
+        dtype=np.float64,
+    )
+
+
+def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh) -> Floats:
+    """An amount (n,) at render vertices, brought to the tet vertices that carry them."""
+    anchors = nearest_tets(primitive.positions_m, mesh)
+    holder = np.arange(len(amount))
+    if primitive.kind == "leaves":
+        pieces = foliage_pieces(primitive)
+        holder = nearest_of_pieces(anchors, pieces)[pieces]
+    parts = anchors.weight[holder] * amount[:, None]
+    return np.asarray(
+        np.bincount(mesh.tets[anchors.tet[holder]].ravel(), parts.ravel(), len(mesh.vertices_m)),
+        dtype=np.float64,
+    )
+
+
+def _triangles(tree: TreeMesh) -> tuple[Floats, Floats]:
+    triangles = [p.positions_m[p.faces] for p in tree.primitives]
+    coverage = [np.full(len(p.faces), alpha_coverage(p.material)) for p in tree.primitives]
+    return np.concatenate(triangles), np.concatenate(coverage)

@@ -1,0 +1,26 @@
+"""The reference model (quadratic elements) and the error of the fast elements against it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from galewood.fem import FemModel, FemSettings
+from galewood.model.comparison import compare
+from galewood.model.construction import LumpsLike, MeshLike, SkeletonLike, build_model
+from galewood.wood import Wood
+
+
+def compare_with_reference(
+    fast: FemModel, mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumps: LumpsLike, frames: int
+) -> dict[str, Any]:
+    """The first ten frequencies and a run of this many frames of a fast model against the reference's."""
+    return compare(fast, reference_model(mesh, skeleton, wood, lumps, fast.settings), frames)
+
+
+def reference_model(
+    mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumps: LumpsLike, settings: FemSettings
+) -> FemModel:
+    """The tree of quadratic elements, all other settings alike."""
+    settings = replace(settings, element="quadratic")
+    return build_model(mesh, skeleton, wood, lumps, settings)

@@ -1,0 +1,154 @@
+"""The paper's Fig. 3 and 5: gestures at single frames, by the finite elements and by the table's methods."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from galewood.build import TableSettings, assemble_table, render_mesh
+from galewood.evaluation import (
+    FRAMES_SHOWN,
+    METHODS,
+    Make,
+    Source,
+    TruthTask,
+    along,
+    hausdorff,
+    played,
+    read_truth,
+    run_truths,
+    samples_of,
+)
+from galewood.paper.plan import Plan
+from galewood.player import ForestLookup
+from galewood.reduction import Learning, Subspace, oscillators_of, shown_modes, size_of
+from galewood.sampling import DIRECTIONS_DEG, Recording, sample_winds
+from galewood.table import Table
+from galewood.util import Floats
+
+TARGET_DIRECTION_DEG = 60.0
+TARGET = (0.62, 0.45, 4.3)
+"""Of the wind that the paper's Fig. 3a shows without numbers: peak over the design speed, depth, period s."""
+DIRECTION_FRAME = 20
+OWN = "paper-own-table"
+
+
+@dataclass(frozen=True)
+class Fig3:
+    """One target wind: figures by method, and the shown poses at the paper's frames for the pictures."""
+
+    figures: dict[str, Any]
+    truth_m: dict[int, Floats]  # frame: (n, 3)
+    pose: dict[str, dict[int, Floats]]  # method: frame: (r,)
+
+
+@dataclass(frozen=True)
+class Fig5:
+    """Six winds of one strength: figures by direction, poses at frame 20."""
+
+    figures: dict[str, Any]
+    truth_m: list[Floats]
+    pose: list[Floats]
+
+
+def target_wind(table: Table, frames: int) -> Floats:
+    """(frames, 2) Pa: a cosine wind at 60° of an amplitude and a period that no sample has."""
+    peak, depth, period_s = TARGET
+    t = np.arange(frames) * float(table.metadata["dt_s"])
+    wave = (1 + depth * np.cos(2 * np.pi * (t / period_s + 0.5))) / (1 + depth)
+    return along(float(table.metadata["design_speed_m_s"]) * peak * wave, np.radians(TARGET_DIRECTION_DEG))
+
+
+def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
+    """Fig. 3 by every method: also the literal one on a table of the six winds at 60° alone, as in the
+    paper.
+    """
+    wind = target_wind(table, max(FRAMES_SHOWN))
+    task = TruthTask(source.model_path, wind)
+    truth = read_truth(run_truths([task], plan.cache_dir, lambda done: None)[0]).displacement_m
+    own, own_modes = own_table(plan, table, source)
+    literal: Make = lambda small: ForestLookup(small, 1, pose_easing=0.0, still_air=False)  # noqa: E731
+    shapes: dict[str, tuple[Subspace, Floats]] = {
+        name: (source.subspace, played(table, wind, make)[0]) for name, make in METHODS.items()
+    }
+    shapes[OWN] = (own_modes, played(own, wind, literal)[0])
+    sway = np.linalg.norm(truth, axis=2).max(axis=1)
+    height_m = float(table.metadata["height_m"])
+    figures = {
+        "first_maximum_frame": first_maximum(sway),
+        "sway": {str(f): float(sway[f - 1] / height_m) for f in FRAMES_SHOWN},
+        "hausdorff": {
+            name: {
+                str(f): _apart(source, modes, q[f - 1], truth[f - 1]) / height_m
+                for f in (*FRAMES_SHOWN, first_maximum(sway))
+            }
+            for name, (modes, q) in shapes.items()
+        },
+    }
+    shown = (20, 40, 60)
+    pose = {name: {f: q[f - 1] for f in shown} for name, (_, q) in shapes.items() if name != OWN}
+    return Fig3(figures, {f: truth[f - 1].astype(np.float64) for f in shown}, pose)
+
+
+def first_maximum(sway_m: Floats) -> int:
+    """The frame, from 1, at which the tree first turns back."""
+    falls = np.flatnonzero(np.diff(sway_m) < 0)
+    return int(falls[0]) + 1 if len(falls) else len(sway_m)
+
+
+def _apart(source: Source, modes: Subspace, q: Floats, truth_m: Floats) -> float:
+    shown = modes.expand(q[None])[0]
+    return hausdorff(source.rest_m + shown, source.rest_m + truth_m)
+
+
+def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace]:
+    """The paper's table of its Sec. 6.1: six winds in one direction, 180 frames each, and its modes."""
+    samples = samples_of(table, source.model, source.mesh, plan.cache_dir, plan.workers)
+    chosen = [
+        run
+        for run, task in zip(samples.recorded_runs(), samples.recorded, strict=True)
+        if task.wind.name.startswith("cosine") and task.wind.direction_deg == TARGET_DIRECTION_DEG
+    ]
+    mass_kg = source.model.mass_kg[: source.model.vertex_count]
+    tolerance_m = TableSettings().truncation_share * float(table.metadata["height_m"])
+    own = small_table(table, source, chosen)
+    learning = _learning(source, chosen)
+    size = size_of(learning, len(own.tangent_step))
+    return own, shown_modes(chosen, mass_kg, tolerance_m, learning, size)[1]
+
+
+def _learning(source: Source, runs: Sequence[Recording]) -> Learning:
+    return Learning(oscillators_of(source.model), source.model.settings, runs)
+
+
+def small_table(table: Table, source: Source, runs: Sequence[Recording]) -> Table:
+    """A table of other runs of the same tree."""
+    mass_kg = source.model.mass_kg[: source.model.vertex_count]
+    surface = render_mesh(source.tree, source.binding)
+    return assemble_table(
+        runs, mass_kg, surface, dict(table.metadata), TableSettings(), _learning(source, runs)
+    )
+
+
+def paper_directions(plan: Plan, table: Table, source: Source) -> Fig5:
+    """Fig. 5: the strongest sampled wind from six directions, at frame 20."""
+    metadata = table.metadata
+    winds = sample_winds(float(metadata["design_speed_m_s"]), float(metadata["dt_s"]), DIRECTION_FRAME)
+    strongest = [wind for wind in winds if wind.name.startswith("cosine-5")]
+    tasks = [TruthTask(source.model_path, wind.pressure_pa) for wind in strongest]
+    paths = run_truths(tasks, plan.cache_dir, lambda done: None, plan.workers)
+    truths = [read_truth(path).displacement_m[-1].astype(np.float64) for path in paths]
+    height_m, figures, shown = float(metadata["height_m"]), {}, []
+    for direction, wind, truth in zip(DIRECTIONS_DEG, strongest, truths, strict=True):
+        poses = {name: played(table, wind.pressure_pa, make)[0][-1] for name, make in METHODS.items()}
+        shown.append(poses["tangent"])
+        figures[f"{direction:.0f}"] = {
+            "sway": float(np.linalg.norm(truth, axis=1).max() / height_m),
+            "hausdorff": {
+                name: _apart(source, source.subspace, q, truth) / height_m for name, q in poses.items()
+            },
+        }
+    return Fig5(figures, truths, shown)

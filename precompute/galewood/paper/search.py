@@ -1,0 +1,137 @@
+"""The table's search held against Algorithm 1 as printed, which compares every state with every record."""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from galewood.build import internal_states
+from galewood.paper.plan import Plan, Tick
+from galewood.player import ForestLookup, gaussian
+from galewood.sampling import Recording
+from galewood.search import compared, mismatch_rows
+from galewood.table import Table
+from galewood.util import Array
+
+TREES = 100
+CHUNK = 64
+
+
+@numba.njit(cache=True, nogil=True)
+def _least(row, components, pressure, barred, half_precision, weight, state, fx, fz):  # pragma: no cover
+    """The record of least total error (Eq. 16); the successor wins ties, then the lowest."""
+    best, found = np.inf, -1
+    for j in range(len(row)):
+        if barred[j]:
+            continue
+        dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
+        internal = (1.0 - weight) * (row[j] / components)
+        total = internal + weight * gaussian((dx * dx + dz * dz) * half_precision)
+        if total < best or (total == best and j == state):
+            best, found = total, j
+    return found
+
+
+@numba.njit(cache=True, nogil=True)
+def _nearest(pressure, barred, fx, fz):  # pragma: no cover  (compiled)
+    """The first step (line 2 of Algorithm 1): the lowest record of the nearest wind."""
+    best, found = np.inf, -1
+    for j in range(len(pressure)):
+        dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
+        distance = dx * dx + dz * dz
+        if distance < best and not barred[j]:
+            best, found = distance, j
+    return found
+
+
+class Literal:
+    """Algorithm 1 with nothing made beforehand: every state is compared with every record at every step."""
+
+    def __init__(self, table: Table, runs: Sequence[Recording]) -> None:
+        states = internal_states(runs)
+        self._layout, self._components = compared(states), float(states.components)
+        self._rows: Array | None = None
+        self._pressure = table.pressure_pa.astype(np.float64)
+        self._barred = np.zeros(len(self._pressure), np.bool_)
+        self._barred[table.trajectory[1:].astype(np.int64) - 1] = True
+        sigma = float(table.metadata["sigma_pa"])
+        self._half_precision = 1.0 / (2.0 * sigma * sigma)
+        weight = table.metadata["weight"]
+        self.least, self.most = float(weight["initial"]), float(weight["maximum"])
+        self.growth = float(weight["growth"])
+
+    def compare_all(self) -> None:
+        """Compare all states with all records once, for many queries: the very same counts, only sooner."""
+        z = len(self._pressure)
+        self._rows = np.empty((z, z), np.uint16)
+        for first in range(0, z, CHUNK):
+            last = min(first + CHUNK, z)
+            self._rows[first:last] = mismatch_rows(self._layout, first, last)
+
+    def _row(self, state: int) -> Array:
+        if self._rows is not None:
+            return self._rows[state]
+        return mismatch_rows(self._layout, state, state + 1)[0]
+
+    def find(self, record: int, weight: float, f: tuple[float, float]) -> int:
+        """The record for the next step of a tree that found ``record`` last (−1 at rest)."""
+        if record < 0:
+            return int(_nearest(self._pressure, self._barred, *f))
+        state = record + 1
+        return int(
+            _least(
+                self._row(state),
+                self._components,
+                self._pressure,
+                self._barred,
+                self._half_precision,
+                weight,
+                state,
+                *f,
+            )
+        )
+
+
+def against_brute_force(plan: Plan, table: Table, runs: Sequence[Recording], tick: Tick) -> dict[str, int]:
+    """Random queries to both: trees that walk the table under winds that jump at every step.
+
+    A third of the winds are records' own, a third anything up to 1.3 times the strongest, a third nearly
+    calm.
+    """
+    literal, rng = Literal(table, runs), np.random.default_rng(plan.seed)
+    literal.compare_all()
+    peak = float(np.linalg.norm(table.pressure_pa, axis=1).max())
+    asked = differences = 0
+    states: set[int] = set()
+    while asked < plan.queries:
+        forest = ForestLookup(table, TREES, pose_easing=0.0, still_air=False)
+        weight = np.zeros(TREES)
+        for _ in range(20):
+            if asked >= plan.queries:
+                break
+            f = _winds(rng, table, peak)
+            before = forest.record.copy()
+            forest.advance(float(table.metadata["dt_s"]) * (1 + 1e-12), f[:, 0], f[:, 1])
+            for i in range(TREES):
+                found = literal.find(int(before[i]), weight[i], (float(f[i, 0]), float(f[i, 1])))
+                differences += int(found != forest.record[i])
+                follows = before[i] >= 0 and forest.record[i] == before[i] + 1
+                weight[i] = min(literal.most, weight[i] + literal.growth) if follows else literal.least
+            states.update(before.tolist())
+            asked += TREES
+            tick(min(asked / plan.queries, 1.0), f"Asking {asked:,} of {plan.queries:,} queries twice")
+    return {"queries": asked, "differences": differences, "states": len(states), "seed": plan.seed}
+
+
+def _winds(rng: np.random.Generator, table: Table, peak: float) -> npt.NDArray[np.float32]:
+    """(TREES, 2) Pa, single precision: both searches are asked the very same."""
+    own = table.pressure_pa[rng.integers(0, len(table.pressure_pa), TREES)].astype(np.float64)
+    angle, size = rng.uniform(0, 2 * np.pi, TREES), peak * np.sqrt(rng.uniform(0, 1.69, TREES))
+    size[2 * TREES // 3 :] *= 0.02
+    any_wind = size[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return np.where((np.arange(TREES) < TREES // 3)[:, None], own, any_wind).astype(np.float32)

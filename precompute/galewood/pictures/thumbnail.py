@@ -1,0 +1,95 @@
+"""A small picture of a tree from its render mesh: triangles from back to front, shaded by their slope."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from galewood.mesh import Material, RawPart, base_image, read_glb
+from galewood.sandbox import Arrays, Limits, run_limited
+from galewood.util import Floats
+
+SIDE_PX = 256
+OVERSAMPLING = 3
+MARGIN = 0.04
+LIGHT = np.array([0.4, 0.75, 0.53])  # from above, right and front
+WOOD, LEAVES = (0.45, 0.36, 0.28), (0.42, 0.52, 0.22)
+LIMITS = Limits(memory_bytes=3 << 30, cpu_s=20, wall_s=30.0)
+
+
+def draw_limited(glb: bytes) -> bytes:
+    """PNG of a render mesh, drawn in a child process. MeshError."""
+    arguments = {"glb": np.frombuffer(glb, np.uint8)}
+    return run_limited(
+        "galewood.pictures.thumbnail:draw_in_child", arguments, LIMITS, what="Drawing the tree"
+    )["png"].tobytes()
+
+
+def draw_in_child(arguments: Arrays) -> Arrays:
+    """The child's side of draw_limited."""
+    return {"png": np.frombuffer(draw(read_glb(arguments["glb"].tobytes())), np.uint8)}
+
+
+def draw(parts: list[RawPart]) -> bytes:
+    """PNG, 256 pixels square, transparent around the tree, seen along −z."""
+    triangles = np.concatenate([part.positions[part.faces] for part in parts])
+    colours = np.concatenate([_colours(part) for part in parts])
+    # a card covered in part by its leaf is drawn as a smaller card that is covered wholly
+    centres = triangles.mean(axis=1, keepdims=True)
+    triangles = centres + (triangles - centres) * np.sqrt(colours[:, 3])[:, None, None]
+    shaded = colours[:, :3] * _light(triangles)[:, None]
+    side = SIDE_PX * OVERSAMPLING
+    flat = _to_pixels(triangles, side)
+    image = Image.new("RGBA", (side, side))
+    pen = ImageDraw.Draw(image)
+    corners = flat.reshape(-1, 6).tolist()
+    fills = np.clip(shaded * 255, 0, 255).astype(int).tolist()
+    for face in np.argsort(triangles[:, :, 2].mean(axis=1)).tolist():
+        pen.polygon(corners[face], fill=tuple(fills[face]))
+    stream = io.BytesIO()
+    image.resize((SIDE_PX, SIDE_PX), Image.Resampling.BOX).save(stream, format="png", optimize=True)
+    return stream.getvalue()
+
+
+def _to_pixels(triangles: Floats, side: int) -> Floats:
+    """x and y of the corners in pixels, the tree centred and as large as fits."""
+    flat = triangles[:, :, :2]
+    low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
+    pixels = side * (1 - 2 * MARGIN) / max(float((high - low).max()), 1e-9)
+    centred = (flat - (low + high) / 2) * pixels
+    return np.stack([side / 2 + centred[:, :, 0], side / 2 - centred[:, :, 1]], axis=2)
+
+
+def _light(triangles: Floats) -> Floats:
+    """Both sides of a face alike: ambient light and the slope towards the sun."""
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    lengths = np.maximum(np.linalg.norm(normals, axis=1), 1e-30)
+    return 0.55 + 0.6 * np.abs(normals @ LIGHT) / lengths
+
+
+def _colours(part: RawPart) -> Floats:
+    """Colour and coverage of each face, from its material; leaves differ a little, as in the light."""
+    is_leaf = any(label.startswith("leaves") for label in part.labels)
+    base = np.array([*(LEAVES if is_leaf else WOOD), 1.0])
+    if part.material is not None:
+        base = _material_colour(part.material, base)
+    colours = np.tile(base, (len(part.faces), 1))
+    if is_leaf:
+        shades = np.random.default_rng(1).uniform(0.75, 1.2, len(part.faces) // 2 + 1)
+        colours[:, :3] *= np.repeat(shades, 2)[: len(part.faces), None]
+    return colours
+
+
+def _material_colour(material: Material, base: Floats) -> Floats:
+    surface = material.json.get("pbrMetallicRoughness", {})
+    # factors are linear light; screens are not
+    factor = np.array(surface.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), dtype=float)[:3] ** (1 / 2.2)
+    image = base_image(material)
+    if image is None:
+        return np.append(factor, 1.0) if "baseColorFactor" in surface else base
+    pixels = np.asarray(image.convert("RGBA").resize((64, 64)), dtype=float) / 255
+    weight = pixels[:, :, 3]
+    mean = (pixels[:, :, :3] * weight[:, :, None]).sum(axis=(0, 1)) / max(float(weight.sum()), 1e-9)
+    return np.append(mean * factor, max(float(weight.mean()), 0.25))

@@ -1,0 +1,298 @@
+"""Algorithm 1 of the paper, for many trees at once: which record comes next, and where that leaves the tree.
+
+web/src/lookup.ts is the same arithmetic, operation for operation: both find the same records and, in units of
+the table's mode scale, the same poses bit for bit. No fused multiply-add, no fast maths.
+"""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+import math
+import weakref
+from dataclasses import dataclass
+from typing import Any
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from galewood.modal import MAX_STEPS_PER_ADVANCE
+from galewood.player.instances import PacedTrees
+from galewood.search import last_records, still_records
+from galewood.table import Table
+from galewood.util import Array, Floats
+
+SNAP = 0.5
+"""Pose easing ends exactly on the record's pose once offset and its speed are within half an integer step."""
+
+ANY = -1
+_REDUCTIONS = 8
+_TERMS = np.array([(-1.0) ** n / math.factorial(n) for n in range(12)])
+
+
+@numba.njit(cache=True, nogil=True)
+def gaussian(exponent):
+    """1 − exp(−exponent) for exponent ≥ 0 by plain sums and products, so that every language agrees."""
+    t = min(exponent, 50.0) / 256.0
+    p = _TERMS[11]
+    for n in range(10, -1, -1):
+        p = p * t + _TERMS[n]
+    for _ in range(_REDUCTIONS):
+        p = p * p
+    return 1.0 - p
+
+
+@numba.njit(cache=True, nogil=True)
+def nearest_pressure(pressure, by_x, barred, calm, air, fx, fz):
+    """The first step (line 2): the lowest record with a successor whose pressure is nearest.
+
+    ``by_x`` are the records in the order of their pressure along x: asked outwards from fx, until that part
+    of the distance alone is too much. ``air`` as in ``best_candidate``. −1 if there is none.
+    """
+    below, above = 0, len(by_x)
+    while below < above:
+        middle = (below + above) // 2
+        if pressure[by_x[middle], 0] < fx:
+            below = middle + 1
+        else:
+            above = middle
+    right, left = below, below - 1
+    best, found = np.inf, -1
+    while left >= 0 or right < len(by_x):
+        to_left = fx - pressure[by_x[left], 0] if left >= 0 else np.inf
+        to_right = pressure[by_x[right], 0] - fx if right < len(by_x) else np.inf
+        if to_left < to_right:
+            j = by_x[left]
+            left -= 1
+        else:
+            j = by_x[right]
+            right += 1
+        dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
+        if dx * dx > best:
+            break
+        distance = dx * dx + dz * dz
+        better = distance < best or (distance == best and j < found)
+        if better and not barred[j] and (air == ANY or calm[j] == air):
+            best, found = distance, j
+    return found
+
+
+@numba.njit(cache=True, nogil=True)
+def best_candidate(offsets, candidate, error, pressure, calm, half_precision, state, weight, air, fx, fz):
+    """Every later step (lines 7–9): the candidate of least total error (Eq. 16).
+
+    Of equals the successor of the record found before wins, then the lowest record.
+
+    Candidates come sorted by their internal error, so the search stops where that alone is already too much.
+    ``air`` asks records of moving air (0) or of still air (1) only, or all (ANY). −1 if there is none.
+    """
+    best, found = np.inf, -1
+    for s in range(offsets[state], offsets[state + 1]):
+        internal = (1.0 - weight) * error[s]
+        if internal > best:
+            break
+        j = candidate[s]
+        if air != ANY and calm[j] != air:
+            continue
+        dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
+        total = internal + weight * gaussian((dx * dx + dz * dz) * half_precision)
+        if total < best or (total == best and (j == state or (found != state and j < found))):
+            best, found = total, j
+    return found
+
+
+def brute_force(
+    state: int,
+    error_row: Floats,
+    pressure: Floats,
+    barred: Array,
+    half_precision: float,
+    weight: float,
+    f: Floats,
+    air: int = -1,
+) -> int:
+    """The twin of ``best_candidate`` that asks every record: E_int of one state to all (z,), f (2,) Pa."""
+    best, found = np.inf, -1
+    for j in range(len(error_row)):
+        dx, dz = f[0] - pressure[j, 0], f[1] - pressure[j, 1]
+        external = gaussian((dx * dx + dz * dz) * half_precision)
+        total = (1.0 - weight) * error_row[j] + weight * external
+        asked = air == ANY or bool(air) == (not pressure[j].any())
+        better = total < best or (total == best and j == state)
+        if better and asked and not barred[j]:
+            best, found = total, j
+    return found
+
+
+@dataclass(frozen=True)
+class SearchArrays:
+    """What the search reads, in the types it computes with."""
+
+    offsets: npt.NDArray[np.int64]
+    candidate: npt.NDArray[np.int64]
+    error: Floats  # (nnz,) E_int
+    pressure: Floats  # (z, 2) Pa
+    calm: npt.NDArray[np.bool_]  # (z,) no wind acts
+    barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory
+    by_x: npt.NDArray[np.int64]  # (z,) records in the order of their pressure along x
+    half_precision: float  # 1 / (2 σ²), Pa⁻²
+
+
+def search_arrays(table: Table) -> SearchArrays:
+    """Widen a table's search tensors once."""
+    sigma = float(table.metadata["sigma_pa"])
+    return SearchArrays(
+        table.offsets.astype(np.int64),
+        table.candidate.astype(np.int64),
+        table.mismatches.astype(np.float64) / float(table.metadata["components"]),
+        table.pressure_pa.astype(np.float64),
+        still_records(table.pressure_pa),
+        last_records(table.trajectory),
+        np.argsort(table.pressure_pa[:, 0], kind="stable"),
+        1.0 / (2.0 * sigma * sigma),
+    )
+
+
+@numba.njit(cache=True, nogil=True)
+def _ease(poses, dq, first, found, easing, now, before):
+    """Follow the record's own path, letting the offset from it die away as a critically damped spring does.
+
+    The offset starts with the speed that keeps the tree's motion smooth where the search jumps. Both roots of
+    the recurrence are 1 − easing: docs/design/0002-pose-easing.md.
+    """
+    keep = (1.0 - easing) * (1.0 - easing)
+    pull = easing * easing
+    settled = True
+    for k in range(len(now)):
+        came = 0.0 if first else dq[found - 1, k]
+        offset = now[k] - poses[found, k]
+        speed = keep * ((now[k] - before[k]) - came) - pull * offset
+        before[k] = now[k]
+        now[k] = poses[found + 1, k] + (offset + speed)
+        settled = settled and abs(offset + speed) < SNAP and abs(speed) < SNAP
+    if settled:
+        for k in range(len(now)):
+            now[k] = poses[found + 1, k]
+
+
+@numba.njit(cache=True, nogil=True)
+def _step(search, dq, poses, starts, rule, i, fx, fz, record, weight, now, before):
+    """One step of tree i: find the record, adopt its successor's state, accumulate its Δq (Alg. 1)."""
+    initial, maximum, growth, easing, tell_air = rule
+    air = ANY
+    if tell_air:
+        air = 1 if fx == 0.0 and fz == 0.0 else 0
+    found = _find(search, record[i] + 1, weight[i], air, fx, fz)
+    if found < 0:  # a table without records of such air: ask all
+        found = _find(search, record[i] + 1, weight[i], ANY, fx, fz)
+    follows = found == record[i] + 1 and record[i] >= 0
+    weight[i] = min(maximum, weight[i] + growth) if follows else initial
+    record[i] = found
+    if easing > 0.0:
+        _ease(poses, dq, starts[found], found, easing, now[i], before[i])
+    else:
+        for k in range(dq.shape[1]):
+            before[i, k] = now[i, k]
+            now[i, k] += dq[found, k]
+
+
+@numba.njit(cache=True, nogil=True)
+def _find(search, state, weight, air, fx, fz):
+    """The record for the next step from a record's state (0: the first step).
+
+    When the air begins to move about a tree in still air, that is a first step again.
+    """
+    offsets, candidate, error, pressure, calm, barred, by_x, half_precision = search
+    if state == 0 or (air == 0 and calm[state]):
+        return nearest_pressure(pressure, by_x, barred, calm, air, fx, fz)
+    return best_candidate(
+        offsets, candidate, error, pressure, calm, half_precision, state, weight, air, fx, fz
+    )
+
+
+@numba.njit(cache=True, nogil=True)
+def _advance(
+    search, dq, poses, starts, scale, rule, rate, turn, px, pz, record, weight, phase, now, before, q
+):
+    for i in range(len(record)):
+        fx = turn[i, 0] * px[i] - turn[i, 1] * pz[i]
+        fz = turn[i, 1] * px[i] + turn[i, 0] * pz[i]
+        phase[i] += rate[i]
+        steps = 0
+        while phase[i] >= 1.0 and steps < MAX_STEPS_PER_ADVANCE:
+            _step(search, dq, poses, starts, rule, i, fx, fz, record, weight, now, before)
+            phase[i] -= 1.0
+            steps += 1
+        phase[i] -= np.floor(phase[i])
+        for k in range(len(scale)):
+            q[i, k] = (before[i, k] + (now[i, k] - before[i, k]) * phase[i]) * scale[k]
+
+
+@dataclass(frozen=True)
+class LookupArrays:
+    """What every forest of a table reads and none writes to."""
+
+    search: tuple[Any, ...]  # SearchArrays, as the kernels take them
+    dq: Floats  # (z, r) in units of mode_scale
+    poses: Floats  # (z, r)
+    starts: npt.NDArray[np.bool_]  # (z,) first of a trajectory
+
+
+_arrays: dict[int, LookupArrays] = {}
+
+
+def lookup_arrays(table: Table) -> LookupArrays:
+    """The table in the types that steps are computed in: made once, and kept as long as the table is."""
+    found = _arrays.get(id(table))
+    if found is None:
+        found = _arrays[id(table)] = _widened(table)
+        weakref.finalize(table, _arrays.pop, id(table), None)
+    return found
+
+
+def _widened(table: Table) -> LookupArrays:
+    arrays = search_arrays(table)
+    starts = np.zeros(len(table.dq), np.bool_)
+    starts[table.trajectory[:-1].astype(np.int64)] = True
+    search = (*(getattr(arrays, name) for name in SearchArrays.__dataclass_fields__),)
+    return LookupArrays(search, table.dq.astype(np.float64), table.pose().astype(np.float64), starts)
+
+
+class ForestLookup(PacedTrees):
+    """Trees of one table, each with its own state, in its own frame and at its own pace."""
+
+    def __init__(
+        self, table: Table, count: int, *, pose_easing: float | None = None, still_air: bool = True
+    ) -> None:
+        """``count`` trees at rest. ``pose_easing`` 0 and ``still_air`` False are the literal method.
+
+        pose_easing: 0..1, None takes the table's: how fast the pose is drawn to that of the record found.
+        still_air: ask records of still air when the air is exactly still, and no others; and vice versa.
+        """
+        metadata = table.metadata
+        super().__init__(count, table.mode_scale, float(metadata["dt_s"]))
+        easing = metadata["pose_easing"] if pose_easing is None else pose_easing
+        arrays = lookup_arrays(table)
+        self._search, self._dq, self._poses, self._starts = (
+            arrays.search, arrays.dq, arrays.poses, arrays.starts,
+        )  # fmt: skip
+        weight = metadata["weight"]
+        self._rule = (
+            float(weight["initial"]),
+            float(weight["maximum"]),
+            float(weight["growth"]),
+            float(easing),
+            bool(still_air),
+        )
+        self._weight = np.zeros(count)
+        self.record = np.full(count, -1, np.int32)
+        """(count,) record found last, −1 before the first step; the tree is in its successor's state."""
+
+    def advance(self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike) -> None:
+        """Let dt_s seconds pass under world pressures (count,) in Pa; large trees walk their table slower."""
+        px, pz = self._passing(dt_s, pressure_x, pressure_z)
+        _advance(
+            self._search, self._dq, self._poses, self._starts, self._scale, self._rule, self._rate,
+            self._turn, px, pz, self.record, self._weight, self._phase, self._now, self._before, self.q,
+        )  # fmt: skip

@@ -1,0 +1,53 @@
+"""Plays a table under a wind without a screen, and measures the sway."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from galewood.player.paper_search import ForestLookup
+from galewood.table import Table
+from galewood.util import Floats
+from galewood.wind import Wind, wind_pressure
+
+SPACING_M = 10.0
+
+
+def planted(count: int, seed: int = 0) -> tuple[Floats, Floats, Floats, Floats]:
+    """x, z, yaw and scale of trees on a jittered grid; the same for the same seed."""
+    rng = np.random.default_rng(seed)
+    side = int(np.ceil(np.sqrt(count)))
+    cell = np.stack(np.divmod(np.arange(count), side))
+    x, z = SPACING_M * (cell + rng.uniform(-0.3, 0.3, (2, count)))
+    return x, z, rng.uniform(-np.pi, np.pi, count), rng.uniform(0.8, 1.2, count)
+
+
+def play(table: Table, wind: Wind, seconds: float, trees: int) -> dict[str, Any]:
+    """Sway of the highest node over the height, and its mean lean along the wind, over all trees."""
+    x, z, yaw, scale = planted(trees)
+    forest = ForestLookup(table, trees)
+    forest.set_trees(x, z, yaw, scale)
+    top = int(np.argmax(table.node_rest_m[:, 1]))
+    pressure = np.zeros((2, trees), np.float32)
+    frames = round(seconds / table.metadata["dt_s"])
+    track = np.zeros((frames, trees, 3))
+    for frame in range(frames):
+        wind_pressure(wind, x, z, frame * table.metadata["dt_s"], pressure[0], pressure[1])
+        forest.advance(table.metadata["dt_s"], pressure[0], pressure[1])
+        track[frame] = forest.q @ table.node_basis[top].T
+    return _figures(track, yaw, np.radians(wind.direction_deg), float(table.metadata["height_m"]))
+
+
+def _figures(track: Floats, yaw: Floats, heading: float, height_m: float) -> dict[str, Any]:
+    own = heading + yaw  # the world's direction in each tree's frame
+    along = track[..., 0] * np.cos(own) + track[..., 2] * np.sin(own)
+    settled = along[len(along) // 4 :]
+    return {
+        "frames": len(track),
+        "trees": track.shape[1],
+        "largest_sway": float(np.linalg.norm(track, axis=2).max() / height_m),
+        "mean_lean_downwind": float(settled.mean() / height_m),
+        "sway_about_the_mean": float(settled.std(axis=0).mean() / height_m),
+        "largest_step": float(np.linalg.norm(np.diff(track, axis=0), axis=2).max() / height_m),
+    }

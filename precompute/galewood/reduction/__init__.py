@@ -1,0 +1,23 @@
+"""Model order reduction; in: training runs; out: POD basis, fitted modal model, render nodes."""
+
+from galewood.reduction.nodes import Nodes, largest_motion_m, make_nodes, render_basis
+from galewood.reduction.oscillators import Oscillators, oscillators_of
+from galewood.reduction.pod import QuantisedMotion, Subspace, quantise
+from galewood.reduction.training import Fitted, Learning, fit_smallest, shown_modes, size_of
+
+__all__ = [
+    "Fitted",
+    "Learning",
+    "Nodes",
+    "Oscillators",
+    "QuantisedMotion",
+    "Subspace",
+    "fit_smallest",
+    "largest_motion_m",
+    "make_nodes",
+    "oscillators_of",
+    "quantise",
+    "render_basis",
+    "shown_modes",
+    "size_of",
+]

@@ -1,0 +1,189 @@
+"""Fits the drift-free method to finite-element runs: its small bending force and the pose that it shows.
+
+The force is found by linear least squares on motions, not on one-step residuals: each term, taken along the
+true run, is sent through its oscillator, and the responses together must make up what the linear step misses.
+What a term does to the frequency and the damping of a mode thus weighs by what it does to the sway.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from galewood.fem import FemSettings
+from galewood.modal import Tangent, coupled_of, force_terms, shape_terms, write_force_terms, write_pose_terms
+from galewood.reduction.oscillators import Oscillators, propagators, reduced, response
+from galewood.reduction.pod import Subspace
+from galewood.util import Array, Floats
+
+FORCE_RIDGE = 1e-5
+POSE_RIDGE = 1e-7
+"""Ridges relative to each term's own mean square."""
+LIGHT_SHARE = 0.05
+"""Runs that sway by less than this share of the farthest are not weighted more than that."""
+
+
+class RunLike(Protocol):
+    """A run of the finite elements from rest: displacement (T + 1, n, 3) m under pressure (T, 2) Pa.
+
+    Asked for one after the other, each array once: they need not all be in memory.
+    """
+
+    @property
+    def pressure_pa(self) -> Array: ...
+    @property
+    def displacement_m(self) -> Array: ...
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run in memory."""
+
+    pressure_pa: Array
+    displacement_m: Array
+
+
+@dataclass(frozen=True)
+class ModalRun:
+    """The same in modal coordinates (T + 1, d), and the shown modes q (T + 1, r)."""
+
+    pressure: Floats
+    e: Floats
+    v: Floats
+    q: Floats
+
+
+def fit_tangent(
+    ritz: Oscillators,
+    mass_kg: Floats,
+    runs: Sequence[RunLike],
+    subspace: Subspace,
+    settings: FemSettings,
+    *,
+    coupled: int = 4,
+    force_ridge: float = FORCE_RIDGE,
+) -> Tangent:
+    """The method's tensors from a tree's oscillators (``leading_oscillators``) and its runs.
+
+    The shown modes are the subspace's, which begins with the oscillators' own shapes. ``coupled`` coordinates
+    beside the first two, or as many as there are, bend with the sway.
+    """
+    modal = [modal_run(run, ritz, mass_kg, subspace, settings.dt_s) for run in runs]
+    step = propagators(ritz.omega, np.diag(ritz.damping), settings)
+    sway = sway_coordinates(ritz, modal)
+    limits = sampled_range(sway, modal, min(coupled, len(ritz.omega) - 2))
+    weights = run_weights(sway, modal)
+    force = _fit_force(modal, weights, step, ritz.load, sway, limits, settings.dt_s, force_ridge)
+    shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits)
+    step[:, [0, 3]] -= 1.0
+    tensors = (step, ritz.load, sway, force, shown, pose, limits)
+    return Tangent(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
+
+
+def leading_oscillators(
+    body: Oscillators, runs: Sequence[RunLike], settings: FemSettings, dynamic: int
+) -> Oscillators:
+    """The oscillators that the method steps: the best ``dynamic`` of a body's motion in the runs' winds."""
+    return reduced(body, [np.asarray(run.pressure_pa, np.float64) for run in runs], settings, dynamic)
+
+
+def modal_run(run: RunLike, ritz: Oscillators, mass_kg: Floats, subspace: Subspace, dt_s: float) -> ModalRun:
+    """A run by its mass-weighted projection; velocities by central differences."""
+    u = np.asarray(run.displacement_m, np.float64)
+    u = u.reshape(len(u), -1)
+    weighted = ritz.shapes * np.repeat(mass_kg, 3)
+    e: Floats = np.linalg.solve(weighted @ ritz.shapes.T, weighted @ u.T).T.astype(np.float64)
+    v: Floats = np.zeros(e.shape)
+    v[1:-1] = (e[2:] - e[:-2]) / (2 * dt_s)
+    v[-1] = (e[-1] - e[-2]) / dt_s
+    return ModalRun(np.asarray(run.pressure_pa, np.float64), e, v, u @ subspace.dual.T)
+
+
+def sway_coordinates(ritz: Oscillators, runs: Sequence[ModalRun]) -> Floats:
+    """(2, d) the two directions of largest motion, in metres, scaled to 1 at the farthest sample."""
+    reach = np.sqrt((ritz.shapes.reshape(len(ritz.omega), -1, 3) ** 2).sum(axis=2).max(axis=1))
+    motion = np.concatenate([run.e for run in runs])
+    _, vectors = np.linalg.eigh((motion * reach).T @ (motion * reach))
+    sway = (vectors[:, ::-1][:, :2] * reach[:, None]).T
+    largest = np.sqrt(((motion @ sway.T) ** 2).sum(axis=1).max())
+    return sway / max(largest, 1e-12)
+
+
+def sampled_range(sway: Floats, runs: Sequence[ModalRun], coupled: int) -> Floats:
+    """(3 + 2c,) largest sway, its speed, pressure, coupled coordinates and their speeds (never zero)."""
+    e = np.concatenate([run.e for run in runs])
+    v = np.concatenate([run.v for run in runs])
+    pressure = np.concatenate([run.pressure for run in runs])
+    sizes = [np.linalg.norm(rows, axis=1).max() for rows in (e @ sway.T, v @ sway.T, pressure)]
+    beside = slice(2, 2 + coupled)
+    return np.maximum([*sizes, *np.abs(e[:, beside]).max(axis=0), *np.abs(v[:, beside]).max(axis=0)], 1e-9)
+
+
+def run_weights(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
+    """(R,) what each run's rows weigh: 1 / (its farthest sway)², mean 1.
+
+    What bending does grows with the sway's square and cube: unweighted, the strongest runs alone would
+    decide, with what in them no term of the method can follow.
+    """
+    farthest = [np.linalg.norm(run.e @ sway.T, axis=1).max() for run in runs]
+    weights = np.maximum(farthest, LIGHT_SHARE) ** -2.0
+    return weights / weights.mean()
+
+
+def _force_table(run: ModalRun, sway: Floats, limits: Floats, half_s: float) -> Floats:
+    """(T, F) terms of the force at the beginning of every step: the frames stand in the lanes."""
+    frames = len(run.pressure)
+    e, v, pressure = (np.ascontiguousarray(rows[:frames].T) for rows in (run.e, run.v, run.pressure))
+    terms = np.empty((force_terms(coupled_of(limits)), frames))
+    write_force_terms(sway, limits, half_s, e, v, pressure, np.empty_like(e), np.empty((3, 2, frames)), terms)
+    return terms.T
+
+
+def _pose_table(run: ModalRun, sway: Floats, limits: Floats) -> Floats:
+    """(T + 1, terms) terms of the pose at every state, under the pressure of the step that led to it."""
+    e = np.ascontiguousarray(run.e.T)
+    pressure = np.concatenate([np.zeros((1, 2)), run.pressure]).T.copy()
+    terms, pair = np.empty((len(e) + 2 + shape_terms(coupled_of(limits)), e.shape[1])), sway @ e
+    write_pose_terms(limits, e, pressure, pair, terms)
+    return terms.T
+
+
+def _fit_force(
+    runs: Sequence[ModalRun],
+    weights: Floats,
+    step: Floats,
+    load: Floats,
+    sway: Floats,
+    limits: Floats,
+    dt_s: float,
+    ridge: float,
+) -> Floats:
+    terms = [_force_table(run, sway, limits, dt_s / 2) for run in runs]
+    force = np.empty((terms[0].shape[1], len(step)))
+    for k, oscillator in enumerate(step):
+        moved = np.concatenate([w * response(oscillator, t) for w, t in zip(weights, terms, strict=True)])
+        linear = [response(oscillator, (run.pressure @ load[k])[:, None])[:, 0] for run in runs]
+        missed = np.concatenate(
+            [w * (run.e[:, k] - known) for w, run, known in zip(weights, runs, linear, strict=True)]
+        )
+        force[:, k] = ridge_fit(moved, missed[:, None], ridge)[:, 0]
+    return force
+
+
+def _fit_pose(runs: Sequence[ModalRun], weights: Floats, sway: Floats, limits: Floats) -> Floats:
+    """(terms, r − d) of the modes shown beside the oscillators' own."""
+    terms = np.concatenate([w * _pose_table(run, sway, limits) for w, run in zip(weights, runs, strict=True)])
+    further = np.concatenate([w * run.q[:, sway.shape[1] :] for w, run in zip(weights, runs, strict=True)])
+    return ridge_fit(terms, further, POSE_RIDGE)
+
+
+def ridge_fit(terms: Floats, target: Floats, ridge: float) -> Floats:
+    """(F, m) coefficients of terms (T, F) for targets (T, m), each term scaled by its root mean square."""
+    size = np.sqrt(np.mean(terms**2, axis=0))
+    size[size == 0] = 1.0
+    scaled = terms / size
+    normal = scaled.T @ scaled / len(terms) + ridge * np.eye(len(size))
+    return np.linalg.solve(normal, scaled.T @ target / len(terms)) / size[:, None]

@@ -1,0 +1,148 @@
+"""Reduced coordinates of the sampled motion: mass-weighted proper orthogonal decomposition.
+
+The motion is low-rank: a tree's pose is a handful of numbers q, and
+u = Σ_k basis_k q_k relative to gravity rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg
+
+from galewood.util import Array, Floats
+
+MAX_SNAPSHOTS = 1500
+"""Snapshots that shape the basis; every sample is still projected on it and counted in the error."""
+
+
+@dataclass(frozen=True)
+class Subspace:
+    """A basis scaled so that a mode's largest vertex moves 1 m per unit: q is in metres."""
+
+    basis: Floats  # (n, 3, r) m per unit of q
+    dual: Floats  # (r, 3n): q = dual @ u.ravel(), the mass-weighted projection
+    scale: Floats  # (r,) how far the farthest vertex moved in each mode as it was given, before scaling
+    max_error_m: float  # largest vertex error of the truncation over the snapshots
+    energy_left: float  # share of the mass-weighted variance outside the basis
+
+    @property
+    def modes(self) -> int:
+        return self.basis.shape[2]
+
+    def project(self, displacement_m: Array) -> Floats:
+        """(T, r) coordinates of displacements (T, n, 3)."""
+        return displacement_m.reshape(len(displacement_m), -1) @ self.dual.T
+
+    def expand(self, q: Array) -> Floats:
+        """(T, n, 3) displacements of coordinates (T, r)."""
+        return np.einsum("nik,tk->tni", self.basis, q)
+
+
+def thinned(displacements: Iterable[Array], total: int | None = None) -> Floats:
+    """At most about MAX_SNAPSHOTS evenly chosen snapshots (s, 3n), float64.
+
+    With the ``total`` number of them known, displacements are taken one run at a time.
+    """
+    if total is None:
+        displacements = list(displacements)
+        total = sum(len(u) for u in displacements)
+    stride = max(1, -(-total // MAX_SNAPSHOTS))
+    return np.concatenate([u[::stride].reshape(-1, u.shape[1] * 3).astype(np.float64) for u in displacements])
+
+
+def fit_subspace(
+    snapshots: Floats,
+    mass_kg: Floats,
+    tolerance_m: float,
+    *,
+    leading: Floats | None = None,
+    least: int = 8,
+    most: int = 24,
+) -> Subspace:
+    """The fewest modes (least..most) that reproduce all snapshots (s, 3n) within tolerance_m at every vertex.
+
+    ``leading`` (d, 3n) are shapes that come first as they are; ``least`` and ``most`` count those that proper
+    orthogonal decomposition adds to them. Method of snapshots (Sirovich 1987). The Gram matrix and everything
+    after it stay in float64: in float32 the modes beyond some twenty would be noise.
+    """
+    root_mass = np.sqrt(np.repeat(np.maximum(mass_kg, 1e-9 * mass_kg.max()), 3))
+    given = np.empty((0, snapshots.shape[1])) if leading is None else leading
+    rest = _without(snapshots * root_mass, (given * root_mass).T)
+    variance, vectors = scipy.linalg.eigh(rest @ rest.T)
+    variance, vectors = variance[::-1], vectors[:, ::-1]
+    whole = float(np.square(snapshots * root_mass).sum())
+    most = min(most, int(np.sum(variance > 1e-13 * whole)))
+    modes, _ = np.linalg.qr(rest.T @ vectors[:, :most])
+    modes = _first_positive(modes)
+    errors = _max_errors(rest, modes, root_mass)
+    enough = [r for r, error in enumerate(errors) if error <= tolerance_m and r >= least]
+    r = min([*enough, most])
+    left = float(np.maximum(variance[r:], 0).sum()) / whole
+    return _scaled(np.concatenate([given, modes[:, :r].T / root_mass]), root_mass, errors[r], left)
+
+
+def _without(weighted: Floats, given: Floats) -> Floats:
+    """Rows (s, 3n) less their part in the span of the columns (3n, d)."""
+    if not given.shape[1]:
+        return weighted
+    span, _ = np.linalg.qr(given)
+    return weighted - (weighted @ span) @ span.T
+
+
+def _first_positive(modes: Floats) -> Floats:
+    """Fix each mode's sign by its largest entry, so that equal samples give equal bases."""
+    largest = np.argmax(np.abs(modes), axis=0)
+    return modes * np.sign(modes[largest, np.arange(modes.shape[1])])
+
+
+def _max_errors(weighted: Floats, modes: Floats, root_mass: Floats) -> list[float]:
+    """Largest vertex error over all mass-weighted snapshots with the first 0, 1, 2, … modes."""
+    coordinates = weighted @ modes
+    residual = weighted / root_mass
+    errors = [_largest(residual)]
+    for k in range(modes.shape[1]):
+        residual -= np.outer(coordinates[:, k], modes[:, k] / root_mass)
+        errors.append(_largest(residual))
+    return errors
+
+
+def _largest(residual: Floats) -> float:
+    points = residual.reshape(len(residual), -1, 3)
+    return float(np.sqrt(np.einsum("sni,sni->sn", points, points).max()))
+
+
+def _scaled(shapes: Floats, root_mass: Floats, max_error_m: float, energy_left: float) -> Subspace:
+    """Modes (r, 3n), each scaled so that its farthest vertex moves 1 m; coordinates by least squares."""
+    points = shapes.reshape(len(shapes), -1, 3)
+    scale = np.sqrt(np.square(points).sum(axis=2).max(axis=1))
+    modes = shapes / scale[:, None]
+    weighted = modes * root_mass
+    dual = np.linalg.solve(weighted @ weighted.T, weighted * root_mass)
+    basis = np.ascontiguousarray((points / scale[:, None, None]).transpose(1, 2, 0))
+    return Subspace(basis, np.ascontiguousarray(dual), scale, max_error_m, energy_left)
+
+
+@dataclass(frozen=True)
+class QuantisedMotion:
+    """Coordinates as integers × scale; prefix sums of dq inside a trajectory give the pose without drift."""
+
+    scale: npt.NDArray[np.float32]  # (r,)
+    dq: npt.NDArray[np.int16]  # (z, r)
+
+
+STEPS_PER_LARGEST = 8191
+"""The largest recorded increment in integer steps: a quarter of int16, room for what pose easing adds."""
+
+
+def quantise(coordinates: Iterable[Floats]) -> QuantisedMotion:
+    """Integers for each trajectory's coordinates (T + 1, r): poses are rounded, dq are their differences."""
+    tracks = list(coordinates)
+    largest = max(float(np.abs(np.diff(track, axis=0)).max()) for track in tracks)
+    step = np.float32(largest / STEPS_PER_LARGEST) if largest > 0 else np.float32(1e-6)
+    rounded = [np.rint((track - track[0]) / float(step)).astype(np.int64) for track in tracks]
+    dq = np.concatenate([np.diff(track, axis=0) for track in rounded]).astype(np.int16)
+    return QuantisedMotion(np.full(dq.shape[1], step, np.float32), dq)

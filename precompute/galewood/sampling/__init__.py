@@ -1,0 +1,46 @@
+"""Training runs; in: a FemModel and winds; out: snapshots of motion and state, one file per run."""
+
+from galewood.sampling.design_speed import DesignWind, design_wind
+from galewood.sampling.plan import Samples, planned, simulate
+from galewood.sampling.recording import (
+    DIRECTIONS_DEG,
+    SAMPLING_VERSION,
+    Recording,
+    SampleWind,
+    Trajectory,
+    read_trajectory,
+    sample_trajectory,
+    sample_winds,
+)
+from galewood.sampling.runner import (
+    SampleTask,
+    TrajectoryRunner,
+    content_hash,
+    run_in_processes,
+    run_task,
+    sample_tasks,
+)
+from galewood.sampling.training_winds import SEED
+
+__all__ = [
+    "DIRECTIONS_DEG",
+    "SAMPLING_VERSION",
+    "SEED",
+    "DesignWind",
+    "Recording",
+    "SampleTask",
+    "SampleWind",
+    "Samples",
+    "Trajectory",
+    "TrajectoryRunner",
+    "content_hash",
+    "design_wind",
+    "planned",
+    "read_trajectory",
+    "run_in_processes",
+    "run_task",
+    "sample_tasks",
+    "sample_trajectory",
+    "sample_winds",
+    "simulate",
+]

@@ -1,0 +1,57 @@
+"""How hard the strongest sample wind may blow: a tree must not be bent further than its model is good for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from galewood.sampling.recording import Body
+from galewood.wind import STREAMLINED_EXPONENT, dynamic_pressure
+
+MAX_SWAY_SHARE = 0.2
+"""Of the height, at the design wind blowing steadily."""
+SETTLE_S = 5.0
+ROUNDS = 5
+
+
+@dataclass(frozen=True)
+class DesignWind:
+    """The strongest wind of the samples and the steady sway it brings, over the height."""
+
+    speed_m_s: float
+    sway_share: float
+    asked_speed_m_s: float
+
+
+def design_wind(body: Body, speed_m_s: float, height_m: float, dt_s: float) -> DesignWind:
+    """The asked speed, lowered until a steady wind of it, from the worse of two sides, bends a tree less."""
+    asked = speed_m_s
+    sway = _sway_share(body, speed_m_s, height_m, dt_s)
+    for _ in range(ROUNDS):
+        if sway <= MAX_SWAY_SHARE:
+            break
+        lower = (0.95 * MAX_SWAY_SHARE / min(sway, 4.0)) ** (1.0 / STREAMLINED_EXPONENT)
+        speed_m_s *= max(lower, 0.3)
+        sway = _sway_share(body, speed_m_s, height_m, dt_s)
+    return DesignWind(speed_m_s, sway, asked)
+
+
+def _sway_share(body: Body, speed_m_s: float, height_m: float, dt_s: float) -> float:
+    pressure = float(dynamic_pressure(speed_m_s))
+    sides = (np.array([pressure, 0.0]), np.array([0.0, pressure]))
+    return max(_steady_sway_m(body, side, round(SETTLE_S / dt_s)) for side in sides) / height_m
+
+
+def _steady_sway_m(body: Body, pressure_pa: np.ndarray, frames: int) -> float:
+    """Largest vertex displacement, averaged over the second half of a steady blow (it swings about that)."""
+    body.reset()
+    total = np.zeros_like(body.u)
+    try:
+        for frame in range(frames):
+            body.step(pressure_pa * min(1.0, 2.0 * (frame + 1) / frames))
+            if 2 * frame >= frames:
+                total += body.u
+    except FloatingPointError:
+        return np.inf
+    return float(np.linalg.norm(total, axis=1).max()) / (frames - frames // 2)

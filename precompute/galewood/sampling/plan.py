@@ -1,0 +1,95 @@
+"""The runs that a table is made from: which winds, in which order they are simulated, where they are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from galewood.sampling.recording import DIRECTIONS_DEG, Recording, SampleWind, StoredRun, sample_winds
+from galewood.sampling.runner import SampleTask, TrajectoryRunner, sample_tasks
+from galewood.sampling.training_winds import SEED, further_winds, training_winds
+from galewood.util import Array
+
+if TYPE_CHECKING:
+    from galewood.fem import FemModel
+
+FIRST_NAMES = {
+    "still-000",
+    *(f"cosine-{k}-{direction:03.0f}" for k in (1, 3, 5) for direction in DIRECTIONS_DEG[::2]),
+    *(f"gust-{direction:03.0f}" for direction in DIRECTIONS_DEG[::3]),
+}
+"""Of an early table: weak, middling and strong winds from three sides, and two gusts that die down; …"""
+FIRST_LEARNT = slice(0, None, 3)
+"""… and every third of the winds that the drift-free method learns from."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Runs whose records the paper's search needs, and runs that only the drift-free method learns from."""
+
+    recorded: Sequence[SampleTask]
+    learnt: Sequence[SampleTask]
+    further: Sequence[SampleTask] = ()
+    """More to learn from, simulated only for a tree that bends far."""
+
+    @property
+    def winds(self) -> list[SampleWind]:
+        return [task.wind for task in (*self.recorded, *self.learnt)]
+
+    @property
+    def ready(self) -> bool:
+        return all(task.path.exists() for task in (*self.recorded, *self.learnt))
+
+    def recorded_runs(self) -> list[Recording]:
+        return [StoredRun(task.path) for task in self.recorded]
+
+    def learnt_runs(self) -> list[Recording]:
+        """All that moves as the finite elements do: not what was faded to rest."""
+        free = [task for task in self.recorded if not task.wind.fade_frames]
+        return [StoredRun(task.path) for task in (*free, *self.learnt)]
+
+    def further_runs(self, runner: TrajectoryRunner, tick: Callable[[float], None]) -> list[Recording]:
+        """Those that only few trees need, simulated now unless they are there."""
+        runner(self.further, lambda number: tick(number / max(len(self.further), 1)))
+        return [StoredRun(task.path) for task in self.further]
+
+    def first(self) -> Samples:
+        """The few that an early table is made from, in the same order."""
+        return Samples([t for t in self.recorded if t.wind.name in FIRST_NAMES], self.learnt[FIRST_LEARNT])
+
+
+def planned(
+    model: FemModel, speed_m_s: float, points: Array, cache_dir: Path, *, frames: int = 180, seed: int = SEED
+) -> Samples:
+    """All winds up to a strongest, to be recorded at the given vertices.
+
+    ``frames`` is the length of each cosine wind, ``seed`` that of the noise and gusts of the training winds.
+    """
+    dt_s = model.settings.dt_s
+    winds = sample_winds(speed_m_s, dt_s, frames)
+    more = training_winds(speed_m_s, dt_s, seed=seed)
+    further = further_winds(speed_m_s, dt_s, seed=seed)
+    tasks = iter(sample_tasks(model, [*winds, *more, *further], points, cache_dir))
+    return Samples(*(list(islice(tasks, len(some))) for some in (winds, more, further)))
+
+
+def simulate(
+    samples: Samples, runner: TrajectoryRunner, tick: Callable[[float], None], at_first: Callable[[], None]
+) -> None:
+    """Run what is not there yet, the first ones first; ``at_first`` is called as soon as these are done."""
+    first = samples.first()
+    early = [*first.recorded, *first.learnt]
+    taken = {task.path for task in early}
+    others = [task for task in (*samples.recorded, *samples.learnt) if task.path not in taken]
+    tasks, waiting = [*early, *others], [at_first]
+    frames = [len(task.wind.pressure_pa) for task in tasks]
+
+    def done(number: int) -> None:
+        tick(sum(frames[:number]) / sum(frames))
+        if waiting and number < len(tasks) and first.ready:
+            waiting.pop()()
+
+    runner(tasks, done)

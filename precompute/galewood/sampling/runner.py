@@ -1,0 +1,120 @@
+"""Samples a model under many winds in processes beside; other runners (a cluster) run the same task."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from galewood.sampling.recording import (
+    SampleWind,
+    is_whole,
+    sample_trajectory,
+    trajectory_key,
+    write_trajectory,
+)
+from galewood.util import Array, Helpers
+
+if TYPE_CHECKING:  # the finite elements are loaded only where a run is simulated
+    from galewood.fem import FemModel, Simulator
+
+
+@dataclass(frozen=True)
+class SampleTask:
+    """One run to record: everything a worker needs that shares the cache folder."""
+
+    model: Path
+    wind: SampleWind
+    points: tuple[int, ...]
+    path: Path
+    """Named by the content hash of all of the above: when it exists, it is this run."""
+
+
+TrajectoryRunner = Callable[[Sequence[SampleTask], Callable[[int], None]], list[Path]]
+"""Runs all tasks, telling after each how many are done; what that raises stops the rest."""
+
+
+def sample_tasks(
+    model: FemModel, winds: Sequence[SampleWind], points: Array, cache_dir: Path
+) -> list[SampleTask]:
+    """The runs of a table, recorded at the given vertices (any shape, repeats allowed).
+
+    Model and runs are kept in ``cache_dir`` under their content's hash: a stopped build goes on where it was.
+    A damaged file (the power failed, the disk was full) is taken away, so that its run is made again.
+    """
+    from galewood.fem import save_model
+
+    key = content_hash(model)
+    path = cache_dir / "models" / f"{key}.npz"
+    save_model(model, path)
+    vertices = np.unique(points)
+    tasks = [_task(path, wind, vertices if wind.recorded else vertices[:0]) for wind in winds]
+    for task in tasks:
+        if task.path.exists() and not is_whole(task.path):
+            task.path.unlink(missing_ok=True)
+    return tasks
+
+
+def _task(model: Path, wind: SampleWind, vertices: Array) -> SampleTask:
+    run = model.parent.parent / "trajectories" / f"{trajectory_key(model.stem, wind, vertices)}.npz"
+    return SampleTask(model, wind, tuple(int(vertex) for vertex in vertices), run)
+
+
+def content_hash(model: FemModel) -> str:
+    """Hash of everything that decides how a model moves."""
+    digest = hashlib.sha256(repr((model.alpha, model.beta, model.settings)).encode())
+    for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest"):
+        digest.update(np.ascontiguousarray(getattr(model, name)).tobytes())
+    return digest.hexdigest()
+
+
+@lru_cache(maxsize=1)
+def _simulator(model: Path) -> Simulator:
+    from galewood.fem import Simulator, load_model
+
+    return Simulator(load_model(model))
+
+
+def run_task(task: SampleTask, tick: Callable[[float], None] = lambda fraction: None) -> Path:
+    """Make one trajectory, in whatever process this is, unless it is there; ``tick`` may raise to stop."""
+    if not task.path.exists():
+        simulator = _simulator(task.model)
+        dt_s = simulator.model.settings.dt_s
+        run = sample_trajectory(simulator, task.wind, np.array(task.points, np.int64), dt_s, tick)
+        write_trajectory(task.path, run)
+    return task.path
+
+
+def run_in_processes(
+    tasks: Sequence[SampleTask],
+    done: Callable[[int], None],
+    workers: int | None = None,
+    helpers: Helpers | None = None,
+) -> list[Path]:
+    """A TrajectoryRunner on this machine's cores: in ``helpers`` at hand, or in ``workers`` of its own."""
+    missing = [task for task in tasks if not task.path.exists()]
+    ready = len(tasks) - len(missing)
+    done(ready)
+    if missing and helpers:
+        _run_missing(missing, lambda count: done(ready + count), helpers)
+    elif missing:
+        with Helpers(workers) as own:
+            _run_missing(missing, lambda count: done(ready + count), own)
+    return [task.path for task in tasks]
+
+
+def _run_missing(tasks: Sequence[SampleTask], done: Callable[[int], None], helpers: Helpers) -> None:
+    futures = [helpers.start(run_task, task) for task in tasks]
+    try:
+        for count, future in enumerate(as_completed(futures), 1):
+            future.result()
+            done(count)
+    finally:
+        for future in futures:
+            future.cancel()

@@ -1,0 +1,6 @@
+"""Untrusted input is parsed in a sandboxed child process: arrays in, arrays or a MeshError out."""
+
+from galewood.sandbox.confinement import missing_here
+from galewood.sandbox.limited_process import Arrays, Limits, run_limited
+
+__all__ = ["Arrays", "Limits", "missing_here", "run_limited"]

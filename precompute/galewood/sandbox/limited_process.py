@@ -1,0 +1,129 @@
+"""Functions run in a child process with limits on memory, CPU and wall time: bad meshes crash it, never
+the caller.
+
+Arguments and results are arrays in .npz files (no pickles). The child's current directory is a temporary
+folder, the only one it can write to; it has no network (confinement.py says where that holds).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from galewood.util import MeshError
+
+Arrays = dict[str, NDArray[Any]]
+KEPT_ENVIRONMENT = ("PATH", "LANG", "LD_LIBRARY_PATH", "NUMBA_CACHE_DIR", "VIRTUAL_ENV", "SYSTEMROOT")
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+REFUSED = 3  # exit code: the function raised a MeshError
+OUT_OF_MEMORY = 4
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a child may use. `memory_bytes` counts address space, of which libraries alone take about 1.5
+    GB."""
+
+    memory_bytes: int = 4 << 30
+    cpu_s: int = 120
+    wall_s: float = 180.0
+
+
+def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) -> Arrays:
+    """Calls `target` ("module:function", Arrays to Arrays) in a child.
+
+    Raises the MeshError that the function raised, or one saying that the child ran out of memory or time,
+    was killed or crashed; `what` names the work in that message.
+    """
+    with tempfile.TemporaryDirectory(prefix="galewood-") as folder:
+        np.savez(Path(folder, "in.npz"), allow_pickle=False, **arguments)
+        code, stderr = _wait(_start(target, Path(folder), limits), limits, Path(folder, "stderr"))
+        if code == 0:
+            with np.load(Path(folder, "out.npz"), allow_pickle=False) as result:
+                return {name: result[name] for name in result.files}
+        if code == REFUSED:
+            raise MeshError(**json.loads(Path(folder, "error.json").read_text()))
+        raise _failure(code, stderr, limits, what)
+
+
+def _start(target: str, folder: Path, limits: Limits) -> subprocess.Popen[bytes]:
+    environment = {k: os.environ[k] for k in KEPT_ENVIRONMENT if k in os.environ}
+    environment |= dict.fromkeys(THREADS, "1")
+    environment |= {
+        "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
+        "HOME": str(folder),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
+    command = [
+        sys.executable,
+        "-m",
+        "galewood.sandbox.child",
+        target,
+        str(limits.memory_bytes),
+        str(limits.cpu_s),
+    ]
+    with Path(folder, "stderr").open("wb") as stderr:
+        return subprocess.Popen(
+            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL, stderr=stderr, start_new_session=True,
+        )  # fmt: skip
+
+
+def _wait(child: subprocess.Popen[bytes], limits: Limits, stderr: Path) -> tuple[int, str]:
+    try:
+        code = child.wait(timeout=limits.wall_s)
+    except subprocess.TimeoutExpired:
+        code = -signal.SIGALRM
+    finally:
+        if child.poll() is None:
+            child.kill()
+            child.wait()
+    return code, stderr.read_text(errors="replace")[-4000:]
+
+
+def _failure(code: int, stderr: str, limits: Limits, what: str) -> MeshError:
+    if code == OUT_OF_MEMORY or "bad_alloc" in stderr or "MemoryError" in stderr:
+        megabytes = limits.memory_bytes >> 20
+        return MeshError(
+            "out-of-memory",
+            "unsuitable",
+            f"{what} needed more than {megabytes} MB of memory.",
+            "Decimate the mesh and try again.",
+        )
+    if code == -signal.SIGALRM:
+        return MeshError(
+            "timed-out",
+            "unsuitable",
+            f"{what} took longer than {limits.wall_s:g} s.",
+            "Simplify the mesh and try again.",
+        )
+    if code == -signal.SIGXCPU:
+        return MeshError(
+            "cpu-time",
+            "unsuitable",
+            f"{what} took more than {limits.cpu_s} s of CPU.",
+            "Simplify the mesh and try again.",
+        )
+    if code == -signal.SIGKILL:
+        return MeshError(
+            "killed",
+            "unsuitable",
+            f"{what} was killed, most likely for want of memory.",
+            "Try a smaller mesh.",
+        )
+    return MeshError(
+        "crashed",
+        "unsuitable",
+        f"{what} failed on this mesh (exit {code}).",
+        "Repair the mesh and try again.",
+    )

@@ -1,0 +1,17 @@
+"""The paper's state search; in: the internal states of all records; out: exact candidate lists."""
+
+from galewood.search.candidates import Rule, air_of, build_search, last_records, still_records
+from galewood.search.similarity import Compared, InternalStates, compared, mismatch_rows, typical_error
+
+__all__ = [
+    "Compared",
+    "InternalStates",
+    "Rule",
+    "air_of",
+    "build_search",
+    "compared",
+    "last_records",
+    "mismatch_rows",
+    "still_records",
+    "typical_error",
+]

@@ -1,0 +1,272 @@
+"""The candidates that suffice for an exact search: most pairs of records can never win.
+
+docs/design/0001-exact-search.md proves it; ``_pairs`` is its first rule and ``envelope`` its second.
+"""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from galewood.search.envelope import keep_winners
+from galewood.search.similarity import Compared, mismatch_rows
+from galewood.util import Array
+
+MARGIN = 1e-9
+"""A candidate is dropped only if it loses by more than rounding could ever give back."""
+CHUNK = 48
+GRID = 64
+"""Cells a side of the grid of pressures, one σ each; what lies beyond is put into the last."""
+AROUND = (0, 1, -1, GRID, -GRID, GRID + 1, GRID - 1, 1 - GRID, -1 - GRID)
+"""A cell's own place and its neighbours'."""
+GAIN_STEPS_PER_SIGMA = 256
+GAIN_SPAN_SIGMA = 12
+
+
+@dataclass(frozen=True)
+class Search:
+    """Per record c its candidates j, sorted by (mismatches, j), as CSR."""
+
+    offsets: npt.NDArray[np.uint32]  # (z + 1,)
+    record: npt.NDArray[np.uint16]  # (nnz,)
+    mismatches: npt.NDArray[np.uint16]  # (nnz,)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Eq. 16 and the range that the weight moves in: the candidates suffice for any weight of it."""
+
+    components: int
+    sigma_pa: float
+    weight_initial: float
+    weight_maximum: float
+
+    @property
+    def leverage(self) -> tuple[float, float]:
+        """w / (1 − w) at either end of the range."""
+        w0, w1 = self.weight_initial, self.weight_maximum
+        return w0 / (1.0 - w0), w1 / (1.0 - w1)
+
+
+@dataclass(frozen=True)
+class Air:
+    """What acts in the records, and which of them the search may find."""
+
+    pressure: npt.NDArray[np.float64]  # (z, 2) Pa
+    calm: npt.NDArray[np.bool_]  # (z,) no wind acts
+    barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory: it has no successor and is never found
+
+
+def air_of(pressure_pa: Array, trajectory: Array) -> Air:
+    """Air of the records with pressures (z, 2), runs beginning at ``trajectory``."""
+    barred = last_records(trajectory)
+    return Air(pressure_pa.astype(np.float64), still_records(pressure_pa), barred)
+
+
+def gain_bound() -> npt.NDArray[np.float64]:
+    """Upper bound of G(d) = max_b [exp(−b²/2) − exp(−(b+d)²/2)] at d = i / GAIN_STEPS_PER_SIGMA (d in σ).
+
+    G is how much better than its rival at distance d a pressure can ever make a record look.
+    """
+    d = np.arange(GAIN_SPAN_SIGMA * GAIN_STEPS_PER_SIGMA + 1)[:, None] / GAIN_STEPS_PER_SIGMA
+    b = np.arange(0.0, 3.0, 2e-3)[None, :]  # the best b lies in [0, 1]; the grid errs by less than 1e-6
+    gain = np.exp(-0.5 * b * b) - np.exp(-0.5 * (b + d) ** 2)
+    return np.minimum(gain.max(axis=1) + 2e-6, 1.0)
+
+
+@numba.njit(cache=True, nogil=True)
+def still_records(pressure):  # pragma: no cover  (compiled)
+    """(z,) true for records on which no wind acts: the pressure (z, 2) is exactly zero."""
+    calm = np.empty(len(pressure), np.bool_)
+    for j in range(len(pressure)):
+        calm[j] = pressure[j, 0] == 0.0 and pressure[j, 1] == 0.0
+    return calm
+
+
+def last_records(trajectory: Array) -> npt.NDArray[np.bool_]:
+    """(z,) true for the last record of each trajectory: it has no successor and is never chosen."""
+    last = np.zeros(int(trajectory[-1]), np.bool_)
+    last[trajectory[1:].astype(np.int64) - 1] = True
+    return last
+
+
+@numba.njit(cache=True, nogil=True)
+def _ordered(row, components, order):  # pragma: no cover  (compiled)
+    """Records by (mismatches, number), by counting."""
+    bucket = np.zeros(components + 2, np.int32)
+    for j in range(len(row)):
+        bucket[row[j] + 1] += 1
+    for e in range(components + 1):
+        bucket[e + 1] += bucket[e]
+    for j in range(len(row)):
+        order[bucket[row[j]]] = j
+        bucket[row[j]] += 1
+
+
+@numba.njit(cache=True, nogil=True)
+def cells_of(pressure, sigma, lowest):  # pragma: no cover  (compiled)
+    """(z,) cell of a square grid of σ that each pressure (z, 2) lies in, borders left and right."""
+    cells = np.empty(len(pressure), np.int32)
+    for j in range(len(pressure)):
+        x = 1 + min(int((pressure[j, 0] - lowest[0]) / sigma), GRID - 3)
+        z = 1 + min(int((pressure[j, 1] - lowest[1]) / sigma), GRID - 3)
+        cells[j] = x * GRID + z
+    return cells
+
+
+@numba.njit(cache=True, nogil=True)
+def _beats(k, j, error, row, pressure, scale, leverage, gain, components):  # pragma: no cover  (compiled)
+    """Whether record k, asked before j, is better than j under any pressure."""
+    slack = error - row[k] / components
+    dx = pressure[j, 0] - pressure[k, 0]
+    dz = pressure[j, 1] - pressure[k, 1]
+    if dx == 0.0 and dz == 0.0:
+        return True
+    d = math.sqrt(dx * dx + dz * dz) * scale
+    return leverage * gain[min(int(d) + 1, len(gain) - 1)] < slack or leverage < slack
+
+
+@numba.njit(cache=True, nogil=True)
+def _pairs(
+    c, row, pressure, cells, calm, barred, scale, leverage, gain, components, order, kept, head, after
+):
+    """Write the candidates of state c that no near one of the others beats to ``kept``; return how many.
+
+    Sorted by (mismatches, j), but for the successor, record c itself, which wins every tie and comes first.
+    Only a record of the same air, still or moving, may beat another, as either may be asked alone; but a
+    state of still air is never asked for records of moving air alone. Still records share one pressure, so
+    the first of them is the only one.
+    """  # pragma: no cover  (compiled)
+    _ordered(row, components, order)
+    across = calm[c] and not barred[c]
+    head[:] = -1  # newest of the kept moving records of each cell; ``after`` the one kept before it
+    count, still_kept = 0, False
+    hopeless = np.full(2, np.inf)  # for either air: an error that nothing can make up for
+    if not barred[c]:
+        kept[0] = c
+        count = 1
+        still_kept = calm[c]
+        hopeless[int(calm[c])] = 2 * MARGIN + leverage
+        if across:
+            hopeless[:] = 2 * MARGIN + leverage
+    for i in range(len(row)):
+        j = order[i]
+        if barred[j] or j == c:
+            continue
+        error = row[j] / components - MARGIN
+        if error > max(hopeless[0], hopeless[1]):
+            break
+        hopeless[int(calm[j])] = min(hopeless[int(calm[j])], error + 2 * MARGIN + leverage)
+        if calm[j]:
+            beaten = still_kept
+            still_kept = True
+        else:
+            asks_successor = count > 0 and kept[0] == c and (across or not calm[c])
+            beaten = asks_successor and _beats(c, j, error, row, pressure, scale, leverage, gain, components)
+            for side in AROUND:
+                if beaten:
+                    break
+                s = head[cells[j] + side]
+                while s >= 0 and not beaten:
+                    beaten = _beats(kept[s], j, error, row, pressure, scale, leverage, gain, components)
+                    s = after[s]
+        if not beaten:
+            kept[count] = j
+            if not calm[j]:
+                after[count] = head[cells[j]]
+                head[cells[j]] = count
+            count += 1
+    return count
+
+
+@numba.njit(cache=True, nogil=True)
+def _successor_to_its_place(c, row, kept, count):  # pragma: no cover  (compiled)
+    if kept[0] != c:
+        return
+    s = 1
+    while s < count and row[kept[s]] == row[c] and kept[s] < c:
+        kept[s - 1] = kept[s]
+        s += 1
+    kept[s - 1] = c
+
+
+@numba.njit(cache=True, nogil=True)
+def _prune_rows(
+    first, rows, pressure, cells, calm, barred, sigma, leverage, gain, components, counts, record, mismatches
+):  # pragma: no cover  (compiled)
+    order, kept, after = (
+        np.empty(rows.shape[1], np.int32),
+        np.empty(rows.shape[1], np.int32),
+        np.empty(rows.shape[1], np.int32),
+    )
+    head = np.empty(GRID * GRID, np.int32)
+    scale = GAIN_STEPS_PER_SIGMA / sigma
+    for i in range(len(rows)):
+        c, row = first + i, rows[i]
+        count = _pairs(
+            c,
+            row,
+            pressure,
+            cells,
+            calm,
+            barred,
+            scale,
+            leverage[1],
+            gain,
+            components,
+            order,
+            kept,
+            head,
+            after,
+        )
+        if not barred[c]:
+            count = keep_winners(c, row, pressure, calm, sigma, leverage, components, MARGIN, kept, count)
+        _successor_to_its_place(c, row, kept, count)
+        counts[i] = count
+        for s in range(count):
+            record[i, s] = kept[s]
+            mismatches[i, s] = row[kept[s]]
+
+
+def prune(first: int, rows: Array, air: Air, rule: Rule) -> tuple[Array, Array, Array]:
+    """Candidates of states first, first + 1 … by their mismatches: counts (n,), records, mismatches."""
+    counts = np.empty(len(rows), np.int64)
+    record, mismatches = np.empty_like(rows), np.empty_like(rows)
+    cells = cells_of(air.pressure, rule.sigma_pa, air.pressure.min(axis=0))
+    _prune_rows(
+        first, rows, air.pressure, cells, air.calm, air.barred, rule.sigma_pa, rule.leverage, gain_bound(),
+        rule.components, counts, record, mismatches,
+    )  # fmt: skip
+    inside = np.arange(rows.shape[1])[None, :] < counts[:, None]
+    return counts, record[inside], mismatches[inside]
+
+
+def build_search(
+    layout: Compared, air: Air, rule: Rule, tick: Callable[[float], None] = lambda fraction: None
+) -> Search:
+    """Compare every record with every other and keep the candidates. ``tick`` hears the fraction done."""
+    z = len(layout.rank)
+
+    def chunk(first: int) -> tuple[Array, Array, Array]:
+        return prune(first, mismatch_rows(layout, first, min(first + CHUNK, z)), air, rule)
+
+    parts: list[tuple[Array, Array, Array]] = []
+    # Threads, not numba's own parallel loops: the kernels hold no lock, and builds may run side by side.
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for part in pool.map(chunk, range(0, z, CHUNK)):
+            parts.append(part)
+            tick(min(1.0, len(parts) * CHUNK / z))
+    counts = np.concatenate([part[0] for part in parts])
+    offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.uint32)
+    return Search(
+        offsets, np.concatenate([part[1] for part in parts]), np.concatenate([part[2] for part in parts])
+    )

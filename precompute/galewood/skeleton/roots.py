@@ -1,0 +1,45 @@
+"""Where the tree is held: the lowest slab of its wood, without twigs that merely hang to the ground."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from galewood.tets import tet_volumes
+from galewood.util import Floats, Ints
+
+CLAMPED_SHARE = 0.02  # of the wood's height
+THICK = 0.2  # of the thickest foot's volume
+FEWEST = 4
+
+
+def root_vertices(vertices_m: Floats, tets: Ints) -> Ints:
+    """Indices (k,) of the vertices in the lowest 2 % that belong to a thick foot; at least four,
+    spanning a plane."""
+    heights = vertices_m[:, 1]
+    low, size = float(heights.min()), float(np.ptp(heights))
+    share = CLAMPED_SHARE
+    while True:
+        below = heights <= low + share * size
+        chosen = _thick_feet(vertices_m, tets, below)
+        if _spans_plane(vertices_m[chosen], size) or share > 0.5:
+            return chosen
+        share *= 1.5
+
+
+def _thick_feet(vertices_m: Floats, tets: Ints, below: np.ndarray) -> Ints:
+    touching = tets[below[tets].any(axis=1)]
+    pairs = np.concatenate([touching[:, [0, k]] for k in (1, 2, 3)])
+    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(vertices_m),) * 2)
+    _, label = connected_components(graph, directed=False)
+    volumes = np.bincount(label[touching[:, 0]], tet_volumes(vertices_m, touching), label.max() + 1)
+    thick = volumes >= THICK * volumes.max()
+    return np.flatnonzero(below & thick[label]).astype(np.int32)
+
+
+def _spans_plane(points: Floats, size: float) -> bool:
+    if len(points) < FEWEST:
+        return False
+    singular = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(singular[1] > 1e-4 * size)

@@ -1,0 +1,184 @@
+"""From sections to a rooted tree: parents, tips, spurs removed, branches by longest reach. Pure arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from galewood.skeleton.levels import Sections
+from galewood.util import Floats, Ints
+
+BUMP = 1.5  # of a limb's radius: sections lean, so a bump on the bark starts behind its axis
+LONGEST_SPUR = 3.0  # of the largest radius
+SPUR = 1.2  # a twig that stands out of its parent by less than this many of its own radii is a bump
+
+
+@dataclass(frozen=True)
+class Tree:
+    """points_m (p, 3), parent (p,) with −1 at the root and always before its children, area_m2 (p, 3),
+    piece (p,).
+
+    piece: the slab piece between a point and its parent.
+    """
+
+    points_m: Floats
+    parent: Ints
+    area_m2: Floats
+    piece: Ints
+
+
+def linked_tree(
+    sections: Sections, vertices_m: Floats, tets: Ints, distance_m: Floats, base_m: Floats
+) -> Tree:
+    """Sections joined to the section under them; the base comes first, and the far end of every twig is
+    a point."""
+    lower: dict[int, list[int]] = {}
+    for index, piece in enumerate(sections.above.tolist()):
+        lower.setdefault(piece, []).append(index)
+    points, parent, area, pieces = [base_m], [-1], [np.zeros(3)], [-1]
+    for index in range(len(sections.level)):
+        candidates = lower.get(int(sections.below[index]), [])
+        gaps = [float(np.linalg.norm(sections.centre_m[c] - sections.centre_m[index])) for c in candidates]
+        points.append(sections.centre_m[index])
+        parent.append(candidates[int(np.argmin(gaps))] + 1 if candidates else 0)
+        area.append(sections.area_m2[index])
+        pieces.append(int(sections.below[index]))
+    has_upper = set(sections.below.tolist())
+    far = _farthest(sections, tets, distance_m)
+    for piece, indices in lower.items():
+        if piece not in has_upper and piece in far:
+            section = indices[0] + 1
+            points.append(_tip(points[section], points[parent[section]], vertices_m[far[piece]]))
+            parent.append(section)
+            area.append(sections.area_m2[indices[0]] * 0.25)
+            pieces.append(piece)
+    return Tree(
+        np.array(points), np.array(parent, dtype=np.int32), np.array(area), np.array(pieces, dtype=np.int32)
+    )
+
+
+def meetings(sections: Sections) -> int:
+    """How many times two ways out of the roots meet: where limbs touch, the solid has grown together.
+
+    All ways but one then end there and count as branches, though none ends there in nature.
+    """
+    _, count = np.unique(sections.above, return_counts=True)
+    return int((count - 1).sum())
+
+
+def _tip(last_m: Floats, before_m: Floats, far_m: Floats) -> Floats:
+    """The end of a twig: the farthest vertex, which lies on the bark, brought to the axis."""
+    along = last_m - before_m
+    along = along / max(float(np.linalg.norm(along)), 1e-300)
+    return last_m + along * max(float((far_m - last_m) @ along), 0.0)
+
+
+def _farthest(sections: Sections, tets: Ints, distance_m: Floats) -> dict[int, int]:
+    """The vertex of greatest distance in each slab piece."""
+    corners = tets[sections.pair_tet]
+    best = corners[np.arange(len(corners)), np.argmax(distance_m[corners], axis=1)]
+    order = np.argsort(distance_m[best])
+    return dict(zip(sections.pair_piece[order].tolist(), best[order].tolist(), strict=True))
+
+
+def reach(points_m: Floats, parent: Ints) -> Floats:
+    """Length (p,) of the longest way outwards from each point."""
+    result = np.zeros(len(parent))
+    for i in range(len(parent) - 1, 0, -1):
+        p = parent[i]
+        result[p] = max(result[p], result[i] + float(np.linalg.norm(points_m[i] - points_m[p])))
+    return result
+
+
+def branches(points_m: Floats, parent: Ints) -> Ints:
+    """Branch (p,) of each point: a branch goes on with the child of longest reach; 0 is the trunk."""
+    far = reach(points_m, parent)
+    length = np.zeros(len(parent))
+    length[1:] = far[1:] + np.linalg.norm(points_m[1:] - points_m[parent[1:]], axis=1)
+    heir = np.full(len(parent), -1)
+    for i in range(1, len(parent)):
+        p = parent[i]
+        if heir[p] < 0 or length[i] > length[heir[p]]:
+            heir[p] = i
+    branch = np.zeros(len(parent), dtype=np.int32)
+    count = 1
+    for i in range(1, len(parent)):
+        if heir[parent[i]] == i:
+            branch[i] = branch[parent[i]]
+        else:
+            branch[i] = count
+            count += 1
+    return branch
+
+
+def without_spurs(tree: Tree, radius_m: Floats) -> tuple[Tree, Ints]:
+    """The tree without bumps, and for each old point the point that stands for it now."""
+    tree, moved = _parents_first(tree)
+    radius_m = radius_m[np.argsort(moved)]
+    stands = np.arange(len(tree.parent))
+    while True:
+        branch = branches(tree.points_m, tree.parent)
+        drop = _spurs(tree, branch, radius_m)
+        if not drop.any():
+            return tree, stands[moved].astype(np.int32)
+        heirs = np.arange(len(drop))
+        for i in range(len(drop)):
+            if drop[i]:
+                heirs[i] = heirs[tree.parent[i]]
+        new = np.cumsum(~drop) - 1
+        stands = new[heirs[stands]]
+        keep = ~drop
+        parent = np.where(tree.parent[keep] < 0, -1, new[tree.parent[keep]]).astype(np.int32)
+        tree = replace(
+            tree,
+            points_m=tree.points_m[keep],
+            parent=parent,
+            area_m2=tree.area_m2[keep],
+            piece=tree.piece[keep],
+        )
+        radius_m = radius_m[keep]
+
+
+def _spurs(tree: Tree, branch: Ints, radius_m: Floats) -> np.ndarray:
+    """Points of end branches that hardly stand out of their parent."""
+    drop = np.zeros(len(branch), dtype=bool)
+    far = reach(tree.points_m, tree.parent)
+    bears = np.unique(branch[tree.parent[1:]][branch[1:] != branch[tree.parent[1:]]])
+    for number in range(1, int(branch.max()) + 1):
+        own = np.flatnonzero(branch == number)
+        if number not in bears and _within(tree, radius_m, own, float(far[own[0]])):
+            drop[own] = True
+    return drop
+
+
+def _within(tree: Tree, radius_m: Floats, own: Ints, length: float) -> bool:
+    """Whether a branch ends within reach of the thickness of a point that it grows from."""
+    margin = SPUR * float(np.median(radius_m[own]))
+    child, point = int(own[0]), int(tree.parent[own[0]])
+    while point >= 0:
+        length += float(np.linalg.norm(tree.points_m[child] - tree.points_m[point]))
+        if length < BUMP * radius_m[point] + margin:
+            return True
+        if length > LONGEST_SPUR * radius_m.max():
+            return False
+        child, point = point, int(tree.parent[point])
+    return False
+
+
+def _parents_first(tree: Tree) -> tuple[Tree, Ints]:
+    """The same tree, every parent before its children; and the new place of each old point."""
+    depth = np.zeros(len(tree.parent), dtype=np.int64)
+    for i in range(len(tree.parent)):
+        trail = []
+        j = i
+        while j > 0 and depth[j] == 0:
+            trail.append(j)
+            j = int(tree.parent[j])
+        for step, k in enumerate(reversed(trail), start=1):
+            depth[k] = depth[j] + step
+    order = np.argsort(depth, kind="stable")
+    new = np.argsort(order)
+    parent = np.where(tree.parent[order] < 0, -1, new[tree.parent[order]]).astype(np.int32)
+    sorted_tree = Tree(tree.points_m[order], parent, tree.area_m2[order], tree.piece[order])
+    return sorted_tree, new.astype(np.int32)

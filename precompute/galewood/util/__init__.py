@@ -1,0 +1,28 @@
+"""Small helpers that every stage uses: array types, errors, atomic files, worker processes."""
+
+from galewood.util.arrays import Array, Floats, Int32s, Int64s, Ints, Singles
+from galewood.util.atomic_file import write_arrays, write_whole
+from galewood.util.cancelled import Cancelled
+from galewood.util.errors import MeshError, Reason
+from galewood.util.process_usage import PeakMemory, cpu_seconds
+from galewood.util.threads import SINGLE_THREADED
+from galewood.util.worker_pool import Helpers, usable_cores
+
+__all__ = [
+    "SINGLE_THREADED",
+    "Array",
+    "Cancelled",
+    "Floats",
+    "Helpers",
+    "Int32s",
+    "Int64s",
+    "Ints",
+    "MeshError",
+    "PeakMemory",
+    "Reason",
+    "Singles",
+    "cpu_seconds",
+    "usable_cores",
+    "write_arrays",
+    "write_whole",
+]

@@ -1,0 +1,119 @@
+"""Checks of whole bars and poles against beam theory: tip, convergence, sag, frequencies."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from galewood.fem import Element, FemModel, FemSettings, solve_static
+from galewood.model import GRAVITY_M_S2, build_model
+from galewood.verify.bars import Bar, box_bar, polygon_bar
+from galewood.verify.beams import pole_frequencies, sag, shear_tip, softening, tip_deflection
+from galewood.verify.checks import Check, relative
+from galewood.wood import species
+
+WOOD = species("poplar")
+LENGTH_M, RADIUS_M = 5.0, 0.06
+SECTIONS = (("triangle", 3, 1), ("square", 4, 1), ("hexagon", 6, 1), ("round (12 sides, 2 rings)", 12, 2))
+LIMITS: dict[Element, float] = {"quadratic": 0.05, "fitted": 0.10}
+NAMES: dict[Element, str] = {"quadratic": "reference", "fitted": "fast"}
+
+
+def checks() -> Iterator[Check]:
+    """The lines of the table."""
+    for label, sides, rings in SECTIONS:
+        bar = polygon_bar(sides=sides, rings=rings, radius_m=RADIUS_M, length_m=LENGTH_M, layers=40)
+        exact = tip_deflection(1.0, LENGTH_M, WOOD.young_longitudinal_pa, bar.second_moment_m4)
+        for element, limit in LIMITS.items():
+            tip = tip_under_force(weightless(bar, element), bar)
+            yield relative(f"cantilever tip, {label}, {NAMES[element]}", exact, tip, "m", limit)
+    yield from _convergence()
+    yield _sagging()
+    yield from _pole_frequencies()
+    yield _softened()
+
+
+def weightless(bar: Bar, element: Element) -> FemModel:
+    """The bar of poplar without gravity."""
+    settings = FemSettings(element=element, gravity=False)
+    return build_model(bar, bar, WOOD, bar, settings)
+
+
+def tip_under_force(model: FemModel, bar: Bar, axis: int = 0) -> float:
+    """Mean displacement of the tip along an axis under 1 N spread over it, m."""
+    load = np.zeros_like(model.nodes_m)
+    load[bar.tip, axis] = 1.0 / len(bar.tip)
+    u, _, _ = solve_static(model.system(), load)
+    return float(u[bar.tip, axis].mean())
+
+
+def _convergence() -> Iterator[Check]:
+    """Rate at which the plain linear element's tip error falls with the mesh size: second order, from far
+    off.
+    """
+    size = (0.2, 1.0, 0.2)
+    errors: list[float] = []
+    for k in (2, 4, 8):
+        bar = box_bar(size_m=size, cells=(k, 4 * k, k))
+        young, shear = WOOD.young_longitudinal_pa, WOOD.shear_longitudinal_pa
+        exact = tip_deflection(1.0, size[1], young, bar.second_moment_m4)
+        exact += shear_tip(1.0, size[1], shear, bar.area_m2)
+        errors.append(abs(tip_under_force(weightless(bar, "linear"), bar) / exact - 1))
+    rate = float(np.log2(errors[-2] / errors[-1]))
+    note = "errors " + ", ".join(f"{error:.1%}" for error in errors)
+    yield relative("linear tets: order of convergence of a cantilever's tip", 2.0, rate, "–", 0.35, note)
+
+
+def _sagging() -> Check:
+    """A horizontal bar under its own weight, by the gravity rest pose of `build_model`."""
+    standing = polygon_bar(sides=6, radius_m=RADIUS_M, length_m=2.0, layers=24)
+    lying = replace(
+        standing,
+        vertices_m=np.ascontiguousarray(standing.vertices_m[:, [1, 2, 0]]),
+        tet_fibre=np.ascontiguousarray(standing.tet_fibre[:, [1, 2, 0]]),
+    )
+    # Solved directly: a lying bar is so low that its sag would count as a collapse.
+    model = weightless(lying, "quadratic")
+    load = np.zeros_like(model.nodes_m)
+    load[:, 1] = -GRAVITY_M_S2 * model.mass_kg
+    u, _, _ = solve_static(model.system(), load)
+    weight = GRAVITY_M_S2 * WOOD.density_kg_m3 * standing.area_m2
+    exact = sag(weight, 2.0, WOOD.young_longitudinal_pa, standing.second_moment_m4)
+    return relative("sag of a lying bar, reference", exact, float(-u[standing.tip, 1].mean()), "m", 0.03)
+
+
+def _pole_frequencies() -> Iterator[Check]:
+    for label, tip_ratio in (("uniform", 1.0), ("tapered to half", 0.5)):
+        bar = polygon_bar(
+            sides=12, radius_m=RADIUS_M, length_m=LENGTH_M, layers=40, tip_radius_m=RADIUS_M * tip_ratio
+        )
+        exact = pole_frequencies(
+            LENGTH_M,
+            WOOD.young_longitudinal_pa,
+            WOOD.density_kg_m3,
+            bar.area_m2,
+            bar.second_moment_m4,
+            tip_ratio,
+        )
+        for element in LIMITS:
+            found = weightless(bar, element).report["frequencies_hz"]
+            # Bending modes come in pairs, one for each axis of the section.
+            for mode, index in (("first", 0), ("second", 2)):
+                name = f"{label} pole, {mode} frequency, {NAMES[element]}"
+                yield relative(name, float(exact[index // 2]), found[index], "Hz", 0.03)
+
+
+def _softened() -> Check:
+    """A pole that carries a third of its buckling load: its weight slows the sway."""
+    length, radius = 12.0, 0.055
+    bar = polygon_bar(sides=6, radius_m=radius, length_m=length, layers=60)
+    light = weightless(bar, "quadratic").report["frequencies_hz"][0]
+    settings = FemSettings(element="quadratic")
+    heavy = build_model(bar, bar, WOOD, bar, settings).report["frequencies_hz"][0]
+    weight = GRAVITY_M_S2 * WOOD.density_kg_m3 * bar.area_m2 * length
+    exact = softening(weight, length, WOOD.young_longitudinal_pa, bar.second_moment_m4)
+    share = 1 - exact**2
+    note = f"at {share:.0%} of the buckling load"
+    return relative(
+        "standing pole: frequency over weightless frequency", exact, heavy / light, "–", 0.02, note
+    )

@@ -1,0 +1,137 @@
+"""A tree as a frame of round Euler–Bernoulli beams in space: an independent answer to hold the tetrahedra to.
+
+Nothing is shared with the finite elements but the wood's constants: no tetrahedra, no extracted skeleton, no
+thickening. The points come from a skeleton with true radii, such as a tree generator writes
+(`beam_frame_tree.py`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array
+from scipy.sparse.linalg import eigsh
+
+from galewood.util import Floats, Int64s
+from galewood.wood import Wood
+
+STIFF = 100.0
+"""How much stiffer a branch is taken to be inside the limb that bears it."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """points_m (n,3), links (k,2), radius_m (k,) of each link, hidden (k,): it lies inside its bearer."""
+
+    points_m: Floats
+    links: Int64s
+    radius_m: Floats
+    hidden: NDArray[np.bool_]
+
+    @property
+    def length_m(self) -> Floats:
+        """(k,) length of each link."""
+        return np.linalg.norm(self.points_m[self.links[:, 1]] - self.points_m[self.links[:, 0]], axis=1)
+
+    def volume_m3(self) -> float:
+        """Volume of the wood, what is hidden inside other wood not counted."""
+        return float((np.pi * self.radius_m**2 * self.length_m)[~self.hidden].sum())
+
+
+def frame_frequencies(
+    tree: Frame, wood: Wood, clamped_m: float, count: int, point_mass_kg: Floats | None = None
+) -> Floats:
+    """The first `count` frequencies, Hz, without gravity; points not above `clamped_m` are held.
+
+    `point_mass_kg` (n,) is what hangs on the points.
+    """
+    stiffness, mass = frame_matrices(tree, wood)
+    if point_mass_kg is not None:
+        mass = mass + _lumped(point_mass_kg)
+    free = np.flatnonzero(np.repeat(tree.points_m[:, 1] > clamped_m, 6))
+    stiffness, mass = csc_array(stiffness[free][:, free]), csc_array(mass[free][:, free])
+    squares = eigsh(stiffness, count, M=mass, sigma=0, return_eigenvectors=False, v0=np.ones(len(free)))
+    return np.sqrt(np.sort(squares)) / (2 * np.pi)
+
+
+def _lumped(mass_kg: Floats) -> csc_array:
+    size = 6 * len(mass_kg)
+    rows = (6 * np.arange(len(mass_kg))[:, None] + np.arange(3)).ravel()
+    return csc_array(coo_array((np.repeat(mass_kg, 3), (rows, rows)), shape=(size, size)))
+
+
+def frame_matrices(tree: Frame, wood: Wood) -> tuple[csc_array, csc_array]:
+    """Stiffness and consistent mass (6n,6n): three displacements and three rotations to a point."""
+    rows: list[Int64s] = []
+    columns: list[Int64s] = []
+    stiff: list[Floats] = []
+    heavy: list[Floats] = []
+    for (a, b), radius, length, hidden in zip(
+        tree.links, tree.radius_m, tree.length_m, tree.hidden, strict=True
+    ):
+        turn = np.kron(np.eye(4), _axes(tree.points_m[b] - tree.points_m[a]))
+        dofs = np.concatenate([6 * a + np.arange(6), 6 * b + np.arange(6)])
+        rows.append(np.repeat(dofs, 12))
+        columns.append(np.tile(dofs, 12))
+        k, m = beam_matrices(radius, length, wood)
+        stiff.append((turn.T @ k @ turn * (STIFF if hidden else 1.0)).ravel())
+        heavy.append((turn.T @ m @ turn * (0.0 if hidden else 1.0)).ravel())
+    size = 6 * len(tree.points_m)
+    where = (np.concatenate(rows), np.concatenate(columns))
+
+    def whole(values: list[Floats]) -> csc_array:
+        return csc_array(coo_array((np.concatenate(values), where), shape=(size, size)))
+
+    return whole(stiff), whole(heavy)
+
+
+def _axes(along: Floats) -> Floats:
+    """(3,3) rows: the beam's own axis and two across it."""
+    x = along / float(np.linalg.norm(along))
+    y = np.cross(x, np.eye(3)[int(np.argmin(np.abs(x)))])
+    y = y / float(np.linalg.norm(y))
+    return np.array([x, y, np.cross(x, y)], dtype=np.float64)
+
+
+def beam_matrices(radius_m: float, length_m: float, wood: Wood) -> tuple[Floats, Floats]:
+    """Stiffness and consistent mass (12,12) of a round beam along its first axis.
+
+    Source: Przemieniecki 1968, "Theory of Matrix Structural Analysis", chapters 5 and 11, without shear and
+    without rotary inertia in bending.
+    """
+    area = np.pi * radius_m**2
+    moment = np.pi * radius_m**4 / 4
+    k, m = np.zeros((12, 12)), np.zeros((12, 12))
+    weight = wood.density_kg_m3 * area * length_m
+    stretch, twist = [0, 6], [3, 9]
+    rod, rod_mass = np.array([[1, -1], [-1, 1]]), np.array([[2, 1], [1, 2]]) / 6
+    k[np.ix_(stretch, stretch)] = wood.young_longitudinal_pa * area / length_m * rod
+    m[np.ix_(stretch, stretch)] = weight * rod_mass
+    k[np.ix_(twist, twist)] = wood.shear_longitudinal_pa * 2 * moment / length_m * rod
+    m[np.ix_(twist, twist)] = weight * radius_m**2 / 2 * rod_mass
+    bend, inertia = _bending(length_m)
+    for dofs, sign in (([1, 5, 7, 11], 1.0), ([2, 4, 8, 10], -1.0)):
+        signs = np.array([1, sign, 1, sign])
+        both = np.outer(signs, signs)
+        k[np.ix_(dofs, dofs)] = wood.young_longitudinal_pa * moment / length_m**3 * both * bend
+        m[np.ix_(dofs, dofs)] = weight / 420 * both * inertia
+    return k, m
+
+
+def _bending(length_m: float) -> tuple[Floats, Floats]:
+    s = length_m
+    stiffness = [
+        [12, 6 * s, -12, 6 * s],
+        [6 * s, 4 * s * s, -6 * s, 2 * s * s],
+        [-12, -6 * s, 12, -6 * s],
+        [6 * s, 2 * s * s, -6 * s, 4 * s * s],
+    ]
+    mass = [
+        [156, 22 * s, 54, -13 * s],
+        [22 * s, 4 * s * s, 13 * s, -3 * s * s],
+        [54, 13 * s, 156, -22 * s],
+        [-13 * s, -3 * s * s, -22 * s, 4 * s * s],
+    ]
+    return np.array(stiffness, float), np.array(mass, float)

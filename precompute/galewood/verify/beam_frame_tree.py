@@ -1,0 +1,129 @@
+"""The frame of beams of a tree, from a skeleton with true radii: branches joined to their bearers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from galewood.util import Floats, Int64s
+from galewood.verify.beam_frame import Frame
+
+PIECES = 4
+"""Beam elements to each link of the skeleton."""
+SNAP = 0.02
+"""Of a link: a branch that starts so near to one of its ends starts there."""
+
+
+def read_frame(path: Path) -> Frame:
+    """The frame of a generator's skeleton file (columns points_m, radius_m, parent, branch)."""
+    columns = json.loads(path.read_text())
+    points, radius = np.array(columns["points_m"], float), np.array(columns["radius_m"], float)
+    return frame(points, radius, np.array(columns["parent"]), np.array(columns["branch"]))
+
+
+def frame(points_m: Floats, radius_m: Floats, parent: Int64s, branch: Int64s) -> Frame:
+    """Links cut into pieces; each branch starts at the point of its parent branch's axis nearest to it."""
+    builder = _Builder(points_m, radius_m)
+    order = [np.flatnonzero(branch == number) for number in range(int(branch.max()) + 1)]
+    order.sort(key=lambda own: int(own[0]))
+    for own in order:
+        bearer = int(branch[parent[own[0]]]) if parent[own[0]] >= 0 else -1
+        builder.add_branch(own, int(branch[own[0]]), bearer)
+    return builder.frame()
+
+
+class _Builder:
+    """Grows the frame branch by branch, parents first."""
+
+    def __init__(self, points_m: Floats, radius_m: Floats) -> None:
+        self._points, self._radius = points_m, radius_m
+        self._nodes: list[Floats] = []
+        self._girth: list[float] = []
+        self._of_branch: dict[int, list[int]] = {}
+        self._hidden: dict[int, list[bool]] = {}
+        self._joints: list[tuple[int, int]] = []
+
+    def add_branch(self, own: Int64s, number: int, bearer: int) -> None:
+        """A branch through the given points; `bearer` is the branch that it grows from (−1: the ground)."""
+        places, girth = _resampled(self._points[own], self._radius[own])
+        hidden = np.zeros(len(places) - 1, bool)
+        joint = -1
+        if bearer >= 0:
+            joint = self._node_on(bearer, places[0])
+            limb = self._of_branch[bearer]
+            axis, thick = np.array([self._nodes[n] for n in limb]), np.array([self._girth[n] for n in limb])
+            places, girth, hidden = _cut_at_bark(places, girth, axis, thick)
+        self._of_branch[number] = [self._node(p, g) for p, g in zip(places, girth, strict=True)]
+        self._hidden[number] = hidden.tolist()
+        if joint >= 0:
+            self._joints.append((joint, self._of_branch[number][0]))
+
+    def _node(self, place: Floats, girth: float) -> int:
+        self._nodes.append(place)
+        self._girth.append(girth)
+        return len(self._nodes) - 1
+
+    def _node_on(self, branch: int, place: Floats) -> int:
+        """A node at the point of a branch's axis nearest to a place, put in between two others."""
+        nodes = self._of_branch[branch]
+        line = np.array([self._nodes[n] for n in nodes])
+        along = np.diff(line, axis=0)
+        share = np.einsum("ij,ij->i", place - line[:-1], along) / np.einsum("ij,ij->i", along, along)
+        share = np.clip(share, 0.0, 1.0)
+        foot = line[:-1] + share[:, None] * along
+        k = int(np.argmin(np.linalg.norm(foot - place, axis=1)))
+        for end, close in ((k, share[k] < SNAP), (k + 1, share[k] > 1 - SNAP)):
+            if close:
+                return nodes[end]
+        girth = (1 - share[k]) * self._girth[nodes[k]] + share[k] * self._girth[nodes[k + 1]]
+        nodes.insert(k + 1, self._node(foot[k], float(girth)))
+        self._hidden[branch].insert(k, self._hidden[branch][k])
+        return nodes[k + 1]
+
+    def frame(self) -> Frame:
+        """What has been grown; nodes at one place become one."""
+        points, girth = np.array(self._nodes), np.array(self._girth)
+        stands = np.arange(len(points))
+        links: list[tuple[int, int, bool]] = []
+        for joint, first in self._joints:
+            if np.linalg.norm(points[joint] - points[first]) < 1e-3:
+                stands[first] = joint
+            else:
+                links.append((joint, first, True))
+        for number, nodes in self._of_branch.items():
+            links += list(zip(nodes, nodes[1:], self._hidden[number], strict=False))
+        kept, index = np.unique(stands, return_inverse=True)
+        ends = np.array([(a, b) for a, b, _ in links])
+        one, other = girth[ends[:, 0]], girth[ends[:, 1]]
+        radius = np.sqrt((one**2 + one * other + other**2) / 3)
+        return Frame(points[kept], index[ends], radius, np.array([h for _, _, h in links]))
+
+
+def _resampled(points_m: Floats, radius_m: Floats) -> tuple[Floats, Floats]:
+    knots = np.arange(len(points_m))
+    fine = np.linspace(0, len(points_m) - 1, PIECES * (len(points_m) - 1) + 1)
+    places = np.column_stack([np.interp(fine, knots, points_m[:, k]) for k in range(3)])
+    return places, np.interp(fine, knots, radius_m)
+
+
+def _cut_at_bark(
+    places: Floats, radii: Floats, axis: Floats, girth: Floats
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """The branch with a point put in where it leaves the limb (axis (a,3), girth (a,) m) that bears it, and
+    which of its links lie inside.
+    """
+    knots = np.arange(len(places))
+    fine = np.linspace(0, len(places) - 1, 20 * (len(places) - 1) + 1)
+    way = np.column_stack([np.interp(fine, knots, places[:, k]) for k in range(3)])
+    dense = np.linspace(0, len(axis) - 1, 20 * (len(axis) - 1) + 1)
+    limb = np.column_stack([np.interp(dense, np.arange(len(axis)), axis[:, k]) for k in range(3)])
+    gap, near = KDTree(limb).query(way)
+    outside = gap > np.interp(dense, np.arange(len(axis)), girth)[near]
+    at = fine[int(np.argmax(outside))] if outside.any() else fine[-1]
+    fine = np.unique(np.append(knots, at))
+    places = np.column_stack([np.interp(fine, knots, places[:, k]) for k in range(3)])
+    return places, np.interp(fine, knots, radii), fine[1:] <= at

@@ -1,0 +1,63 @@
+"""Exact and one-dimensional answers for bars and poles, to check the tetrahedra against."""
+
+import numpy as np
+from scipy.linalg import eigh
+
+from galewood.util import Floats
+
+
+def tip_deflection(force_n: float, length_m: float, young_pa: float, second_moment_m4: float) -> float:
+    """Euler–Bernoulli cantilever under a force at its tip, m."""
+    return force_n * length_m**3 / (3 * young_pa * second_moment_m4)
+
+
+def sag(weight_n_m: float, length_m: float, young_pa: float, second_moment_m4: float) -> float:
+    """Tip of a horizontal cantilever under its own weight per length, m."""
+    return weight_n_m * length_m**4 / (8 * young_pa * second_moment_m4)
+
+
+def shear_tip(force_n: float, length_m: float, shear_pa: float, area_m2: float) -> float:
+    """What shear adds to the tip of a rectangular cantilever (Timoshenko, factor 5/6), m."""
+    return force_n * length_m / (5 / 6 * shear_pa * area_m2)
+
+
+def pole_frequencies(
+    length_m: float,
+    young_pa: float,
+    density_kg_m3: float,
+    area_m2: float,
+    second_moment_m4: float,
+    tip_ratio: float = 1.0,
+    elements: int = 60,
+) -> Floats:
+    """First two bending frequencies of a clamped pole whose radius falls linearly to tip_ratio of the base's,
+    Hz.
+
+    Hermite beam elements, sections taken at four Gauss points: 60 of them agree with the closed form of the
+    uniform pole (1.8751², 4.6941²) to six digits.
+    """
+    h = length_m / elements
+    size = 2 * (elements + 1)
+    stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
+    points, weights = np.polynomial.legendre.leggauss(4)
+    for e in range(elements):
+        dofs = np.arange(2 * e, 2 * e + 4)
+        for s, w in zip((points + 1) / 2, weights / 2, strict=True):
+            thin = 1 + (tip_ratio - 1) * (e + s) / elements
+            n = np.array(
+                [1 - 3 * s**2 + 2 * s**3, h * (s - 2 * s**2 + s**3), 3 * s**2 - 2 * s**3, h * (s**3 - s**2)]
+            )
+            c = np.array([-6 + 12 * s, h * (-4 + 6 * s), 6 - 12 * s, h * (6 * s - 2)]) / h**2
+            stiffness[np.ix_(dofs, dofs)] += w * h * young_pa * second_moment_m4 * thin**4 * np.outer(c, c)
+            mass[np.ix_(dofs, dofs)] += w * h * density_kg_m3 * area_m2 * thin**2 * np.outer(n, n)
+    squares = eigh(stiffness[2:, 2:], mass[2:, 2:], eigvals_only=True, subset_by_index=[0, 1])
+    return np.sqrt(squares) / (2 * np.pi)
+
+
+def softening(weight_n: float, length_m: float, young_pa: float, second_moment_m4: float) -> float:
+    """Ratio of a standing pole's first frequency to its weightless one: √(1 − W / W_c), W_c Greenhill's 7.837
+    E I/L².
+
+    Exact where the sway keeps its shape; within 1 % up to half the buckling load.
+    """
+    return float(np.sqrt(1 - weight_n * length_m**2 / (7.8373 * young_pa * second_moment_m4)))

@@ -1,0 +1,74 @@
+"""The physics checks that `galewood verify` runs: exact value, computed value, deviation, limit."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from itertools import chain
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from galewood.verify import beam_checks, element_checks, motion_checks, species_checks
+from galewood.verify.checks import Check
+from galewood.verify.specimens import cached_mesher
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scope:
+    """What to check: without `species_dir` only bars, poles and elements; with it the grown trees as well, on
+    meshes kept in `cache_dir`.
+    """
+
+    species_dir: Path | None = None
+    cache_dir: Path = Path("data/cache")
+
+
+def verify_table(scope: Scope, tell: Callable[[Check], None] = lambda check: None) -> list[Check]:
+    """Run every check of the scope; `tell` hears of each as it ends."""
+    groups = [element_checks.checks(), beam_checks.checks(), motion_checks.checks()]
+    if scope.species_dir is not None:
+        groups.append(species_checks.checks(scope.species_dir, cached_mesher(scope.cache_dir)))
+    found: list[Check] = []
+    for check in chain.from_iterable(groups):
+        found.append(check)
+        tell(check)
+    return found
+
+
+def run_checks(scope: Scope, tell: Callable[[Check], None] = lambda check: None) -> dict[str, Any]:
+    """All checks as JSON-able figures: whether all passed, seconds, the lines, and the same as Markdown."""
+    begin = perf_counter()
+    checks = verify_table(scope, tell)
+    return {
+        "passed": all(check.passed for check in checks),
+        "seconds": perf_counter() - begin,
+        "checks": [{**asdict(check), "passed": check.passed, "skipped": check.skipped} for check in checks],
+        "markdown": markdown(checks),
+    }
+
+
+MARKERS = ("<!-- checks: written by `galewood verify --docs` -->", "<!-- end of checks -->")
+
+
+def written_into(page: str, table: str) -> str:
+    """The page with the table between its markers; ValueError where it has none."""
+    begin, end = (page.find(marker) for marker in MARKERS)
+    if not 0 <= begin < end:
+        raise ValueError(f"the page has no lines {MARKERS[0]!r} and {MARKERS[1]!r}")
+    return page[: begin + len(MARKERS[0])] + f"\n{table}\n" + page[end:]
+
+
+def markdown(checks: list[Check]) -> str:
+    """The table as docs/physics.md shows it."""
+    lines = ["| check | exact | computed | deviation | limit | |", "|---|---|---|---|---|---|"]
+    for check in checks:
+        exact, computed = (_figure(value, check.unit) for value in (check.exact, check.computed))
+        deviation = "" if check.deviation is None else f"{check.deviation:.2g}"
+        note = f"; {check.note}" if check.note else ""
+        lines.append(
+            f"| {check.name} | {exact} | {computed} | {deviation} | {check.limit:g} | {check.state}{note} |"
+        )
+    return "\n".join(lines)
+
+
+def _figure(value: float | None, unit: str) -> str:
+    return "" if value is None else f"{value:.5g} {unit}".removesuffix(" –")

@@ -1,0 +1,87 @@
+"""The grown species as specimens for the checks: mesh, skeleton, foliage, and their generator's truth."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from galewood.fem import Element, FemModel, FemSettings
+from galewood.mesh import IntakeOptions, TreeMesh, run_intake
+from galewood.model import Lumps, bind_foliage, build_model
+from galewood.skeleton import Skeleton, as_drawn, extract_skeleton
+from galewood.tets import TetMesh, tetrahedralise
+from galewood.util import Floats
+from galewood.verify.beam_frame import Frame
+from galewood.verify.beam_frame_tree import read_frame
+from galewood.wood import Wood, species
+
+NAMES = ("poplar", "maple", "apricot")
+TARGETS = (3000, 5500, 8000)
+Mesher = Callable[[str, TreeMesh, int], TetMesh]
+"""Tetrahedra of a species' wood, so many asked for: meshed, or from a store."""
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """One species on one mesh, ready for models."""
+
+    name: str
+    tree: TreeMesh
+    mesh: TetMesh
+    skeleton: Skeleton
+    lumps: Lumps
+    wood: Wood
+    truth: dict[str, Any]
+    """Columns of the generator's skeleton, moved to the tree's own origin."""
+    frame: Frame
+
+    def model(self, element: Element = "fitted", gravity: bool = True, leaves: bool = True) -> FemModel:
+        """A model of the tree, without the comparison that a build makes."""
+        lumps = self.lumps if leaves else replace(self.lumps, mass_kg=np.zeros_like(self.lumps.mass_kg))
+        settings = FemSettings(element=element, gravity=gravity)
+        return build_model(self.mesh, self.skeleton, self.wood, lumps, settings)
+
+    @cached_property
+    def fast(self) -> FemModel:
+        """The default model, as a build makes it."""
+        return self.model()
+
+    @cached_property
+    def reference(self) -> FemModel:
+        """The quadratic model on the same mesh."""
+        return self.model("quadratic")
+
+    def truth_of(self, name: str) -> Floats:
+        """A column of the generator's skeleton."""
+        return np.array(self.truth[name])
+
+
+def read_tree(folder: Path, name: str) -> TreeMesh:
+    """A species' tree as the intake hands it on."""
+    path = folder / f"{name}.glb"
+    tree, _ = run_intake(path.read_bytes(), path.name, IntakeOptions(species=name))
+    return tree
+
+
+def specimen(folder: Path, name: str, tree: TreeMesh, mesh: TetMesh) -> Specimen:
+    """Skeleton, true thickness and foliage on a mesh of the tree."""
+    skeleton = extract_skeleton(mesh)
+    mesh = as_drawn(tree, mesh, skeleton)
+    wood = species(name)
+    path = folder / f"{name}.skeleton.json"
+    truth, frame = json.loads(path.read_text()), read_frame(path)
+    origin = np.array(tree.report["roots"]["origin_in_file"])
+    truth["points_m"] = np.array(truth["points_m"]) - origin
+    frame = replace(frame, points_m=frame.points_m - origin)
+    return Specimen(name, tree, mesh, skeleton, bind_foliage(tree, mesh, wood), wood, truth, frame)
+
+
+def cached_mesher(cache_dir: Path) -> Mesher:
+    """Meshes as a build does, kept in the same cache."""
+    return lambda name, tree, target: tetrahedralise(tree, target, cache_dir / "tets")

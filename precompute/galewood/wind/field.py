@@ -1,0 +1,113 @@
+"""The wind field of a forest: velocity and pressure at many places, at any moment, whatever the model."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from galewood.util import Floats
+from galewood.wind.document import Wind
+from galewood.wind.models.cosine import CosineGusts
+from galewood.wind.models.eddy_gusts import EddyGusts
+from galewood.wind.models.perlin import PerlinGusts
+from galewood.wind.models.spectral import SpectralGusts
+from galewood.wind.pressure import pressure_of_velocity
+from galewood.wind.transition import Moment, WindState, at, change_wind, steady
+
+KEPT_GUSTS = 2
+"""A glide needs two at once."""
+KEPT_BUFFERS = 24
+"""Three for each of a forest's species."""
+
+
+class Gusts(Protocol):
+    """One model with one seed. ``carried``: the length scales travelled (cosine: the time in s)."""
+
+    def velocity(
+        self, wind: Wind, carried: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats, /
+    ) -> None:
+        """Write the velocity (m/s, world x and z) at each place."""
+        ...
+
+
+def gusts_of(wind: Wind) -> Gusts:
+    """The gusts of a document."""
+    if wind.model == "perlin":
+        return PerlinGusts(wind.seed)
+    if wind.model == "spectral":
+        return SpectralGusts(wind.seed, wind.beta)
+    if wind.model == "navier-stokes":
+        return EddyGusts(wind.seed)
+    return CosineGusts(wind)
+
+
+class WindField:
+    """A forest's wind. Not for two threads at once: the eddies are stepped as time goes on."""
+
+    def __init__(self, wind: Wind | WindState) -> None:
+        """From a document (its air sets out at time 0) or from a shared state."""
+        self.state = steady(wind) if isinstance(wind, Wind) else wind
+        self._gusts: dict[tuple[Any, ...], Gusts] = {}
+        self._spare: dict[tuple[str, int], Floats] = {}
+
+    def change_wind(self, wind: Wind, time_s: float) -> None:
+        """Glide to another document from this time on."""
+        self.state = change_wind(self.state, wind, time_s)
+
+    def at(self, time_s: float) -> Moment:
+        """The wind's numbers at a time, with glides on their way."""
+        return at(self.state, time_s)
+
+    def velocity(self, x_m: Floats, z_m: Floats, time_s: float, out_x: Floats, out_z: Floats) -> None:
+        """Write the velocity (m/s, world x and z) at the reference height over each place."""
+        moment = at(self.state, time_s)
+        self._write(moment.wind, moment, x_m, z_m, out_x, out_z)
+        if moment.share < 1.0:
+            other = self._buffer("other", len(x_m))
+            self._write(moment.before, moment, x_m, z_m, other[0], other[1])
+            out_x += (1.0 - moment.share) * (other[0] - out_x)
+            out_z += (1.0 - moment.share) * (other[1] - out_z)
+
+    def pressure(
+        self,
+        x_m: npt.ArrayLike,
+        z_m: npt.ArrayLike,
+        time_s: float,
+        out_x_pa: npt.NDArray[Any],
+        out_z_pa: npt.NDArray[Any],
+        height_factor: Floats | None = None,
+    ) -> None:
+        """Write the pressure (Pa, world x and z) at each place; exactly 0 where the wind is still.
+
+        height_factor: see ``pressure.height_factor``; 1 everywhere if left out.
+        """
+        x, z = np.ascontiguousarray(x_m, np.float64), np.ascontiguousarray(z_m, np.float64)
+        velocity_x, velocity_z = self._buffer("work", len(x))
+        self.velocity(x, z, time_s, velocity_x, velocity_z)
+        factor = self._buffer("ones", len(x))[0] if height_factor is None else height_factor
+        pressure_of_velocity(velocity_x, velocity_z, factor)
+        out_x_pa[:] = velocity_x
+        out_z_pa[:] = velocity_z
+
+    def _buffer(self, use: str, count: int) -> Floats:
+        """(2, count) kept from frame to frame; "ones" are never written to."""
+        key = (use, count)
+        if key not in self._spare:
+            if len(self._spare) >= KEPT_BUFFERS:
+                self._spare.clear()
+            self._spare[key] = np.ones((2, count))
+        return self._spare[key]
+
+    def _write(self, wind: Wind, moment: Moment, x: Floats, z: Floats, out_x: Floats, out_z: Floats) -> None:
+        carried = moment.time_s if wind.model == "cosine" else moment.travel
+        self._gusts_for(wind).velocity(wind, carried, x, z, out_x, out_z)
+
+    def _gusts_for(self, wind: Wind) -> Gusts:
+        key = (wind.model, wind.seed, wind.beta, wind.waves)
+        if key not in self._gusts:
+            while len(self._gusts) >= KEPT_GUSTS:
+                del self._gusts[next(iter(self._gusts))]
+            self._gusts[key] = gusts_of(wind)
+        return self._gusts[key]

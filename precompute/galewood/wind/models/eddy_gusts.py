@@ -1,0 +1,96 @@
+"""The Navier–Stokes eddies over the forest, at any moment.
+
+A run of the solver cannot be entered in the middle, and a page that joins a forest after a day must not step
+through the day. So runs follow one another: each lives for EPOCH + OVERLAP steps from its own seeded start,
+and over OVERLAP steps one fades into the next (weights whose squares sum to one, so the variance stays).
+Any moment is at most EPOCH + OVERLAP steps away, and everyone who shares seed and travel sees the same
+eddies. web/src/wind/eddyGusts.ts is the same arithmetic.
+"""
+
+from __future__ import annotations
+
+import math
+
+from galewood.wind.document import Wind
+from galewood.wind.models.fourier import Floats
+from galewood.wind.models.frame import view_of
+from galewood.wind.models.hashing import hash32
+from galewood.wind.models.navier_stokes import GRID, Eddies
+from galewood.wind.models.texture import sample_texture
+
+CELLS_PER_SCALE = 5
+"""The grid is 25.6 length scales wide."""
+STEPS_PER_SCALE = 0.5
+"""Steps for each length scale that the air travels, each a tenth of one at a standard deviation: gusts hold
+together while they cross the forest (at six times this rate they came 5 % early, since those that arrive
+soon match best)."""
+EPOCH = 128
+OVERLAP = 32
+LATERAL_SHARE = 1.0
+"""Equal along and across: a velocity field without divergence cannot be otherwise."""
+
+
+class _Run:
+    """One epoch's run: the velocity before and after the moment asked for."""
+
+    def __init__(self, seed: int, epoch: int) -> None:
+        self.epoch = epoch
+        self._eddies = Eddies(hash32(seed, epoch))
+        self._before: Floats = self._eddies.velocity.copy()
+
+    def can_reach(self, step: int) -> bool:
+        """Whether the moments between a step and the next are still ahead (a run goes forward only)."""
+        return self._eddies.steps <= step + 1
+
+    def between(self, step: int, t: float) -> Floats:
+        """(2, GRID²) velocity at a share t of the way from a step to the next."""
+        while self._eddies.steps <= step:
+            self._before[:] = self._eddies.velocity
+            self._eddies.step()
+        return (1.0 - t) * self._before + t * self._eddies.velocity
+
+
+class EddyGusts:
+    """The gusts of one seed."""
+
+    def __init__(self, seed: int) -> None:
+        """Nothing is stepped until a moment is asked for."""
+        self._seed = seed
+        self._runs: list[_Run] = []
+
+    def velocity(
+        self, wind: Wind, travel: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats
+    ) -> None:
+        """Write the velocity (m/s, world x and z) at each place."""
+        picture = self._picture(STEPS_PER_SCALE * travel)
+        view = view_of(
+            wind,
+            travel,
+            LATERAL_SHARE,
+            cells_along=CELLS_PER_SCALE,
+            cells_across=CELLS_PER_SCALE,
+        )
+        sample_texture(picture, GRID, GRID, view, x_m, z_m, out_x, out_z)
+
+    def _picture(self, moment: float) -> Floats:
+        """(2, GRID²) the eddies at a moment counted in steps."""
+        step = math.floor(moment)
+        epoch = step // EPOCH
+        self._runs = [run for run in self._runs if run.epoch in (epoch - 1, epoch)]
+        new = self._run(epoch, step).between(step - epoch * EPOCH, moment - step)
+        fade = (moment - epoch * EPOCH) / OVERLAP
+        if epoch <= 0 or fade >= 1.0:  # nothing went before the first
+            return new
+        old = self._run(epoch - 1, step).between(step - (epoch - 1) * EPOCH, moment - step)
+        return math.sqrt(1.0 - fade) * old + math.sqrt(fade) * new
+
+    def _run(self, epoch: int, step: int) -> _Run:
+        for run in self._runs:
+            if run.epoch == epoch:
+                if run.can_reach(step - epoch * EPOCH):
+                    return run
+                self._runs.remove(run)
+                break
+        run = _Run(self._seed, epoch)
+        self._runs.append(run)
+        return run

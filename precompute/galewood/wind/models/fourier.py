@@ -1,0 +1,103 @@
+"""A two-dimensional Fourier transform whose every bit is the same in web/src/wind/fourier.ts.
+
+The eddies of the Navier–Stokes wind are chaotic: one differing last bit would be a different wind a few
+hundred steps later. So the order of every operation is fixed, and the roots of unity come from square
+roots, which IEEE 754 rounds correctly, not from a library's sine.
+"""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from galewood.util import Floats
+
+
+@dataclass(frozen=True)
+class Roots:
+    """cos and sin of 2πk/n for k in [0, n), n a power of two of at least 4."""
+
+    cosine: Floats  # (n,)
+    sine: Floats  # (n,)
+
+
+def roots_of_unity(n: int) -> Roots:
+    """By half angles and complex products only: the same bits wherever IEEE 754 holds."""
+    cosine, sine = np.ones(n), np.zeros(n)
+    c, s = -1.0, 0.0  # the angle π
+    bit = n // 2
+    while bit >= 1:
+        for k in range(0, n, 2 * bit):
+            cosine[k + bit] = cosine[k] * c - sine[k] * s
+            sine[k + bit] = cosine[k] * s + sine[k] * c
+        half = math.sqrt((1.0 + c) / 2.0)
+        c, s = half, 1.0 if bit == n // 2 else s / (2.0 * half)
+        bit //= 2
+    return Roots(cosine, sine)
+
+
+@numba.njit(cache=True, nogil=True)
+def _reversed_index(i, n):  # pragma: no cover  (compiled)
+    j, bit = 0, 1
+    while bit < n:
+        j = (j << 1) | (i & 1)
+        i >>= 1
+        bit <<= 1
+    return j
+
+
+@numba.njit(cache=True, nogil=True)
+def transform_rows(re, im, columns, rows, cosine, sine, sign):  # pragma: no cover  (compiled)
+    """Transform every row of the flat (rows, columns) arrays in place; sign −1 forward, +1 back, unscaled."""
+    for r in range(rows):
+        row = r * columns
+        for i in range(columns):
+            j = _reversed_index(i, columns)
+            if i < j:
+                re[row + i], re[row + j] = re[row + j], re[row + i]
+                im[row + i], im[row + j] = im[row + j], im[row + i]
+        half = 1
+        while half < columns:
+            stride = columns // (2 * half)
+            for k in range(half):
+                wr, wi = cosine[k * stride], sign * sine[k * stride]
+                for a in range(row + k, row + columns, 2 * half):
+                    b = a + half
+                    tr = re[b] * wr - im[b] * wi
+                    ti = re[b] * wi + im[b] * wr
+                    re[b], im[b] = re[a] - tr, im[a] - ti
+                    re[a], im[a] = re[a] + tr, im[a] + ti
+            half *= 2
+
+
+@numba.njit(cache=True, nogil=True)
+def transform_columns(re, im, columns, rows, cosine, sine, sign):  # pragma: no cover  (compiled)
+    """The same along the columns; the inner loop runs along rows, which lie together in memory."""
+    for i in range(rows):
+        j = _reversed_index(i, rows)
+        if i < j:
+            for x in range(columns):
+                a, b = i * columns + x, j * columns + x
+                re[a], re[b] = re[b], re[a]
+                im[a], im[b] = im[b], im[a]
+    half = 1
+    while half < rows:
+        stride = rows // (2 * half)
+        for k in range(half):
+            wr, wi = cosine[k * stride], sign * sine[k * stride]
+            for first in range(k, rows, 2 * half):
+                a = first * columns
+                b = a + half * columns
+                for _ in range(columns):
+                    tr = re[b] * wr - im[b] * wi
+                    ti = re[b] * wi + im[b] * wr
+                    re[b], im[b] = re[a] - tr, im[a] - ti
+                    re[a], im[a] = re[a] + tr, im[a] + ti
+                    a += 1
+                    b += 1
+        half *= 2

@@ -1,0 +1,144 @@
+"""Eddies: two-dimensional stable fluids (Stam 1999) on a periodic grid, in the frame that moves with the
+wind.
+
+Units are cells and the eddies' own standard deviation. Semi-Lagrangian advection, then in wavenumbers: the
+projection onto fields whose central-difference divergence is zero, friction, seeded kicks in a band of
+wavenumbers, and a scaling to unit variance, which makes the energy constant. Only + − × ÷ and square roots
+in a fixed order: web/src/wind/navierStokes.ts makes the same bits.
+"""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from galewood.wind.models.fourier import Floats, roots_of_unity, transform_columns, transform_rows
+from galewood.wind.models.hashing import hash32, signed_uniform
+
+GRID = 128
+CELLS_PER_STEP = 0.5
+"""How far the air moves in a step at one standard deviation."""
+BAND = (4, 7)
+"""Kicks act on wavenumbers of at least, and below, these numbers of waves across the grid."""
+KICK = 0.06
+"""Kicks add about this share of the amplitude a step."""
+FRICTION = 0.01
+LARGE_SCALE_FRICTION = 0.5
+"""Holds back the upward cascade, which would gather everything in one pair of eddies: friction F / k²."""
+SLOWEST_START = 3
+
+
+class Eddies:
+    """One run of the solver from a seeded start; ``velocity`` is (2, GRID²): x and y components."""
+
+    def __init__(self, seed: int) -> None:
+        """Start from a seeded divergence-free field of unit variance."""
+        self._seed = seed
+        self._roots = roots_of_unity(GRID)
+        self._scratch = np.zeros((2, GRID * GRID))
+        self.steps = 0
+        self.velocity: Floats = np.zeros((2, GRID * GRID))
+        _start(self.velocity[0], self.velocity[1], seed)
+        self._correct(0.0)
+
+    def step(self) -> None:
+        """Advance by one fixed step."""
+        self._scratch[:] = self.velocity
+        _advect(self._scratch[0], self._scratch[1], self.velocity[0], self.velocity[1])
+        self.steps += 1
+        self._transform(-1.0)
+        self._correct(KICK)
+
+    def _correct(self, kick: float) -> None:
+        """From the spectrum in ``velocity`` to the velocity of the next step."""
+        kick_seed = hash32(self._seed, 7919 + self.steps)
+        cosine, sine = self._roots.cosine, self._roots.sine
+        _project(self.velocity[0], self.velocity[1], cosine, sine, kick, kick_seed)
+        self._transform(1.0)
+
+    def _transform(self, sign: float) -> None:
+        re, im, cosine, sine = *self.velocity, self._roots.cosine, self._roots.sine
+        if sign < 0.0:
+            transform_rows(re, im, GRID, GRID, cosine, sine, sign)
+            transform_columns(re, im, GRID, GRID, cosine, sine, sign)
+        else:
+            transform_columns(re, im, GRID, GRID, cosine, sine, sign)
+            transform_rows(re, im, GRID, GRID, cosine, sine, sign)
+
+
+@numba.njit(cache=True, nogil=True)
+def _advect(u, v, out_u, out_v):  # pragma: no cover  (compiled)
+    """Every cell takes the velocity from where its air was a step ago (bilinear, hence never amplified)."""
+    mask = GRID - 1
+    for y in range(GRID):
+        for x in range(GRID):
+            i = y * GRID + x
+            px, py = x - CELLS_PER_STEP * u[i], y - CELLS_PER_STEP * v[i]
+            fx, fy = math.floor(px), math.floor(py)
+            tx, ty = px - fx, py - fy
+            x0, y0 = int(fx) & mask, (int(fy) & mask) * GRID
+            x1, y1 = (int(fx) + 1) & mask, ((int(fy) + 1) & mask) * GRID
+            w00, w10, w01, w11 = (1.0 - tx) * (1.0 - ty), tx * (1.0 - ty), (1.0 - tx) * ty, tx * ty
+            out_u[i] = w00 * u[y0 + x0] + w10 * u[y0 + x1] + w01 * u[y1 + x0] + w11 * u[y1 + x1]
+            out_v[i] = w00 * v[y0 + x0] + w10 * v[y0 + x1] + w01 * v[y1 + x0] + w11 * v[y1 + x1]
+
+
+@numba.njit(cache=True, nogil=True)
+def _start(re, im, seed):  # pragma: no cover  (compiled)
+    """Random amplitudes that fall with the wavenumber; _project makes a velocity of them."""
+    half = GRID // 2
+    for y in range(GRID):
+        ky = y if y < half else y - GRID
+        for x in range(GRID):
+            kx = x if x < half else x - GRID
+            k2 = kx * kx + ky * ky
+            i = y * GRID + x
+            if k2 >= SLOWEST_START * SLOWEST_START:
+                amplitude = 1.0 / (k2 * math.sqrt(k2))
+                re[i] = amplitude * signed_uniform(seed, 2 * i)
+                im[i] = amplitude * signed_uniform(seed, 2 * i + 1)
+
+
+@numba.njit(cache=True, nogil=True)
+def _project(re, im, cosine, sine, kick, seed):  # pragma: no cover  (compiled)
+    """Make u + iv (spectra) divergence-free, rub, kick, and scale to unit variance of each component."""
+    half = GRID // 2
+    re[0], im[0] = 0.0, 0.0
+    for n in range(GRID):  # waves of two cells carry no motion
+        re[half * GRID + n], im[half * GRID + n] = 0.0, 0.0
+        re[n * GRID + half], im[n * GRID + half] = 0.0, 0.0
+    energy, kicks = 0.0, 0
+    size = float(GRID * GRID)
+    for y in range(half):
+        for x in range(GRID):
+            kx = x if x < half else x - GRID
+            if x == half or (y == 0 and kx <= 0):
+                continue
+            i = y * GRID + x
+            j = ((GRID - y) & (GRID - 1)) * GRID + ((GRID - x) & (GRID - 1))
+            sx, sy = sine[x], sine[y]
+            s2 = sx * sx + sy * sy
+            k2 = float(kx * kx + y * y)
+            ur, ui = 0.5 * (re[i] + re[j]), 0.5 * (im[i] - im[j])
+            vr, vi = 0.5 * (im[i] + im[j]), 0.5 * (re[j] - re[i])
+            # a divergence-free field is the curl of a stream function: (sy, −sx) times one number
+            pr, pi = (sy * ur - sx * vr) / s2, (sy * ui - sx * vi) / s2
+            rub = 1.0 / (1.0 + FRICTION + LARGE_SCALE_FRICTION / k2)
+            pr, pi = pr * rub, pi * rub
+            if kick > 0.0 and BAND[0] * BAND[0] <= k2 < BAND[1] * BAND[1]:
+                push = kick * size / (8.0 * math.sqrt(s2))
+                pr += push * signed_uniform(seed, 2 * kicks)
+                pi += push * signed_uniform(seed, 2 * kicks + 1)
+                kicks += 1
+            ur, ui, vr, vi = sy * pr, sy * pi, -sx * pr, -sx * pi
+            re[i], im[i], re[j], im[j] = ur - vi, ui + vr, ur + vi, vr - ui
+            smooth = (2.0 + cosine[x]) * (2.0 + cosine[y]) / 9.0  # what sampling with cubic splines leaves
+            energy += smooth * smooth * (ur * ur + ui * ui + vr * vr + vi * vi)
+    scale = 1.0 / math.sqrt(energy)  # Parseval: the mean of u² + v² becomes 2
+    for i in range(GRID * GRID):
+        re[i] *= scale
+        im[i] *= scale

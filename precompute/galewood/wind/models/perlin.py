@@ -1,0 +1,119 @@
+"""Gusts of improved Perlin noise (Perlin 2002): three octaves that travel with the wind and slowly change.
+
+web/src/wind/perlin.ts is the same arithmetic.
+"""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from galewood.util import Floats
+from galewood.wind.document import Wind
+from galewood.wind.models.frame import view_of, write_velocity
+from galewood.wind.models.hashing import hash32
+
+_EDGES = (
+    *((x, y, 0) for y in (1, -1) for x in (1, -1)),
+    *((x, 0, z) for z in (1, -1) for x in (1, -1)),
+    *((0, y, z) for z in (1, -1) for y in (1, -1)),
+    *((1, 1, 0), (0, -1, 1), (-1, 1, 0), (0, -1, -1)),
+)
+"""From the centre of a cube to its twelve edges, four of them twice."""
+SLOPES: Floats = np.array([_EDGES[h & 15] for h in range(256)], np.float64).ravel()
+
+NOISE_VARIANCE = 35054270.0 / 480729249.0
+"""16 A² B with A = ∫(1−f)², B = ∫(1−f)² t², f the fade 6t⁵ − 15t⁴ + 10t³, over [0, 1]."""
+LATERAL_SHARE = 0.5
+CELLS_PER_SCALE = 0.5
+"""The first octave's lattice cell is two length scales."""
+GAIN = 0.6
+OCTAVES = 3
+SLANT = 0.17
+"""Noise is zero on its lattice: gusts drift a little sideways, so that no tree stays on a lattice line."""
+CHANGE = 0.1
+"""Lattice cells of change for each length scale travelled."""
+
+
+class PerlinGusts:
+    """The gusts of one seed."""
+
+    def __init__(self, seed: int) -> None:
+        """Shuffle the table of permutations by the seed."""
+        self._permutation = permutation(seed)
+
+    def velocity(
+        self, wind: Wind, travel: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats
+    ) -> None:
+        """Write the velocity (m/s, world x and z) at each place."""
+        view = view_of(
+            wind,
+            travel,
+            LATERAL_SHARE,
+            cells_along=CELLS_PER_SCALE,
+            cells_across=CELLS_PER_SCALE,
+            slant=SLANT,
+        )
+        _sample(self._permutation, SLOPES, view, x_m, z_m, out_x, out_z)
+
+
+def permutation(seed: int) -> npt.NDArray[np.int32]:
+    """(512,) the whole numbers 0 … 255 in seeded order, twice."""
+    order = np.arange(256, dtype=np.int32)
+    for i in range(255, 0, -1):
+        j = hash32(seed, i) % (i + 1)
+        order[i], order[j] = order[j], order[i]
+    return np.concatenate([order, order])
+
+
+@numba.njit(cache=True, nogil=True)
+def _slope(g, h, x, y, z):  # pragma: no cover  (compiled)
+    h *= 3
+    return g[h] * x + g[h + 1] * y + g[h + 2] * z
+
+
+@numba.njit(cache=True, nogil=True)
+def noise(p, g, x, y, z):  # pragma: no cover  (compiled)
+    """Improved noise, mean 0, period 256 cells each way."""
+    fx, fy, fz = math.floor(x), math.floor(y), math.floor(z)
+    i, j, k = int(fx) & 255, int(fy) & 255, int(fz) & 255
+    x, y, z = x - fx, y - fy, z - fz
+    u = x * x * x * (x * (x * 6.0 - 15.0) + 10.0)
+    v = y * y * y * (y * (y * 6.0 - 15.0) + 10.0)
+    w = z * z * z * (z * (z * 6.0 - 15.0) + 10.0)
+    a, b = p[i] + j, p[i + 1] + j
+    aa, ab, ba, bb = p[a] + k, p[a + 1] + k, p[b] + k, p[b + 1] + k
+    x1, y1, z1 = x - 1.0, y - 1.0, z - 1.0
+    n000, n100 = _slope(g, p[aa], x, y, z), _slope(g, p[ba], x1, y, z)
+    n010, n110 = _slope(g, p[ab], x, y1, z), _slope(g, p[bb], x1, y1, z)
+    n001, n101 = _slope(g, p[aa + 1], x, y, z1), _slope(g, p[ba + 1], x1, y, z1)
+    n011, n111 = _slope(g, p[ab + 1], x, y1, z1), _slope(g, p[bb + 1], x1, y1, z1)
+    n00, n10 = n000 + u * (n100 - n000), n010 + u * (n110 - n010)
+    n01, n11 = n001 + u * (n101 - n001), n011 + u * (n111 - n011)
+    n0, n1 = n00 + v * (n10 - n00), n01 + v * (n11 - n01)
+    return n0 + w * (n1 - n0)
+
+
+@numba.njit(cache=True, nogil=True)
+def _sample(p, g, view, x_m, z_m, out_x, out_z):  # pragma: no cover  (compiled)
+    total = 0.0
+    for o in range(OCTAVES):
+        total += GAIN ** (2 * o)
+    along_scale, across_scale = 1.0 / math.sqrt(NOISE_VARIANCE * total), 1.0 / math.sqrt(NOISE_VARIANCE)
+    change = CHANGE * view.travel
+    for i in range(len(x_m)):
+        along = view.cos_per_m * x_m[i] + view.sin_per_m * z_m[i] - view.travel
+        across = view.cos_per_m * z_m[i] - view.sin_per_m * x_m[i]
+        px, py = along * view.cells_along, (across + view.slant * along) * view.cells_across
+        a, gain, scale = 0.0, 1.0, 1.0
+        for o in range(OCTAVES):  # shifted, or all would vanish at the origin
+            a += gain * noise(p, g, px * scale + 17.31 * o, py * scale + 9.67 * o, change + 31.5 * o)
+            gain *= GAIN
+            scale *= 2.0
+        b = noise(p, g, px + 101.4, py + 57.8, change + 0.5)
+        write_velocity(view, i, a * along_scale, b * across_scale, out_x, out_z)

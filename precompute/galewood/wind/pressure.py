@@ -1,0 +1,79 @@
+"""From the wind's speed to the pressure that a tree feels, and how much of it its table has sampled."""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from galewood.util import Floats
+
+AIR_DENSITY_KG_M3 = 1.2
+STREAMLINING_SPEED_M_S = 5.0
+"""Beyond this speed a crown bends out of the wind and its drag grows more slowly than U²."""
+STREAMLINED_EXPONENT = 1.3
+"""2 + Vogel exponent (−0.7): the middle of what wind-tunnel tests of broad-leaved crowns report."""
+
+
+def dynamic_pressure(speed_m_s: npt.ArrayLike) -> Floats:
+    """Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, growing as U^1.3 beyond (streamlining)."""
+    speed = np.asarray(speed_m_s, np.float64)
+    start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
+    streamlined = start * (speed / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT
+    return np.where(speed <= STREAMLINING_SPEED_M_S, 0.5 * AIR_DENSITY_KG_M3 * speed * speed, streamlined)
+
+
+@numba.njit(cache=True, nogil=True)
+def pressure_of_velocity(velocity_x, velocity_z, factor):  # pragma: no cover  (compiled)
+    """Turn velocities (m/s), each times its factor (height), into pressure vectors (Pa), in place."""
+    start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S
+    for i in range(len(velocity_x)):
+        vx, vz = velocity_x[i] * factor[i], velocity_z[i] * factor[i]
+        speed = math.sqrt(vx * vx + vz * vz)
+        # pressure over speed: the vector has the velocity's direction
+        if speed <= STREAMLINING_SPEED_M_S:
+            per_speed = 0.5 * AIR_DENSITY_KG_M3 * speed
+        else:
+            per_speed = start * (speed / STREAMLINING_SPEED_M_S) ** (STREAMLINED_EXPONENT - 1.0)
+        velocity_x[i] = per_speed * vx
+        velocity_z[i] = per_speed * vz
+
+
+def height_factor(height_m: npt.ArrayLike, exponent: float, reference_height_m: float) -> Floats:
+    """Speed at a height over the speed at the reference height: the power law of the wind over a canopy."""
+    return (np.asarray(height_m, np.float64) / reference_height_m) ** exponent
+
+
+def to_tree_frame(pressure_x: Floats, pressure_z: Floats, yaw_rad: npt.ArrayLike) -> tuple[Floats, Floats]:
+    """World pressure seen by trees turned by their yaw (three.js rotation.y)."""
+    c, s = np.cos(np.asarray(yaw_rad, np.float64)), np.sin(np.asarray(yaw_rad, np.float64))
+    return c * pressure_x - s * pressure_z, s * pressure_x + c * pressure_z
+
+
+def sampled_peak_pa(sample_pressure_pa: npt.NDArray[np.float32]) -> float:
+    """The strongest pressure (Pa) among a table's records (z, 2)."""
+    return float(np.sqrt(np.max(np.sum(np.square(sample_pressure_pa, dtype=np.float64), axis=1))))
+
+
+@numba.njit(cache=True, nogil=True)
+def limit_pressure(pressure_x, pressure_z, peak_pa):  # pragma: no cover  (compiled)
+    """Shorten pressures that are stronger than what a table has sampled to its strongest, in place.
+
+    Beyond it every record would be equally wrong, and trees would no longer know where the wind comes from.
+    """
+    for i in range(len(pressure_x)):
+        strength = math.sqrt(float(pressure_x[i]) ** 2 + float(pressure_z[i]) ** 2)
+        if strength > peak_pa:
+            pressure_x[i] *= peak_pa / strength
+            pressure_z[i] *= peak_pa / strength
+
+
+def coverage(pressure_x: Floats, pressure_z: Floats, peak_pa: float) -> float:
+    """Share of the given pressures that are no stronger than what the table has sampled, 0 … 1."""
+    if len(pressure_x) == 0:
+        return 1.0
+    return float(np.mean(pressure_x * pressure_x + pressure_z * pressure_z <= peak_pa * peak_pa))

@@ -1,0 +1,47 @@
+"""The wind document as JSON Schema (2020-12), made from the same table of fields that the reader uses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from galewood.wind.document import FIELDS, MODELS, MOST_WAVES, VERSION, WAVE_FIELDS, Field
+
+
+def wind_schema() -> dict[str, Any]:
+    """One alternative for each model; the sum of the waves' shares is the one rule it cannot say."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Galewood wind document",
+        "oneOf": [_model_schema(model) for model in MODELS],
+        "$defs": {"wave": _object_schema(WAVE_FIELDS, {})},
+    }
+
+
+def _model_schema(model: str) -> dict[str, Any]:
+    fields = {name: rule for name, rule in FIELDS.items() if model in rule.models}
+    schema = _object_schema(fields, {"version": {"const": VERSION}, "model": {"const": model}})
+    if model == "cosine":
+        waves = {"type": "array", "minItems": 1, "maxItems": MOST_WAVES, "items": {"$ref": "#/$defs/wave"}}
+        schema["properties"]["waves"] = waves
+    return schema
+
+
+def _object_schema(fields: dict[str, Field], constants: dict[str, Any]) -> dict[str, Any]:
+    required = [name for name, rule in fields.items() if rule.default is None]
+    return {
+        "type": "object",
+        "additionalProperties": False,
+        "required": [*constants, *required],
+        "properties": {**constants, **{name: _number_schema(rule) for name, rule in fields.items()}},
+    }
+
+
+def _number_schema(rule: Field) -> dict[str, Any]:
+    schema: dict[str, Any] = {
+        "type": "integer" if rule.whole else "number",
+        "minimum": rule.low,
+        "maximum": rule.high,
+    }
+    if rule.default is not None and rule.default >= rule.low:
+        schema["default"] = rule.default
+    return schema

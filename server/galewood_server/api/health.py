@@ -1,0 +1,68 @@
+"""Whether the service lives, and whether it can do its work."""
+
+from __future__ import annotations
+
+import shutil
+from importlib.metadata import version
+
+from fastapi import APIRouter, Response
+from galewood.table import VERSION as TABLE_VERSION
+from sqlalchemy import func, select
+from sqlalchemy.exc import SQLAlchemyError
+
+from galewood_server.context import Service, ServiceHere
+from galewood_server.http import Health, Liveness, Readiness
+from galewood_server.storage import ACTIVE, Job, Tree
+from galewood_server.stream import WIRE_VERSION
+
+router = APIRouter(tags=["service"])
+VERSION = version("galewood")
+
+
+@router.get("/healthz")
+def healthz(service: ServiceHere) -> Health:
+    """Whether the service answers, and how much it holds."""
+    with service.sessions() as session:
+        return Health(
+            status="ok",
+            version=VERSION,
+            trees=session.scalar(select(func.count(Tree.id))) or 0,
+            ready=session.scalar(select(func.count(Tree.id)).where(Tree.table_sha256.is_not(None))) or 0,
+            jobs_active=session.scalar(select(func.count(Job.id)).where(Job.state.in_(ACTIVE))) or 0,
+            sockets=service.sockets,
+        )
+
+
+@router.get("/api/health")
+def live() -> Liveness:
+    """The process answers; nothing else is asked. A failure means: start it again."""
+    return Liveness(status="ok", version=VERSION, table_version=TABLE_VERSION, wire_version=WIRE_VERSION)
+
+
+@router.get("/api/health/ready", responses={503: {"model": Readiness, "description": "It cannot."}})
+def ready(service: ServiceHere, response: Response) -> Readiness:
+    """Whether requests can be met: database, data folder, page. 503 means: send them elsewhere for now."""
+    checks = {
+        "database": _database(service),
+        "storage": _storage(service),
+        "page": (service.settings.page_dir / "index.html").is_file(),
+    }
+    able = checks["database"] and checks["storage"]
+    response.status_code = 200 if able else 503
+    return Readiness(status="ok" if able else "unable", version=VERSION, checks=checks)
+
+
+def _database(service: Service) -> bool:
+    try:
+        with service.sessions() as session:
+            session.execute(select(1))
+    except SQLAlchemyError:
+        return False
+    return True
+
+
+def _storage(service: Service) -> bool:
+    try:
+        return shutil.disk_usage(service.settings.data_dir).free > service.settings.free_bytes
+    except OSError:
+        return False

@@ -1,0 +1,91 @@
+"""Changing what was assumed of a mesh, before its table is computed."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import APIRouter
+from galewood.mesh import TreeMesh
+
+from galewood_server.access import need_room, note_stored
+from galewood_server.api.trees import find_tree, remove_unshared, tree_out
+from galewood_server.api.uploads import assumed, read_mesh
+from galewood_server.context import Service, ServiceHere
+from galewood_server.http import ProblemError, TreeChanges, TreeOut, problems
+from galewood_server.storage import Tree
+
+router = APIRouter(prefix="/api/trees", tags=["trees"])
+
+
+@dataclass(frozen=True)
+class Revision:
+    """A mesh read again: under which options, and what came of it."""
+
+    options: dict[str, Any]
+    mesh: TreeMesh
+    glb: bytes
+
+
+@router.patch("/{tree_id}", max_body_size=64 * 1024, responses=problems(400, 403, 404, 409, 413, 507))
+async def change_tree(tree_id: str, body: TreeChanges, service: ServiceHere) -> TreeOut:
+    """Give an upload another name, or read its mesh again under other assumptions: its report and its preview
+    follow. A field that is null is left to intake again, one that is missing stays. Once there is a table,
+    only the name changes: POST /api/jobs computes another from other settings."""
+    options = await asyncio.to_thread(_options, service, tree_id, body)
+    revision = None
+    if options is not None:
+        source, filename = await asyncio.to_thread(_source, service, tree_id)
+        revision = Revision(options, *await read_mesh(service, source, filename, options))
+        await asyncio.to_thread(need_room, service.settings, len(revision.glb))
+    return await asyncio.to_thread(_write, service, tree_id, body.name, revision)
+
+
+def _options(service: Service, tree_id: str, body: TreeChanges) -> dict[str, Any] | None:
+    """The assumptions as they will be; None if they stay as they are."""
+    with service.sessions() as session:
+        tree = find_tree(session, tree_id)
+        if tree.builtin:
+            raise ProblemError(403, "builtin-tree", "The built-in species stay as they are")
+        named = body.model_fields_set - {"name"}
+        kept = {key: value for key, value in tree.options.items() if key not in named}
+        options = {**kept, **{k: v for k, v in assumed(body).items() if k in named}}
+        if options == tree.options:
+            return None
+        _check_unbuilt(tree)
+        return options
+
+
+def _check_unbuilt(tree: Tree) -> None:
+    if tree.state not in ("uploaded", "failed"):
+        raise ProblemError(
+            409,
+            "already-built",
+            "This tree is computed, or about to be",
+            hint="Upload the file again under other assumptions, or start a job with other settings.",
+        )
+
+
+def _source(service: Service, tree_id: str) -> tuple[bytes, str]:
+    with service.sessions() as session:
+        tree = find_tree(session, tree_id)
+        return service.stores.sources.get(tree.source_sha256), tree.filename
+
+
+def _write(service: Service, tree_id: str, name: str | None, revision: Revision | None) -> TreeOut:
+    with service.files_lock, service.sessions.begin() as session:
+        tree = find_tree(session, tree_id)
+        if name:
+            tree.name = name
+        if revision:
+            _check_unbuilt(tree)
+            before = tree.mesh_sha256
+            tree.options, tree.report = revision.options, revision.mesh.report
+            tree.species, tree.height_m = revision.mesh.species, revision.mesh.height_m
+            tree.mesh_sha256 = service.stores.meshes.put(revision.glb)
+            note_stored(service.settings, len(revision.glb))
+            session.flush()
+            remove_unshared(session, service.stores.meshes, Tree.mesh_sha256, before)
+        session.flush()
+        return tree_out(tree)

@@ -1,0 +1,51 @@
+"""A small picture of every tree, drawn once from its render mesh and kept."""
+
+from __future__ import annotations
+
+import asyncio
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import FileResponse
+from galewood.util import write_whole
+
+from galewood_server.api.trees import find_tree
+from galewood_server.context import Service, ServiceHere
+from galewood_server.http import NOT_MODIFIED, ProblemError, matches, problems
+from galewood_server.storage import is_hash
+
+router = APIRouter(prefix="/api/trees", tags=["trees"])
+PNG = {200: {"description": "256 × 256 pixels.", "content": {"image/png": {}}}}
+
+
+@router.get(
+    "/{tree_id}/thumbnail", response_class=FileResponse, responses={**PNG, **NOT_MODIFIED, **problems(404)}
+)
+async def get_thumbnail(tree_id: str, request: Request, service: ServiceHere) -> Response:
+    """The tree from the front, in its own colours, on nothing. It changes with the tree's mesh."""
+    sha256 = await asyncio.to_thread(_mesh_of, service, tree_id)
+    etag = f'"{sha256}-256"'
+    headers = {"ETag": etag, "Cache-Control": "no-cache"}
+    if matches(request.headers.get("if-none-match", ""), etag):
+        return Response(status_code=304, headers=headers)
+    target = service.settings.cache_dir / "thumbnails" / f"{sha256}.png"
+    if not target.is_file():
+        async with service.intake_slots:
+            picture = await asyncio.to_thread(_draw, service, sha256)
+        await asyncio.to_thread(write_whole, target, picture)
+    return FileResponse(target, media_type="image/png", headers=headers)
+
+
+def _mesh_of(service: Service, tree_id: str) -> str:
+    with service.sessions() as session:
+        sha256 = find_tree(session, tree_id).mesh_sha256 or ""
+    if not is_hash(sha256) or not service.stores.meshes.has(sha256):
+        raise ProblemError(
+            404, "no-such-mesh", "This tree has no mesh yet", hint="Wait until it is computed."
+        )
+    return sha256
+
+
+def _draw(service: Service, sha256: str) -> bytes:
+    from galewood.pictures import draw_limited
+
+    return draw_limited(service.stores.meshes.get(sha256))

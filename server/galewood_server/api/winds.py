@@ -1,0 +1,46 @@
+"""Wind documents, checked before they are used: the same reader that the socket and the simulation ask."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from fastapi import APIRouter, Request
+from galewood.wind import parse_wind
+
+from galewood_server.http import ProblemError, problems
+
+router = APIRouter(prefix="/api/winds", tags=["winds"])
+LARGEST_BYTES = 64 * 1024
+
+BODY: dict[str, Any] = {
+    "requestBody": {"required": True, "content": {"application/json": {"schema": {"type": "object"}}}}
+}
+
+
+@router.post("/validate", openapi_extra=BODY, responses=problems(413, 422))
+async def validate(request: Request) -> dict[str, Any]:
+    """Read a wind document (docs/formats/wind.md) and give it back, in its shortest form, as `wind`.
+
+    422 `bad-wind` names the path of the field that is wrong and what is allowed there.
+    """
+    return {"wind": parse_wind(_json(await _body(request))).document()}
+
+
+async def _body(request: Request) -> bytes:
+    body = bytearray()
+    async for piece in request.stream():
+        body += piece
+        if len(body) > LARGEST_BYTES:
+            title = "The wind document is too large"
+            raise ProblemError(413, "wind-too-large", title, hint=f"At most {LARGEST_BYTES} bytes.")
+    return bytes(body)
+
+
+def _json(body: bytes) -> object:
+    try:
+        return json.loads(body)
+    except (ValueError, RecursionError):
+        raise ProblemError(
+            422, "bad-wind", "The wind document is not JSON", detail="wind: expected a JSON object"
+        ) from None

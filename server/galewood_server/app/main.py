@@ -1,0 +1,121 @@
+"""The service: what it is made of, how it starts and how it ends."""
+
+from __future__ import annotations
+
+import asyncio
+import fcntl
+import logging
+from collections.abc import AsyncGenerator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TextIO
+
+import uvicorn
+from fastapi import FastAPI
+
+from galewood_server.access import Doors, Intake, limited_intake
+from galewood_server.api import ROUTERS, VERSION, ChangeFeed, ServiceCollector
+from galewood_server.app import docs_page, notices, species
+from galewood_server.app.headers import SecurityHeaders
+from galewood_server.app.http_protocol import protocol_with_limit
+from galewood_server.app.openapi import describe
+from galewood_server.app.page import Page
+from galewood_server.context import Service
+from galewood_server.http import install_error_handlers
+from galewood_server.jobs import Supervisor
+from galewood_server.ops import Metrics, Tracing, configure_logging
+from galewood_server.settings import Settings
+from galewood_server.storage import Stores, TableShelf, migrate, open_database
+from galewood_server.stream import Forests, SocketProtocol
+
+log = logging.getLogger("galewood")
+
+
+def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
+    """The application; `intake` reads an upload (bytes, filename, options), a parameter for the tests."""
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
+        lock = await asyncio.to_thread(_lock, settings.data_dir)
+        await asyncio.to_thread(migrate, settings.database)
+        app.state.service = service = _service(settings, intake or limited_intake(settings))
+        app.state.feed = ChangeFeed(service)
+        app.state.metrics.registry.register(ServiceCollector(service))
+        tasks = [
+            asyncio.create_task(work)
+            for work in (
+                Supervisor(service).run(),
+                app.state.feed.run(),
+                species.register(service),
+                asyncio.to_thread(notices.tell, settings),
+            )
+        ]
+        try:
+            yield
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            lock.close()
+
+    app = FastAPI(title="Galewood", version=VERSION, lifespan=lifespan, docs_url=None, redoc_url=None)
+    app.state.metrics = counted = Metrics(VERSION)
+    install_error_handlers(app)
+    for router in ROUTERS:
+        app.include_router(router)
+    describe(app)
+    docs_page.install(app)
+    app.mount("/", Page(settings.page_dir))
+    # the last added is the first to see a request
+    app.add_middleware(Doors, settings=settings, metrics=counted)
+    app.add_middleware(SecurityHeaders)
+    app.add_middleware(Tracing, metrics=counted)
+    return app
+
+
+def _service(settings: Settings, intake: Intake) -> Service:
+    stores = Stores(settings.data_dir, settings.store_url)
+    return Service(
+        settings=settings,
+        sessions=open_database(settings.database),
+        stores=stores,
+        forests=Forests(settings, TableShelf(stores.tables)),
+        server_name=f"galewood {VERSION}",
+        intake=intake,
+        loop=asyncio.get_running_loop(),
+        intake_slots=asyncio.Semaphore(settings.concurrent_intakes),
+        upload_slots=asyncio.Semaphore(settings.concurrent_uploads),
+    )
+
+
+def _lock(data_dir: Path) -> TextIO:
+    """Hold the data folder; RuntimeError if another server does."""
+    data_dir.mkdir(parents=True, exist_ok=True)
+    handle = (data_dir / ".lock").open("w")
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        handle.close()
+        raise RuntimeError(
+            f"another server is using {data_dir}; set GALEWOOD_DATA_DIR to a folder of its own"
+        ) from None
+    return handle
+
+
+def run(app: FastAPI, settings: Settings) -> None:
+    """Answer until interrupted, then let what is being answered come to its end."""
+    configure_logging(settings)
+    uvicorn.run(
+        app,
+        host=settings.host,
+        port=settings.port,
+        http=protocol_with_limit(settings.header_s),
+        ws=SocketProtocol,
+        ws_max_size=settings.socket_message_bytes,
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=settings.shutdown_s,
+        forwarded_allow_ips=settings.trusted_proxies,
+        log_config=None,
+        server_header=False,
+        access_log=False,
+    )

@@ -1,0 +1,3 @@
+"""The service's commands: serve, upload, doctor, key, bench-serve."""
+
+__all__ = []

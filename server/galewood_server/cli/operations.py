@@ -1,0 +1,92 @@
+"""`galewood upload`, `doctor` and `key`: what an operator and a user do from the shell."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from galewood.cli import JsonOut, app, console, progress_bar, teller, write_figures
+
+
+@app.command()
+def upload(
+    mesh: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL.")],
+    server: Annotated[str, typer.Option(help="Where the service is.")] = "http://127.0.0.1:8000",
+    key: Annotated[
+        str | None, typer.Option(envvar="GALEWOOD_KEY", help="Key, if the service asks for one.")
+    ] = None,
+    species: Annotated[str | None, typer.Option(help="Wood of this species.")] = None,
+    height_m: Annotated[float | None, typer.Option(help="Height of the tree, m.")] = None,
+    up_axis: Annotated[str | None, typer.Option(help="x, y or z.")] = None,
+    inspect: Annotated[bool, typer.Option(help="Only tell what would be assumed; compute nothing.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Write the table to this file.")] = None,
+    json_out: JsonOut = None,
+) -> None:
+    """Send a mesh to a service, wait until its table is computed, and fetch it if a file is named."""
+    import httpx
+
+    from galewood_server.cli.client import Client, ServiceError
+
+    given = {"species": species, "height_m": height_m, "up_axis": up_axis}
+    assumptions = {name: value for name, value in given.items() if value is not None}
+    try:
+        with Client(server, key) as client:
+            tree = client.upload(mesh, **assumptions)
+            tree = tree if inspect else _compute(client, tree["id"])
+            if out is not None and tree["table_sha256"]:
+                out.write_bytes(client.table(tree["table_sha256"]))
+    except ServiceError as error:
+        console.print(f"[red]{error.title}[/red] {error.hint}")
+        raise typer.Exit(1) from None
+    except httpx.TransportError as error:
+        console.print(f"[red]{server} does not answer[/red] ({error})")
+        raise typer.Exit(1) from None
+    write_figures(json_out, tree)
+    console.print_json(data=tree)
+
+
+def _compute(client: Any, tree_id: str) -> dict[str, Any]:
+    with progress_bar() as bar:
+        tell = teller(bar)
+        started = client.start(tree_id)
+        job = started
+        for job in client.follow(started["id"]):
+            tell(job["fraction"], job["message"])
+    if job["state"] != "done":
+        console.print(
+            f"[red]The tree was not computed[/red] ({job['state']}): {job['error'] or job['message']}"
+        )
+        raise typer.Exit(1)
+    return client.tree(tree_id)
+
+
+@app.command()
+def doctor(
+    repair: Annotated[
+        bool, typer.Option(help="Remove what is torn or orphaned, let go of what is gone.")
+    ] = False,
+    json_out: JsonOut = None,
+) -> None:
+    """Hold the stores against the database; 1 if something needs to be done, 0 if all is well."""
+    from galewood_server.cli.doctor import examine
+    from galewood_server.settings import Settings
+
+    findings = examine(Settings(), repair=repair)
+    for one in findings:
+        mark = "repaired" if one.repaired else "FAULT" if one.is_fault else "note"
+        console.print(f"{mark:>8}  {one.kind}: {one.what}", highlight=False, markup=False, soft_wrap=True)
+    faults = sum(one.is_fault for one in findings)
+    console.print(f"{faults} fault(s), {sum(one.repaired for one in findings)} repaired")
+    rows = [{"kind": one.kind, "what": one.what, "repaired": one.repaired} for one in findings]
+    write_figures(json_out, {"findings": rows, "faults": faults})
+    raise typer.Exit(1 if faults else 0)
+
+
+@app.command()
+def key() -> None:
+    """Make a key: give the first line to whoever may write, put the second into GALEWOOD_API_KEYS."""
+    from galewood_server.access import new_key
+
+    secret, sha256 = new_key()
+    typer.echo(f"key      {secret}\nSHA-256  {sha256}")

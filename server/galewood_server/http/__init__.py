@@ -1,0 +1,71 @@
+"""What every route shares: schemas, problems (RFC 9457), pagination, ETags, multipart forms."""
+
+from galewood_server.http.assumptions import NAMES, intake_options
+from galewood_server.http.errors import (
+    Problem,
+    ProblemError,
+    install_error_handlers,
+    not_found,
+    problem_of,
+    problems,
+)
+from galewood_server.http.etags import NOT_MODIFIED, matches, tagged
+from galewood_server.http.multipart import FORM, Upload, read_upload
+from galewood_server.http.pagination import Asked, PageQuery, bad_cursor, beyond, cursor_of, parts_of
+from galewood_server.http.schemas import (
+    Change,
+    Health,
+    JobList,
+    JobOut,
+    JobRequest,
+    Liveness,
+    PrecomputeRequest,
+    ProblemOut,
+    Readiness,
+    SpeciesList,
+    SpeciesOut,
+    TableList,
+    TableOut,
+    TreeChanges,
+    TreeList,
+    TreeOut,
+)
+
+__all__ = [
+    "FORM",
+    "NAMES",
+    "NOT_MODIFIED",
+    "Asked",
+    "Change",
+    "Health",
+    "JobList",
+    "JobOut",
+    "JobRequest",
+    "Liveness",
+    "PageQuery",
+    "PrecomputeRequest",
+    "Problem",
+    "ProblemError",
+    "ProblemOut",
+    "Readiness",
+    "SpeciesList",
+    "SpeciesOut",
+    "TableList",
+    "TableOut",
+    "TreeChanges",
+    "TreeList",
+    "TreeOut",
+    "Upload",
+    "bad_cursor",
+    "beyond",
+    "cursor_of",
+    "install_error_handlers",
+    "intake_options",
+    "matches",
+    "not_found",
+    "parts_of",
+    "problem_of",
+    "problems",
+    "read_upload",
+    "tagged",
+]

@@ -1,0 +1,151 @@
+"""From exceptions to problems (RFC 9457): one table, so that every failed request has the same shape."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse, Response
+from galewood.util import MeshError, Reason
+from galewood.wind import WindError
+from starlette.exceptions import HTTPException
+from starlette.formparsers import MultiPartException
+
+log = logging.getLogger("galewood.errors")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """What a client is told: `code` is for programs, `title`, `detail` and `hint` for people."""
+
+    status: int
+    code: str
+    title: str
+    detail: str
+    hint: str
+
+    def response(self, headers: Mapping[str, str] | None = None) -> JSONResponse:
+        """The problem as application/problem+json."""
+        body = {
+            "type": f"urn:galewood:problem:{self.code}",
+            "title": self.title,
+            "status": self.status,
+            "detail": self.detail,
+            "hint": self.hint,
+            "code": self.code,
+        }
+        return JSONResponse(body, self.status, headers, media_type="application/problem+json")
+
+
+class ProblemError(Exception):
+    """Raised by our own code where a request cannot be met."""
+
+    def __init__(
+        self,
+        status: int,
+        code: str,
+        title: str,
+        *,
+        detail: str = "",
+        hint: str = "",
+        headers: Mapping[str, str] | None = None,
+    ) -> None:
+        super().__init__(title)
+        self.problem = Problem(status=status, code=code, title=title, detail=detail or title, hint=hint)
+        self.headers = headers
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """The statuses of a route, for its description: each is answered with a problem."""
+    content = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemOut"}}}
+    return {status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses}
+
+
+def not_found(kind: str, name: str) -> ProblemError:
+    """404 for a tree, job, table or mesh that is not here."""
+    title = f"There is no such {kind}"
+    return ProblemError(404, f"no-such-{kind}", title, detail=f"{name[:80]!r} is not known here.", hint="")
+
+
+MESH_STATUS: dict[Reason, int] = {"malformed": 400, "too-large": 413, "unsupported": 415, "unsuitable": 422}
+"""HTTP status for each kind of mesh error."""
+
+
+def _from_mesh(error: MeshError) -> Problem:
+    detail = str(error) or error.title
+    status = MESH_STATUS[error.reason]
+    return Problem(status=status, code=error.code, title=error.title, detail=detail, hint=error.hint)
+
+
+def _from_wind(error: WindError) -> Problem:
+    title, hint = "The wind document cannot be used", f"{error.path}: {error.expected}."
+    return Problem(status=422, code="bad-wind", title=title, detail=str(error), hint=hint)
+
+
+def _from_validation(error: RequestValidationError) -> Problem:
+    lines = [f"{'.'.join(str(part) for part in item['loc'])}: {item['msg']}" for item in error.errors()[:8]]
+    return Problem(
+        status=422,
+        code="invalid-request",
+        title="The request has fields that cannot be used",
+        detail="; ".join(lines),
+        hint="See /docs for the fields and their ranges.",
+    )
+
+
+def _from_http(error: HTTPException) -> Problem:
+    title = str(error.detail) or HTTPStatus(error.status_code).phrase
+    code = HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
+    return Problem(status=error.status_code, code=code, title=title, detail=title, hint="See /docs.")
+
+
+def _from_multipart(error: MultiPartException) -> Problem:
+    return Problem(
+        status=400,
+        code="broken-form",
+        title="The form could not be read",
+        detail=error.message,
+        hint="Send multipart/form-data with one part named 'file'.",
+    )
+
+
+def _from_anything(_error: Exception) -> Problem:
+    return Problem(
+        status=500,
+        code="internal-error",
+        title="The server failed on this request",
+        detail="The cause is in the server's log.",
+        hint="Nothing stored was lost; try again.",
+    )
+
+
+TABLE: Mapping[type[Exception], Callable[[Any], Problem]] = {
+    ProblemError: lambda error: error.problem,
+    MeshError: _from_mesh,
+    WindError: _from_wind,
+    RequestValidationError: _from_validation,
+    MultiPartException: _from_multipart,
+    HTTPException: _from_http,
+    Exception: _from_anything,
+}
+
+
+def problem_of(error: Exception) -> Problem:
+    """The problem of an exception: the first row of the table that fits."""
+    return next(make(error) for kind, make in TABLE.items() if isinstance(error, kind))
+
+
+def install_error_handlers(app: FastAPI) -> None:
+    """Make the app answer every exception with its problem."""
+
+    async def answer(_request: Request, error: Exception) -> Response:
+        return problem_of(error).response(getattr(error, "headers", None))
+
+    handler: Callable[[Request, Exception], Awaitable[Response]] = answer
+    for kind in TABLE:
+        app.add_exception_handler(kind, handler)

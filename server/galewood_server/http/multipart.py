@@ -1,0 +1,132 @@
+"""Reading an upload: a multipart form of one file and a few short fields, never more bytes than allowed."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncGenerator
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+from typing import Any
+
+from fastapi import Request
+from starlette.datastructures import FormData, UploadFile
+from starlette.formparsers import MultiPartParser
+
+from galewood_server.http.errors import ProblemError
+
+FORM_OVERHEAD_BYTES = 64 * 1024  # boundaries, part headers and the text fields
+DRAIN_S = 2.0
+FIELDS = ("species", "height_m", "name", "up_axis", "wood_materials")
+FORM: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "multipart/form-data": {
+                "schema": {
+                    "type": "object",
+                    "required": ["file"],
+                    "additionalProperties": False,
+                    "properties": {
+                        "file": {"type": "string", "format": "binary", "description": "GLB, OBJ, PLY or STL"},
+                        "species": {"type": "string", "description": "See GET /api/species"},
+                        "height_m": {"type": "number", "exclusiveMinimum": 0.1, "maximum": 150},
+                        "name": {"type": "string", "maxLength": 200},
+                        "up_axis": {"type": "string", "enum": ["x", "y", "z"]},
+                        "wood_materials": {
+                            "type": "string",
+                            "description": "Names of the materials, nodes or meshes that are wood, by commas",
+                        },
+                    },
+                }
+            }
+        },
+    }
+}
+
+
+@dataclass(frozen=True)
+class Upload:
+    """A file's bytes, its bare name, and the text fields that were given."""
+
+    data: bytes
+    filename: str
+    fields: dict[str, str]
+
+
+async def read_upload(request: Request, limit_bytes: int) -> Upload:
+    """Read the form of an upload. ProblemError 400, 413 or 415 if it is not one, or too large."""
+    if not request.headers.get("content-type", "").startswith("multipart/form-data"):
+        raise ProblemError(
+            415,
+            "not-a-form",
+            "An upload is a multipart form",
+            hint="Send multipart/form-data with a part 'file'.",
+        )
+    parser = MultiPartParser(request.headers, _limited(request, limit_bytes), max_files=1, max_fields=16)
+    form = await parser.parse()
+    try:
+        return await _upload_of(form, limit_bytes)
+    finally:
+        await form.close()
+
+
+async def _upload_of(form: FormData, limit_bytes: int) -> Upload:
+    file = form.get("file")
+    if not isinstance(file, UploadFile):
+        raise ProblemError(400, "no-file", "The form has no file", hint="Name the part with the mesh 'file'.")
+    fields = {key: value for key, value in form.multi_items() if isinstance(value, str)}
+    unknown = sorted(set(fields) - set(FIELDS))
+    if unknown:
+        raise ProblemError(
+            422,
+            "unknown-field",
+            f"Unknown field {unknown[0][:40]!r}",
+            hint=f"Known: file, {', '.join(FIELDS)}.",
+        )
+    data = await file.read(limit_bytes + 1)
+    if len(data) > limit_bytes:
+        raise _too_large(limit_bytes)
+    return Upload(data, bare_name(file.filename or ""), {key: value.strip() for key, value in fields.items()})
+
+
+def bare_name(filename: str) -> str:
+    """The last part of a client's file name, printable and short; it is shown, never opened."""
+    last = PurePosixPath(filename.replace("\\", "/")).name
+    return "".join(char for char in last if char.isprintable())[-120:] or "mesh"
+
+
+async def _limited(request: Request, limit_bytes: int) -> AsyncGenerator[bytes, None]:
+    """The body of a request; ProblemError 413 once it is, or says it will be, too long."""
+    room = limit_bytes + FORM_OVERHEAD_BYTES
+    declared = request.headers.get("content-length", "")
+    stream = request.stream()
+    if declared.isdigit() and int(declared) > room:
+        await _drain(stream)
+        raise _too_large(limit_bytes)
+    received = 0
+    async for chunk in stream:
+        received += len(chunk)
+        if received > room:
+            await _drain(stream)
+            raise _too_large(limit_bytes)
+        yield chunk
+
+
+async def _drain(stream: AsyncGenerator[bytes, None]) -> None:
+    # A client still sending would see a reset instead of the answer: read on for a moment, keep nothing.
+    try:
+        async with asyncio.timeout(DRAIN_S):
+            async for _ in stream:
+                pass
+    except TimeoutError:
+        pass
+
+
+def _too_large(limit_bytes: int) -> ProblemError:
+    return ProblemError(
+        413,
+        "upload-too-large",
+        f"The file is larger than {limit_bytes // 1024 // 1024} MB",
+        detail=f"Uploads may have up to {limit_bytes} bytes.",
+        hint="Reduce the textures or the number of triangles.",
+    )

@@ -1,0 +1,96 @@
+"""Jobs that find something out about a table: how it moves beside the finite elements it was made from."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any, cast
+
+import msgpack
+import numpy as np
+from galewood.evaluation import Comparison, Place, compare_methods, nodes_on_wood
+from galewood.fem import load_model
+from galewood.mesh import IntakeOptions, TreeMesh, run_intake
+from galewood.table import Table, decode
+from galewood.wind import parse_wind_or_state
+
+from galewood_server.jobs.analysis_files import finish
+from galewood_server.jobs.reporting import Mandate, Reporter
+from galewood_server.settings import Settings
+from galewood_server.storage import Job, JobKind, Stores
+
+FORMAT, VERSION = "galewood-comparison", 1
+
+
+def run_study(mandate: Mandate, kind: JobKind, settings: Settings, stores: Stores) -> None:
+    """Work on a comparison or an evaluation and store what it found. Raises Cancelled."""
+    with mandate.sessions() as session:
+        request = dict(session.get_one(Job, mandate.job_id).settings)
+    reporter = Reporter(mandate)
+    reporter.tell("model", 0.0, "Fetching table and model")
+    if kind == "comparison":
+        _compare(mandate, reporter, request, stores)
+    else:
+        from galewood_server.jobs.evaluation_job import evaluate
+
+        evaluate(mandate, reporter, request, settings, stores)
+
+
+def _compare(mandate: Mandate, reporter: Reporter, request: dict[str, Any], stores: Stores) -> None:
+    table = decode(stores.tables.get(request["table_sha256"]))
+    model = load_model(stores.models.path(request["model_sha256"]))
+    place = Place(**{name: request[name] for name in Place.__dataclass_fields__})
+
+    def tick(share: float, message: str) -> None:
+        reporter.tell("comparing", share, message)
+
+    wind = parse_wind_or_state(request["wind"])
+    nodes = nodes_on_wood(table, model, _mesh_of(table, stores))
+    found = compare_methods(table, model, nodes, wind, place, request["frames"], tick)
+    finish(mandate, stores, figures(found), pack(found, table))
+
+
+def _mesh_of(table: Table, stores: Stores) -> TreeMesh:
+    """The tree whose vertices the table's nodes stand for."""
+    metadata = table.metadata
+    options = IntakeOptions(species=metadata["species"], height_m=float(metadata["height_m"]), up_axis="y")
+    return run_intake(stores.meshes.get(metadata["mesh_sha256"]), "tree.glb", options)[0]
+
+
+def pack(found: Comparison, table: Table) -> bytes:
+    """The bytes of docs/formats/comparison.md."""
+    metadata = table.metadata
+    document: dict[str, Any] = {
+        "format": FORMAT,
+        "version": VERSION,
+        "frames": len(found.pressure_pa),
+        "dt_s": float(metadata["dt_s"]),
+        "height_m": float(metadata["height_m"]),
+        "modes": len(table.mode_scale),
+        "pressure_pa": _bytes(found.pressure_pa),
+        "tracks": {name: _bytes(q) for name, q in found.q.items()},
+        "sway": _list(found.sway),
+        "left_out": _list(found.left_out),
+        "error": {
+            name: {kind: _list(values) for kind, values in asdict(error).items()}
+            for name, error in found.errors.items()
+        },
+    }
+    return cast(bytes, msgpack.packb(document, use_bin_type=True))
+
+
+def figures(found: Comparison) -> dict[str, Any]:
+    """The largest of each, over the height, for those who want no curves."""
+    return {
+        "true_sway": float(found.sway.max()),
+        "left_out": float(found.left_out.max()),
+        "max_error": {name: float(error.max.max()) for name, error in found.errors.items()},
+        "hausdorff": {name: float(error.hausdorff.max()) for name, error in found.errors.items()},
+    }
+
+
+def _bytes(values: np.ndarray[Any, Any]) -> bytes:
+    return np.ascontiguousarray(values, "<f4").tobytes()
+
+
+def _list(values: np.ndarray[Any, Any]) -> list[float]:
+    return [float(value) for value in values]

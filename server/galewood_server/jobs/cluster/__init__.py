@@ -1,0 +1,1 @@
+"""Simulating on a Dask cluster, embedded or external."""

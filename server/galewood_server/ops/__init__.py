@@ -1,0 +1,7 @@
+"""Logs, metrics and request tracing."""
+
+from galewood_server.ops.logs import configure_logging
+from galewood_server.ops.metrics import Metrics
+from galewood_server.ops.tracing import Tracing
+
+__all__ = ["Metrics", "Tracing", "configure_logging"]

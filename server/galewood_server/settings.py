@@ -1,0 +1,120 @@
+"""Settings of the service, read from the environment (see docs/operations.md)."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import AliasChoices, Field, field_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+MEBIBYTE = 1024 * 1024
+
+
+def default_workers() -> int:
+    """Sampling processes: one a core, at least one."""
+    return max(1, os.cpu_count() or 1)
+
+
+class Settings(BaseSettings):
+    """Every setting has a default that suits one laptop; names carry their units."""
+
+    model_config = SettingsConfigDict(env_prefix="GALEWOOD_", extra="ignore", populate_by_name=True)
+
+    host: str = Field(default="127.0.0.1", validation_alias=AliasChoices("GALEWOOD_HOST", "HOST"))
+    port: int = Field(default=8000, ge=0, le=65535, validation_alias=AliasChoices("GALEWOOD_PORT", "PORT"))
+    data_dir: Path = Path("data")
+    database_url: str | None = None
+    store_url: str | None = None
+    scheduler_url: str | None = None
+    page_dir: Path = REPOSITORY / "web" / "dist"
+    species_dir: Path = REPOSITORY / "assets" / "species"
+    builtin_species: bool = True
+
+    workers: int = Field(default_factory=default_workers, ge=1, le=256)
+    concurrent_jobs: int = Field(default=1, ge=1, le=64)
+    concurrent_studies: int = Field(default=1, ge=1, le=64)
+    concurrent_evaluations: int = Field(default=1, ge=1, le=64)
+    lease_s: float = Field(default=15.0, ge=1, le=3600)
+    replaced_files_s: float = Field(default=600.0, ge=0)
+    sweep_s: float = Field(default=60.0, gt=0)
+    job_attempts: int = Field(default=3, ge=1, le=20)
+    job_module: str = "galewood_server.jobs.job_process"
+    cluster_idle_s: float = Field(default=30.0, ge=0)
+
+    upload_bytes: int = Field(default=64 * MEBIBYTE, ge=1024)
+    intake_memory_bytes: int = Field(default=3072 * MEBIBYTE, ge=256 * MEBIBYTE)
+    intake_cpu_s: int = Field(default=40, gt=0)
+    intake_wall_s: float = Field(default=60.0, gt=0)
+    concurrent_intakes: int = Field(default=2, ge=1, le=64)
+
+    upload_faces: int = Field(default=600_000, ge=1000)
+    concurrent_uploads: int = Field(default=16, ge=1, le=1024)
+    stored_bytes: int = Field(default=20 * 1024 * MEBIBYTE, ge=0)
+    free_bytes: int = Field(default=512 * MEBIBYTE, ge=0)
+
+    # SHA-256 of the keys that may write, in hex, separated by commas; none: only this machine may
+    api_keys: Annotated[list[str], NoDecode] = Field(default_factory=list)
+    trusted_proxies: str = "127.0.0.1"
+    reads_per_minute: int = Field(default=6000, ge=0)
+    writes_per_minute: int = Field(default=120, ge=0)
+    header_s: float = Field(default=10.0, gt=0)
+    body_stall_s: float = Field(default=10.0, gt=0)
+    body_bytes_per_s: int = Field(default=16 * 1024, ge=0)
+    shutdown_s: int = Field(default=5, ge=0)
+    log_format: Literal["text", "json"] = "text"
+    log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = "INFO"
+
+    allowed_origins: list[str] = Field(default_factory=list)
+    socket_message_bytes: int = Field(default=4 * MEBIBYTE, ge=1024)
+    socket_connections: int = Field(default=256, ge=1)
+    socket_connections_per_address: int = Field(default=32, ge=1)
+    socket_stall_s: float = Field(default=10.0, gt=0)
+    socket_messages_per_s: float = Field(default=60.0, gt=0)
+    forest_trees: int = Field(default=20_000, ge=1)
+    forest_groups: int = Field(default=64, ge=1)
+    server_trees: int = Field(default=200_000, ge=1)
+    shared_forests: int = Field(default=64, ge=0)
+    shared_forest_idle_s: float = Field(default=60.0, ge=0)
+
+    @field_validator("api_keys", mode="before")
+    @classmethod
+    def _hashes(cls, given: object) -> object:
+        hashes = [part.strip().lower() for part in given.split(",")] if isinstance(given, str) else given
+        if isinstance(hashes, list) and not all(re.fullmatch(r"[0-9a-f]{64}", one) for one in hashes if one):
+            raise ValueError("expected SHA-256 hashes in hex, separated by commas; `galewood key` makes them")
+        return [one for one in hashes if one] if isinstance(hashes, list) else hashes
+
+    @property
+    def database(self) -> str:
+        """SQLAlchemy URL: the one given, else SQLite inside the data folder."""
+        return self.database_url or f"sqlite:///{self.data_dir.resolve() / 'galewood.sqlite'}"
+
+    @property
+    def cache_dir(self) -> Path:
+        """Stored meshes and trajectories, from which an interrupted build goes on."""
+        return self.data_dir.resolve() / "cache"
+
+    def cancel_flag(self, job_id: str) -> Path:
+        """The file that tells the workers that a job was cancelled."""
+        return self.cache_dir / "cancelled" / job_id
+
+    @property
+    def studies_dir(self) -> Path:
+        """A folder for each evaluation while it runs."""
+        return self.cache_dir / "studies"
+
+    def study_folder(self, job_id: str) -> Path:
+        """What an evaluation has finished so far, so that a restart goes on."""
+        return self.studies_dir / job_id
+
+    def environment(self) -> dict[str, str]:
+        """The environment in which a child process reads these same settings."""
+        child = dict(os.environ)
+        child["GALEWOOD_DATA_DIR"] = str(self.data_dir.resolve())
+        child["GALEWOOD_DATABASE_URL"] = self.database
+        child["GALEWOOD_WORKERS"] = str(self.workers)
+        return child

@@ -1,0 +1,71 @@
+"""Compressed copies of immutable files, made once, after the first request that could take one, and kept."""
+
+from __future__ import annotations
+
+import gzip
+import logging
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Literal
+
+import zstandard
+from galewood.util import write_whole
+
+Coding = Literal["zstd", "gzip"]
+PREFERRED: tuple[Coding, ...] = ("zstd", "gzip")
+ZSTD_LEVEL, GZIP_LEVEL = 12, 6
+_lock = threading.Lock()
+_under_way: set[Path] = set()
+_compressor = ThreadPoolExecutor(1, thread_name_prefix="compress")
+log = logging.getLogger("galewood.encodings")
+
+
+def coding_of(accept_encoding: str) -> Coding | None:
+    """The best coding that a client takes (RFC 9110, section 12.5.3); None for the plain bytes."""
+    weights = dict(_weight(part) for part in accept_encoding.lower().split(",") if part.strip())
+    offered: list[tuple[float, Coding]] = [
+        (weights.get(name, weights.get("*", 0.0)), name) for name in PREFERRED
+    ]
+    weight, best = max(offered, key=lambda one: one[0])
+    return best if weight > 0 and weight >= weights.get("identity", 0.0) else None
+
+
+def _weight(part: str) -> tuple[str, float]:
+    name, _, parameter = part.strip().partition(";")
+    key, _, value = parameter.strip().partition("=")
+    try:
+        return name.strip(), float(value) if key.strip() == "q" else 1.0
+    except ValueError:
+        return name.strip(), 0.0
+
+
+def encoded_file(folder: Path, sha256: str, coding: Coding, read: Callable[[], bytes]) -> Path | None:
+    """The compressed copy of a file. None if it is not there yet: it is begun, and the plain bytes
+    do for this once, as nobody should wait for it. `read` gives the plain bytes."""
+    target = folder / coding / sha256[:2] / sha256
+    if target.is_file():
+        return target
+    with _lock:
+        begin = target not in _under_way
+        _under_way.add(target)
+    if begin:
+        _compressor.submit(_make, target, coding, read)
+    return None
+
+
+def _make(target: Path, coding: Coding, read: Callable[[], bytes]) -> None:
+    try:
+        write_whole(target, _compress(read(), coding))
+    except OSError as error:  # no room, or the file was removed meanwhile: the next request tries again
+        log.warning("no compressed copy of %s: %s", target.name, error)
+    finally:
+        with _lock:
+            _under_way.discard(target)
+
+
+def _compress(data: bytes, coding: Coding) -> bytes:
+    if coding == "zstd":
+        return zstandard.ZstdCompressor(level=ZSTD_LEVEL).compress(data)
+    return gzip.compress(data, GZIP_LEVEL, mtime=0)

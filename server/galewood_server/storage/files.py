@@ -1,0 +1,109 @@
+"""Content-addressed files: a file is named by the SHA-256 of its bytes and appears whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from galewood.util import write_whole
+
+_HASH = re.compile(r"[0-9a-f]{64}")
+
+
+def is_hash(name: str) -> bool:
+    """Whether a name is a SHA-256 in lower-case hex, hence safe as a file name."""
+    return _HASH.fullmatch(name) is not None
+
+
+class FileStore:
+    """One folder of immutable files under `root`, spread over 256 sub-folders by the hash's first byte."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        root.mkdir(parents=True, exist_ok=True)
+
+    def path(self, sha256: str) -> Path:
+        """Where a file is or would be. ValueError if the name is no hash."""
+        if not is_hash(sha256):
+            raise ValueError("not a SHA-256 in hex")
+        return self.root / sha256[:2] / sha256
+
+    def has(self, sha256: str) -> bool:
+        """Whether the file is stored."""
+        return is_hash(sha256) and self.path(sha256).is_file()
+
+    def size(self, sha256: str) -> int | None:
+        """Bytes of a stored file; None if there is none."""
+        return self.path(sha256).stat().st_size if self.has(sha256) else None
+
+    def put(self, data: bytes) -> str:
+        """Store bytes and return their SHA-256; storing the same bytes again is free."""
+        sha256 = hashlib.sha256(data).hexdigest()
+        target = self.path(sha256)
+        if not target.is_file():
+            write_whole(target, data)
+        return sha256
+
+    def get(self, sha256: str) -> bytes:
+        """The stored bytes. FileNotFoundError if there are none."""
+        return self.path(sha256).read_bytes()
+
+    def get_anew(self, sha256: str) -> bytes:
+        """As `get`, from where the file is kept, whatever copies there are. FileNotFoundError."""
+        return self.get(sha256)
+
+    def age_s(self, sha256: str) -> float:
+        """Seconds since the file was stored; 0 if it is not there."""
+        return file_age_s(self.path(sha256))
+
+    def names(self) -> Iterator[str]:
+        """The hash of every stored file."""
+        return (path.name for path in self.root.glob("??/*") if is_hash(path.name))
+
+    def remove(self, sha256: str) -> None:
+        """Forget a file; one that is not there is forgotten already."""
+        self.path(sha256).unlink(missing_ok=True)
+
+
+def file_age_s(path: Path) -> float:
+    """Seconds since a file was written; 0 if it is not there."""
+    try:
+        return time.time() - path.stat().st_mtime
+    except OSError:
+        return 0.0
+
+
+KINDS = ("sources", "meshes", "tables", "models", "pictures", "results")
+
+
+class Stores:
+    """The kinds of file the service keeps, apart so that no URL of one kind reaches another.
+
+    In the data folder, or by a URL in a bucket (`object_store.py`) that several servers share.
+    """
+
+    def __init__(self, data_dir: Path, url: str | None = None) -> None:
+        """`url` such as s3://bucket/prefix; its credentials come from the environment."""
+        self._named = (
+            _in_bucket(url, data_dir) if url else {kind: FileStore(data_dir / kind) for kind in KINDS}
+        )
+        self.sources = self._named["sources"]
+        self.meshes = self._named["meshes"]
+        self.tables = self._named["tables"]
+        self.models = self._named["models"]
+        self.pictures = self._named["pictures"]
+        self.results = self._named["results"]
+
+    def named(self, kind: str) -> FileStore:
+        """A store by its kind's name. KeyError."""
+        return self._named[kind]
+
+
+def _in_bucket(url: str, data_dir: Path) -> dict[str, FileStore]:
+    from galewood_server.storage.object_store import BucketStore, open_bucket
+
+    bucket = open_bucket(url)
+    return {kind: BucketStore(bucket, kind, data_dir / "store-cache" / kind) for kind in KINDS}

@@ -1,0 +1,49 @@
+"""Who computes: a few threads, each stepping its forests one after the other, thirty times a second."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+from galewood_server.stream.live_forest import LiveForest
+from galewood_server.stream.wire import TICK_HZ
+
+LATE_S = 0.25
+
+
+class Lane:
+    """One thread's forests. Where it is late their time runs slower; other lanes are not held up."""
+
+    def __init__(self, threads: ThreadPoolExecutor) -> None:
+        self.forests: set[LiveForest] = set()
+        self._threads = threads
+        self._work: asyncio.Task[None] | None = None
+
+    @property
+    def tree_count(self) -> int:
+        """Trees to step at each tick."""
+        return sum(forest.tree_count for forest in self.forests)
+
+    def add(self, forest: LiveForest) -> None:
+        """Step this one too."""
+        self.forests.add(forest)
+        if self._work is None or self._work.done():
+            self._work = asyncio.create_task(self._run())
+
+    async def _run(self) -> None:
+        loop = asyncio.get_running_loop()
+        due_s = loop.time()
+        while self.forests:
+            due_s = max(due_s + 1 / TICK_HZ, loop.time() - LATE_S)
+            await asyncio.sleep(due_s - loop.time())
+            forests = tuple(self.forests)
+            await loop.run_in_executor(self._threads, _compute, forests, due_s)
+            now_s = loop.time()
+            for forest in forests:
+                forest.deliver(now_s)
+
+
+def _compute(forests: Sequence[LiveForest], made_s: float) -> None:
+    for forest in forests:
+        forest.compute(made_s)

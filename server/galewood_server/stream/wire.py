@@ -1,0 +1,276 @@
+"""THE wire format of /ws/forest, version 2: specified in docs/formats/wire.md, twin of web/src/wire.ts.
+
+Requests go from client to server, replies back; envelope.py says what they have in common, wire_forest.py
+and wire_frame.py hold the messages with rows of numbers. `encode_*` stands beside `decode_*`; what decodes
+has been checked, so that nobody downstream checks again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from galewood_server.stream.envelope import (
+    Header,
+    WireError,
+    decode_message,
+    encode_message,
+    number,
+    only,
+    text,
+    text_map,
+    truth,
+    whole,
+)
+from galewood_server.stream.wire_forest import (
+    FOREST,
+    SHARED,
+    decode_forest,
+    decode_shared,
+    encode_forest,
+    encode_shared,
+)
+from galewood_server.stream.wire_forest import Forest as Forest
+from galewood_server.stream.wire_forest import Group as Group
+from galewood_server.stream.wire_forest import Method as Method
+from galewood_server.stream.wire_forest import Shared as Shared
+from galewood_server.stream.wire_frame import FRAME, Frame, Poses, Rows, decode_frame, encode_frame
+
+__all__ = [
+    "TICK_HZ",
+    "Clock",
+    "Failure",
+    "Forest",
+    "Frame",
+    "Group",
+    "Hello",
+    "Method",
+    "Pause",
+    "Ping",
+    "Pong",
+    "Poses",
+    "Reply",
+    "Request",
+    "Resync",
+    "Rows",
+    "Shared",
+    "TableChunk",
+    "Welcome",
+    "WindChange",
+    "WindState",
+    "decode_reply",
+    "decode_request",
+    "encode_reply",
+    "encode_request",
+]
+
+HELLO, WIND, PING, PAUSE, RESYNC = 1, 3, 4, 5, 6
+WELCOME, TABLE, ERROR, PONG, WIND_STATE, CLOCK = 65, 66, 68, 69, 70, 71
+
+TICK_HZ = 30
+"""Frames a second of a stream, and ticks of a forest's clock."""
+
+
+# ---- client to server ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Hello:
+    """First message of a client: a name for itself."""
+
+    client: str
+
+
+@dataclass(frozen=True)
+class WindChange:
+    """A new wind document (docs/formats/wind.md)."""
+
+    wind: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Ping:
+    """Asks for a Pong with the same number."""
+
+    t: float
+
+
+@dataclass(frozen=True)
+class Pause:
+    """Stops the forest's clock, or lets it run on."""
+
+    paused: bool
+
+
+@dataclass(frozen=True)
+class Resync:
+    """Asks for a key frame: the client lost its place."""
+
+
+Request = Hello | Forest | WindChange | Ping | Pause | Resync
+
+
+def encode_request(request: Request) -> bytes:
+    """The bytes of a client's message."""
+    match request:
+        case Hello():
+            return encode_message(HELLO, {"client": request.client})
+        case WindChange():
+            return encode_message(WIND, {"wind": dict(request.wind)})
+        case Ping():
+            return encode_message(PING, {"t": request.t})
+        case Pause():
+            return encode_message(PAUSE, {"paused": request.paused})
+        case Resync():
+            return encode_message(RESYNC, {})
+        case Forest():
+            return encode_forest(request)
+
+
+def decode_request(data: bytes) -> Request:
+    """The message of a client. WireError."""
+    kind, header, payload = decode_message(data)
+    if kind == FOREST:
+        return decode_forest(header, payload)
+    if payload:
+        raise WireError("only a FOREST message has a payload")
+    if kind == HELLO:
+        only(header, "client")
+        return Hello(text(header, "client")[:200])
+    if kind == WIND:
+        only(header, "wind")
+        return WindChange(text_map(header["wind"], "wind"))
+    if kind == PING:
+        only(header, "t")
+        return Ping(number(header, "t"))
+    if kind == PAUSE:
+        only(header, "paused")
+        return Pause(truth(header, "paused"))
+    if kind == RESYNC:
+        only(header)
+        return Resync()
+    raise WireError(f"kind {kind} is not a message that clients send", "unknown-kind")
+
+
+# ---- server to client ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Welcome:
+    """Answer to Hello: who serves, which wire version, how many frames a second."""
+
+    server: str
+    version: int
+    tick_hz: float
+
+
+@dataclass(frozen=True)
+class TableChunk:
+    """A piece of a table file, from byte `offset` of `total`."""
+
+    table: str
+    offset: int
+    total: int
+    data: bytes
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why the server is about to close the connection."""
+
+    code: str
+    title: str
+    hint: str
+
+
+@dataclass(frozen=True)
+class Pong:
+    """Answer to Ping, with the server's clock, which `made_s` of frames and clocks is read from."""
+
+    t: float
+    server_s: float
+
+
+@dataclass(frozen=True)
+class WindState:
+    """The forest's wind and its clock (docs/formats/wind.md), after a change or on joining."""
+
+    state: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The forest's time at `made_s` of the server's clock, and whether it stands still."""
+
+    time_s: float
+    made_s: float
+    paused: bool
+
+
+Reply = Welcome | TableChunk | Frame | Failure | Pong | WindState | Clock | Shared
+
+
+def encode_reply(reply: Reply) -> bytes:
+    """The bytes of a server's message."""
+    match reply:
+        case Welcome():
+            header = {"server": reply.server, "version": reply.version, "tick_hz": reply.tick_hz}
+            return encode_message(WELCOME, header)
+        case TableChunk():
+            header = {"table": reply.table, "offset": reply.offset, "total": reply.total}
+            return encode_message(TABLE, header, reply.data)
+        case Failure():
+            return encode_message(ERROR, {"code": reply.code, "title": reply.title, "hint": reply.hint})
+        case Pong():
+            return encode_message(PONG, {"t": reply.t, "server_s": reply.server_s})
+        case WindState():
+            return encode_message(WIND_STATE, {"state": dict(reply.state)})
+        case Clock():
+            header = {"time_s": reply.time_s, "made_s": reply.made_s, "paused": reply.paused}
+            return encode_message(CLOCK, header)
+        case Shared():
+            return encode_shared(reply)
+        case Frame():
+            return encode_frame(reply)
+
+
+def decode_reply(data: bytes) -> Reply:
+    """The message of a server. WireError."""
+    kind, header, payload = decode_message(data)
+    if kind == FRAME:
+        return decode_frame(header, payload)
+    if kind == SHARED:
+        return decode_shared(header, payload)
+    if kind == TABLE:
+        only(header, "table", "offset", "total")
+        return _chunk(header, payload)
+    if payload:
+        raise WireError("only FRAME, TABLE and SHARED messages have a payload")
+    return _decode_short(kind, header)
+
+
+def _decode_short(kind: int, header: Header) -> Reply:
+    if kind == WELCOME:
+        only(header, "server", "version", "tick_hz")
+        return Welcome(text(header, "server"), whole(header, "version"), number(header, "tick_hz"))
+    if kind == ERROR:
+        only(header, "code", "title", "hint")
+        return Failure(text(header, "code"), text(header, "title"), text(header, "hint"))
+    if kind == PONG:
+        only(header, "t", "server_s")
+        return Pong(number(header, "t"), number(header, "server_s"))
+    if kind == WIND_STATE:
+        only(header, "state")
+        return WindState(text_map(header["state"], "state"))
+    if kind == CLOCK:
+        only(header, "time_s", "made_s", "paused")
+        return Clock(number(header, "time_s"), number(header, "made_s"), truth(header, "paused"))
+    raise WireError(f"kind {kind} is not a message that servers send", "unknown-kind")
+
+
+def _chunk(header: Header, payload: bytes) -> TableChunk:
+    chunk = TableChunk(text(header, "table"), whole(header, "offset"), whole(header, "total"), payload)
+    if chunk.offset + len(payload) > chunk.total:
+        raise WireError("a chunk reaches past the end of its table")
+    return chunk

@@ -1,0 +1,221 @@
+"""FOREST, the message that asks for a forest, and SHARED, which describes one: encoders beside decoders."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from galewood_server.stream.envelope import (
+    Header,
+    WireError,
+    encode_message,
+    entries,
+    number,
+    only,
+    text,
+    text_map,
+    truth,
+    whole,
+)
+
+FOREST, SHARED = 2, 72
+MAX_ABOUT = 32
+"""Entries of a forest's `about`."""
+
+Mode = Literal["stream", "table"]
+Method = Literal["tangent", "paper"]
+Trees = npt.NDArray[np.float32]
+About = Mapping[str, str | int | float | bool]
+OPTIONS = frozenset({"pose_easing", "method", "share", "replant", "about", "have"})
+_SHARE = re.compile(r"[A-Za-z0-9_-]{1,64}")
+
+
+@dataclass(frozen=True)
+class Group:
+    """`count` trees that share one table (SHA-256 in hex)."""
+
+    table: str
+    count: int
+
+
+@dataclass(frozen=True)
+class Forest:
+    """What the client wants: tables to look up itself, or a stream of poses of these trees."""
+
+    mode: Mode
+    groups: tuple[Group, ...]
+    wind: Mapping[str, Any]
+    time_s: float
+    pose_easing: float | None
+    trees: Trees  # (Σ count, 4): x m, z m, yaw rad, scale; (0, 4) where they do not matter
+    method: Method = "tangent"
+    share: str | None = None
+    """The forest that many share; None for one of one's own."""
+    replant: bool = False
+    """If the shared forest has other trees, give it these, for all."""
+    about: About = field(default_factory=lambda: cast(About, {}))
+    """What the planter wants others to know, passed on unread."""
+    have: Mapping[str, int] = field(default_factory=lambda: cast(Mapping[str, int], {}))
+    """Bytes of tables (by SHA-256) that the client has already."""
+
+
+@dataclass(frozen=True)
+class Shared:
+    """A shared forest as it is: told to all who join and at each replanting."""
+
+    share: str
+    groups: tuple[Group, ...]
+    pose_easing: float | None
+    method: Method
+    about: About
+    trees: Trees
+
+
+def encode_forest(forest: Forest) -> bytes:
+    """FOREST: groups in the header, a row of four float32 a tree in the payload."""
+    header = {
+        "mode": forest.mode,
+        "groups": _plain(forest.groups),
+        "options": _options(forest),
+        "wind": dict(forest.wind),
+        "time_s": forest.time_s,
+    }
+    return encode_message(FOREST, header, np.ascontiguousarray(forest.trees, "<f4").tobytes())
+
+
+def decode_forest(header: Header, payload: bytes) -> Forest:
+    """The twin of encode_forest. WireError."""
+    only(header, "mode", "groups", "options", "wind", "time_s")
+    mode = text(header, "mode")
+    if mode not in ("stream", "table"):
+        raise WireError("mode must be 'stream' or 'table'")
+    options = text_map(header["options"], "options")
+    only(options, *options.keys() & OPTIONS)
+    groups = tuple(_group(entry) for entry in entries(header, "groups"))
+    planted = mode == "stream" or bool(payload)
+    return Forest(
+        mode=mode,
+        groups=groups,
+        wind=text_map(header["wind"], "wind"),
+        time_s=number(header, "time_s", -1e9, 1e9),
+        pose_easing=_easing(options),
+        trees=_trees(payload, sum(group.count for group in groups) if planted else 0),
+        method=_method(options) if "method" in options else "tangent",
+        share=_share(options) if "share" in options else None,
+        replant="replant" in options and truth(options, "replant"),
+        about=_about(options) if "about" in options else {},
+        have=_have(options) if "have" in options else {},
+    )
+
+
+def encode_shared(shared: Shared) -> bytes:
+    """SHARED: the forest's trees in the payload, as in FOREST."""
+    header = {
+        "share": shared.share,
+        "groups": _plain(shared.groups),
+        "pose_easing": shared.pose_easing,
+        "method": shared.method,
+        "about": dict(shared.about),
+    }
+    return encode_message(SHARED, header, np.ascontiguousarray(shared.trees, "<f4").tobytes())
+
+
+def decode_shared(header: Header, payload: bytes) -> Shared:
+    """The twin of encode_shared. WireError."""
+    only(header, "share", "groups", "pose_easing", "method", "about")
+    groups = tuple(_group(entry) for entry in entries(header, "groups"))
+    return Shared(
+        share=_share(header),
+        groups=groups,
+        pose_easing=None if header["pose_easing"] is None else _easing(header),
+        method=_method(header),
+        about=_about(header),
+        trees=_trees(payload, sum(group.count for group in groups) if payload else 0),
+    )
+
+
+def _plain(groups: tuple[Group, ...]) -> list[dict[str, Any]]:
+    return [{"table": group.table, "count": group.count} for group in groups]
+
+
+def _options(forest: Forest) -> dict[str, Any]:
+    """What differs from the defaults."""
+    given: dict[str, Any] = {
+        "pose_easing": forest.pose_easing,
+        "method": None if forest.method == "tangent" else forest.method,
+        "share": forest.share,
+        "replant": forest.replant or None,
+        "about": dict(forest.about) or None,
+        "have": dict(forest.have) or None,
+    }
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def _easing(options: Header) -> float | None:
+    return number(options, "pose_easing", 0.0, 1.0) if "pose_easing" in options else None
+
+
+def _method(options: Header) -> Method:
+    method = text(options, "method")
+    if method not in ("tangent", "paper"):
+        raise WireError("method must be 'tangent' or 'paper'")
+    return method
+
+
+def _share(options: Header) -> str:
+    share = text(options, "share")
+    if not _SHARE.fullmatch(share):
+        raise WireError("share must be 1 to 64 letters, digits, '-' or '_'")
+    return share
+
+
+def _about(options: Header) -> About:
+    about = text_map(options["about"], "about")
+    if len(about) > MAX_ABOUT:
+        raise WireError(f"about may have up to {MAX_ABOUT} entries")
+    for name, value in about.items():
+        if (
+            len(name) > 64
+            or not isinstance(value, str | int | float)
+            or (isinstance(value, str) and len(value) > 200)
+        ):
+            raise WireError("about must map short names to numbers, truth values or short texts")
+        if not isinstance(value, str | bool):
+            number(about, name, -(2**53), 2**53)
+    return about
+
+
+def _have(options: Header) -> Mapping[str, int]:
+    have = text_map(options["have"], "have")
+    for table in have:
+        _check_hash(table)
+        whole(have, table)
+    return have
+
+
+def _group(entry: Any) -> Group:
+    group = text_map(entry, "a group")
+    only(group, "table", "count")
+    return Group(_check_hash(text(group, "table")), whole(group, "count"))
+
+
+def _check_hash(table: str) -> str:
+    if len(table) != 64 or set(table) - set("0123456789abcdef"):
+        raise WireError("table must be a SHA-256 in hex")
+    return table
+
+
+def _trees(payload: bytes, count: int) -> Trees:
+    if len(payload) != count * 16:
+        raise WireError(f"the payload has {len(payload)} bytes; {count} trees need {count * 16}")
+    trees = np.frombuffer(payload, "<f4").reshape(count, 4)
+    if not np.isfinite(trees).all() or (np.abs(trees) > 1e6).any():
+        raise WireError("a tree's place, yaw or scale is not a sensible number")
+    if count and not ((trees[:, 3] >= 0.01) & (trees[:, 3] <= 100)).all():
+        raise WireError("a tree's scale must lie in 0.01..100")
+    return trees
