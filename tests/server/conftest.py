@@ -122,6 +122,14 @@ class Server:
         return httpx.Client(base_url=self.url, timeout=60)
 
 
+def command_line(process: psutil.Process) -> list[str]:
+    """The command of a process; empty if it has just ended."""
+    try:
+        return process.cmdline()
+    except psutil.NoSuchProcess:  # a zombie too
+        return []
+
+
 @pytest.fixture
 def start_server(tmp_path: Path) -> Iterator[Callable[..., Server]]:
     """Start servers that share one data folder; builds and intake are fakes unless told otherwise."""

@@ -11,7 +11,7 @@ import pytest
 from galewood_server.access.keys import new_key
 from galewood_server.cli.client import Client, ServiceError
 
-from tests.server.conftest import NO_CLUSTER, Server, wait_until
+from tests.server.conftest import NO_CLUSTER, Server, command_line, wait_until
 from tests.server.fake_job import STEPS
 from tests.server.test_jobs import gone
 from tests.server.test_rest import assert_problem
@@ -107,7 +107,7 @@ def test_cancelled_it_stops_and_leaves_nothing(
     url = evaluate(api, tree, speed_m_s=7.5).headers["location"]
     wait_until(lambda: api.get(url).json()["fraction"] > 0)
     folder = server.data_dir / "cache" / "studies" / url.rsplit("/", 1)[-1]
-    running = [one for one in server.family() if folder.name in one.cmdline()]
+    running = [one for one in server.family() if folder.name in command_line(one)]
     assert running and folder.exists()
     api.post(f"{url}/cancel")
     assert ended(api, url)["state"] == "cancelled"

@@ -8,7 +8,7 @@ from typing import Any
 import httpx
 import psutil
 
-from tests.server.conftest import NO_CLUSTER, Server, wait_until
+from tests.server.conftest import NO_CLUSTER, Server, command_line, wait_until
 from tests.server.fake_job import STEPS
 from tests.server.test_rest import upload
 
@@ -40,7 +40,7 @@ def test_cancel_stops_the_work_and_the_queue_goes_on(start_server: StartServer) 
         running(api, first)
         assert state(api, second) == "queued"
         assert api.post(f"/api/jobs/{third['id']}/cancel").json()["state"] == "cancelled"
-        worker = [one for one in server.family() if "tests.server.fake_job" in " ".join(one.cmdline())]
+        worker = [one for one in server.family() if "tests.server.fake_job" in " ".join(command_line(one))]
         assert len(worker) == 1
         api.post(f"/api/jobs/{first['id']}/cancel")
         wait_until(lambda: state(api, first) == "cancelled" and gone(worker))
@@ -73,7 +73,7 @@ def test_a_killed_job_process_is_picked_up(start_server: StartServer) -> None:
     with server.client() as api:
         job = begin(api)
         running(api, job)
-        (worker,) = [one for one in server.family() if "tests.server.fake_job" in one.cmdline()]
+        (worker,) = [one for one in server.family() if "tests.server.fake_job" in command_line(one)]
         worker.kill()
         wait_until(lambda: state(api, job) == "done")
 

@@ -14,7 +14,7 @@ from galewood_server.jobs.leases import claim, give_back, renew
 from galewood_server.storage.database import migrate, open_database
 from galewood_server.storage.models import Job, Tree
 
-from tests.server.conftest import NO_CLUSTER, Server, shared_services, wait_until
+from tests.server.conftest import NO_CLUSTER, Server, command_line, shared_services, wait_until
 from tests.server.fake_job import STEPS
 from tests.server.test_jobs import begin, state
 
@@ -97,7 +97,7 @@ def test_a_server_that_was_only_slow_changes_nothing_afterwards(pair: Pair) -> N
         for one in family:
             one.resume()
         all_done(api, [job])
-    wait_until(lambda: not [one for one in busy.family() if "tests.server.fake_job" in one.cmdline()])
+    wait_until(lambda: not [one for one in busy.family() if "tests.server.fake_job" in command_line(one)])
     assert pair.steps("tree.obj")[pair.servers.index(idle)] == STEPS
     assert pair.steps("tree.obj")[pair.servers.index(busy)] < STEPS
 

@@ -17,7 +17,7 @@ from galewood.table import format as table_format
 from galewood_server.stream import wire
 
 from tests.server import meshes
-from tests.server.conftest import Server, wait_until
+from tests.server.conftest import Server, command_line, wait_until
 from tests.server.test_jobs import gone, state
 from tests.server.test_rest import assert_problem, progress, upload
 from tests.server.test_stream import BREEZE, Client
@@ -83,15 +83,15 @@ def trajectories(server: Server) -> dict[Path, int]:
 def workers(server: Server) -> list[psutil.Process]:
     """The processes under the cluster's own."""
     (cluster,) = [
-        one for one in server.family() if "galewood_server.jobs.cluster.dask_cluster" in one.cmdline()
+        one for one in server.family() if "galewood_server.jobs.cluster.dask_cluster" in command_line(one)
     ]
-    return [one for one in cluster.children(recursive=True) if "spawn_main" in " ".join(one.cmdline())]
+    return [one for one in cluster.children(recursive=True) if "spawn_main" in " ".join(command_line(one))]
 
 
 def test_cancel_stops_sampling(server: Server, api: httpx.Client) -> None:
     _, job = begin(api, 3.0)
     sampling(api, job)
-    running = [one for one in server.family() if job["id"] in one.cmdline()]
+    running = [one for one in server.family() if job["id"] in command_line(one)]
     api.post(f"/api/jobs/{job['id']}/cancel")
     wait_until(lambda: state(api, job) == "cancelled" and gone(running), LONG_S)
     wait_until(lambda: idle(server), LONG_S)
@@ -115,7 +115,7 @@ def test_an_upload_becomes_a_streamed_tree_though_worker_cluster_and_server_die(
     wait_until(lambda: len(trajectories(server)) > len(finished), LONG_S)
     finished = trajectories(server)
     (cluster,) = [
-        one for one in server.family() if "galewood_server.jobs.cluster.dask_cluster" in one.cmdline()
+        one for one in server.family() if "galewood_server.jobs.cluster.dask_cluster" in command_line(one)
     ]
     cluster.kill()  # with its scheduler
     wait_until(lambda: len(trajectories(server)) > len(finished), LONG_S)

@@ -5,11 +5,9 @@ from galewood.util.atomic_file import write_arrays, write_whole
 from galewood.util.cancelled import Cancelled
 from galewood.util.errors import MeshError, Reason
 from galewood.util.process_usage import PeakMemory, cpu_seconds
-from galewood.util.threads import SINGLE_THREADED
 from galewood.util.worker_pool import Helpers, usable_cores
 
 __all__ = [
-    "SINGLE_THREADED",
     "Array",
     "Cancelled",
     "Floats",

@@ -52,7 +52,7 @@ class WindField:
         self._gusts: dict[tuple[Any, ...], Gusts] = {}
         self._spare: dict[tuple[str, int], Floats] = {}
 
-    def change_wind(self, wind: Wind, time_s: float) -> None:
+    def change(self, wind: Wind, time_s: float) -> None:
         """Glide to another document from this time on."""
         self.state = change_wind(self.state, wind, time_s)
 

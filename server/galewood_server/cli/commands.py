@@ -8,7 +8,12 @@ from typing import Annotated
 
 import typer
 from galewood.cli import JsonOut, app, console, write_figures
-from galewood.util import SINGLE_THREADED
+from galewood.threads import SINGLE_THREADED
+
+from galewood_server.cli.operations import doctor, key, upload
+
+for command in (upload, doctor, key):
+    app.command()(command)
 
 
 def main() -> None:

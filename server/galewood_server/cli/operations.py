@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from galewood.cli import JsonOut, app, console, progress_bar, teller, write_figures
+from galewood.cli import JsonOut, console, progress_bar, teller, write_figures
 
 
-@app.command()
 def upload(
     mesh: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL.")],
     server: Annotated[str, typer.Option(help="Where the service is.")] = "http://127.0.0.1:8000",
@@ -61,7 +60,6 @@ def _compute(client: Any, tree_id: str) -> dict[str, Any]:
     return client.tree(tree_id)
 
 
-@app.command()
 def doctor(
     repair: Annotated[
         bool, typer.Option(help="Remove what is torn or orphaned, let go of what is gone.")
@@ -83,7 +81,6 @@ def doctor(
     raise typer.Exit(1 if faults else 0)
 
 
-@app.command()
 def key() -> None:
     """Make a key: give the first line to whoever may write, put the second into GALEWOOD_API_KEYS."""
     from galewood_server.access import new_key

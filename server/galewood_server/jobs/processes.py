@@ -8,7 +8,7 @@ import sys
 import threading
 
 import psutil
-from galewood.util import SINGLE_THREADED
+from galewood.threads import SINGLE_THREADED
 
 
 def kill_tree(pid: int) -> None:

@@ -15,7 +15,7 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
-from galewood.util import SINGLE_THREADED
+from galewood.threads import SINGLE_THREADED
 
 from galewood_server.jobs.processes import die_with_parent
 
