@@ -1,13 +1,13 @@
 /** Trees, meshes and tables as they come in, also out of order. */
 import { afterEach, expect, test, vi } from "vitest";
-import type { Tree } from "../../web/src/api";
-import { Catalogue } from "../../web/src/catalogue";
+import type { Tree } from "../../web/src/page/server/api";
+import { Catalogue } from "../../web/src/page/server/catalogue";
 import type { TableMotion } from "../../web/src/worker/protocol";
 
 const model = vi.hoisted(() => ({ parts: [{ vertices: 3 }] }));
 const handlers = vi.hoisted(() => ({ change: (_: unknown) => {} }));
-vi.mock("../../web/src/scene/treeMesh", () => ({ readTreeModel: async () => model }));
-vi.mock("../../web/src/api", () => ({
+vi.mock("../../web/src/scene/trees/mesh/treeMesh", () => ({ readTreeModel: async () => model }));
+vi.mock("../../web/src/page/server/api", () => ({
   fetchMesh: async () => new ArrayBuffer(0),
   followEvents: (given: typeof handlers) => {
     handlers.change = given.change;

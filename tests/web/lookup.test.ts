@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
-import { ForestLookup, gaussian } from "../../web/src/lookup";
-import { decodeTable } from "../../web/src/table";
-import { CALM_BREEZE, windPressure } from "../../web/src/wind";
+import { ForestLookup, gaussian } from "../../web/src/core/motion/paperSearch";
+import { decodeTable } from "../../web/src/core/table/table";
+import { CALM_BREEZE, windPressure } from "../../web/src/core/wind/wind";
 import { golden, goldenJson } from "./golden";
 
 interface Walk {

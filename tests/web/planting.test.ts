@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
-import { glade, groundHeight_m } from "../../web/src/scene/landscape";
-import { chooseSpecies, placeTrees } from "../../web/src/scene/planting";
+import { glade, groundHeight_m } from "../../web/src/scene/ground/landscape";
+import { chooseSpecies, placeTrees } from "../../web/src/scene/placement";
 
 describe("planting", () => {
   test.each([1, 60, 400, 10_000])("gives exactly %i places, none in the glade, none twice", (count) => {

@@ -1,12 +1,12 @@
 import { describe, expect, test } from "vitest";
-import { levelRows, nodeLayout, poseStride } from "../../web/src/nodeLayout";
-import { meanCrownDisplacement_m } from "../../web/src/sway";
-import { CALM_BREEZE, dynamicPressure, WindField } from "../../web/src/wind";
-import type { Frame } from "../../web/src/wire";
-import { JumpBlend } from "../../web/src/worker/blend";
-import { GroupWind } from "../../web/src/worker/groupWind";
-import { PoseSum } from "../../web/src/worker/poseSum";
-import { PoseTimeline } from "../../web/src/worker/timeline";
+import { levelRows, nodeLayout, poseStride } from "../../web/src/scene/trees/nodes/nodeLayout";
+import { meanCrownDisplacement_m } from "../../web/src/core/motion/crownDisplacement";
+import { CALM_BREEZE, dynamicPressure, WindField } from "../../web/src/core/wind/wind";
+import type { Frame } from "../../web/src/core/wire/wire";
+import { JumpBlend } from "../../web/src/worker/motion/blend";
+import { GroupWind } from "../../web/src/worker/motion/groupWind";
+import { PoseSum } from "../../web/src/worker/stream/poseSum";
+import { PoseTimeline } from "../../web/src/worker/stream/timeline";
 
 describe("node target", () => {
   test.each([

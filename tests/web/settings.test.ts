@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { DEFAULTS, defaultsFor, queryFromSettings, settingsFromQuery } from "../../web/src/settings";
+import { DEFAULTS, defaultsFor, queryFromSettings, settingsFromQuery } from "../../web/src/page/settings/settings";
 
 describe("settings in the address", () => {
   test("what is given is taken, what is missing keeps its default", () => {

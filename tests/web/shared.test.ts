@@ -1,8 +1,8 @@
 import { describe, expect, test } from "vitest";
-import { DEFAULTS } from "../../web/src/settings";
-import { adoptPlanting, plantingOf, sharedFrom, withShared } from "../../web/src/shared";
-import { ServerClock } from "../../web/src/worker/serverClock";
-import { SharedClock } from "../../web/src/worker/sharedClock";
+import { DEFAULTS } from "../../web/src/page/settings/settings";
+import { adoptPlanting, plantingOf, sharedFrom, withShared } from "../../web/src/page/settings/sharedForest";
+import { ServerClock } from "../../web/src/worker/stream/serverClock";
+import { SharedClock } from "../../web/src/worker/stream/sharedClock";
 import { random } from "./golden";
 
 describe("a shared forest in the address", () => {

@@ -1,9 +1,9 @@
 import { describe, expect, test } from "vitest";
-import { cylinderSeen } from "../../web/src/scene/culling";
-import { LEVEL_COUNT, LEVEL_SHARES } from "../../web/src/scene/detail";
-import { DrawList, type View } from "../../web/src/scene/drawList";
-import { placeTrees } from "../../web/src/scene/planting";
-import { INSTANCE_FLOATS, makeStand } from "../../web/src/scene/stand";
+import { cylinderSeen } from "../../web/src/scene/trees/culling";
+import { LEVEL_COUNT, LEVEL_SHARES } from "../../web/src/scene/trees/detail";
+import { DrawList, type View } from "../../web/src/scene/trees/drawList";
+import { placeTrees } from "../../web/src/scene/placement";
+import { INSTANCE_FLOATS, makeStand } from "../../web/src/scene/trees/stand";
 import { seededRandom } from "./seeded";
 
 const BOUNDS = { height_m: 10, radius_m: 3, reach_m: 0 };

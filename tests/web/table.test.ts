@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { decodeTable, poses, TableError } from "../../web/src/table";
+import { decodeTable, poses, TableError } from "../../web/src/core/table/table";
 import { golden, random } from "./golden";
 
 const FILE = golden("pole.safetensors");

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import { INSTANCE_FLOATS, makeStand } from "../../web/src/scene/stand";
-import { ballEntry, type PickGroup, pickTree } from "../../web/src/scene/treePick";
+import { INSTANCE_FLOATS, makeStand } from "../../web/src/scene/trees/stand";
+import { ballEntry, type PickGroup, pickTree } from "../../web/src/scene/trees/treePick";
 import type { TableMotion } from "../../web/src/worker/protocol";
 import { seededRandom } from "./seeded";
 

@@ -1,9 +1,9 @@
 import { createHash } from "node:crypto";
 import { describe, expect, test } from "vitest";
-import { ForestLookup } from "../../web/src/lookup";
-import { decodeTable } from "../../web/src/table";
-import { TangentForest } from "../../web/src/tangent";
-import { parseWind, type WindDocument, WindField } from "../../web/src/wind";
+import { ForestLookup } from "../../web/src/core/motion/paperSearch";
+import { decodeTable } from "../../web/src/core/table/table";
+import { TangentForest } from "../../web/src/core/modal/modalForest";
+import { parseWind, type WindDocument, WindField } from "../../web/src/core/wind/wind";
 import { golden, goldenJson } from "./golden";
 
 interface Walks {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { DEFAULTS, queryFromSettings, settingsFromQuery, windFromQuery, withWind } from "../../web/src/settings";
+import { DEFAULTS, queryFromSettings, settingsFromQuery, windFromQuery, withWind } from "../../web/src/page/settings/settings";
 import {
   CALM_BREEZE,
   changeWind,
@@ -10,9 +10,9 @@ import {
   steady,
   type WindDocument,
   WindError,
-} from "../../web/src/wind";
+} from "../../web/src/core/wind/wind";
 import { random } from "./golden";
-import { gustSpeed_m_s, windDocument, withMean } from "../../web/src/windSettings";
+import { gustSpeed_m_s, windDocument, withMean } from "../../web/src/core/wind/edit";
 
 const WINDS: readonly WindDocument[] = [CALM_BREEZE, ...Object.values(PRESETS), paperWind(2, 11, 200)];
 

@@ -11,7 +11,7 @@ const OPTIONS = ["--runtime", "stub", "-O3", "--noAssert", "--enable", "simd", "
 /** Throws what the compiler says of a source that it refuses. */
 export async function compileKernel(): Promise<Uint8Array> {
   let made: Uint8Array | null = null;
-  const { error, stderr } = await asc.main(["tangent.ts", ...OPTIONS, "--outFile", "tangent.wasm"], {
+  const { error, stderr } = await asc.main(["modal.ts", ...OPTIONS, "--outFile", "modal.wasm"], {
     readFile: (name) => {
       try {
         return readFileSync(join(FOLDER, name), "utf8");
@@ -20,7 +20,7 @@ export async function compileKernel(): Promise<Uint8Array> {
       }
     },
     writeFile: (name, content) => {
-      if (name === "tangent.wasm") made = content as Uint8Array;
+      if (name === "modal.wasm") made = content as Uint8Array;
     },
     listFiles: () => [],
   });

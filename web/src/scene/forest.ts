@@ -1,16 +1,16 @@
 /** The forest on screen: one SpeciesForest per species, planted over shared places. */
 import { Group, type WebGLRenderer } from "three";
+import type { Ray } from "../core/math/groundRay";
 import type { TableMotion } from "../worker/protocol";
-import type { View } from "./drawList";
-import type { Ray } from "./groundPick";
-import { groundHeight_m } from "./landscape";
-import { leafTint } from "./palette";
-import { chooseSpecies, placeTrees } from "./planting";
-import type { Season } from "./season";
-import { SpeciesForest, type SpeciesOptions } from "./speciesForest";
-import { INSTANCE_FLOATS, makeStand, retint, type Stand } from "./stand";
-import { disposeModel, type TreeModel } from "./treeMesh";
-import { pickTree } from "./treePick";
+import { groundHeight_m } from "./ground/landscape";
+import { chooseSpecies, placeTrees } from "./placement";
+import { leafTint } from "./season/palette";
+import type { Season } from "./season/season";
+import type { View } from "./trees/drawList";
+import { disposeModel, type TreeModel } from "./trees/mesh/treeMesh";
+import { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
+import { INSTANCE_FLOATS, makeStand, retint, type Stand } from "./trees/stand";
+import { pickTree } from "./trees/treePick";
 
 /** A species that the forest may plant; without a model its places stay free. */
 export interface Grower {

@@ -1,18 +1,19 @@
 /** The worker: decodes tables, and keeps every tree's pose, looked up here or received from the server. */
-import { poseStride } from "../nodeLayout";
-import { decodeTable, type Table } from "../table";
-import { parseState, sampledPeak, type WindDocument, WindField } from "../wind";
-import type { Reply } from "../wire";
-import { JumpBlend } from "./blend";
-import { carryGroup, type ShownGroup } from "./carry";
-import { FailoverMotion } from "./failover";
-import { forestRequest } from "./forestRequest";
-import { LocalMotion } from "./localMotion";
-import type { MotionSource } from "./motion";
+
+import { decodeTable, type Table } from "../core/table/table";
+import { parseState, sampledPeak, type WindDocument, WindField } from "../core/wind/wind";
+import type { Reply } from "../core/wire/wire";
+import { poseStride } from "../scene/trees/nodes/nodeLayout";
+import { JumpBlend } from "./motion/blend";
+import { carryGroup, type ShownGroup } from "./motion/carry";
+import { FailoverMotion } from "./motion/failover";
+import { LocalMotion } from "./motion/localMotion";
+import type { MotionSource } from "./motion/motion";
+import { SharedMotion } from "./motion/sharedMotion";
+import { StreamMotion } from "./motion/streamMotion";
 import type { ForestPlan, FromWorker, GroupPlan, ToWorker, TreeAt } from "./protocol";
-import { SharedMotion } from "./sharedMotion";
-import { StreamMotion } from "./streamMotion";
-import { motionBuffers, tableMotion } from "./tableMotion";
+import { forestRequest } from "./stream/forestRequest";
+import { motionBuffers, tableMotion } from "./table/tableMotion";
 
 const scope = self as unknown as {
   onmessage: (event: MessageEvent<ToWorker>) => void;

@@ -1,8 +1,9 @@
 /** What main thread and worker say to each other. Types only: neither side imports the other. */
-import type { LookupPlace, Method } from "../settings";
-import type { WindDocument, WindState } from "../wind";
-import type { About } from "../wire";
-import type { ShareRequest } from "./forestRequest";
+
+import type { WindDocument, WindState } from "../core/wind/wind";
+import type { About } from "../core/wire/wire";
+import type { LookupPlace, Method } from "../page/settings/settings";
+import type { ShareRequest } from "./stream/forestRequest";
 
 /** Nodes for one level of detail. */
 export interface NodeLevel {

@@ -1,0 +1,262 @@
+// The drift-free method for many trees at once, twin of precompute/tangent.py: a few oscillators of the tree's
+// own, stepped exactly, bent by a small polynomial force. Allocates nothing while trees move.
+
+import { type Numbers, PacedTrees } from "../motion/treeInstances";
+import type { Table } from "../table/table";
+import { addRows } from "./addRows";
+import { TangentKernel } from "./modalKernel";
+import { coupledOf, forceTerms, poseTerms } from "./modalTensors";
+
+/** The polynomials are held where they are beyond this multiple of the sampled range. */
+const REACH = 1.25;
+/** In still air a motion below this share of the sampled range ends, exactly. */
+const REST = 1e-7;
+
+/** Trees of one table, each with its own state, in its own frame and at its own pace. */
+export class TangentForest extends PacedTrees {
+  /** [count] how far into the sampled range a tree's sway and pressure are: above 1 it is beyond it. */
+  readonly coverage: Float32Array;
+  private readonly d: number;
+  private readonly c: number;
+  private readonly stepOf: Float64Array;
+  private readonly load: Float64Array;
+  private readonly sway: Float64Array;
+  private readonly force: Float64Array;
+  private readonly shownOf: Float64Array;
+  private readonly pose: Float64Array;
+  private readonly limits: Float64Array;
+  /** [count, own] state of the oscillators, a row of d or, in the kernel, filled up to whole vectors. */
+  private readonly e: Numbers;
+  private readonly v: Numbers;
+  private readonly own: number;
+  private readonly kernel: TangentKernel | null;
+  private readonly ahead: Float64Array;
+  private readonly terms: Float64Array;
+  private readonly total: Float64Array;
+  private readonly further: Float64Array;
+  private readonly pair = new Float64Array(2);
+
+  /** `plain`: steps as written here, in double precision, where the kernel could run too. */
+  constructor({ tangent, metadata }: Table, count: number, plain = false) {
+    const { modes, dt_s } = metadata;
+    const kernel = plain ? null : TangentKernel.make(tangent, modes, count, dt_s);
+    super(count, modes, dt_s, kernel);
+    const d = tangent.step.length / 6;
+    this.d = d;
+    this.kernel = kernel;
+    this.own = kernel?.ownRow ?? d;
+    this.stepOf = Float64Array.from(tangent.step);
+    this.load = Float64Array.from(tangent.load);
+    this.sway = Float64Array.from(tangent.sway);
+    this.force = Float64Array.from(tangent.force);
+    this.shownOf = Float64Array.from(tangent.shown);
+    this.pose = Float64Array.from(tangent.pose);
+    this.limits = Float64Array.from(tangent.limits);
+    this.e = kernel?.e ?? new Float64Array(count * d);
+    this.v = kernel?.v ?? new Float64Array(count * d);
+    this.coverage = kernel?.coverage ?? new Float32Array(count);
+    this.ahead = new Float64Array(d);
+    this.c = coupledOf(tangent.limits.length);
+    this.terms = new Float64Array(Math.max(forceTerms(this.c), poseTerms(d, this.c)));
+    this.total = new Float64Array(d);
+    this.further = new Float64Array(this.r - d);
+  }
+
+  /** Whether the kernel steps these trees. */
+  get compiled(): boolean {
+    return this.kernel !== null;
+  }
+
+  /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
+  adopt(from: TangentForest, rows: Int32Array): void {
+    const { own } = this;
+    if (from.compiled !== this.compiled) return; // one of them found no room for a kernel: trees begin at rest
+    rows.forEach((row, i) => {
+      if (row < 0) return;
+      this.takeOver(i, from, row);
+      this.coverage[i] = from.coverage[row];
+      this.e.set(from.e.subarray(row * own, (row + 1) * own), i * own);
+      this.v.set(from.v.subarray(row * own, (row + 1) * own), i * own);
+    });
+  }
+
+  protected step(i: number, px: number, pz: number): void {
+    if (this.kernel) this.kernel.step(i, px, pz);
+    else this.stepPlainly(i, px, pz);
+  }
+
+  private stepPlainly(i: number, px: number, pz: number): void {
+    const { d, e, v, stepOf, load, total } = this;
+    const first = i * d;
+    this.writeForceTerms(first, px, pz);
+    for (let k = 0; k < d; k++) total[k] = load[2 * k] * px + load[2 * k + 1] * pz;
+    addRows(this.force, this.terms, forceTerms(this.c), d, total);
+    for (let k = 0; k < d; k++) {
+      const a = e[first + k];
+      const b = v[first + k];
+      const f = total[k];
+      const at = 6 * k;
+      e[first + k] = a + (stepOf[at] * a + stepOf[at + 1] * b + stepOf[at + 4] * f);
+      v[first + k] = b + (stepOf[at + 2] * a + stepOf[at + 3] * b + stepOf[at + 5] * f);
+    }
+    if (px === 0 && pz === 0 && this.settled(first)) {
+      e.fill(0, first, first + d);
+      v.fill(0, first, first + d);
+    }
+    this.writePose(i, px, pz);
+  }
+
+  /** The two sway coordinates of a row of `values`, into `pair`. */
+  private swayed(values: Numbers, first: number): void {
+    const { d, sway, pair } = this;
+    let x = 0;
+    let y = 0;
+    for (let k = 0; k < d; k++) {
+      x += sway[k] * values[first + k];
+      y += sway[d + k] * values[first + k];
+    }
+    pair[0] = x;
+    pair[1] = y;
+  }
+
+  /** Draws `pair` back to length `far` if it is longer. */
+  private hold(far: number): void {
+    const { pair } = this;
+    const size = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]);
+    if (!(size > far)) return;
+    pair[0] *= far / size;
+    pair[1] *= far / size;
+  }
+
+  /** Terms in the pose alone, from `at` on: sway of degree 2 and 3, each coupled coordinate times the sway. */
+  private writeShape(x: number, y: number, values: Numbers, first: number, at: number): void {
+    const { c, terms, limits } = this;
+    const xx = x * x;
+    const xy = x * y;
+    const yy = y * y;
+    terms[at] = xx;
+    terms[at + 1] = xy;
+    terms[at + 2] = yy;
+    terms[at + 3] = xx * x;
+    terms[at + 4] = xx * y;
+    terms[at + 5] = x * yy;
+    terms[at + 6] = yy * y;
+    for (let j = 0; j < c; j++) {
+      const far = REACH * limits[3 + j];
+      const z = Math.min(Math.max(values[first + 2 + j], -far), far);
+      terms[at + 7 + 2 * j] = z * x;
+      terms[at + 8 + 2 * j] = z * y;
+    }
+  }
+
+  /** All terms of the force at the middle of the coming step, as far as the state now tells. */
+  private writeForceTerms(first: number, px: number, pz: number): void {
+    const { d, e, v, ahead, limits, pair } = this;
+    const half = this.dt / 2;
+    for (let k = 0; k < d; k++) ahead[k] = e[first + k] + half * v[first + k];
+    this.swayed(ahead, 0);
+    this.hold(REACH * limits[0]);
+    const x = pair[0];
+    const y = pair[1];
+    this.writeShape(x, y, ahead, 0, 0);
+    const at = 7 + 2 * this.c;
+    this.swayed(v, first);
+    this.hold(REACH * limits[1]);
+    this.writeSquares(x, y, at);
+    this.writeProducts(x, y, 3, at + 9);
+    pair[0] = px;
+    pair[1] = pz;
+    this.hold(REACH * limits[2]);
+    this.writeProducts(x, y, 7, at + 19);
+    this.writeCoupled(x, y, first, at + 37);
+  }
+
+  /** Each coupled coordinate's speed times the sway, and the coordinate times the pressure, which is in `pair`. */
+  private writeCoupled(x: number, y: number, first: number, at: number): void {
+    const { c, v, ahead, terms, limits, pair } = this;
+    for (let j = 0, to = at; j < c; j++) {
+      const far = REACH * limits[3 + j];
+      const fast = REACH * limits[3 + c + j];
+      const z = Math.min(Math.max(ahead[2 + j], -far), far);
+      const w = Math.min(Math.max(v[first + 2 + j], -fast), fast);
+      terms[to++] = w * x;
+      terms[to++] = w * y;
+      terms[to++] = z * pair[0];
+      terms[to++] = z * pair[1];
+    }
+  }
+
+  /** Squares of the sway's speed, which is in `pair`, and these times the sway, from `at` on. */
+  private writeSquares(x: number, y: number, at: number): void {
+    const { terms, pair } = this;
+    const a = pair[0] * pair[0];
+    const b = pair[0] * pair[1];
+    const c = pair[1] * pair[1];
+    terms[at] = a;
+    terms[at + 1] = b;
+    terms[at + 2] = c;
+    terms[at + 3] = a * x;
+    terms[at + 4] = a * y;
+    terms[at + 5] = b * x;
+    terms[at + 6] = b * y;
+    terms[at + 7] = c * x;
+    terms[at + 8] = c * y;
+  }
+
+  /** `pair` times the sway and times the first `shapes` of its higher terms, from `at` on. */
+  private writeProducts(x: number, y: number, shapes: number, at: number): void {
+    const { terms, pair } = this;
+    for (let side = 0, to = at; side < 2; side++) {
+      const factor = pair[side];
+      terms[to++] = factor * x;
+      terms[to++] = factor * y;
+      for (let k = 0; k < shapes; k++) terms[to++] = factor * terms[k];
+    }
+  }
+
+  /** Whether the tree moves too little to matter in still air; then it rests. */
+  private settled(first: number): boolean {
+    const { d, e, sway, limits, pair } = this;
+    const small = REST * limits[0];
+    this.swayed(e, first);
+    if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > small) return false;
+    this.swayed(this.v, first);
+    if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > REST * limits[1]) return false;
+    let largest = 0;
+    for (let k = 0; k < d; k++) largest = Math.max(largest, Math.abs(e[first + k]));
+    return largest * Math.max(Math.abs(sway[0]), Math.abs(sway[d])) < small;
+  }
+
+  /** The pose of the state now, the one before kept; and how far into the sampled range it is. */
+  private writePose(i: number, px: number, pz: number): void {
+    const { d, c, r, e, terms, limits, pair, now, before, further, shownOf } = this;
+    const first = i * d;
+    for (let k = 0; k < d; k++) terms[k] = e[first + k];
+    terms[d] = px;
+    terms[d + 1] = pz;
+    this.swayed(e, first);
+    const sway = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]) / limits[0];
+    this.coverage[i] = Math.max(sway, Math.sqrt(px * px + pz * pz) / limits[2]);
+    this.hold(REACH * limits[0]);
+    this.writeShape(pair[0], pair[1], e, first, d + 2);
+    further.fill(0);
+    addRows(this.pose, terms, poseTerms(d, c), r - d, further);
+    const at = i * r;
+    for (let k = 0; k < r; k++) {
+      before[at + k] = now[at + k];
+      now[at + k] = k < d ? shownOf[k] * terms[k] : further[k - d];
+    }
+  }
+
+  protected show(i: number, part: number): void {
+    const { now, before, q, d, r } = this;
+    const width = now.length / this.count;
+    let from = i * width;
+    let at = i * r;
+    for (const end = at + d; at < end; at++, from++) q[at] = before[from] + (now[from] - before[from]) * part;
+    from = i * width + this.own;
+    for (const end = (i + 1) * r; at < end; at++, from++) {
+      q[at] = before[from] + (now[from] - before[from]) * part;
+    }
+  }
+}

@@ -1,0 +1,392 @@
+/** The page: binds stage, forest, worker, catalogue and panel, and runs the frame loop. */
+
+import { meanCrownDisplacement_m } from "../core/motion/crownDisplacement";
+import { windDocument, windVector_m_s } from "../core/wind/edit";
+import type { WindDocument } from "../core/wind/wind";
+import type { About } from "../core/wire/wire";
+import { Forest, planForest } from "../scene/forest";
+import { groundHeight_m } from "../scene/ground/landscape";
+import { woodReach_m } from "../scene/placement";
+import type { Season } from "../scene/season/season";
+import { Stage } from "../scene/stage";
+import type { SpeciesForest, SpeciesOptions } from "../scene/trees/speciesForest";
+import type { Candidate, CompareView } from "./compare/compareView";
+import { ForestClient } from "./forestClient";
+import { Meter } from "./frameStatistics";
+import { type TreeChange, useKeys } from "./server/api";
+import { Catalogue } from "./server/catalogue";
+import { momentFrom } from "./settings/link";
+import { queryFromSettings, type Settings, withWind } from "./settings/settings";
+import { adoptPlanting, plantingOf, sharedFrom, withShared } from "./settings/sharedForest";
+import { keep } from "./settings/storedSettings";
+import { TreePicker } from "./treePicker";
+import { element } from "./ui/dom";
+import { askForKey, keptKey } from "./ui/keyDialog";
+import { Panel, type SettingKey } from "./ui/panel";
+import { PickedCard } from "./ui/pickedCard";
+import { ProgressCards } from "./ui/progress";
+import { SceneryBar } from "./ui/scenery";
+import { showToast } from "./ui/toast";
+import { displayName, statusLine, summary } from "./ui/words";
+import { Visit } from "./visit";
+import { WindStudio } from "./windStudio";
+
+const REPORT_EVERY_MS = 250;
+/** For so long the land waits for the first trees before it moves without them. */
+const PATIENCE_MS = 4000;
+const REPLANTS: SettingKey[] = ["trees", "density", "shares", "forestSeed", "lookup", "method", "poseEasing"];
+const BLOWS: SettingKey[] = ["meanSpeed_m_s", "direction_deg", "gustiness", "windSeed"];
+
+export class App {
+  readonly stage: Stage;
+  frame = 0;
+  private stopped = false;
+  /** Neither moves nor draws: the processor is somebody else's. */
+  asleep = false;
+  private readonly client = new ForestClient(showToast, {
+    planted: (about) => this.takePlanting(about),
+    wind: (wind) => this.takeSharedWind(wind),
+  });
+  /** The forest that this page shares with others, of its address. */
+  private readonly share = sharedFrom(location.search);
+  private readonly catalogue: Catalogue;
+  private readonly forest: Forest;
+  private readonly cards = new ProgressCards();
+  private readonly panel: Panel;
+  readonly studio: WindStudio;
+  readonly visit: Visit;
+  private readonly scenery: SceneryBar;
+  readonly picker: TreePicker;
+  private readonly pickedCard: PickedCard;
+  private readonly from_s: number;
+  private readonly meter = new Meter();
+  private readonly flutter = { value: { x: 0, y: 0 } };
+  private compareView: CompareView | null = null;
+  private connected = true;
+  private dirty = true;
+  private last_ms = performance.now();
+  private reported_ms = 0;
+
+  /** `defaults`: what the visitor's own settings are kept as differences to. */
+  constructor(
+    readonly settings: Settings,
+    private readonly defaults: Settings,
+  ) {
+    useKeys({ known: keptKey, ask: askForKey });
+    this.from_s = momentFrom(location.search).time_s ?? 0;
+    this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
+    this.forest = new Forest(this.speciesOptions());
+    this.stage.scene.add(this.forest.group);
+    this.dress();
+    this.scenery = new SceneryBar(settings, () => this.change("season"));
+    this.visit = new Visit(
+      settings,
+      this.stage,
+      this.forest,
+      () => this.catalogue,
+      () => this.client.time_s,
+      () => void this.openCompare(),
+    );
+    this.visit.restore(location.search);
+    this.panel = new Panel(settings, this.meter.statistics, (key) => this.change(key));
+    this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
+      change: (change) => this.treeChanged(change),
+      grow: () => this.plant(),
+      connected: (connected) => {
+        this.connected = connected;
+      },
+      problem: showToast,
+    });
+    this.studio = new WindStudio(this.stage, windDocument(settings), {
+      wind: (wind) => this.takeWind(wind),
+      problem: showToast,
+    });
+    this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
+    this.pickedCard = new PickedCard({
+      follow: (following) => {
+        this.picker.following = following;
+      },
+      compare: () => void this.openCompare(),
+      physics: () => this.visit.openPhysics(),
+      close: () => this.picker.select(null),
+    });
+    this.stage.renderer.setAnimationLoop((now) => this.tick(now));
+  }
+
+  private speciesOptions(): SpeciesOptions {
+    const { quality } = this.settings;
+    const { capabilities } = this.stage.renderer;
+    return {
+      maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
+      anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
+      smoothEdges: quality !== "low",
+      gloss: quality === "high",
+      flutter: this.flutter,
+    };
+  }
+
+  private treeChanged(change: TreeChange): void {
+    this.cards.update(change);
+    this.report();
+  }
+
+  /** Trees that stay go on moving; the others come when their first poses are in. `replant`: for all who share. */
+  private plant(replant = false): void {
+    const { settings, client, forest } = this;
+    const planted = planForest(this.catalogue.growers, settings.trees, settings.forestSeed, settings);
+    client.plan(
+      planted.flatMap(({ grower, motion, stand }) => (motion ? [{ key: grower.id, motion, ...stand }] : [])),
+      {
+        lookup: settings.lookup,
+        method: settings.method,
+        poseEasing: settings.poseEasing,
+        from_s: this.from_s,
+        share: this.share === null ? null : { id: this.share, replant, about: plantingOf(settings) },
+      },
+      windDocument(settings),
+      () => {
+        forest.show(planted);
+        this.stage.surround(woodReach_m(planted.map(({ stand }) => stand.placement)));
+        this.dirty = true;
+      },
+    );
+  }
+
+  /** The instruments chose another wind. */
+  private takeWind(wind: WindDocument): void {
+    withWind(this.settings, wind);
+    this.panel.refresh();
+    this.client.setWind(wind);
+    this.remember();
+  }
+
+  /** Others who share this forest planted it anew. */
+  private takePlanting(about: About): void {
+    if (!adoptPlanting(this.settings, about)) return;
+    this.panel.refresh();
+    this.plant();
+    this.remember();
+  }
+
+  /** Others who share this forest changed its wind; the worker has it already. */
+  private takeSharedWind(wind: WindDocument): void {
+    if (JSON.stringify(wind) === JSON.stringify(windDocument(this.settings))) return;
+    withWind(this.settings, wind);
+    this.panel.refresh();
+    this.studio.show(wind);
+    this.remember();
+  }
+
+  get paused(): boolean {
+    return this.stopped;
+  }
+
+  set paused(paused: boolean) {
+    this.stopped = paused;
+    this.client.pause(paused);
+  }
+
+  /** Another season and time of day, from outside. */
+  setScenery(season: Season, daytime: number): void {
+    this.settings.season = season;
+    this.settings.daytime = Math.min(1, Math.max(0, daytime));
+    this.scenery.show();
+    this.change("season");
+  }
+
+  /** Season and time of day: light, land and leaves. */
+  private dress(): void {
+    const { daytime, season } = this.settings;
+    this.stage.show(daytime, season);
+    this.forest.setSeason(season);
+    this.dirty = true;
+  }
+
+  private change(key: SettingKey): void {
+    if (key === "season") this.dress();
+    if (BLOWS.includes(key)) {
+      this.client.setWind(windDocument(this.settings));
+      this.studio.show(windDocument(this.settings));
+    }
+    if (REPLANTS.includes(key)) this.plant(key !== "lookup");
+    if (key === "quality") {
+      this.stage.setQuality(this.settings.quality);
+      this.forest.options = this.speciesOptions();
+      this.plant();
+    }
+    this.remember();
+  }
+
+  /** Keeps the address a link to what is shown. */
+  private remember(): void {
+    if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
+    const query = withShared(queryFromSettings(this.settings), this.share);
+    history.replaceState(null, "", query ? `?${query}` : location.pathname);
+  }
+
+  private tick(now_ms: number): void {
+    if (this.asleep) return;
+    const begin_ms = performance.now();
+    const frame_ms = now_ms - this.last_ms;
+    const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
+    this.last_ms = now_ms;
+    this.move(dt_s);
+    this.draw();
+    this.frame++;
+    this.meter.count(frame_ms, performance.now() - begin_ms);
+    if (now_ms - this.reported_ms > REPORT_EVERY_MS) {
+      this.reported_ms = now_ms;
+      this.report();
+    }
+  }
+
+  private move(dt_s: number): void {
+    if (!this.paused) this.client.advance(dt_s);
+    this.takePoses();
+    this.picker.enabled = !this.studio.isPlacing;
+    this.picker.advance(dt_s);
+    this.studio.tipOf = this.picker.moving;
+    this.studio.advance(dt_s, this.client, this.forest);
+    const wind_m_s = windVector_m_s(this.settings);
+    this.stage.sky.advance(dt_s, wind_m_s);
+    this.visit.advance(dt_s);
+    this.stage.cover.update(this.stage.camera.position, wind_m_s, this.client.time_s);
+    this.flutter.value.x += dt_s;
+    this.flutter.value.y = this.settings.flutter ? 1 : 0;
+  }
+
+  private takePoses(): void {
+    if (!this.client.takeFresh()) return;
+    for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
+  }
+
+  /** A frame so many seconds after the last, in the poses of its own moment, however long it takes: for films, asleep. */
+  async step(dt_s: number, drawn = true): Promise<void> {
+    this.move(dt_s);
+    while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));
+    this.takePoses();
+    if (drawn) this.draw();
+    this.frame++;
+  }
+
+  /** While the first trees are on their way nothing but clouds would move: the processor is theirs. */
+  private get waitsForTrees(): boolean {
+    return this.frame > 0 && this.forest.group.children.length === 0 && performance.now() < PATIENCE_MS;
+  }
+
+  private draw(): void {
+    const { stage, forest } = this;
+    const moved = stage.updateCamera();
+    if (!moved && !this.dirty && this.waitsForTrees) return;
+    if (moved || this.dirty) forest.select(stage.view());
+    this.dirty = false;
+    stage.renderer.info.reset();
+    forest.renderNodes(stage.renderer);
+    stage.render();
+    this.visit.drawn();
+  }
+
+  private report(): void {
+    const { client, forest, meter } = this;
+    const info = this.stage.renderer.info.render;
+    meter.publish({ lookup_ms: client.lookup_ms, trees: forest.trees.moving, triangles: forest.triangles });
+    meter.statistics.drawCalls = info.calls;
+    const { connection } = client;
+    const live = connection.state === "live";
+    const ms = (time_ms: number | null) => (live && time_ms !== null ? `${time_ms.toFixed(0)} ms` : "–");
+    meter.statistics.stream = live ? `${connection.kB_s.toFixed(0)} kB/s` : "off";
+    meter.statistics.latency = ms(connection.latency_ms);
+    meter.statistics.frameAge = ms(connection.frameAge_ms);
+    this.panel.showSpecies(this.catalogue.trees.map((tree) => ({ id: tree.id, name: displayName(tree) })));
+    const status = statusLine({ events: this.connected, lookup: this.settings.lookup, connection });
+    element("status").dataset.state = status.state;
+    element("status").dataset.lookup = this.settings.lookup;
+    if (element("status").textContent !== status.text) element("status").textContent = status.text;
+    this.showPicked();
+    const words = summary(forest.trees, this.catalogue.waiting);
+    if (element("summary").textContent !== words) element("summary").textContent = words;
+  }
+
+  private showPicked(): void {
+    const { figures } = this.picker;
+    const tree = this.catalogue.trees.find(({ id }) => id === figures?.treeId) ?? null;
+    this.pickedCard.show(figures, tree);
+  }
+
+  /** The forest stands still meanwhile: its processor is the comparison's. */
+  private async openCompare(): Promise<void> {
+    const view = await import("./compare/compareView");
+    this.compareView ??= new view.CompareView({
+      candidates: () => this.forest.moving.flatMap(({ grower, forest }) => this.candidate(grower.id, forest)),
+      wind: () => this.client.wind && { state: this.client.wind.state, time_s: this.client.time_s },
+      closed: () => {
+        this.asleep = false;
+      },
+    });
+    this.asleep = true;
+    this.compareView.open(this.picker.figures?.treeId ?? null);
+  }
+
+  /** A tree for the comparison, where the picked one stands or the first of its kind. */
+  private candidate(id: string, { model, motion, stand }: SpeciesForest): Candidate[] {
+    const tree = this.catalogue.trees.find((known) => known.id === id);
+    if (!tree || !motion) return [];
+    const picked = this.picker.figures?.treeId === id ? (this.picker.moving?.tree ?? 0) : 0;
+    const [x_m, z_m, yaw_rad] = stand.placement.subarray(4 * picked, 4 * picked + 3);
+    return [{ tree, model, motion, place: { x_m, z_m, yaw_rad } }];
+  }
+
+  get readySpecies(): string[] {
+    return this.catalogue.ready;
+  }
+
+  get statistics() {
+    const { frame_ms, script_ms, triangles, drawCalls } = this.meter.statistics;
+    return { frame_ms, script_ms, triangles, drawCalls, work: this.client.work, extent: this.client.extent };
+  }
+
+  freeze(frozen: boolean): void {
+    this.forest.freeze(frozen);
+  }
+
+  get connection() {
+    return { ...this.client.connection, events: this.connected };
+  }
+
+  get trees() {
+    return this.forest.trees;
+  }
+
+  get time_s(): number {
+    return this.client.time_s;
+  }
+
+  get crownDisplacement_m(): [number, number, number] {
+    return meanCrownDisplacement_m(
+      this.forest.moving.flatMap(({ forest: { motion, stand } }, k) => {
+        const poses = this.client.poses[k];
+        return motion && poses ? [{ ...motion, count: stand.count, placement: stand.placement, poses }] : [];
+      }),
+    );
+  }
+
+  /** Moves the camera: eye above the ground and the point it looks at, metres. */
+  look(eye: { x: number; above: number; z: number }, at: { x: number; above: number; z: number }): void {
+    this.stage.camera.position.set(eye.x, groundHeight_m(eye.x, eye.z) + eye.above, eye.z);
+    this.stage.controls.target.set(at.x, groundHeight_m(at.x, at.z) + at.above, at.z);
+  }
+
+  dispose(): void {
+    this.stage.renderer.setAnimationLoop(null);
+    this.picker.dispose();
+    this.pickedCard.dispose();
+    this.studio.dispose();
+    this.visit.dispose();
+    this.compareView?.dispose();
+    this.catalogue.dispose();
+    this.client.dispose();
+    this.panel.dispose();
+    this.forest.clear();
+    this.stage.dispose();
+  }
+}

@@ -1,0 +1,77 @@
+import "./ui/instruments/instruments.css";
+import { App } from "./app";
+import { detectGraphics } from "./graphics";
+import { exposeProbe } from "./probe";
+import { defaultsFor, type Settings, settingsFromQuery, windFromQuery, withWind } from "./settings/settings";
+import { remembered } from "./settings/storedSettings";
+import { element } from "./ui/dom";
+import { showToast } from "./ui/toast";
+import { acceptUploads } from "./ui/upload";
+
+/** A panel starts open where there is room for it. */
+function panelToggle(id: string, open: boolean): void {
+  const panel = element(id);
+  const toggle = element<HTMLButtonElement>(`${id}-toggle`);
+  const show = (visible: boolean) => {
+    panel.hidden = !visible;
+    toggle.setAttribute("aria-expanded", String(visible));
+  };
+  toggle.addEventListener("click", () => show(panel.hidden === true));
+  show(open);
+}
+
+/** The wind of the link, if it has one that can be used. */
+function takeWind(settings: Settings): void {
+  try {
+    const wind = windFromQuery(location.search);
+    if (wind) withWind(settings, wind);
+  } catch (error) {
+    showToast(
+      "The wind of this link cannot be used.",
+      error instanceof Error ? error.message : String(error),
+    );
+  }
+}
+
+function start(software: boolean): void {
+  const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches, software };
+  const defaults = defaultsFor(screen);
+  // An embedded picture and a shared view are what their address says; otherwise the last visit goes on.
+  const own = !/[?&](panel=0|view=)/.test(location.search);
+  const usual = own ? remembered(defaults, () => localStorage) : defaults;
+  const settings = settingsFromQuery(location.search, usual);
+  document.body.classList.toggle("bare", !settings.panel);
+  takeWind(settings);
+  panelToggle("panel", false);
+  panelToggle("instruments", settings.panel && innerWidth > 760);
+  panelToggle("tools", innerWidth > 760);
+  const app = new App(settings, defaults);
+  exposeProbe(app);
+  addEventListener("pagehide", (event) => {
+    if (!event.persisted) app.dispose();
+  });
+}
+
+/** Calls back once what is there has been painted, or soon in a page that nobody sees. */
+function afterPaint(then: () => void): void {
+  let called = false;
+  const once = () => {
+    if (!called) then();
+    called = true;
+  };
+  requestAnimationFrame(() => setTimeout(once));
+  setTimeout(once, 300);
+}
+
+// A visitor's file is taken from the first moment on: dropped before that, the browser would open it in the page's place.
+const stopUploads = acceptUploads();
+addEventListener("pagehide", ({ persisted }) => {
+  if (!persisted) stopUploads();
+});
+
+// Words first: the forest takes a moment, on a machine without graphics card a long one.
+afterPaint(() => {
+  const graphics = detectGraphics();
+  if (graphics.webgl2) start(graphics.software);
+  else element("no-webgl").hidden = false;
+});

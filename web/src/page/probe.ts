@@ -1,0 +1,123 @@
+/** `window.galewood`: what tests and embedding pages may read and do. */
+
+import type { WindDocument } from "../core/wind/wind";
+import type { App } from "./app";
+import type { TreePicker } from "./treePicker";
+
+export interface Probe {
+  readonly frame: number;
+  readonly time_s: number;
+  readonly readySpecies: string[];
+  readonly trees: { moving: number; still: number };
+  readonly crownDisplacement_m: [number, number, number];
+  readonly lookup: "worker" | "server";
+  readonly connection: App["connection"];
+  readonly paused: boolean;
+  readonly wind: WindDocument;
+  /** Share of the trees in winds that their tables have sampled, 0 to 1. */
+  readonly coverage: number;
+  /** The anemometer, null while there is none. */
+  readonly anemometer: App["studio"]["anemometer"];
+  /** Another wind, from a document; throws an error that names the field if it cannot be used. */
+  setWind(document: unknown): void;
+  pause(): void;
+  resume(): void;
+  look: App["look"];
+  /** Where the camera is, metres. */
+  readonly eye: readonly [number, number, number];
+  /** An address that brings back this forest, wind, light and view. */
+  readonly link: string;
+  /** Another season ("spring", "summer", "autumn", "winter") and share of the daylight that has passed. */
+  dress: App["setScenery"];
+  /** Stops drawing altogether, or goes on. */
+  sleep(asleep: boolean): void;
+  /** One frame, so many seconds after the last, however long it takes: frame by frame, asleep. */
+  step(dt_s: number, drawn?: boolean): Promise<void>;
+  /** Picks the tree under a place of the window (px), as a click does; null where there is none. */
+  pick(left_px: number, top_px: number): TreePicker["figures"];
+  /** The picked tree and its figures now. */
+  readonly picked: TreePicker["figures"];
+  /** Whether the camera keeps the picked tree in the middle. */
+  follow(following: boolean): void;
+  /** What the page costs: frame, script, worker, triangles. */
+  readonly statistics: App["statistics"];
+  /** Draws the trees as plain instances that stand still, or moving again: what does the motion cost? */
+  freeze(frozen: boolean): void;
+}
+
+declare global {
+  interface Window {
+    galewood?: Probe;
+  }
+}
+
+export function exposeProbe(app: App): void {
+  window.galewood = {
+    get frame() {
+      return app.frame;
+    },
+    get time_s() {
+      return app.time_s;
+    },
+    get readySpecies() {
+      return app.readySpecies;
+    },
+    get trees() {
+      return app.trees;
+    },
+    get crownDisplacement_m() {
+      return app.crownDisplacement_m;
+    },
+    get lookup() {
+      return app.settings.lookup;
+    },
+    get connection() {
+      return app.connection;
+    },
+    get paused() {
+      return app.paused;
+    },
+    get wind() {
+      return app.studio.wind;
+    },
+    get coverage() {
+      return app.studio.coverage;
+    },
+    get anemometer() {
+      return app.studio.anemometer;
+    },
+    setWind: (document) => app.studio.setWind(document),
+    pause() {
+      app.paused = true;
+    },
+    resume() {
+      app.paused = false;
+    },
+    look: (eye, at) => app.look(eye, at),
+    get eye() {
+      return app.visit.moment.eye;
+    },
+    get link() {
+      return app.visit.link;
+    },
+    dress: (season, daytime) => app.setScenery(season, daytime),
+    sleep(asleep) {
+      app.asleep = asleep;
+    },
+    step: (dt_s, drawn) => app.step(dt_s, drawn),
+    pick(left_px, top_px) {
+      app.picker.select(app.picker.find(left_px, top_px));
+      return app.picker.figures;
+    },
+    get picked() {
+      return app.picker.figures;
+    },
+    follow(following) {
+      app.picker.following = following;
+    },
+    get statistics() {
+      return app.statistics;
+    },
+    freeze: (frozen) => app.freeze(frozen),
+  };
+}

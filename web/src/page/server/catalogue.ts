@@ -1,0 +1,141 @@
+/** Which trees the server has, and their meshes and tables as they come in. */
+
+import type { Grower } from "../../scene/forest";
+import { readTreeModel } from "../../scene/trees/mesh/treeMesh";
+import type { TableMotion } from "../../worker/protocol";
+import { fetchMesh, followEvents, Problem, type Tree, type TreeChange } from "./api";
+
+export interface CatalogueEvents {
+  /** A tree or its job changed. */
+  change(change: TreeChange): void;
+  /** The growers changed: plant anew. */
+  grow(): void;
+  connected(connected: boolean): void;
+  problem(title: string, hint: string): void;
+}
+
+interface Entry {
+  tree: Tree;
+  readonly grower: Grower;
+  /** The newest mesh and table, on their way or here. */
+  mesh: string | null;
+  table: string | null;
+  motion: TableMotion | null;
+}
+
+export class Catalogue {
+  private readonly entries = new Map<string, Entry>();
+  private readonly stop: () => void;
+
+  constructor(
+    private readonly loadTable: (sha256: string) => Promise<TableMotion>,
+    private readonly events: CatalogueEvents,
+  ) {
+    this.stop = followEvents({
+      change: (change) => this.receive(change),
+      open: () => events.connected(true),
+      lost: () => events.connected(false),
+    });
+  }
+
+  get growers(): Grower[] {
+    return [...this.entries.values()].map((entry) => entry.grower);
+  }
+
+  /** Names of the trees that sway. */
+  get ready(): string[] {
+    return [...this.entries.values()]
+      .filter(({ grower }) => grower.motion)
+      .map(({ tree }) => tree.species ?? tree.name);
+  }
+
+  /** Every tree of the forest, as the server last told. */
+  get trees(): Tree[] {
+    return [...this.entries.values()].map(({ tree }) => tree);
+  }
+
+  /** Bytes of a tree's table, null while it is not here. */
+  tableBytes(id: string): number | null {
+    return this.entries.get(id)?.grower.motion?.bytes ?? null;
+  }
+
+  /** Trees whose motion is still to come. */
+  get waiting(): number {
+    return [...this.entries.values()].filter(({ tree }) => tree.state === "building").length;
+  }
+
+  private receive(change: TreeChange): void {
+    const { tree } = change;
+    if (change.deleted || tree.state === "failed") this.remove(tree.id);
+    else if (tree.state !== "uploaded") this.keep(tree); // one that nobody has asked to compute is no part of the forest
+    this.events.change(change);
+  }
+
+  private remove(id: string): void {
+    if (this.entries.delete(id)) this.events.grow();
+  }
+
+  private keep(tree: Tree): void {
+    let entry = this.entries.get(tree.id);
+    if (!entry) {
+      const grower: Grower = { id: tree.id, species: tree.species, model: null, motion: null };
+      entry = { tree, grower, mesh: null, table: null, motion: null };
+      this.entries.set(tree.id, entry);
+    }
+    entry.tree = tree;
+    void this.follow(entry).catch((error: unknown) => this.report(error));
+  }
+
+  /** Fetches what is new, side by side; what is superseded on its way is dropped. */
+  private async follow(entry: Entry): Promise<void> {
+    await Promise.all([this.takeMesh(entry), this.takeTable(entry)]);
+  }
+
+  private async takeMesh(entry: Entry): Promise<void> {
+    const { mesh_sha256: mesh } = entry.tree;
+    if (!mesh || mesh === entry.mesh) return;
+    entry.mesh = mesh;
+    const model = await readTreeModel(await fetchMesh(mesh));
+    if (entry.mesh !== mesh) return;
+    entry.grower.model = model;
+    this.join(entry);
+  }
+
+  /** A table may replace an early one of the same mesh: the trees sway on meanwhile. */
+  private async takeTable(entry: Entry): Promise<void> {
+    const { table_sha256: table } = entry.tree;
+    if (!table || table === entry.table) return;
+    entry.table = table;
+    try {
+      const motion = await this.loadTable(table);
+      if (entry.table !== table) return;
+      entry.motion = motion;
+      this.join(entry);
+    } catch (error) {
+      if (entry.table === table) throw error;
+    }
+  }
+
+  /** The trees sway once mesh and table are in and belong together, and stand until then. */
+  private join(entry: Entry): void {
+    const { grower, motion, table } = entry;
+    if (!grower.model || !this.entries.has(entry.tree.id)) return;
+    const vertices = grower.model.parts.reduce((sum, part) => sum + part.vertices, 0);
+    grower.motion = motion?.vertexNode.length === vertices ? motion : null;
+    // One whose table is about to come is planted with it.
+    if (grower.motion || !table || motion) this.events.grow();
+  }
+
+  private report(error: unknown): void {
+    if (error instanceof Problem) this.events.problem(error.title, error.hint);
+    else
+      this.events.problem(
+        "A tree could not be shown.",
+        error instanceof Error ? error.message : String(error),
+      );
+  }
+
+  dispose(): void {
+    this.stop();
+  }
+}

@@ -1,0 +1,161 @@
+/** The settings panel. */
+import { type FolderApi, Pane } from "tweakpane";
+import { LIMITS, type Settings } from "../settings/settings";
+import { labelInputs } from "./accessible";
+import { element } from "./dom";
+
+/** Figures the panel shows; the app refreshes them a few times a second. */
+export interface Statistics {
+  framesPerSecond: number;
+  frame_ms: number;
+  script_ms: number;
+  lookup_ms: number;
+  trees: number;
+  triangles: number;
+  drawCalls: number;
+  stream: string;
+  latency: string;
+  frameAge: string;
+}
+
+export type SettingKey = keyof Settings;
+
+const whole = (value: number) => Math.round(value).toLocaleString("en");
+const fine = (value: number) => value.toFixed(1);
+
+export class Panel {
+  private readonly pane: Pane;
+  private readonly species: FolderApi;
+  private shownSpecies = "";
+
+  constructor(
+    private readonly settings: Settings,
+    private readonly statistics: Statistics,
+    private readonly changed: (key: SettingKey) => void,
+  ) {
+    this.pane = new Pane({ container: element("panel") });
+    this.wind(this.pane.addFolder({ title: "Wind" }));
+    this.forest(this.pane.addFolder({ title: "Forest" }));
+    this.species = this.pane.addFolder({ title: "Species", expanded: false });
+    this.lookup(this.pane.addFolder({ title: "Lookup" }));
+    this.figures(this.pane.addFolder({ title: "Statistics", expanded: false }));
+    labelInputs(element("panel"));
+  }
+
+  private number(folder: FolderApi, key: keyof typeof LIMITS, label: string, format = whole): void {
+    folder
+      .addBinding(this.settings as Settings & { poseEasing: number }, key, { label, format, ...LIMITS[key] })
+      .on("change", ({ last }) => {
+        // A new forest is planted when the slider is let go; the wind follows at once.
+        if (last || folder.title === "Wind") this.changed(key);
+      });
+  }
+
+  private wind(folder: FolderApi): void {
+    this.number(folder, "meanSpeed_m_s", "Mean speed, m/s", fine);
+    this.number(folder, "direction_deg", "Blows towards, °");
+    this.number(folder, "gustiness", "Gustiness", (value) => value.toFixed(2));
+    this.number(folder, "windSeed", "Seed");
+    this.choice(folder, "flutter", "Leaf flutter");
+  }
+
+  private forest(folder: FolderApi): void {
+    this.number(folder, "trees", "Trees");
+    this.number(folder, "density", "Density", (value) => value.toFixed(2));
+    this.number(folder, "forestSeed", "Seed");
+    this.choice(folder, "quality", "Quality", { Low: "low", Medium: "medium", High: "high" });
+  }
+
+  private lookup(folder: FolderApi): void {
+    this.choice(folder, "lookup", "Looked up", { "In this browser": "worker", "On the server": "server" });
+    this.choice(folder, "method", "Method", { "Free of drift": "tangent", "The paper's search": "paper" });
+    const advanced = folder.addFolder({ title: "Advanced", expanded: false });
+    const easing = { own: this.settings.poseEasing !== null };
+    const slider = () => {
+      advanced
+        .addBinding(this.settings as Settings & { poseEasing: number }, "poseEasing", {
+          label: "Pose easing",
+          format: (value: number) => value.toFixed(3),
+          ...LIMITS.poseEasing,
+        })
+        .on("change", () => this.changed("poseEasing"));
+      labelInputs(element("panel"));
+    };
+    advanced.addBinding(easing, "own", { label: "Set pose easing" }).on("change", ({ value }) => {
+      this.settings.poseEasing = value ? 0.05 : null;
+      if (value) slider();
+      else advanced.remove(advanced.children[1]);
+      this.changed("poseEasing");
+    });
+    if (easing.own) slider();
+  }
+
+  private choice(
+    folder: FolderApi,
+    key: "flutter" | "quality" | "lookup" | "method",
+    label: string,
+    options?: object,
+  ): void {
+    folder
+      .addBinding(
+        this.settings,
+        key,
+        options ? { label, options: options as Record<string, string> } : { label },
+      )
+      .on("change", () => this.changed(key));
+  }
+
+  private figures(folder: FolderApi): void {
+    const show = (key: keyof Statistics, label: string, format?: (value: number) => string) =>
+      folder.addBinding(this.statistics, key, {
+        readonly: true,
+        label,
+        interval: 500,
+        ...(format && { format }),
+      });
+    folder.addBinding(this.statistics, "framesPerSecond", {
+      readonly: true,
+      label: "Frames/s",
+      view: "graph",
+      min: 0,
+      max: 75,
+      interval: 250,
+    });
+    show("frame_ms", "Frame, ms", fine);
+    show("script_ms", "Script, ms", fine);
+    show("lookup_ms", "Lookup, ms", fine);
+    show("trees", "Trees moving", whole);
+    show("triangles", "Triangles", whole);
+    show("drawCalls", "Draw calls", whole);
+    show("stream", "Stream");
+    show("latency", "Latency");
+    show("frameAge", "Age of frame");
+  }
+
+  /** A slider for every species: how common it is beside the others. */
+  showSpecies(species: readonly { id: string; name: string }[]): void {
+    const key = JSON.stringify(species);
+    if (key === this.shownSpecies) return;
+    this.shownSpecies = key;
+    for (const child of [...this.species.children]) this.species.remove(child);
+    for (const { id, name } of species) {
+      const share = { value: this.settings.shares[id] ?? 1 };
+      this.species
+        .addBinding(share, "value", { label: name, min: 0, max: 1, step: 0.05, format: (v) => v.toFixed(2) })
+        .on("change", ({ last, value }) => {
+          this.settings.shares[id] = value;
+          if (last) this.changed("shares");
+        });
+    }
+    labelInputs(element("panel"));
+  }
+
+  /** Shows settings that were changed elsewhere. */
+  refresh(): void {
+    this.pane.refresh();
+  }
+
+  dispose(): void {
+    this.pane.dispose();
+  }
+}

@@ -1,0 +1,43 @@
+/** The trees of one species as packed arrays. Pure. */
+import type { Place } from "../placement";
+
+/** Floats per tree in `Stand.data`: x y z texel | s·cos s·sin s share | tint rgb, strength. */
+export const INSTANCE_FLOATS = 12;
+
+export interface Stand {
+  readonly count: number;
+  readonly data: Float32Array;
+  /** x, z, yaw, scale of each tree: what the lookup needs. */
+  readonly placement: Float32Array<ArrayBuffer>;
+  /** Identity of each tree: that of its place. */
+  readonly ids: Uint32Array<ArrayBuffer>;
+}
+
+export type Tint = (treeId: number) => readonly [number, number, number, number];
+
+/** Gives every tree another tint. */
+export function retint(stand: Stand, tint: Tint): void {
+  stand.ids.forEach((id, i) => {
+    stand.data.set(tint(id), i * INSTANCE_FLOATS + 8);
+  });
+}
+
+export function makeStand(
+  places: readonly Place[],
+  ground: (x: number, z: number) => number,
+  tint: Tint,
+): Stand {
+  const data = new Float32Array(places.length * INSTANCE_FLOATS);
+  const placement = new Float32Array(places.length * 4);
+  places.forEach((place, i) => {
+    const { x_m, z_m, yaw_rad, scale } = place;
+    const cos = scale * Math.cos(yaw_rad);
+    const sin = scale * Math.sin(yaw_rad);
+    const y_m = ground(x_m, z_m) - 0.06 * scale;
+    data.set([x_m, y_m, z_m, 0, cos, sin, scale, 1, ...tint(place.id)], i * INSTANCE_FLOATS);
+    placement.set([x_m, z_m, yaw_rad, scale], i * 4);
+  });
+  return { count: places.length, data, placement, ids: Uint32Array.from(places, ({ id }) => id) };
+}
+
+export type { View } from "./drawList";

@@ -1,0 +1,107 @@
+/** The wind at the trees of one group, and their poses as rows for the screen. Allocates nothing per frame. */
+
+import { pressureOfVelocity } from "../../core/wind/pressure";
+import { dynamicPressure, heightFactor, type WindField } from "../../core/wind/wind";
+import { poseStride } from "../../scene/trees/nodes/nodeLayout";
+
+export class GroupWind {
+  readonly count: number;
+  readonly x: Float32Array;
+  readonly z: Float32Array;
+  readonly pressureX: Float32Array;
+  readonly pressureZ: Float32Array;
+
+  /** Share of the trees in winds that their table has sampled. */
+  coverage = 1;
+  /** The strongest pressure over the strongest that the table has sampled. */
+  extent = 0;
+  private readonly speed_m_s: Float32Array;
+  private readonly velocityX: Float64Array;
+  private readonly velocityZ: Float64Array;
+  private readonly factor: Float64Array;
+  private exponent = 0;
+  private reference_m = 1;
+
+  /** `placement`: x, z, yaw, scale of each tree, of which one of scale 1 is so high. */
+  constructor(
+    readonly placement: Float32Array,
+    private readonly height_m: number,
+    private readonly sampledPeak_pa: number,
+  ) {
+    this.count = placement.length / 4;
+    this.x = this.column(0);
+    this.z = this.column(1);
+    this.pressureX = new Float32Array(this.count);
+    this.pressureZ = new Float32Array(this.count);
+    this.speed_m_s = new Float32Array(this.count);
+    this.velocityX = new Float64Array(this.count);
+    this.velocityZ = new Float64Array(this.count);
+    this.factor = new Float64Array(this.count).fill(1);
+  }
+
+  column(channel: 0 | 1 | 2 | 3): Float32Array {
+    return Float32Array.from({ length: this.count }, (_, tree) => this.placement[tree * 4 + channel]);
+  }
+
+  blow(field: WindField, time_s: number): void {
+    const { height_exponent, reference_height_m } = field.at(time_s).wind;
+    this.setProfile(height_exponent, reference_height_m);
+    field.velocity(this.x, this.z, time_s, this.velocityX, this.velocityZ);
+    pressureOfVelocity(this.velocityX, this.velocityZ, this.pressureX, this.pressureZ, this.factor);
+    this.limit();
+  }
+
+  /** Holds pressures at what the table has sampled, and counts how many were beyond. */
+  private limit(): void {
+    const { pressureX, pressureZ, velocityX, velocityZ, speed_m_s, factor, sampledPeak_pa } = this;
+    const most = sampledPeak_pa * sampledPeak_pa;
+    let beyond = 0;
+    let strongest = 0;
+    for (let tree = 0; tree < this.count; tree++) {
+      const vx = velocityX[tree];
+      const vz = velocityZ[tree];
+      speed_m_s[tree] = factor[tree] * Math.sqrt(vx * vx + vz * vz);
+      const px = pressureX[tree];
+      const pz = pressureZ[tree];
+      const square = px * px + pz * pz;
+      if (square > strongest) strongest = square;
+      if (square <= most) continue;
+      beyond++;
+      const share = sampledPeak_pa / Math.sqrt(square);
+      pressureX[tree] = px * share;
+      pressureZ[tree] = pz * share;
+    }
+    this.coverage = this.count === 0 ? 1 : 1 - beyond / this.count;
+    this.extent = Math.sqrt(strongest) / sampledPeak_pa;
+  }
+
+  /** Pressure at one tree over the strongest that its table has sampled. */
+  extentAt(tree: number): number {
+    return dynamicPressure(this.speed_m_s[tree]) / this.sampledPeak_pa;
+  }
+
+  /** Taller trees reach into faster air. */
+  private setProfile(exponent: number, reference_m: number): void {
+    if (exponent === this.exponent && reference_m === this.reference_m) return;
+    this.exponent = exponent;
+    this.reference_m = reference_m;
+    for (let tree = 0; tree < this.count; tree++) {
+      this.factor[tree] = heightFactor(this.height_m * this.placement[tree * 4 + 3], exponent, reference_m);
+    }
+  }
+
+  /** Puts each tree's wind speed (m/s) into its row, behind the modes. */
+  writeSpeeds(out: Float32Array, modes: number): void {
+    const stride = poseStride(modes);
+    for (let tree = 0; tree < this.count; tree++) out[tree * stride + modes] = this.speed_m_s[tree];
+  }
+}
+
+/** Share of all trees that are in winds that their tables have sampled. */
+export function coverageOf(groups: readonly GroupWind[]): number {
+  const trees = groups.reduce((sum, { count }) => sum + count, 0);
+  return trees === 0 ? 1 : groups.reduce((sum, group) => sum + group.count * group.coverage, 0) / trees;
+}
+
+export const extentOf = (groups: readonly GroupWind[]): number =>
+  groups.reduce((most, { extent }) => Math.max(most, extent), 0);

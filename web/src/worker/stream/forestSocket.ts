@@ -1,0 +1,97 @@
+/** The socket to the server: it comes back by itself, pings, and knows the server's clock. */
+import { decodeReply, encodeRequest, type Reply, type Request } from "../../core/wire/wire";
+import { ServerClock } from "./serverClock";
+
+export interface SocketEnds {
+  /** What to ask for, at first and whenever the connection is back. */
+  request(): Request;
+  reply(reply: Reply): void;
+  problem(title: string, hint: string): void;
+}
+
+const PING_EVERY_MS = 1000;
+/** Short, so that the stream is back soon after the server is; meanwhile the local tables move the trees. */
+const RETRY_MS = { first: 250, longest: 1000 } as const;
+/** A connection that has been silent for so long is given up. */
+const DEAD_MS = 5000;
+
+export class ForestSocket {
+  /** Not there since the last close. */
+  lost = false;
+  latency_ms: number | null = null;
+  kB_s = 0;
+  readonly clock = new ServerClock();
+  private socket: WebSocket | null = null;
+  private heard_ms = Number.NaN;
+  private bytes = 0;
+  private retry_ms: number = RETRY_MS.first;
+  private disposed = false;
+  private readonly pinging = setInterval(() => this.ping(), PING_EVERY_MS);
+
+  constructor(
+    private readonly url: string,
+    private readonly ends: SocketEnds,
+  ) {
+    this.connect();
+  }
+
+  private connect(): void {
+    const socket = new WebSocket(this.url);
+    this.socket = socket;
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this.send({ type: "hello", client: "galewood-web" });
+      this.send(this.ends.request());
+      this.ping();
+    };
+    socket.onmessage = (event: MessageEvent<ArrayBuffer>) => this.receive(event.data);
+    socket.onclose = () => {
+      if (this.disposed) return;
+      this.lost = true;
+      this.heard_ms = Number.NaN;
+      setTimeout(() => !this.disposed && this.connect(), this.retry_ms);
+      this.retry_ms = Math.min(RETRY_MS.longest, this.retry_ms * 1.7);
+    };
+  }
+
+  send(request: Request): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(encodeRequest(request));
+  }
+
+  /** What was asked for is coming. */
+  arrived(): void {
+    this.lost = false;
+    this.retry_ms = RETRY_MS.first;
+  }
+
+  private ping(): void {
+    if (performance.now() - this.heard_ms > DEAD_MS) this.socket?.close();
+    this.send({ type: "ping", t: performance.now() });
+    this.kB_s = this.bytes / PING_EVERY_MS;
+    this.bytes = 0;
+  }
+
+  private receive(data: ArrayBuffer): void {
+    this.bytes += data.byteLength;
+    this.heard_ms = performance.now();
+    let reply: Reply;
+    try {
+      reply = decodeReply(data);
+    } catch (error) {
+      this.ends.problem("The stream made no sense.", error instanceof Error ? error.message : String(error));
+      this.socket?.close();
+      return;
+    }
+    if (reply.type === "pong") {
+      this.latency_ms = performance.now() - reply.t;
+      this.clock.pong(reply.t, performance.now(), reply.server_s);
+    } else if (reply.type === "error") this.ends.problem(reply.title, reply.hint);
+    else this.ends.reply(reply);
+  }
+
+  dispose(): void {
+    this.disposed = true;
+    clearInterval(this.pinging);
+    this.socket?.close();
+  }
+}

@@ -1,0 +1,38 @@
+/** The clock of a forest that many share: where it is now, and how this display comes to it. Pure. */
+import type { Clock } from "../../core/wire/wire";
+import type { ServerClock } from "./serverClock";
+
+/** Farther apart than this, the forest jumps to the shared time. */
+const JUMP_S = 0.5;
+
+export class SharedClock {
+  private told: Clock | null = null;
+
+  constructor(private readonly server: ServerClock) {}
+
+  tell(clock: Clock): void {
+    this.told = clock;
+  }
+
+  get paused(): boolean {
+    return this.told?.paused ?? false;
+  }
+
+  /** The forest's time at a moment of this computer's clock; null until it is known. */
+  time_s(now_ms: number): number | null {
+    if (!this.told) return null;
+    if (this.told.paused) return this.told.time_s;
+    const age_ms = this.server.age_ms(this.told.made_s, now_ms);
+    return age_ms === null ? null : this.told.time_s + Math.max(0, age_ms) / 1000;
+  }
+
+  /** How far a forest at `mine_s` moves on with the display's step: towards the shared time, never back. */
+  step(mine_s: number, dt_s: number, now_ms: number): { jump_s: number | null; dt_s: number } {
+    const shared_s = this.time_s(now_ms);
+    if (shared_s === null) return { jump_s: null, dt_s };
+    const error_s = shared_s - (mine_s + (this.paused ? 0 : dt_s));
+    if (Math.abs(error_s) > JUMP_S) return { jump_s: shared_s, dt_s: 0 };
+    const free_s = this.paused ? 0 : dt_s;
+    return { jump_s: null, dt_s: Math.max(0, free_s + error_s * Math.min(1, 2 * dt_s)) };
+  }
+}
