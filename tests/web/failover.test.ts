@@ -10,7 +10,7 @@ class Source {
   disposed = false;
   winds = 0;
   coverage = 1;
-  extent = 0;
+  extrapolationRatio = 0;
 
   constructor(public time_s: number) {}
 

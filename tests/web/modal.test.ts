@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import { decodeTable } from "../../web/src/core/table/table";
-import { TangentForest } from "../../web/src/core/modal/modalForest";
+import { ModalForest } from "../../web/src/core/modal/modalForest";
 import { golden, goldenJson } from "./golden";
 
 interface Sway {
@@ -12,7 +12,7 @@ interface Sway {
 
 const TABLE = decodeTable(golden("pole.safetensors"));
 
-function still(forest: TangentForest, frames: number): void {
+function still(forest: ModalForest, frames: number): void {
   const calm = new Float32Array(forest.count);
   for (let frame = 0; frame < frames; frame++) forest.advance(TABLE.metadata.dt_s, calm, calm);
 }
@@ -24,7 +24,7 @@ describe.each([
   test("sways as Python's does, to 1e-5 of the height over 10,000 frames", () => {
     const { frames, every, trees, poses } = goldenJson<Sway>("sway.json");
     const count = trees.x_m.length;
-    const forest = new TangentForest(TABLE, count, plain);
+    const forest = new ModalForest(TABLE, count, plain);
     expect(forest.compiled).toBe(!plain);
     forest.setTrees(trees.x_m, trees.z_m, trees.yaw_rad, trees.scale);
     const px = new Float32Array(count);
@@ -45,7 +45,7 @@ describe.each([
   });
 
   test("still air: a forest at rest never moves, a moved one comes to rest exactly", () => {
-    const forest = new TangentForest(TABLE, 2, plain);
+    const forest = new ModalForest(TABLE, 2, plain);
     still(forest, 50);
     expect(forest.q.every((value) => value === 0)).toBe(true);
     const wind = new Float32Array([20, 5]);
@@ -56,12 +56,12 @@ describe.each([
   });
 
   test("far beyond the sampled wind it stays bounded and says so", () => {
-    const forest = new TangentForest(TABLE, 1, plain);
-    const storm = new Float32Array([10 * TABLE.tangent.limits[2]]);
+    const forest = new ModalForest(TABLE, 1, plain);
+    const storm = new Float32Array([10 * TABLE.modal.limits[2]]);
     for (let frame = 0; frame < 3000; frame++) {
       const turn = frame % 40 < 20 ? 1 : -1;
       forest.advance(TABLE.metadata.dt_s, [turn * storm[0]], storm);
-      expect(forest.coverage[0]).toBeGreaterThan(1);
+      expect(forest.extrapolationRatio[0]).toBeGreaterThan(1);
     }
     expect(forest.q.every(Number.isFinite)).toBe(true);
     still(forest, 3000);
@@ -70,8 +70,8 @@ describe.each([
 
   test("a tree scaled by two sways at half the pace", () => {
     const wind = [15, 15];
-    const small = new TangentForest(TABLE, 1, plain);
-    const large = new TangentForest(TABLE, 1, plain);
+    const small = new ModalForest(TABLE, 1, plain);
+    const large = new ModalForest(TABLE, 1, plain);
     large.setTrees([0], [0], [0], [2]);
     for (let frame = 0; frame < 8; frame++) small.advance(TABLE.metadata.dt_s, wind, wind);
     for (let frame = 0; frame < 16; frame++) large.advance(TABLE.metadata.dt_s, wind, wind);

@@ -1,5 +1,6 @@
 import { describe, expect, test } from "vitest";
-import { levelRows, nodeLayout, poseStride } from "../../web/src/scene/trees/nodes/nodeLayout";
+import { poseStride } from "../../web/src/core/motion/poseStride";
+import { levelRows, nodeLayout } from "../../web/src/scene/trees/nodes/nodeLayout";
 import { meanCrownDisplacement_m } from "../../web/src/core/motion/crownDisplacement";
 import { CALM_BREEZE, dynamicPressure, WindField } from "../../web/src/core/wind/wind";
 import type { Frame } from "../../web/src/core/wire/wire";
@@ -137,7 +138,7 @@ test("a group's wind: speed at each tree's height, held pressure, and how many a
   field.velocity(Float32Array.of(0, 5), Float32Array.of(0, 3), 3, velocityX, velocityZ);
   expect(out[3]).toBeGreaterThan(0);
   expect(out[7]).toBeGreaterThanOrEqual(out[3]);
-  expect(wind.extentAt(0)).toBeCloseTo(dynamicPressure(out[3]) / peak_pa, 6);
+  expect(wind.extrapolationRatioAt(0)).toBeCloseTo(dynamicPressure(out[3]) / peak_pa, 6);
   for (const tree of [0, 1]) {
     const held = Math.hypot(wind.pressureX[tree], wind.pressureZ[tree]);
     expect(held).toBeCloseTo(Math.min(peak_pa, dynamicPressure(out[4 * tree + 3])), 3);
@@ -146,8 +147,8 @@ test("a group's wind: speed at each tree's height, held pressure, and how many a
       6,
     );
   }
-  expect(wind.extent).toBeCloseTo(Math.max(wind.extentAt(0), wind.extentAt(1)), 6);
-  expect(wind.coverage).toBe([0, 1].filter((tree) => wind.extentAt(tree) <= 1).length / 2);
+  expect(wind.extrapolationRatio).toBeCloseTo(Math.max(wind.extrapolationRatioAt(0), wind.extrapolationRatioAt(1)), 6);
+  expect(wind.coverage).toBe([0, 1].filter((tree) => wind.extrapolationRatioAt(tree) <= 1).length / 2);
 });
 
 test("crown displacement turns with the tree: a quarter turn sends own x to world -z", () => {

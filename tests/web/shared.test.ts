@@ -31,7 +31,7 @@ test("planters tell each other what decides where trees stand, and nothing else"
   expect(adoptPlanting(yours, {})).toBe(false);
   const plain = { ...mine };
   expect(adoptPlanting(plain, plantingOf(DEFAULTS))).toBe(true);
-  expect([plain.trees, plain.forestSeed, plain.method]).toEqual([DEFAULTS.trees, DEFAULTS.forestSeed, "tangent"]);
+  expect([plain.trees, plain.forestSeed, plain.method]).toEqual([DEFAULTS.trees, DEFAULTS.forestSeed, "modal"]);
 });
 
 /** A server whose clock is ahead, answering pings over a network of random delays. */

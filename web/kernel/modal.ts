@@ -1,6 +1,6 @@
-// One step of the drift-free method for one tree, four oscillators at a time: the sums of ../src/tangent.ts in
-// single precision. AssemblyScript: `npm run kernel` compiles it to ../src/tangentKernel.wasm.ts. Addresses are
-// in bytes; ../src/tangentKernel.ts says what lies where before the first step.
+// One step of the drift-free method for one tree, four oscillators at a time: the sums of ../src/modal.ts in
+// single precision. AssemblyScript: `npm run kernel` compiles it to ../src/core/modal/modalKernel.wasm.ts. Addresses are
+// in bytes; ../src/core/modal/modalKernel.ts says what lies where before the first step.
 
 /** The polynomials are held where they are beyond this multiple of the sampled range. */
 const REACH: f32 = 1.25;
@@ -41,7 +41,7 @@ export let v: usize = 0;
 export let now: usize = 0;
 export let before: usize = 0;
 /** [count] */
-export let coverage: usize = 0;
+export let extrapolationRatio: usize = 0;
 
 /** The pair that a function returns. */
 let pairX: f32 = 0;
@@ -260,7 +260,7 @@ function writePose(tree: i32, position: usize, px: f32, pz: f32): void {
   const far = load<f32>(limits);
   const reach = sqrt(pairX * pairX + pairY * pairY) / far;
   const pressed = sqrt(px * px + pz * pz) / load<f32>(limits, 8);
-  store<f32>(coverage + 4 * tree, max(reach, pressed));
+  store<f32>(extrapolationRatio + 4 * tree, max(reach, pressed));
   hold(REACH * far);
   // Behind the pressure, which the pose is linear in, the same terms as the force's first ones.
   writeShape(pairX, pairY, position);

@@ -1,4 +1,4 @@
-/** Compiles kernel/tangent.ts, AssemblyScript, to WebAssembly with vectors. */
+/** Compiles kernel/modal.ts, AssemblyScript, to WebAssembly with vectors. */
 import { readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -31,5 +31,5 @@ export async function compileKernel(): Promise<Uint8Array> {
 /** The module that holds the compiled kernel. */
 export async function kernelModule(): Promise<string> {
   const text = Buffer.from(await compileKernel()).toString("base64");
-  return `// Written by \`npm run kernel\` from ../kernel/tangent.ts.\nexport const TANGENT_KERNEL =\n  "${text}";\n`;
+  return `// Written by \`npm run kernel\` from ../kernel/modal.ts.\nexport const MODAL_KERNEL =\n  "${text}";\n`;
 }

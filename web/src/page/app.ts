@@ -8,11 +8,13 @@ import { Forest, planForest } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
 import { woodReach_m } from "../scene/placement";
 import type { Season } from "../scene/season/season";
+import { seasonal } from "../scene/season/seasonal";
+import { aerialPerspective } from "../scene/sky/air";
 import { Stage } from "../scene/stage";
 import type { SpeciesForest, SpeciesOptions } from "../scene/trees/speciesForest";
 import type { Candidate, CompareView } from "./compare/compareView";
 import { ForestClient } from "./forestClient";
-import { Meter } from "./frameStatistics";
+import { FrameStatistics } from "./frameStatistics";
 import { type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { momentFrom } from "./settings/link";
@@ -59,7 +61,7 @@ export class App {
   readonly picker: TreePicker;
   private readonly pickedCard: PickedCard;
   private readonly from_s: number;
-  private readonly meter = new Meter();
+  private readonly meter = new FrameStatistics();
   private readonly flutter = { value: { x: 0, y: 0 } };
   private compareView: CompareView | null = null;
   private connected = true;
@@ -121,6 +123,8 @@ export class App {
       anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
       smoothEdges: quality !== "low",
       gloss: quality === "high",
+      surface: seasonal,
+      atmosphere: aerialPerspective,
       flutter: this.flutter,
     };
   }
@@ -342,7 +346,14 @@ export class App {
 
   get statistics() {
     const { frame_ms, script_ms, triangles, drawCalls } = this.meter.statistics;
-    return { frame_ms, script_ms, triangles, drawCalls, work: this.client.work, extent: this.client.extent };
+    return {
+      frame_ms,
+      script_ms,
+      triangles,
+      drawCalls,
+      work: this.client.work,
+      extrapolationRatio: this.client.extrapolationRatio,
+    };
   }
 
   freeze(frozen: boolean): void {

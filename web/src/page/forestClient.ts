@@ -53,7 +53,7 @@ export class ForestClient {
   connection = NO_CONNECTION;
   wind: { state: WindState; coverage: number } | null = null;
   /** How far the tree that is farthest is into its sampled range: above 1 it is beyond. */
-  extent = 0;
+  extrapolationRatio = 0;
   /** The watched tree's figures. */
   watched: Inspection | null = null;
   private readonly worker = startWorker();
@@ -183,7 +183,7 @@ export class ForestClient {
     this.lookup_ms += 0.1 * (message.work.total_ms - this.lookup_ms);
     this.connection = message.connection;
     this.wind = message.wind;
-    this.extent = message.extent;
+    this.extrapolationRatio = message.extrapolationRatio;
     this.watched = message.watched;
     this.busy = false;
     this.fresh = true;

@@ -1,9 +1,21 @@
 /** Running means of what a frame costs. Pure. */
-import type { Statistics } from "./ui/panel";
+/** Figures the panel shows; the app refreshes them a few times a second. */
+export interface Statistics {
+  framesPerSecond: number;
+  frame_ms: number;
+  script_ms: number;
+  lookup_ms: number;
+  trees: number;
+  triangles: number;
+  drawCalls: number;
+  stream: string;
+  latency: string;
+  frameAge: string;
+}
 
 const SHARE = 0.08;
 
-export class Meter {
+export class FrameStatistics {
   readonly statistics: Statistics = {
     framesPerSecond: 0,
     frame_ms: 0,

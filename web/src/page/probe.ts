@@ -2,7 +2,13 @@
 
 import type { WindDocument } from "../core/wind/wind";
 import type { App } from "./app";
-import type { TreePicker } from "./treePicker";
+import type { PickedFigures } from "./treePicker";
+
+/** The picked tree; `coverage` is the former name of `extrapolationRatio`. */
+export type ProbedTree = PickedFigures & { readonly coverage: number | null };
+
+const probed = (figures: PickedFigures | null): ProbedTree | null =>
+  figures && { ...figures, coverage: figures.extrapolationRatio };
 
 export interface Probe {
   readonly frame: number;
@@ -34,13 +40,13 @@ export interface Probe {
   /** One frame, so many seconds after the last, however long it takes: frame by frame, asleep. */
   step(dt_s: number, drawn?: boolean): Promise<void>;
   /** Picks the tree under a place of the window (px), as a click does; null where there is none. */
-  pick(left_px: number, top_px: number): TreePicker["figures"];
+  pick(left_px: number, top_px: number): ProbedTree | null;
   /** The picked tree and its figures now. */
-  readonly picked: TreePicker["figures"];
+  readonly picked: ProbedTree | null;
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
-  /** What the page costs: frame, script, worker, triangles. */
-  readonly statistics: App["statistics"];
+  /** What the page costs: frame, script, worker, triangles. `extent` is the former name of `extrapolationRatio`. */
+  readonly statistics: App["statistics"] & { readonly extent: number };
   /** Draws the trees as plain instances that stand still, or moving again: what does the motion cost? */
   freeze(frozen: boolean): void;
 }
@@ -107,16 +113,17 @@ export function exposeProbe(app: App): void {
     step: (dt_s, drawn) => app.step(dt_s, drawn),
     pick(left_px, top_px) {
       app.picker.select(app.picker.find(left_px, top_px));
-      return app.picker.figures;
+      return probed(app.picker.figures);
     },
     get picked() {
-      return app.picker.figures;
+      return probed(app.picker.figures);
     },
     follow(following) {
       app.picker.following = following;
     },
     get statistics() {
-      return app.statistics;
+      const { statistics } = app;
+      return { ...statistics, extent: statistics.extrapolationRatio };
     },
     freeze: (frozen) => app.freeze(frozen),
   };

@@ -14,8 +14,8 @@ import type { ForestClient } from "./forestClient";
 export interface PickedFigures extends PickedTree {
   readonly moves: boolean;
   readonly tip_m: number;
-  /** How far into the sampled range its sway and wind are: above 1 it is beyond. */
-  readonly coverage: number | null;
+  /** Its sway and pressure over the largest that its table has sampled: above 1 it is beyond the sampled range. */
+  readonly extrapolationRatio: number | null;
   /** Record of the table that the paper's search found last; null in the other method, or on the server. */
   readonly record: number | null;
 }
@@ -117,8 +117,8 @@ export class TreePicker {
 
   get figures(): PickedFigures | null {
     if (!this.picked) return null;
-    const { coverage = null, record = null } = (this.at && this.client.watched) || {};
-    return { ...this.picked, moves: this.at !== null, tip_m: this.tip_m, coverage, record };
+    const { extrapolationRatio = null, record = null } = (this.at && this.client.watched) || {};
+    return { ...this.picked, moves: this.at !== null, tip_m: this.tip_m, extrapolationRatio, record };
   }
 
   /** How far the tip of the picked tree is from rest. */

@@ -2,17 +2,7 @@
 import { valueNoise } from "../core/math/noise";
 import { hashText, hashUnit } from "../core/math/random";
 import { glade } from "./ground/landscape";
-
-/** One place for a tree; the species comes later, so that places never move. */
-export interface Place {
-  /** Cell of the planting grid: the place's identity. */
-  readonly id: number;
-  readonly x_m: number;
-  readonly z_m: number;
-  readonly yaw_rad: number;
-  /** Size factor about 1. */
-  readonly scale: number;
-}
+import type { Placement } from "./trees/stand";
 
 export const SPACING_M = 6.4;
 /** The wood grows outward from here, so that the first camera looks into it. */
@@ -20,7 +10,7 @@ export const HEART = { x_m: 0, z_m: -26 } as const;
 
 const CELL_OFFSET = 512;
 
-function candidate(column: number, row: number, seed: number, spacing_m: number): Place {
+function candidate(column: number, row: number, seed: number, spacing_m: number): Placement {
   const at = (channel: number) => hashUnit(seed, column, row, channel);
   return {
     id: (row + CELL_OFFSET) * 2 * CELL_OFFSET + column + CELL_OFFSET,
@@ -31,14 +21,14 @@ function candidate(column: number, row: number, seed: number, spacing_m: number)
   };
 }
 
-const isWood = (place: Place) => glade(place.x_m, place.z_m) < 0.5;
-const reach = (place: Place) => Math.hypot(place.x_m - HEART.x_m, place.z_m - HEART.z_m);
+const isWood = (place: Placement) => glade(place.x_m, place.z_m) < 0.5;
+const reach = (place: Placement) => Math.hypot(place.x_m - HEART.x_m, place.z_m - HEART.z_m);
 
 /** The `count` places nearest to the heart of the wood, nearest first; `density` 1 is the usual one. */
-export function placeTrees(count: number, seed: number, density = 1): Place[] {
+export function placeTrees(count: number, seed: number, density = 1): Placement[] {
   const spacing_m = SPACING_M / Math.sqrt(density);
   const cells = Math.ceil(Math.sqrt((count * 1.6) / Math.PI) + (5 * SPACING_M) / spacing_m);
-  const places: Place[] = [];
+  const places: Placement[] = [];
   for (let row = -cells; row <= cells; row++) {
     for (let column = -cells; column <= cells; column++) places.push(candidate(column, row, seed, spacing_m));
   }
@@ -60,7 +50,7 @@ export function woodReach_m(placements: readonly Float32Array[]): number {
 }
 
 /** Liking of a species for a place: broad groves with strays. A newcomer takes its own places only. */
-function liking(place: Place, species: string): number {
+function liking(place: Placement, species: string): number {
   const seed = hashText(species);
   const noise = valueNoise(place.x_m / 24, place.z_m / 24, seed) + 0.9 * hashUnit(seed, place.id);
   return Math.min(1, Math.max(1e-6, (noise + 1) / 2.9));
@@ -71,11 +61,11 @@ function liking(place: Place, species: string): number {
  * others, 1 if not named, 0 to leave it out: of powers 1/share of even random numbers the largest wins as often.
  */
 export function chooseSpecies(
-  places: readonly Place[],
+  places: readonly Placement[],
   species: readonly string[],
   shares: Readonly<Record<string, number>> = {},
 ): Int32Array {
-  const score = (place: Place, name: string) => {
+  const score = (place: Placement, name: string) => {
     const share = shares[name] ?? 1;
     return share > 0 ? liking(place, name) ** (1 / share) : -1;
   };

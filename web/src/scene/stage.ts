@@ -10,12 +10,12 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import type { Quality } from "../page/settings/settings";
 import { FarWood } from "./ground/farWood";
 import { GroundCover } from "./ground/groundCover";
 import { setGroundSeason } from "./ground/groundMaterial";
 import { groundHeight_m } from "./ground/landscape";
 import { Terrain } from "./ground/terrain";
+import type { Quality } from "./quality";
 import type { Season } from "./season/season";
 import { Daylight } from "./sky/daylight";
 import type { Atmosphere } from "./sky/daytime";

@@ -1,9 +1,9 @@
 /** The worker: decodes tables, and keeps every tree's pose, looked up here or received from the server. */
 
+import { poseStride } from "../core/motion/poseStride";
 import { decodeTable, type Table } from "../core/table/table";
 import { parseState, sampledPeak, type WindDocument, WindField } from "../core/wind/wind";
 import type { Reply } from "../core/wire/wire";
-import { poseStride } from "../scene/trees/nodes/nodeLayout";
 import { JumpBlend } from "./motion/blend";
 import { carryGroup, type ShownGroup } from "./motion/carry";
 import { FailoverMotion } from "./motion/failover";
@@ -119,7 +119,7 @@ function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
   if (source.advance(dt_s, buffers)) blend.apply(buffers, dt_s);
   else for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]); // nothing new is known
   for (const [g, buffer] of buffers.entries()) shown[g].set(buffer);
-  const { time_s, connection, coverage, extent } = source;
+  const { time_s, connection, coverage, extrapolationRatio } = source;
   const total_ms = performance.now() - begin_ms;
   const wind_ms = source.takeWind_ms();
   const reply: FromWorker = {
@@ -130,7 +130,7 @@ function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
     buffers,
     connection,
     wind: { state: field.state, coverage },
-    extent,
+    extrapolationRatio,
     watched: watched && source.inspect(watched),
   };
   scope.postMessage(

@@ -1,9 +1,20 @@
 /** What main thread and worker say to each other. Types only: neither side imports the other. */
 
+import type { Method } from "../core/motion/method";
 import type { WindDocument, WindState } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
-import type { LookupPlace, Method } from "../page/settings/settings";
-import type { ShareRequest } from "./stream/forestRequest";
+
+/** Where poses are computed. */
+export type LookupPlace = "worker" | "server";
+
+/** A forest that many share. */
+export interface ShareRequest {
+  readonly id: string;
+  /** Give it these trees, for all, if it has others. */
+  readonly replant: boolean;
+  /** What others need to place the same trees. */
+  readonly about: About;
+}
 
 /** Nodes for one level of detail. */
 export interface NodeLevel {
@@ -62,8 +73,8 @@ export interface TreeAt {
 
 /** What the lookup knows of one tree. */
 export interface Inspection {
-  /** How far into the sampled range the tree is: above 1 it is beyond. */
-  readonly coverage: number;
+  /** Sway and pressure over the largest that the table has sampled: above 1 the tree is beyond the sampled range. */
+  readonly extrapolationRatio: number;
   /** Record of the table that the paper's search found last; null in the other method, or on the server. */
   readonly record: number | null;
 }
@@ -129,8 +140,8 @@ export type FromWorker =
       connection: Connection;
       /** The wind and its clock, and the share of trees in winds that their tables have sampled. */
       wind: { state: WindState; coverage: number };
-      /** The tree that is farthest into its sampled range, and the watched tree. */
-      extent: number;
+      /** The largest of all trees, and the figures of the watched tree. */
+      extrapolationRatio: number;
       watched: Inspection | null;
     }
   /** What others did to a shared forest. */

@@ -1,10 +1,10 @@
-// The drift-free method for many trees at once, twin of precompute/tangent.py: a few oscillators of the tree's
+// The drift-free method for many trees at once, twin of precompute/modal.py: a few oscillators of the tree's
 // own, stepped exactly, bent by a small polynomial force. Allocates nothing while trees move.
 
-import { type Numbers, PacedTrees } from "../motion/treeInstances";
+import { type Numbers, TreeInstances } from "../motion/treeInstances";
 import type { Table } from "../table/table";
 import { addRows } from "./addRows";
-import { TangentKernel } from "./modalKernel";
+import { ModalKernel } from "./modalKernel";
 import { coupledOf, forceTerms, poseTerms } from "./modalTensors";
 
 /** The polynomials are held where they are beyond this multiple of the sampled range. */
@@ -13,9 +13,9 @@ const REACH = 1.25;
 const REST = 1e-7;
 
 /** Trees of one table, each with its own state, in its own frame and at its own pace. */
-export class TangentForest extends PacedTrees {
+export class ModalForest extends TreeInstances {
   /** [count] how far into the sampled range a tree's sway and pressure are: above 1 it is beyond it. */
-  readonly coverage: Float32Array;
+  readonly extrapolationRatio: Float32Array;
   private readonly d: number;
   private readonly c: number;
   private readonly stepOf: Float64Array;
@@ -29,7 +29,7 @@ export class TangentForest extends PacedTrees {
   private readonly e: Numbers;
   private readonly v: Numbers;
   private readonly own: number;
-  private readonly kernel: TangentKernel | null;
+  private readonly kernel: ModalKernel | null;
   private readonly ahead: Float64Array;
   private readonly terms: Float64Array;
   private readonly total: Float64Array;
@@ -37,26 +37,26 @@ export class TangentForest extends PacedTrees {
   private readonly pair = new Float64Array(2);
 
   /** `plain`: steps as written here, in double precision, where the kernel could run too. */
-  constructor({ tangent, metadata }: Table, count: number, plain = false) {
+  constructor({ modal, metadata }: Table, count: number, plain = false) {
     const { modes, dt_s } = metadata;
-    const kernel = plain ? null : TangentKernel.make(tangent, modes, count, dt_s);
+    const kernel = plain ? null : ModalKernel.make(modal, modes, count, dt_s);
     super(count, modes, dt_s, kernel);
-    const d = tangent.step.length / 6;
+    const d = modal.step.length / 6;
     this.d = d;
     this.kernel = kernel;
     this.own = kernel?.ownRow ?? d;
-    this.stepOf = Float64Array.from(tangent.step);
-    this.load = Float64Array.from(tangent.load);
-    this.sway = Float64Array.from(tangent.sway);
-    this.force = Float64Array.from(tangent.force);
-    this.shownOf = Float64Array.from(tangent.shown);
-    this.pose = Float64Array.from(tangent.pose);
-    this.limits = Float64Array.from(tangent.limits);
+    this.stepOf = Float64Array.from(modal.step);
+    this.load = Float64Array.from(modal.load);
+    this.sway = Float64Array.from(modal.sway);
+    this.force = Float64Array.from(modal.force);
+    this.shownOf = Float64Array.from(modal.shown);
+    this.pose = Float64Array.from(modal.pose);
+    this.limits = Float64Array.from(modal.limits);
     this.e = kernel?.e ?? new Float64Array(count * d);
     this.v = kernel?.v ?? new Float64Array(count * d);
-    this.coverage = kernel?.coverage ?? new Float32Array(count);
+    this.extrapolationRatio = kernel?.extrapolationRatio ?? new Float32Array(count);
     this.ahead = new Float64Array(d);
-    this.c = coupledOf(tangent.limits.length);
+    this.c = coupledOf(modal.limits.length);
     this.terms = new Float64Array(Math.max(forceTerms(this.c), poseTerms(d, this.c)));
     this.total = new Float64Array(d);
     this.further = new Float64Array(this.r - d);
@@ -68,13 +68,13 @@ export class TangentForest extends PacedTrees {
   }
 
   /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
-  adopt(from: TangentForest, rows: Int32Array): void {
+  adopt(from: ModalForest, rows: Int32Array): void {
     const { own } = this;
     if (from.compiled !== this.compiled) return; // one of them found no room for a kernel: trees begin at rest
     rows.forEach((row, i) => {
       if (row < 0) return;
       this.takeOver(i, from, row);
-      this.coverage[i] = from.coverage[row];
+      this.extrapolationRatio[i] = from.extrapolationRatio[row];
       this.e.set(from.e.subarray(row * own, (row + 1) * own), i * own);
       this.v.set(from.v.subarray(row * own, (row + 1) * own), i * own);
     });
@@ -236,7 +236,7 @@ export class TangentForest extends PacedTrees {
     terms[d + 1] = pz;
     this.swayed(e, first);
     const sway = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]) / limits[0];
-    this.coverage[i] = Math.max(sway, Math.sqrt(px * px + pz * pz) / limits[2]);
+    this.extrapolationRatio[i] = Math.max(sway, Math.sqrt(px * px + pz * pz) / limits[2]);
     this.hold(REACH * limits[0]);
     this.writeShape(pair[0], pair[1], e, first, d + 2);
     further.fill(0);

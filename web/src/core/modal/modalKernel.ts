@@ -1,6 +1,6 @@
-/** The drift-free method's step in WebAssembly, compiled from ../kernel/tangent.ts: what lies where in its memory. */
-import { TANGENT_KERNEL } from "./modalKernel.wasm";
-import { coupledOf, type Tangent } from "./modalTensors";
+/** The drift-free method's step in WebAssembly, compiled from ../kernel/modal.ts: what lies where in its memory. */
+import { MODAL_KERNEL } from "./modalKernel.wasm";
+import { coupledOf, type ModalTensors } from "./modalTensors";
 
 const PAGE = 65_536;
 /** Numbers of a vector: rows are filled up to whole ones. */
@@ -9,7 +9,7 @@ const LANES = 4;
 const FIRST_BYTE = 64;
 
 type Tensor = "stepping" | "pull" | "sway" | "force" | "shown" | "posePlain" | "poseTerms" | "limits";
-type State = "e" | "v" | "now" | "before" | "coverage";
+type State = "e" | "v" | "now" | "before" | "extrapolationRatio";
 type Place = Tensor | State | "terms" | "ahead" | "total";
 type Setting = "halfStep_s" | "coupled" | "ownRow" | "furtherRow";
 type Step = (tree: number, px: number, pz: number) => void;
@@ -39,7 +39,7 @@ let compiled: WebAssembly.Module | null | undefined;
 function compile(): WebAssembly.Module | null {
   if (compiled !== undefined) return compiled;
   try {
-    const bytes = Uint8Array.from(atob(TANGENT_KERNEL), (letter) => letter.charCodeAt(0));
+    const bytes = Uint8Array.from(atob(MODAL_KERNEL), (letter) => letter.charCodeAt(0));
     compiled = new WebAssembly.Module(bytes);
   } catch {
     compiled = null;
@@ -48,16 +48,16 @@ function compile(): WebAssembly.Module | null {
 }
 
 /** The table's tensors as the kernel reads them. */
-function tensors(tangent: Tangent, d: number, further: number): Record<Tensor, Float32Array> {
+function tensors(modal: ModalTensors, d: number, further: number): Record<Tensor, Float32Array> {
   return {
-    stepping: inFullRows(transposed(tangent.step, 6), d),
-    pull: inFullRows(transposed(tangent.load, 2), d),
-    sway: inFullRows(tangent.sway, d),
-    force: inFullRows(tangent.force, d),
-    shown: inFullRows(tangent.shown, d),
-    posePlain: inFullRows(tangent.pose.subarray(0, d * further), further),
-    poseTerms: inFullRows(tangent.pose.subarray(d * further), further),
-    limits: tangent.limits,
+    stepping: inFullRows(transposed(modal.step, 6), d),
+    pull: inFullRows(transposed(modal.load, 2), d),
+    sway: inFullRows(modal.sway, d),
+    force: inFullRows(modal.force, d),
+    shown: inFullRows(modal.shown, d),
+    posePlain: inFullRows(modal.pose.subarray(0, d * further), further),
+    poseTerms: inFullRows(modal.pose.subarray(d * further), further),
+    limits: modal.limits,
   };
 }
 
@@ -83,7 +83,7 @@ function settle(module: WebAssembly.Module, sizes: Record<Place, number>) {
 }
 
 /** States of trees in the kernel's memory, and their step. */
-export class TangentKernel {
+export class ModalKernel {
   /** Numbers of a tree's row of oscillators, which is filled up. */
   readonly ownRow: number;
   /** [count, ownRow] */
@@ -93,48 +93,54 @@ export class TangentKernel {
   readonly now: Float32Array;
   readonly before: Float32Array;
   /** [count] */
-  readonly coverage: Float32Array;
+  readonly extrapolationRatio: Float32Array;
   /** Moves a tree by the table's step under a pressure (Pa) in its own frame. */
   readonly step: Step;
 
   private constructor(
     module: WebAssembly.Module,
-    tangent: Tangent,
+    modal: ModalTensors,
     modes: number,
     count: number,
     dt_s: number,
   ) {
-    const d = tangent.step.length / 6;
+    const d = modal.step.length / 6;
     const own = filled(d);
     const row = own + filled(modes - d);
-    const given = tensors(tangent, d, modes - d);
+    const given = tensors(modal, d, modes - d);
     const { kernel, views } = settle(module, {
       ...lengths(given),
-      terms: tangent.force.length / d,
+      terms: modal.force.length / d,
       ahead: own,
       total: own,
       e: count * own,
       v: count * own,
       now: count * row,
       before: count * row,
-      coverage: count,
+      extrapolationRatio: count,
     });
     for (const name of Object.keys(given) as Tensor[]) views[name].set(given[name]);
     kernel.halfStep_s.value = dt_s / 2;
-    kernel.coupled.value = coupledOf(tangent.limits.length);
+    kernel.coupled.value = coupledOf(modal.limits.length);
     kernel.ownRow.value = 4 * own;
     kernel.furtherRow.value = 4 * (row - own);
-    ({ e: this.e, v: this.v, now: this.now, before: this.before, coverage: this.coverage } = views);
+    ({
+      e: this.e,
+      v: this.v,
+      now: this.now,
+      before: this.before,
+      extrapolationRatio: this.extrapolationRatio,
+    } = views);
     this.ownRow = own;
     this.step = kernel.step;
   }
 
   /** Null where WebAssembly or its vectors are missing, or there is no memory left for it. */
-  static make(tangent: Tangent, modes: number, count: number, dt_s: number): TangentKernel | null {
+  static make(modal: ModalTensors, modes: number, count: number, dt_s: number): ModalKernel | null {
     const module = compile();
     if (!module) return null;
     try {
-      return new TangentKernel(module, tangent, modes, count, dt_s);
+      return new ModalKernel(module, modal, modes, count, dt_s);
     } catch {
       return null;
     }

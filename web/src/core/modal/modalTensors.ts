@@ -1,7 +1,7 @@
 // What the drift-free method's tensors are, and how many rows they have.
 
 /** Tensors of the method: d dynamic coordinates, c coupled ones, r shown modes. */
-export interface Tangent {
+export interface ModalTensors {
   /** [d, 6] r00 − 1, r01, r10, r11 − 1, s0, s1 of each oscillator */
   readonly step: Float32Array;
   /** [d, 2] modal force per Pa along x and z */

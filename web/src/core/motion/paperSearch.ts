@@ -2,7 +2,7 @@
 // of the table's mode scale the same poses, bit for bit. Allocates nothing while trees move.
 
 import { lastRecords, poses, type Table } from "../table/table";
-import { PacedTrees } from "./treeInstances";
+import { TreeInstances } from "./treeInstances";
 
 /** Pose easing ends exactly on the record's pose once offset and its speed are within half an integer step. */
 const SNAP = 0.5;
@@ -121,7 +121,7 @@ export class TableSearch {
 }
 
 /** Trees of one table, each with its own state, in its own frame and at its own pace. */
-export class ForestLookup extends PacedTrees {
+export class PaperForest extends TreeInstances {
   /** [count] record found last, −1 before the first step; the tree is in its successor's state. */
   readonly record: Int32Array;
   private readonly search: TableSearch;
@@ -148,7 +148,7 @@ export class ForestLookup extends PacedTrees {
   }
 
   /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
-  adopt(from: ForestLookup, rows: Int32Array): void {
+  adopt(from: PaperForest, rows: Int32Array): void {
     rows.forEach((row, i) => {
       if (row < 0) return;
       this.takeOver(i, from, row);

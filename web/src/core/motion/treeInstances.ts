@@ -7,7 +7,7 @@ const MAX_STEPS_PER_ADVANCE = 8;
 export type Numbers = Float64Array | Float32Array;
 
 /** What both methods keep of their trees; `room` for their poses where it is not to be made here. */
-export abstract class PacedTrees {
+export abstract class TreeInstances {
   /** [count, r] shown pose, between the last two steps. */
   readonly q: Float32Array;
   /** Place of each tree (m), for the wind. */
@@ -60,7 +60,7 @@ export abstract class PacedTrees {
   }
 
   /** Tree i goes on as tree `row` of another forest of this table was. */
-  protected takeOver(i: number, from: PacedTrees, row: number): void {
+  protected takeOver(i: number, from: TreeInstances, row: number): void {
     this.phase[i] = from.phase[row];
     const width = this.now.length / this.count;
     this.now.set(from.now.subarray(row * width, (row + 1) * width), i * width);

@@ -1,10 +1,11 @@
 // THE table format, twin of precompute/table.py: one safetensors file a species (docs/formats/table.md).
 // Everything a reader relies on is checked on the way in: a decoded table is searched without bounds checks.
 
-import { contracts, coupledOf, forceTerms, poseTerms, type Tangent } from "../modal/modalTensors";
+import { contracts, coupledOf, forceTerms, type ModalTensors, poseTerms } from "../modal/modalTensors";
+import { fromVersion5 } from "./version5";
 
 export const FORMAT = "galewood-table";
-export const VERSION = 5;
+export const VERSION = 6;
 const MAX_HEADER_BYTES = 1 << 20;
 const MAX_DYNAMIC = 64;
 
@@ -57,7 +58,7 @@ export interface Table {
   readonly offsets: Uint32Array;
   readonly candidate: Uint16Array;
   readonly mismatches: Uint16Array;
-  readonly tangent: Tangent;
+  readonly modal: ModalTensors;
 }
 
 type Numbers = Float32Array | Int16Array | Uint16Array | Uint32Array;
@@ -73,13 +74,13 @@ const TENSORS: Readonly<Record<string, readonly [keyof typeof TYPES, number]>> =
   "search.offsets": ["U32", 1],
   "search.record": ["U16", 1],
   "search.mismatch_steps": ["U16", 1],
-  "tangent.step": ["F32", 2],
-  "tangent.load": ["F32", 2],
-  "tangent.sway": ["F32", 2],
-  "tangent.force": ["F32", 2],
-  "tangent.shown": ["F32", 1],
-  "tangent.pose": ["F32", 2],
-  "tangent.limits": ["F32", 1],
+  "modal.step": ["F32", 2],
+  "modal.load": ["F32", 2],
+  "modal.sway": ["F32", 2],
+  "modal.force": ["F32", 2],
+  "modal.shown": ["F32", 1],
+  "modal.pose": ["F32", 2],
+  "modal.limits": ["F32", 1],
 };
 
 interface Tensor {
@@ -95,8 +96,10 @@ export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
     file instanceof Uint8Array
       ? new Uint8Array(file.buffer, file.byteOffset, file.byteLength)
       : new Uint8Array(file);
-  const [header, body] = readHeader(bytes);
-  const metadata = readMetadata(header);
+  const [given, body] = readHeader(bytes);
+  const read = readMetadata(given);
+  const { header, metadata } =
+    read.version === 5 ? fromVersion5(given, read) : { header: given, metadata: read };
   const tensors = new Map<string, Tensor>();
   for (const name of Object.keys(TENSORS)) tensors.set(name, readTensor(header, body, name));
   for (const name of Object.keys(header)) {
@@ -116,14 +119,14 @@ export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
     offsets: values("search.offsets"),
     candidate: values("search.record"),
     mismatches: values("search.mismatch_steps"),
-    tangent: {
-      step: values("tangent.step"),
-      load: values("tangent.load"),
-      sway: values("tangent.sway"),
-      force: values("tangent.force"),
-      shown: values("tangent.shown"),
-      pose: values("tangent.pose"),
-      limits: values("tangent.limits"),
+    modal: {
+      step: values("modal.step"),
+      load: values("modal.load"),
+      sway: values("modal.sway"),
+      force: values("modal.force"),
+      shown: values("modal.shown"),
+      pose: values("modal.pose"),
+      limits: values("modal.limits"),
     },
   };
   checkNumbers(table);
@@ -131,7 +134,7 @@ export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
   checkOffsets(table);
   sumSteps(table);
   checkSearch(table);
-  checkTangent(table.tangent);
+  checkModal(table.modal);
   return table;
 }
 
@@ -193,7 +196,8 @@ function readMetadata(header: Json): TableMetadata {
   const metadata = object(parse(texts.galewood), "not a galewood table: metadata is not an object");
   need(metadata.format === FORMAT, `not a ${FORMAT}: format ${String(metadata.format).slice(0, 40)}`);
   const version = String(metadata.version).slice(0, 40);
-  need(metadata.version === VERSION, `table version ${version}, this reader knows version ${VERSION}`);
+  const known = metadata.version === VERSION || metadata.version === 5;
+  need(known, `table version ${version}, this reader knows versions 5 and ${VERSION}`);
   number(metadata, "height_m", 0.01, 1000);
   number(metadata, "dt_s", 1e-4, 1);
   number(metadata, "sigma_pa", 1e-9, 1e9);
@@ -252,13 +256,13 @@ function checkShapes(tensors: ReadonlyMap<string, Tensor>, metadata: TableMetada
   const shapeOf = (name: string) => tensors.get(name)?.shape ?? [];
   const n = shapeOf("nodes.rest_m")[0];
   const vertices = metadata.primitives.reduce((sum, primitive) => sum + primitive.vertices, 0);
-  const d = shapeOf("tangent.step")[0];
+  const d = shapeOf("modal.step")[0];
   const most = Math.min(MAX_DYNAMIC, r);
-  need(d >= 2 && d <= most, `tensor tangent.step: expected 2..${most} rows`);
-  const c = coupledOf(shapeOf("tangent.limits")[0] ?? 0);
+  need(d >= 2 && d <= most, `tensor modal.step: expected 2..${most} rows`);
+  const c = coupledOf(shapeOf("modal.limits")[0] ?? 0);
   need(
     Number.isInteger(c) && c >= 0 && c <= d - 2,
-    `tensor tangent.limits: expected 3, 5, … ${2 * d - 1} numbers`,
+    `tensor modal.limits: expected 3, 5, … ${2 * d - 1} numbers`,
   );
   const expected: Record<string, number[]> = {
     "modes.scale": [r],
@@ -269,13 +273,13 @@ function checkShapes(tensors: ReadonlyMap<string, Tensor>, metadata: TableMetada
     "samples.pressure_pa": [z, 2],
     "search.offsets": [z + 1],
     "search.mismatch_steps": [...shapeOf("search.record")],
-    "tangent.step": [d, 6],
-    "tangent.load": [d, 2],
-    "tangent.sway": [2, d],
-    "tangent.force": [forceTerms(c), d],
-    "tangent.shown": [d],
-    "tangent.pose": [poseTerms(d, c), r - d],
-    "tangent.limits": [3 + 2 * c],
+    "modal.step": [d, 6],
+    "modal.load": [d, 2],
+    "modal.sway": [2, d],
+    "modal.force": [forceTerms(c), d],
+    "modal.shown": [d],
+    "modal.pose": [poseTerms(d, c), r - d],
+    "modal.limits": [3 + 2 * c],
   };
   for (const [name, shape] of Object.entries(expected)) {
     const found = shapeOf(name);
@@ -303,15 +307,15 @@ function checkNumbers(table: Table): void {
   );
 }
 
-function checkTangent(tangent: Tangent): void {
-  for (const [name, values] of Object.entries(tangent) as [string, Float32Array][]) {
-    need(values.every(Number.isFinite), `tensor tangent.${name}: not finite`);
+function checkModal(modal: ModalTensors): void {
+  for (const [name, values] of Object.entries(modal) as [string, Float32Array][]) {
+    need(values.every(Number.isFinite), `tensor modal.${name}: not finite`);
   }
   need(
-    tangent.limits.every((limit) => limit > 0),
-    "tensor tangent.limits: not positive",
+    modal.limits.every((limit) => limit > 0),
+    "tensor modal.limits: not positive",
   );
-  need(contracts(tangent.step), "tensor tangent.step: an oscillator that does not come to rest");
+  need(contracts(modal.step), "tensor modal.step: an oscillator that does not come to rest");
 }
 
 function checkTrajectories(table: Table): void {

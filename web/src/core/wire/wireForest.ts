@@ -1,4 +1,5 @@
 /** FOREST, the message that asks for a forest, and SHARED, which describes one. Twin of server/wire_forest.py. */
+import { METHODS, type Method, parseMethod } from "../motion/method";
 import {
   encodeMessage,
   entries,
@@ -25,7 +26,6 @@ export interface Group {
 
 /** What the planter of a shared forest wants others to know, passed on unread. */
 export type About = Record<string, string | number | boolean>;
-type Method = "tangent" | "paper";
 
 /** What the client wants: tables to look up itself, or a stream of poses of these trees. */
 export interface Forest {
@@ -36,7 +36,7 @@ export interface Forest {
   time_s: number;
   /** null: each table's own. */
   pose_easing: number | null;
-  /** How poses are made; "tangent" where it is not given. */
+  /** How poses are made; "modal" where it is not given. */
   method?: Method;
   /** The forest that many share; without it one of one's own. */
   share?: string;
@@ -133,8 +133,8 @@ export function decodeShared(header: Header, payload: Uint8Array<ArrayBuffer>): 
 const countTrees = (groups: readonly Group[]) => groups.reduce((sum, { count }) => sum + count, 0);
 
 function decodeMethod(given: Header): Method {
-  const method = text(given, "method");
-  if (method !== "tangent" && method !== "paper") throw new WireError("method must be 'tangent' or 'paper'");
+  const method = parseMethod(text(given, "method"));
+  if (!method) throw new WireError(`method must be one of ${METHODS.map((id) => `'${id}'`).join(", ")}`);
   return method;
 }
 

@@ -1,5 +1,6 @@
 /** "Is it right?": a dialog in which a tree moved by its table stands in the ghost of the true simulation. */
 import "./compare.css";
+import type { Method } from "../../core/motion/method";
 import type { WindState } from "../../core/wind/wind";
 import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
 import type { TableMotion } from "../../worker/protocol";
@@ -9,7 +10,7 @@ import { displayName } from "../ui/words";
 import { Curves, percent } from "./curves";
 import { compare } from "./request";
 import { type Shown, Theatre } from "./theatre";
-import type { TableMethod, Tracks } from "./tracks";
+import type { Tracks } from "./tracks";
 
 /** A tree that can be compared, and where one of its kind stands. */
 export interface Candidate {
@@ -43,7 +44,7 @@ export class CompareView {
   private readonly again = make("button", "Compare again in the wind of now");
   private readonly theatre: Theatre;
   private readonly curves: Curves;
-  private readonly shown: Shown = { method: "tangent", ghost: true, times: 1, worst: WORST.fine };
+  private readonly shown: Shown = { method: "modal", ghost: true, times: 1, worst: WORST.fine };
   private tracks: Tracks | null = null;
   private place = 0;
   private playing = true;
@@ -89,8 +90,8 @@ export class CompareView {
     this.choice.addEventListener("change", () => void this.start());
     this.again.type = "button";
     this.again.addEventListener("click", () => void this.start());
-    const method = select({ tangent: "free of drift", paper: "the paper's search" }, (value) => {
-      this.shown.method = value as TableMethod;
+    const method = select({ modal: "modal reduced order", paper: "the paper's search" }, (value) => {
+      this.shown.method = value as Method;
       this.shown.worst = value === "paper" ? WORST.coarse : WORST.fine;
       this.tell();
     });

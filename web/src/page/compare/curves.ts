@@ -8,7 +8,7 @@ const GRID = { stroke: "rgba(255,255,255,0.1)", width: 1 };
 const AXIS = { stroke: INK, grid: GRID, ticks: GRID, font: "11px sans-serif" };
 const DECADES = [1e-3, 100] as const;
 
-export const COLOURS = { sway: "#9aa6ab", tangent: "#8fd694", paper: "#f2ad3f" } as const;
+export const COLOURS = { sway: "#9aa6ab", modal: "#8fd694", paper: "#f2ad3f" } as const;
 
 const line = (label: string, stroke: string, dash?: number[]) => ({
   label,
@@ -54,8 +54,8 @@ export class Curves {
       series: [
         { label: "time", value: (_, value) => (value === null ? "–" : `${value.toFixed(1)} s`) },
         line("sway of the tree", COLOURS.sway),
-        line("error", COLOURS.tangent),
-        line("error, Hausdorff", COLOURS.tangent, [3, 3]),
+        line("error", COLOURS.modal),
+        line("error, Hausdorff", COLOURS.modal, [3, 3]),
         line("error of the paper's search", COLOURS.paper),
       ],
       hooks: { draw: [(plot) => this.drawNow(plot)] },
@@ -77,8 +77,8 @@ export class Curves {
     const time_s = Array.from({ length: frames }, (_, frame) => (frame + 1) * dt_s);
     const inPercent = (share: readonly number[]) =>
       share.map((value) => Math.min(Math.max(100 * value, DECADES[0]), DECADES[1]));
-    const { tangent, paper } = error;
-    this.plot.setData([time_s, ...[sway, tangent.max, tangent.hausdorff, paper.max].map(inPercent)]);
+    const { modal, paper } = error;
+    this.plot.setData([time_s, ...[sway, modal.max, modal.hausdorff, paper.max].map(inPercent)]);
   }
 
   /** Moves the line to a moment. */

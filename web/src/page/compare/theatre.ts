@@ -1,13 +1,15 @@
 /** The tree by the table, and in it its ghost by the finite elements. */
+
+import type { Method } from "../../core/motion/method";
 import { SmallStage } from "../../scene/smallStage";
 import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
 import type { TableMotion } from "../../worker/protocol";
 import { BentTree } from "./bentTree";
-import { poseAt, type TableMethod, type Tracks } from "./tracks";
+import { poseAt, type Tracks } from "./tracks";
 
 /** What is shown of a comparison. */
 export interface Shown {
-  method: TableMethod;
+  method: Method;
   ghost: boolean;
   /** How many times as large the motion is drawn. */
   times: number;

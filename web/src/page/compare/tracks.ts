@@ -1,9 +1,8 @@
 /** The tracks of a comparison (docs/formats/comparison.md): what the server computed, checked. Pure. */
 import { decode } from "@msgpack/msgpack";
+import { entryOfMethod, type Method } from "../../core/motion/method";
 
-export const METHODS = ["tangent", "paper"] as const;
-export type TableMethod = (typeof METHODS)[number];
-export type TrackName = "fem" | TableMethod;
+export type TrackName = "fem" | Method;
 
 export interface Tracks {
   readonly frames: number;
@@ -15,7 +14,7 @@ export interface Tracks {
   /** [frames] farthest node from rest by the finite elements, over the height. */
   readonly sway: readonly number[];
   /** [frames] farthest node from its true place, and Hausdorff distance, over the height. */
-  readonly error: Readonly<Record<TableMethod, { max: readonly number[]; hausdorff: readonly number[] }>>;
+  readonly error: Readonly<Record<Method, { max: readonly number[]; hausdorff: readonly number[] }>>;
 }
 
 type Json = Record<string, unknown>;
@@ -33,8 +32,7 @@ function number(from: Json, name: string): number {
   return value;
 }
 
-function floats(from: Json, name: string, count: number): Float32Array {
-  const bytes = from[name];
+function floats(bytes: unknown, name: string, count: number): Float32Array {
   if (!(bytes instanceof Uint8Array) || bytes.length !== 4 * count) throw wrong(`${name} has another length`);
   return new Float32Array(bytes.slice().buffer);
 }
@@ -53,8 +51,8 @@ export function decodeTracks(file: Uint8Array): Tracks {
   const [frames, modes] = [number(all, "frames"), number(all, "modes")];
   const tracks = object(all.tracks, "it has no tracks");
   const errors = object(all.error, "it has no errors");
-  const errorOf = (name: TableMethod) => {
-    const of = object(errors[name], `it has no error of ${name}`);
+  const errorOf = (name: Method) => {
+    const of = object(entryOfMethod(errors, name), `it has no error of ${name}`);
     return { max: series(of, "max", frames), hausdorff: series(of, "hausdorff", frames) };
   };
   return {
@@ -63,12 +61,12 @@ export function decodeTracks(file: Uint8Array): Tracks {
     dt_s: number(all, "dt_s"),
     height_m: number(all, "height_m"),
     q: {
-      fem: floats(tracks, "fem", frames * modes),
-      tangent: floats(tracks, "tangent", frames * modes),
-      paper: floats(tracks, "paper", frames * modes),
+      fem: floats(tracks.fem, "fem", frames * modes),
+      modal: floats(entryOfMethod(tracks, "modal"), "modal", frames * modes),
+      paper: floats(tracks.paper, "paper", frames * modes),
     },
     sway: series(all, "sway", frames),
-    error: { tangent: errorOf("tangent"), paper: errorOf("paper") },
+    error: { modal: errorOf("modal"), paper: errorOf("paper") },
   };
 }
 

@@ -1,13 +1,10 @@
 /** What the visitor chose: defaults, limits, and the address-bar form of it. Pure. */
-
+import { type Method, parseMethod } from "../../core/motion/method";
 import { windDocument } from "../../core/wind/edit";
 import { parseWind, type WindDocument, WindError } from "../../core/wind/wind";
+import type { Quality } from "../../scene/quality";
 import { SEASONS, type Season } from "../../scene/season/season";
-
-export type LookupPlace = "worker" | "server";
-/** How poses are made: free of drift, or by the paper's search. */
-export type Method = "tangent" | "paper";
-export type Quality = "low" | "medium" | "high";
+import type { LookupPlace } from "../../worker/protocol";
 
 export interface Settings {
   trees: number;
@@ -62,7 +59,7 @@ export const DEFAULTS: Settings = {
   windSeed: 1,
   wind: null,
   lookup: "worker",
-  method: "tangent",
+  method: "modal",
   poseEasing: null,
   quality: "high",
   season: "autumn",
@@ -147,8 +144,8 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   }
   const lookup = given.get("lookup");
   if (lookup === "worker" || lookup === "server") settings.lookup = lookup;
-  const method = given.get("method");
-  if (method === "tangent" || method === "paper") settings.method = method;
+  const method = parseMethod(given.get("method"));
+  if (method) settings.method = method;
   const quality = given.get("quality");
   if (quality === "low" || quality === "medium" || quality === "high") settings.quality = quality;
   const mix = given.get("mix");

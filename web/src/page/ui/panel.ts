@@ -1,22 +1,9 @@
 /** The settings panel. */
 import { type FolderApi, Pane } from "tweakpane";
+import type { Statistics } from "../frameStatistics";
 import { LIMITS, type Settings } from "../settings/settings";
 import { labelInputs } from "./accessible";
 import { element } from "./dom";
-
-/** Figures the panel shows; the app refreshes them a few times a second. */
-export interface Statistics {
-  framesPerSecond: number;
-  frame_ms: number;
-  script_ms: number;
-  lookup_ms: number;
-  trees: number;
-  triangles: number;
-  drawCalls: number;
-  stream: string;
-  latency: string;
-  frameAge: string;
-}
 
 export type SettingKey = keyof Settings;
 
@@ -68,7 +55,10 @@ export class Panel {
 
   private lookup(folder: FolderApi): void {
     this.choice(folder, "lookup", "Looked up", { "In this browser": "worker", "On the server": "server" });
-    this.choice(folder, "method", "Method", { "Free of drift": "tangent", "The paper's search": "paper" });
+    this.choice(folder, "method", "Method", {
+      "Modal reduced order": "modal",
+      "The paper's search": "paper",
+    });
     const advanced = folder.addFolder({ title: "Advanced", expanded: false });
     const easing = { own: this.settings.poseEasing !== null };
     const slider = () => {

@@ -18,16 +18,16 @@ export function figuresInWords({
   moves,
   height_m,
   tip_m,
-  coverage,
+  extrapolationRatio,
   record,
 }: PickedFigures): [string, string][] {
   const rows: [string, string][] = [["Height", `${height_m.toFixed(1)} m`]];
   if (!moves) return [...rows, ["Motion", "still to be computed"]];
   rows.push(["Tip is off by", `${tip_m.toFixed(2)} m`]);
   rows.push(["Share of its height", `${((100 * tip_m) / height_m).toFixed(1)} %`]);
-  if (coverage !== null) {
-    const beyond = coverage > 1 ? ", beyond what was sampled" : "";
-    rows.push(["Of the sampled range", `${(100 * coverage).toFixed(0)} %${beyond}`]);
+  if (extrapolationRatio !== null) {
+    const beyond = extrapolationRatio > 1 ? ", beyond what was sampled" : "";
+    rows.push(["Of the sampled range", `${(100 * extrapolationRatio).toFixed(0)} %${beyond}`]);
   }
   if (record !== null) rows.push(["Record in use", record.toLocaleString("en")]);
   return rows;

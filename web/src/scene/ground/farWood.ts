@@ -12,8 +12,8 @@ import {
   ShaderMaterial,
 } from "three";
 import { hashUnit } from "../../core/math/random";
-import type { Quality } from "../../page/settings/settings";
 import { HEART } from "../placement";
+import type { Quality } from "../quality";
 import { leafTint } from "../season/palette";
 import type { Season } from "../season/season";
 import { seasonal } from "../season/seasonal";

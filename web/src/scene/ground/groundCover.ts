@@ -15,7 +15,7 @@ import {
   Vector3,
 } from "three";
 import { hashUnit } from "../../core/math/random";
-import type { Quality } from "../../page/settings/settings";
+import type { Quality } from "../quality";
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";

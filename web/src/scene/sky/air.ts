@@ -1,5 +1,6 @@
 /** Aerial perspective, in linear light before tone mapping: sky, ground and trees share one table of the sky. */
 import { Color, type DataTexture, Vector2, Vector3 } from "three";
+import type { AtmosphereShader } from "../trees/treeShader";
 import { AEROSOL_G, SKY_AZIMUTHS, SKY_ELEVATIONS } from "./atmosphere";
 
 export const air = {
@@ -62,3 +63,11 @@ export const AIR_FRAGMENT = /* glsl */ `
 vec3 airDirection = -normalize((vec4(vViewPosition, 0.0) * viewMatrix).xyz);
 gl_FragColor.rgb = throughAir(gl_FragColor.rgb, airDirection, length(vViewPosition));
 `;
+
+/** The same for materials that take it as an option. */
+export const aerialPerspective: AtmosphereShader = {
+  key: "air",
+  uniforms: air,
+  declarations: AIR_PARS,
+  output: AIR_FRAGMENT,
+};

@@ -1,7 +1,7 @@
 /** The sun with two shadow cascades, the sky's soft light, and the air between: one moment's light on the scene. */
 import { Group, HemisphereLight, Vector3 } from "three";
 import { SunLight } from "three/addons/lights/SunLight.js";
-import type { Quality } from "../../page/settings/settings";
+import type { Quality } from "../quality";
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";
 import { air } from "./air";

@@ -7,7 +7,7 @@ import {
   RepeatWrapping,
   SRGBColorSpace,
 } from "three";
-import type { Quality } from "../../page/settings/settings";
+import type { Quality } from "../quality";
 import { type Picture, paintGrass, paintLitter, paintNoise } from "./paint";
 
 function texture({ side, pixels }: Picture, colour: boolean): DataTexture {

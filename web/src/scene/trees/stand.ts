@@ -1,8 +1,18 @@
 /** The trees of one species as packed arrays. Pure. */
-import type { Place } from "../placement";
 
 /** Floats per tree in `Stand.data`: x y z texel | s·cos s·sin s share | tint rgb, strength. */
 export const INSTANCE_FLOATS = 12;
+
+/** One place for a tree; the species comes later, so that places never move. */
+export interface Placement {
+  /** Identity of the place: stays when other trees come and go. */
+  readonly id: number;
+  readonly x_m: number;
+  readonly z_m: number;
+  readonly yaw_rad: number;
+  /** Size factor about 1. */
+  readonly scale: number;
+}
 
 export interface Stand {
   readonly count: number;
@@ -23,7 +33,7 @@ export function retint(stand: Stand, tint: Tint): void {
 }
 
 export function makeStand(
-  places: readonly Place[],
+  places: readonly Placement[],
   ground: (x: number, z: number) => number,
   tint: Tint,
 ): Stand {
@@ -39,5 +49,3 @@ export function makeStand(
   });
   return { count: places.length, data, placement, ids: Uint32Array.from(places, ({ id }) => id) };
 }
-
-export type { View } from "./drawList";

@@ -12,9 +12,8 @@ import {
   type Texture,
   ZeroFactor,
 } from "three";
-import { seasonal } from "../season/seasonal";
-import { air } from "../sky/air";
-import { deform, type Part, type TreeUniforms } from "./treeShader";
+import type { Part } from "./mesh/treeMesh";
+import { type AtmosphereShader, deform, type SurfaceUniforms, type TreeUniforms } from "./treeShader";
 
 const ALPHA_TEST = 0.42;
 
@@ -30,6 +29,8 @@ export interface MaterialOptions {
   readonly smoothEdges: boolean;
   /** Gloss of bark and leaves; without it a fragment costs about half. */
   readonly gloss: boolean;
+  readonly surface: SurfaceUniforms;
+  readonly atmosphere: AtmosphereShader;
 }
 
 function colourMaterial(
@@ -52,7 +53,8 @@ function colourMaterial(
     ? new MeshStandardMaterial({ ...common, roughness: leaves ? 0.72 : 0.94, metalness: 0 })
     : new MeshLambertMaterial(common);
   if (material.alphaToCoverage) keepAlpha(material);
-  deform(material, part, "colour", moves, { ...uniforms, ...air, ...seasonal });
+  const { surface, atmosphere } = options;
+  deform(material, part, "colour", moves, { ...uniforms, ...atmosphere.uniforms, ...surface }, atmosphere);
   return material;
 }
 
@@ -69,6 +71,7 @@ function shadowMaterial(
   colour: TreeMaterial,
   part: Part,
   uniforms: TreeUniforms,
+  { surface, atmosphere }: MaterialOptions,
   moves: boolean,
 ): MeshDepthMaterial {
   const material = new MeshDepthMaterial({
@@ -76,7 +79,7 @@ function shadowMaterial(
     map: colour.alphaTest > 0 ? colour.map : null,
     alphaTest: colour.alphaTest,
   });
-  deform(material, part, "depth", moves, { ...uniforms, ...seasonal });
+  deform(material, part, "depth", moves, { ...uniforms, ...surface }, atmosphere);
   return material;
 }
 
@@ -95,5 +98,5 @@ export function partMaterials(
   moves: boolean,
 ): PartMaterials {
   const colour = colourMaterial(from, part, uniforms, options, moves);
-  return { colour, shadow: shadowMaterial(colour, part, uniforms, moves) };
+  return { colour, shadow: shadowMaterial(colour, part, uniforms, options, moves) };
 }

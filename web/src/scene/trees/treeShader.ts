@@ -1,7 +1,7 @@
 /** Shader pieces of pass 2, shared by the colour and the shadow materials. */
-import type { Material, WebGLProgramParametersWithUniforms } from "three";
-import { AIR_FRAGMENT, AIR_PARS } from "../sky/air";
+import type { Color, Material, WebGLProgramParametersWithUniforms } from "three";
 import { EDGE, MOST_GROWTH } from "./detail";
+import type { Part } from "./mesh/treeMesh";
 
 export interface TreeUniforms {
   /** Target of pass 1; null for trees that stand still. */
@@ -11,6 +11,26 @@ export interface TreeUniforms {
   uFlutter: { value: { x: number; y: number } };
   /** 1 while the motion of this species is still being computed. */
   uGhost: { value: number };
+}
+
+/** Surface conditions that all trees share. */
+export interface SurfaceUniforms {
+  /** Snow cover: 0 none, 1 on everything that faces the sky. */
+  readonly uSnow: { value: number };
+  readonly uSnowColour: { value: Color };
+  /** Share of the leaves that are still on the tree. */
+  readonly uLeafShare: { value: number };
+}
+
+/** Atmospheric perspective, as shader code that the scene supplies. */
+export interface AtmosphereShader {
+  /** Part of the program's cache key: differs where the code differs. */
+  readonly key: string;
+  readonly uniforms: Readonly<Record<string, { value: unknown }>>;
+  /** GLSL declarations and functions for the fragment shader. */
+  readonly declarations: string;
+  /** Replaces three's `opaque_fragment`; works on linear light before tone mapping. */
+  readonly output: string;
 }
 
 const VERTEX_PARS = /* glsl */ `
@@ -128,8 +148,6 @@ const WOOD_LIGHT = /* glsl */ `
 reflectedLight.indirectDiffuse *= 0.35 + 0.65 * vPiece.y;
 `;
 
-export type Part = "wood" | "leaves";
-
 function patchVertex(shader: WebGLProgramParametersWithUniforms, part: Part, moves: boolean): void {
   const defines = `${part === "leaves" ? "#define LEAVES\n" : ""}${moves ? "" : "#define STILL\n"}`;
   shader.vertexShader = shader.vertexShader
@@ -138,14 +156,18 @@ function patchVertex(shader: WebGLProgramParametersWithUniforms, part: Part, mov
     .replace("#include <begin_vertex>", POSITION);
 }
 
-function patchColour(shader: WebGLProgramParametersWithUniforms, part: Part): void {
+function patchColour(
+  shader: WebGLProgramParametersWithUniforms,
+  part: Part,
+  atmosphere: AtmosphereShader,
+): void {
   const leaves = part === "leaves";
   shader.fragmentShader = shader.fragmentShader
-    .replace("#include <common>", `#include <common>\n${FRAGMENT_PARS}${AIR_PARS}`)
+    .replace("#include <common>", `#include <common>\n${FRAGMENT_PARS}${atmosphere.declarations}`)
     .replace("#include <map_fragment>", (leaves ? LEAF_MAP : WOOD_MAP) + GHOST)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
     .replace("#include <normal_fragment_maps>", SNOW)
-    .replace("#include <opaque_fragment>", AIR_FRAGMENT)
+    .replace("#include <opaque_fragment>", atmosphere.output)
     .replace("#include <fog_fragment>", "");
   if (leaves)
     shader.fragmentShader = shader.fragmentShader.replace("#include <normal_fragment_begin>", LEAF_NORMAL);
@@ -158,11 +180,12 @@ export function deform(
   pass: "colour" | "depth",
   moves: boolean,
   uniforms: object,
+  atmosphere: AtmosphereShader,
 ): void {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
     patchVertex(shader, part, moves);
-    if (pass === "colour") patchColour(shader, part);
+    if (pass === "colour") patchColour(shader, part, atmosphere);
   };
-  material.customProgramCacheKey = () => `galewood-${part}-${pass}-${moves}`;
+  material.customProgramCacheKey = () => `galewood-${part}-${pass}-${moves}-${atmosphere.key}`;
 }

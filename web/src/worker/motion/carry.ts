@@ -1,7 +1,7 @@
 /** Poses that outlive a new plan: what each tree shows now, in the coordinates of the group that it joins. Pure. */
 
+import { poseStride } from "../../core/motion/poseStride";
 import type { Table } from "../../core/table/table";
-import { poseStride } from "../../scene/trees/nodes/nodeLayout";
 
 /** One group as it is shown. */
 export interface ShownGroup {

@@ -34,8 +34,8 @@ export class FailoverMotion implements MotionSource {
     return this.source.coverage;
   }
 
-  get extent(): number {
-    return this.source.extent;
+  get extrapolationRatio(): number {
+    return this.source.extrapolationRatio;
   }
 
   takeWind_ms(): number {

@@ -1,8 +1,8 @@
 /** The wind at the trees of one group, and their poses as rows for the screen. Allocates nothing per frame. */
 
+import { poseStride } from "../../core/motion/poseStride";
 import { pressureOfVelocity } from "../../core/wind/pressure";
 import { dynamicPressure, heightFactor, type WindField } from "../../core/wind/wind";
-import { poseStride } from "../../scene/trees/nodes/nodeLayout";
 
 export class GroupWind {
   readonly count: number;
@@ -14,7 +14,7 @@ export class GroupWind {
   /** Share of the trees in winds that their table has sampled. */
   coverage = 1;
   /** The strongest pressure over the strongest that the table has sampled. */
-  extent = 0;
+  extrapolationRatio = 0;
   private readonly speed_m_s: Float32Array;
   private readonly velocityX: Float64Array;
   private readonly velocityZ: Float64Array;
@@ -72,11 +72,11 @@ export class GroupWind {
       pressureZ[tree] = pz * share;
     }
     this.coverage = this.count === 0 ? 1 : 1 - beyond / this.count;
-    this.extent = Math.sqrt(strongest) / sampledPeak_pa;
+    this.extrapolationRatio = Math.sqrt(strongest) / sampledPeak_pa;
   }
 
   /** Pressure at one tree over the strongest that its table has sampled. */
-  extentAt(tree: number): number {
+  extrapolationRatioAt(tree: number): number {
     return dynamicPressure(this.speed_m_s[tree]) / this.sampledPeak_pa;
   }
 
@@ -103,5 +103,5 @@ export function coverageOf(groups: readonly GroupWind[]): number {
   return trees === 0 ? 1 : groups.reduce((sum, group) => sum + group.count * group.coverage, 0) / trees;
 }
 
-export const extentOf = (groups: readonly GroupWind[]): number =>
-  groups.reduce((most, { extent }) => Math.max(most, extent), 0);
+export const extrapolationRatioOf = (groups: readonly GroupWind[]): number =>
+  groups.reduce((most, { extrapolationRatio }) => Math.max(most, extrapolationRatio), 0);

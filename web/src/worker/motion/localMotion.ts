@@ -1,14 +1,14 @@
 /** Every tree looked up here. */
 
-import { TangentForest } from "../../core/modal/modalForest";
-import { ForestLookup } from "../../core/motion/paperSearch";
+import { ModalForest } from "../../core/modal/modalForest";
+import type { Method } from "../../core/motion/method";
+import { PaperForest } from "../../core/motion/paperSearch";
+import { poseStride } from "../../core/motion/poseStride";
 import type { Table } from "../../core/table/table";
 import { sampledPeak, type WindField } from "../../core/wind/wind";
-import type { Method } from "../../page/settings/settings";
-import { poseStride } from "../../scene/trees/nodes/nodeLayout";
 import type { Connection, Inspection, TreeAt } from "../protocol";
 import { rowsBefore, type ShownGroup } from "./carry";
-import { coverageOf, extentOf, GroupWind } from "./groupWind";
+import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motion";
 
 /** Wind and poses move in the table's own steps at most, so that a slow display sees the same motion. */
@@ -21,7 +21,7 @@ export interface LocalGroup extends ShownGroup {
 
 interface Moving {
   readonly group: LocalGroup;
-  readonly lookup: ForestLookup | TangentForest;
+  readonly lookup: PaperForest | ModalForest;
   readonly wind: GroupWind;
   readonly modes: number;
 }
@@ -42,7 +42,7 @@ export class LocalMotion implements MotionSource {
       const count = placement.length / 4;
       const options = poseEasing === null ? {} : { poseEasing };
       const lookup =
-        method === "tangent" ? new TangentForest(table, count) : new ForestLookup(table, count, options);
+        method === "modal" ? new ModalForest(table, count) : new PaperForest(table, count, options);
       const own = new GroupWind(placement, table.metadata.height_m, sampledPeak(table.pressure));
       lookup.setTrees(own.x, own.z, own.column(2), own.column(3));
       return { group, lookup, wind: own, modes: table.metadata.modes };
@@ -57,9 +57,9 @@ export class LocalMotion implements MotionSource {
       );
       if (!old) continue;
       const rows = rowsBefore(old.group.ids, group.ids);
-      if (lookup instanceof TangentForest && old.lookup instanceof TangentForest) {
+      if (lookup instanceof ModalForest && old.lookup instanceof ModalForest) {
         lookup.adopt(old.lookup, rows);
-      } else if (lookup instanceof ForestLookup && old.lookup instanceof ForestLookup) {
+      } else if (lookup instanceof PaperForest && old.lookup instanceof PaperForest) {
         lookup.adopt(old.lookup, rows);
       }
     }
@@ -71,10 +71,11 @@ export class LocalMotion implements MotionSource {
     return coverageOf(this.groups.map(({ wind }) => wind));
   }
 
-  get extent(): number {
-    const winds = extentOf(this.groups.map(({ wind }) => wind));
+  get extrapolationRatio(): number {
+    const winds = extrapolationRatioOf(this.groups.map(({ wind }) => wind));
     return this.groups.reduce((most, { lookup }) => {
-      if (lookup instanceof TangentForest) for (const one of lookup.coverage) most = Math.max(most, one);
+      if (lookup instanceof ModalForest)
+        for (const one of lookup.extrapolationRatio) most = Math.max(most, one);
       return most;
     }, winds);
   }
@@ -89,9 +90,9 @@ export class LocalMotion implements MotionSource {
     const found = this.groups[group];
     if (!found || tree >= found.lookup.count) return null;
     const { lookup, wind } = found;
-    const felt = wind.extentAt(tree);
-    if (lookup instanceof ForestLookup) return { coverage: felt, record: lookup.record[tree] };
-    return { coverage: Math.max(felt, lookup.coverage[tree]), record: null };
+    const felt = wind.extrapolationRatioAt(tree);
+    if (lookup instanceof PaperForest) return { extrapolationRatio: felt, record: lookup.record[tree] };
+    return { extrapolationRatio: Math.max(felt, lookup.extrapolationRatio[tree]), record: null };
   }
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {

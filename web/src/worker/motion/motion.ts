@@ -8,7 +8,7 @@ export interface MotionSource {
   /** Share of the trees that are in winds that their tables have sampled. */
   readonly coverage: number;
   /** How far the tree that is farthest is into its sampled range: above 1 it is beyond. */
-  readonly extent: number;
+  readonly extrapolationRatio: number;
   /** Time spent on the wind since last asked, ms. */
   takeWind_ms(): number;
   inspect(at: TreeAt): Inspection | null;

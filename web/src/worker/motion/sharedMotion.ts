@@ -56,8 +56,8 @@ export class SharedMotion implements MotionSource {
     return this.local.coverage;
   }
 
-  get extent(): number {
-    return this.local.extent;
+  get extrapolationRatio(): number {
+    return this.local.extrapolationRatio;
   }
 
   takeWind_ms(): number {

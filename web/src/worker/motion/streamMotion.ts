@@ -1,16 +1,16 @@
 /** Poses looked up on the server: a WebSocket that comes back by itself, shown a moment behind. */
 
+import type { Method } from "../../core/motion/method";
+import { poseStride } from "../../core/motion/poseStride";
 import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
 import type { Frame, Reply, Request } from "../../core/wire/wire";
-import type { Method } from "../../page/settings/settings";
-import { poseStride } from "../../scene/trees/nodes/nodeLayout";
-import type { Connection, Inspection, TreeAt } from "../protocol";
-import { forestRequest, type ShareRequest } from "../stream/forestRequest";
+import type { Connection, Inspection, ShareRequest, TreeAt } from "../protocol";
+import { forestRequest } from "../stream/forestRequest";
 import { ForestSocket } from "../stream/forestSocket";
 import { PoseSum } from "../stream/poseSum";
 import { SharedClock } from "../stream/sharedClock";
 import { PoseTimeline } from "../stream/timeline";
-import { coverageOf, extentOf, GroupWind } from "./groupWind";
+import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motion";
 
 export interface StreamGroup {
@@ -118,8 +118,8 @@ export class StreamMotion implements MotionSource {
     return coverageOf(this.winds);
   }
 
-  get extent(): number {
-    return extentOf(this.winds);
+  get extrapolationRatio(): number {
+    return extrapolationRatioOf(this.winds);
   }
 
   takeWind_ms(): number {
@@ -130,7 +130,9 @@ export class StreamMotion implements MotionSource {
 
   inspect({ group, tree }: TreeAt): Inspection | null {
     const wind = this.winds[group];
-    return wind && tree < wind.count ? { coverage: wind.extentAt(tree), record: null } : null;
+    return wind && tree < wind.count
+      ? { extrapolationRatio: wind.extrapolationRatioAt(tree), record: null }
+      : null;
   }
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {

@@ -1,17 +1,9 @@
 /** The FOREST message of a plan. Pure. */
 
+import type { Method } from "../../core/motion/method";
 import type { WindField } from "../../core/wind/wind";
-import type { About, Forest } from "../../core/wire/wire";
-import type { Method } from "../../page/settings/settings";
-
-/** A forest that many share. */
-export interface ShareRequest {
-  readonly id: string;
-  /** Give it these trees, for all, if it has others. */
-  readonly replant: boolean;
-  /** What others need to plant the same. */
-  readonly about: About;
-}
+import type { Forest } from "../../core/wire/wire";
+import type { ShareRequest } from "../protocol";
 
 export interface PlannedGroup {
   readonly table: string;

@@ -1,7 +1,7 @@
 /** Sums the deltas of the server's frames back to poses. Pure. */
 
+import { poseStride } from "../../core/motion/poseStride";
 import type { Frame } from "../../core/wire/wire";
-import { poseStride } from "../../scene/trees/nodes/nodeLayout";
 
 export interface GroupShape {
   readonly count: number;

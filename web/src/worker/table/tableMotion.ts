@@ -1,7 +1,7 @@
 /** What the screen needs of a table. Pure. */
 
+import { poseStride } from "../../core/motion/poseStride";
 import { poses, type Table } from "../../core/table/table";
-import { poseStride } from "../../scene/trees/nodes/nodeLayout";
 import type { TableMotion } from "../protocol";
 import { coarserNodes } from "./nodeLevels";
 

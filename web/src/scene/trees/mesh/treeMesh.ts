@@ -10,7 +10,6 @@ import {
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { hashUnit } from "../../../core/math/random";
 import { branchBases, leafRanks, rankedIndex, woodRanks } from "../detail";
-import type { Part } from "../treeShader";
 import {
   type Components,
   componentCentres,
@@ -19,6 +18,9 @@ import {
   weldedComponents,
 } from "./components";
 import { leafReach, openness, roundNormals } from "./foliage";
+
+/** Wood moves with its branch; leaves also flutter, and take light from both sides. */
+export type Part = "wood" | "leaves";
 
 export interface TreePart {
   readonly kind: Part;

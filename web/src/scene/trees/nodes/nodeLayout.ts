@@ -1,10 +1,5 @@
 /** How pass 1's target is laid out: flat texels, wrapped at a power of two, each level on rows of its own. Pure. */
 
-/** Rows of floats for one tree: modes and one more for the local wind speed, padded to whole texels. */
-export function poseStride(modes: number): number {
-  return Math.ceil((modes + 1) / 4) * 4;
-}
-
 export interface NodeLayout {
   readonly width: number;
   /** log2 of the width. */
