@@ -1,4 +1,5 @@
 import { describe, expect, test } from "vitest";
+import { PRESETS } from "../../web/src/core/wind/wind";
 import { DEFAULTS } from "../../web/src/page/settings/settings";
 import { adoptPlanting, plantingOf, sharedFrom, withShared } from "../../web/src/page/settings/sharedForest";
 import { ServerClock } from "../../web/src/worker/stream/serverClock";
@@ -23,10 +24,10 @@ describe("a shared forest in the address", () => {
 });
 
 test("planters tell each other what decides where trees stand, and nothing else", () => {
-  const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, method: "paper" as const, gustiness: 1 };
-  const yours = { ...DEFAULTS, trees: 5, gustiness: 0.25 };
+  const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, method: "paper" as const, wind: PRESETS.still };
+  const yours = { ...DEFAULTS, trees: 5, wind: PRESETS["storm-front"] };
   expect(adoptPlanting(yours, plantingOf(mine))).toBe(true);
-  expect([yours.trees, yours.forestSeed, yours.method, yours.gustiness]).toEqual([321, 9, "paper", 0.25]);
+  expect([yours.trees, yours.forestSeed, yours.method, yours.wind]).toEqual([321, 9, "paper", PRESETS["storm-front"]]);
   expect(adoptPlanting(yours, plantingOf(mine))).toBe(false);
   expect(adoptPlanting(yours, {})).toBe(false);
   const plain = { ...mine };

@@ -1,8 +1,8 @@
 /** The page: binds stage, forest, worker, catalogue and panel, and runs the frame loop. */
 
 import { meanCrownDisplacement_m } from "../core/motion/crownDisplacement";
-import { windDocument, windVector_m_s } from "../core/wind/edit";
-import type { WindDocument } from "../core/wind/wind";
+import { meanVelocity_m_s, sameWind } from "../core/wind/edit";
+import { parseWind, type WindDocument } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
 import { Forest, planForest } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
@@ -18,7 +18,7 @@ import { FrameStatistics } from "./frameStatistics";
 import { type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { momentFrom } from "./settings/link";
-import { queryFromSettings, type Settings, withWind } from "./settings/settings";
+import { queryFromSettings, type Settings } from "./settings/settings";
 import { adoptPlanting, plantingOf, sharedFrom, withShared } from "./settings/sharedForest";
 import { keep } from "./settings/storedSettings";
 import { TreePicker } from "./treePicker";
@@ -37,7 +37,6 @@ const REPORT_EVERY_MS = 250;
 /** For so long the land waits for the first trees before it moves without them. */
 const PATIENCE_MS = 4000;
 const REPLANTS: SettingKey[] = ["trees", "density", "shares", "forestSeed", "lookup", "method", "poseEasing"];
-const BLOWS: SettingKey[] = ["meanSpeed_m_s", "direction_deg", "gustiness", "windSeed"];
 
 export class App {
   readonly stage: Stage;
@@ -47,7 +46,9 @@ export class App {
   asleep = false;
   private readonly client = new ForestClient(showToast, {
     planted: (about) => this.takePlanting(about),
-    wind: (wind) => this.takeSharedWind(wind),
+    wind: (wind) => {
+      if (!sameWind(wind, this.settings.wind)) this.changeWind(wind, "shared");
+    },
   });
   /** The forest that this page shares with others, of its address. */
   private readonly share = sharedFrom(location.search);
@@ -99,8 +100,8 @@ export class App {
       },
       problem: showToast,
     });
-    this.studio = new WindStudio(this.stage, windDocument(settings), {
-      wind: (wind) => this.takeWind(wind),
+    this.studio = new WindStudio(this.stage, settings, {
+      wind: (wind) => this.changeWind(wind, "instruments"),
       problem: showToast,
     });
     this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
@@ -147,7 +148,7 @@ export class App {
         from_s: this.from_s,
         share: this.share === null ? null : { id: this.share, replant, about: plantingOf(settings) },
       },
-      windDocument(settings),
+      settings.wind,
       () => {
         forest.show(planted);
         this.stage.surround(woodReach_m(planted.map(({ stand }) => stand.placement)));
@@ -156,11 +157,17 @@ export class App {
     );
   }
 
-  /** The instruments chose another wind. */
-  private takeWind(wind: WindDocument): void {
-    withWind(this.settings, wind);
-    this.panel.refresh();
-    this.client.setWind(wind);
+  /** A wind from a document of any origin; throws WindError if it cannot be used. */
+  setWind(document: unknown): void {
+    this.changeWind(parseWind(document), "instruments");
+  }
+
+  /** Every change of the page's wind comes through here; a shared one is known to the worker already. */
+  private changeWind(wind: WindDocument, origin: "panel" | "instruments" | "shared"): void {
+    this.settings.wind = wind;
+    if (origin !== "panel") this.panel.refresh();
+    if (origin !== "shared") this.client.setWind(wind);
+    this.studio.showWind();
     this.remember();
   }
 
@@ -169,15 +176,6 @@ export class App {
     if (!adoptPlanting(this.settings, about)) return;
     this.panel.refresh();
     this.plant();
-    this.remember();
-  }
-
-  /** Others who share this forest changed its wind; the worker has it already. */
-  private takeSharedWind(wind: WindDocument): void {
-    if (JSON.stringify(wind) === JSON.stringify(windDocument(this.settings))) return;
-    withWind(this.settings, wind);
-    this.panel.refresh();
-    this.studio.show(wind);
     this.remember();
   }
 
@@ -208,10 +206,7 @@ export class App {
 
   private change(key: SettingKey): void {
     if (key === "season") this.dress();
-    if (BLOWS.includes(key)) {
-      this.client.setWind(windDocument(this.settings));
-      this.studio.show(windDocument(this.settings));
-    }
+    if (key === "wind") return this.changeWind(this.settings.wind, "panel");
     if (REPLANTS.includes(key)) this.plant(key !== "lookup");
     if (key === "quality") {
       this.stage.setQuality(this.settings.quality);
@@ -251,7 +246,7 @@ export class App {
     this.picker.advance(dt_s);
     this.studio.tipOf = this.picker.moving;
     this.studio.advance(dt_s, this.client, this.forest);
-    const wind_m_s = windVector_m_s(this.settings);
+    const wind_m_s = meanVelocity_m_s(this.settings.wind);
     this.stage.sky.advance(dt_s, wind_m_s);
     this.visit.advance(dt_s);
     this.stage.cover.update(this.stage.camera.position, wind_m_s, this.client.time_s);

@@ -2,8 +2,9 @@ import "./ui/instruments/instruments.css";
 import { App } from "./app";
 import { detectGraphics } from "./graphics";
 import { exposeProbe } from "./probe";
-import { defaultsFor, type Settings, settingsFromQuery, windFromQuery, withWind } from "./settings/settings";
+import { defaultsFor, settingsFromQuery } from "./settings/settings";
 import { remembered } from "./settings/storedSettings";
+import { windFromQuery } from "./settings/windQuery";
 import { element } from "./ui/dom";
 import { showToast } from "./ui/toast";
 import { acceptUploads } from "./ui/upload";
@@ -20,11 +21,10 @@ function panelToggle(id: string, open: boolean): void {
   show(open);
 }
 
-/** The wind of the link, if it has one that can be used. */
-function takeWind(settings: Settings): void {
+/** Says so if the link has a wind that cannot be used. */
+function checkWind(): void {
   try {
-    const wind = windFromQuery(location.search);
-    if (wind) withWind(settings, wind);
+    windFromQuery(location.search);
   } catch (error) {
     showToast(
       "The wind of this link cannot be used.",
@@ -41,7 +41,7 @@ function start(software: boolean): void {
   const usual = own ? remembered(defaults, () => localStorage) : defaults;
   const settings = settingsFromQuery(location.search, usual);
   document.body.classList.toggle("bare", !settings.panel);
-  takeWind(settings);
+  checkWind();
   panelToggle("panel", false);
   panelToggle("instruments", settings.panel && innerWidth > 760);
   panelToggle("tools", innerWidth > 760);

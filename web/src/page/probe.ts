@@ -84,7 +84,7 @@ export function exposeProbe(app: App): void {
       return app.paused;
     },
     get wind() {
-      return app.studio.wind;
+      return app.settings.wind;
     },
     get coverage() {
       return app.studio.coverage;
@@ -92,7 +92,7 @@ export function exposeProbe(app: App): void {
     get anemometer() {
       return app.studio.anemometer;
     },
-    setWind: (document) => app.studio.setWind(document),
+    setWind: (document) => app.setWind(document),
     pause() {
       app.paused = true;
     },

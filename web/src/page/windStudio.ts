@@ -2,7 +2,7 @@
 import { Raycaster, Vector2, Vector3 } from "three";
 import { groundUnder } from "../core/math/groundRay";
 import { nearestTree, tipDisplacement_m, tipNode } from "../core/motion/tip";
-import { parseWind, type WindDocument, WindField } from "../core/wind/wind";
+import { type WindDocument, WindField } from "../core/wind/wind";
 import type { Forest } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
 import { Mast } from "../scene/overlays/mast";
@@ -12,7 +12,7 @@ import type { TreeAt } from "../worker/protocol";
 import type { ForestClient } from "./forestClient";
 import { element } from "./ui/dom";
 import { dialTurn_deg } from "./ui/instruments/dial";
-import { Instruments } from "./ui/instruments/instruments";
+import { type CurrentWind, Instruments } from "./ui/instruments/instruments";
 
 export interface StudioEvents {
   wind(wind: WindDocument): void;
@@ -39,12 +39,12 @@ export class WindStudio {
 
   constructor(
     private readonly stage: Stage,
-    public wind: WindDocument,
-    private readonly events: StudioEvents,
+    current: CurrentWind,
+    events: StudioEvents,
   ) {
-    this.field = new WindField(wind);
-    this.instruments = new Instruments(wind, {
-      wind: (chosen) => this.choose(chosen),
+    this.field = new WindField(current.wind);
+    this.instruments = new Instruments(current, {
+      wind: events.wind,
       overlay: (visible) => {
         this.overlay.visible = visible;
       },
@@ -61,22 +61,9 @@ export class WindStudio {
     return this.stage.renderer.domElement;
   }
 
-  private choose(wind: WindDocument): void {
-    this.wind = wind;
-    this.events.wind(wind);
-  }
-
-  /** Shows a wind that was chosen elsewhere. */
-  show(wind: WindDocument): void {
-    this.wind = wind;
-    this.instruments.show(wind);
-  }
-
-  /** A wind from a document of any origin; throws WindError if it cannot be used. */
-  setWind(document: unknown): void {
-    const wind = parseWind(document);
-    this.show(wind);
-    this.events.wind(wind);
+  /** Shows the page's wind after a change. */
+  showWind(): void {
+    this.instruments.showWind();
   }
 
   /** Whether a click on the ground places the anemometer. */

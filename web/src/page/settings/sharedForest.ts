@@ -21,12 +21,11 @@ export function withShared(query: string, share: string | null): string {
 
 /** What others need to plant the same trees. */
 export function plantingOf(settings: Settings): About {
-  const planting: Settings = { ...settings, wind: null };
-  const usual: Settings = { ...planting, trees: Number.NaN, forestSeed: Number.NaN };
+  const usual: Settings = { ...settings, trees: Number.NaN, forestSeed: Number.NaN };
   for (const key of ["density", "shares", "method", "poseEasing"] as const) {
     Object.assign(usual, { [key]: settingsFromQuery("")[key] });
   }
-  const query = queryFromSettings(planting, usual);
+  const query = queryFromSettings(settings, usual);
   return query.length <= 200 ? { planting: query } : {};
 }
 

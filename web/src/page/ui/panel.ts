@@ -1,7 +1,9 @@
 /** The settings panel. */
 import { type FolderApi, Pane } from "tweakpane";
+import { type PlainWind, withinTurn, withPlain } from "../../core/wind/edit";
 import type { Statistics } from "../frameStatistics";
 import { LIMITS, type Settings } from "../settings/settings";
+import { WIND_LIMITS } from "../settings/windQuery";
 import { labelInputs } from "./accessible";
 import { element } from "./dom";
 
@@ -33,16 +35,31 @@ export class Panel {
     folder
       .addBinding(this.settings as Settings & { poseEasing: number }, key, { label, format, ...LIMITS[key] })
       .on("change", ({ last }) => {
-        // A new forest is planted when the slider is let go; the wind follows at once.
-        if (last || folder.title === "Wind") this.changed(key);
+        if (last) this.changed(key); // trees are placed again when the slider is let go
       });
   }
 
+  /** A number of the wind; it follows the slider at once. */
+  private windNumber(folder: FolderApi, key: keyof PlainWind, label: string, format = whole): void {
+    const { settings } = this;
+    const bound = {
+      get value() {
+        return withinTurn(settings.wind)[key];
+      },
+      set value(value) {
+        settings.wind = withPlain(settings.wind, { [key]: value });
+      },
+    };
+    folder
+      .addBinding(bound, "value", { label, format, ...WIND_LIMITS[key] })
+      .on("change", () => this.changed("wind"));
+  }
+
   private wind(folder: FolderApi): void {
-    this.number(folder, "meanSpeed_m_s", "Mean speed, m/s", fine);
-    this.number(folder, "direction_deg", "Blows towards, °");
-    this.number(folder, "gustiness", "Gustiness", (value) => value.toFixed(2));
-    this.number(folder, "windSeed", "Seed");
+    this.windNumber(folder, "mean_speed_m_s", "Mean speed, m/s", fine);
+    this.windNumber(folder, "direction_deg", "Blows towards, °");
+    this.windNumber(folder, "gustiness", "Gustiness", (value) => value.toFixed(2));
+    this.windNumber(folder, "seed", "Seed");
     this.choice(folder, "flutter", "Leaf flutter");
   }
 

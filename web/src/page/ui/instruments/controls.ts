@@ -75,12 +75,14 @@ export class WindControls {
     input: HTMLInputElement;
     output: HTMLOutputElement;
   }[];
-  private wind: WindDocument | null = null;
 
-  constructor(private readonly changed: (wind: WindDocument) => void) {
+  constructor(
+    private readonly current: { readonly wind: WindDocument },
+    private readonly changed: (wind: WindDocument) => void,
+  ) {
     for (const name of MODELS) this.model.append(new Option(MODEL_NAMES[name], name));
     this.model.addEventListener("change", () => {
-      if (this.wind) this.changed(withModel(this.wind, this.model.value as WindModel));
+      this.changed(withModel(current.wind, this.model.value as WindModel));
     });
     this.element.append(labelled("Model", this.model));
     this.rows = SLIDERS.map((slider) => this.makeRow(slider));
@@ -88,7 +90,7 @@ export class WindControls {
     seed.type = "button";
     seed.title = "The same wind with other gusts (another seed)";
     seed.addEventListener("click", () => {
-      if (this.wind) this.changed({ ...this.wind, seed: Math.floor(Math.random() * 10_000) });
+      this.changed({ ...current.wind, seed: Math.floor(Math.random() * 10_000) });
     });
     this.element.append(seed);
   }
@@ -99,7 +101,7 @@ export class WindControls {
     input.title = slider.title;
     input.dataset.field = slider.name;
     input.addEventListener("input", () => {
-      if (this.wind) this.changed({ ...this.wind, [slider.name]: Number(input.value) });
+      this.changed({ ...this.current.wind, [slider.name]: Number(input.value) });
     });
     const output = make("output");
     const row = labelled(slider.label, input, output);
@@ -107,8 +109,8 @@ export class WindControls {
     return { slider, row, input, output };
   }
 
-  show(wind: WindDocument): void {
-    this.wind = wind;
+  show(): void {
+    const { wind } = this.current;
     this.model.value = wind.model;
     for (const { slider, row, input, output } of this.rows) {
       row.hidden = !hasField(wind.model, slider.name);

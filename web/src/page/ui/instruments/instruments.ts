@@ -23,6 +23,11 @@ const PRESET_NAMES: Record<PresetName, string> = {
   "storm-front": "Storm front",
 };
 
+/** Where the instruments read the page's wind: they keep none of their own. */
+export interface CurrentWind {
+  readonly wind: WindDocument;
+}
+
 export interface InstrumentEvents {
   /** The visitor wants another wind. */
   wind(wind: WindDocument): void;
@@ -36,14 +41,14 @@ export interface InstrumentEvents {
 export class Instruments {
   readonly anemometer = new Anemometer(() => this.removeAnemometer());
   private readonly rose = new WindRose(({ direction_deg, mean_speed_m_s }) => {
-    this.choose(withMean(this.wind, mean_speed_m_s, direction_deg));
+    this.events.wind(withMean(this.wind, mean_speed_m_s, direction_deg));
   });
   private readonly words = make("p", "", "wind-words");
   private readonly coverage = make("p", "", "wind-coverage");
-  private readonly controls = new WindControls((wind) => this.choose(wind));
+  private readonly controls: WindControls;
   private readonly presets: { name: PresetName; button: HTMLButtonElement }[];
   private readonly files = new WindFileInput(
-    (wind) => this.choose(wind),
+    (wind) => this.events.wind(wind),
     (why) => this.refuse(why),
   );
   private readonly overlayButton = toggle(
@@ -53,9 +58,10 @@ export class Instruments {
   private readonly placeButton = toggle("Anemometer", "Then click on the ground to set it up");
 
   constructor(
-    private wind: WindDocument,
+    private readonly current: CurrentWind,
     private readonly events: InstrumentEvents,
   ) {
+    this.controls = new WindControls(current, events.wind);
     this.presets = (Object.keys(PRESETS) as PresetName[]).map((name) => this.presetButton(name));
     this.overlayButton.addEventListener("click", () => events.overlay(flip(this.overlayButton)));
     this.placeButton.addEventListener("click", () => events.placing(flip(this.placeButton)));
@@ -68,13 +74,17 @@ export class Instruments {
     );
     element("anemometer").replaceChildren(this.anemometer.element);
     element("winds").replaceChildren(...this.presets.map(({ button }) => button));
-    this.show(wind);
+    this.showWind();
+  }
+
+  private get wind(): WindDocument {
+    return this.current.wind;
   }
 
   private presetButton(name: PresetName) {
     const button = make("button", PRESET_NAMES[name]);
     button.type = "button";
-    button.addEventListener("click", () => this.choose(presetAt(name, this.wind.direction_deg)));
+    button.addEventListener("click", () => this.events.wind(presetAt(name, this.wind.direction_deg)));
     return { name, button };
   }
 
@@ -94,21 +104,16 @@ export class Instruments {
     return details;
   }
 
-  private choose(wind: WindDocument): void {
-    this.show(wind);
-    this.events.wind(wind);
-  }
-
   private refuse(why: WindError): void {
     this.events.problem("This wind cannot be used.", why.message);
   }
 
-  /** Shows a wind that was chosen elsewhere. */
-  show(wind: WindDocument): void {
-    this.wind = wind;
+  /** Shows the page's wind after a change. */
+  showWind(): void {
+    const { wind } = this;
     const words = windInWords(wind.mean_speed_m_s, wind.direction_deg);
     if (this.words.textContent !== words) this.words.textContent = words;
-    this.controls.show(wind);
+    this.controls.show();
     const current = presetOf(wind);
     for (const { name, button } of this.presets)
       button.setAttribute("aria-pressed", String(name === current));
