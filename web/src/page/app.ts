@@ -206,7 +206,10 @@ export class App {
 
   private change(key: SettingKey): void {
     if (key === "season") this.dress();
-    if (key === "wind") return this.changeWind(this.settings.wind, "panel");
+    if (key === "wind") {
+      this.changeWind(this.settings.wind, "panel");
+      return;
+    }
     if (REPLANTS.includes(key)) this.plant(key !== "lookup");
     if (key === "quality") {
       this.stage.setQuality(this.settings.quality);
