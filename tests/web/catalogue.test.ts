@@ -30,7 +30,7 @@ function started() {
     (sha256) => new Promise((resolve, reject) => arriving.set(sha256, { resolve, reject })),
     {
       change: () => {},
-      grow: () => grown.push(catalogue.growers[0]?.motion?.sha256 ?? null),
+      assetsChanged: () => grown.push(catalogue.assets[0]?.motion?.sha256 ?? null),
       connected: () => {},
       problem: (title) => problems.push(title),
     },
@@ -60,7 +60,7 @@ test("a full table replaces an early one, which never comes back however late it
   arriving.get("early")?.resolve(motionOf("early"));
   await settle();
   expect(grown.at(-1)).toBe("full");
-  expect(catalogue.growers[0].motion?.sha256).toBe("full");
+  expect(catalogue.assets[0].motion?.sha256).toBe("full");
 });
 
 test("an early table that is gone by now is no problem; a table that cannot be read is one", async () => {
@@ -80,5 +80,5 @@ test("a table of another mesh moves nothing", async () => {
   handlers.change({ tree: tree("other"), job: null });
   arriving.get("other")?.resolve(motionOf("other", 7));
   await settle();
-  expect(catalogue.growers[0].motion).toBeNull();
+  expect(catalogue.assets[0].motion).toBeNull();
 });

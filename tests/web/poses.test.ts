@@ -131,7 +131,7 @@ test("a group's wind: speed at each tree's height, held pressure, and how many a
   const field = new WindField({ ...CALM_BREEZE, mean_speed_m_s: 8, gustiness: 0 });
   const peak_pa = dynamicPressure(7);
   const wind = new GroupWind(placement, 10, peak_pa);
-  wind.blow(field, 3);
+  wind.update(field, 3);
   const out = new Float32Array(2 * poseStride(3));
   wind.writeSpeeds(out, 3);
   const [velocityX, velocityZ] = [new Float64Array(2), new Float64Array(2)];

@@ -3,9 +3,9 @@
 // in bytes; ../src/core/modal/modalKernel.ts says what lies where before the first step.
 
 /** The polynomials are held where they are beyond this multiple of the sampled range. */
-const REACH: f32 = 1.25;
+const CLAMP_RATIO: f32 = 1.25;
 /** In still air a motion below this share of the sampled range ends, exactly. */
-const REST: f32 = 1e-7;
+const REST_RATIO: f32 = 1e-7;
 
 /** Half the table's step, s. */
 export let halfStep_s: f32 = 0;
@@ -58,7 +58,7 @@ function sum(a: v128): f32 {
 /** The two sway coordinates of a row, into the pair. */
 // @ts-ignore: decorator
 @inline
-function swayed(row: usize): void {
+function projectOnSway(row: usize): void {
   let x = f32x4.splat(0);
   let y = f32x4.splat(0);
   for (let k: usize = 0; k < ownRow; k += 16) {
@@ -73,7 +73,7 @@ function swayed(row: usize): void {
 /** Draws the pair back to length `far` if it is longer. */
 // @ts-ignore: decorator
 @inline
-function hold(far: f32): void {
+function clampPair(far: f32): void {
   const square = pairX * pairX + pairY * pairY;
   if (square <= far * far) return;
   const share = far / sqrt(square);
@@ -96,7 +96,7 @@ function writeShape(x: f32, y: f32, row: usize): void {
   store<f32>(terms, x * yy, 20);
   store<f32>(terms, yy * y, 24);
   for (let j = 0; j < coupled; j++) {
-    const far = REACH * load<f32>(limits + 4 * j, 12);
+    const far = CLAMP_RATIO * load<f32>(limits + 4 * j, 12);
     const z = min(max(load<f32>(row + 4 * j, 8), -far), far);
     store<f32>(terms + 8 * j, z * x, 28);
     store<f32>(terms + 8 * j, z * y, 32);
@@ -137,8 +137,8 @@ function writeProducts(factor: f32, x: f32, y: f32, shapes: usize, to: usize): u
 @inline
 function writeCoupled(x: f32, y: f32, speed: usize, to: usize): void {
   for (let j = 0; j < coupled; j++, to += 16) {
-    const far = REACH * load<f32>(limits + 4 * j, 12);
-    const fast = REACH * load<f32>(limits + 4 * (coupled + j), 12);
+    const far = CLAMP_RATIO * load<f32>(limits + 4 * j, 12);
+    const fast = CLAMP_RATIO * load<f32>(limits + 4 * (coupled + j), 12);
     const z = min(max(load<f32>(ahead + 4 * j, 8), -far), far);
     const w = min(max(load<f32>(speed + 4 * j, 8), -fast), fast);
     store<f32>(to, w * x);
@@ -201,32 +201,32 @@ function writeForceTerms(position: usize, speed: usize, px: f32, pz: f32): void 
   for (let k: usize = 0; k < ownRow; k += 16) {
     v128.store(ahead + k, f32x4.add(v128.load(position + k), f32x4.mul(half, v128.load(speed + k))));
   }
-  swayed(ahead);
-  hold(REACH * load<f32>(limits));
+  projectOnSway(ahead);
+  clampPair(CLAMP_RATIO * load<f32>(limits));
   const x = pairX;
   const y = pairY;
   writeShape(x, y, ahead);
   let to = terms + 28 + 8 * coupled;
-  swayed(speed);
-  hold(REACH * load<f32>(limits, 4));
+  projectOnSway(speed);
+  clampPair(CLAMP_RATIO * load<f32>(limits, 4));
   writeSquares(x, y, to);
   to = writeProducts(pairX, x, y, 3, to + 36);
   to = writeProducts(pairY, x, y, 3, to);
   pairX = px;
   pairY = pz;
-  hold(REACH * load<f32>(limits, 8));
+  clampPair(CLAMP_RATIO * load<f32>(limits, 8));
   to = writeProducts(pairX, x, y, 7, to);
   to = writeProducts(pairY, x, y, 7, to);
   writeCoupled(x, y, speed, to);
 }
 
 /** Whether the tree moves too little to matter in still air; then it rests. */
-function settled(position: usize, speed: usize): bool {
-  const small = REST * load<f32>(limits);
-  swayed(position);
+function isAtRest(position: usize, speed: usize): bool {
+  const small = REST_RATIO * load<f32>(limits);
+  projectOnSway(position);
   if (max(abs(pairX), abs(pairY)) > small) return false;
-  swayed(speed);
-  if (max(abs(pairX), abs(pairY)) > REST * load<f32>(limits, 4)) return false;
+  projectOnSway(speed);
+  if (max(abs(pairX), abs(pairY)) > REST_RATIO * load<f32>(limits, 4)) return false;
   let largest: f32 = 0;
   for (let k: usize = 0; k < ownRow; k += 4) largest = max(largest, abs(load<f32>(position + k)));
   return largest * max(abs(load<f32>(sway)), abs(load<f32>(sway + ownRow))) < small;
@@ -256,12 +256,12 @@ function move(position: usize, speed: usize): void {
 // @ts-ignore: decorator
 @inline
 function writePose(tree: i32, position: usize, px: f32, pz: f32): void {
-  swayed(position);
+  projectOnSway(position);
   const far = load<f32>(limits);
   const reach = sqrt(pairX * pairX + pairY * pairY) / far;
   const pressed = sqrt(px * px + pz * pz) / load<f32>(limits, 8);
   store<f32>(extrapolationRatio + 4 * tree, max(reach, pressed));
-  hold(REACH * far);
+  clampPair(CLAMP_RATIO * far);
   // Behind the pressure, which the pose is linear in, the same terms as the force's first ones.
   writeShape(pairX, pairY, position);
   const row = ownRow + furtherRow;
@@ -295,7 +295,7 @@ export function step(tree: i32, px: f32, pz: f32): void {
   }
   addRows(force, terms, 44 + 6 * coupled, ownRow, total);
   move(position, speed);
-  if (px == 0 && pz == 0 && settled(position, speed)) {
+  if (px == 0 && pz == 0 && isAtRest(position, speed)) {
     memory.fill(position, 0, ownRow);
     memory.fill(speed, 0, ownRow);
   }

@@ -4,7 +4,7 @@ import { meanCrownDisplacement_m } from "../core/motion/crownDisplacement";
 import { meanVelocity_m_s, sameWind } from "../core/wind/edit";
 import { parseWind, type WindDocument } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
-import { Forest, planForest } from "../scene/forest";
+import { Forest, placeForest } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
 import { woodReach_m } from "../scene/placement";
 import type { Season } from "../scene/season/season";
@@ -19,7 +19,7 @@ import { type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { momentFrom } from "./settings/link";
 import { queryFromSettings, type Settings } from "./settings/settings";
-import { adoptPlanting, plantingOf, sharedFrom, withShared } from "./settings/sharedForest";
+import { adoptPlacement, placementOf, sharedFrom, withShared } from "./settings/sharedForest";
 import { keep } from "./settings/storedSettings";
 import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
@@ -36,7 +36,15 @@ import { WindStudio } from "./windStudio";
 const REPORT_EVERY_MS = 250;
 /** For so long the land waits for the first trees before it moves without them. */
 const PATIENCE_MS = 4000;
-const REPLANTS: SettingKey[] = ["trees", "density", "shares", "forestSeed", "lookup", "method", "poseEasing"];
+const PLACEMENT_KEYS: SettingKey[] = [
+  "trees",
+  "density",
+  "shares",
+  "forestSeed",
+  "lookup",
+  "method",
+  "poseEasing",
+];
 
 export class App {
   readonly stage: Stage;
@@ -45,7 +53,7 @@ export class App {
   /** Neither moves nor draws: the processor is somebody else's. */
   asleep = false;
   private readonly client = new ForestClient(showToast, {
-    planted: (about) => this.takePlanting(about),
+    placement: (about) => this.takePlacement(about),
     wind: (wind) => {
       if (!sameWind(wind, this.settings.wind)) this.changeWind(wind, "shared");
     },
@@ -80,7 +88,7 @@ export class App {
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
     this.forest = new Forest(this.speciesOptions());
     this.stage.scene.add(this.forest.group);
-    this.dress();
+    this.applyScenery();
     this.scenery = new SceneryBar(settings, () => this.change("season"));
     this.visit = new Visit(
       settings,
@@ -94,7 +102,7 @@ export class App {
     this.panel = new Panel(settings, this.meter.statistics, (key) => this.change(key));
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
       change: (change) => this.treeChanged(change),
-      grow: () => this.plant(),
+      assetsChanged: () => this.placeTrees(),
       connected: (connected) => {
         this.connected = connected;
       },
@@ -113,7 +121,7 @@ export class App {
       physics: () => this.visit.openPhysics(),
       close: () => this.picker.select(null),
     });
-    this.stage.renderer.setAnimationLoop((now) => this.tick(now));
+    this.stage.renderer.setAnimationLoop((now) => this.onFrame(now));
   }
 
   private speciesOptions(): SpeciesOptions {
@@ -136,22 +144,24 @@ export class App {
   }
 
   /** Trees that stay go on moving; the others come when their first poses are in. `replant`: for all who share. */
-  private plant(replant = false): void {
+  private placeTrees(replant = false): void {
     const { settings, client, forest } = this;
-    const planted = planForest(this.catalogue.growers, settings.trees, settings.forestSeed, settings);
+    const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
     client.plan(
-      planted.flatMap(({ grower, motion, stand }) => (motion ? [{ key: grower.id, motion, ...stand }] : [])),
+      placed.flatMap(({ asset, motion, instances }) =>
+        motion ? [{ key: asset.id, motion, ...instances }] : [],
+      ),
       {
         lookup: settings.lookup,
         method: settings.method,
         poseEasing: settings.poseEasing,
         from_s: this.from_s,
-        share: this.share === null ? null : { id: this.share, replant, about: plantingOf(settings) },
+        share: this.share === null ? null : { id: this.share, replant, about: placementOf(settings) },
       },
       settings.wind,
       () => {
-        forest.show(planted);
-        this.stage.surround(woodReach_m(planted.map(({ stand }) => stand.placement)));
+        forest.show(placed);
+        this.stage.surround(woodReach_m(placed.map(({ instances }) => instances.placement)));
         this.dirty = true;
       },
     );
@@ -172,10 +182,10 @@ export class App {
   }
 
   /** Others who share this forest planted it anew. */
-  private takePlanting(about: About): void {
-    if (!adoptPlanting(this.settings, about)) return;
+  private takePlacement(about: About): void {
+    if (!adoptPlacement(this.settings, about)) return;
     this.panel.refresh();
-    this.plant();
+    this.placeTrees();
     this.remember();
   }
 
@@ -197,7 +207,7 @@ export class App {
   }
 
   /** Season and time of day: light, land and leaves. */
-  private dress(): void {
+  private applyScenery(): void {
     const { daytime, season } = this.settings;
     this.stage.show(daytime, season);
     this.forest.setSeason(season);
@@ -205,16 +215,16 @@ export class App {
   }
 
   private change(key: SettingKey): void {
-    if (key === "season") this.dress();
+    if (key === "season") this.applyScenery();
     if (key === "wind") {
       this.changeWind(this.settings.wind, "panel");
       return;
     }
-    if (REPLANTS.includes(key)) this.plant(key !== "lookup");
+    if (PLACEMENT_KEYS.includes(key)) this.placeTrees(key !== "lookup");
     if (key === "quality") {
       this.stage.setQuality(this.settings.quality);
       this.forest.options = this.speciesOptions();
-      this.plant();
+      this.placeTrees();
     }
     this.remember();
   }
@@ -226,7 +236,7 @@ export class App {
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
   }
 
-  private tick(now_ms: number): void {
+  private onFrame(now_ms: number): void {
     if (this.asleep) return;
     const begin_ms = performance.now();
     const frame_ms = now_ms - this.last_ms;
@@ -258,7 +268,7 @@ export class App {
   }
 
   private takePoses(): void {
-    if (!this.client.takeFresh()) return;
+    if (!this.client.takeFreshPoses()) return;
     for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
   }
 
@@ -319,7 +329,7 @@ export class App {
   private async openCompare(): Promise<void> {
     const view = await import("./compare/compareView");
     this.compareView ??= new view.CompareView({
-      candidates: () => this.forest.moving.flatMap(({ grower, forest }) => this.candidate(grower.id, forest)),
+      candidates: () => this.forest.moving.flatMap(({ asset, forest }) => this.candidate(asset.id, forest)),
       wind: () => this.client.wind && { state: this.client.wind.state, time_s: this.client.time_s },
       closed: () => {
         this.asleep = false;
@@ -330,11 +340,11 @@ export class App {
   }
 
   /** A tree for the comparison, where the picked one stands or the first of its kind. */
-  private candidate(id: string, { model, motion, stand }: SpeciesForest): Candidate[] {
+  private candidate(id: string, { model, motion, instances }: SpeciesForest): Candidate[] {
     const tree = this.catalogue.trees.find((known) => known.id === id);
     if (!tree || !motion) return [];
     const picked = this.picker.figures?.treeId === id ? (this.picker.moving?.tree ?? 0) : 0;
-    const [x_m, z_m, yaw_rad] = stand.placement.subarray(4 * picked, 4 * picked + 3);
+    const [x_m, z_m, yaw_rad] = instances.placement.subarray(4 * picked, 4 * picked + 3);
     return [{ tree, model, motion, place: { x_m, z_m, yaw_rad } }];
   }
 
@@ -372,9 +382,11 @@ export class App {
 
   get crownDisplacement_m(): [number, number, number] {
     return meanCrownDisplacement_m(
-      this.forest.moving.flatMap(({ forest: { motion, stand } }, k) => {
+      this.forest.moving.flatMap(({ forest: { motion, instances } }, k) => {
         const poses = this.client.poses[k];
-        return motion && poses ? [{ ...motion, count: stand.count, placement: stand.placement, poses }] : [];
+        return motion && poses
+          ? [{ ...motion, count: instances.count, placement: instances.placement, poses }]
+          : [];
       }),
     );
   }

@@ -17,14 +17,14 @@ import { tableUrl } from "./server/api";
 
 type Buffers = Float32Array<ArrayBuffer>[];
 
-interface Waiting {
+interface PendingTable {
   resolve(motion: TableMotion): void;
   reject(error: Error): void;
 }
 
 /** Who hears what others do to a forest that many share. */
-export interface SharedEars {
-  planted(about: About): void;
+export interface SharedForestListener {
+  placement(about: About): void;
   wind(wind: WindDocument): void;
 }
 
@@ -57,18 +57,18 @@ export class ForestClient {
   /** The watched tree's figures. */
   watched: Inspection | null = null;
   private readonly worker = startWorker();
-  private readonly waiting = new Map<string, Waiting[]>();
+  private readonly waiting = new Map<string, PendingTable[]>();
   private epoch = 0;
   private arrived: (() => void) | null = null;
   private spare: Buffers = [];
   private busy = false;
-  private owed_s = 0;
+  private backlog_s = 0;
   private fresh = false;
 
   /** `shared`: told what others do to a forest that many share. */
   constructor(
     private readonly problem: (title: string, hint: string) => void,
-    private readonly shared: SharedEars,
+    private readonly shared: SharedForestListener,
   ) {
     this.worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
   }
@@ -131,13 +131,13 @@ export class ForestClient {
 
   /** Moves the forest on by the display's step; while the worker is busy, time is owed. */
   advance(dt_s: number): void {
-    this.owed_s = Math.min(MAX_STEP_S, this.owed_s + dt_s);
+    this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
     if (this.busy || this.spare.length === 0) return;
     this.busy = true;
     const buffers = this.spare;
     this.spare = [];
-    const message: ToWorker = { kind: "advance", epoch: this.epoch, dt_s: this.owed_s, buffers };
-    this.owed_s = 0;
+    const message: ToWorker = { kind: "advance", epoch: this.epoch, dt_s: this.backlog_s, buffers };
+    this.backlog_s = 0;
     this.send(
       message,
       buffers.map((buffer) => buffer.buffer),
@@ -150,7 +150,7 @@ export class ForestClient {
   }
 
   /** True once after new poses came in. */
-  takeFresh(): boolean {
+  takeFreshPoses(): boolean {
     const { fresh } = this;
     this.fresh = false;
     return fresh;
@@ -162,12 +162,12 @@ export class ForestClient {
       this.settle(message.motion.sha256, ({ resolve }) => resolve(message.motion));
     else if (message.kind === "tableFailed") {
       this.settle(message.sha256, ({ reject }) => reject(new Error(message.title)));
-    } else if (message.kind === "shared") this.shared.planted(message.about);
+    } else if (message.kind === "shared") this.shared.placement(message.about);
     else if (message.kind === "sharedWind") this.shared.wind(message.wind);
     else this.problem(message.title, message.hint);
   }
 
-  private settle(sha256: string, end: (waiting: Waiting) => void): void {
+  private settle(sha256: string, end: (waiting: PendingTable) => void): void {
     for (const waiting of this.waiting.get(sha256) ?? []) end(waiting);
     this.waiting.delete(sha256);
   }

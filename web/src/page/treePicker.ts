@@ -6,7 +6,7 @@ import type { Forest, MovingGroup, PickedTree } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
 import { PickRing } from "../scene/overlays/pickRing";
 import type { Stage } from "../scene/stage";
-import { INSTANCE_FLOATS } from "../scene/trees/stand";
+import { INSTANCE_FLOATS } from "../scene/trees/instanceData";
 import type { TreeAt } from "../worker/protocol";
 import type { ForestClient } from "./forestClient";
 
@@ -132,7 +132,7 @@ export class TreePicker {
   }
 
   private data({ group, tree }: TreeAt): Float32Array {
-    const { data } = this.shown[group].forest.stand;
+    const { data } = this.shown[group].forest.instances;
     return data.subarray(tree * INSTANCE_FLOATS, (tree + 1) * INSTANCE_FLOATS);
   }
 
@@ -149,8 +149,8 @@ export class TreePicker {
       this.select(null);
       return;
     }
-    const group = this.shown.findIndex(({ grower }) => grower.id === picked.treeId);
-    const tree = group < 0 ? -1 : this.shown[group].forest.stand.ids.indexOf(picked.id);
+    const group = this.shown.findIndex(({ asset }) => asset.id === picked.treeId);
+    const tree = group < 0 ? -1 : this.shown[group].forest.instances.ids.indexOf(picked.id);
     this.at = tree < 0 ? null : { group, tree };
     this.client.watch(this.at);
     const { x, z } = picked.position;

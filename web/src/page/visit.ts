@@ -1,6 +1,6 @@
 /** What a visitor does with the page besides wind and settings: views, flight, link, photo, film, physics. */
 
-import { Cameraman } from "../scene/camera/cameraFlight";
+import { CameraFlight } from "../scene/camera/cameraFlight";
 import { type Subject, type ViewName, viewpoint } from "../scene/camera/viewpoints";
 import type { Forest } from "../scene/forest";
 import type { Stage } from "../scene/stage";
@@ -16,7 +16,7 @@ import { Toolbar } from "./ui/toolbar";
 const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class Visit {
-  private readonly cameraman: Cameraman;
+  private readonly flight: CameraFlight;
   private readonly toolbar: Toolbar;
   private readonly physics = new PhysicsCards();
   private film: Film | null = null;
@@ -30,7 +30,7 @@ export class Visit {
     private readonly clock_s: () => number,
     private readonly compare: () => void,
   ) {
-    this.cameraman = new Cameraman(stage.camera, stage.controls, () => this.toolbar.showFlight(false));
+    this.flight = new CameraFlight(stage.camera, stage.controls, () => this.toolbar.showFlight(false));
     this.toolbar = new Toolbar(
       {
         view: (name) => this.view(name),
@@ -84,23 +84,23 @@ export class Visit {
 
   view(name: ViewName): void {
     const { towardsSun } = this.stage.daylight;
-    this.cameraman.go(viewpoint(name, this.subjects(), towardsSun), calm());
+    this.flight.go(viewpoint(name, this.subjects(), towardsSun), calm());
   }
 
   private subjects(): Subject[] {
-    return this.forest.moving.flatMap(({ forest: { stand, model } }) =>
-      Array.from({ length: stand.count }, (_, tree) => ({
-        x: stand.placement[tree * 4],
-        z: stand.placement[tree * 4 + 1],
-        height_m: model.height_m * stand.placement[tree * 4 + 3],
+    return this.forest.moving.flatMap(({ forest: { instances, model } }) =>
+      Array.from({ length: instances.count }, (_, tree) => ({
+        x: instances.placement[tree * 4],
+        z: instances.placement[tree * 4 + 1],
+        height_m: model.height_m * instances.placement[tree * 4 + 3],
       })),
     );
   }
 
   private fly(): boolean {
-    if (this.cameraman.flying) this.cameraman.land();
-    else this.cameraman.fly();
-    return this.cameraman.flying;
+    if (this.flight.flying) this.flight.land();
+    else this.flight.fly();
+    return this.flight.flying;
   }
 
   private filming(): boolean {
@@ -123,7 +123,7 @@ export class Visit {
   }
 
   advance(dt_s: number): void {
-    this.cameraman.advance(dt_s);
+    this.flight.advance(dt_s);
   }
 
   /** Right after a frame was drawn. */

@@ -103,7 +103,7 @@ export class WindStudio {
     this.setPlacing(false);
     this.instruments.anemometerPlaced();
     this.mast.place(x, z);
-    this.instruments.anemometer.stand(x, z, this.field, this.time_s);
+    this.instruments.anemometer.placeAt(x, z, this.field, this.time_s);
   }
 
   get anemometer(): { x: number; z: number; speed_m_s: number; samples: number; tip_m: number } | null {
@@ -135,7 +135,7 @@ export class WindStudio {
   private tip_m(client: ForestClient, forest: Forest): number {
     const { place } = this.instruments.anemometer;
     if (!place) return 0;
-    const placements = forest.moving.map(({ forest: { stand } }) => stand.placement);
+    const placements = forest.moving.map(({ forest: { instances } }) => instances.placement);
     const found = this.tipOf ?? nearestTree(placements, place.x, place.z);
     if (!found) return 0;
     const { motion } = forest.moving[found.group].forest;

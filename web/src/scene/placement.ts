@@ -2,7 +2,7 @@
 import { valueNoise } from "../core/math/noise";
 import { hashText, hashUnit } from "../core/math/random";
 import { glade } from "./ground/landscape";
-import type { Placement } from "./trees/stand";
+import type { Placement } from "./trees/instanceData";
 
 export const SPACING_M = 6.4;
 /** The wood grows outward from here, so that the first camera looks into it. */

@@ -110,7 +110,7 @@ export class Stage {
 
   /** Surrounds the simulated trees, which reach so far from their heart. */
   surround(reach_m: number): void {
-    this.farWood.plant(reach_m, this.quality);
+    this.farWood.populate(reach_m, this.quality);
   }
 
   setQuality(quality: Quality): void {

@@ -8,7 +8,7 @@ import { JumpBlend } from "./motion/blend";
 import { carryGroup, type ShownGroup } from "./motion/carry";
 import { FailoverMotion } from "./motion/failover";
 import { LocalMotion } from "./motion/localMotion";
-import type { MotionSource } from "./motion/motion";
+import type { MotionSource } from "./motion/motionSource";
 import { SharedMotion } from "./motion/sharedMotion";
 import { StreamMotion } from "./motion/streamMotion";
 import type { ForestPlan, FromWorker, GroupPlan, ToWorker, TreeAt } from "./protocol";
@@ -72,7 +72,7 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
     return { ...group, scale: modeScale, height_m: metadata.height_m, sampledPeak_pa };
   });
   const { method, poseEasing, share } = plan;
-  const options = { url: socketUrl, method, poseEasing, share, told, problem };
+  const options = { url: socketUrl, method, poseEasing, share, onReply, problem };
   const stream = new StreamMotion(groups, shared, options, time_s);
   const local = plan.groups.map((group) => ({ ...group, table: tableOf(group) }));
   return new FailoverMotion(
@@ -86,10 +86,10 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
 function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: string): SharedMotion {
   const have = Object.fromEntries(plan.groups.map(({ table }) => [table, tableBytes.get(table) ?? 0]));
   const request = () => forestRequest("table", plan.groups, wind, local.time_s, { ...plan, have });
-  return new SharedMotion(local, wind, { url, request, told, problem });
+  return new SharedMotion(local, wind, { url, request, onReply, problem });
 }
 
-function told(reply: Reply): void {
+function onReply(reply: Reply): void {
   if (reply.type === "shared") scope.postMessage({ kind: "shared", about: reply.about });
   if (reply.type === "windState")
     scope.postMessage({ kind: "sharedWind", wind: parseState(reply.state).wind });

@@ -8,9 +8,9 @@ import { ModalKernel } from "./modalKernel";
 import { coupledOf, forceTerms, poseTerms } from "./modalTensors";
 
 /** The polynomials are held where they are beyond this multiple of the sampled range. */
-const REACH = 1.25;
+const CLAMP_RATIO = 1.25;
 /** In still air a motion below this share of the sampled range ends, exactly. */
-const REST = 1e-7;
+const REST_RATIO = 1e-7;
 
 /** Trees of one table, each with its own state, in its own frame and at its own pace. */
 export class ModalForest extends TreeInstances {
@@ -99,7 +99,7 @@ export class ModalForest extends TreeInstances {
       e[first + k] = a + (stepOf[at] * a + stepOf[at + 1] * b + stepOf[at + 4] * f);
       v[first + k] = b + (stepOf[at + 2] * a + stepOf[at + 3] * b + stepOf[at + 5] * f);
     }
-    if (px === 0 && pz === 0 && this.settled(first)) {
+    if (px === 0 && pz === 0 && this.isAtRest(first)) {
       e.fill(0, first, first + d);
       v.fill(0, first, first + d);
     }
@@ -107,7 +107,7 @@ export class ModalForest extends TreeInstances {
   }
 
   /** The two sway coordinates of a row of `values`, into `pair`. */
-  private swayed(values: Numbers, first: number): void {
+  private projectOnSway(values: Numbers, first: number): void {
     const { d, sway, pair } = this;
     let x = 0;
     let y = 0;
@@ -120,7 +120,7 @@ export class ModalForest extends TreeInstances {
   }
 
   /** Draws `pair` back to length `far` if it is longer. */
-  private hold(far: number): void {
+  private clampPair(far: number): void {
     const { pair } = this;
     const size = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]);
     if (!(size > far)) return;
@@ -142,7 +142,7 @@ export class ModalForest extends TreeInstances {
     terms[at + 5] = x * yy;
     terms[at + 6] = yy * y;
     for (let j = 0; j < c; j++) {
-      const far = REACH * limits[3 + j];
+      const far = CLAMP_RATIO * limits[3 + j];
       const z = Math.min(Math.max(values[first + 2 + j], -far), far);
       terms[at + 7 + 2 * j] = z * x;
       terms[at + 8 + 2 * j] = z * y;
@@ -154,19 +154,19 @@ export class ModalForest extends TreeInstances {
     const { d, e, v, ahead, limits, pair } = this;
     const half = this.dt / 2;
     for (let k = 0; k < d; k++) ahead[k] = e[first + k] + half * v[first + k];
-    this.swayed(ahead, 0);
-    this.hold(REACH * limits[0]);
+    this.projectOnSway(ahead, 0);
+    this.clampPair(CLAMP_RATIO * limits[0]);
     const x = pair[0];
     const y = pair[1];
     this.writeShape(x, y, ahead, 0, 0);
     const at = 7 + 2 * this.c;
-    this.swayed(v, first);
-    this.hold(REACH * limits[1]);
+    this.projectOnSway(v, first);
+    this.clampPair(CLAMP_RATIO * limits[1]);
     this.writeSquares(x, y, at);
     this.writeProducts(x, y, 3, at + 9);
     pair[0] = px;
     pair[1] = pz;
-    this.hold(REACH * limits[2]);
+    this.clampPair(CLAMP_RATIO * limits[2]);
     this.writeProducts(x, y, 7, at + 19);
     this.writeCoupled(x, y, first, at + 37);
   }
@@ -175,8 +175,8 @@ export class ModalForest extends TreeInstances {
   private writeCoupled(x: number, y: number, first: number, at: number): void {
     const { c, v, ahead, terms, limits, pair } = this;
     for (let j = 0, to = at; j < c; j++) {
-      const far = REACH * limits[3 + j];
-      const fast = REACH * limits[3 + c + j];
+      const far = CLAMP_RATIO * limits[3 + j];
+      const fast = CLAMP_RATIO * limits[3 + c + j];
       const z = Math.min(Math.max(ahead[2 + j], -far), far);
       const w = Math.min(Math.max(v[first + 2 + j], -fast), fast);
       terms[to++] = w * x;
@@ -215,13 +215,13 @@ export class ModalForest extends TreeInstances {
   }
 
   /** Whether the tree moves too little to matter in still air; then it rests. */
-  private settled(first: number): boolean {
+  private isAtRest(first: number): boolean {
     const { d, e, sway, limits, pair } = this;
-    const small = REST * limits[0];
-    this.swayed(e, first);
+    const small = REST_RATIO * limits[0];
+    this.projectOnSway(e, first);
     if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > small) return false;
-    this.swayed(this.v, first);
-    if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > REST * limits[1]) return false;
+    this.projectOnSway(this.v, first);
+    if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > REST_RATIO * limits[1]) return false;
     let largest = 0;
     for (let k = 0; k < d; k++) largest = Math.max(largest, Math.abs(e[first + k]));
     return largest * Math.max(Math.abs(sway[0]), Math.abs(sway[d])) < small;
@@ -234,10 +234,10 @@ export class ModalForest extends TreeInstances {
     for (let k = 0; k < d; k++) terms[k] = e[first + k];
     terms[d] = px;
     terms[d + 1] = pz;
-    this.swayed(e, first);
+    this.projectOnSway(e, first);
     const sway = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]) / limits[0];
     this.extrapolationRatio[i] = Math.max(sway, Math.sqrt(px * px + pz * pz) / limits[2]);
-    this.hold(REACH * limits[0]);
+    this.clampPair(CLAMP_RATIO * limits[0]);
     this.writeShape(pair[0], pair[1], e, first, d + 2);
     further.fill(0);
     addRows(this.pose, terms, poseTerms(d, c), r - d, further);

@@ -7,9 +7,9 @@ import type { TableMotion } from "../../worker/protocol";
 import { Problem, type Tree } from "../server/api";
 import { make } from "../ui/dom";
 import { displayName } from "../ui/words";
+import { ComparisonScene, type Shown } from "./comparisonScene";
 import { Curves, percent } from "./curves";
 import { compare } from "./request";
-import { type Shown, Theatre } from "./theatre";
 import type { Tracks } from "./tracks";
 
 /** A tree that can be compared, and where one of its kind stands. */
@@ -42,7 +42,7 @@ export class CompareView {
   private readonly bar = make("progress");
   private readonly verdict = make("p", "", "compare-verdict");
   private readonly again = make("button", "Compare again in the wind of now");
-  private readonly theatre: Theatre;
+  private readonly scene: ComparisonScene;
   private readonly curves: Curves;
   private readonly shown: Shown = { method: "modal", ghost: true, times: 1, worst: WORST.fine };
   private tracks: Tracks | null = null;
@@ -56,7 +56,7 @@ export class CompareView {
     const paper = make("div", "", "compare-curves");
     this.compose(paper);
     document.body.append(this.dialog);
-    this.theatre = new Theatre(this.canvas);
+    this.scene = new ComparisonScene(this.canvas);
     this.curves = new Curves(paper, (time_s) => this.seek(time_s));
     this.dialog.addEventListener("close", () => {
       this.closed();
@@ -93,7 +93,7 @@ export class CompareView {
     const method = select({ modal: "modal reduced order", paper: "the paper's search" }, (value) => {
       this.shown.method = value as Method;
       this.shown.worst = value === "paper" ? WORST.coarse : WORST.fine;
-      this.tell();
+      this.showVerdict();
     });
     const times = select({ 1: "true size", 3: "3 times", 10: "10 times" }, (value) => {
       this.shown.times = Number(value);
@@ -144,14 +144,14 @@ export class CompareView {
     const chosen = this.page.candidates().find(({ tree }) => tree.id === this.choice.value);
     const wind = this.page.wind();
     if (!chosen || !wind) {
-      this.say("No tree moves yet. Wait until one has been computed, then compare again.");
+      this.showStatus("No tree moves yet. Wait until one has been computed, then compare again.");
       return;
     }
     const running = new AbortController();
     this.running = running;
     this.tracks = null;
     this.verdict.textContent = "";
-    this.theatre.enter(chosen.model, chosen.motion);
+    this.scene.setTree(chosen.model, chosen.motion);
     this.progress(0, "Asking the server for the full simulation");
     const frames = Math.round(SECONDS * 30);
     const asked = { treeId: chosen.tree.id, wind: wind.state, start_s: wind.time_s, frames, ...chosen.place };
@@ -169,15 +169,15 @@ export class CompareView {
     this.place = 0;
     this.bar.hidden = true;
     this.curves.show(tracks);
-    this.tell();
+    this.showVerdict();
   }
 
   private fail(error: unknown): void {
-    if (error instanceof Problem) this.say(`${error.title} ${error.hint}`);
-    else this.say(error instanceof Error ? error.message : String(error));
+    if (error instanceof Problem) this.showStatus(`${error.title} ${error.hint}`);
+    else this.showStatus(error instanceof Error ? error.message : String(error));
   }
 
-  private say(words: string): void {
+  private showStatus(words: string): void {
     this.bar.hidden = true;
     this.status.textContent = words;
   }
@@ -189,7 +189,7 @@ export class CompareView {
   }
 
   /** The outcome in a sentence. */
-  private tell(): void {
+  private showVerdict(): void {
     if (!this.tracks) return;
     const { sway, error } = this.tracks;
     const most = (share: readonly number[]) => percent(100 * Math.max(...share));
@@ -212,10 +212,10 @@ export class CompareView {
     const { tracks } = this;
     if (tracks) {
       if (this.playing) this.place = (this.place + Math.max(0, passed_s) / tracks.dt_s) % tracks.frames;
-      this.theatre.show(tracks, this.place, this.shown);
+      this.scene.show(tracks, this.place, this.shown);
       this.curves.at((this.place + 1) * tracks.dt_s);
     }
-    this.theatre.render();
+    this.scene.render();
   }
 
   private closed(): void {
@@ -227,7 +227,7 @@ export class CompareView {
   dispose(): void {
     this.closed();
     this.curves.dispose();
-    this.theatre.dispose();
+    this.scene.dispose();
     this.dialog.remove();
   }
 }

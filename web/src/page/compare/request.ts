@@ -1,7 +1,7 @@
 /** Asks the server to move one tree by the finite elements, and follows it until the answer is there. */
 
 import type { WindState } from "../../core/wind/wind";
-import { ask, Problem } from "../server/api";
+import { fetchApi, Problem } from "../server/api";
 import { decodeTracks, type Tracks } from "./tracks";
 
 export interface Asked {
@@ -38,7 +38,7 @@ async function read(response: Promise<Response>): Promise<Comparison> {
 
 function post(asked: Asked, signal: AbortSignal): Promise<Response> {
   const { treeId, ...body } = asked;
-  return ask(`api/trees/${encodeURIComponent(treeId)}/comparisons`, {
+  return fetchApi(`api/trees/${encodeURIComponent(treeId)}/comparisons`, {
     method: "POST",
     headers: { "content-type": "application/json" },
     body: JSON.stringify(body),
@@ -53,7 +53,7 @@ function words({ message, seconds_left }: Comparison): string {
 /** The tracks; rejects with a Problem. When `signal` aborts, the server is told to stop. */
 export async function compare(asked: Asked, waiting: Waiting, signal: AbortSignal): Promise<Tracks> {
   let now = await read(post(asked, signal));
-  const stop = () => void ask(`${path(now.id)}/cancel`, { method: "POST" }).catch(() => {});
+  const stop = () => void fetchApi(`${path(now.id)}/cancel`, { method: "POST" }).catch(() => {});
   signal.addEventListener("abort", stop);
   try {
     while (!now.tracks) {
@@ -62,9 +62,9 @@ export async function compare(asked: Asked, waiting: Waiting, signal: AbortSigna
       waiting.progress(now.fraction, words(now));
       await new Promise((resolve) => setTimeout(resolve, ASK_AGAIN_MS));
       signal.throwIfAborted();
-      now = await read(ask(path(now.id), { signal }));
+      now = await read(fetchApi(path(now.id), { signal }));
     }
-    const answer = await ask(`${path(now.id)}/tracks`, { signal });
+    const answer = await fetchApi(`${path(now.id)}/tracks`, { signal });
     return decodeTracks(new Uint8Array(await answer.arrayBuffer()));
   } finally {
     signal.removeEventListener("abort", stop);

@@ -1,17 +1,17 @@
 /** The mesh as it was understood: wood in one colour, foliage in another. */
 import { BufferGeometry, DoubleSide, Group, Mesh, MeshLambertMaterial } from "three";
-import { SmallStage } from "../../scene/smallStage";
+import { PreviewStage } from "../../scene/previewStage";
 import type { TreeModel, TreePart } from "../../scene/trees/mesh/treeMesh";
 
 export const COLOURS = { wood: 0xc08a55, leaves: 0x7fb061 } as const;
 const TURN_RAD_S = 0.35;
 
 export class Preview {
-  private readonly stage: SmallStage;
+  private readonly stage: PreviewStage;
   private tree: Group | null = null;
 
   constructor(canvas: HTMLCanvasElement) {
-    this.stage = new SmallStage(canvas);
+    this.stage = new PreviewStage(canvas);
   }
 
   show(model: TreeModel): void {

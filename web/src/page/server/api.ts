@@ -82,7 +82,7 @@ async function send(path: string, init: RequestInit | undefined, key: string | n
 }
 
 /** Asks the server; a refusal or no answer is a Problem. Only what changes something is sent with a key. */
-export async function ask(path: string, init?: RequestInit): Promise<Response> {
+export async function fetchApi(path: string, init?: RequestInit): Promise<Response> {
   const writes = init?.method !== undefined && init.method !== "GET";
   let response = await send(path, init, writes ? keys.known() : null);
   if (response.status === 401) {
@@ -97,13 +97,13 @@ export async function ask(path: string, init?: RequestInit): Promise<Response> {
 export async function uploadTree(file: File): Promise<Tree> {
   const form = new FormData();
   form.append("file", file, file.name);
-  return (await (await ask("api/trees", { method: "POST", body: form })).json()) as Tree;
+  return (await (await fetchApi("api/trees", { method: "POST", body: form })).json()) as Tree;
 }
 
 export async function startPrecompute(treeId: string): Promise<Job> {
   const path = `api/trees/${encodeURIComponent(treeId)}/precompute`;
   const init = { method: "POST", headers: { "content-type": "application/json" }, body: "{}" };
-  return (await (await ask(path, init)).json()) as Job;
+  return (await (await fetchApi(path, init)).json()) as Job;
 }
 
 /** What a visitor says of an upload; null leaves it to the server again. */
@@ -121,22 +121,24 @@ export async function changeAssumptions(treeId: string, assumptions: Assumptions
     headers: { "content-type": "application/json" },
     body: JSON.stringify(assumptions),
   };
-  return (await (await ask(`api/trees/${encodeURIComponent(treeId)}`, init)).json()) as Tree;
+  return (await (await fetchApi(`api/trees/${encodeURIComponent(treeId)}`, init)).json()) as Tree;
 }
 
 export async function deleteTree(treeId: string): Promise<void> {
-  await ask(`api/trees/${encodeURIComponent(treeId)}`, { method: "DELETE" });
+  await fetchApi(`api/trees/${encodeURIComponent(treeId)}`, { method: "DELETE" });
 }
 
 /** The woods that a tree can be given. */
 export async function knownSpecies(): Promise<{ id: string; name: string }[]> {
-  const answer = (await (await ask("api/species")).json()) as { species: { id: string; name: string }[] };
+  const answer = (await (await fetchApi("api/species")).json()) as {
+    species: { id: string; name: string }[];
+  };
   return answer.species;
 }
 
 /** Names and hashes of the pictures that a job has drawn. */
 export async function jobPictures(jobId: string): Promise<Record<string, string>> {
-  const job = (await (await ask(`api/jobs/${encodeURIComponent(jobId)}`)).json()) as Job;
+  const job = (await (await fetchApi(`api/jobs/${encodeURIComponent(jobId)}`)).json()) as Job;
   return job.pictures ?? {};
 }
 
@@ -147,7 +149,7 @@ export const pictureUrl = (jobId: string, name: string, sha256: string) =>
 export const tableUrl = (sha256: string) => `api/tables/${sha256}`;
 
 export async function fetchMesh(sha256: string): Promise<ArrayBuffer> {
-  return (await ask(`api/meshes/${sha256}`)).arrayBuffer();
+  return (await fetchApi(`api/meshes/${sha256}`)).arrayBuffer();
 }
 
 export interface EventHandlers {

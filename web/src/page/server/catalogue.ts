@@ -1,6 +1,6 @@
 /** Which trees the server has, and their meshes and tables as they come in. */
 
-import type { Grower } from "../../scene/forest";
+import type { TreeAsset } from "../../scene/forest";
 import { readTreeModel } from "../../scene/trees/mesh/treeMesh";
 import type { TableMotion } from "../../worker/protocol";
 import { fetchMesh, followEvents, Problem, type Tree, type TreeChange } from "./api";
@@ -8,15 +8,15 @@ import { fetchMesh, followEvents, Problem, type Tree, type TreeChange } from "./
 export interface CatalogueEvents {
   /** A tree or its job changed. */
   change(change: TreeChange): void;
-  /** The growers changed: plant anew. */
-  grow(): void;
+  /** The assets of the forest changed: place the trees again. */
+  assetsChanged(): void;
   connected(connected: boolean): void;
   problem(title: string, hint: string): void;
 }
 
 interface Entry {
   tree: Tree;
-  readonly grower: Grower;
+  readonly asset: TreeAsset;
   /** The newest mesh and table, on their way or here. */
   mesh: string | null;
   table: string | null;
@@ -38,14 +38,14 @@ export class Catalogue {
     });
   }
 
-  get growers(): Grower[] {
-    return [...this.entries.values()].map((entry) => entry.grower);
+  get assets(): TreeAsset[] {
+    return [...this.entries.values()].map((entry) => entry.asset);
   }
 
   /** Names of the trees that sway. */
   get ready(): string[] {
     return [...this.entries.values()]
-      .filter(({ grower }) => grower.motion)
+      .filter(({ asset }) => asset.motion)
       .map(({ tree }) => tree.species ?? tree.name);
   }
 
@@ -56,7 +56,7 @@ export class Catalogue {
 
   /** Bytes of a tree's table, null while it is not here. */
   tableBytes(id: string): number | null {
-    return this.entries.get(id)?.grower.motion?.bytes ?? null;
+    return this.entries.get(id)?.asset.motion?.bytes ?? null;
   }
 
   /** Trees whose motion is still to come. */
@@ -72,14 +72,14 @@ export class Catalogue {
   }
 
   private remove(id: string): void {
-    if (this.entries.delete(id)) this.events.grow();
+    if (this.entries.delete(id)) this.events.assetsChanged();
   }
 
   private keep(tree: Tree): void {
     let entry = this.entries.get(tree.id);
     if (!entry) {
-      const grower: Grower = { id: tree.id, species: tree.species, model: null, motion: null };
-      entry = { tree, grower, mesh: null, table: null, motion: null };
+      const asset: TreeAsset = { id: tree.id, species: tree.species, model: null, motion: null };
+      entry = { tree, asset, mesh: null, table: null, motion: null };
       this.entries.set(tree.id, entry);
     }
     entry.tree = tree;
@@ -97,7 +97,7 @@ export class Catalogue {
     entry.mesh = mesh;
     const model = await readTreeModel(await fetchMesh(mesh));
     if (entry.mesh !== mesh) return;
-    entry.grower.model = model;
+    entry.asset.model = model;
     this.join(entry);
   }
 
@@ -118,12 +118,12 @@ export class Catalogue {
 
   /** The trees sway once mesh and table are in and belong together, and stand until then. */
   private join(entry: Entry): void {
-    const { grower, motion, table } = entry;
-    if (!grower.model || !this.entries.has(entry.tree.id)) return;
-    const vertices = grower.model.parts.reduce((sum, part) => sum + part.vertices, 0);
-    grower.motion = motion?.vertexNode.length === vertices ? motion : null;
+    const { asset, motion, table } = entry;
+    if (!asset.model || !this.entries.has(entry.tree.id)) return;
+    const vertices = asset.model.parts.reduce((sum, part) => sum + part.vertices, 0);
+    asset.motion = motion?.vertexNode.length === vertices ? motion : null;
     // One whose table is about to come is planted with it.
-    if (grower.motion || !table || motion) this.events.grow();
+    if (asset.motion || !table || motion) this.events.assetsChanged();
   }
 
   private report(error: unknown): void {

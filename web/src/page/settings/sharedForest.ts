@@ -4,7 +4,7 @@ import type { About } from "../../core/wire/wire";
 import { queryFromSettings, type Settings, settingsFromQuery } from "./settings";
 
 /** What decides where which trees stand. */
-const PLANTING = ["trees", "density", "shares", "forestSeed", "method", "poseEasing"] as const;
+const PLACEMENT_KEYS = ["trees", "density", "shares", "forestSeed", "method", "poseEasing"] as const;
 
 /** The id of an address's `share` parameter; null without one that servers take. */
 export function sharedFrom(query: string): string | null {
@@ -20,7 +20,7 @@ export function withShared(query: string, share: string | null): string {
 }
 
 /** What others need to plant the same trees. */
-export function plantingOf(settings: Settings): About {
+export function placementOf(settings: Settings): About {
   const usual: Settings = { ...settings, trees: Number.NaN, forestSeed: Number.NaN };
   for (const key of ["density", "shares", "method", "poseEasing"] as const) {
     Object.assign(usual, { [key]: settingsFromQuery("")[key] });
@@ -30,10 +30,10 @@ export function plantingOf(settings: Settings): About {
 }
 
 /** Takes over what another planted; whether that differs from what is here. */
-export function adoptPlanting(settings: Settings, about: About): boolean {
+export function adoptPlacement(settings: Settings, about: About): boolean {
   if (typeof about.planting !== "string") return false;
   const given = settingsFromQuery(about.planting);
-  const before = JSON.stringify(PLANTING.map((key) => settings[key]));
-  for (const key of PLANTING) Object.assign(settings, { [key]: given[key] });
-  return JSON.stringify(PLANTING.map((key) => settings[key])) !== before;
+  const before = JSON.stringify(PLACEMENT_KEYS.map((key) => settings[key]));
+  for (const key of PLACEMENT_KEYS) Object.assign(settings, { [key]: given[key] });
+  return JSON.stringify(PLACEMENT_KEYS.map((key) => settings[key])) !== before;
 }

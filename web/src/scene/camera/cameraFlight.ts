@@ -7,7 +7,7 @@ const MOVE_S = 2.2;
 
 const ease = (t: number) => t * t * t * (t * (t * 6 - 15) + 10);
 
-export class Cameraman {
+export class CameraFlight {
   private readonly fromEye = new Vector3();
   private readonly fromTarget = new Vector3();
   private readonly eye = new Vector3();
@@ -17,11 +17,11 @@ export class Cameraman {
   private goal: Viewpoint | null = null;
   private flown_s: number | null = null;
 
-  /** `landed` is told when the visitor ends the flight by taking the camera. */
+  /** `onLanded` is called when the visitor ends the flight by taking the camera. */
   constructor(
     private readonly camera: PerspectiveCamera,
     private readonly controls: OrbitControls,
-    private readonly landed: () => void,
+    private readonly onLanded: () => void,
   ) {
     controls.addEventListener("start", () => this.release());
   }
@@ -34,7 +34,7 @@ export class Cameraman {
     const flew = this.flying;
     this.goal = null;
     this.flown_s = null;
-    if (flew) this.landed();
+    if (flew) this.onLanded();
   }
 
   private setOut(goal: Viewpoint): void {

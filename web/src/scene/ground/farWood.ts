@@ -84,7 +84,7 @@ export class FarWood {
   readonly mesh: Mesh<InstancedBufferGeometry, ShaderMaterial>;
   private readonly texture: DataTexture;
   private season: Season = "autumn";
-  private planted = "";
+  private populatedKey = "";
 
   constructor() {
     const { width, height, pixels } = paintCards();
@@ -113,10 +113,10 @@ export class FarWood {
   }
 
   /** Grows around a wood of so many metres about its heart. */
-  plant(from_m: number, quality: Quality): void {
+  populate(from_m: number, quality: Quality): void {
     const key = `${Math.round(from_m)} ${quality}`;
-    if (key === this.planted) return;
-    this.planted = key;
+    if (key === this.populatedKey) return;
+    this.populatedKey = key;
     const spacing_m = SPACING_M[quality];
     const cells = Math.ceil((REACH_M + Math.hypot(HEART.x_m, HEART.z_m)) / spacing_m);
     const trees: number[] = [];

@@ -165,11 +165,11 @@ export class GroundCover {
   update(eye: Vector3, wind_m_s: { x: number; z: number }, time_s: number): void {
     this.uniforms.uEye.value.copy(eye);
     this.uniforms.uBreeze.value.set(wind_m_s.x, wind_m_s.z, time_s);
-    this.plant(Math.round(eye.x / this.spacing_m), Math.round(eye.z / this.spacing_m));
+    this.populate(Math.round(eye.x / this.spacing_m), Math.round(eye.z / this.spacing_m));
   }
 
   /** Plants the cells that came into reach; all others keep their tufts. */
-  private plant(column: number, row: number): void {
+  private populate(column: number, row: number): void {
     if (column === this.column && row === this.row) return;
     const { side } = this;
     const fresh = Number.isNaN(this.column);

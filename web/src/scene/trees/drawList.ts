@@ -1,7 +1,7 @@
 /** Which trees of a stand a frame draws, at which level, and which cast shadows. Pure; allocates nothing per frame. */
 import { type Bounds, cylinderSeen, type Planes, type Point, shadowSeen } from "./culling";
 import { LEVEL_COUNT, levelFor, shareAt } from "./detail";
-import { INSTANCE_FLOATS, type Stand } from "./stand";
+import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 
 export interface View {
   readonly planes: Planes;
@@ -46,8 +46,8 @@ export class DrawList {
   private readonly next = new Uint32Array(CLASSES);
   private readonly tally = new Uint32Array(CLASSES);
 
-  constructor(private readonly stand: Stand) {
-    const { count } = stand;
+  constructor(private readonly instances: InstanceData) {
+    const { count } = instances;
     this.order = new Uint32Array(count);
     this.casters = new Uint32Array(count);
     this.share = new Float32Array(count);
@@ -57,13 +57,13 @@ export class DrawList {
   }
 
   select(bounds: Bounds, view: View): void {
-    for (let tree = 0; tree < this.stand.count; tree++) this.classify(tree, bounds, view);
+    for (let tree = 0; tree < this.instances.count; tree++) this.classify(tree, bounds, view);
     this.sortTrees();
     this.sortCasters();
   }
 
   private classify(tree: number, bounds: Bounds, view: View): void {
-    const { data } = this.stand;
+    const { data } = this.instances;
     const { eye, planes } = view;
     const at = tree * INSTANCE_FLOATS;
     const scale = data[at + 6];

@@ -11,8 +11,8 @@ import {
 } from "three";
 import { LEVEL_SHARES } from "./detail";
 import type { DrawList } from "./drawList";
+import { INSTANCE_FLOATS } from "./instanceData";
 import type { TreePart } from "./mesh/treeMesh";
-import { INSTANCE_FLOATS } from "./stand";
 import type { PartMaterials } from "./treeMaterial";
 
 /** A part as this level draws it: triangles by rank, and the node of each vertex at this level. */

@@ -4,10 +4,10 @@ import type { NodeLevel, TableMotion } from "../../worker/protocol";
 import type { Bounds } from "./culling";
 import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
 import { DrawList, type View } from "./drawList";
+import type { InstanceData } from "./instanceData";
 import { LevelMeshes, type LevelPart, type LevelTexels } from "./levelMeshes";
 import type { TreeModel, TreePart } from "./mesh/treeMesh";
 import { NodePass } from "./nodes/nodePass";
-import type { Stand } from "./stand";
 import { type MaterialOptions, type PartMaterials, partMaterials } from "./treeMaterial";
 import { nodeRadii } from "./treePick";
 import type { TreeUniforms } from "./treeShader";
@@ -54,10 +54,10 @@ export class SpeciesForest {
   constructor(
     readonly model: TreeModel,
     readonly motion: TableMotion | null,
-    public stand: Stand,
+    public instances: InstanceData,
     readonly options: SpeciesOptions,
   ) {
-    this.room = Math.ceil(stand.count / ROOM_STEP) * ROOM_STEP;
+    this.room = Math.ceil(instances.count / ROOM_STEP) * ROOM_STEP;
     this.nodes = motion ? new NodePass(motion, this.room, options.maxTextureSide) : null;
     this.uniforms = {
       uNodes: { value: this.nodes?.target.texture ?? null },
@@ -67,7 +67,7 @@ export class SpeciesForest {
     };
     this.parts = this.makeParts();
     this.levels = LEVEL_SHARES.map((_, level) => this.makeLevel(level));
-    this.list = new DrawList(stand);
+    this.list = new DrawList(instances);
   }
 
   private makeParts(): OwnPart[] {
@@ -101,13 +101,13 @@ export class SpeciesForest {
   }
 
   /** Takes another stand in, if it fits: the same trees keep their level of detail. */
-  replant(stand: Stand): boolean {
-    if (stand.count > this.room) return false;
+  setInstances(instances: InstanceData): boolean {
+    if (instances.count > this.room) return false;
     const before = this.list;
-    const known = new Map(Array.from(this.stand.ids, (id, tree) => [id, tree] as const));
-    this.stand = stand;
-    this.list = new DrawList(stand);
-    stand.ids.forEach((id, tree) => {
+    const known = new Map(Array.from(this.instances.ids, (id, tree) => [id, tree] as const));
+    this.instances = instances;
+    this.list = new DrawList(instances);
+    instances.ids.forEach((id, tree) => {
       const old = known.get(id);
       if (old !== undefined) this.list.level[tree] = before.level[old];
     });
@@ -129,14 +129,14 @@ export class SpeciesForest {
 
   /** What picking needs to know. */
   get pickable() {
-    const { stand, bounds, motion } = this;
+    const { instances, bounds, motion } = this;
     this.nodeRadius_m ??= motion
       ? nodeRadii(
           this.model.parts.map(({ position }) => position.array),
           motion,
         )
       : new Float32Array(0);
-    return { stand, bounds, motion, nodeRadius_m: this.nodeRadius_m };
+    return { instances, bounds, motion, nodeRadius_m: this.nodeRadius_m };
   }
 
   /** Chooses what is drawn from this view, and at which level. */
@@ -145,7 +145,7 @@ export class SpeciesForest {
     const texels = this.nodes?.place(this.list);
     if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
     for (let level = 0; level < LEVEL_COUNT; level++) {
-      this.levels[level].fill(this.list, this.stand.data, texels?.[level] ?? ALL);
+      this.levels[level].fill(this.list, this.instances.data, texels?.[level] ?? ALL);
     }
   }
 

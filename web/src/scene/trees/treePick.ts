@@ -3,10 +3,10 @@
 import type { Ray } from "../../core/math/groundRay";
 import type { TableMotion } from "../../worker/protocol";
 import type { Bounds } from "./culling";
-import { INSTANCE_FLOATS, type Stand } from "./stand";
+import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 
 export interface PickGroup {
-  readonly stand: Stand;
+  readonly instances: InstanceData;
   readonly bounds: Bounds;
   /** null for trees that stand still. */
   readonly motion: TableMotion | null;
@@ -47,16 +47,16 @@ export function ballEntry(
 
 function candidates(groups: readonly PickGroup[], { from, to }: Ray): Candidate[] {
   const found: Candidate[] = [];
-  for (const [group, { stand, bounds }] of groups.entries()) {
+  for (const [group, { instances, bounds }] of groups.entries()) {
     const half_m = 0.5 * bounds.height_m;
     const ball_m = Math.hypot(half_m, bounds.radius_m + bounds.reach_m);
-    for (let tree = 0; tree < stand.count; tree++) {
+    for (let tree = 0; tree < instances.count; tree++) {
       const at = tree * INSTANCE_FLOATS;
-      const scale = stand.data[at + 6];
+      const scale = instances.data[at + 6];
       const [ox, oy, oz] = [
-        from.x - stand.data[at],
-        from.y - stand.data[at + 1],
-        from.z - stand.data[at + 2],
+        from.x - instances.data[at],
+        from.y - instances.data[at + 1],
+        from.z - instances.data[at + 2],
       ];
       const enters_m = ballEntry(ox, oy - half_m * scale, oz, to.x, to.y, to.z, ball_m * scale);
       if (Number.isFinite(enters_m)) found.push({ group, tree, enters_m });
@@ -102,9 +102,9 @@ const place = new Float64Array(3);
 
 /** How far along the ray a tree is met, m. */
 function entry(group: PickGroup, tree: number, ray: Ray): number {
-  const { stand, bounds, motion, nodeRadius_m, poses } = group;
-  const scale = stand.data[tree * INSTANCE_FLOATS + 6];
-  const [ox, oy, oz, dx, dy, dz] = ownRay(stand.data, tree, ray);
+  const { instances, bounds, motion, nodeRadius_m, poses } = group;
+  const scale = instances.data[tree * INSTANCE_FLOATS + 6];
+  const [ox, oy, oz, dx, dy, dz] = ownRay(instances.data, tree, ray);
   if (!motion) return crownEntry(bounds, ox, oy, oz, dx, dy, dz) * scale;
   let nearest = Number.POSITIVE_INFINITY;
   for (let node = 0; node < motion.nodes; node++) {

@@ -5,7 +5,7 @@
 import type { WindDocument } from "../../core/wind/wind";
 import type { Inspection, TreeAt } from "../protocol";
 import type { LocalMotion } from "./localMotion";
-import type { MotionSource } from "./motion";
+import type { MotionSource } from "./motionSource";
 import type { StreamMotion } from "./streamMotion";
 
 export class FailoverMotion implements MotionSource {

@@ -43,7 +43,7 @@ export class GroupWind {
     return Float32Array.from({ length: this.count }, (_, tree) => this.placement[tree * 4 + channel]);
   }
 
-  blow(field: WindField, time_s: number): void {
+  update(field: WindField, time_s: number): void {
     const { height_exponent, reference_height_m } = field.at(time_s).wind;
     this.setProfile(height_exponent, reference_height_m);
     field.velocity(this.x, this.z, time_s, this.velocityX, this.velocityZ);

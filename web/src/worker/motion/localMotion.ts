@@ -9,7 +9,7 @@ import { sampledPeak, type WindField } from "../../core/wind/wind";
 import type { Connection, Inspection, TreeAt } from "../protocol";
 import { rowsBefore, type ShownGroup } from "./carry";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
-import type { MotionSource } from "./motion";
+import type { MotionSource } from "./motionSource";
 
 /** Wind and poses move in the table's own steps at most, so that a slow display sees the same motion. */
 const MAX_STEP_S = 1 / 30;
@@ -105,7 +105,7 @@ export class LocalMotion implements MotionSource {
   private step(dt_s: number): void {
     this.time_s += dt_s;
     const begin_ms = performance.now();
-    for (const { wind } of this.groups) wind.blow(this.field, this.time_s);
+    for (const { wind } of this.groups) wind.update(this.field, this.time_s);
     this.wind_ms += performance.now() - begin_ms;
     for (const { lookup, wind } of this.groups) lookup.advance(dt_s, wind.pressureX, wind.pressureZ);
   }

@@ -5,13 +5,13 @@ import type { Connection, Inspection, TreeAt } from "../protocol";
 import { ForestSocket } from "../stream/forestSocket";
 import { SharedClock } from "../stream/sharedClock";
 import type { LocalMotion } from "./localMotion";
-import type { MotionSource } from "./motion";
+import type { MotionSource } from "./motionSource";
 
-export interface SharedEnds {
+export interface SharedMotionOptions {
   readonly url: string;
   request(): Request;
   /** SHARED and WIND_STATE, for the page. */
-  told(reply: Reply): void;
+  onReply(reply: Reply): void;
   problem(title: string, hint: string): void;
 }
 
@@ -20,24 +20,24 @@ const STALE_MS = 3000;
 export class SharedMotion implements MotionSource {
   private readonly socket: ForestSocket;
   private readonly clock: SharedClock;
-  private told_ms = Number.NaN;
+  private clockReceived_ms = Number.NaN;
 
   constructor(
     readonly local: LocalMotion,
     private readonly field: WindField,
-    private readonly ends: SharedEnds,
+    private readonly options: SharedMotionOptions,
   ) {
-    this.socket = new ForestSocket(ends.url, { ...ends, reply: (reply) => this.reply(reply) });
+    this.socket = new ForestSocket(options.url, { ...options, reply: (reply) => this.reply(reply) });
     this.clock = new SharedClock(this.socket.clock);
   }
 
   private reply(reply: Reply): void {
     if (reply.type === "clock") {
-      this.clock.tell(reply);
-      this.told_ms = performance.now();
+      this.clock.update(reply);
+      this.clockReceived_ms = performance.now();
       this.socket.arrived();
     } else if (reply.type === "windState") this.field.state = parseState(reply.state);
-    if (reply.type === "windState" || reply.type === "shared") this.ends.told(reply);
+    if (reply.type === "windState" || reply.type === "shared") this.options.onReply(reply);
   }
 
   get time_s(): number {
@@ -46,7 +46,7 @@ export class SharedMotion implements MotionSource {
 
   get connection(): Connection {
     const { latency_ms, kB_s, lost } = this.socket;
-    const age_ms = performance.now() - this.told_ms;
+    const age_ms = performance.now() - this.clockReceived_ms;
     const stale = lost || age_ms > STALE_MS;
     const state = stale ? "lost" : Number.isNaN(age_ms) ? "connecting" : "live";
     return { state, latency_ms, frameAge_ms: null, kB_s };

@@ -11,7 +11,7 @@ import { PoseSum } from "../stream/poseSum";
 import { SharedClock } from "../stream/sharedClock";
 import { PoseTimeline } from "../stream/timeline";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
-import type { MotionSource } from "./motion";
+import type { MotionSource } from "./motionSource";
 
 export interface StreamGroup {
   readonly table: string;
@@ -28,7 +28,7 @@ export interface StreamOptions {
   /** The forest that many share, if it is one. */
   readonly share?: ShareRequest | null;
   /** SHARED and WIND_STATE, for the page. */
-  told?(reply: Reply): void;
+  onReply?(reply: Reply): void;
   problem(title: string, hint: string): void;
 }
 
@@ -88,9 +88,9 @@ export class StreamMotion implements MotionSource {
 
   private reply(reply: Reply): void {
     if (reply.type === "frame") this.frame(reply);
-    else if (reply.type === "clock") this.clock.tell(reply);
+    else if (reply.type === "clock") this.clock.update(reply);
     else if (reply.type === "windState") this.field.state = parseState(reply.state);
-    if (reply.type === "shared" || reply.type === "windState") this.options.told?.(reply);
+    if (reply.type === "shared" || reply.type === "windState") this.options.onReply?.(reply);
   }
 
   private frame(frame: Frame): void {
@@ -141,7 +141,7 @@ export class StreamMotion implements MotionSource {
     this.time_s = shown_s;
     const begin_ms = performance.now();
     for (const [g, wind] of this.winds.entries()) {
-      wind.blow(this.field, shown_s);
+      wind.update(this.field, shown_s);
       wind.writeSpeeds(out[g], this.groups[g].scale.length);
     }
     this.wind_ms += performance.now() - begin_ms;

@@ -2,7 +2,7 @@
 import { decodeReply, encodeRequest, type Reply, type Request } from "../../core/wire/wire";
 import { ServerClock } from "./serverClock";
 
-export interface SocketEnds {
+export interface SocketHandlers {
   /** What to ask for, at first and whenever the connection is back. */
   request(): Request;
   reply(reply: Reply): void;
@@ -22,7 +22,7 @@ export class ForestSocket {
   kB_s = 0;
   readonly clock = new ServerClock();
   private socket: WebSocket | null = null;
-  private heard_ms = Number.NaN;
+  private lastMessage_ms = Number.NaN;
   private bytes = 0;
   private retry_ms: number = RETRY_MS.first;
   private disposed = false;
@@ -30,7 +30,7 @@ export class ForestSocket {
 
   constructor(
     private readonly url: string,
-    private readonly ends: SocketEnds,
+    private readonly handlers: SocketHandlers,
   ) {
     this.connect();
   }
@@ -41,14 +41,14 @@ export class ForestSocket {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.send({ type: "hello", client: "galewood-web" });
-      this.send(this.ends.request());
+      this.send(this.handlers.request());
       this.ping();
     };
     socket.onmessage = (event: MessageEvent<ArrayBuffer>) => this.receive(event.data);
     socket.onclose = () => {
       if (this.disposed) return;
       this.lost = true;
-      this.heard_ms = Number.NaN;
+      this.lastMessage_ms = Number.NaN;
       setTimeout(() => !this.disposed && this.connect(), this.retry_ms);
       this.retry_ms = Math.min(RETRY_MS.longest, this.retry_ms * 1.7);
     };
@@ -65,7 +65,7 @@ export class ForestSocket {
   }
 
   private ping(): void {
-    if (performance.now() - this.heard_ms > DEAD_MS) this.socket?.close();
+    if (performance.now() - this.lastMessage_ms > DEAD_MS) this.socket?.close();
     this.send({ type: "ping", t: performance.now() });
     this.kB_s = this.bytes / PING_EVERY_MS;
     this.bytes = 0;
@@ -73,20 +73,23 @@ export class ForestSocket {
 
   private receive(data: ArrayBuffer): void {
     this.bytes += data.byteLength;
-    this.heard_ms = performance.now();
+    this.lastMessage_ms = performance.now();
     let reply: Reply;
     try {
       reply = decodeReply(data);
     } catch (error) {
-      this.ends.problem("The stream made no sense.", error instanceof Error ? error.message : String(error));
+      this.handlers.problem(
+        "The stream made no sense.",
+        error instanceof Error ? error.message : String(error),
+      );
       this.socket?.close();
       return;
     }
     if (reply.type === "pong") {
       this.latency_ms = performance.now() - reply.t;
       this.clock.pong(reply.t, performance.now(), reply.server_s);
-    } else if (reply.type === "error") this.ends.problem(reply.title, reply.hint);
-    else this.ends.reply(reply);
+    } else if (reply.type === "error") this.handlers.problem(reply.title, reply.hint);
+    else this.handlers.reply(reply);
   }
 
   dispose(): void {

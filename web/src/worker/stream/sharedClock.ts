@@ -6,24 +6,24 @@ import type { ServerClock } from "./serverClock";
 const JUMP_S = 0.5;
 
 export class SharedClock {
-  private told: Clock | null = null;
+  private latest: Clock | null = null;
 
   constructor(private readonly server: ServerClock) {}
 
-  tell(clock: Clock): void {
-    this.told = clock;
+  update(clock: Clock): void {
+    this.latest = clock;
   }
 
   get paused(): boolean {
-    return this.told?.paused ?? false;
+    return this.latest?.paused ?? false;
   }
 
   /** The forest's time at a moment of this computer's clock; null until it is known. */
   time_s(now_ms: number): number | null {
-    if (!this.told) return null;
-    if (this.told.paused) return this.told.time_s;
-    const age_ms = this.server.age_ms(this.told.made_s, now_ms);
-    return age_ms === null ? null : this.told.time_s + Math.max(0, age_ms) / 1000;
+    if (!this.latest) return null;
+    if (this.latest.paused) return this.latest.time_s;
+    const age_ms = this.server.age_ms(this.latest.made_s, now_ms);
+    return age_ms === null ? null : this.latest.time_s + Math.max(0, age_ms) / 1000;
   }
 
   /** How far a forest at `mine_s` moves on with the display's step: towards the shared time, never back. */

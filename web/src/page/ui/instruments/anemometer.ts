@@ -29,17 +29,17 @@ export class Anemometer {
   }
 
   /** Sets it up at a place; what blew there just before is known at once, unless the model is stepped. */
-  stand(x: number, z: number, field: WindField, time_s: number): void {
+  placeAt(x: number, z: number, field: WindField, time_s: number): void {
     this.place = { x, z };
     this.x[0] = x;
     this.z[0] = z;
     this.recorder.clear();
     this.element.hidden = false;
     void this.loadPlots();
-    this.remember(field, time_s);
+    this.recordPast(field, time_s);
   }
 
-  private remember(field: WindField, time_s: number): void {
+  private recordPast(field: WindField, time_s: number): void {
     const { before, wind, since_s } = field.state;
     if (wind.model === "navier-stokes") return;
     const first_s = before === wind ? Number.NEGATIVE_INFINITY : since_s;

@@ -1,7 +1,7 @@
 /** The tree by the table, and in it its ghost by the finite elements. */
 
 import type { Method } from "../../core/motion/method";
-import { SmallStage } from "../../scene/smallStage";
+import { PreviewStage } from "../../scene/previewStage";
 import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
 import type { TableMotion } from "../../worker/protocol";
 import { BentTree } from "./bentTree";
@@ -17,19 +17,19 @@ export interface Shown {
   worst: number;
 }
 
-export class Theatre {
-  private readonly stage: SmallStage;
+export class ComparisonScene {
+  private readonly stage: PreviewStage;
   private solid: BentTree | null = null;
   private ghost: BentTree | null = null;
   private pose = new Float32Array(0);
 
   constructor(canvas: HTMLCanvasElement) {
-    this.stage = new SmallStage(canvas);
+    this.stage = new PreviewStage(canvas);
   }
 
   /** Another tree takes the stage. */
-  enter(model: TreeModel, motion: TableMotion): void {
-    this.leave();
+  setTree(model: TreeModel, motion: TableMotion): void {
+    this.clear();
     this.solid = new BentTree(model, motion, false);
     this.ghost = new BentTree(model, motion, true);
     this.pose = new Float32Array(motion.modes);
@@ -54,7 +54,7 @@ export class Theatre {
     this.stage.render();
   }
 
-  private leave(): void {
+  private clear(): void {
     for (const tree of [this.solid, this.ghost]) {
       if (!tree) continue;
       this.stage.scene.remove(tree.group);
@@ -63,7 +63,7 @@ export class Theatre {
   }
 
   dispose(): void {
-    this.leave();
+    this.clear();
     this.stage.dispose();
   }
 }

@@ -15,7 +15,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 const BACKGROUND = 0x141c21;
 const GROUND = 0x26302a;
 
-export class SmallStage {
+export class PreviewStage {
   readonly scene = new Scene();
   private readonly renderer: WebGLRenderer;
   private readonly camera = new PerspectiveCamera(34, 1, 0.05, 400);

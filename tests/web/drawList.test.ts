@@ -3,7 +3,7 @@ import { cylinderSeen } from "../../web/src/scene/trees/culling";
 import { LEVEL_COUNT, LEVEL_SHARES } from "../../web/src/scene/trees/detail";
 import { DrawList, type View } from "../../web/src/scene/trees/drawList";
 import { placeTrees } from "../../web/src/scene/placement";
-import { INSTANCE_FLOATS, makeStand } from "../../web/src/scene/trees/stand";
+import { INSTANCE_FLOATS, createInstanceData } from "../../web/src/scene/trees/instanceData";
 import { seededRandom } from "./seeded";
 
 const BOUNDS = { height_m: 10, radius_m: 3, reach_m: 0 };
@@ -17,10 +17,10 @@ const everywhere: View = {
 /** Sees only what lies at x > 10. */
 const halfSpace: View = { ...everywhere, planes: [{ normal: { x: 1, y: 0, z: 0 }, constant: -10 }] };
 
-const stand = makeStand(placeTrees(400, 7), () => 0, () => [1, 1, 1, 0]);
-const dataOf = (tree: number) => stand.data.subarray(tree * INSTANCE_FLOATS, (tree + 1) * INSTANCE_FLOATS);
+const instances = createInstanceData(placeTrees(400, 7), () => 0, () => [1, 1, 1, 0]);
+const dataOf = (tree: number) => instances.data.subarray(tree * INSTANCE_FLOATS, (tree + 1) * INSTANCE_FLOATS);
 
-function select(view: View, bounds = BOUNDS, list = new DrawList(stand)) {
+function select(view: View, bounds = BOUNDS, list = new DrawList(instances)) {
   list.select(bounds, view);
   return list;
 }
@@ -38,8 +38,8 @@ const casterTrees = (list: DrawList) =>
 describe("selection of trees", () => {
   test("without planes every tree is drawn once, the near ones in full", () => {
     const list = select(everywhere);
-    expect(list.drawn).toBe(stand.count);
-    expect(new Set(list.order).size).toBe(stand.count);
+    expect(list.drawn).toBe(instances.count);
+    expect(new Set(list.order).size).toBe(instances.count);
     for (const tree of list.order.subarray(0, list.visible[0])) {
       const [x, , z, , , , scale] = dataOf(tree);
       expect(list.share[tree] > LEVEL_SHARES[1]).toBe(true);
@@ -51,8 +51,8 @@ describe("selection of trees", () => {
     const list = select(halfSpace);
     const seen = seenTrees(list);
     expect(seen.length).toBeGreaterThan(0);
-    expect(list.drawn).toBeLessThan(stand.count);
-    for (let tree = 0; tree < stand.count; tree++) {
+    expect(list.drawn).toBeLessThan(instances.count);
+    for (let tree = 0; tree < instances.count; tree++) {
       if (dataOf(tree)[0] > 10) expect(seen).toContain(tree);
     }
     expect(new Set([...seen, ...casterTrees(list)]).size).toBe(list.drawn);
@@ -69,7 +69,7 @@ describe("selection of trees", () => {
   });
 
   test("a tree that bends into view is drawn", () => {
-    const edge = makeStand([{ id: 1, x_m: 4, z_m: 0, yaw_rad: 0, scale: 1 }], () => 0, () => [1, 1, 1, 0]);
+    const edge = createInstanceData([{ id: 1, x_m: 4, z_m: 0, yaw_rad: 0, scale: 1 }], () => 0, () => [1, 1, 1, 0]);
     const night = { ...halfSpace, shadow_m: -1000 };
     expect(select(night, BOUNDS, new DrawList(edge)).drawn).toBe(0);
     expect(select(night, { ...BOUNDS, reach_m: 3.5 }, new DrawList(edge)).drawn).toBe(1);
@@ -82,7 +82,7 @@ describe("selection of trees", () => {
     expect(near.reduce((a, b) => a + b)).toBeLessThan(all.reduce((a, b) => a + b));
     // Brute force: a point of the shadow of a caster within 20 m of the eye.
     const { sun, eye } = everywhere;
-    for (let tree = 0; tree < stand.count; tree++) {
+    for (let tree = 0; tree < instances.count; tree++) {
       const [x, y, z, , , , scale] = dataOf(tree);
       const slide = (10 * scale) / sun.y;
       const fallsNear = [0, 0.25, 0.5, 0.75, 1].some(

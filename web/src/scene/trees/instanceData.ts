@@ -1,6 +1,6 @@
 /** The trees of one species as packed arrays. Pure. */
 
-/** Floats per tree in `Stand.data`: x y z texel | s·cos s·sin s share | tint rgb, strength. */
+/** Floats per tree in `InstanceData.data`: x y z texel | s·cos s·sin s share | tint rgb, strength. */
 export const INSTANCE_FLOATS = 12;
 
 /** One place for a tree; the species comes later, so that places never move. */
@@ -14,7 +14,7 @@ export interface Placement {
   readonly scale: number;
 }
 
-export interface Stand {
+export interface InstanceData {
   readonly count: number;
   readonly data: Float32Array;
   /** x, z, yaw, scale of each tree: what the lookup needs. */
@@ -26,17 +26,17 @@ export interface Stand {
 export type Tint = (treeId: number) => readonly [number, number, number, number];
 
 /** Gives every tree another tint. */
-export function retint(stand: Stand, tint: Tint): void {
-  stand.ids.forEach((id, i) => {
-    stand.data.set(tint(id), i * INSTANCE_FLOATS + 8);
+export function setTints(instances: InstanceData, tint: Tint): void {
+  instances.ids.forEach((id, i) => {
+    instances.data.set(tint(id), i * INSTANCE_FLOATS + 8);
   });
 }
 
-export function makeStand(
+export function createInstanceData(
   places: readonly Placement[],
   ground: (x: number, z: number) => number,
   tint: Tint,
-): Stand {
+): InstanceData {
   const data = new Float32Array(places.length * INSTANCE_FLOATS);
   const placement = new Float32Array(places.length * 4);
   places.forEach((place, i) => {
