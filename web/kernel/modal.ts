@@ -1,17 +1,18 @@
-// One step of the drift-free method for one tree, four oscillators at a time: the sums of ../src/modal.ts in
-// single precision. AssemblyScript: `npm run kernel` compiles it to ../src/core/modal/modalKernel.wasm.ts. Addresses are
-// in bytes; ../src/core/modal/modalKernel.ts says what lies where before the first step.
+// One step of the modal reduced-order model for one tree, four oscillators at a time, in single precision.
+// AssemblyScript: `npm run kernel` compiles it to ../src/core/modal/modalKernel.wasm.ts. Addresses are in bytes;
+// ../src/core/modal/modalKernel.ts defines the memory layout. One of three implementations of the step, beside
+// ../src/core/modal/modalForest.ts and numba in precompute/galewood/modal/: see docs/design/0010-kernel.md.
 
-/** The polynomials are held where they are beyond this multiple of the sampled range. */
+/** Arguments of the polynomials are clamped to this multiple of the sampled range. */
 const CLAMP_RATIO: f32 = 1.25;
-/** In still air a motion below this share of the sampled range ends, exactly. */
+/** In still air, motion below this fraction of the sampled range is set to zero. */
 const REST_RATIO: f32 = 1e-7;
 
 /** Half the table's step, s. */
 export let halfStep_s: f32 = 0;
 /** Coupled coordinates. */
 export let coupled: i32 = 0;
-/** Bytes of a row of the d oscillators and of one of the r − d further modes, filled up to whole vectors. */
+/** Bytes of a row of the d oscillators and of one of the r − d further modes, padded to whole vectors. */
 export let ownRow: usize = 0;
 export let furtherRow: usize = 0;
 
@@ -37,13 +38,13 @@ export let total: usize = 0;
 /** [count, d] */
 export let e: usize = 0;
 export let v: usize = 0;
-/** [count, d + (r − d)], each part filled up */
+/** [count, d + (r − d)], each part padded */
 export let now: usize = 0;
 export let before: usize = 0;
 /** [count] */
 export let extrapolationRatio: usize = 0;
 
-/** The pair that a function returns. */
+/** Return value of functions that return a pair. */
 let pairX: f32 = 0;
 let pairY: f32 = 0;
 
@@ -70,7 +71,7 @@ function projectOnSway(row: usize): void {
   pairY = sum(y);
 }
 
-/** Draws the pair back to length `far` if it is longer. */
+/** Limits the length of the pair to `far`. */
 // @ts-ignore: decorator
 @inline
 function clampPair(far: f32): void {
@@ -193,7 +194,7 @@ function addRows(matrix: usize, factors: usize, count: i32, row: usize, out: usi
   }
 }
 
-/** All terms of the force at the middle of the coming step, as far as the state now tells. */
+/** All terms of the force at the midpoint of the step, extrapolated from the current state. */
 // @ts-ignore: decorator
 @inline
 function writeForceTerms(position: usize, speed: usize, px: f32, pz: f32): void {
@@ -220,7 +221,7 @@ function writeForceTerms(position: usize, speed: usize, px: f32, pz: f32): void 
   writeCoupled(x, y, speed, to);
 }
 
-/** Whether the tree moves too little to matter in still air; then it rests. */
+/** Whether the motion is negligible, so that a tree in still air can be set to rest. */
 function isAtRest(position: usize, speed: usize): bool {
   const small = REST_RATIO * load<f32>(limits);
   projectOnSway(position);
@@ -252,7 +253,7 @@ function move(position: usize, speed: usize): void {
   }
 }
 
-/** The pose of the state now, the one before kept; and how far into the sampled range it is. */
+/** Writes the pose of the current state, keeps the previous one, and updates the extrapolation ratio. */
 // @ts-ignore: decorator
 @inline
 function writePose(tree: i32, position: usize, px: f32, pz: f32): void {
@@ -282,7 +283,7 @@ function writePose(tree: i32, position: usize, px: f32, pz: f32): void {
   addRows(poseTerms + 2 * furtherRow, terms, 7 + 2 * coupled, furtherRow, to + ownRow);
 }
 
-/** Moves a tree by the table's step under a pressure (Pa) in its own frame. */
+/** Advances a tree by one table step under a pressure (Pa) in its own frame. */
 export function step(tree: i32, px: f32, pz: f32): void {
   const position = e + ownRow * tree;
   const speed = v + ownRow * tree;

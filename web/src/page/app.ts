@@ -34,7 +34,7 @@ import { Visit } from "./visit";
 import { WindStudio } from "./windStudio";
 
 const REPORT_EVERY_MS = 250;
-/** For so long the land waits for the first trees before it moves without them. */
+/** The scene stays static for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
 const PLACEMENT_KEYS: SettingKey[] = [
   "trees",
@@ -50,7 +50,7 @@ export class App {
   readonly stage: Stage;
   frame = 0;
   private stopped = false;
-  /** Neither moves nor draws: the processor is somebody else's. */
+  /** Neither advances nor draws, to leave the processor to others. */
   asleep = false;
   private readonly client = new ForestClient(showToast, {
     placement: (about) => this.takePlacement(about),
@@ -58,7 +58,7 @@ export class App {
       if (!sameWind(wind, this.settings.wind)) this.changeWind(wind, "shared");
     },
   });
-  /** The forest that this page shares with others, of its address. */
+  /** Id of the shared forest in the address. */
   private readonly share = sharedFrom(location.search);
   private readonly catalogue: Catalogue;
   private readonly forest: Forest;
@@ -78,7 +78,7 @@ export class App {
   private last_ms = performance.now();
   private reported_ms = 0;
 
-  /** `defaults`: what the visitor's own settings are kept as differences to. */
+  /** `defaults`: settings are stored as differences from these. */
   constructor(
     readonly settings: Settings,
     private readonly defaults: Settings,
@@ -143,7 +143,7 @@ export class App {
     this.report();
   }
 
-  /** Trees that stay go on moving; the others come when their first poses are in. `replant`: for all who share. */
+  /** Trees that stay keep moving; new ones appear with their first poses. `replant`: for everyone who shares the forest. */
   private placeTrees(replant = false): void {
     const { settings, client, forest } = this;
     const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
@@ -181,7 +181,7 @@ export class App {
     this.remember();
   }
 
-  /** Others who share this forest planted it anew. */
+  /** Others replaced the trees of this shared forest. */
   private takePlacement(about: About): void {
     if (!adoptPlacement(this.settings, about)) return;
     this.panel.refresh();
@@ -281,7 +281,7 @@ export class App {
     this.frame++;
   }
 
-  /** While the first trees are on their way nothing but clouds would move: the processor is theirs. */
+  /** While the first trees are loading only clouds would move: leave the processor to the loading. */
   private get waitsForTrees(): boolean {
     return this.frame > 0 && this.forest.group.children.length === 0 && performance.now() < PATIENCE_MS;
   }
@@ -325,7 +325,7 @@ export class App {
     this.pickedCard.show(figures, tree);
   }
 
-  /** The forest stands still meanwhile: its processor is the comparison's. */
+  /** The forest stops meanwhile, to leave the processor to the comparison. */
   private async openCompare(): Promise<void> {
     const view = await import("./compare/compareView");
     this.compareView ??= new view.CompareView({

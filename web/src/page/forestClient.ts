@@ -1,4 +1,4 @@
-/** The main thread's end of the worker: plans go out, poses come back, buffers circulate. */
+/** The main thread's side of the worker: sends plans, receives poses, recycles buffers. */
 
 import type { WindDocument, WindState } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
@@ -22,23 +22,23 @@ interface PendingTable {
   reject(error: Error): void;
 }
 
-/** Who hears what others do to a forest that many share. */
+/** Notified of changes that others make to a shared forest. */
 export interface SharedForestListener {
   placement(about: About): void;
   wind(wind: WindDocument): void;
 }
 
-/** A group for the worker, with what tells the length of its rows. */
+/** A group for the worker, with the motion that determines its row length. */
 export interface ClientGroup extends Omit<GroupPlan, "table"> {
   readonly motion: TableMotion;
 }
 
 const NO_CONNECTION: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
 const NO_WORK: Work = { wind_ms: 0, lookup_ms: 0, total_ms: 0 };
-/** Longer pauses (a hidden tab) are not caught up. */
+/** Longer pauses, as of a hidden tab, are skipped. */
 const MAX_STEP_S = 0.25;
 
-/** Begins at once to load, while the page builds its scene. */
+/** Started early, so that it loads while the page builds its scene. */
 function startWorker(): Worker {
   return new Worker(new URL("../worker/forest.worker.ts", import.meta.url), { type: "module" });
 }
@@ -52,7 +52,7 @@ export class ForestClient {
   work = NO_WORK;
   connection = NO_CONNECTION;
   wind: { state: WindState; coverage: number } | null = null;
-  /** How far the tree that is farthest is into its sampled range: above 1 it is beyond. */
+  /** Largest extrapolation ratio of all trees: above 1 one is beyond its sampled range. */
   extrapolationRatio = 0;
   /** The watched tree's figures. */
   watched: Inspection | null = null;
@@ -65,7 +65,7 @@ export class ForestClient {
   private backlog_s = 0;
   private fresh = false;
 
-  /** `shared`: told what others do to a forest that many share. */
+  /** `shared` is notified of what others do to a shared forest. */
   constructor(
     private readonly problem: (title: string, hint: string) => void,
     private readonly shared: SharedForestListener,
@@ -86,7 +86,7 @@ export class ForestClient {
     });
   }
 
-  /** Moves another set of trees; those that were there go on. `arrived`: their first poses are in. */
+  /** Replaces the set of trees; those that stay keep their state. `arrived` is called with their first poses. */
   plan(
     groups: readonly ClientGroup[],
     plan: Omit<ForestPlan, "epoch" | "groups">,
@@ -118,18 +118,18 @@ export class ForestClient {
     this.send({ kind: "wind", wind });
   }
 
-  /** Stops a shared forest's clock for all, or lets it run on. */
+  /** Stops or resumes the clock of a shared forest, for everyone. */
   pause(paused: boolean): void {
     this.send({ kind: "pause", paused });
   }
 
-  /** Asks for one tree's figures with every frame, or no longer; a new plan ends it. */
+  /** Requests the figures of one tree with every frame; null or a new plan ends it. */
   watch(at: TreeAt | null): void {
     this.watched = null;
     this.send({ kind: "watch", at });
   }
 
-  /** Moves the forest on by the display's step; while the worker is busy, time is owed. */
+  /** Advances the forest by the display's step; while the worker is busy the time accumulates. */
   advance(dt_s: number): void {
     this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
     if (this.busy || this.spare.length === 0) return;
@@ -144,7 +144,7 @@ export class ForestClient {
     );
   }
 
-  /** Whether the worker still owes the poses that were asked for last. */
+  /** Whether the poses requested last are still to come. */
   get isBusy(): boolean {
     return this.busy;
   }

@@ -1,4 +1,4 @@
-/** `window.galewood`: what tests and embedding pages may read and do. */
+/** `window.galewood`: the API for tests and embedding pages. */
 
 import type { WindDocument } from "../core/wind/wind";
 import type { App } from "./app";
@@ -37,7 +37,7 @@ export interface Probe {
   dress: App["setScenery"];
   /** Stops drawing altogether, or goes on. */
   sleep(asleep: boolean): void;
-  /** One frame, so many seconds after the last, however long it takes: frame by frame, asleep. */
+  /** Advances by one frame of dt_s and waits for it; for frame-by-frame rendering while asleep. */
   step(dt_s: number, drawn?: boolean): Promise<void>;
   /** Picks the tree under a place of the window (px), as a click does; null where there is none. */
   pick(left_px: number, top_px: number): ProbedTree | null;
@@ -47,7 +47,7 @@ export interface Probe {
   follow(following: boolean): void;
   /** What the page costs: frame, script, worker, triangles. `extent` is the former name of `extrapolationRatio`. */
   readonly statistics: App["statistics"] & { readonly extent: number };
-  /** Draws the trees as plain instances that stand still, or moving again: what does the motion cost? */
+  /** Draws the trees as static instances, or moving again: to measure what the motion costs. */
   freeze(frozen: boolean): void;
 }
 

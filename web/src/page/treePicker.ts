@@ -1,4 +1,4 @@
-/** Picking a tree on screen: a ring around it, its figures, and a camera that keeps it in the middle if asked to. */
+/** Tree picking: a ring around the picked tree, its figures, and a camera that can follow it. */
 import { Raycaster, Vector2, Vector3 } from "three";
 import { groundUnder, type Ray } from "../core/math/groundRay";
 import { tipDisplacement_m, tipNode } from "../core/motion/tip";
@@ -41,7 +41,7 @@ export class TreePicker {
   private readonly ring = new PickRing();
   private readonly aim = new Vector3();
 
-  /** `changed` is told of every pick, and of its end. */
+  /** `changed` is called with every pick, and with null when it ends. */
   constructor(
     private readonly stage: Stage,
     private readonly forest: Forest,
@@ -136,7 +136,7 @@ export class TreePicker {
     return data.subarray(tree * INSTANCE_FLOATS, (tree + 1) * INSTANCE_FLOATS);
   }
 
-  /** Every frame: finds the tree again after a planting, and lets the camera follow. */
+  /** Every frame: finds the tree again after a new placement, and moves the camera along. */
   advance(dt_s: number): void {
     if (!this.picked) return;
     if (this.shown !== this.forest.moving) this.locate(this.picked);

@@ -1,4 +1,4 @@
-/** What a visitor does with the page besides wind and settings: views, flight, link, photo, film, physics. */
+/** The visitor's tools besides wind and settings: views, flight, link, photo, film, physics. */
 
 import { CameraFlight } from "../scene/camera/cameraFlight";
 import { type Subject, type ViewName, viewpoint } from "../scene/camera/viewpoints";

@@ -1,4 +1,4 @@
-/** Joins the wind's instruments to the forest on screen: overlay, mast, picking, and the field they all show. */
+/** Connects the wind instruments to the scene: overlay, mast, picking, and the wind field that they display. */
 import { Raycaster, Vector2, Vector3 } from "three";
 import { groundUnder } from "../core/math/groundRay";
 import { nearestTree, tipDisplacement_m, tipNode } from "../core/motion/tip";

@@ -1,4 +1,4 @@
-/** The forest on screen: one SpeciesForest per species, planted over shared places. */
+/** The forest on screen: one SpeciesForest per species, on shared placements. */
 import { Group, type WebGLRenderer } from "three";
 import type { Ray } from "../core/math/groundRay";
 import type { TableMotion } from "../worker/protocol";
@@ -12,16 +12,16 @@ import { disposeModel, type TreeModel } from "./trees/mesh/treeMesh";
 import { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
 import { pickTree } from "./trees/treePick";
 
-/** A species that the forest may plant; without a model its places stay free. */
+/** A kind of tree; its placements stay empty until the model is loaded. */
 export interface TreeAsset {
   readonly id: string;
   readonly species: string | null;
   model: TreeModel | null;
-  /** null: the table is not in yet, the trees stand still and grey. */
+  /** Null until the table is loaded; the trees are static and grey until then. */
   motion: TableMotion | null;
 }
 
-/** One species of a planting. */
+/** The trees of one species in a placement. */
 export interface PlacedSpecies {
   readonly asset: TreeAsset;
   readonly model: TreeModel;
@@ -57,7 +57,7 @@ export interface PlacementOptions {
   readonly season?: Season;
 }
 
-/** Which tree stands where. Places depend on seed and number only: trees that were there stay where they were. */
+/** Assigns trees to placements. Placements depend on seed and number only, so that existing trees stay in place. */
 export function placeForest(
   assets: readonly TreeAsset[],
   count: number,
@@ -87,10 +87,10 @@ export class Forest {
   private frozen = false;
   private leafless = false;
 
-  /** `options` hold for the next planting. */
+  /** `options` apply to the next placement. */
   constructor(public options: SpeciesOptions) {}
 
-  /** Shows a planting; species that were there before keep their meshes and textures on the graphics card. */
+  /** Shows a placement; species that stay keep their meshes and textures on the GPU. */
   show(placed: readonly PlacedSpecies[]): void {
     const before = this.all;
     this.all = placed.map((group) => {
@@ -104,7 +104,7 @@ export class Forest {
     this.moving = this.all.filter(({ forest }) => forest.motion);
   }
 
-  /** What no tree is drawn with any longer need not stay on the graphics card. */
+  /** Frees models that are no longer drawn from the GPU. */
   private freeModels(before: readonly MovingGroup[]): void {
     const used = new Set(this.all.map(({ forest }) => forest.model));
     for (const { model } of before.map(({ forest }) => forest)) if (!used.has(model)) disposeModel(model);
@@ -122,7 +122,7 @@ export class Forest {
     return forest;
   }
 
-  /** Dresses all trees for a season, those of later plantings too; select anew afterwards. */
+  /** Sets the season of all trees, later placements included; call `select` afterwards. */
   setSeason(season: Season): void {
     this.leafless = season === "winter";
     for (const { asset, forest } of this.all) {

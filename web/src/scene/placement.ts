@@ -1,4 +1,4 @@
-/** Where trees stand: seeded, stable when the number grows or a species joins. Pure. */
+/** Seeded placement of trees, stable when their number grows or a species is added. Pure. */
 import { valueNoise } from "../core/math/noise";
 import { hashText, hashUnit } from "../core/math/random";
 import { glade } from "./ground/landscape";

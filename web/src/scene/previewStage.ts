@@ -1,4 +1,4 @@
-/** A small stage of its own for looking at one tree: light, ground, and a camera that circles it. */
+/** A small scene for one tree: light, ground and an orbiting camera. */
 import {
   AmbientLight,
   CircleGeometry,

@@ -96,7 +96,7 @@ export class Stage {
     this.camera.updateProjectionMatrix();
   }
 
-  /** Dresses sky, light and land for a moment of the year. */
+  /** Sets sky, light and ground for a season and time of day. */
   show(daytime: number, season: Season): Atmosphere {
     this.season = season;
     const light = this.daylight.show(daytime, season);

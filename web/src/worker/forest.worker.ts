@@ -1,4 +1,4 @@
-/** The worker: decodes tables, and keeps every tree's pose, looked up here or received from the server. */
+/** The worker: decodes tables and keeps the pose of every tree, computed here or received from the server. */
 
 import { poseStride } from "../core/motion/poseStride";
 import { decodeTable, type Table } from "../core/table/table";
@@ -26,7 +26,7 @@ const blend = new JumpBlend();
 let source: MotionSource | null = null;
 let field: WindField | null = null;
 let epoch = 0;
-/** What the screen shows, for the next plan to go on from. */
+/** The displayed poses, which the next plan starts from. */
 let shown: Float32Array[] = [];
 let shownGroups: readonly ShownGroup[] = [];
 let watched: TreeAt | null = null;
@@ -82,7 +82,7 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
   );
 }
 
-/** The trees are looked up here, the wind and the clock are those of all. */
+/** Poses are computed here; wind and clock are those of the shared forest. */
 function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: string): SharedMotion {
   const have = Object.fromEntries(plan.groups.map(({ table }) => [table, tableBytes.get(table) ?? 0]));
   const request = () => forestRequest("table", plan.groups, wind, local.time_s, { ...plan, have });

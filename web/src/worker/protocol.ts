@@ -1,4 +1,4 @@
-/** What main thread and worker say to each other. Types only: neither side imports the other. */
+/** Messages between main thread and worker. Types only: neither side imports the other. */
 
 import type { Method } from "../core/motion/method";
 import type { WindDocument, WindState } from "../core/wind/wind";
@@ -28,7 +28,7 @@ export interface NodeLevel {
   readonly basis: Float32Array<ArrayBuffer>;
 }
 
-/** What the screen needs of a table, unpacked by the worker. */
+/** What drawing needs of a table, unpacked by the worker. */
 export interface TableMotion {
   readonly sha256: string;
   readonly modes: number;
@@ -41,7 +41,7 @@ export interface TableMotion {
   readonly rest_m: Float32Array<ArrayBuffer>;
   /** Full detail first, then with fewer nodes and modes: one for each level of detail of the mesh. */
   readonly levels: readonly NodeLevel[];
-  /** How far any part of a tree of scale 1 strays from rest at most. */
+  /** Largest displacement of any part of a tree of scale 1, m. */
   readonly reach_m: number;
   /** Node of each render vertex, primitives concatenated. */
   readonly vertexNode: Uint16Array<ArrayBuffer>;
@@ -71,7 +71,7 @@ export interface TreeAt {
   readonly tree: number;
 }
 
-/** What the lookup knows of one tree. */
+/** Figures of one tree. */
 export interface Inspection {
   /** Sway and pressure over the largest that the table has sampled: above 1 the tree is beyond the sampled range. */
   readonly extrapolationRatio: number;
@@ -79,7 +79,7 @@ export interface Inspection {
   readonly record: number | null;
 }
 
-/** Where the worker's time went in one frame, ms. */
+/** Time that the worker spent on one frame, ms. */
 export interface Work {
   readonly wind_ms: number;
   readonly lookup_ms: number;
@@ -96,13 +96,13 @@ export interface ForestPlan {
   readonly method: Method;
   /** null takes each table's own default. */
   readonly poseEasing: number | null;
-  /** The forest that many share, whose wind and clock hold for all. */
+  /** The shared forest whose wind and clock this one follows. */
   readonly share: ShareRequest | null;
 }
 
 export type ToWorker =
   | { kind: "load"; sha256: string; url: string }
-  /** The buffers come back filled, as from `advance`. */
+  /** The buffers are returned filled, as by `advance`. */
   | {
       kind: "plan";
       plan: ForestPlan;
@@ -111,11 +111,11 @@ export type ToWorker =
       buffers: Float32Array<ArrayBuffer>[];
     }
   | { kind: "wind"; wind: WindDocument }
-  /** Stops a shared forest's clock for all, or lets it run on. */
+  /** Stops or resumes the clock of a shared forest, for everyone. */
   | { kind: "pause"; paused: boolean }
-  /** Which tree's figures to send along. */
+  /** The tree whose figures are to be sent with the poses. */
   | { kind: "watch"; at: TreeAt | null }
-  /** Moves the forest on; the buffers come back filled. */
+  /** Advances the forest; the buffers are returned filled. */
   | { kind: "advance"; epoch: number; dt_s: number; buffers: Float32Array<ArrayBuffer>[] };
 
 export type ConnectionState = "idle" | "connecting" | "live" | "lost";
@@ -144,7 +144,7 @@ export type FromWorker =
       extrapolationRatio: number;
       watched: Inspection | null;
     }
-  /** What others did to a shared forest. */
+  /** Changes that others made to a shared forest. */
   | { kind: "shared"; about: About }
   | { kind: "sharedWind"; wind: WindDocument }
   | { kind: "problem"; title: string; hint: string };

@@ -1,4 +1,4 @@
-/** Where a ray from the camera meets the ground. Pure. */
+/** Intersection of a ray with the ground. Pure. */
 
 export interface Ray {
   readonly from: { x: number; y: number; z: number };
@@ -8,7 +8,7 @@ export interface Ray {
 
 const FARTHEST_M = 600;
 
-/** Steps along the ray until it is below the ground, then halves; null if it never is. */
+/** Marches along the ray until it is below the ground, then bisects; null if it never is. */
 export function groundUnder(
   ray: Ray,
   height_m: (x: number, z: number) => number,

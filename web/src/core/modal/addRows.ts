@@ -1,5 +1,7 @@
-/** Adds the rows of `matrix` [≥ count, width], each times its term, to `out` [width]. Four columns at a time: their
- * sums stay in registers while the rows go by, a third of the time of one row after the other. */
+/**
+ * Adds the rows of `matrix` [≥ count, width], weighted by `terms`, to `out` [width]. Works on four columns at a time,
+ * so that their sums stay in registers: three times as fast as row by row.
+ */
 export function addRows(
   matrix: Float64Array,
   terms: Float64Array,

@@ -1,5 +1,10 @@
-// The drift-free method for many trees at once, twin of precompute/modal.py: a few oscillators of the tree's
-// own, stepped exactly, bent by a small polynomial force. Allocates nothing while trees move.
+/**
+ * The modal reduced-order model for many trees at once: a few oscillators per tree, integrated exactly and coupled by
+ * a small polynomial force. Nothing is allocated per step.
+ *
+ * Of the modal step there are three implementations, which must stay equal: numba (precompute/galewood/modal/),
+ * this one, and AssemblyScript (web/kernel/modal.ts). docs/design/0010-kernel.md says why.
+ */
 
 import { type Numbers, TreeInstances } from "../motion/treeInstances";
 import type { Table } from "../table/table";
@@ -7,14 +12,14 @@ import { addRows } from "./addRows";
 import { ModalKernel } from "./modalKernel";
 import { coupledOf, forceTerms, poseTerms } from "./modalTensors";
 
-/** The polynomials are held where they are beyond this multiple of the sampled range. */
+/** Arguments of the polynomials are clamped to this multiple of the sampled range. */
 const CLAMP_RATIO = 1.25;
-/** In still air a motion below this share of the sampled range ends, exactly. */
+/** In still air, motion below this fraction of the sampled range is set to zero. */
 const REST_RATIO = 1e-7;
 
-/** Trees of one table, each with its own state, in its own frame and at its own pace. */
+/** Trees of one table, each with its own state, orientation and time scale. */
 export class ModalForest extends TreeInstances {
-  /** [count] how far into the sampled range a tree's sway and pressure are: above 1 it is beyond it. */
+  /** [count] sway and pressure over their largest sampled values; above 1 the tree is beyond the sampled range. */
   readonly extrapolationRatio: Float32Array;
   private readonly d: number;
   private readonly c: number;
@@ -25,7 +30,7 @@ export class ModalForest extends TreeInstances {
   private readonly shownOf: Float64Array;
   private readonly pose: Float64Array;
   private readonly limits: Float64Array;
-  /** [count, own] state of the oscillators, a row of d or, in the kernel, filled up to whole vectors. */
+  /** [count, own] displacement of the oscillators: rows of d, padded to whole SIMD vectors in the kernel. */
   private readonly e: Numbers;
   private readonly v: Numbers;
   private readonly own: number;
@@ -36,7 +41,7 @@ export class ModalForest extends TreeInstances {
   private readonly further: Float64Array;
   private readonly pair = new Float64Array(2);
 
-  /** `plain`: steps as written here, in double precision, where the kernel could run too. */
+  /** `plain`: use this double-precision implementation even where the kernel is available. */
   constructor({ modal, metadata }: Table, count: number, plain = false) {
     const { modes, dt_s } = metadata;
     const kernel = plain ? null : ModalKernel.make(modal, modes, count, dt_s);
@@ -67,10 +72,10 @@ export class ModalForest extends TreeInstances {
     return this.kernel !== null;
   }
 
-  /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
+  /** Copies the state of trees from another forest of this table; `rows`: their index there, −1 for a new tree. */
   adopt(from: ModalForest, rows: Int32Array): void {
     const { own } = this;
-    if (from.compiled !== this.compiled) return; // one of them found no room for a kernel: trees begin at rest
+    if (from.compiled !== this.compiled) return; // state layouts differ (one of them could not allocate a kernel): trees start at rest
     rows.forEach((row, i) => {
       if (row < 0) return;
       this.takeOver(i, from, row);
@@ -119,7 +124,7 @@ export class ModalForest extends TreeInstances {
     pair[1] = y;
   }
 
-  /** Draws `pair` back to length `far` if it is longer. */
+  /** Limits the length of `pair` to `far`. */
   private clampPair(far: number): void {
     const { pair } = this;
     const size = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]);
@@ -149,7 +154,7 @@ export class ModalForest extends TreeInstances {
     }
   }
 
-  /** All terms of the force at the middle of the coming step, as far as the state now tells. */
+  /** All terms of the force at the midpoint of the step, extrapolated from the current state. */
   private writeForceTerms(first: number, px: number, pz: number): void {
     const { d, e, v, ahead, limits, pair } = this;
     const half = this.dt / 2;
@@ -214,7 +219,7 @@ export class ModalForest extends TreeInstances {
     }
   }
 
-  /** Whether the tree moves too little to matter in still air; then it rests. */
+  /** Whether the motion is negligible, so that a tree in still air can be set to rest. */
   private isAtRest(first: number): boolean {
     const { d, e, sway, limits, pair } = this;
     const small = REST_RATIO * limits[0];
@@ -227,7 +232,7 @@ export class ModalForest extends TreeInstances {
     return largest * Math.max(Math.abs(sway[0]), Math.abs(sway[d])) < small;
   }
 
-  /** The pose of the state now, the one before kept; and how far into the sampled range it is. */
+  /** Writes the pose of the current state, keeps the previous one, and updates the extrapolation ratio. */
   private writePose(i: number, px: number, pz: number): void {
     const { d, c, r, e, terms, limits, pair, now, before, further, shownOf } = this;
     const first = i * d;

@@ -1,11 +1,14 @@
-/** The drift-free method's step in WebAssembly, compiled from ../kernel/modal.ts: what lies where in its memory. */
+/**
+ * The modal step in WebAssembly, compiled from web/kernel/modal.ts: memory layout and instantiation. One of three
+ * implementations of the step, see docs/design/0010-kernel.md.
+ */
 import { MODAL_KERNEL } from "./modalKernel.wasm";
 import { coupledOf, type ModalTensors } from "./modalTensors";
 
 const PAGE = 65_536;
-/** Numbers of a vector: rows are filled up to whole ones. */
+/** Floats per SIMD vector; rows are padded to a multiple. */
 const LANES = 4;
-/** No address is 0. */
+/** Data starts here, so that no address is 0. */
 const FIRST_BYTE = 64;
 
 type Tensor = "stepping" | "pull" | "sway" | "force" | "shown" | "posePlain" | "poseTerms" | "limits";
@@ -17,7 +20,7 @@ type Exports = Record<Place | Setting, WebAssembly.Global> & { step: Step };
 
 const filled = (count: number) => LANES * Math.ceil(count / LANES);
 
-/** Numbers of [rows, width] in rows that are filled up with zeros. */
+/** [rows, width] with zero-padded rows. */
 function inFullRows(values: Float32Array, width: number): Float32Array {
   if (width === 0) return new Float32Array(0);
   const rows = values.length / width;
@@ -66,7 +69,7 @@ function lengths(given: Record<Tensor, Float32Array>): Record<Tensor, number> {
   return Object.fromEntries(all) as Record<Tensor, number>;
 }
 
-/** An instance of the kernel in a memory of its own, and views of its places, so many numbers each. */
+/** Instantiates the kernel with its own memory, and returns views of its arrays. */
 function settle(module: WebAssembly.Module, sizes: Record<Place, number>) {
   const places = Object.entries(sizes) as [Place, number][];
   const bytes = places.reduce((sum, [, length]) => sum + 4 * filled(length), FIRST_BYTE);
@@ -82,14 +85,14 @@ function settle(module: WebAssembly.Module, sizes: Record<Place, number>) {
   return { kernel, views };
 }
 
-/** States of trees in the kernel's memory, and their step. */
+/** Tree states in the kernel's memory, and the step function. */
 export class ModalKernel {
-  /** Numbers of a tree's row of oscillators, which is filled up. */
+  /** Floats per row of oscillators, padding included. */
   readonly ownRow: number;
   /** [count, ownRow] */
   readonly e: Float32Array;
   readonly v: Float32Array;
-  /** [count, ownRow + the further modes, filled up] */
+  /** [count, ownRow + the remaining modes, padded] */
   readonly now: Float32Array;
   readonly before: Float32Array;
   /** [count] */
@@ -135,7 +138,7 @@ export class ModalKernel {
     this.step = kernel.step;
   }
 
-  /** Null where WebAssembly or its vectors are missing, or there is no memory left for it. */
+  /** Null where WebAssembly SIMD is not supported or memory is exhausted. */
   static make(modal: ModalTensors, modes: number, count: number, dt_s: number): ModalKernel | null {
     const module = compile();
     if (!module) return null;

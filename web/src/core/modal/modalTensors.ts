@@ -1,6 +1,6 @@
-// What the drift-free method's tensors are, and how many rows they have.
+// Tensors of the modal reduced-order model and their numbers of rows.
 
-/** Tensors of the method: d dynamic coordinates, c coupled ones, r shown modes. */
+/** d dynamic coordinates (oscillators), c of them coupled, r displayed modes. */
 export interface ModalTensors {
   /** [d, 6] r00 − 1, r01, r10, r11 − 1, s0, s1 of each oscillator */
   readonly step: Float32Array;
@@ -12,18 +12,18 @@ export interface ModalTensors {
   readonly force: Float32Array;
   /** [d] m of q_k per unit of coordinate k */
   readonly shown: Float32Array;
-  /** [d + 9 + 2c, r − d] m of the further q per unit */
+  /** [d + 9 + 2c, r − d] m of the remaining q per unit */
   readonly pose: Float32Array;
   /** [3 + 2c] sampled range: sway, its speed 1/s, pressure Pa, coupled coordinates, their speeds */
   readonly limits: Float32Array;
 }
 
-/** c, of so many numbers of the sampled range. */
+/** Number of coupled coordinates, from the length of `limits`. */
 export function coupledOf(limits: number): number {
   return (limits - 3) / 2;
 }
 
-/** Rows of the force: the terms in the pose, those with the sway's speed and with the pressure, and the coupled. */
+/** Rows of the force: terms in the pose, with the sway velocity, with the pressure, and of the coupled coordinates. */
 export function forceTerms(coupled: number): number {
   return 44 + 6 * coupled;
 }
@@ -33,7 +33,7 @@ export function poseTerms(dynamic: number, coupled: number): number {
   return dynamic + 9 + 2 * coupled;
 }
 
-/** Whether every oscillator's step contracts: then a bounded wind gives a bounded motion. */
+/** Whether every oscillator's step is a contraction, so that bounded wind gives bounded motion. */
 export function contracts(step: Float32Array): boolean {
   for (let k = 0; k < step.length; k += 6) {
     const r00 = 1 + step[k];

@@ -1,4 +1,4 @@
-/** How far the crowns are from rest, for the probe: pure arithmetic on pose buffers. */
+/** Mean displacement of the crowns from rest, computed from pose buffers. */
 
 export interface SwayGroup {
   readonly count: number;

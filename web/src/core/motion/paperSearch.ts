@@ -1,5 +1,8 @@
-// Algorithm 1 of the paper for many trees at once, twin of precompute/lookup.py: the same records, and in units
-// of the table's mode scale the same poses, bit for bit. Allocates nothing while trees move.
+/**
+ * Algorithm 1 of the paper for many trees at once. Finds the same records as
+ * precompute/galewood/player/paper_search.py, and the same poses bit for bit in units of the table's mode scale.
+ * Nothing is allocated per step.
+ */
 
 import { lastRecords, poses, type Table } from "../table/table";
 import { TreeInstances } from "./treeInstances";
@@ -10,7 +13,7 @@ const SNAP = 0.5;
 const TERMS = new Float64Array(12);
 for (let n = 0, factorial = 1; n < 12; factorial *= ++n) TERMS[n] = (n % 2 === 0 ? 1 : -1) / factorial;
 
-/** 1 − exp(−exponent) for exponent ≥ 0 by plain sums and products, so that every language agrees. */
+/** 1 − exp(−exponent) for exponent ≥ 0 by plain sums and products, so that all languages give the same bits. */
 export function gaussian(exponent: number): number {
   const t = Math.min(exponent, 50) / 256;
   let p = TERMS[11];
@@ -19,15 +22,15 @@ export function gaussian(exponent: number): number {
   return 1 - p;
 }
 
-/** Which records a search asks: of moving air, of still air (exactly no pressure), or all. */
+/** Which records a search considers: of moving air, of still air (exactly zero pressure), or all. */
 const MOVING = 0;
 const STILL = 1;
 const ANY = -1;
 
 export interface LookupOptions {
-  /** 0..1: how fast the pose is drawn to that of the record found; the table's own by default, 0 is literal. */
+  /** 0..1: how fast the pose approaches that of the record found; the table's own by default, 0 accumulates as in the paper. */
   readonly poseEasing?: number;
-  /** Ask records of still air when the air is exactly still, and no others; and the other way round. */
+  /** Search records of still air only when the air is exactly still, and only then. */
   readonly stillAir?: boolean;
 }
 
@@ -61,7 +64,7 @@ export class TableSearch {
     return begins ? this.nearestPressure(air, fx, fz) : this.bestCandidate(state, weight, air, fx, fz);
   }
 
-  /** The first step: the lowest record with a successor whose pressure is nearest, asked outwards from fx. */
+  /** The first step: the lowest record with a successor whose pressure is nearest, searched outwards from fx. */
   private nearestPressure(air: number, fx: number, fz: number): number {
     const { byX, calm, barred } = this;
     const { pressure } = this.table;
@@ -120,7 +123,7 @@ export class TableSearch {
   }
 }
 
-/** Trees of one table, each with its own state, in its own frame and at its own pace. */
+/** Trees of one table, each with its own state, orientation and time scale. */
 export class PaperForest extends TreeInstances {
   /** [count] record found last, −1 before the first step; the tree is in its successor's state. */
   readonly record: Int32Array;
@@ -147,7 +150,7 @@ export class PaperForest extends TreeInstances {
     this.weight = new Float64Array(count);
   }
 
-  /** Trees that were in another forest of this table go on as they were there; `rows`: −1 for a new tree. */
+  /** Copies the state of trees from another forest of this table; `rows`: their index there, −1 for a new tree. */
   adopt(from: PaperForest, rows: Int32Array): void {
     rows.forEach((row, i) => {
       if (row < 0) return;
@@ -162,7 +165,7 @@ export class PaperForest extends TreeInstances {
     const state = this.record[i] + 1;
     const air = this.stillAir ? (fx === 0 && fz === 0 ? STILL : MOVING) : ANY;
     let found = this.search.find(state, this.weight[i], air, fx, fz);
-    if (found < 0) found = this.search.find(state, this.weight[i], ANY, fx, fz); // none of such air: ask all
+    if (found < 0) found = this.search.find(state, this.weight[i], ANY, fx, fz); // no record of such air: search all
     const follows = state > 0 && found === state;
     this.weight[i] = follows ? Math.min(maximum, this.weight[i] + growth) : initial;
     this.record[i] = found;
@@ -180,7 +183,7 @@ export class PaperForest extends TreeInstances {
     }
   }
 
-  /** Follows the record's own path; the offset from it dies away as a critically damped spring does. */
+  /** Follows the record's own trajectory; the offset from it decays like a critically damped spring. */
   private ease(i: number, found: number): void {
     const { now, before, poses: pose, easing } = this;
     const { dq, metadata } = this.table;

@@ -1,12 +1,14 @@
-// Trees that stand side by side: where, turned how, how large, and so at which pace each goes through time. Twin
-// of precompute/paced.py. Allocates nothing while trees move.
+/**
+ * Instances of one tree: position, orientation and size, and the stepping of each at its own time scale. Same as
+ * precompute/galewood/player/. Nothing is allocated per frame.
+ */
 
 /** After a long pause a tree resumes instead of catching up. */
 const MAX_STEPS_PER_ADVANCE = 8;
 
 export type Numbers = Float64Array | Float32Array;
 
-/** What both methods keep of their trees; `room` for their poses where it is not to be made here. */
+/** What both methods share. `room` are pose buffers to use instead of allocating them. */
 export abstract class TreeInstances {
   /** [count, r] shown pose, between the last two steps. */
   readonly q: Float32Array;
@@ -37,12 +39,12 @@ export abstract class TreeInstances {
     this.size = new Float32Array(count).fill(1);
   }
 
-  /** Moves tree i by the table's step under a pressure (Pa) in its own frame. */
+  /** Advances tree i by one table step under a pressure (Pa) in its own frame. */
   protected abstract step(i: number, px: number, pz: number): void;
-  /** Writes the pose of tree i at a part (0 to 1) of the way from the step before to the last. */
+  /** Writes the pose of tree i, interpolated between the last two steps (`part` from 0 to 1). */
   protected abstract show(i: number, part: number): void;
 
-  /** Place, turn and size of each tree; their state goes on. */
+  /** Sets position, yaw and scale of each tree; their state is kept. */
   setTrees(
     x: ArrayLike<number>,
     z: ArrayLike<number>,
@@ -53,13 +55,13 @@ export abstract class TreeInstances {
     this.z.set(z);
     this.size.set(scale);
     for (let i = 0; i < this.count; i++) {
-      // Rounded to float32: the last bit of a cosine is nobody's promise.
+      // Rounded to float32, because the last bit of a cosine differs between platforms.
       this.turn[2 * i] = Math.cos(Math.fround(yaw[i]));
       this.turn[2 * i + 1] = Math.sin(Math.fround(yaw[i]));
     }
   }
 
-  /** Tree i goes on as tree `row` of another forest of this table was. */
+  /** Copies the state of tree `row` of another forest of this table to tree i. */
   protected takeOver(i: number, from: TreeInstances, row: number): void {
     this.phase[i] = from.phase[row];
     const width = this.now.length / this.count;
@@ -67,7 +69,7 @@ export abstract class TreeInstances {
     this.before.set(from.before.subarray(row * width, (row + 1) * width), i * width);
   }
 
-  /** Lets dt seconds pass under world pressures (Pa); a tree s times as large sways s times slower. */
+  /** Advances by dt seconds under world pressures (Pa). A tree s times as large sways s times slower. */
   advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
     const rate = dtS / this.dt;
     for (let i = 0; i < this.count; i++) {

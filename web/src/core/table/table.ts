@@ -1,5 +1,7 @@
-// THE table format, twin of precompute/table.py: one safetensors file a species (docs/formats/table.md).
-// Everything a reader relies on is checked on the way in: a decoded table is searched without bounds checks.
+/**
+ * Reader of the table format: one safetensors file per species (docs/formats/table.md). Same as
+ * precompute/galewood/table/. Everything is validated here, so that a decoded table can be used without bounds checks.
+ */
 
 import { contracts, coupledOf, forceTerms, type ModalTensors, poseTerms } from "../modal/modalTensors";
 import { fromVersion5 } from "./version5";
@@ -91,7 +93,7 @@ type Json = Record<string, unknown>;
 
 /** Decodes a table file. Throws TableError saying what is wrong with it. */
 export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
-  // Plain bytes in any case: the slices of a Buffer of Node would share its memory.
+  // Plain bytes: slices of a Node Buffer would share its memory.
   const bytes =
     file instanceof Uint8Array
       ? new Uint8Array(file.buffer, file.byteOffset, file.byteLength)
@@ -243,7 +245,7 @@ function readTensor(header: Json, body: Uint8Array, name: string): Tensor {
     end - start === count * type.BYTES_PER_ELEMENT,
     `tensor ${name}: ${end - start} bytes do not fit its shape`,
   );
-  // Copied: the file's own alignment is nobody's promise, and the file may then be let go.
+  // Copied, because the file does not guarantee alignment, and so that it can be freed.
   return { shape, values: new type(body.slice(start, end).buffer) };
 }
 
@@ -342,7 +344,7 @@ function checkOffsets({ offsets, candidate, metadata: { records: z } }: Table): 
   }
 }
 
-/** In the file each candidate's mismatches are less those of the one before it, the first of a row as it is. */
+/** In the file mismatches are delta-coded along each row of candidates. */
 function sumSteps({ offsets, mismatches }: Table): void {
   for (let c = 0; c + 1 < offsets.length; c++) {
     for (let s = offsets[c] + 1; s < offsets[c + 1]; s++) {

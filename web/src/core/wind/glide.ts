@@ -1,6 +1,6 @@
 /**
  * The wind's clock: what a forest's wind is at a moment, smooth however its document is changed. The same
- * arithmetic as precompute/wind_models/glide.py, which says why.
+ * arithmetic as precompute/galewood/wind/, which says why.
  */
 import { FIELDS, parseWind, type ResolvedWind, resolveWind, type WindDocument, WindError } from "./document";
 

@@ -1,4 +1,4 @@
-/** Seeded whole numbers, the same as precompute/wind_models/hashing.py. */
+/** Seeded whole numbers, the same as precompute/galewood/wind/. */
 
 /** Mueller's integer finaliser of (seed, k), 0 … 2³²−1. */
 export function hash32(seed: number, k: number): number {

@@ -53,7 +53,7 @@ export function sampledPeak(samplePressure: Places): number {
 
 /**
  * Shortens pressures that are stronger than what a table has sampled to its strongest, in place: beyond it every
- * record would be equally wrong, and the trees would no longer know where the wind comes from.
+ * record would be equally wrong, and the direction of the wind would be lost.
  */
 export function limitPressure(pressureX: Output, pressureZ: Output, peak_pa: number): void {
   for (let i = 0; i < pressureX.length; i++) {

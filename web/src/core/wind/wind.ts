@@ -1,4 +1,4 @@
-// The wind: the same arithmetic as precompute/wind.py. docs/formats/wind.md is the specification.
+// The wind: the same arithmetic as precompute/galewood/wind/. docs/formats/wind.md is the specification.
 import type { WindDocument } from "./document";
 import { WindField } from "./field";
 import type { Output, Places } from "./frame";

@@ -1,6 +1,6 @@
 /**
- * What every message of the wire looks like, whatever it says: prefix, msgpack map, padding, payload.
- * Specified in docs/formats/wire.md; twin of server/envelope.py. The readers below check a header's fields.
+ * The envelope of every wire message: prefix, msgpack map, padding, payload. Specified in docs/formats/wire.md; same
+ * as server/galewood_server/stream/wire.py. The readers below validate the fields of a header.
  */
 import { decode, encode } from "@msgpack/msgpack";
 
@@ -11,7 +11,7 @@ const MAX_HEADER_BYTES = 64 * 1024;
 
 export type Header = Record<string, unknown>;
 
-/** Bytes that are no message of this version; the text says what is wrong, `code` is for programs. */
+/** A malformed message, or one of another version. `code` is machine-readable. */
 export class WireError extends Error {
   constructor(
     message: string,

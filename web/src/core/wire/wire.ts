@@ -1,9 +1,9 @@
 /**
- * THE wire format of /ws/forest, version 2: specified in docs/formats/wire.md, twin of server/wire.py.
+ * The wire format of /ws/forest, version 2: specified in docs/formats/wire.md, same as
+ * server/galewood_server/stream/wire.py.
  *
- * Requests go from client to server, replies back; envelope.ts says what they have in common, wireForest.ts and
- * wireFrame.ts hold the messages with rows of numbers. encode… stands beside decode…; what decodes has been
- * checked, so that nobody downstream checks again.
+ * Requests go from client to server, replies back. envelope.ts holds what they have in common, wireForest.ts and
+ * wireFrame.ts the messages with numeric payloads. Decoders validate everything they return.
  */
 import {
   decodeMessage,

@@ -1,4 +1,5 @@
-/** FOREST, the message that asks for a forest, and SHARED, which describes one. Twin of server/wire_forest.py. */
+/** FOREST, the message that asks for a forest, and SHARED, which describes one. Same as
+ * server/galewood_server/stream/wire.py. */
 import { METHODS, type Method, parseMethod } from "../motion/method";
 import {
   encodeMessage,
@@ -24,7 +25,7 @@ export interface Group {
   count: number;
 }
 
-/** What the planter of a shared forest wants others to know, passed on unread. */
+/** Data that the creator of a shared forest passes to others; the server does not interpret it. */
 export type About = Record<string, string | number | boolean>;
 
 /** What the client wants: tables to look up itself, or a stream of poses of these trees. */
@@ -38,9 +39,9 @@ export interface Forest {
   pose_easing: number | null;
   /** How poses are made; "modal" where it is not given. */
   method?: Method;
-  /** The forest that many share; without it one of one's own. */
+  /** Id of a shared forest; a private one without it. */
   share?: string;
-  /** If the shared forest has other trees, give it these, for all. */
+  /** Replace the trees of the shared forest by these, for everyone. */
   replant?: boolean;
   about?: About;
   /** Bytes of tables (by SHA-256) that the client has already. */
@@ -49,7 +50,7 @@ export interface Forest {
   trees: Float32Array<ArrayBuffer>;
 }
 
-/** A shared forest as it is: told to all who join and at each replanting. */
+/** A shared forest, sent to everyone who joins and whenever its trees are replaced. */
 export interface Shared {
   type: "shared";
   share: string;
@@ -72,7 +73,7 @@ export function encodeForest(forest: Forest): Uint8Array<ArrayBuffer> {
   return encodeMessage(FOREST, header, bytesOf(forest.trees));
 }
 
-/** What differs from the defaults. */
+/** The options that differ from their defaults. */
 function options(forest: Forest): Header {
   return {
     ...(forest.pose_easing !== null && { pose_easing: forest.pose_easing }),
@@ -84,7 +85,7 @@ function options(forest: Forest): Header {
   };
 }
 
-/** The twin of encodeForest. Throws WireError. */
+/** Inverse of encodeForest. Throws WireError. */
 export function decodeForest(header: Header, payload: Uint8Array<ArrayBuffer>): Forest {
   only(header, "mode", "groups", "options", "wind", "time_s");
   const mode = text(header, "mode");
@@ -115,7 +116,7 @@ export function encodeShared(shared: Shared): Uint8Array<ArrayBuffer> {
   return encodeMessage(SHARED, header, bytesOf(shared.trees));
 }
 
-/** The twin of encodeShared. Throws WireError. */
+/** Inverse of encodeShared. Throws WireError. */
 export function decodeShared(header: Header, payload: Uint8Array<ArrayBuffer>): Shared {
   only(header, "share", "groups", "pose_easing", "method", "about");
   const groups = entries(header, "groups").map(decodeGroup);

@@ -1,5 +1,6 @@
 /**
- * FRAME, the message that carries poses: encoder beside decoder. Twin of server/wire_frame.py.
+ * FRAME, the message that carries poses: encoder and decoder. Same as
+ * server/galewood_server/stream/wire.py.
  *
  * A pose is counted in `quantum` × the table's modes.scale. A key frame is int32; any other frame holds the
  * differences to another tick, int16 for the first `wide` modes, which move most, and int8 for the rest.
@@ -90,7 +91,7 @@ function payloadLength(shapes: readonly Shape[], key: boolean): number {
   return wideBytes(shapes) + shapes.reduce((sum, { count, modes, wide }) => sum + count * (modes - wide), 0);
 }
 
-/** The twin of encodeFrame. Throws WireError. */
+/** Inverse of encodeFrame. Throws WireError. */
 export function decodeFrame(header: Header, payload: Uint8Array<ArrayBuffer>): Frame {
   only(header, "tick", "base", "time_s", "made_s", "groups");
   const base = header.base === null ? null : whole(header, "base");

@@ -1,4 +1,4 @@
-/** The tree by the table, and in it its ghost by the finite elements. */
+/** The tree moved by its table, overlaid with the ghost of the finite element simulation. */
 
 import type { Method } from "../../core/motion/method";
 import { PreviewStage } from "../../scene/previewStage";
@@ -27,7 +27,7 @@ export class ComparisonScene {
     this.stage = new PreviewStage(canvas);
   }
 
-  /** Another tree takes the stage. */
+  /** Replaces the tree. */
   setTree(model: TreeModel, motion: TableMotion): void {
     this.clear();
     this.solid = new BentTree(model, motion, false);

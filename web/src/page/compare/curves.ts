@@ -26,7 +26,7 @@ export class Curves {
   private readonly resized: ResizeObserver;
   private now_s = 0;
 
-  /** `seek` hears the moment, s, that a click or tap asks for. */
+  /** `seek` is called with the time of a click or tap. */
   constructor(paper: HTMLElement, seek: (time_s: number) => void) {
     this.plot = new uPlot(this.options(paper), [[], [], [], [], []], paper);
     this.plot.over.addEventListener("pointerdown", (event) => seek(this.plot.posToVal(event.offsetX, "x")));

@@ -37,7 +37,7 @@ export interface TreeChange {
   deleted?: boolean;
 }
 
-/** A refusal by the server (RFC 9457) or by the network, in words for people. */
+/** An error of the server (RFC 9457) or the network, in plain words. */
 export class Problem extends Error {
   constructor(
     readonly title: string,
@@ -59,7 +59,7 @@ export async function problemFrom(response: Response): Promise<Problem> {
   return new Problem(title, hint, response.status);
 }
 
-/** Where requests get the server's key from: the one that is known, and one that the visitor is asked for. */
+/** Supplies the server's key: the known one, or one entered by the visitor. */
 export interface KeyRing {
   known(): string | null;
   ask(): Promise<string | null>;
@@ -81,7 +81,7 @@ async function send(path: string, init: RequestInit | undefined, key: string | n
   }
 }
 
-/** Asks the server; a refusal or no answer is a Problem. Only what changes something is sent with a key. */
+/** Sends a request; throws a Problem on failure. Only requests that change something carry the key. */
 export async function fetchApi(path: string, init?: RequestInit): Promise<Response> {
   const writes = init?.method !== undefined && init.method !== "GET";
   let response = await send(path, init, writes ? keys.known() : null);

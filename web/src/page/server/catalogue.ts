@@ -1,4 +1,4 @@
-/** Which trees the server has, and their meshes and tables as they come in. */
+/** The trees of the server, with meshes and tables as they are loaded. */
 
 import type { TreeAsset } from "../../scene/forest";
 import { readTreeModel } from "../../scene/trees/mesh/treeMesh";
@@ -49,7 +49,7 @@ export class Catalogue {
       .map(({ tree }) => tree.species ?? tree.name);
   }
 
-  /** Every tree of the forest, as the server last told. */
+  /** Every tree of the forest, as last received from the server. */
   get trees(): Tree[] {
     return [...this.entries.values()].map(({ tree }) => tree);
   }
@@ -86,7 +86,7 @@ export class Catalogue {
     void this.follow(entry).catch((error: unknown) => this.report(error));
   }
 
-  /** Fetches what is new, side by side; what is superseded on its way is dropped. */
+  /** Fetches new mesh and table in parallel; superseded responses are dropped. */
   private async follow(entry: Entry): Promise<void> {
     await Promise.all([this.takeMesh(entry), this.takeTable(entry)]);
   }
@@ -116,13 +116,13 @@ export class Catalogue {
     }
   }
 
-  /** The trees sway once mesh and table are in and belong together, and stand until then. */
+  /** The trees move once mesh and table are loaded and match, and are static until then. */
   private join(entry: Entry): void {
     const { asset, motion, table } = entry;
     if (!asset.model || !this.entries.has(entry.tree.id)) return;
     const vertices = asset.model.parts.reduce((sum, part) => sum + part.vertices, 0);
     asset.motion = motion?.vertexNode.length === vertices ? motion : null;
-    // One whose table is about to come is planted with it.
+    // A tree whose table is about to arrive is placed together with it.
     if (asset.motion || !table || motion) this.events.assetsChanged();
   }
 

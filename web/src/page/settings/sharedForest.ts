@@ -1,12 +1,12 @@
-/** A forest that many share, as the address names it and as its planters describe it to each other. Pure. */
+/** A shared forest: its id in the address, and the description of its placement that clients exchange. Pure. */
 
 import type { About } from "../../core/wire/wire";
 import { queryFromSettings, type Settings, settingsFromQuery } from "./settings";
 
-/** What decides where which trees stand. */
+/** The settings that determine the placement. */
 const PLACEMENT_KEYS = ["trees", "density", "shares", "forestSeed", "method", "poseEasing"] as const;
 
-/** The id of an address's `share` parameter; null without one that servers take. */
+/** The id of an address's `share` parameter; null without a valid one. */
 export function sharedFrom(query: string): string | null {
   const id = new URLSearchParams(query).get("share");
   return id !== null && /^[A-Za-z0-9_-]{1,64}$/.test(id) ? id : null;
@@ -19,7 +19,7 @@ export function withShared(query: string, share: string | null): string {
   return all.toString();
 }
 
-/** What others need to plant the same trees. */
+/** What others need to reproduce the placement. */
 export function placementOf(settings: Settings): About {
   const usual: Settings = { ...settings, trees: Number.NaN, forestSeed: Number.NaN };
   for (const key of ["density", "shares", "method", "poseEasing"] as const) {
@@ -29,7 +29,7 @@ export function placementOf(settings: Settings): About {
   return query.length <= 200 ? { planting: query } : {};
 }
 
-/** Takes over what another planted; whether that differs from what is here. */
+/** Adopts the placement of another client; returns whether it differs. */
 export function adoptPlacement(settings: Settings, about: About): boolean {
   if (typeof about.planting !== "string") return false;
   const given = settingsFromQuery(about.planting);

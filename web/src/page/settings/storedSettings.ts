@@ -1,4 +1,4 @@
-/** Settings from one visit to the next. Whatever is kept there is taken as a query: what is odd keeps its default. */
+/** Settings kept in the browser's storage, as a query; values that cannot be read keep their default. */
 import { queryFromSettings, type Settings, settingsFromQuery } from "./settings";
 import { windFromQuery } from "./windQuery";
 
@@ -7,7 +7,7 @@ const VERSION = 1;
 
 type Store = Pick<Storage, "getItem" | "setItem">;
 
-/** The defaults, changed by what was kept; a browser that keeps nothing, or rubbish, changes nothing. */
+/** The defaults with the stored settings applied; unreadable storage is ignored. */
 export function remembered(defaults: Settings, store: () => Store): Settings {
   try {
     const kept: unknown = JSON.parse(store().getItem(KEY) ?? "null");

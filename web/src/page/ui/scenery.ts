@@ -30,7 +30,7 @@ export class SceneryBar {
   private readonly slider = make("input");
   private readonly clock = make("output");
 
-  /** `changed` is told what the visitor chose. */
+  /** `changed` is called when the visitor has changed the scenery. */
   constructor(
     private readonly scenery: Scenery,
     private readonly changed: () => void,

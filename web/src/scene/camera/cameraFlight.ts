@@ -44,7 +44,7 @@ export class CameraFlight {
     this.share = 0;
   }
 
-  /** Glides to a viewpoint, or cuts to it for who wants no motion. */
+  /** Moves to a viewpoint smoothly, or at once where reduced motion is preferred. */
   go(goal: Viewpoint, cut: boolean): void {
     this.release();
     this.setOut(goal);

@@ -38,7 +38,7 @@ export class Daylight {
     this.setQuality(quality);
   }
 
-  /** Sets the light of a season's moment; tells what it is for those that share it. */
+  /** Sets the light of a season and time of day, and returns it. */
   show(daytime: number, season: Season): Atmosphere {
     const light = atmosphereAt(daytime, season);
     this.point(light.sun.azimuth_deg, light.sun.elevation_deg);

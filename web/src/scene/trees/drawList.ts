@@ -1,4 +1,4 @@
-/** Which trees of a stand a frame draws, at which level, and which cast shadows. Pure; allocates nothing per frame. */
+/** Which trees a frame draws, at which level of detail, and which cast shadows. Pure; no allocation per frame. */
 import { type Bounds, cylinderSeen, type Planes, type Point, shadowSeen } from "./culling";
 import { LEVEL_COUNT, levelFor, shareAt } from "./detail";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";

@@ -17,7 +17,7 @@ export interface Placement {
 export interface InstanceData {
   readonly count: number;
   readonly data: Float32Array;
-  /** x, z, yaw, scale of each tree: what the lookup needs. */
+  /** x, z, yaw, scale of each tree, as the worker needs them. */
   readonly placement: Float32Array<ArrayBuffer>;
   /** Identity of each tree: that of its place. */
   readonly ids: Uint32Array<ArrayBuffer>;

@@ -18,7 +18,7 @@ export interface SpeciesOptions extends MaterialOptions {
   readonly flutter: { value: { x: number; y: number } };
 }
 
-/** Trees are added in steps, so that a few more need no new buffers. */
+/** Buffers grow in steps of this many trees. */
 const ROOM_STEP = 256;
 const ALL: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 };
 
@@ -50,7 +50,7 @@ export class SpeciesForest {
   private frozen = false;
   private nodeRadius_m: Float32Array | null = null;
 
-  /** `motion` null: the trees stand still, in the grey of work in progress. */
+  /** Without `motion` the trees are static and grey. */
   constructor(
     readonly model: TreeModel,
     readonly motion: TableMotion | null,
@@ -100,7 +100,7 @@ export class SpeciesForest {
     return new LevelMeshes(level, parts, this.room, this.options.gloss ? 1 : LEVEL_SHARES[1], this.group);
   }
 
-  /** Takes another stand in, if it fits: the same trees keep their level of detail. */
+  /** Replaces the instances, if there is room for them; trees that stay keep their level of detail. */
   setInstances(instances: InstanceData): boolean {
     if (instances.count > this.room) return false;
     const before = this.list;
@@ -162,7 +162,7 @@ export class SpeciesForest {
     if (!this.frozen) this.nodes?.render(renderer);
   }
 
-  /** Draws the trees as plain instances without any motion, or moving again: what does the motion cost? */
+  /** Draws the trees as static instances, or moving again: to measure what the motion costs. */
   freeze(frozen: boolean): void {
     this.frozen = frozen;
     const still = new Map(

@@ -1,4 +1,4 @@
-/** Hides a jump of poses (another place of lookup, another table): the difference fades out, tree by tree. Pure. */
+/** Hides a jump of poses (another source or table) by fading out the difference of each tree. Pure. */
 import type { CarriedGroup } from "./carry";
 
 const FADE_S = 1;

@@ -1,4 +1,4 @@
-/** Poses that outlive a new plan: what each tree shows now, in the coordinates of the group that it joins. Pure. */
+/** Carries poses over to a new plan: the displayed pose of each tree in the coordinates of its new group. Pure. */
 
 import { poseStride } from "../../core/motion/poseStride";
 import type { Table } from "../../core/table/table";

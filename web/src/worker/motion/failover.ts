@@ -1,6 +1,7 @@
 /**
- * The server's stream with the local tables behind it: while no frames come the trees go on from here, and when they
- * come again the stream takes over. Both read the same wind, so that the change is small; the caller blends it.
+ * The server's stream with the local tables behind it: while no frames arrive the tables move the trees,
+ * and the stream takes over again with its next frame. Both read the same wind, so the change is small; the caller
+ * blends it.
  */
 import type { WindDocument } from "../../core/wind/wind";
 import type { Inspection, TreeAt } from "../protocol";
@@ -11,7 +12,7 @@ import type { StreamMotion } from "./streamMotion";
 export class FailoverMotion implements MotionSource {
   private local: LocalMotion | null = null;
 
-  /** `makeLocal` begins at a time; `switched` is told when the source of poses changes. */
+  /** `makeLocal` starts at the given time; `switched` is called when the source of poses changes. */
   constructor(
     private readonly stream: StreamMotion,
     private readonly makeLocal: (time_s: number) => LocalMotion,
@@ -65,7 +66,7 @@ export class FailoverMotion implements MotionSource {
       this.local = null;
       this.switched();
     }
-    // The server goes on from the time that the trees have reached meanwhile.
+    // The server continues from the time that the trees have reached meanwhile.
     if (this.local) this.stream.time_s = this.local.time_s;
     return this.source.advance(dt_s, out);
   }

@@ -1,4 +1,4 @@
-/** The wind at the trees of one group, and their poses as rows for the screen. Allocates nothing per frame. */
+/** The wind at the trees of one group, and their poses as rows for the screen. Nothing is allocated per frame. */
 
 import { poseStride } from "../../core/motion/poseStride";
 import { pressureOfVelocity } from "../../core/wind/pressure";
@@ -13,7 +13,7 @@ export class GroupWind {
 
   /** Share of the trees in winds that their table has sampled. */
   coverage = 1;
-  /** The strongest pressure over the strongest that the table has sampled. */
+  /** Largest pressure over the largest that the table has sampled. */
   extrapolationRatio = 0;
   private readonly speed_m_s: Float32Array;
   private readonly velocityX: Float64Array;
@@ -22,7 +22,7 @@ export class GroupWind {
   private exponent = 0;
   private reference_m = 1;
 
-  /** `placement`: x, z, yaw, scale of each tree, of which one of scale 1 is so high. */
+  /** `placement`: x, z, yaw, scale of each tree; `height_m`: height of a tree of scale 1. */
   constructor(
     readonly placement: Float32Array,
     private readonly height_m: number,
@@ -51,7 +51,7 @@ export class GroupWind {
     this.limit();
   }
 
-  /** Holds pressures at what the table has sampled, and counts how many were beyond. */
+  /** Clamps pressures to the sampled range, and counts how many were beyond it. */
   private limit(): void {
     const { pressureX, pressureZ, velocityX, velocityZ, speed_m_s, factor, sampledPeak_pa } = this;
     const most = sampledPeak_pa * sampledPeak_pa;
@@ -75,7 +75,7 @@ export class GroupWind {
     this.extrapolationRatio = Math.sqrt(strongest) / sampledPeak_pa;
   }
 
-  /** Pressure at one tree over the strongest that its table has sampled. */
+  /** Pressure at one tree over the largest that its table has sampled. */
   extrapolationRatioAt(tree: number): number {
     return dynamicPressure(this.speed_m_s[tree]) / this.sampledPeak_pa;
   }

@@ -1,4 +1,4 @@
-/** Every tree looked up here. */
+/** Poses computed from the tables in this worker. */
 
 import { ModalForest } from "../../core/modal/modalForest";
 import type { Method } from "../../core/motion/method";
@@ -11,7 +11,7 @@ import { rowsBefore, type ShownGroup } from "./carry";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motionSource";
 
-/** Wind and poses move in the table's own steps at most, so that a slow display sees the same motion. */
+/** Longest step of wind and poses, so that the motion does not depend on the display's rate. */
 const MAX_STEP_S = 1 / 30;
 
 export interface LocalGroup extends ShownGroup {
@@ -49,7 +49,7 @@ export class LocalMotion implements MotionSource {
     });
   }
 
-  /** Trees of the same table and method that were in motion before go on as they were. */
+  /** Takes over the state of trees that were in motion before, of the same table and method. */
   adopt(before: LocalMotion): void {
     for (const { group, lookup } of this.groups) {
       const old = before.groups.find(

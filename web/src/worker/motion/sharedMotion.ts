@@ -1,4 +1,4 @@
-/** Trees looked up here under the wind and the clock of a forest that many share. */
+/** Poses computed here, under the wind and the clock of a shared forest. */
 import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
 import type { Reply, Request } from "../../core/wire/wire";
 import type { Connection, Inspection, TreeAt } from "../protocol";

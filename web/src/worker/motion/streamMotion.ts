@@ -1,4 +1,4 @@
-/** Poses looked up on the server: a WebSocket that comes back by itself, shown a moment behind. */
+/** Poses streamed by the server, displayed with a short delay; the connection is restored automatically. */
 
 import type { Method } from "../../core/motion/method";
 import { poseStride } from "../../core/motion/poseStride";
@@ -25,7 +25,7 @@ export interface StreamOptions {
   readonly url: string;
   readonly method: Method;
   readonly poseEasing: number | null;
-  /** The forest that many share, if it is one. */
+  /** The shared forest, if it is one. */
   readonly share?: ShareRequest | null;
   /** SHARED and WIND_STATE, for the page. */
   onReply?(reply: Reply): void;

@@ -1,9 +1,9 @@
-/** The socket to the server: it comes back by itself, pings, and knows the server's clock. */
+/** The socket to the server: reconnects automatically, pings, and estimates the server's clock. */
 import { decodeReply, encodeRequest, type Reply, type Request } from "../../core/wire/wire";
 import { ServerClock } from "./serverClock";
 
 export interface SocketHandlers {
-  /** What to ask for, at first and whenever the connection is back. */
+  /** The request to send, at first and after every reconnection. */
   request(): Request;
   reply(reply: Reply): void;
   problem(title: string, hint: string): void;
@@ -12,11 +12,11 @@ export interface SocketHandlers {
 const PING_EVERY_MS = 1000;
 /** Short, so that the stream is back soon after the server is; meanwhile the local tables move the trees. */
 const RETRY_MS = { first: 250, longest: 1000 } as const;
-/** A connection that has been silent for so long is given up. */
+/** A connection without messages for this long is closed. */
 const DEAD_MS = 5000;
 
 export class ForestSocket {
-  /** Not there since the last close. */
+  /** Closed, and nothing received since. */
   lost = false;
   latency_ms: number | null = null;
   kB_s = 0;
@@ -58,7 +58,7 @@ export class ForestSocket {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(encodeRequest(request));
   }
 
-  /** What was asked for is coming. */
+  /** The requested data arrives. */
   arrived(): void {
     this.lost = false;
     this.retry_ms = RETRY_MS.first;

@@ -1,4 +1,4 @@
-/** The server's clock as seen from here, by the quickest of the last answers to pings. Pure. */
+/** Estimate of the server's clock, from the ping with the shortest round trip among the last ones. Pure. */
 
 const KEPT = 16;
 

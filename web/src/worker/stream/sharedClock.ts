@@ -1,4 +1,4 @@
-/** The clock of a forest that many share: where it is now, and how this display comes to it. Pure. */
+/** The clock of a shared forest, and how this display converges to it. Pure. */
 import type { Clock } from "../../core/wire/wire";
 import type { ServerClock } from "./serverClock";
 

@@ -1,4 +1,4 @@
-/** What the screen needs of a table. Pure. */
+/** What drawing needs of a table. Pure. */
 
 import { poseStride } from "../../core/motion/poseStride";
 import { poses, type Table } from "../../core/table/table";
@@ -48,7 +48,7 @@ function tips(table: Table): number[] {
   return nodes.sort((a, b) => far[b] - far[a]).slice(0, TIPS);
 }
 
-/** How far any part of the tree strays from rest at most, m: from the poses of all its records. */
+/** Largest displacement of any part of the tree from rest, m, over the poses of all records. */
 export function reach_m(table: Table): number {
   const { modes, records } = table.metadata;
   const { modeScale, nodeBasis } = table;
@@ -95,7 +95,7 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
   };
 }
 
-/** What can be handed over rather than copied. */
+/** The buffers to transfer instead of copying. */
 export function motionBuffers(motion: TableMotion): ArrayBuffer[] {
   const { basis, rest_m, vertexNode, crownBasis, levels } = motion;
   const own = [basis, rest_m, vertexNode, crownBasis, ...levels.flatMap(({ of, basis: rows }) => [of, rows])];

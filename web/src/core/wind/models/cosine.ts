@@ -1,4 +1,4 @@
-/** Superposed cosine waves of gusts, the same arithmetic as precompute/wind_models/cosine.py. */
+/** Superposed cosine waves of gusts, the same arithmetic as precompute/galewood/wind/. */
 import type { ResolvedWind } from "../document";
 import type { Gusts, Output, Places } from "../frame";
 import { phaseTurns } from "../hashing";

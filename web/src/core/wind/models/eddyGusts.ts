@@ -1,7 +1,7 @@
 /**
  * The Navier–Stokes eddies over the forest, at any moment: runs follow one another and fade into each other, so
  * that no moment is more than EPOCH + OVERLAP steps away. The same arithmetic as
- * precompute/wind_models/eddy_gusts.py.
+ * precompute/galewood/wind/.
  */
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";

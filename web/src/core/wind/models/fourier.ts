@@ -1,5 +1,5 @@
 /**
- * A two-dimensional Fourier transform whose every bit is the same as in precompute/wind_models/fourier.py:
+ * A two-dimensional Fourier transform whose every bit is the same as in precompute/galewood/wind/:
  * the order of operations is fixed and the roots of unity come from square roots.
  */
 

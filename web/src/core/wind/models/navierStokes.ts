@@ -1,7 +1,7 @@
 /**
  * Eddies: two-dimensional stable fluids (Stam 1999) on a periodic grid, in the frame that moves with the wind.
  *
- * The same bits as precompute/wind_models/navier_stokes.py, which explains the method. A step is cut into slices,
+ * The same bits as precompute/galewood/wind/, which explains the method. A step is cut into slices,
  * so that a frame need never pay for a whole one.
  */
 

@@ -1,6 +1,6 @@
 /**
  * Gusts of improved Perlin noise (Perlin 2002): three octaves that travel with the wind and slowly change.
- * The same arithmetic as precompute/wind_models/perlin.py.
+ * The same arithmetic as precompute/galewood/wind/.
  */
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";

@@ -1,6 +1,6 @@
 /**
  * 1/f^β gusts: a frozen picture of turbulence with a given spectrum that the wind carries over the forest.
- * The same arithmetic as precompute/wind_models/spectral.py, which names the sources.
+ * The same arithmetic as precompute/galewood/wind/, which names the sources.
  */
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";

@@ -15,7 +15,7 @@ export function flatTexture(texels: number, channels: 1 | 4): { texture: DataTex
   return { texture, data };
 }
 
-/** Has the first texels of a flat texture of four channels sent, whole rows at a time. */
+/** Marks the first texels of a four-channel flat texture for upload, in whole rows. */
 export function uploadFirst(texture: DataTexture, texels: number): void {
   texture.clearUpdateRanges();
   const rows = Math.ceil(texels / WIDTH);

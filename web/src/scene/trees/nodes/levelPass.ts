@@ -1,4 +1,4 @@
-/** One level of pass 1: nodes and modes of its own, drawn on rows of its own, renewed as often as its distance asks. */
+/** One level of pass 1: nodes and modes of its own, drawn on rows of its own, updated at a rate that depends on its distance. */
 import { type BufferGeometry, type DataTexture, GLSL3, Mesh, RawShaderMaterial } from "three";
 import type { NodeLevel } from "../../../worker/protocol";
 import { FLAT_SHIFT, flatTexture, uploadFirst } from "./flatTexture";
@@ -62,7 +62,7 @@ export interface PoseRows {
   readonly start: Uint32Array;
 }
 
-/** A level takes new poses once in so many frames, far away less often, and glides from one to the next. */
+/** Frames between new poses, by level; poses are interpolated in between. */
 const PERIODS = [1, 1, 1, 2, 4];
 
 /** One level: its basis, the poses of its drawn trees, and the mesh that draws them. */
