@@ -41,7 +41,7 @@ function started() {
 
 afterEach(() => vi.clearAllMocks());
 
-test("a tree stands until its table is there, and is planted once with it if both are on their way", async () => {
+test("a tree stands until its table is there, and is placed once with it if both are on their way", async () => {
   const { arriving, grown, settle } = started();
   handlers.change({ tree: tree(null), job: null });
   await settle();

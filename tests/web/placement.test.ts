@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import { glade, groundHeight_m } from "../../web/src/scene/ground/landscape";
 import { chooseSpecies, placeTrees } from "../../web/src/scene/placement";
 
-describe("planting", () => {
+describe("placement", () => {
   test.each([1, 60, 400, 10_000])("gives exactly %i places, none in the glade, none twice", (count) => {
     const places = placeTrees(count, 7);
     expect(places).toHaveLength(count);

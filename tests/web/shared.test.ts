@@ -23,7 +23,7 @@ describe("a shared forest in the address", () => {
   });
 });
 
-test("planters tell each other what decides where trees stand, and nothing else", () => {
+test("clients exchange what determines the placement, and nothing else", () => {
   const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, method: "paper" as const, wind: PRESETS.still };
   const yours = { ...DEFAULTS, trees: 5, wind: PRESETS["storm-front"] };
   expect(adoptPlacement(yours, placementOf(mine))).toBe(true);

@@ -168,7 +168,7 @@ export class GroundCover {
     this.populate(Math.round(eye.x / this.spacing_m), Math.round(eye.z / this.spacing_m));
   }
 
-  /** Plants the cells that came into reach; all others keep their tufts. */
+  /** Fills the cells that came into reach; all others keep their tufts. */
   private populate(column: number, row: number): void {
     if (column === this.column && row === this.row) return;
     const { side } = this;

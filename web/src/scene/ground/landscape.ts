@@ -1,4 +1,4 @@
-/** The shape of the land: pure functions of place, shared by terrain, planting and camera. */
+/** The shape of the land: pure functions of place, shared by terrain, placement and camera. */
 import { fractalNoise, valueNoise } from "../../core/math/noise";
 
 const SEED = 20_260;

@@ -23,7 +23,7 @@ const PRESET_NAMES: Record<PresetName, string> = {
   "storm-front": "Storm front",
 };
 
-/** Where the instruments read the page's wind: they keep none of their own. */
+/** The page's wind, read when it is needed; the instruments keep no copy. */
 export interface CurrentWind {
   readonly wind: WindDocument;
 }
