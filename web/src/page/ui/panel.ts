@@ -15,13 +15,19 @@ const fine = (value: number) => value.toFixed(1);
 export class Panel {
   private readonly pane: Pane;
   private readonly species: FolderApi;
+  private readonly changed: (key: SettingKey) => void;
   private shownSpecies = "";
+  /** Tweakpane reports a refresh like a visitor's change, with values brought within the sliders' limits. */
+  private refreshing = false;
 
   constructor(
     private readonly settings: Settings,
     private readonly statistics: Statistics,
-    private readonly changed: (key: SettingKey) => void,
+    onChange: (key: SettingKey) => void,
   ) {
+    this.changed = (key) => {
+      if (!this.refreshing) onChange(key);
+    };
     this.pane = new Pane({ container: element("panel") });
     this.wind(this.pane.addFolder({ title: "Wind" }));
     this.forest(this.pane.addFolder({ title: "Forest" }));
@@ -42,12 +48,15 @@ export class Panel {
   /** A number of the wind; it follows the slider at once. */
   private windNumber(folder: FolderApi, key: keyof PlainWind, label: string, format = whole): void {
     const { settings } = this;
+    const choose = (value: number) => {
+      if (!this.refreshing) settings.wind = withPlain(settings.wind, { [key]: value });
+    };
     const bound = {
       get value() {
         return withinTurn(settings.wind)[key];
       },
       set value(value) {
-        settings.wind = withPlain(settings.wind, { [key]: value });
+        choose(value);
       },
     };
     folder
@@ -159,7 +168,9 @@ export class Panel {
 
   /** Shows settings that were changed elsewhere. */
   refresh(): void {
+    this.refreshing = true;
     this.pane.refresh();
+    this.refreshing = false;
   }
 
   dispose(): void {
