@@ -198,7 +198,7 @@ export class App {
     this.client.pause(paused);
   }
 
-  /** Another season and time of day, from outside. */
+  /** Sets season and time of day. */
   setScenery(season: Season, daytime: number): void {
     this.settings.season = season;
     this.settings.daytime = Math.min(1, Math.max(0, daytime));
@@ -229,7 +229,7 @@ export class App {
     this.remember();
   }
 
-  /** Keeps the address a link to what is shown. */
+  /** Stores the settings, and keeps the address a link to them. */
   private remember(): void {
     if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
     const query = withShared(queryFromSettings(this.settings), this.share);
@@ -272,7 +272,7 @@ export class App {
     for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
   }
 
-  /** A frame so many seconds after the last, in the poses of its own moment, however long it takes: for films, asleep. */
+  /** Advances by dt_s and waits for the poses of that time: for films, while asleep. */
   async step(dt_s: number, drawn = true): Promise<void> {
     this.move(dt_s);
     while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));

@@ -149,7 +149,7 @@ export class ForestClient {
     return this.busy;
   }
 
-  /** True once after new poses came in. */
+  /** Whether new poses have arrived since the last call. */
   takeFreshPoses(): boolean {
     const { fresh } = this;
     this.fresh = false;

@@ -1,5 +1,5 @@
 /** Running means of what a frame costs. Pure. */
-/** Figures the panel shows; the app refreshes them a few times a second. */
+/** Figures of the panel, refreshed a few times a second. */
 export interface Statistics {
   framesPerSecond: number;
   frame_ms: number;
@@ -29,7 +29,7 @@ export class FrameStatistics {
     frameAge: "–",
   };
 
-  /** One frame: time since the frame before, and the main thread's own part of it. */
+  /** Adds a frame: time since the previous one, and time spent in script. */
   count(frame_ms: number, script_ms: number): void {
     const { statistics } = this;
     const first = statistics.frame_ms === 0;

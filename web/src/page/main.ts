@@ -36,7 +36,7 @@ function checkWind(): void {
 function start(software: boolean): void {
   const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches, software };
   const defaults = defaultsFor(screen);
-  // An embedded picture and a shared view are what their address says; otherwise the last visit goes on.
+  // Embedded pages and shared views use their address only; otherwise the stored settings apply.
   const own = !/[?&](panel=0|view=)/.test(location.search);
   const usual = own ? remembered(defaults, () => localStorage) : defaults;
   const settings = settingsFromQuery(location.search, usual);
@@ -52,7 +52,7 @@ function start(software: boolean): void {
   });
 }
 
-/** Calls back once what is there has been painted, or soon in a page that nobody sees. */
+/** Calls back after the first paint, or after a moment in a hidden page. */
 function afterPaint(then: () => void): void {
   let called = false;
   const once = () => {
@@ -63,13 +63,13 @@ function afterPaint(then: () => void): void {
   setTimeout(once, 300);
 }
 
-// A visitor's file is taken from the first moment on: dropped before that, the browser would open it in the page's place.
+// Files are accepted from the start: the browser would otherwise open a dropped file in place of the page.
 const stopUploads = acceptUploads();
 addEventListener("pagehide", ({ persisted }) => {
   if (!persisted) stopUploads();
 });
 
-// Words first: the forest takes a moment, on a machine without graphics card a long one.
+// The text is painted first: starting the forest takes a moment, and long without a GPU.
 afterPaint(() => {
   const graphics = detectGraphics();
   if (graphics.webgl2) start(graphics.software);

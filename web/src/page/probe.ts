@@ -35,7 +35,7 @@ export interface Probe {
   readonly link: string;
   /** Another season ("spring", "summer", "autumn", "winter") and share of the daylight that has passed. */
   dress: App["setScenery"];
-  /** Stops drawing altogether, or goes on. */
+  /** Stops advancing and drawing, or resumes. */
   sleep(asleep: boolean): void;
   /** Advances by one frame of dt_s and waits for it; for frame-by-frame rendering while asleep. */
   step(dt_s: number, drawn?: boolean): Promise<void>;

@@ -26,13 +26,13 @@ const CLICK_PX = 6;
 const HIDDEN_M = 3;
 const RING_SHARE = 0.55;
 const AIM_SHARE = 0.6;
-/** Seconds in which the camera's aim comes three quarters nearer to the tree. */
+/** Time in which the camera covers three quarters of the distance to the tree, s. */
 const FOLLOW_S = 0.35;
 
 export class TreePicker {
   /** Whether the camera keeps the picked tree in the middle. */
   following = false;
-  /** Clicks do other things now, or nothing. */
+  /** Whether clicks pick trees. */
   enabled = true;
   private picked: PickedTree | null = null;
   private at: TreeAt | null = null;
@@ -110,7 +110,7 @@ export class TreePicker {
     this.changed(picked);
   }
 
-  /** The picked tree's place among the moving groups; null for none, and for one that stands still. */
+  /** Group and index of the picked tree; null for none, and for a static one. */
   get moving(): TreeAt | null {
     return this.at;
   }

@@ -47,7 +47,7 @@ export class Visit {
     );
   }
 
-  /** Takes camera and clouds from a link; the clock is the forest's. */
+  /** Restores camera and clouds from a link. */
   restore(query: string): void {
     const { eye, target, clouds } = momentFrom(query);
     if (eye && target) {

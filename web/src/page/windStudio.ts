@@ -112,7 +112,7 @@ export class WindStudio {
     return { ...place, speed_m_s, samples: recorder.count, tip_m: recorder.tip_m[recorder.count - 1] || 0 };
   }
 
-  /** Every frame: the field follows the forest's own state and time. */
+  /** Every frame: the field takes the state and time of the worker's. */
   advance(dt_s: number, client: ForestClient, forest: Forest): void {
     const now_ms = performance.now();
     if (client.wind) {

@@ -117,7 +117,7 @@ function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
   if (!source || !field) return;
   const begin_ms = performance.now();
   if (source.advance(dt_s, buffers)) blend.apply(buffers, dt_s);
-  else for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]); // nothing new is known
+  else for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]); // no new pose is known
   for (const [g, buffer] of buffers.entries()) shown[g].set(buffer);
   const { time_s, connection, coverage, extrapolationRatio } = source;
   const total_ms = performance.now() - begin_ms;

@@ -7,12 +7,12 @@ import type { About } from "../core/wire/wire";
 /** Where poses are computed. */
 export type LookupPlace = "worker" | "server";
 
-/** A forest that many share. */
+/** A forest shared by several clients. */
 export interface ShareRequest {
   readonly id: string;
-  /** Give it these trees, for all, if it has others. */
+  /** Replace its trees by these, for everyone, if it has others. */
   readonly replant: boolean;
-  /** What others need to place the same trees. */
+  /** What others need to reproduce the placement. */
   readonly about: About;
 }
 
@@ -61,7 +61,7 @@ export interface GroupPlan {
   readonly key: string;
   readonly table: string;
   readonly placement: Float32Array<ArrayBuffer>;
-  /** Identity of each tree: those of an earlier plan go on as they are. */
+  /** Identity of each tree: trees of an earlier plan keep their state. */
   readonly ids: Uint32Array<ArrayBuffer>;
 }
 

@@ -1,4 +1,4 @@
-/** The motion of one tree's tip: pure arithmetic on its row of a pose buffer. */
+/** Displacement of a tree's tip, computed from its row of a pose buffer. */
 
 export interface TipOf {
   readonly stride: number;
@@ -32,7 +32,7 @@ function findTip({ stride, basis }: TipOf): number {
   return best;
 }
 
-/** How far a tree's tip is from rest (m); `pose` is the tree's row, `scale` its size. */
+/** Distance of a tree's tip from rest (m); `pose` is the tree's row, `scale` its size. */
 export function tipDisplacement_m(of: TipOf, node: number, pose: ArrayLike<number>, scale: number): number {
   let sum = 0;
   for (let axis = 0; axis < 3; axis++) {

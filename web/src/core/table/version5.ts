@@ -5,7 +5,7 @@ type Json = Record<string, unknown>;
 const FORMER_PREFIX = "tangent.";
 const PREFIX = "modal.";
 
-/** A tensor of version 5 under its present name. A present name in an old file is unknown there, and stays so. */
+/** The version 6 name of a tensor of version 5. A version 6 name in a version 5 file is made an unknown one. */
 function presentName(name: string): string {
   if (name.startsWith(FORMER_PREFIX)) return PREFIX + name.slice(FORMER_PREFIX.length);
   return name.startsWith(PREFIX) ? `${name} of version 6` : name;

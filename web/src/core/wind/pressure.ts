@@ -1,4 +1,4 @@
-/** From the wind's speed to the pressure that a tree feels, and how much of it its table has sampled. */
+/** Pressure on a tree from the wind speed, and its share within the range that a table has sampled. */
 import type { Output, Places } from "./frame";
 
 export const AIR_DENSITY_KG_M3 = 1.2;

@@ -1,4 +1,4 @@
-// The wind: the same arithmetic as precompute/galewood/wind/. docs/formats/wind.md is the specification.
+/** The wind: the same arithmetic as precompute/galewood/wind/. docs/formats/wind.md is the specification. */
 import type { WindDocument } from "./document";
 import { WindField } from "./field";
 import type { Output, Places } from "./frame";
@@ -16,7 +16,7 @@ let last: { wind: WindDocument; field: WindField } | undefined;
 
 /**
  * Writes the pressure vector (Pa, world x and z) at each place x, z (m) at time t (s) in a wind that has always
- * been this one. Exactly 0 where the wind is still. Whoever plays a forest keeps a WindField.
+ * been this one. Exactly 0 where the wind is still. A running forest keeps a WindField instead.
  */
 export function windPressure(
   wind: WindDocument,

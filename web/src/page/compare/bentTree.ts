@@ -1,4 +1,4 @@
-/** One tree whose vertices are moved here, on the processor: for looking closely at few trees. */
+/** A tree whose vertices are moved on the CPU, for close inspection. */
 import {
   BufferAttribute,
   BufferGeometry,
@@ -18,7 +18,7 @@ const SOUND = new Color(1, 1, 1);
 const WRONG = new Color(1, 0.12, 0.05);
 const GHOST = 0x8fd3ff;
 
-/** Where the nodes of a table go. */
+/** Displacements of the nodes of a table. */
 export class Nodes {
   /** [nodes, 3] displacement from rest, m. */
   readonly moved: Float32Array;
@@ -97,7 +97,7 @@ export class BentTree {
     }
   }
 
-  /** Paints each vertex by how far its node is from where `truth` has it; full red at `worst_m`. */
+  /** Colours each vertex by the distance of its node from its true place; full red at `worst_m`. */
   paint(truth: Nodes, worst_m: number): void {
     const { vertexNode } = this.motion;
     const a = this.nodes.moved;

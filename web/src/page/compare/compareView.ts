@@ -1,4 +1,4 @@
-/** "Is it right?": a dialog in which a tree moved by its table stands in the ghost of the true simulation. */
+/** "Is it right?": a dialog that overlays a tree moved by its table with the full simulation. */
 import "./compare.css";
 import type { Method } from "../../core/motion/method";
 import type { WindState } from "../../core/wind/wind";

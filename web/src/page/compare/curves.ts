@@ -1,4 +1,4 @@
-/** Sway and errors over time, in % of the height, on a scale of decades; a line where the play stands. */
+/** Sway and errors over time, in % of the height, on a logarithmic scale, with a cursor at the playback position. */
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Tracks } from "./tracks";
@@ -81,7 +81,7 @@ export class Curves {
     this.plot.setData([time_s, ...[sway, modal.max, modal.hausdorff, paper.max].map(inPercent)]);
   }
 
-  /** Moves the line to a moment. */
+  /** Moves the cursor to a time. */
   at(time_s: number): void {
     this.now_s = time_s;
     this.plot.redraw(false);

@@ -1,4 +1,4 @@
-/** Asks the server to move one tree by the finite elements, and follows it until the answer is there. */
+/** Requests a finite element simulation of one tree from the server, and polls for the result. */
 
 import type { WindState } from "../../core/wind/wind";
 import { fetchApi, Problem } from "../server/api";
@@ -50,7 +50,7 @@ function words({ message, seconds_left }: Comparison): string {
   return seconds_left === null ? message : `${message}, about ${Math.ceil(seconds_left)} s left`;
 }
 
-/** The tracks; rejects with a Problem. When `signal` aborts, the server is told to stop. */
+/** The tracks; rejects with a Problem. When `signal` aborts, the simulation is cancelled. */
 export async function compare(asked: Asked, waiting: Waiting, signal: AbortSignal): Promise<Tracks> {
   let now = await read(post(asked, signal));
   const stop = () => void fetchApi(`${path(now.id)}/cancel`, { method: "POST" }).catch(() => {});

@@ -1,4 +1,4 @@
-/** "Your tree": what was understood of an upload, to be looked at and put right before it is computed. */
+/** "Your tree": shows how an upload was interpreted, to check and correct before it is computed. */
 import "./ownTree.css";
 import { readTreeModel } from "../../scene/trees/mesh/treeMesh";
 import {
@@ -174,7 +174,7 @@ export class OwnTreeDialog {
     cancelAnimationFrame(this.frame);
     this.preview.dispose();
     this.dialog.remove();
-    if (!this.started) await deleteTree(this.tree.id).catch(() => {}); // nobody asked to keep it
+    if (!this.started) await deleteTree(this.tree.id).catch(() => {}); // not wanted after all
     this.settle(this.started);
   }
 }

@@ -67,7 +67,7 @@ export class Catalogue {
   private receive(change: TreeChange): void {
     const { tree } = change;
     if (change.deleted || tree.state === "failed") this.remove(tree.id);
-    else if (tree.state !== "uploaded") this.keep(tree); // one that nobody has asked to compute is no part of the forest
+    else if (tree.state !== "uploaded") this.keep(tree); // an upload that has not been submitted for computation is not part of the forest
     this.events.change(change);
   }
 

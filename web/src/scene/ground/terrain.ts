@@ -1,4 +1,4 @@
-/** The ground: a disc that is fine in the middle and coarse at the horizon, see ground.ts for its colour. */
+/** The ground: a disc that is fine in the middle and coarse at the horizon, see groundMaterial.ts for its colour. */
 import { BufferAttribute, BufferGeometry, Mesh, type MeshLambertMaterial } from "three";
 import type { Pictures } from "../textures/pictures";
 import { groundMaterial } from "./groundMaterial";

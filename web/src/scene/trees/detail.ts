@@ -1,6 +1,6 @@
 /**
- * Coarser versions of a tree for the distance, without steps: every leaf and branch has a rank in [0, 1), a tree
- * shows the pieces below its share, and a piece about to vanish has already shrunk to a point. Pure.
+ * Continuous level of detail: every leaf and branch has a rank in [0, 1), a tree shows the pieces whose rank is below
+ * its share, and a piece has shrunk to a point before it vanishes. Pure.
  */
 import { hashUnit } from "../../core/math/random";
 import { type Components, componentCentres, componentRadii } from "./mesh/components";
@@ -14,7 +14,7 @@ export const EDGE = 0.2;
 export const MOST_GROWTH = 2.4;
 /** Share at the second of a view's two distances. */
 const SHARE_AT_SECOND = 0.2;
-/** A tree keeps its finer level until it needs this much less than the coarser one has. */
+/** Hysteresis: a tree keeps its finer level until it needs this share of the coarser one. */
 const HYSTERESIS = 0.93;
 /** Far away the share falls no further; low enough for the last level. */
 const LEAST_SHARE = 0.9 * LEVEL_SHARES[LEVEL_COUNT - 1];

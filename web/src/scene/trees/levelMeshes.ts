@@ -24,7 +24,7 @@ export interface LevelPart {
 
 type InstancedMesh = Mesh<InstancedBufferGeometry>;
 
-/** Where the level's trees lie in pass 1's target. */
+/** Texels of the level's trees in the target of pass 1. */
 export interface LevelTexels {
   readonly first: number;
   readonly trees: number;
@@ -117,7 +117,7 @@ export class LevelMeshes {
     return mesh;
   }
 
-  /** Takes the level's trees over from a draw list. */
+  /** Copies the level's trees from a draw list. */
   fill(list: DrawList, data: Float32Array, texels: LevelTexels): void {
     const { level } = this;
     const start = list.start[level];

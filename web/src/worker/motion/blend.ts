@@ -4,13 +4,13 @@ import type { CarriedGroup } from "./carry";
 const FADE_S = 1;
 
 export class JumpBlend {
-  /** Pose shown before, then (once the new one is known) its difference to the new. */
+  /** The pose before the jump; once the new one is known, the difference between them. */
   private offsets: (Float32Array | null)[] = [];
   private known: (Uint8Array | null)[] = [];
   private left_s = 0;
   private pending = false;
 
-  /** The next poses start from what is shown now; null and trees that are not known start as they come. */
+  /** Blends the next poses from those displayed now; null groups and unknown trees are not blended. */
   start(shown: readonly (CarriedGroup | null)[]): void {
     this.offsets = shown.map((group) => group?.poses.slice() ?? null);
     this.known = shown.map((group) => group?.known ?? null);
@@ -47,6 +47,6 @@ export class JumpBlend {
         largest = Math.max(largest, Math.abs(offset[i]));
       }
     }
-    if (largest === 0) this.left_s = 0; // every tree goes on just as it was
+    if (largest === 0) this.left_s = 0; // no tree jumps
   }
 }

@@ -3,7 +3,7 @@
 import { poseStride } from "../../core/motion/poseStride";
 import type { Table } from "../../core/table/table";
 
-/** One group as it is shown. */
+/** A displayed group. */
 export interface ShownGroup {
   /** The same species or upload before and after, whatever its table. */
   readonly key: string;
@@ -11,7 +11,7 @@ export interface ShownGroup {
   readonly ids: ArrayLike<number>;
 }
 
-/** Rows to start from, and which trees have one: 1 for those that were there before. */
+/** Poses to start from, and which trees have one: 1 for those that existed before. */
 export interface CarriedGroup {
   readonly poses: Float32Array;
   readonly known: Uint8Array;
@@ -23,7 +23,7 @@ export function rowsBefore(before: ArrayLike<number>, now: ArrayLike<number>): I
   return Int32Array.from(now, (id) => index.get(id) ?? -1);
 }
 
-/** What the group's trees show now, carried over from the group with the same key; null if there was none. */
+/** The displayed poses of the group with the same key, in the coordinates of this one; null if there was none. */
 export function carryGroup(
   group: ShownGroup,
   before: readonly ShownGroup[],

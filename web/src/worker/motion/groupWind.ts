@@ -1,4 +1,4 @@
-/** The wind at the trees of one group, and their poses as rows for the screen. Nothing is allocated per frame. */
+/** The wind at the trees of one group, written into pose buffers. Nothing is allocated per frame. */
 
 import { poseStride } from "../../core/motion/poseStride";
 import { pressureOfVelocity } from "../../core/wind/pressure";
@@ -80,7 +80,7 @@ export class GroupWind {
     return dynamicPressure(this.speed_m_s[tree]) / this.sampledPeak_pa;
   }
 
-  /** Taller trees reach into faster air. */
+  /** Wind speed grows with height. */
   private setProfile(exponent: number, reference_m: number): void {
     if (exponent === this.exponent && reference_m === this.reference_m) return;
     this.exponent = exponent;
@@ -90,7 +90,7 @@ export class GroupWind {
     }
   }
 
-  /** Puts each tree's wind speed (m/s) into its row, behind the modes. */
+  /** Writes each tree's wind speed (m/s) into its row, after the modes. */
   writeSpeeds(out: Float32Array, modes: number): void {
     const stride = poseStride(modes);
     for (let tree = 0; tree < this.count; tree++) out[tree * stride + modes] = this.speed_m_s[tree];

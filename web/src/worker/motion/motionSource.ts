@@ -1,4 +1,3 @@
-/** The interface of everything that produces poses. */
 import type { WindDocument } from "../../core/wind/wind";
 /** The interface of everything that produces poses. */
 import type { Connection, Inspection, TreeAt } from "../protocol";

@@ -14,7 +14,7 @@ export interface PlanOptions {
   readonly method: Method;
   readonly poseEasing: number | null;
   readonly share?: ShareRequest | null;
-  /** Bytes of tables that are here already. */
+  /** Size in bytes of tables that are loaded already. */
   readonly have?: Record<string, number>;
 }
 
@@ -39,7 +39,7 @@ export function forestRequest(
   };
 }
 
-/** Places of all groups, one after the other. */
+/** Placements of all groups, concatenated. */
 function packed(groups: readonly PlannedGroup[]): Float32Array<ArrayBuffer> {
   const trees = new Float32Array(groups.reduce((sum, { placement }) => sum + placement.length, 0));
   let at = 0;

@@ -1,4 +1,4 @@
-/** Sums the deltas of the server's frames back to poses. Pure. */
+/** Accumulates the deltas of the server's frames to poses. Pure. */
 
 import { poseStride } from "../../core/motion/poseStride";
 import type { Frame } from "../../core/wire/wire";
@@ -19,7 +19,7 @@ export class PoseSum {
     this.quanta = shapes.map(() => 1);
   }
 
-  /** Whether a frame is one of this forest's. */
+  /** Whether a frame has the shape of this forest. */
   fits({ groups }: Frame): boolean {
     return (
       groups.length === this.shapes.length &&
@@ -27,7 +27,7 @@ export class PoseSum {
     );
   }
 
-  /** Takes a frame in; false if it is of another forest, or adds to a tick that is not the one known here. */
+  /** Adds a frame; false if it belongs to another forest, or is a delta to a tick other than the current one. */
   add(frame: Frame): boolean {
     if (!this.fits(frame) || (frame.base !== null && frame.base !== this.tick)) return false;
     this.tick = frame.tick;
@@ -40,7 +40,7 @@ export class PoseSum {
     return true;
   }
 
-  /** Writes the poses as rows for the screen. */
+  /** Writes the poses into pose buffers. */
   write(out: readonly Float32Array[]): void {
     for (const [g, { count, scale }] of this.shapes.entries()) {
       const modes = scale.length;

@@ -38,7 +38,7 @@ export class PoseTimeline {
     if (old) this.spare.push(old.poses);
   }
 
-  /** Moves the shown time on by the display's own clock, drawn gently to `delay` behind the newest frame. */
+  /** Advances the displayed time, converging to `delay` behind the newest frame. */
   advance(dt_s: number): number {
     const newest = this.frames.at(-1);
     if (!newest) return 0;

@@ -1,4 +1,4 @@
-/** Fewer nodes and fewer modes for trees far away: nodes that move alike become one. Pure. */
+/** Fewer nodes and modes for distant trees: nodes that move alike are merged. Pure. */
 import type { Table } from "../../core/table/table";
 import type { NodeLevel } from "../protocol";
 
@@ -10,7 +10,7 @@ const COARSER = [
   { nodes: 24, quads: 2 },
 ] as const;
 
-/** Basis rows in metres at each mode's own measure, so that distances between rows are distances in space. */
+/** Basis rows scaled by the typical amplitude of each mode, so that distances between rows are distances in space. */
 function weighed(table: Table): Float32Array {
   const { nodeBasis, modeScale } = table;
   return nodeBasis.map((value, i) => value * modeScale[i % modeScale.length]);

@@ -30,7 +30,7 @@ export function crownBasisOf(table: Table): Float32Array<ArrayBuffer> {
   return mean.map((sum) => sum / Math.max(1, nodes));
 }
 
-/** Tables are played a little beyond what they have sampled. */
+/** Margin for motion beyond the sampled range. */
 const BEYOND = 1.25;
 const TIPS = 8;
 

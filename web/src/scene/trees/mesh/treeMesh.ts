@@ -33,9 +33,9 @@ export interface TreePart {
   readonly anchor: BufferAttribute;
   /** Random of the piece, openness to the sky, free end of the leaf, rank of the piece. */
   readonly piece: BufferAttribute;
-  /** The vertex whose node each vertex takes: a small leaf hangs on one node at every level, and stays what it is. */
+  /** The vertex whose node each vertex uses: a small leaf is bound to one node at every level, and keeps its shape. */
   readonly hold: Uint32Array;
-  /** Triangles by rank; a level of detail draws so many indices. */
+  /** Triangles sorted by rank, and the number of indices that each level of detail draws. */
   readonly index: BufferAttribute;
   readonly counts: readonly number[];
 }
@@ -85,7 +85,7 @@ const leafDetail = (of: Components, positions: Float32Array): PieceDetail => ({
   anchors: componentCentres(of, positions),
 });
 
-/** A bare tree's branches are all there is to see: they keep rank 0, and stay. */
+/** A bare tree consists of branches only: they keep rank 0 and are always drawn. */
 function woodDetail(index: ArrayLike<number>, positions: Float32Array, bare: boolean): PieceDetail {
   const of = weldedComponents(index, positions);
   const ranks = bare ? new Float32Array(of.count) : woodRanks(of, positions);
@@ -147,13 +147,13 @@ export async function readTreeModel(bytes: ArrayBuffer): Promise<TreeModel> {
   }
   const radius_m = Math.max(Math.abs(low.x), Math.abs(low.z), high.x, high.z, 0.1);
   const centre = new Vector3((low.x + high.x) / 2, 0.25 * low.y + 0.62 * high.y, (low.z + high.z) / 2);
-  const bare = meshes.every((mesh) => kindOf(mesh) === "wood"); // its branches are all there is to see
+  const bare = meshes.every((mesh) => kindOf(mesh) === "wood"); // a tree without leaves
   const parts = meshes.map((mesh) => partFrom(mesh, centre, Math.max(radius_m, high.y * 0.4), bare));
   for (const mesh of meshes) mesh.geometry.dispose();
   return { parts, height_m: high.y, radius_m };
 }
 
-/** Frees the textures of a model on the graphics card; one that is drawn again after all sends them again. */
+/** Frees the GPU resources of a model; drawing it again uploads them again. */
 export function disposeModel({ parts }: TreeModel): void {
   for (const { material } of parts) {
     for (const texture of [material.map, material.normalMap]) texture?.dispose();

@@ -1,4 +1,4 @@
-/** One level of pass 1: nodes and modes of its own, drawn on rows of its own, updated at a rate that depends on its distance. */
+/** One level of pass 1: its own nodes and modes, drawn to its own rows, updated at a rate that depends on its distance. */
 import { type BufferGeometry, type DataTexture, GLSL3, Mesh, RawShaderMaterial } from "three";
 import type { NodeLevel } from "../../../worker/protocol";
 import { FLAT_SHIFT, flatTexture, uploadFirst } from "./flatTexture";
@@ -126,14 +126,14 @@ export class LevelPass {
     uniforms.uDrawn.value = rows.trees;
   }
 
-  /** Other trees: their newest poses at once. */
+  /** Other trees are drawn: takes their newest poses at once. */
   restart(from: PoseRows): void {
     this.gather(from);
     this.age = this.period - 1;
     this.mesh.material.uniforms.uShare.value = 1;
   }
 
-  /** Another frame: new poses if it is time for them, else farther on the way to the last ones. */
+  /** Next frame: takes new poses if they are due, and interpolates otherwise. */
   advance(from: PoseRows): void {
     this.age = (this.age + 1) % this.period;
     if (this.age === 0) {

@@ -7,7 +7,7 @@ export interface NodeLayout {
   readonly height: number;
 }
 
-/** Room for so many texels in `parts` runs, each from the beginning of a row: the smallest width serves. */
+/** The smallest layout for `texels` texels in `parts` runs that each start a row. */
 export function nodeLayout(texels: number, parts: number, maxSide: number): NodeLayout {
   const largestShift = Math.floor(Math.log2(maxSide));
   const rows = (log2: number) => Math.max(1, Math.ceil(texels / 2 ** log2) + parts);
@@ -16,14 +16,14 @@ export function nodeLayout(texels: number, parts: number, maxSide: number): Node
   return { width: 2 ** shift, shift, height: Math.min(maxSide, rows(shift)) };
 }
 
-/** The trees of one level in the target: so many from this row on. */
+/** The rows of one level in the target, and its number of trees. */
 export interface LevelRows {
   readonly row: number;
   readonly rows: number;
   readonly trees: number;
 }
 
-/** Where the trees of each level go; those for which there is no room, the farthest, are left out. */
+/** The rows of each level; trees without room, the farthest ones, are left out. */
 export function levelRows(
   layout: NodeLayout,
   nodes: readonly number[],

@@ -1,6 +1,6 @@
 /**
- * Pass 1: where every node of every drawn tree is now. One texel per node and tree: xyz in m, w = wind in m/s.
- * Each level of detail has nodes and modes of its own and is drawn on rows of its own.
+ * Pass 1: displacement of every node of every drawn tree. One texel per node and tree: xyz in m, w = wind in m/s.
+ * Each level of detail has its own nodes and modes and is drawn to its own rows.
  */
 import {
   BufferAttribute,
