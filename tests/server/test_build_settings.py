@@ -26,9 +26,9 @@ def test_everything_that_shapes_a_table_arrives() -> None:
          "target_tets": 3000, "sampled_elements": 135, "design_speed_m_s": 12.5, "frames": 90,
          "wood": {"name": "Stiff", "based_on": "maple", "young_longitudinal_pa": 2e10}}
     )  # fmt: skip
-    intake = options.intake
-    assert (intake.species, intake.height_m, intake.up_axis) == ("maple", 9.0, "z")
-    assert intake.wood == ("Bark", "Twig") and options.seed == 7
+    importer = options.importer
+    assert (importer.species, importer.height_m, importer.up_axis) == ("maple", 9.0, "z")
+    assert importer.wood == ("Bark", "Twig") and options.seed == 7
     assert (options.target_tets, options.sampled_elements) == (3000, 135)
     assert (options.design_speed_m_s, options.frames) == (12.5, 90)
     assert options.wood is not None and options.wood.young_longitudinal_pa == 2e10

@@ -11,8 +11,9 @@ import numpy as np
 import scipy.sparse
 
 from galewood.build.options import (BuildOptions, Stages)
+from galewood.sampling import content_hash
 from galewood.sampling import (DesignWind)
-from galewood.model import (Lumps)
+from galewood.model import (LumpedMasses)
 from galewood.mesh import (TreeMesh)
 from galewood.fem import (FemModel)
 from galewood.sampling import (SampleWind)
@@ -49,7 +50,9 @@ def describe(
             "software": _version(),
             "wood": model.report["wood"],
             "tetrahedra": len(model.elements),
+            "model_sha256": content_hash(model),
             "fem": asdict(options.fem),
+            "table_settings": asdict(options.table),
             "seed": options.seed,
             "winds": [w.name for w in winds],
             "frames": [len(w.pressure_pa) for w in winds],
@@ -61,7 +64,7 @@ def build_report(
     tree: TreeMesh,
     mesh: TetMesh,
     skeleton: Skeleton,
-    lumps: Lumps,
+    lumped: LumpedMasses,
     model: FemModel,
     wind: DesignWind,
     table: Table,
@@ -71,10 +74,10 @@ def build_report(
     """Everything assumed and measured on the way, by stage; JSON-able."""
     candidates = np.diff(table.offsets.astype(np.int64))
     return {
-        "intake": tree.report,
+        "import": tree.report,
         "meshing": mesh.report,
         "skeleton": skeleton.report,
-        "foliage": lumps.report,
+        "foliage": lumped.report,
         "model": model.report | ({"reference": reference} if reference else {}),
         "design_wind": asdict(wind),
         "table": {

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from galewood.cli.tools import console, progress_bar, teller, without_frames, write_figures, writer
+from galewood.cli.tools import console, progress_bar, progress_reporter, without_frames, write_figures, writer
 
 app = typer.Typer(
     no_args_is_help=True, add_completion=False, help="Tables of simulated tree motion, made and played."
@@ -46,7 +46,7 @@ def build(
     """Simulate a tree mesh and write its table, and the mesh it moves beside it (FILE.glb)."""
     from galewood.build import BuildOptions, build_table
     from galewood.fem import FemSettings
-    from galewood.mesh import IntakeOptions
+    from galewood.mesh import ImportOptions
     from galewood.util import MeshError
     from galewood.wood import WoodError, read_wood
 
@@ -56,7 +56,7 @@ def build(
         console.print(f"[red]{wood} is no wood.[/red]", *(f"{name}: {what}" for name, what in error.problems))
         raise typer.Exit(1) from None
     options = BuildOptions(
-        intake=IntakeOptions(species=species, height_m=height_m),
+        mesh_import=ImportOptions(species=species, height_m=height_m),
         wood=own_wood,
         target_tets=tets,
         sampled_elements=elements,
@@ -68,12 +68,12 @@ def build(
     )
     try:
         with progress_bar() as bar:
-            tell = teller(bar)
+            report = progress_reporter(bar)
             result = build_table(
                 mesh.read_bytes(),
                 mesh.name,
                 options,
-                progress=lambda p: tell(p.fraction, p.message),
+                progress=lambda p: report(p.fraction, p.message),
                 cache_dir=cache_dir,
                 publish=writer(pictures) if pictures else None,
             )
@@ -175,7 +175,7 @@ def evaluate(
     try:
         with progress_bar() as bar:
             figures = run_evaluation(
-                table, mesh, model, cache_dir, teller(bar), plot=plot,
+                table, mesh, model, cache_dir, progress_reporter(bar), plot=plot,
                 frames=frames, strength=strength, sway=sway, seed=seed, long=long, workers=workers,
             )  # fmt: skip
     except (MeshError, SourceError) as error:
@@ -205,7 +205,7 @@ def paper(
     if quick:
         plan = quick_plan({path.stem: path for path in sorted(meshes.glob("*.glb"))[:1]}, cache_dir)
     with progress_bar() as bar:
-        figures = run_paper(plan, out, teller(bar))
+        figures = run_paper(plan, out, progress_reporter(bar))
     write_figures(json_out, figures)
     console.print(f"{out} and its pictures are written")
 
@@ -232,7 +232,7 @@ def bench(
     if unknown:
         raise typer.BadParameter(f"no part {sorted(unknown)[0]!r}: there are {', '.join(PARTS)}")
     with progress_bar() as bar:
-        figures = run_bench(mesh, parts or (), quick=quick, table=table, tick=teller(bar))
+        figures = run_bench(mesh, parts or (), quick=quick, table=table, on_progress=progress_reporter(bar))
     write_figures(json_out, figures)
     for sentence in sentences(figures):
         print(sentence)

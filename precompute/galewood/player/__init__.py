@@ -1,7 +1,7 @@
 """Steps a forest of one table's trees; in: pressure per tree; out: modal coordinates per tree. No I/O."""
 
-from galewood.player.modal_forest import TangentForest
-from galewood.player.paper_search import ForestLookup, gaussian
-from galewood.player.sway import planted, play
+from galewood.player.modal_forest import ModalForest
+from galewood.player.paper_search import PaperForest, gaussian
+from galewood.player.sway import grid_placements, play
 
-__all__ = ["ForestLookup", "TangentForest", "gaussian", "planted", "play"]
+__all__ = ["ModalForest", "PaperForest", "gaussian", "grid_placements", "play"]

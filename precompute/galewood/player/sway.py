@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from galewood.player.paper_search import ForestLookup
+from galewood.player.paper_search import PaperForest
 from galewood.table import Table
 from galewood.util import Floats
 from galewood.wind import Wind, wind_pressure
@@ -14,7 +14,7 @@ from galewood.wind import Wind, wind_pressure
 SPACING_M = 10.0
 
 
-def planted(count: int, seed: int = 0) -> tuple[Floats, Floats, Floats, Floats]:
+def grid_placements(count: int, seed: int = 0) -> tuple[Floats, Floats, Floats, Floats]:
     """x, z, yaw and scale of trees on a jittered grid; the same for the same seed."""
     rng = np.random.default_rng(seed)
     side = int(np.ceil(np.sqrt(count)))
@@ -25,8 +25,8 @@ def planted(count: int, seed: int = 0) -> tuple[Floats, Floats, Floats, Floats]:
 
 def play(table: Table, wind: Wind, seconds: float, trees: int) -> dict[str, Any]:
     """Sway of the highest node over the height, and its mean lean along the wind, over all trees."""
-    x, z, yaw, scale = planted(trees)
-    forest = ForestLookup(table, trees)
+    x, z, yaw, scale = grid_placements(trees)
+    forest = PaperForest(table, trees)
     forest.set_trees(x, z, yaw, scale)
     top = int(np.argmax(table.node_rest_m[:, 1]))
     pressure = np.zeros((2, trees), np.float32)

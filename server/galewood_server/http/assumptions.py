@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from galewood.mesh import IntakeOptions
+from galewood.mesh import ImportOptions
 
 NAMES = ("species", "height_m", "up_axis", "wood_materials")
 
 
-def intake_options(given: dict[str, Any]) -> IntakeOptions:
+def import_options(given: dict[str, Any]) -> ImportOptions:
     """The options of intake; names that belong to a build are passed over."""
     wood = given.get("wood_materials")
-    return IntakeOptions(
+    return ImportOptions(
         species=given.get("species"),
         height_m=given.get("height_m"),
         up_axis=given.get("up_axis"),

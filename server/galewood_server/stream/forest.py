@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numba
 import numpy as np
-from galewood.player import ForestLookup, TangentForest
+from galewood.player import ModalForest, PaperForest
 from galewood.table import Table
 from galewood.wind import (
     Wind,
@@ -79,7 +79,7 @@ class ForestClock:
         self.ticks += 1
 
 
-class GroupWalk:
+class GroupStepper:
     """Trees that share a table: where they stand and where in the table each is."""
 
     def __init__(self, table: Table, trees: Trees, pose_easing: float | None, method: Method) -> None:
@@ -117,15 +117,13 @@ class GroupWalk:
         quantise(self._lookup.q, self._unit, out)
 
 
-def _lookup(
-    table: Table, count: int, pose_easing: float | None, method: Method
-) -> ForestLookup | TangentForest:
-    if method == "tangent":
-        return TangentForest(table.tangent, float(table.metadata["dt_s"]), table.mode_scale, count)
-    return ForestLookup(table, count, pose_easing=pose_easing)
+def _lookup(table: Table, count: int, pose_easing: float | None, method: Method) -> PaperForest | ModalForest:
+    if method == "modal":
+        return ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, count)
+    return PaperForest(table, count, pose_easing=pose_easing)
 
 
-class ForestWalk:
+class ForestStepper:
     """Every group of one forest, stepped under one clock."""
 
     def __init__(self, tables: Sequence[Table], forest: Forest, clock: ForestClock) -> None:
@@ -134,7 +132,7 @@ class ForestWalk:
         parts = np.split(forest.trees, ends)[:-1]
         self.clock = clock
         self._groups = [
-            GroupWalk(table, part, forest.pose_easing, forest.method)
+            GroupStepper(table, part, forest.pose_easing, forest.method)
             for table, part in zip(tables, parts, strict=True)
         ]
 
