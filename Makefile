@@ -80,7 +80,7 @@ bench: build browser ## speed and memory, as ratios to named rivals; writes buil
 	@cd web && npm run --silent bench
 
 docs: $(VENV)/.dev ## build the documentation site into build/docs; fails on broken links
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 format: $(VENV)/.dev web/node_modules/.stamp ## rewrite the sources in the project's format
 	$(BIN)/ruff check --fix .
