@@ -157,7 +157,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small tree's table with its mesh beside it, and the cache of its build."""
     path = tmp_path_factory.mktemp("evaluate")
     options = BuildOptions(
-        intake=ImportOptions(species="maple"),
+        mesh_import=ImportOptions(species="maple"),
         target_tets=TARGET_TETS,
         sampled_elements=8,
         design_speed_m_s=14.0,

@@ -14,11 +14,11 @@ from galewood.util.worker_pool import WorkerPool
 
 STARTS_ONE = """
 import time
-from galewood.util.worker_pool import Helpers
+from galewood.util.worker_pool import WorkerPool
 if __name__ == "__main__":
-    helpers = Helpers(1)
-    print(helpers.start(__import__("os").getpid).result(), flush=True)
-    helpers.start(time.sleep, 600)
+    pool = WorkerPool(1)
+    print(pool.start(__import__("os").getpid).result(), flush=True)
+    pool.start(time.sleep, 600)
     time.sleep(600)
 """
 

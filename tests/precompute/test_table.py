@@ -48,7 +48,7 @@ def test_refuses_truncated_files(share: float) -> None:
 
 
 def test_refuses_another_version_naming_both() -> None:
-    with pytest.raises(TableError, match="version 7, this reader knows version 5"):
+    with pytest.raises(TableError, match="version 7; this reader knows versions 5 and 6"):
         decode(rewritten({"version": 7}))
 
 

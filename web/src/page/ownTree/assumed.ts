@@ -44,7 +44,7 @@ function together(parts: readonly Part[]): Part[] {
 /** The report of a tree, or that of its intake inside a build's. */
 export function assumedOf(report: unknown): Assumed {
   const all = object(report);
-  const intake = "up_axis" in all ? all : object(all.intake);
+  const intake = "up_axis" in all ? all : object(all.import ?? all.intake);
   const [axis, unit, species] = [object(intake.up_axis), object(intake.unit), object(intake.species)];
   return {
     axis: { value: text(axis.value) || "y", reason: text(axis.reason) },

@@ -5,7 +5,7 @@ import type { Job, Tree } from "../server/api";
 
 const STAGES: Record<string, string> = {
   queued: "Waiting for its turn",
-  intake: "Reading the tree",
+  import: "Reading the tree",
   meshing: "Filling it with tetrahedra",
   skeleton: "Finding its branches",
   model: "Making wood of it",
