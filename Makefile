@@ -17,7 +17,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check 
 PYTEST ?= $(BIN)/python -m pytest
 WEB_SOURCES := $(shell find web/src web/public -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json
 
-.PHONY: help run build test check test-python test-distributed test-web test-e2e browser bench format species golden clean
+.PHONY: help run build test check docs test-python test-distributed test-web test-e2e browser bench format species golden clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -78,6 +78,9 @@ bench: build browser ## speed and memory, as ratios to named rivals; writes buil
 	@mkdir -p build
 	$(BIN)/galewood bench --json build/bench.json
 	@cd web && npm run --silent bench
+
+docs: $(VENV)/.dev ## build the documentation site into build/docs; fails on broken links
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 format: $(VENV)/.dev web/node_modules/.stamp ## rewrite the sources in the project's format
 	$(BIN)/ruff check --fix .
