@@ -107,4 +107,4 @@ golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make_wire
 
 clean: ## remove what the targets above made (not the data directory)
-	rm -rf build web/dist web/node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report
+	rm -rf build dist web/dist web/node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report

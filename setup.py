@@ -1,4 +1,4 @@
-"""The build's one step beyond pyproject.toml: the page and the species, as data of galewood_server in the wheel.
+"""The build's one step beyond pyproject.toml: the page and the species, as data of galewood_server.
 
 They stand in the repository once, as web/dist (built) and assets/species; a wheel gets copies below
 galewood_server/data, where galewood_server.settings looks first. An editable installation gets none.
@@ -27,7 +27,7 @@ class BuildWithData(build_py):
         if not self.editable_mode:
             for name, source, needed in DATA:
                 if not (HERE / source / needed).is_file():
-                    raise SetupError(f"{source}/{needed} is missing: `make wheel` builds all that a wheel needs")
+                    raise SetupError(f"{source}/{needed} is missing: `make wheel` builds what a wheel needs")
                 shutil.copytree(HERE / source, Path(self.build_lib, "galewood_server", "data", name))
 
 

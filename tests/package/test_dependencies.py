@@ -51,10 +51,10 @@ def listed(name: str) -> set[str]:
     return {canonicalize_name(Requirement(line).name) for line in lines if line and line[0] not in "#-"}
 
 
-def locked(name: str) -> dict[str, str]:
+def locked(lock: str) -> dict[str, str]:
     """The exact version of every package of a lock file."""
-    text = (REPOSITORY / "requirements" / name).read_text()
-    return {canonicalize_name(package): version for package, version in re.findall(r"(?m)^(\S+)==(\S+)", text)}
+    text = (REPOSITORY / "requirements" / lock).read_text()
+    return {canonicalize_name(name): version for name, version in re.findall(r"(?m)^(\S+)==(\S+)", text)}
 
 
 def names_of(node: ast.AST) -> list[str]:

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 
 from tests.precompute.shared_tets import small_tree_glb
@@ -80,9 +81,20 @@ class Installation:
         constraints = self.here / "locked.txt"
         lock = (REPOSITORY / "requirements" / "base.txt").read_text()
         constraints.write_text("\n".join(re.findall(r"(?m)^\S+==\S+", lock)) + "\n")
-        options = ["--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "--constraint"]
-        installed = self.run("python", "-m", "pip", "install", *options, constraints, what)
+        options = ["--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "--no-compile"]
+        installed = self.run("python", "-m", "pip", "install", *options, "--constraint", constraints, what)
         assert installed.returncode == 0, installed.stderr
+
+    def processes(self) -> list[psutil.Process]:
+        """What still runs with this environment's Python: a server that ends leaves children for a moment."""
+        python = str(self.environment / "bin" / "python")
+        return [one for one in psutil.process_iter(["cmdline"]) if python in (one.info["cmdline"] or [])]
+
+    def remove(self) -> None:
+        """Once nobody uses it; pytest would keep those of three runs, a gigabyte each."""
+        while running := self.processes():
+            psutil.wait_procs(running, timeout=1)
+        shutil.rmtree(self.environment)
 
 
 @dataclass(frozen=True)
@@ -114,8 +126,9 @@ def installation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Installat
     assert not folder.resolve().is_relative_to(REPOSITORY)
     (folder / "here").mkdir()
     subprocess.run([sys.executable, "-m", "venv", folder / "environment"], check=True)
-    yield Installation(folder / "environment", folder / "here")
-    shutil.rmtree(folder / "environment")  # pytest would keep three of them
+    made = Installation(folder / "environment", folder / "here")
+    yield made
+    made.remove()
 
 
 @pytest.fixture(scope="module")
