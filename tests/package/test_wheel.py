@@ -70,10 +70,10 @@ class Installation:
         ]
         return kept | {"PATH": os.pathsep.join(without_node)}
 
-    def run(self, program: str, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    def run(self, program: str, *arguments: str | Path, **settings: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [self.environment / "bin" / program, *arguments],
-            cwd=self.here, env=self.variables(), capture_output=True, text=True,
+            cwd=self.here, env=self.variables() | settings, capture_output=True, text=True,
         )  # fmt: skip
 
     def install(self, what: str) -> None:
@@ -245,6 +245,14 @@ def test_without_its_extra_the_service_says_what_to_install(alone: Alone) -> Non
         assert "galewood[server]" in command.stderr
         assert "Traceback" not in command.stderr
         assert len(command.stderr.strip().splitlines()) == 1, command.stderr
+
+
+def test_without_its_extra_postgresql_is_refused_in_words(served: Served, alone: Alone) -> None:
+    elsewhere = "postgresql://nobody@127.0.0.1/nothing"
+    serve = alone.installation.run("galewood", "serve", GALEWOOD_DATABASE_URL=elsewhere)
+    assert serve.returncode == 1
+    assert "galewood[server,distributed]" in serve.stderr
+    assert "Traceback" not in serve.stderr
 
 
 def test_the_page_and_its_scripts_are_served(served: Served) -> None:
