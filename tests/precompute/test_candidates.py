@@ -80,9 +80,9 @@ def test_candidates_of_random_states_give_what_asking_every_record_gives(
     print("seed", seed)
     rng = np.random.default_rng(seed)
     z, q = 400, 6
-    walk = np.cumsum(rng.normal(size=(z, q, 12)), axis=0) * 0.02 + rng.choice([-1, 1], size=(z, q, 12))
+    stepper = np.cumsum(rng.normal(size=(z, q, 12)), axis=0) * 0.02 + rng.choice([-1, 1], size=(z, q, 12))
     states = InternalStates(
-        *(part.astype(np.float32) for part in (walk[..., :3], walk[..., 3:6], walk[..., 6:]))
+        *(part.astype(np.float32) for part in (stepper[..., :3], stepper[..., 3:6], stepper[..., 6:]))
     )
     pressure = (np.cumsum(rng.normal(size=(z, 2)), axis=0)).astype(np.float32)
     starts = np.array([0, 90, 200, 310, z])

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { addRows } from "../../web/src/addRows";
+import { addRows } from "../../web/src/core/modal/addRows";
 import { seededRandom } from "./seeded";
 
 test("sums of rows of any width are those of one column after the other", () => {

@@ -1,12 +1,12 @@
 /** Trees that outlive a new plan: a species that joins, a table that replaces a smaller one. */
 import { describe, expect, test } from "vitest";
-import { poseStride } from "../../web/src/nodeLayout";
-import { decodeTable, type Table } from "../../web/src/table";
-import { WindField } from "../../web/src/wind";
-import { carryGroup, poseTransfer, rowsBefore } from "../../web/src/worker/carry";
-import { LocalMotion } from "../../web/src/worker/localMotion";
-import { coarserNodes, groupRows } from "../../web/src/worker/nodeLevels";
-import { reach_m, tableMotion } from "../../web/src/worker/tableMotion";
+import { poseStride } from "../../web/src/core/motion/poseStride";
+import { decodeTable, type Table } from "../../web/src/core/table/table";
+import { WindField } from "../../web/src/core/wind/wind";
+import { carryGroup, poseTransfer, rowsBefore } from "../../web/src/worker/motion/carry";
+import { LocalMotion } from "../../web/src/worker/motion/localMotion";
+import { coarserNodes, groupRows } from "../../web/src/worker/table/nodeLevels";
+import { reach_m, tableMotion } from "../../web/src/worker/table/tableMotion";
 import { golden } from "./golden";
 import { seededRandom } from "./seeded";
 
@@ -29,7 +29,7 @@ function groupOf(ids: number[], of: Table = table) {
 const bufferFor = (count: number) => new Float32Array(count * poseStride(table.metadata.modes));
 
 describe("a species that joins", () => {
-  for (const method of ["tangent", "paper"] as const) {
+  for (const method of ["modal", "paper"] as const) {
     test(`does not restart the trees that stay (${method})`, () => {
       const before = groupOf([1, 2, 3, 4, 5, 6]);
       const after = groupOf([6, 2, 9, 4]);

@@ -1,13 +1,13 @@
 /** Trees, meshes and tables as they come in, also out of order. */
 import { afterEach, expect, test, vi } from "vitest";
-import type { Tree } from "../../web/src/api";
-import { Catalogue } from "../../web/src/catalogue";
+import type { Tree } from "../../web/src/page/server/api";
+import { Catalogue } from "../../web/src/page/server/catalogue";
 import type { TableMotion } from "../../web/src/worker/protocol";
 
 const model = vi.hoisted(() => ({ parts: [{ vertices: 3 }] }));
 const handlers = vi.hoisted(() => ({ change: (_: unknown) => {} }));
-vi.mock("../../web/src/scene/treeMesh", () => ({ readTreeModel: async () => model }));
-vi.mock("../../web/src/api", () => ({
+vi.mock("../../web/src/scene/trees/mesh/treeMesh", () => ({ readTreeModel: async () => model }));
+vi.mock("../../web/src/page/server/api", () => ({
   fetchMesh: async () => new ArrayBuffer(0),
   followEvents: (given: typeof handlers) => {
     handlers.change = given.change;
@@ -30,7 +30,7 @@ function started() {
     (sha256) => new Promise((resolve, reject) => arriving.set(sha256, { resolve, reject })),
     {
       change: () => {},
-      grow: () => grown.push(catalogue.growers[0]?.motion?.sha256 ?? null),
+      assetsChanged: () => grown.push(catalogue.assets[0]?.motion?.sha256 ?? null),
       connected: () => {},
       problem: (title) => problems.push(title),
     },
@@ -41,7 +41,7 @@ function started() {
 
 afterEach(() => vi.clearAllMocks());
 
-test("a tree stands until its table is there, and is planted once with it if both are on their way", async () => {
+test("a tree stands until its table is there, and is placed once with it if both are on their way", async () => {
   const { arriving, grown, settle } = started();
   handlers.change({ tree: tree(null), job: null });
   await settle();
@@ -60,7 +60,7 @@ test("a full table replaces an early one, which never comes back however late it
   arriving.get("early")?.resolve(motionOf("early"));
   await settle();
   expect(grown.at(-1)).toBe("full");
-  expect(catalogue.growers[0].motion?.sha256).toBe("full");
+  expect(catalogue.assets[0].motion?.sha256).toBe("full");
 });
 
 test("an early table that is gone by now is no problem; a table that cannot be read is one", async () => {
@@ -80,5 +80,5 @@ test("a table of another mesh moves nothing", async () => {
   handlers.change({ tree: tree("other"), job: null });
   arriving.get("other")?.resolve(motionOf("other", 7));
   await settle();
-  expect(catalogue.growers[0].motion).toBeNull();
+  expect(catalogue.assets[0].motion).toBeNull();
 });

@@ -1,8 +1,8 @@
 import { encode } from "@msgpack/msgpack";
 import { describe, expect, test } from "vitest";
-import { decodeTracks, poseAt } from "../../web/src/compare/tracks";
-import { assumedOf } from "../../web/src/ownTree/assumed";
-import { figuresInWords } from "../../web/src/ui/pickedCard";
+import { decodeTracks, poseAt } from "../../web/src/page/compare/tracks";
+import { assumedOf } from "../../web/src/page/ownTree/assumed";
+import { figuresInWords } from "../../web/src/page/ui/pickedCard";
 
 const bytes = (...values: number[]) => new Uint8Array(Float32Array.from(values).buffer);
 const errors = { max: [0.001, 0.002], hausdorff: [0.0005, 0.001] };
@@ -14,10 +14,10 @@ const good = {
   height_m: 10,
   modes: 3,
   pressure_pa: bytes(1, 2, 3, 4),
-  tracks: { fem: bytes(1, 2, 3, 4, 5, 6), tangent: bytes(0, 0, 0, 1, 1, 1), paper: bytes(9, 9, 9, 9, 9, 9) },
+  tracks: { fem: bytes(1, 2, 3, 4, 5, 6), modal: bytes(0, 0, 0, 1, 1, 1), paper: bytes(9, 9, 9, 9, 9, 9) },
   sway: [0.1, 0.2],
   left_out: [0, 0],
-  error: { tangent: errors, paper: errors },
+  error: { modal: errors, paper: errors },
 };
 
 describe("the tracks of a comparison", () => {
@@ -25,6 +25,12 @@ describe("the tracks of a comparison", () => {
     const tracks = decodeTracks(encode(good));
     expect([...tracks.q.fem]).toEqual([1, 2, 3, 4, 5, 6]);
     expect(tracks.error.paper.max).toEqual([0.001, 0.002]);
+  });
+
+  test("are read under the modal method's former id too", () => {
+    const { modal, ...tracks } = good.tracks;
+    const former = { ...good, tracks: { ...tracks, tangent: modal }, error: { tangent: errors, paper: errors } };
+    expect(decodeTracks(encode(former))).toEqual(decodeTracks(encode(good)));
   });
 
   test.each([
@@ -85,7 +91,7 @@ describe("what was assumed of an upload", () => {
 
 test("the picked tree's figures in words", () => {
   const tree = { id: 1, treeId: "maple", species: "maple", position: { x: 0, y: 0, z: 0 }, radius_m: 3, distance_m: 9 };
-  const words = figuresInWords({ ...tree, height_m: 10, moves: true, tip_m: 0.5, coverage: 1.2, record: 4321 });
+  const words = figuresInWords({ ...tree, height_m: 10, moves: true, tip_m: 0.5, extrapolationRatio: 1.2, record: 4321 });
   expect(Object.fromEntries(words)).toEqual({
     Height: "10.0 m",
     "Tip is off by": "0.50 m",
@@ -93,7 +99,7 @@ test("the picked tree's figures in words", () => {
     "Of the sampled range": "120 %, beyond what was sampled",
     "Record in use": "4,321",
   });
-  const still = figuresInWords({ ...tree, height_m: 10, moves: false, tip_m: 0, coverage: null, record: null });
+  const still = figuresInWords({ ...tree, height_m: 10, moves: false, tip_m: 0, extrapolationRatio: null, record: null });
   expect(still).toEqual([
     ["Height", "10.0 m"],
     ["Motion", "still to be computed"],

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { componentCentres, connectedComponents, holders, weldedComponents } from "../../web/src/scene/components";
+import { componentCentres, connectedComponents, holders, weldedComponents } from "../../web/src/scene/trees/mesh/components";
 import {
   branchBases,
   grownLeaf,
@@ -12,9 +12,9 @@ import {
   rankedIndex,
   shareAt,
   woodRanks,
-} from "../../web/src/scene/detail";
+} from "../../web/src/scene/trees/detail";
 import { seededRandom } from "./seeded";
-import { leafReach, openness, roundNormals } from "../../web/src/scene/foliage";
+import { leafReach, openness, roundNormals } from "../../web/src/scene/trees/mesh/foliage";
 
 /** `count` separate quads, the k-th of side 1 + k/count, standing at x = 10 k. */
 function quads(count: number) {

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
-import { FailoverMotion } from "../../web/src/worker/failover";
-import type { LocalMotion } from "../../web/src/worker/localMotion";
+import { FailoverMotion } from "../../web/src/worker/motion/failover";
+import type { LocalMotion } from "../../web/src/worker/motion/localMotion";
 import type { ConnectionState } from "../../web/src/worker/protocol";
-import type { StreamMotion } from "../../web/src/worker/streamMotion";
+import type { StreamMotion } from "../../web/src/worker/motion/streamMotion";
 
 /** A source whose poses are its clock; only what the failover uses of the real ones. */
 class Source {
@@ -10,7 +10,7 @@ class Source {
   disposed = false;
   winds = 0;
   coverage = 1;
-  extent = 0;
+  extrapolationRatio = 0;
 
   constructor(public time_s: number) {}
 

@@ -1,13 +1,13 @@
 import { describe, expect, test } from "vitest";
-import { groundUnder } from "../../web/src/scene/groundPick";
-import { nearestTree, tipDisplacement_m, tipNode } from "../../web/src/tip";
-import { beaufort, compassPoint, windInWords } from "../../web/src/ui/instruments/beaufort";
-import { dialTurn_deg, placeOfWind, windAfterKey, windAtPlace } from "../../web/src/ui/instruments/dial";
-import { kolmogorovLine, powerSpectrum } from "../../web/src/ui/instruments/powerSpectrum";
-import { KEPT_SAMPLES, RATE_HZ, Recorder } from "../../web/src/ui/instruments/recorder";
-import { presetAt, presetOf, withModel } from "../../web/src/ui/instruments/windEditing";
-import { windFromText } from "../../web/src/ui/instruments/windFiles";
-import { CALM_BREEZE, MODELS, PRESETS, type PresetName, parseWind, WindError } from "../../web/src/wind";
+import { groundUnder } from "../../web/src/core/math/groundRay";
+import { nearestTree, tipDisplacement_m, tipNode } from "../../web/src/core/motion/tip";
+import { beaufort, compassPoint, windInWords } from "../../web/src/page/ui/instruments/beaufort";
+import { dialTurn_deg, placeOfWind, windAfterKey, windAtPlace } from "../../web/src/page/ui/instruments/dial";
+import { kolmogorovLine, powerSpectrum } from "../../web/src/page/ui/instruments/powerSpectrum";
+import { KEPT_SAMPLES, RATE_HZ, Recorder } from "../../web/src/page/ui/instruments/recorder";
+import { presetAt, presetOf, withModel } from "../../web/src/page/ui/instruments/windEditing";
+import { windFromText } from "../../web/src/page/ui/instruments/windFiles";
+import { CALM_BREEZE, MODELS, PRESETS, type PresetName, parseWind, WindError } from "../../web/src/core/wind/wind";
 import { random } from "./golden";
 
 describe("Beaufort", () => {

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
-import { AEROSOL_G, aerosolPhase, skyIrradiance, skyTable, sunlight } from "../../web/src/scene/atmosphere";
-import { atmosphereAt, clockOf, halfDay_h, hourOf, sunPlace } from "../../web/src/scene/daytime";
-import { SEASON_LOOKS, SEASONS } from "../../web/src/scene/season";
+import { AEROSOL_G, aerosolPhase, skyIrradiance, skyTable, sunlight } from "../../web/src/scene/sky/atmosphere";
+import { atmosphereAt, clockOf, halfDay_h, hourOf, sunPlace } from "../../web/src/scene/sky/daytime";
+import { SEASON_LOOKS, SEASONS } from "../../web/src/scene/season/season";
 
 const DEG = Math.PI / 180;
 const sum = (light: readonly number[]) => light[0] + light[1] + light[2];

@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
-import { ForestLookup, gaussian } from "../../web/src/lookup";
-import { decodeTable } from "../../web/src/table";
-import { CALM_BREEZE, windPressure } from "../../web/src/wind";
+import { PaperForest, gaussian } from "../../web/src/core/motion/paperSearch";
+import { decodeTable } from "../../web/src/core/table/table";
+import { CALM_BREEZE, windPressure } from "../../web/src/core/wind/wind";
 import { golden, goldenJson } from "./golden";
 
 interface Walk {
@@ -18,7 +18,7 @@ const STILL = { ...CALM_BREEZE, mean_speed_m_s: 0 };
 
 function walk({ pose_easing, trees, records, poses }: Walk): void {
   const count = trees.x_m.length;
-  const forest = new ForestLookup(TABLE, count, { poseEasing: pose_easing });
+  const forest = new PaperForest(TABLE, count, { poseEasing: pose_easing });
   forest.setTrees(trees.x_m, trees.z_m, trees.yaw_rad, trees.scale);
   const px = new Float32Array(count);
   const pz = new Float32Array(count);
@@ -48,14 +48,14 @@ test("the Gaussian is the exponential's", () => {
 });
 
 test("a forest in still air never moves", () => {
-  const forest = new ForestLookup(TABLE, 3);
+  const forest = new PaperForest(TABLE, 3);
   const still = new Float32Array(3);
   for (let frame = 0; frame < 200; frame++) forest.advance(1 / 30, still, still);
   expect(forest.q.every((value) => value === 0)).toBe(true);
 });
 
 test("a tree scaled by two walks its table at half the pace", () => {
-  const forest = new ForestLookup(TABLE, 2);
+  const forest = new PaperForest(TABLE, 2);
   forest.setTrees([0, 0], [0, 0], [0, 0], [1, 2]);
   const wind = new Float32Array(2).fill(20);
   const dt = TABLE.metadata.dt_s;

@@ -1,12 +1,12 @@
 import { describe, expect, test } from "vitest";
-import { problemFrom } from "../../web/src/api";
-import { fractalNoise, valueNoise } from "../../web/src/math/noise";
-import { hashUnit } from "../../web/src/math/random";
-import { leafTint } from "../../web/src/scene/palette";
-import { progressLine, statusLine, summary, timeLeft } from "../../web/src/ui/words";
-import { windDocument } from "../../web/src/windSettings";
-import { parseWind } from "../../web/src/wind";
-import { DEFAULTS } from "../../web/src/settings";
+import { problemFrom } from "../../web/src/page/server/api";
+import { fractalNoise, valueNoise } from "../../web/src/core/math/noise";
+import { hashUnit } from "../../web/src/core/math/random";
+import { leafTint } from "../../web/src/scene/season/palette";
+import { progressLine, statusLine, summary, timeLeft } from "../../web/src/page/ui/words";
+import { plainWind } from "../../web/src/core/wind/edit";
+import { parseWind } from "../../web/src/core/wind/wind";
+import { DEFAULTS } from "../../web/src/page/settings/settings";
 
 describe("what the page says", () => {
   test("progress in plain words", () => {
@@ -43,8 +43,8 @@ describe("what the page says", () => {
 });
 
 test("every setting of the panel makes a wind that the reader accepts", () => {
-  for (const meanSpeed_m_s of [0, 0.1, 25]) {
-    expect(() => parseWind(windDocument({ ...DEFAULTS, meanSpeed_m_s }))).not.toThrow();
+  for (const mean_speed_m_s of [0, 0.1, 25]) {
+    expect(() => parseWind(plainWind({ ...DEFAULTS.wind, mean_speed_m_s }))).not.toThrow();
   }
 });
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { hashUnit } from "../../web/src/math/random";
-import { paintGrass, paintLitter, paintNoise } from "../../web/src/scene/paint";
+import { hashUnit } from "../../web/src/core/math/random";
+import { paintGrass, paintLitter, paintNoise } from "../../web/src/scene/textures/paint";
 
 /** The same noise written out: every corner hashed anew. */
 function noise(x: number, y: number, coarsest: number, seed: number): number {

@@ -1,12 +1,13 @@
 import { describe, expect, test } from "vitest";
-import { levelRows, nodeLayout, poseStride } from "../../web/src/nodeLayout";
-import { meanCrownDisplacement_m } from "../../web/src/sway";
-import { CALM_BREEZE, dynamicPressure, WindField } from "../../web/src/wind";
-import type { Frame } from "../../web/src/wire";
-import { JumpBlend } from "../../web/src/worker/blend";
-import { GroupWind } from "../../web/src/worker/groupWind";
-import { PoseSum } from "../../web/src/worker/poseSum";
-import { PoseTimeline } from "../../web/src/worker/timeline";
+import { poseStride } from "../../web/src/core/motion/poseStride";
+import { levelRows, nodeLayout } from "../../web/src/scene/trees/nodes/nodeLayout";
+import { meanCrownDisplacement_m } from "../../web/src/core/motion/crownDisplacement";
+import { CALM_BREEZE, dynamicPressure, WindField } from "../../web/src/core/wind/wind";
+import type { Frame } from "../../web/src/core/wire/wire";
+import { JumpBlend } from "../../web/src/worker/motion/blend";
+import { GroupWind } from "../../web/src/worker/motion/groupWind";
+import { PoseSum } from "../../web/src/worker/stream/poseSum";
+import { PoseTimeline } from "../../web/src/worker/stream/timeline";
 
 describe("node target", () => {
   test.each([
@@ -130,14 +131,14 @@ test("a group's wind: speed at each tree's height, held pressure, and how many a
   const field = new WindField({ ...CALM_BREEZE, mean_speed_m_s: 8, gustiness: 0 });
   const peak_pa = dynamicPressure(7);
   const wind = new GroupWind(placement, 10, peak_pa);
-  wind.blow(field, 3);
+  wind.update(field, 3);
   const out = new Float32Array(2 * poseStride(3));
   wind.writeSpeeds(out, 3);
   const [velocityX, velocityZ] = [new Float64Array(2), new Float64Array(2)];
   field.velocity(Float32Array.of(0, 5), Float32Array.of(0, 3), 3, velocityX, velocityZ);
   expect(out[3]).toBeGreaterThan(0);
   expect(out[7]).toBeGreaterThanOrEqual(out[3]);
-  expect(wind.extentAt(0)).toBeCloseTo(dynamicPressure(out[3]) / peak_pa, 6);
+  expect(wind.extrapolationRatioAt(0)).toBeCloseTo(dynamicPressure(out[3]) / peak_pa, 6);
   for (const tree of [0, 1]) {
     const held = Math.hypot(wind.pressureX[tree], wind.pressureZ[tree]);
     expect(held).toBeCloseTo(Math.min(peak_pa, dynamicPressure(out[4 * tree + 3])), 3);
@@ -146,8 +147,8 @@ test("a group's wind: speed at each tree's height, held pressure, and how many a
       6,
     );
   }
-  expect(wind.extent).toBeCloseTo(Math.max(wind.extentAt(0), wind.extentAt(1)), 6);
-  expect(wind.coverage).toBe([0, 1].filter((tree) => wind.extentAt(tree) <= 1).length / 2);
+  expect(wind.extrapolationRatio).toBeCloseTo(Math.max(wind.extrapolationRatioAt(0), wind.extrapolationRatioAt(1)), 6);
+  expect(wind.coverage).toBe([0, 1].filter((tree) => wind.extrapolationRatioAt(tree) <= 1).length / 2);
 });
 
 test("crown displacement turns with the tree: a quarter turn sends own x to world -z", () => {

@@ -1,22 +1,30 @@
 import { describe, expect, test } from "vitest";
-import { DEFAULTS, defaultsFor, queryFromSettings, settingsFromQuery } from "../../web/src/settings";
+import { plainWind, withPlain } from "../../web/src/core/wind/edit";
+import { DEFAULTS, defaultsFor, queryFromSettings, settingsFromQuery } from "../../web/src/page/settings/settings";
 
 describe("settings in the address", () => {
   test("what is given is taken, what is missing keeps its default", () => {
     const settings = settingsFromQuery("?trees=60&speed=12.5&lookup=server&panel=0&quality=low");
-    expect(settings).toMatchObject({ trees: 60, meanSpeed_m_s: 12.5, lookup: "server", panel: false, quality: "low" });
-    expect(settings.gustiness).toBe(DEFAULTS.gustiness);
+    expect(settings).toMatchObject({ trees: 60, lookup: "server", panel: false, quality: "low" });
+    expect(settings.wind).toEqual(plainWind({ ...DEFAULTS.wind, mean_speed_m_s: 12.5 }));
+    expect(settings.forestSeed).toBe(DEFAULTS.forestSeed);
   });
 
   test("numbers are brought into range and rubbish is passed over", () => {
     const settings = settingsFromQuery("?trees=1e9&speed=-3&gust=NaN&seed=&direction=abc&lookup=moon&forest=3.7");
-    expect(settings).toEqual({ ...DEFAULTS, trees: 10_000, meanSpeed_m_s: 0, forestSeed: 4 });
+    expect(settings).toEqual({ ...DEFAULTS, trees: 10_000, wind: withPlain(DEFAULTS.wind, { mean_speed_m_s: 0 }), forestSeed: 4 });
   });
 
   test("a query gives its settings back, and is empty for the defaults", () => {
     expect(queryFromSettings(DEFAULTS)).toBe("");
-    const changed = { ...DEFAULTS, trees: 3, poseEasing: 0.25, flutter: false, direction_deg: 271, windSeed: 9 };
+    const changed = { ...DEFAULTS, trees: 3, poseEasing: 0.25, flutter: false, wind: withPlain(DEFAULTS.wind, { direction_deg: 271, seed: 9 }) };
     expect(settingsFromQuery(`?${queryFromSettings(changed)}`)).toEqual(changed);
+  });
+
+  test("the modal method is read under its former id too, and written under the present one", () => {
+    const paper = { ...DEFAULTS, method: "paper" as const };
+    for (const id of ["modal", "tangent"]) expect(settingsFromQuery(`?method=${id}`, paper).method).toBe("modal");
+    expect(queryFromSettings(DEFAULTS, paper)).toBe("method=modal");
   });
 
   test("a small or software-drawn screen starts with less", () => {

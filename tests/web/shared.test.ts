@@ -1,8 +1,9 @@
 import { describe, expect, test } from "vitest";
-import { DEFAULTS } from "../../web/src/settings";
-import { adoptPlanting, plantingOf, sharedFrom, withShared } from "../../web/src/shared";
-import { ServerClock } from "../../web/src/worker/serverClock";
-import { SharedClock } from "../../web/src/worker/sharedClock";
+import { PRESETS } from "../../web/src/core/wind/wind";
+import { DEFAULTS } from "../../web/src/page/settings/settings";
+import { adoptPlacement, placementOf, sharedFrom, withShared } from "../../web/src/page/settings/sharedForest";
+import { ServerClock } from "../../web/src/worker/stream/serverClock";
+import { SharedClock } from "../../web/src/worker/stream/sharedClock";
 import { random } from "./golden";
 
 describe("a shared forest in the address", () => {
@@ -22,16 +23,16 @@ describe("a shared forest in the address", () => {
   });
 });
 
-test("planters tell each other what decides where trees stand, and nothing else", () => {
-  const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, method: "paper" as const, gustiness: 1 };
-  const yours = { ...DEFAULTS, trees: 5, gustiness: 0.25 };
-  expect(adoptPlanting(yours, plantingOf(mine))).toBe(true);
-  expect([yours.trees, yours.forestSeed, yours.method, yours.gustiness]).toEqual([321, 9, "paper", 0.25]);
-  expect(adoptPlanting(yours, plantingOf(mine))).toBe(false);
-  expect(adoptPlanting(yours, {})).toBe(false);
+test("clients exchange what determines the placement, and nothing else", () => {
+  const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, method: "paper" as const, wind: PRESETS.still };
+  const yours = { ...DEFAULTS, trees: 5, wind: PRESETS["storm-front"] };
+  expect(adoptPlacement(yours, placementOf(mine))).toBe(true);
+  expect([yours.trees, yours.forestSeed, yours.method, yours.wind]).toEqual([321, 9, "paper", PRESETS["storm-front"]]);
+  expect(adoptPlacement(yours, placementOf(mine))).toBe(false);
+  expect(adoptPlacement(yours, {})).toBe(false);
   const plain = { ...mine };
-  expect(adoptPlanting(plain, plantingOf(DEFAULTS))).toBe(true);
-  expect([plain.trees, plain.forestSeed, plain.method]).toEqual([DEFAULTS.trees, DEFAULTS.forestSeed, "tangent"]);
+  expect(adoptPlacement(plain, placementOf(DEFAULTS))).toBe(true);
+  expect([plain.trees, plain.forestSeed, plain.method]).toEqual([DEFAULTS.trees, DEFAULTS.forestSeed, "modal"]);
 });
 
 /** A server whose clock is ahead, answering pings over a network of random delays. */
@@ -66,7 +67,7 @@ describe("displays of a shared forest", () => {
         const { net, shared } = display;
         if (now_ms % 1008 === 0) {
           net.ping(now_ms);
-          shared.tell({ type: "clock", time_s: 500 + now_ms / 1000, made_s: net.server_s(now_ms), paused: false });
+          shared.update({ type: "clock", time_s: 500 + now_ms / 1000, made_s: net.server_s(now_ms), paused: false });
         }
         const before_s = display.time_s;
         const step = shared.step(display.time_s, 0.016 * (0.9 + 0.2 * display.next()), now_ms);
@@ -81,7 +82,7 @@ describe("displays of a shared forest", () => {
     const net = network(5);
     const shared = new SharedClock(net.clock);
     net.ping(0);
-    shared.tell({ type: "clock", time_s: 60, made_s: net.server_s(0), paused: true });
+    shared.update({ type: "clock", time_s: 60, made_s: net.server_s(0), paused: true });
     let time_s = 59.8;
     for (let now_ms = 0; now_ms < 5000; now_ms += 16) time_s += shared.step(time_s, 0.016, now_ms).dt_s;
     expect(time_s).toBeCloseTo(60, 2);

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { decodeTable, poses, TableError } from "../../web/src/table";
+import { decodeTable, poses, TableError } from "../../web/src/core/table/table";
 import { golden, random } from "./golden";
 
 const FILE = golden("pole.safetensors");
@@ -35,7 +35,37 @@ test("reads the same table from an ArrayBuffer and at an odd place in a larger o
 });
 
 test("reads the same table from a Buffer of Node", () => {
-  expect(decodeTable(Buffer.from(FILE)).tangent).toEqual(decodeTable(FILE).tangent);
+  expect(decodeTable(Buffer.from(FILE)).modal).toEqual(decodeTable(FILE).modal);
+});
+
+describe("versions 5 and 6", () => {
+  const FORMER = { prefix: "tangent.", error: "replay_m" };
+  const PRESENT = { prefix: "modal.", error: "training_m" };
+  const TRAINING_M = [0.01, 0.02];
+
+  /** The golden file, whichever version it has, as one of this version. */
+  const asVersion = (version: 5 | 6, names = version === 5 ? FORMER : PRESENT) =>
+    tampered((header, metadata) => {
+      for (const [name, entry] of Object.entries(header)) {
+        const modal = /^(?:tangent|modal)\.(.+)$/.exec(name);
+        if (!modal) continue;
+        delete header[name];
+        header[names.prefix + modal[1]] = entry;
+      }
+      Object.assign(metadata, { version, errors: { [names.error]: TRAINING_M } });
+    });
+
+  test("hold the same table under other names", () => {
+    const [former, present] = [decodeTable(asVersion(5)), decodeTable(asVersion(6))];
+    expect(former).toEqual(present);
+    expect(former.modal).toEqual(decodeTable(FILE).modal);
+    expect(present.metadata.errors).toEqual({ training_m: TRAINING_M });
+  });
+
+  test("do not take each other's names", () => {
+    expect(() => decodeTable(asVersion(6, FORMER))).toThrow("missing tensor modal.step");
+    expect(() => decodeTable(asVersion(5, PRESENT))).toThrow("missing tensor modal.step");
+  });
 });
 
 describe("refuses", () => {
@@ -50,7 +80,7 @@ describe("refuses", () => {
     const file = tampered((_, metadata) => {
       metadata.version = 2;
     });
-    expect(() => decodeTable(file)).toThrow("table version 2, this reader knows version 5");
+    expect(() => decodeTable(file)).toThrow("table version 2, this reader knows versions 5 and 6");
   });
 
   test("another format, no metadata, metadata out of range", () => {
@@ -76,7 +106,8 @@ describe("refuses", () => {
 
   test("a sampled range that lacks a coupled speed", () => {
     const lacking = tampered((header) => {
-      const limits = header["tangent.limits"] as unknown as { shape: number[] };
+      const name = Object.keys(header).find((key) => key.endsWith(".limits")) as string;
+      const limits = header[name] as unknown as { shape: number[] };
       limits.shape[0] -= 1;
     });
     expect(() => decodeTable(lacking)).toThrow(TableError);

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import { INSTANCE_FLOATS, makeStand } from "../../web/src/scene/stand";
-import { ballEntry, type PickGroup, pickTree } from "../../web/src/scene/treePick";
+import { INSTANCE_FLOATS, createInstanceData } from "../../web/src/scene/trees/instanceData";
+import { ballEntry, type PickGroup, pickTree } from "../../web/src/scene/trees/treePick";
 import type { TableMotion } from "../../web/src/worker/protocol";
 import { seededRandom } from "./seeded";
 
@@ -16,13 +16,13 @@ const motion = {
 } as unknown as TableMotion;
 
 function group(places: { x_m: number; z_m: number; yaw_rad?: number; scale?: number }[], moves = true): PickGroup {
-  const stand = makeStand(
+  const instances = createInstanceData(
     places.map((place, id) => ({ id, yaw_rad: 0, scale: 1, ...place })),
     () => 0,
     () => [1, 1, 1, 0],
   );
   return {
-    stand,
+    instances,
     bounds: BOUNDS,
     motion: moves ? motion : null,
     nodeRadius_m: Float32Array.of(1, 1, 1),
@@ -88,5 +88,5 @@ test("among many trees the pick is the nearest of all single picks", () => {
     expect(found?.distance_m ?? Number.POSITIVE_INFINITY).toBe(nearest);
     if (found) expect(found.tree).toBe(distances.indexOf(nearest));
   }
-  expect(all.stand.data.length).toBe(60 * INSTANCE_FLOATS);
+  expect(all.instances.data.length).toBe(60 * INSTANCE_FLOATS);
 });

@@ -1,12 +1,12 @@
 import { describe, expect, it } from "vitest";
-import { momentFrom, shareQuery } from "../../web/src/link";
-import { keep, remembered } from "../../web/src/remembered";
-import { groundHeight_m } from "../../web/src/scene/landscape";
-import { leafTint } from "../../web/src/scene/palette";
-import { chooseSpecies, placeTrees } from "../../web/src/scene/planting";
-import { FLIGHT_S, flightAt, loneliest, VIEWS, type ViewName, viewpoint } from "../../web/src/scene/viewpoints";
-import { DEFAULTS, defaultsFor, type Settings, settingsFromQuery } from "../../web/src/settings";
-import { factsOf, sizeInWords, timeInWords } from "../../web/src/ui/physics";
+import { momentFrom, shareQuery } from "../../web/src/page/settings/link";
+import { keep, remembered } from "../../web/src/page/settings/storedSettings";
+import { groundHeight_m } from "../../web/src/scene/ground/landscape";
+import { leafTint } from "../../web/src/scene/season/palette";
+import { chooseSpecies, placeTrees } from "../../web/src/scene/placement";
+import { FLIGHT_S, flightAt, loneliest, VIEWS, type ViewName, viewpoint } from "../../web/src/scene/camera/viewpoints";
+import { DEFAULTS, defaultsFor, type Settings, settingsFromQuery } from "../../web/src/page/settings/settings";
+import { factsOf, sizeInWords, timeInWords } from "../../web/src/page/ui/physics";
 
 const SETTINGS: Settings = {
   ...DEFAULTS,

@@ -1,9 +1,9 @@
 import { createHash } from "node:crypto";
 import { describe, expect, test } from "vitest";
-import { ForestLookup } from "../../web/src/lookup";
-import { decodeTable } from "../../web/src/table";
-import { TangentForest } from "../../web/src/tangent";
-import { parseWind, type WindDocument, WindField } from "../../web/src/wind";
+import { PaperForest } from "../../web/src/core/motion/paperSearch";
+import { decodeTable } from "../../web/src/core/table/table";
+import { ModalForest } from "../../web/src/core/modal/modalForest";
+import { parseWind, type WindDocument, WindField } from "../../web/src/core/wind/wind";
 import { golden, goldenJson } from "./golden";
 
 interface Walks {
@@ -21,9 +21,9 @@ const count = trees.x_m.length;
 /** Where the forests stand after every hundred frames: what was found so far, and the poses. */
 function* walk(wind: WindDocument): Generator<[string, Float32Array]> {
   const field = new WindField(parseWind(wind));
-  const paper = new ForestLookup(TABLE, count);
-  const tangent = new TangentForest(TABLE, count);
-  for (const forest of [paper, tangent]) forest.setTrees(trees.x_m, trees.z_m, trees.yaw_rad, trees.scale);
+  const paper = new PaperForest(TABLE, count);
+  const modal = new ModalForest(TABLE, count);
+  for (const forest of [paper, modal]) forest.setTrees(trees.x_m, trees.z_m, trees.yaw_rad, trees.scale);
   const px = new Float64Array(count);
   const pz = new Float64Array(count);
   const records = createHash("sha256");
@@ -32,9 +32,9 @@ function* walk(wind: WindDocument): Generator<[string, Float32Array]> {
     // As Python rounds them: the last bit of a velocity decides no record.
     for (const p of [px, pz]) p.forEach((pa, i) => p.fill(Math.floor(pa * steps_per_pa + 0.5) / steps_per_pa, i, i + 1));
     paper.advance(1 / 30, px, pz);
-    tangent.advance(1 / 30, px, pz);
+    modal.advance(1 / 30, px, pz);
     records.update(new Uint8Array(paper.record.buffer));
-    if (frame % every === every - 1) yield [records.copy().digest("hex").slice(0, 16), tangent.q];
+    if (frame % every === every - 1) yield [records.copy().digest("hex").slice(0, 16), modal.q];
   }
 }
 

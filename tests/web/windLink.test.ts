@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import { DEFAULTS, queryFromSettings, settingsFromQuery, windFromQuery, withWind } from "../../web/src/settings";
+import { DEFAULTS, queryFromSettings, settingsFromQuery } from "../../web/src/page/settings/settings";
+import { windFromQuery } from "../../web/src/page/settings/windQuery";
 import {
   CALM_BREEZE,
   changeWind,
@@ -10,17 +11,16 @@ import {
   steady,
   type WindDocument,
   WindError,
-} from "../../web/src/wind";
+} from "../../web/src/core/wind/wind";
 import { random } from "./golden";
-import { gustSpeed_m_s, windDocument, withMean } from "../../web/src/windSettings";
+import { gustSpeed_m_s, plainWind, withMean, withPlain } from "../../web/src/core/wind/edit";
 
 const WINDS: readonly WindDocument[] = [CALM_BREEZE, ...Object.values(PRESETS), paperWind(2, 11, 200)];
 
 test("every wind comes back from the page's link", () => {
   for (const wind of WINDS) {
-    const query = `?${queryFromSettings(withWind({ ...DEFAULTS, trees: 9 }, wind))}`;
-    expect(windFromQuery(query)).toEqual(wind);
-    expect(settingsFromQuery(query).trees).toBe(9);
+    const query = `?${queryFromSettings({ ...DEFAULTS, trees: 9, wind })}`;
+    expect(settingsFromQuery(query)).toEqual({ ...DEFAULTS, trees: 9, wind });
   }
   expect(windFromQuery("?trees=9")).toBeNull();
 });
@@ -31,11 +31,24 @@ test("a link's bad wind is refused with its path", () => {
   expect(() => windFromQuery(`?wind=${bad}`)).toThrow(/wind\.length_scale_m: expected a number in 5\.\.200, not 500/);
 });
 
+test("a plain wind is four numbers in a link, any other a document", () => {
+  const queryOf = (wind: WindDocument) => queryFromSettings({ ...DEFAULTS, wind });
+  expect(queryOf(withPlain(DEFAULTS.wind, { mean_speed_m_s: 12, direction_deg: 271 }))).toBe("speed=12&direction=271");
+  expect(windFromQuery(queryOf({ ...DEFAULTS.wind, direction_deg: 30.5 }))).toMatchObject({ direction_deg: 30.5 });
+  expect(windFromQuery(queryOf(withPlain(DEFAULTS.wind, { mean_speed_m_s: 40 })))).toMatchObject({ mean_speed_m_s: 40 });
+  expect(settingsFromQuery(queryOf({ ...DEFAULTS.wind, direction_deg: -30 })).wind).toMatchObject({ direction_deg: 330 });
+});
+
+test("a link's plain numbers change the wind that was remembered, and nothing else of it", () => {
+  const before = { ...DEFAULTS, wind: PRESETS["storm-front"] };
+  const { wind } = settingsFromQuery("?gust=0.1", before);
+  expect(wind).toEqual({ ...PRESETS["storm-front"], gustiness: 0.1 });
+  expect(settingsFromQuery("?wind=gale&gust=0.1", before).wind).toEqual(wind);
+  expect(plainWind(DEFAULTS.wind)).toEqual(DEFAULTS.wind);
+});
+
 test("the panel's sliders change the wind that an instrument chose, and nothing else of it", () => {
-  const settings = withWind({ ...DEFAULTS }, PRESETS["storm-front"]);
-  settings.gustiness = 0.1;
-  settings.direction_deg = 300;
-  const wind = windDocument(settings);
+  const wind = withPlain(PRESETS["storm-front"], { gustiness: 0.1, direction_deg: 300 });
   expect(parseWind(wind)).toEqual({ ...PRESETS["storm-front"], gustiness: 0.1, direction_deg: 300 });
 });
 

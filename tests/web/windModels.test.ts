@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
-import { parseWind, type WindDocument, WindField } from "../../web/src/wind";
-import { Eddies } from "../../web/src/wind/navierStokes";
+import { parseWind, type WindDocument, WindField } from "../../web/src/core/wind/wind";
+import { Eddies } from "../../web/src/core/wind/models/navierStokes";
 import { goldenJson } from "./golden";
 
 interface Golden {

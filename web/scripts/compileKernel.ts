@@ -1,4 +1,4 @@
-/** Compiles kernel/tangent.ts, AssemblyScript, to WebAssembly with vectors. */
+/** Compiles kernel/modal.ts, AssemblyScript, to WebAssembly with vectors. */
 import { readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -11,7 +11,7 @@ const OPTIONS = ["--runtime", "stub", "-O3", "--noAssert", "--enable", "simd", "
 /** Throws what the compiler says of a source that it refuses. */
 export async function compileKernel(): Promise<Uint8Array> {
   let made: Uint8Array | null = null;
-  const { error, stderr } = await asc.main(["tangent.ts", ...OPTIONS, "--outFile", "tangent.wasm"], {
+  const { error, stderr } = await asc.main(["modal.ts", ...OPTIONS, "--outFile", "modal.wasm"], {
     readFile: (name) => {
       try {
         return readFileSync(join(FOLDER, name), "utf8");
@@ -20,7 +20,7 @@ export async function compileKernel(): Promise<Uint8Array> {
       }
     },
     writeFile: (name, content) => {
-      if (name === "tangent.wasm") made = content as Uint8Array;
+      if (name === "modal.wasm") made = content as Uint8Array;
     },
     listFiles: () => [],
   });
@@ -31,5 +31,5 @@ export async function compileKernel(): Promise<Uint8Array> {
 /** The module that holds the compiled kernel. */
 export async function kernelModule(): Promise<string> {
   const text = Buffer.from(await compileKernel()).toString("base64");
-  return `// Written by \`npm run kernel\` from ../kernel/tangent.ts.\nexport const TANGENT_KERNEL =\n  "${text}";\n`;
+  return `// Written by \`npm run kernel\` from ../kernel/modal.ts.\nexport const MODAL_KERNEL =\n  "${text}";\n`;
 }

@@ -1,5 +1,5 @@
-/** Writes src/tangentKernel.wasm.ts: npm run kernel */
+/** Writes src/core/modal/modalKernel.wasm.ts: npm run kernel */
 import { writeFileSync } from "node:fs";
 import { kernelModule } from "./compileKernel";
 
-writeFileSync("src/tangentKernel.wasm.ts", await kernelModule());
+writeFileSync("src/core/modal/modalKernel.wasm.ts", await kernelModule());

@@ -54,7 +54,7 @@ def bench_serve(
     clients: Annotated[int, typer.Option(help="Clients that read.")] = 200,
     trees: Annotated[int, typer.Option(help="Trees of each forest.")] = 1000,
     forests: Annotated[int, typer.Option(help="Forests that they share; 0 gives each its own.")] = 1,
-    deaf: Annotated[int, typer.Option(help="Further clients that never read, in a second phase.")] = 20,
+    stalled: Annotated[int, typer.Option(help="Further clients that never read, in a second phase.")] = 20,
     seconds: Annotated[float, typer.Option(help="Length of the first phase.")] = 20.0,
     paper: Annotated[
         bool, typer.Option(help="The paper's search in place of the drift-free method.")
@@ -73,9 +73,9 @@ def bench_serve(
         clients=clients,
         trees=trees,
         forests=forests,
-        deaf=deaf,
+        stalled=stalled,
         seconds=seconds,
-        method="paper" if paper else "tangent",
+        method="paper" if paper else "modal",
         server_core=None if server_core < 0 else server_core,
         client_core=None if client_core < 0 else client_core,
     )

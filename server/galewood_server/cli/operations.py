@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from galewood.cli import JsonOut, console, progress_bar, teller, write_figures
+from galewood.cli import JsonOut, console, progress_bar, progress_reporter, write_figures
 
 from galewood_server.cli.extras import needs_extras
 
@@ -50,7 +50,7 @@ def upload(
 
 def _compute(client: Any, tree_id: str) -> dict[str, Any]:
     with progress_bar() as bar:
-        tell = teller(bar)
+        tell = progress_reporter(bar)
         started = client.start(tree_id)
         job = started
         for job in client.follow(started["id"]):

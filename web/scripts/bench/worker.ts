@@ -9,7 +9,7 @@ import { type Figure, median } from "./report";
 const TREES = 10_000;
 const FRAMES = 90;
 const FRAME_S = 1 / 30;
-const DEFAULT = "tangent";
+const DEFAULT = "modal";
 const MODELS = ["cosine", "perlin", "spectral", "navier-stokes"] as const;
 
 /** The worker's times of the next frames, ms; frames begin in their own rhythm, as on a screen. */

@@ -1,4 +1,4 @@
-/** A page that draws only when it is told to: pictures of any size, whatever they cost. */
+/** A page that draws only on request: pictures of any size, whatever they cost. */
 import { writeFileSync } from "node:fs";
 import { resolve } from "node:path";
 import type { Page } from "@playwright/test";

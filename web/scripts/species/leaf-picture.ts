@@ -1,24 +1,8 @@
-import { insideLeaf, type LeafPoint, type Outline } from "./outline";
+import type { LeafLook } from "./leaf-look";
+import { insideLeaf, type LeafPoint } from "./outline";
 import { blank, bleed, type Colour, halve, type Picture } from "./picture";
 import { type Random, seededRandom } from "./random";
 import { growShoots, type Leaf, placeLeaves, type Shoot } from "./shoots";
-
-/** How the leaves of a species look and how they sit on a shoot. */
-export interface LeafLook {
-  outline: Outline;
-  /** Veins on the right half, each from its root to its end. */
-  veins: readonly (readonly [LeafPoint, LeafPoint])[];
-  /** Colours that the leaves of one card vary around: one set for each of the four cards. */
-  palettes: readonly (readonly Colour[])[];
-  vein: Colour;
-  stem: Colour;
-  /** Length of a leaf relative to the card. */
-  length: number;
-  petiole: number;
-  leavesPerCard: number;
-  /** Angle of the leaves to the shoot, degrees. */
-  angle_deg: number;
-}
 
 const TILE = 512;
 const OVERSAMPLING = 2;

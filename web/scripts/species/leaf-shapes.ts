@@ -1,4 +1,4 @@
-import type { LeafLook } from "./leaf-picture";
+import type { LeafLook } from "./leaf-look";
 import type { LeafPoint } from "./outline";
 
 type Shape = Pick<LeafLook, "outline" | "veins">;

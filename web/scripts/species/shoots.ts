@@ -1,4 +1,4 @@
-import type { LeafLook } from "./leaf-picture";
+import type { LeafLook } from "./leaf-look";
 import type { LeafPoint } from "./outline";
 import type { Colour } from "./picture";
 import type { Random } from "./random";

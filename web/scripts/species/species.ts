@@ -1,7 +1,7 @@
 import type { Bark } from "./bark-picture";
 import type { Foliage } from "./foliage";
 import type { Habit } from "./growth";
-import type { LeafLook } from "./leaf-picture";
+import type { LeafLook } from "./leaf-look";
 import type { Girth } from "./skeleton";
 import type { WoodCut } from "./wood";
 

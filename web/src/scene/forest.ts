@@ -1,37 +1,37 @@
-/** The forest on screen: one SpeciesForest per species, planted over shared places. */
+/** The forest on screen: one SpeciesForest per species, on shared placements. */
 import { Group, type WebGLRenderer } from "three";
+import type { Ray } from "../core/math/groundRay";
 import type { TableMotion } from "../worker/protocol";
-import type { View } from "./drawList";
-import type { Ray } from "./groundPick";
-import { groundHeight_m } from "./landscape";
-import { leafTint } from "./palette";
-import { chooseSpecies, placeTrees } from "./planting";
-import type { Season } from "./season";
-import { SpeciesForest, type SpeciesOptions } from "./speciesForest";
-import { INSTANCE_FLOATS, makeStand, retint, type Stand } from "./stand";
-import { disposeModel, type TreeModel } from "./treeMesh";
-import { pickTree } from "./treePick";
+import { groundHeight_m } from "./ground/landscape";
+import { chooseSpecies, placeTrees } from "./placement";
+import { leafTint } from "./season/palette";
+import type { Season } from "./season/season";
+import type { View } from "./trees/drawList";
+import { createInstanceData, INSTANCE_FLOATS, type InstanceData, setTints } from "./trees/instanceData";
+import { disposeModel, type TreeModel } from "./trees/mesh/treeMesh";
+import { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
+import { pickTree } from "./trees/treePick";
 
-/** A species that the forest may plant; without a model its places stay free. */
-export interface Grower {
+/** A kind of tree; its placements stay empty until the model is loaded. */
+export interface TreeAsset {
   readonly id: string;
   readonly species: string | null;
   model: TreeModel | null;
-  /** null: the table is not in yet, the trees stand still and grey. */
+  /** Null until the table is loaded; the trees are static and grey until then. */
   motion: TableMotion | null;
 }
 
-/** One species of a planting. */
-export interface PlantedGroup {
-  readonly grower: Grower;
+/** The trees of one species in a placement. */
+export interface PlacedSpecies {
+  readonly asset: TreeAsset;
   readonly model: TreeModel;
   readonly motion: TableMotion | null;
-  readonly stand: Stand;
+  readonly instances: InstanceData;
 }
 
 /** One moving group, in the order in which worker and server know them. */
 export interface MovingGroup {
-  readonly grower: Grower;
+  readonly asset: TreeAsset;
   readonly forest: SpeciesForest;
 }
 
@@ -49,7 +49,7 @@ export interface PickedTree {
   readonly distance_m: number;
 }
 
-export interface PlantingOptions {
+export interface PlacementOptions {
   /** 1 is the usual one. */
   readonly density?: number;
   /** How common each species is beside the others, by id; 1 if not named. */
@@ -57,24 +57,26 @@ export interface PlantingOptions {
   readonly season?: Season;
 }
 
-/** Which tree stands where. Places depend on seed and number only: trees that were there stay where they were. */
-export function planForest(
-  growers: readonly Grower[],
+/** Assigns trees to placements. Placements depend on seed and number only, so that existing trees stay in place. */
+export function placeForest(
+  assets: readonly TreeAsset[],
   count: number,
   seed: number,
-  { density = 1, shares = {}, season = "autumn" }: PlantingOptions = {},
-): PlantedGroup[] {
+  { density = 1, shares = {}, season = "autumn" }: PlacementOptions = {},
+): PlacedSpecies[] {
   const places = placeTrees(count, seed, density);
   const choice = chooseSpecies(
     places,
-    growers.map((grower) => grower.id),
+    assets.map((asset) => asset.id),
     shares,
   );
-  return growers.flatMap((grower, k) => {
+  return assets.flatMap((asset, k) => {
     const own = places.filter((_, i) => choice[i] === k);
-    if (!grower.model || own.length === 0) return [];
-    const stand = makeStand(own, groundHeight_m, (treeId) => leafTint(grower.species, treeId, season));
-    return [{ grower, model: grower.model, motion: grower.motion, stand }];
+    if (!asset.model || own.length === 0) return [];
+    const instances = createInstanceData(own, groundHeight_m, (treeId) =>
+      leafTint(asset.species, treeId, season),
+    );
+    return [{ asset, model: asset.model, motion: asset.motion, instances }];
   });
 }
 
@@ -85,16 +87,16 @@ export class Forest {
   private frozen = false;
   private leafless = false;
 
-  /** `options` hold for the next planting. */
+  /** `options` apply to the next placement. */
   constructor(public options: SpeciesOptions) {}
 
-  /** Shows a planting; species that were there before keep their meshes and textures on the graphics card. */
-  show(planted: readonly PlantedGroup[]): void {
+  /** Shows a placement; species that stay keep their meshes and textures on the GPU. */
+  show(placed: readonly PlacedSpecies[]): void {
     const before = this.all;
-    this.all = planted.map((group) => {
+    this.all = placed.map((group) => {
       const old = before.find(({ forest }) => this.serves(forest, group));
-      if (old?.forest.replant(group.stand)) return { grower: group.grower, forest: old.forest };
-      return { grower: group.grower, forest: this.grow(group) };
+      if (old?.forest.setInstances(group.instances)) return { asset: group.asset, forest: old.forest };
+      return { asset: group.asset, forest: this.createSpecies(group) };
     });
     const kept = new Set(this.all.map(({ forest }) => forest));
     for (const { forest } of before) if (!kept.has(forest)) forest.dispose();
@@ -102,29 +104,29 @@ export class Forest {
     this.moving = this.all.filter(({ forest }) => forest.motion);
   }
 
-  /** What no tree is drawn with any longer need not stay on the graphics card. */
+  /** Frees models that are no longer drawn from the GPU. */
   private freeModels(before: readonly MovingGroup[]): void {
     const used = new Set(this.all.map(({ forest }) => forest.model));
     for (const { model } of before.map(({ forest }) => forest)) if (!used.has(model)) disposeModel(model);
   }
 
-  private serves(forest: SpeciesForest, { model, motion }: PlantedGroup): boolean {
+  private serves(forest: SpeciesForest, { model, motion }: PlacedSpecies): boolean {
     return forest.model === model && forest.motion === motion && forest.options === this.options;
   }
 
-  private grow({ model, motion, stand }: PlantedGroup): SpeciesForest {
-    const forest = new SpeciesForest(model, motion, stand, this.options);
+  private createSpecies({ model, motion, instances }: PlacedSpecies): SpeciesForest {
+    const forest = new SpeciesForest(model, motion, instances, this.options);
     if (this.frozen) forest.freeze(true);
     forest.leafless = this.leafless;
     this.group.add(forest.group);
     return forest;
   }
 
-  /** Dresses all trees for a season, those of later plantings too; select anew afterwards. */
+  /** Sets the season of all trees, later placements included; call `select` afterwards. */
   setSeason(season: Season): void {
     this.leafless = season === "winter";
-    for (const { grower, forest } of this.all) {
-      retint(forest.stand, (treeId) => leafTint(grower.species, treeId, season));
+    for (const { asset, forest } of this.all) {
+      setTints(forest.instances, (treeId) => leafTint(asset.species, treeId, season));
       forest.leafless = this.leafless;
     }
   }
@@ -151,12 +153,12 @@ export class Forest {
     }));
     const hit = pickTree(groups, ray);
     if (!hit) return null;
-    const { grower, forest } = this.all[hit.group];
-    const [x, y, z, , , , scale] = forest.stand.data.subarray(hit.tree * INSTANCE_FLOATS);
+    const { asset, forest } = this.all[hit.group];
+    const [x, y, z, , , , scale] = forest.instances.data.subarray(hit.tree * INSTANCE_FLOATS);
     return {
-      id: forest.stand.ids[hit.tree],
-      treeId: grower.id,
-      species: grower.species,
+      id: forest.instances.ids[hit.tree],
+      treeId: asset.id,
+      species: asset.species,
       position: { x, y, z },
       height_m: forest.model.height_m * scale,
       radius_m: forest.model.radius_m * scale,
@@ -166,7 +168,7 @@ export class Forest {
 
   /** Whether this tree still stands. */
   has({ treeId, id }: { treeId: string; id: number }): boolean {
-    return this.all.some(({ grower, forest }) => grower.id === treeId && forest.stand.ids.includes(id));
+    return this.all.some(({ asset, forest }) => asset.id === treeId && forest.instances.ids.includes(id));
   }
 
   get triangles(): number {
@@ -174,8 +176,8 @@ export class Forest {
   }
 
   get trees(): { moving: number; still: number } {
-    const moving = this.moving.reduce((sum, { forest }) => sum + forest.stand.count, 0);
-    return { moving, still: this.all.reduce((sum, { forest }) => sum + forest.stand.count, 0) - moving };
+    const moving = this.moving.reduce((sum, { forest }) => sum + forest.instances.count, 0);
+    return { moving, still: this.all.reduce((sum, { forest }) => sum + forest.instances.count, 0) - moving };
   }
 
   clear(): void {

@@ -10,18 +10,18 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import type { Quality } from "../settings";
-import type { Atmosphere } from "./daytime";
-import type { View } from "./drawList";
-import { FarWood } from "./farWood";
-import { setGroundSeason } from "./ground";
-import { GroundCover } from "./groundCover";
-import { groundHeight_m } from "./landscape";
-import { Daylight } from "./light";
-import { Pictures } from "./pictures";
-import type { Season } from "./season";
-import { Sky } from "./sky";
-import { Terrain } from "./terrain";
+import { FarWood } from "./ground/farWood";
+import { GroundCover } from "./ground/groundCover";
+import { setGroundSeason } from "./ground/groundMaterial";
+import { groundHeight_m } from "./ground/landscape";
+import { Terrain } from "./ground/terrain";
+import type { Quality } from "./quality";
+import type { Season } from "./season/season";
+import { Daylight } from "./sky/daylight";
+import type { Atmosphere } from "./sky/daytime";
+import { Sky } from "./sky/sky";
+import { Pictures } from "./textures/pictures";
+import type { View } from "./trees/drawList";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
@@ -96,7 +96,7 @@ export class Stage {
     this.camera.updateProjectionMatrix();
   }
 
-  /** Dresses sky, light and land for a moment of the year. */
+  /** Sets sky, light and ground for a season and time of day. */
   show(daytime: number, season: Season): Atmosphere {
     this.season = season;
     const light = this.daylight.show(daytime, season);
@@ -110,7 +110,7 @@ export class Stage {
 
   /** Surrounds the simulated trees, which reach so far from their heart. */
   surround(reach_m: number): void {
-    this.farWood.plant(reach_m, this.quality);
+    this.farWood.populate(reach_m, this.quality);
   }
 
   setQuality(quality: Quality): void {

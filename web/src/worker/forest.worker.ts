@@ -1,18 +1,19 @@
-/** The worker: decodes tables, and keeps every tree's pose, looked up here or received from the server. */
-import { poseStride } from "../nodeLayout";
-import { decodeTable, type Table } from "../table";
-import { parseState, sampledPeak, type WindDocument, WindField } from "../wind";
-import type { Reply } from "../wire";
-import { JumpBlend } from "./blend";
-import { carryGroup, type ShownGroup } from "./carry";
-import { FailoverMotion } from "./failover";
-import { forestRequest } from "./forestRequest";
-import { LocalMotion } from "./localMotion";
-import type { MotionSource } from "./motion";
+/** The worker: decodes tables and keeps the pose of every tree, computed here or received from the server. */
+
+import { poseStride } from "../core/motion/poseStride";
+import { decodeTable, type Table } from "../core/table/table";
+import { parseState, sampledPeak, type WindDocument, WindField } from "../core/wind/wind";
+import type { Reply } from "../core/wire/wire";
+import { JumpBlend } from "./motion/blend";
+import { carryGroup, type ShownGroup } from "./motion/carry";
+import { FailoverMotion } from "./motion/failover";
+import { LocalMotion } from "./motion/localMotion";
+import type { MotionSource } from "./motion/motionSource";
+import { SharedMotion } from "./motion/sharedMotion";
+import { StreamMotion } from "./motion/streamMotion";
 import type { ForestPlan, FromWorker, GroupPlan, ToWorker, TreeAt } from "./protocol";
-import { SharedMotion } from "./sharedMotion";
-import { StreamMotion } from "./streamMotion";
-import { motionBuffers, tableMotion } from "./tableMotion";
+import { forestRequest } from "./stream/forestRequest";
+import { motionBuffers, tableMotion } from "./table/tableMotion";
 
 const scope = self as unknown as {
   onmessage: (event: MessageEvent<ToWorker>) => void;
@@ -25,7 +26,7 @@ const blend = new JumpBlend();
 let source: MotionSource | null = null;
 let field: WindField | null = null;
 let epoch = 0;
-/** What the screen shows, for the next plan to go on from. */
+/** The displayed poses, which the next plan starts from. */
 let shown: Float32Array[] = [];
 let shownGroups: readonly ShownGroup[] = [];
 let watched: TreeAt | null = null;
@@ -71,7 +72,7 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
     return { ...group, scale: modeScale, height_m: metadata.height_m, sampledPeak_pa };
   });
   const { method, poseEasing, share } = plan;
-  const options = { url: socketUrl, method, poseEasing, share, told, problem };
+  const options = { url: socketUrl, method, poseEasing, share, onReply, problem };
   const stream = new StreamMotion(groups, shared, options, time_s);
   const local = plan.groups.map((group) => ({ ...group, table: tableOf(group) }));
   return new FailoverMotion(
@@ -81,14 +82,14 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
   );
 }
 
-/** The trees are looked up here, the wind and the clock are those of all. */
+/** Poses are computed here; wind and clock are those of the shared forest. */
 function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: string): SharedMotion {
   const have = Object.fromEntries(plan.groups.map(({ table }) => [table, tableBytes.get(table) ?? 0]));
   const request = () => forestRequest("table", plan.groups, wind, local.time_s, { ...plan, have });
-  return new SharedMotion(local, wind, { url, request, told, problem });
+  return new SharedMotion(local, wind, { url, request, onReply, problem });
 }
 
-function told(reply: Reply): void {
+function onReply(reply: Reply): void {
   if (reply.type === "shared") scope.postMessage({ kind: "shared", about: reply.about });
   if (reply.type === "windState")
     scope.postMessage({ kind: "sharedWind", wind: parseState(reply.state).wind });
@@ -116,9 +117,9 @@ function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
   if (!source || !field) return;
   const begin_ms = performance.now();
   if (source.advance(dt_s, buffers)) blend.apply(buffers, dt_s);
-  else for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]); // nothing new is known
+  else for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]); // no new pose is known
   for (const [g, buffer] of buffers.entries()) shown[g].set(buffer);
-  const { time_s, connection, coverage, extent } = source;
+  const { time_s, connection, coverage, extrapolationRatio } = source;
   const total_ms = performance.now() - begin_ms;
   const wind_ms = source.takeWind_ms();
   const reply: FromWorker = {
@@ -129,7 +130,7 @@ function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
     buffers,
     connection,
     wind: { state: field.state, coverage },
-    extent,
+    extrapolationRatio,
     watched: watched && source.inspect(watched),
   };
   scope.postMessage(

@@ -1,8 +1,20 @@
-/** What main thread and worker say to each other. Types only: neither side imports the other. */
-import type { LookupPlace, Method } from "../settings";
-import type { WindDocument, WindState } from "../wind";
-import type { About } from "../wire";
-import type { ShareRequest } from "./forestRequest";
+/** Messages between main thread and worker. Types only: neither side imports the other. */
+
+import type { Method } from "../core/motion/method";
+import type { WindDocument, WindState } from "../core/wind/wind";
+import type { About } from "../core/wire/wire";
+
+/** Where poses are computed. */
+export type LookupPlace = "worker" | "server";
+
+/** A forest shared by several clients. */
+export interface ShareRequest {
+  readonly id: string;
+  /** Replace its trees by these, for everyone, if it has others. */
+  readonly replant: boolean;
+  /** What others need to reproduce the placement. */
+  readonly about: About;
+}
 
 /** Nodes for one level of detail. */
 export interface NodeLevel {
@@ -16,7 +28,7 @@ export interface NodeLevel {
   readonly basis: Float32Array<ArrayBuffer>;
 }
 
-/** What the screen needs of a table, unpacked by the worker. */
+/** What drawing needs of a table, unpacked by the worker. */
 export interface TableMotion {
   readonly sha256: string;
   readonly modes: number;
@@ -29,7 +41,7 @@ export interface TableMotion {
   readonly rest_m: Float32Array<ArrayBuffer>;
   /** Full detail first, then with fewer nodes and modes: one for each level of detail of the mesh. */
   readonly levels: readonly NodeLevel[];
-  /** How far any part of a tree of scale 1 strays from rest at most. */
+  /** Largest displacement of any part of a tree of scale 1, m. */
   readonly reach_m: number;
   /** Node of each render vertex, primitives concatenated. */
   readonly vertexNode: Uint16Array<ArrayBuffer>;
@@ -49,7 +61,7 @@ export interface GroupPlan {
   readonly key: string;
   readonly table: string;
   readonly placement: Float32Array<ArrayBuffer>;
-  /** Identity of each tree: those of an earlier plan go on as they are. */
+  /** Identity of each tree: trees of an earlier plan keep their state. */
   readonly ids: Uint32Array<ArrayBuffer>;
 }
 
@@ -59,15 +71,15 @@ export interface TreeAt {
   readonly tree: number;
 }
 
-/** What the lookup knows of one tree. */
+/** Figures of one tree. */
 export interface Inspection {
-  /** How far into the sampled range the tree is: above 1 it is beyond. */
-  readonly coverage: number;
+  /** Sway and pressure over the largest that the table has sampled: above 1 the tree is beyond the sampled range. */
+  readonly extrapolationRatio: number;
   /** Record of the table that the paper's search found last; null in the other method, or on the server. */
   readonly record: number | null;
 }
 
-/** Where the worker's time went in one frame, ms. */
+/** Time that the worker spent on one frame, ms. */
 export interface Work {
   readonly wind_ms: number;
   readonly lookup_ms: number;
@@ -84,13 +96,13 @@ export interface ForestPlan {
   readonly method: Method;
   /** null takes each table's own default. */
   readonly poseEasing: number | null;
-  /** The forest that many share, whose wind and clock hold for all. */
+  /** The shared forest whose wind and clock this one follows. */
   readonly share: ShareRequest | null;
 }
 
 export type ToWorker =
   | { kind: "load"; sha256: string; url: string }
-  /** The buffers come back filled, as from `advance`. */
+  /** The buffers are returned filled, as by `advance`. */
   | {
       kind: "plan";
       plan: ForestPlan;
@@ -99,11 +111,11 @@ export type ToWorker =
       buffers: Float32Array<ArrayBuffer>[];
     }
   | { kind: "wind"; wind: WindDocument }
-  /** Stops a shared forest's clock for all, or lets it run on. */
+  /** Stops or resumes the clock of a shared forest, for everyone. */
   | { kind: "pause"; paused: boolean }
-  /** Which tree's figures to send along. */
+  /** The tree whose figures are to be sent with the poses. */
   | { kind: "watch"; at: TreeAt | null }
-  /** Moves the forest on; the buffers come back filled. */
+  /** Advances the forest; the buffers are returned filled. */
   | { kind: "advance"; epoch: number; dt_s: number; buffers: Float32Array<ArrayBuffer>[] };
 
 export type ConnectionState = "idle" | "connecting" | "live" | "lost";
@@ -128,11 +140,11 @@ export type FromWorker =
       connection: Connection;
       /** The wind and its clock, and the share of trees in winds that their tables have sampled. */
       wind: { state: WindState; coverage: number };
-      /** The tree that is farthest into its sampled range, and the watched tree. */
-      extent: number;
+      /** The largest of all trees, and the figures of the watched tree. */
+      extrapolationRatio: number;
       watched: Inspection | null;
     }
-  /** What others did to a shared forest. */
+  /** Changes that others made to a shared forest. */
   | { kind: "shared"; about: About }
   | { kind: "sharedWind"; wind: WindDocument }
   | { kind: "problem"; title: string; hint: string };

@@ -1,0 +1,267 @@
+/**
+ * The modal reduced-order model for many trees at once: a few oscillators per tree, integrated exactly and coupled by
+ * a small polynomial force. Nothing is allocated per step.
+ *
+ * Of the modal step there are three implementations, which must stay equal: numba (precompute/galewood/modal/),
+ * this one, and AssemblyScript (web/kernel/modal.ts). docs/design/0010-kernel.md says why.
+ */
+
+import { type Numbers, TreeInstances } from "../motion/treeInstances";
+import type { Table } from "../table/table";
+import { addRows } from "./addRows";
+import { ModalKernel } from "./modalKernel";
+import { coupledOf, forceTerms, poseTerms } from "./modalTensors";
+
+/** Arguments of the polynomials are clamped to this multiple of the sampled range. */
+const CLAMP_RATIO = 1.25;
+/** In still air, motion below this fraction of the sampled range is set to zero. */
+const REST_RATIO = 1e-7;
+
+/** Trees of one table, each with its own state, orientation and time scale. */
+export class ModalForest extends TreeInstances {
+  /** [count] sway and pressure over their largest sampled values; above 1 the tree is beyond the sampled range. */
+  readonly extrapolationRatio: Float32Array;
+  private readonly d: number;
+  private readonly c: number;
+  private readonly stepOf: Float64Array;
+  private readonly load: Float64Array;
+  private readonly sway: Float64Array;
+  private readonly force: Float64Array;
+  private readonly shownOf: Float64Array;
+  private readonly pose: Float64Array;
+  private readonly limits: Float64Array;
+  /** [count, own] displacement of the oscillators: rows of d, padded to whole SIMD vectors in the kernel. */
+  private readonly e: Numbers;
+  private readonly v: Numbers;
+  private readonly own: number;
+  private readonly kernel: ModalKernel | null;
+  private readonly ahead: Float64Array;
+  private readonly terms: Float64Array;
+  private readonly total: Float64Array;
+  private readonly further: Float64Array;
+  private readonly pair = new Float64Array(2);
+
+  /** `plain`: use this double-precision implementation even where the kernel is available. */
+  constructor({ modal, metadata }: Table, count: number, plain = false) {
+    const { modes, dt_s } = metadata;
+    const kernel = plain ? null : ModalKernel.make(modal, modes, count, dt_s);
+    super(count, modes, dt_s, kernel);
+    const d = modal.step.length / 6;
+    this.d = d;
+    this.kernel = kernel;
+    this.own = kernel?.ownRow ?? d;
+    this.stepOf = Float64Array.from(modal.step);
+    this.load = Float64Array.from(modal.load);
+    this.sway = Float64Array.from(modal.sway);
+    this.force = Float64Array.from(modal.force);
+    this.shownOf = Float64Array.from(modal.shown);
+    this.pose = Float64Array.from(modal.pose);
+    this.limits = Float64Array.from(modal.limits);
+    this.e = kernel?.e ?? new Float64Array(count * d);
+    this.v = kernel?.v ?? new Float64Array(count * d);
+    this.extrapolationRatio = kernel?.extrapolationRatio ?? new Float32Array(count);
+    this.ahead = new Float64Array(d);
+    this.c = coupledOf(modal.limits.length);
+    this.terms = new Float64Array(Math.max(forceTerms(this.c), poseTerms(d, this.c)));
+    this.total = new Float64Array(d);
+    this.further = new Float64Array(this.r - d);
+  }
+
+  /** Whether the kernel steps these trees. */
+  get compiled(): boolean {
+    return this.kernel !== null;
+  }
+
+  /** Copies the state of trees from another forest of this table; `rows`: their index there, −1 for a new tree. */
+  adopt(from: ModalForest, rows: Int32Array): void {
+    const { own } = this;
+    if (from.compiled !== this.compiled) return; // state layouts differ (one of them could not allocate a kernel): trees start at rest
+    rows.forEach((row, i) => {
+      if (row < 0) return;
+      this.takeOver(i, from, row);
+      this.extrapolationRatio[i] = from.extrapolationRatio[row];
+      this.e.set(from.e.subarray(row * own, (row + 1) * own), i * own);
+      this.v.set(from.v.subarray(row * own, (row + 1) * own), i * own);
+    });
+  }
+
+  protected step(i: number, px: number, pz: number): void {
+    if (this.kernel) this.kernel.step(i, px, pz);
+    else this.stepPlainly(i, px, pz);
+  }
+
+  private stepPlainly(i: number, px: number, pz: number): void {
+    const { d, e, v, stepOf, load, total } = this;
+    const first = i * d;
+    this.writeForceTerms(first, px, pz);
+    for (let k = 0; k < d; k++) total[k] = load[2 * k] * px + load[2 * k + 1] * pz;
+    addRows(this.force, this.terms, forceTerms(this.c), d, total);
+    for (let k = 0; k < d; k++) {
+      const a = e[first + k];
+      const b = v[first + k];
+      const f = total[k];
+      const at = 6 * k;
+      e[first + k] = a + (stepOf[at] * a + stepOf[at + 1] * b + stepOf[at + 4] * f);
+      v[first + k] = b + (stepOf[at + 2] * a + stepOf[at + 3] * b + stepOf[at + 5] * f);
+    }
+    if (px === 0 && pz === 0 && this.isAtRest(first)) {
+      e.fill(0, first, first + d);
+      v.fill(0, first, first + d);
+    }
+    this.writePose(i, px, pz);
+  }
+
+  /** The two sway coordinates of a row of `values`, into `pair`. */
+  private projectOnSway(values: Numbers, first: number): void {
+    const { d, sway, pair } = this;
+    let x = 0;
+    let y = 0;
+    for (let k = 0; k < d; k++) {
+      x += sway[k] * values[first + k];
+      y += sway[d + k] * values[first + k];
+    }
+    pair[0] = x;
+    pair[1] = y;
+  }
+
+  /** Limits the length of `pair` to `far`. */
+  private clampPair(far: number): void {
+    const { pair } = this;
+    const size = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]);
+    if (!(size > far)) return;
+    pair[0] *= far / size;
+    pair[1] *= far / size;
+  }
+
+  /** Terms in the pose alone, from `at` on: sway of degree 2 and 3, each coupled coordinate times the sway. */
+  private writeShape(x: number, y: number, values: Numbers, first: number, at: number): void {
+    const { c, terms, limits } = this;
+    const xx = x * x;
+    const xy = x * y;
+    const yy = y * y;
+    terms[at] = xx;
+    terms[at + 1] = xy;
+    terms[at + 2] = yy;
+    terms[at + 3] = xx * x;
+    terms[at + 4] = xx * y;
+    terms[at + 5] = x * yy;
+    terms[at + 6] = yy * y;
+    for (let j = 0; j < c; j++) {
+      const far = CLAMP_RATIO * limits[3 + j];
+      const z = Math.min(Math.max(values[first + 2 + j], -far), far);
+      terms[at + 7 + 2 * j] = z * x;
+      terms[at + 8 + 2 * j] = z * y;
+    }
+  }
+
+  /** All terms of the force at the midpoint of the step, extrapolated from the current state. */
+  private writeForceTerms(first: number, px: number, pz: number): void {
+    const { d, e, v, ahead, limits, pair } = this;
+    const half = this.dt / 2;
+    for (let k = 0; k < d; k++) ahead[k] = e[first + k] + half * v[first + k];
+    this.projectOnSway(ahead, 0);
+    this.clampPair(CLAMP_RATIO * limits[0]);
+    const x = pair[0];
+    const y = pair[1];
+    this.writeShape(x, y, ahead, 0, 0);
+    const at = 7 + 2 * this.c;
+    this.projectOnSway(v, first);
+    this.clampPair(CLAMP_RATIO * limits[1]);
+    this.writeSquares(x, y, at);
+    this.writeProducts(x, y, 3, at + 9);
+    pair[0] = px;
+    pair[1] = pz;
+    this.clampPair(CLAMP_RATIO * limits[2]);
+    this.writeProducts(x, y, 7, at + 19);
+    this.writeCoupled(x, y, first, at + 37);
+  }
+
+  /** Each coupled coordinate's speed times the sway, and the coordinate times the pressure, which is in `pair`. */
+  private writeCoupled(x: number, y: number, first: number, at: number): void {
+    const { c, v, ahead, terms, limits, pair } = this;
+    for (let j = 0, to = at; j < c; j++) {
+      const far = CLAMP_RATIO * limits[3 + j];
+      const fast = CLAMP_RATIO * limits[3 + c + j];
+      const z = Math.min(Math.max(ahead[2 + j], -far), far);
+      const w = Math.min(Math.max(v[first + 2 + j], -fast), fast);
+      terms[to++] = w * x;
+      terms[to++] = w * y;
+      terms[to++] = z * pair[0];
+      terms[to++] = z * pair[1];
+    }
+  }
+
+  /** Squares of the sway's speed, which is in `pair`, and these times the sway, from `at` on. */
+  private writeSquares(x: number, y: number, at: number): void {
+    const { terms, pair } = this;
+    const a = pair[0] * pair[0];
+    const b = pair[0] * pair[1];
+    const c = pair[1] * pair[1];
+    terms[at] = a;
+    terms[at + 1] = b;
+    terms[at + 2] = c;
+    terms[at + 3] = a * x;
+    terms[at + 4] = a * y;
+    terms[at + 5] = b * x;
+    terms[at + 6] = b * y;
+    terms[at + 7] = c * x;
+    terms[at + 8] = c * y;
+  }
+
+  /** `pair` times the sway and times the first `shapes` of its higher terms, from `at` on. */
+  private writeProducts(x: number, y: number, shapes: number, at: number): void {
+    const { terms, pair } = this;
+    for (let side = 0, to = at; side < 2; side++) {
+      const factor = pair[side];
+      terms[to++] = factor * x;
+      terms[to++] = factor * y;
+      for (let k = 0; k < shapes; k++) terms[to++] = factor * terms[k];
+    }
+  }
+
+  /** Whether the motion is negligible, so that a tree in still air can be set to rest. */
+  private isAtRest(first: number): boolean {
+    const { d, e, sway, limits, pair } = this;
+    const small = REST_RATIO * limits[0];
+    this.projectOnSway(e, first);
+    if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > small) return false;
+    this.projectOnSway(this.v, first);
+    if (Math.max(Math.abs(pair[0]), Math.abs(pair[1])) > REST_RATIO * limits[1]) return false;
+    let largest = 0;
+    for (let k = 0; k < d; k++) largest = Math.max(largest, Math.abs(e[first + k]));
+    return largest * Math.max(Math.abs(sway[0]), Math.abs(sway[d])) < small;
+  }
+
+  /** Writes the pose of the current state, keeps the previous one, and updates the extrapolation ratio. */
+  private writePose(i: number, px: number, pz: number): void {
+    const { d, c, r, e, terms, limits, pair, now, before, further, shownOf } = this;
+    const first = i * d;
+    for (let k = 0; k < d; k++) terms[k] = e[first + k];
+    terms[d] = px;
+    terms[d + 1] = pz;
+    this.projectOnSway(e, first);
+    const sway = Math.sqrt(pair[0] * pair[0] + pair[1] * pair[1]) / limits[0];
+    this.extrapolationRatio[i] = Math.max(sway, Math.sqrt(px * px + pz * pz) / limits[2]);
+    this.clampPair(CLAMP_RATIO * limits[0]);
+    this.writeShape(pair[0], pair[1], e, first, d + 2);
+    further.fill(0);
+    addRows(this.pose, terms, poseTerms(d, c), r - d, further);
+    const at = i * r;
+    for (let k = 0; k < r; k++) {
+      before[at + k] = now[at + k];
+      now[at + k] = k < d ? shownOf[k] * terms[k] : further[k - d];
+    }
+  }
+
+  protected show(i: number, part: number): void {
+    const { now, before, q, d, r } = this;
+    const width = now.length / this.count;
+    let from = i * width;
+    let at = i * r;
+    for (const end = at + d; at < end; at++, from++) q[at] = before[from] + (now[from] - before[from]) * part;
+    from = i * width + this.own;
+    for (const end = (i + 1) * r; at < end; at++, from++) {
+      q[at] = before[from] + (now[from] - before[from]) * part;
+    }
+  }
+}

@@ -1,0 +1,151 @@
+/**
+ * The modal step in WebAssembly, compiled from web/kernel/modal.ts: memory layout and instantiation. One of three
+ * implementations of the step, see docs/design/0010-kernel.md.
+ */
+import { MODAL_KERNEL } from "./modalKernel.wasm";
+import { coupledOf, type ModalTensors } from "./modalTensors";
+
+const PAGE = 65_536;
+/** Floats per SIMD vector; rows are padded to a multiple. */
+const LANES = 4;
+/** Data starts here, so that no address is 0. */
+const FIRST_BYTE = 64;
+
+type Tensor = "stepping" | "pull" | "sway" | "force" | "shown" | "posePlain" | "poseTerms" | "limits";
+type State = "e" | "v" | "now" | "before" | "extrapolationRatio";
+type Place = Tensor | State | "terms" | "ahead" | "total";
+type Setting = "halfStep_s" | "coupled" | "ownRow" | "furtherRow";
+type Step = (tree: number, px: number, pz: number) => void;
+type Exports = Record<Place | Setting, WebAssembly.Global> & { step: Step };
+
+const filled = (count: number) => LANES * Math.ceil(count / LANES);
+
+/** [rows, width] with zero-padded rows. */
+function inFullRows(values: Float32Array, width: number): Float32Array {
+  if (width === 0) return new Float32Array(0);
+  const rows = values.length / width;
+  const full = new Float32Array(rows * filled(width));
+  for (let row = 0; row < rows; row++) {
+    full.set(values.subarray(row * width, (row + 1) * width), row * filled(width));
+  }
+  return full;
+}
+
+function transposed(values: Float32Array, width: number): Float32Array {
+  const rows = values.length / width;
+  return values.map((_, at) => values[(at % rows) * width + Math.floor(at / rows)]);
+}
+
+let compiled: WebAssembly.Module | null | undefined;
+
+/** The compiled kernel, null where this machine cannot run it. */
+function compile(): WebAssembly.Module | null {
+  if (compiled !== undefined) return compiled;
+  try {
+    const bytes = Uint8Array.from(atob(MODAL_KERNEL), (letter) => letter.charCodeAt(0));
+    compiled = new WebAssembly.Module(bytes);
+  } catch {
+    compiled = null;
+  }
+  return compiled;
+}
+
+/** The table's tensors as the kernel reads them. */
+function tensors(modal: ModalTensors, d: number, further: number): Record<Tensor, Float32Array> {
+  return {
+    stepping: inFullRows(transposed(modal.step, 6), d),
+    pull: inFullRows(transposed(modal.load, 2), d),
+    sway: inFullRows(modal.sway, d),
+    force: inFullRows(modal.force, d),
+    shown: inFullRows(modal.shown, d),
+    posePlain: inFullRows(modal.pose.subarray(0, d * further), further),
+    poseTerms: inFullRows(modal.pose.subarray(d * further), further),
+    limits: modal.limits,
+  };
+}
+
+function lengths(given: Record<Tensor, Float32Array>): Record<Tensor, number> {
+  const all = Object.entries(given).map(([name, { length }]) => [name, length]);
+  return Object.fromEntries(all) as Record<Tensor, number>;
+}
+
+/** Instantiates the kernel with its own memory, and returns views of its arrays. */
+function settle(module: WebAssembly.Module, sizes: Record<Place, number>) {
+  const places = Object.entries(sizes) as [Place, number][];
+  const bytes = places.reduce((sum, [, length]) => sum + 4 * filled(length), FIRST_BYTE);
+  const memory = new WebAssembly.Memory({ initial: Math.ceil(bytes / PAGE) });
+  const kernel = new WebAssembly.Instance(module, { env: { memory } }).exports as unknown as Exports;
+  const views = {} as Record<Place, Float32Array>;
+  let at = FIRST_BYTE;
+  for (const [name, length] of places) {
+    kernel[name].value = at;
+    views[name] = new Float32Array(memory.buffer, at, length);
+    at += 4 * filled(length);
+  }
+  return { kernel, views };
+}
+
+/** Tree states in the kernel's memory, and the step function. */
+export class ModalKernel {
+  /** Floats per row of oscillators, padding included. */
+  readonly ownRow: number;
+  /** [count, ownRow] */
+  readonly e: Float32Array;
+  readonly v: Float32Array;
+  /** [count, ownRow + the remaining modes, padded] */
+  readonly now: Float32Array;
+  readonly before: Float32Array;
+  /** [count] */
+  readonly extrapolationRatio: Float32Array;
+  /** Moves a tree by the table's step under a pressure (Pa) in its own frame. */
+  readonly step: Step;
+
+  private constructor(
+    module: WebAssembly.Module,
+    modal: ModalTensors,
+    modes: number,
+    count: number,
+    dt_s: number,
+  ) {
+    const d = modal.step.length / 6;
+    const own = filled(d);
+    const row = own + filled(modes - d);
+    const given = tensors(modal, d, modes - d);
+    const { kernel, views } = settle(module, {
+      ...lengths(given),
+      terms: modal.force.length / d,
+      ahead: own,
+      total: own,
+      e: count * own,
+      v: count * own,
+      now: count * row,
+      before: count * row,
+      extrapolationRatio: count,
+    });
+    for (const name of Object.keys(given) as Tensor[]) views[name].set(given[name]);
+    kernel.halfStep_s.value = dt_s / 2;
+    kernel.coupled.value = coupledOf(modal.limits.length);
+    kernel.ownRow.value = 4 * own;
+    kernel.furtherRow.value = 4 * (row - own);
+    ({
+      e: this.e,
+      v: this.v,
+      now: this.now,
+      before: this.before,
+      extrapolationRatio: this.extrapolationRatio,
+    } = views);
+    this.ownRow = own;
+    this.step = kernel.step;
+  }
+
+  /** Null where WebAssembly SIMD is not supported or memory is exhausted. */
+  static make(modal: ModalTensors, modes: number, count: number, dt_s: number): ModalKernel | null {
+    const module = compile();
+    if (!module) return null;
+    try {
+      return new ModalKernel(module, modal, modes, count, dt_s);
+    } catch {
+      return null;
+    }
+  }
+}

@@ -1,0 +1,45 @@
+// Tensors of the modal reduced-order model and their numbers of rows.
+
+/** d dynamic coordinates (oscillators), c of them coupled, r displayed modes. */
+export interface ModalTensors {
+  /** [d, 6] r00 − 1, r01, r10, r11 − 1, s0, s1 of each oscillator */
+  readonly step: Float32Array;
+  /** [d, 2] modal force per Pa along x and z */
+  readonly load: Float32Array;
+  /** [2, d] the two sway coordinates, 1 at the edge of the sampled range */
+  readonly sway: Float32Array;
+  /** [44 + 6c, d] */
+  readonly force: Float32Array;
+  /** [d] m of q_k per unit of coordinate k */
+  readonly shown: Float32Array;
+  /** [d + 9 + 2c, r − d] m of the remaining q per unit */
+  readonly pose: Float32Array;
+  /** [3 + 2c] sampled range: sway, its speed 1/s, pressure Pa, coupled coordinates, their speeds */
+  readonly limits: Float32Array;
+}
+
+/** Number of coupled coordinates, from the length of `limits`. */
+export function coupledOf(limits: number): number {
+  return (limits - 3) / 2;
+}
+
+/** Rows of the force: terms in the pose, with the sway velocity, with the pressure, and of the coupled coordinates. */
+export function forceTerms(coupled: number): number {
+  return 44 + 6 * coupled;
+}
+
+/** Rows of the pose map: the coordinates, the pressure, and the terms in the pose. */
+export function poseTerms(dynamic: number, coupled: number): number {
+  return dynamic + 9 + 2 * coupled;
+}
+
+/** Whether every oscillator's step is a contraction, so that bounded wind gives bounded motion. */
+export function contracts(step: Float32Array): boolean {
+  for (let k = 0; k < step.length; k += 6) {
+    const r00 = 1 + step[k];
+    const r11 = 1 + step[k + 3];
+    const product = r00 * r11 - step[k + 1] * step[k + 2];
+    if (!(Math.abs(product) < 1 && Math.abs(r00 + r11) < 1 + product)) return false;
+  }
+  return true;
+}

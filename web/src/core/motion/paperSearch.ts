@@ -1,0 +1,215 @@
+/**
+ * Algorithm 1 of the paper for many trees at once. Finds the same records as
+ * precompute/galewood/player/paper_search.py, and the same poses bit for bit in units of the table's mode scale.
+ * Nothing is allocated per step.
+ */
+
+import { lastRecords, poses, type Table } from "../table/table";
+import { TreeInstances } from "./treeInstances";
+
+/** Pose easing ends exactly on the record's pose once offset and its speed are within half an integer step. */
+const SNAP = 0.5;
+
+const TERMS = new Float64Array(12);
+for (let n = 0, factorial = 1; n < 12; factorial *= ++n) TERMS[n] = (n % 2 === 0 ? 1 : -1) / factorial;
+
+/** 1 − exp(−exponent) for exponent ≥ 0 by plain sums and products, so that all languages give the same bits. */
+export function gaussian(exponent: number): number {
+  const t = Math.min(exponent, 50) / 256;
+  let p = TERMS[11];
+  for (let n = 10; n >= 0; n--) p = p * t + TERMS[n];
+  for (let doubling = 0; doubling < 8; doubling++) p *= p;
+  return 1 - p;
+}
+
+/** Which records a search considers: of moving air, of still air (exactly zero pressure), or all. */
+const MOVING = 0;
+const STILL = 1;
+const ANY = -1;
+
+export interface LookupOptions {
+  /** 0..1: how fast the pose approaches that of the record found; the table's own by default, 0 accumulates as in the paper. */
+  readonly poseEasing?: number;
+  /** Search records of still air only when the air is exactly still, and only then. */
+  readonly stillAir?: boolean;
+}
+
+/** The search of one table: which record comes next. */
+export class TableSearch {
+  private readonly error: Float64Array;
+  private readonly barred: Uint8Array;
+  private readonly calm: Uint8Array;
+  private readonly byX: Uint16Array;
+  private readonly halfPrecision: number;
+
+  constructor(private readonly table: Table) {
+    const { sigma_pa: sigma, components } = table.metadata;
+    this.error = Float64Array.from(table.mismatches, (count) => count / components);
+    this.barred = lastRecords(table.trajectory);
+    this.calm = new Uint8Array(this.barred.length);
+    for (let j = 0; j < this.calm.length; j++) {
+      this.calm[j] = table.pressure[2 * j] === 0 && table.pressure[2 * j + 1] === 0 ? STILL : MOVING;
+    }
+    const { pressure } = table;
+    this.byX = Uint16Array.from(this.calm, (_, j) => j).sort(
+      (a, b) => pressure[2 * a] - pressure[2 * b] || a - b,
+    );
+    this.halfPrecision = 1 / (2 * sigma * sigma);
+  }
+
+  /** The record for the next step from a record's state (0: the first step); −1 if there is none of such air.
+   *  When the air begins to move about a tree in still air, that is a first step again. */
+  find(state: number, weight: number, air: number, fx: number, fz: number): number {
+    const begins = state === 0 || (air === MOVING && this.calm[state] === STILL);
+    return begins ? this.nearestPressure(air, fx, fz) : this.bestCandidate(state, weight, air, fx, fz);
+  }
+
+  /** The first step: the lowest record with a successor whose pressure is nearest, searched outwards from fx. */
+  private nearestPressure(air: number, fx: number, fz: number): number {
+    const { byX, calm, barred } = this;
+    const { pressure } = this.table;
+    let right = this.firstFrom(fx);
+    let left = right - 1;
+    let best = Number.POSITIVE_INFINITY;
+    let found = -1;
+    while (left >= 0 || right < byX.length) {
+      const toLeft = left >= 0 ? fx - pressure[2 * byX[left]] : Number.POSITIVE_INFINITY;
+      const toRight = right < byX.length ? pressure[2 * byX[right]] - fx : Number.POSITIVE_INFINITY;
+      const j = toLeft < toRight ? byX[left--] : byX[right++];
+      const dx = fx - pressure[2 * j];
+      const dz = fz - pressure[2 * j + 1];
+      if (dx * dx > best) break;
+      const distance = dx * dx + dz * dz;
+      const better = distance < best || (distance === best && j < found);
+      if (better && barred[j] === 0 && (air === ANY || calm[j] === air)) {
+        best = distance;
+        found = j;
+      }
+    }
+    return found;
+  }
+
+  /** The place in byX of the first record whose pressure along x is fx or more. */
+  private firstFrom(fx: number): number {
+    let below = 0;
+    let above = this.byX.length;
+    while (below < above) {
+      const middle = (below + above) >> 1;
+      if (this.table.pressure[2 * this.byX[middle]] < fx) below = middle + 1;
+      else above = middle;
+    }
+    return below;
+  }
+
+  /** Every later step: the candidate of least total error (Eq. 16); of equals the successor, then the lowest. */
+  private bestCandidate(state: number, weight: number, air: number, fx: number, fz: number): number {
+    const { offsets, candidate, pressure } = this.table;
+    let best = Number.POSITIVE_INFINITY;
+    let found = -1;
+    for (let s = offsets[state]; s < offsets[state + 1]; s++) {
+      const internal = (1 - weight) * this.error[s];
+      if (internal > best) break; // sorted by internal error: none of the rest can win
+      const j = candidate[s];
+      if (air !== ANY && this.calm[j] !== air) continue;
+      const dx = fx - pressure[2 * j];
+      const dz = fz - pressure[2 * j + 1];
+      const total = internal + weight * gaussian((dx * dx + dz * dz) * this.halfPrecision);
+      if (total < best || (total === best && (j === state || (found !== state && j < found)))) {
+        best = total;
+        found = j;
+      }
+    }
+    return found;
+  }
+}
+
+/** Trees of one table, each with its own state, orientation and time scale. */
+export class PaperForest extends TreeInstances {
+  /** [count] record found last, −1 before the first step; the tree is in its successor's state. */
+  readonly record: Int32Array;
+  private readonly search: TableSearch;
+  private readonly poses: Int32Array;
+  private readonly starts: Uint8Array;
+  private readonly easing: number;
+  private readonly stillAir: boolean;
+  private readonly weight: Float64Array;
+
+  constructor(
+    private readonly table: Table,
+    count: number,
+    options: LookupOptions = {},
+  ) {
+    super(count, table.metadata.modes, table.metadata.dt_s);
+    this.search = new TableSearch(table);
+    this.poses = poses(table);
+    this.starts = new Uint8Array(table.metadata.records);
+    for (const start of table.trajectory.subarray(0, -1)) this.starts[start] = 1;
+    this.stillAir = options.stillAir ?? true;
+    this.easing = options.poseEasing ?? table.metadata.pose_easing;
+    this.record = new Int32Array(count).fill(-1);
+    this.weight = new Float64Array(count);
+  }
+
+  /** Copies the state of trees from another forest of this table; `rows`: their index there, −1 for a new tree. */
+  adopt(from: PaperForest, rows: Int32Array): void {
+    rows.forEach((row, i) => {
+      if (row < 0) return;
+      this.takeOver(i, from, row);
+      this.record[i] = from.record[row];
+      this.weight[i] = from.weight[row];
+    });
+  }
+
+  protected step(i: number, fx: number, fz: number): void {
+    const { initial, maximum, growth } = this.table.metadata.weight;
+    const state = this.record[i] + 1;
+    const air = this.stillAir ? (fx === 0 && fz === 0 ? STILL : MOVING) : ANY;
+    let found = this.search.find(state, this.weight[i], air, fx, fz);
+    if (found < 0) found = this.search.find(state, this.weight[i], ANY, fx, fz); // no record of such air: search all
+    const follows = state > 0 && found === state;
+    this.weight[i] = follows ? Math.min(maximum, this.weight[i] + growth) : initial;
+    this.record[i] = found;
+    if (this.easing > 0) this.ease(i, found);
+    else this.accumulate(i, found);
+  }
+
+  private accumulate(i: number, found: number): void {
+    const { now, before } = this;
+    const { dq, metadata } = this.table;
+    const r = metadata.modes;
+    for (let k = 0; k < r; k++) {
+      before[i * r + k] = now[i * r + k];
+      now[i * r + k] += dq[found * r + k];
+    }
+  }
+
+  /** Follows the record's own trajectory; the offset from it decays like a critically damped spring. */
+  private ease(i: number, found: number): void {
+    const { now, before, poses: pose, easing } = this;
+    const { dq, metadata } = this.table;
+    const r = metadata.modes;
+    const keep = (1 - easing) * (1 - easing);
+    const pull = easing * easing;
+    let settled = true;
+    for (let k = 0; k < r; k++) {
+      const at = i * r + k;
+      const came = this.starts[found] === 1 ? 0 : dq[(found - 1) * r + k];
+      const offset = now[at] - pose[found * r + k];
+      const speed = keep * (now[at] - before[at] - came) - pull * offset;
+      before[at] = now[at];
+      now[at] = pose[(found + 1) * r + k] + (offset + speed);
+      settled = settled && Math.abs(offset + speed) < SNAP && Math.abs(speed) < SNAP;
+    }
+    if (!settled) return;
+    for (let k = 0; k < r; k++) now[i * r + k] = pose[(found + 1) * r + k];
+  }
+
+  protected show(i: number, part: number): void {
+    const { now, before, q } = this;
+    const scale = this.table.modeScale;
+    for (let k = 0; k < scale.length; k++) {
+      const at = i * scale.length + k;
+      q[at] = (before[at] + (now[at] - before[at]) * part) * scale[k];
+    }
+  }
+}

@@ -1,0 +1,90 @@
+/**
+ * Instances of one tree: position, orientation and size, and the stepping of each at its own time scale. Same as
+ * precompute/galewood/player/. Nothing is allocated per frame.
+ */
+
+/** After a long pause a tree resumes instead of catching up. */
+const MAX_STEPS_PER_ADVANCE = 8;
+
+export type Numbers = Float64Array | Float32Array;
+
+/** What both methods share. `room` are pose buffers to use instead of allocating them. */
+export abstract class TreeInstances {
+  /** [count, r] shown pose, between the last two steps. */
+  readonly q: Float32Array;
+  /** Place of each tree (m), for the wind. */
+  readonly x: Float32Array;
+  readonly z: Float32Array;
+  /** [count, r or more] pose after the last step, and after the one before. */
+  protected readonly now: Numbers;
+  protected readonly before: Numbers;
+  private readonly phase: Float64Array;
+  private readonly turn: Float32Array;
+  private readonly size: Float32Array;
+
+  constructor(
+    readonly count: number,
+    protected readonly r: number,
+    protected readonly dt: number,
+    room: { now: Numbers; before: Numbers } | null = null,
+  ) {
+    this.q = new Float32Array(count * r);
+    this.x = new Float32Array(count);
+    this.z = new Float32Array(count);
+    this.now = room?.now ?? new Float64Array(count * r);
+    this.before = room?.before ?? new Float64Array(count * r);
+    this.phase = new Float64Array(count);
+    this.turn = new Float32Array(count * 2);
+    for (let i = 0; i < count; i++) this.turn[2 * i] = 1;
+    this.size = new Float32Array(count).fill(1);
+  }
+
+  /** Advances tree i by one table step under a pressure (Pa) in its own frame. */
+  protected abstract step(i: number, px: number, pz: number): void;
+  /** Writes the pose of tree i, interpolated between the last two steps (`part` from 0 to 1). */
+  protected abstract show(i: number, part: number): void;
+
+  /** Sets position, yaw and scale of each tree; their state is kept. */
+  setTrees(
+    x: ArrayLike<number>,
+    z: ArrayLike<number>,
+    yaw: ArrayLike<number>,
+    scale: ArrayLike<number>,
+  ): void {
+    this.x.set(x);
+    this.z.set(z);
+    this.size.set(scale);
+    for (let i = 0; i < this.count; i++) {
+      // Rounded to float32, because the last bit of a cosine differs between platforms.
+      this.turn[2 * i] = Math.cos(Math.fround(yaw[i]));
+      this.turn[2 * i + 1] = Math.sin(Math.fround(yaw[i]));
+    }
+  }
+
+  /** Copies the state of tree `row` of another forest of this table to tree i. */
+  protected takeOver(i: number, from: TreeInstances, row: number): void {
+    this.phase[i] = from.phase[row];
+    const width = this.now.length / this.count;
+    this.now.set(from.now.subarray(row * width, (row + 1) * width), i * width);
+    this.before.set(from.before.subarray(row * width, (row + 1) * width), i * width);
+  }
+
+  /** Advances by dt seconds under world pressures (Pa). A tree s times as large sways s times slower. */
+  advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
+    const rate = dtS / this.dt;
+    for (let i = 0; i < this.count; i++) {
+      const c = this.turn[2 * i];
+      const s = this.turn[2 * i + 1];
+      const px = c * pressureX[i] - s * pressureZ[i];
+      const pz = s * pressureX[i] + c * pressureZ[i];
+      let phase = this.phase[i] + rate / this.size[i];
+      for (let steps = 0; phase >= 1 && steps < MAX_STEPS_PER_ADVANCE; steps++) {
+        this.step(i, px, pz);
+        phase -= 1;
+      }
+      phase -= Math.floor(phase);
+      this.phase[i] = phase;
+      this.show(i, phase);
+    }
+  }
+}

@@ -1,0 +1,99 @@
+/** The wind field of a forest: velocity and pressure at many places, at any moment, whatever the model. */
+
+import type { ResolvedWind, WindDocument } from "./document";
+import type { Gusts, Output, Places } from "./frame";
+import { changeWind, fieldKey, type Moment, steady, type WindState, windAt } from "./glide";
+import { CosineGusts } from "./models/cosine";
+import { EddyGusts } from "./models/eddyGusts";
+import { PerlinGusts } from "./models/perlin";
+import { SpectralGusts } from "./models/spectral";
+import { pressureOfVelocity } from "./pressure";
+
+/** A glide needs two at once. */
+const KEPT_GUSTS = 2;
+/** One set for each of a forest's species, and those that look on. */
+const KEPT_BUFFERS = 12;
+
+export function gustsOf(wind: ResolvedWind): Gusts {
+  switch (wind.model) {
+    case "perlin":
+      return new PerlinGusts(wind.seed);
+    case "spectral":
+      return new SpectralGusts(wind.seed, wind.beta);
+    case "navier-stokes":
+      return new EddyGusts(wind.seed);
+    case "cosine":
+      return new CosineGusts(wind);
+  }
+}
+
+export class WindField {
+  state: WindState;
+  private readonly gusts = new Map<string, Gusts>();
+  /** Buffers by the number of places, kept from frame to frame: other x, other z, work x, work z. */
+  private readonly spare = new Map<number, Float64Array[]>();
+
+  /** From a document (its air sets out at time 0) or from a shared state. */
+  constructor(wind: WindDocument | WindState) {
+    this.state = "wind" in wind ? wind : steady(wind);
+  }
+
+  /** Glides to another document from this time on. */
+  change(wind: WindDocument, time_s: number): void {
+    this.state = changeWind(this.state, wind, time_s);
+  }
+
+  /** The wind's numbers at a time, with glides on their way. */
+  at(time_s: number): Moment {
+    return windAt(this.state, time_s);
+  }
+
+  /** Writes the velocity (m/s, world x and z) at the reference height over each place. */
+  velocity(x: Places, z: Places, time_s: number, outX: Output, outZ: Output): void {
+    const moment = this.at(time_s);
+    this.write(moment.wind, moment, x, z, outX, outZ);
+    if (moment.share >= 1) return;
+    const [otherX, otherZ] = this.buffers(outX.length);
+    this.write(moment.before, moment, x, z, otherX, otherZ);
+    for (let i = 0; i < outX.length; i++) {
+      outX[i] += (1 - moment.share) * (otherX[i] - outX[i]);
+      outZ[i] += (1 - moment.share) * (otherZ[i] - outZ[i]);
+    }
+  }
+
+  /**
+   * Writes the pressure (Pa, world x and z) at each place; exactly 0 where the wind is still.
+   * `factor`: speed at the height of each place over that at the reference height (`heightFactor`).
+   */
+  pressure(x: Places, z: Places, time_s: number, outX: Output, outZ: Output, factor?: Places): void {
+    const [, , workX, workZ] = this.buffers(outX.length);
+    this.velocity(x, z, time_s, workX, workZ);
+    pressureOfVelocity(workX, workZ, outX, outZ, factor);
+  }
+
+  private buffers(count: number): Float64Array[] {
+    let buffers = this.spare.get(count);
+    if (!buffers) {
+      if (this.spare.size >= KEPT_BUFFERS) this.spare.clear();
+      buffers = Array.from({ length: 4 }, () => new Float64Array(count));
+      this.spare.set(count, buffers);
+    }
+    return buffers;
+  }
+
+  private write(wind: ResolvedWind, moment: Moment, x: Places, z: Places, outX: Output, outZ: Output): void {
+    const carried = wind.model === "cosine" ? moment.time_s : moment.travel;
+    this.gustsFor(wind).velocity(wind, carried, x, z, outX, outZ);
+  }
+
+  private gustsFor(wind: ResolvedWind): Gusts {
+    const key = fieldKey(wind);
+    let gusts = this.gusts.get(key);
+    if (!gusts) {
+      for (const old of this.gusts.keys()) if (this.gusts.size >= KEPT_GUSTS) this.gusts.delete(old);
+      gusts = gustsOf(wind);
+      this.gusts.set(key, gusts);
+    }
+    return gusts;
+  }
+}

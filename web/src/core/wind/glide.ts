@@ -1,0 +1,111 @@
+/**
+ * The wind's clock: what a forest's wind is at a moment, smooth however its document is changed. The same
+ * arithmetic as precompute/galewood/wind/, which says why.
+ */
+import { FIELDS, parseWind, type ResolvedWind, resolveWind, type WindDocument, WindError } from "./document";
+
+export const GLIDE_S = 0.6;
+
+/** A wind that has been gliding from one document to another since a time; may be sent. */
+export interface WindState {
+  readonly before: WindDocument;
+  readonly wind: WindDocument;
+  readonly since_s: number;
+  /** Length scales travelled at `since_s`. */
+  readonly travel: number;
+}
+
+/** The wind at one time: `before` and `wind` differ only while one model or seed fades into another. */
+export interface Moment {
+  readonly before: ResolvedWind;
+  readonly wind: ResolvedWind;
+  readonly time_s: number;
+  readonly travel: number;
+  /** Of `wind`, the rest is `before`. */
+  readonly share: number;
+}
+
+type Gliding = Exclude<keyof typeof FIELDS, "seed" | "beta" | "direction_deg">;
+const GLIDING = Object.keys(FIELDS).filter(
+  (name) => name !== "seed" && name !== "beta" && name !== "direction_deg",
+) as Gliding[];
+
+/** A wind that has always been this one; its air set out at time 0. */
+export function steady(wind: WindDocument): WindState {
+  return { before: wind, wind, since_s: 0, travel: 0 };
+}
+
+/** Reads a state that was sent; throws WindError naming the field. */
+export function parseState(value: unknown): WindState {
+  if (typeof value !== "object" || value === null) throw new WindError("wind_state", "expected an object");
+  const fields = value as Record<string, unknown>;
+  for (const name of ["since_s", "travel"]) {
+    const number = fields[name];
+    if (typeof number !== "number" || !(Math.abs(number) <= 1e9)) {
+      throw new WindError(`wind_state.${name}`, "expected a number in -1e9..1e9");
+    }
+  }
+  const { since_s, travel } = fields as { since_s: number; travel: number };
+  return { before: parseWind(fields.before), wind: parseWind(fields.wind), since_s, travel };
+}
+
+/** Glides from what the wind is now to another document, from this time on. */
+export function changeWind(state: WindState, wind: WindDocument, time_s: number): WindState {
+  const now = windAt(state, time_s);
+  const before = strip(now.share < 0.5 ? now.before : now.wind);
+  return { before, wind, since_s: time_s, travel: now.travel };
+}
+
+/** Without the fields that its model has not, so that it can be sent and read. */
+function strip(wind: ResolvedWind): WindDocument {
+  const { waves, ...rest } = wind;
+  const fields = FIELDS as Record<string, { models: readonly string[] }>;
+  const own = Object.entries(rest).filter(([name]) => fields[name]?.models.includes(wind.model) ?? true);
+  return {
+    ...Object.fromEntries(own),
+    ...(wind.model === "cosine" ? { waves } : {}),
+  } as unknown as WindDocument;
+}
+
+/** The wind at a time. */
+export function windAt(state: WindState, time_s: number): Moment {
+  const from = resolveWind(state.before);
+  const to = resolveWind(state.wind);
+  const since = time_s - state.since_s;
+  const t = Math.min(Math.max(since / GLIDE_S, 0), 1);
+  const share = t * t * (3 - 2 * t);
+  const oldRate = from.convection_speed_m_s / from.length_scale_m;
+  const newRate = to.convection_speed_m_s / to.length_scale_m;
+  // ∫ of the smooth step: t³ − t⁴/2, and ½ when it is over
+  const glided_s = GLIDE_S * t * t * t * (1 - 0.5 * t) + Math.max(0, since - GLIDE_S);
+  const travel = state.travel + oldRate * since + (newRate - oldRate) * glided_s;
+  if (t >= 1 || state.before === state.wind) return { before: to, wind: to, time_s, travel, share: 1 };
+  const wind = between(from, to, share);
+  if (sameField(from, to)) return { before: wind, wind, time_s, travel, share: 1 };
+  const { model, seed, beta, waves } = from;
+  return { before: { ...wind, model, seed, beta, waves }, wind, time_s, travel, share };
+}
+
+function sameField(a: ResolvedWind, b: ResolvedWind): boolean {
+  return fieldKey(a) === fieldKey(b);
+}
+
+/** Equal for winds whose gusts are the same picture. */
+export function fieldKey(wind: ResolvedWind): string {
+  return JSON.stringify([wind.model, wind.seed, wind.beta, wind.waves]);
+}
+
+/** Numbers on the way from a to b, the direction the short way round; model, seed, β and waves are b's. */
+function between(a: ResolvedWind, b: ResolvedWind, share: number): ResolvedWind {
+  const numbers = Object.fromEntries(GLIDING.map((name) => [name, mix(a[name], b[name], share)]));
+  const direction = b.direction_deg - (1 - share) * halfTurn(b.direction_deg - a.direction_deg);
+  return { ...b, ...numbers, direction_deg: halfTurn(direction) };
+}
+
+/** Never outside [a, b], not even by rounding: a wind on its way must be a wind that can be sent. */
+const mix = (a: number, b: number, share: number): number =>
+  Math.min(Math.max(a + share * (b - a), Math.min(a, b)), Math.max(a, b));
+
+/** The same angle in [−180, 180). */
+const halfTurn = (angle_deg: number): number =>
+  angle_deg + 180 - 360 * Math.floor((angle_deg + 180) / 360) - 180;

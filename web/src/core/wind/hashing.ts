@@ -1,0 +1,17 @@
+/** Seeded whole numbers, the same as precompute/galewood/wind/. */
+
+/** Mueller's integer finaliser of (seed, k), 0 … 2³²−1. */
+export function hash32(seed: number, k: number): number {
+  let h = (seed + Math.imul(0x9e3779b9, k + 1)) >>> 0;
+  for (let round = 0; round < 2; round++) h = Math.imul(h ^ (h >>> 16), 0x45d9f3b) >>> 0;
+  return (h ^ (h >>> 16)) >>> 0;
+}
+
+/** In [−1, 1), exact. */
+export const signedUniform = (seed: number, k: number): number => hash32(seed, k) / 2147483648 - 1;
+
+/** A phase in [0, 1) turns. */
+export const phaseTurns = (seed: number, k: number): number => hash32(seed, k) / 4294967296;
+
+/** A phase in [0, 2π). */
+export const phaseRad = (seed: number, k: number): number => hash32(seed, k) * ((2 * Math.PI) / 4294967296);

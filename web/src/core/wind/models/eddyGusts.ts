@@ -1,0 +1,95 @@
+/**
+ * The Navier–Stokes eddies over the forest, at any moment: runs follow one another and fade into each other, so
+ * that no moment is more than EPOCH + OVERLAP steps away. The same arithmetic as
+ * precompute/galewood/wind/.
+ */
+import type { ResolvedWind } from "../document";
+import { type Gusts, type Output, type Places, View } from "../frame";
+import { hash32 } from "../hashing";
+import { Eddies, GRID, SLICES } from "./navierStokes";
+import { type Picture, samplePicture } from "./texture";
+
+const CELLS_PER_SCALE = 5;
+const STEPS_PER_SCALE = 0.5;
+const EPOCH = 128;
+const OVERLAP = 32;
+const LATERAL_SHARE = 1;
+
+/** One epoch's run. */
+class Run {
+  private readonly eddies: Eddies;
+
+  constructor(
+    seed: number,
+    readonly epoch: number,
+  ) {
+    this.eddies = new Eddies(hash32(seed, epoch));
+  }
+
+  /** Whether the moments between a step and the next are still ahead: a run goes forward only. */
+  canReach(step: number): boolean {
+    return this.eddies.steps <= step + 1;
+  }
+
+  /** Adds the velocity a share t of the way from a step to the next, times a weight; prepares what comes next. */
+  add(step: number, t: number, weight: number, picture: Picture): void {
+    while (this.eddies.steps <= step) this.eddies.finish();
+    this.eddies.prepare(Math.ceil(t * SLICES));
+    const { beforeU, beforeV, u, v } = this.eddies;
+    for (let i = 0; i < u.length; i++) {
+      picture.along[i] += weight * ((1 - t) * beforeU[i] + t * u[i]);
+      picture.across[i] += weight * ((1 - t) * beforeV[i] + t * v[i]);
+    }
+  }
+}
+
+export class EddyGusts implements Gusts {
+  private runs: Run[] = [];
+  private readonly view = new View(LATERAL_SHARE);
+  private shown = Number.NaN;
+  private readonly picture: Picture = {
+    along: new Float64Array(GRID * GRID),
+    across: new Float64Array(GRID * GRID),
+    columns: GRID,
+    rows: GRID,
+    cellsAlong: CELLS_PER_SCALE,
+    cellsAcross: CELLS_PER_SCALE,
+    slant: 0,
+  };
+
+  constructor(private readonly seed: number) {}
+
+  velocity(wind: ResolvedWind, travel: number, x: Places, z: Places, outX: Output, outZ: Output): void {
+    this.show(STEPS_PER_SCALE * travel);
+    this.view.set(wind, travel);
+    samplePicture(this.picture, this.view, x, z, outX, outZ);
+  }
+
+  /** The picture at a moment counted in steps; kept while the moment stays, as groups of trees share it. */
+  private show(moment: number): void {
+    if (moment === this.shown) return;
+    this.shown = moment;
+    const step = Math.floor(moment);
+    const epoch = Math.floor(step / EPOCH);
+    const fade = epoch <= 0 ? 1 : Math.min(1, (moment - epoch * EPOCH) / OVERLAP);
+    this.picture.along.fill(0);
+    this.picture.across.fill(0);
+    if (this.runs.some((run) => run.epoch < epoch - 1 || run.epoch > epoch)) {
+      this.runs = this.runs.filter((run) => run.epoch === epoch || run.epoch === epoch - 1);
+    }
+    if (fade < 1) this.add(epoch - 1, step, moment - step, Math.sqrt(1 - fade));
+    this.add(epoch, step, moment - step, Math.sqrt(fade));
+  }
+
+  private add(epoch: number, step: number, t: number, weight: number): void {
+    this.run(epoch, step).add(step - epoch * EPOCH, t, weight, this.picture);
+  }
+
+  private run(epoch: number, step: number): Run {
+    const old = this.runs.find((kept) => kept.epoch === epoch);
+    if (old?.canReach(step - epoch * EPOCH)) return old;
+    const run = new Run(this.seed, epoch);
+    this.runs = [...this.runs.filter((other) => other !== old), run];
+    return run;
+  }
+}

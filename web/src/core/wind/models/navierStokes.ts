@@ -1,0 +1,178 @@
+/**
+ * Eddies: two-dimensional stable fluids (Stam 1999) on a periodic grid, in the frame that moves with the wind.
+ *
+ * The same bits as precompute/galewood/wind/, which explains the method. A step is cut into slices,
+ * so that a frame need never pay for a whole one.
+ */
+
+import { hash32, signedUniform } from "../hashing";
+import { rootsOfUnity, transformColumns, transformRows } from "./fourier";
+
+export const GRID = 128;
+export const SLICES = 6;
+const CELLS = GRID * GRID;
+const MASK = GRID - 1;
+const HALF = GRID / 2;
+const CELLS_PER_STEP = 0.5;
+const BAND = [4, 7];
+const KICK = 0.06;
+const FRICTION = 0.01;
+const LARGE_SCALE_FRICTION = 0.5;
+const SLOWEST_START = 3;
+const ROOTS = rootsOfUnity(GRID);
+
+const signed = (n: number): number => (n < HALF ? n : n - GRID);
+
+/** One run of the solver from a seeded start. */
+export class Eddies {
+  steps = 0;
+  /** Velocity (x, y) after `steps` steps, in standard deviations. */
+  u = new Float64Array(CELLS);
+  v = new Float64Array(CELLS);
+  /** Velocity one step before. */
+  beforeU = new Float64Array(CELLS);
+  beforeV = new Float64Array(CELLS);
+  private nextU = new Float64Array(CELLS);
+  private nextV = new Float64Array(CELLS);
+  private slice = 0;
+
+  constructor(private readonly seed: number) {
+    start(this.nextU, this.nextV, seed);
+    this.correct(0);
+    transformColumns(this.nextU, this.nextV, GRID, GRID, ROOTS, 1);
+    transformRows(this.nextU, this.nextV, GRID, GRID, ROOTS, 1);
+    this.u.set(this.nextU);
+    this.v.set(this.nextV);
+  }
+
+  /** Steps done, with the share of the next one that is prepared. */
+  get progress(): number {
+    return this.steps + this.slice / SLICES;
+  }
+
+  /** Prepares the next step up to a number of slices; the velocity changes only in `finish`. */
+  prepare(slices: number): void {
+    for (; this.slice < Math.min(slices, SLICES); this.slice++) this.work(this.slice);
+  }
+
+  /** Completes one step. */
+  finish(): void {
+    this.prepare(SLICES);
+    this.slice = 0;
+    this.steps++;
+    [this.beforeU, this.u, this.nextU] = [this.u, this.nextU, this.beforeU];
+    [this.beforeV, this.v, this.nextV] = [this.v, this.nextV, this.beforeV];
+  }
+
+  private work(slice: number): void {
+    const { nextU, nextV } = this;
+    if (slice === 0) advect(this.u, this.v, nextU, nextV);
+    else if (slice === 1) transformRows(nextU, nextV, GRID, GRID, ROOTS, -1);
+    else if (slice === 2) transformColumns(nextU, nextV, GRID, GRID, ROOTS, -1);
+    else if (slice === 3) this.correct(KICK);
+    else if (slice === 4) transformColumns(nextU, nextV, GRID, GRID, ROOTS, 1);
+    else transformRows(nextU, nextV, GRID, GRID, ROOTS, 1);
+  }
+
+  private correct(kick: number): void {
+    const done = kick > 0 ? this.steps + 1 : 0;
+    project(this.nextU, this.nextV, kick, hash32(this.seed, 7919 + done));
+  }
+}
+
+/** Every cell takes the velocity from where its air was a step ago (bilinear, hence never amplified). */
+function advect(u: Float64Array, v: Float64Array, outU: Float64Array, outV: Float64Array): void {
+  for (let y = 0; y < GRID; y++) {
+    for (let x = 0; x < GRID; x++) {
+      const i = y * GRID + x;
+      const px = x - CELLS_PER_STEP * u[i];
+      const py = y - CELLS_PER_STEP * v[i];
+      const fx = Math.floor(px);
+      const fy = Math.floor(py);
+      const tx = px - fx;
+      const ty = py - fy;
+      const x0 = fx & MASK;
+      const x1 = (fx + 1) & MASK;
+      const y0 = (fy & MASK) * GRID;
+      const y1 = ((fy + 1) & MASK) * GRID;
+      const w00 = (1 - tx) * (1 - ty);
+      const w10 = tx * (1 - ty);
+      const w01 = (1 - tx) * ty;
+      const w11 = tx * ty;
+      outU[i] = w00 * u[y0 + x0] + w10 * u[y0 + x1] + w01 * u[y1 + x0] + w11 * u[y1 + x1];
+      outV[i] = w00 * v[y0 + x0] + w10 * v[y0 + x1] + w01 * v[y1 + x0] + w11 * v[y1 + x1];
+    }
+  }
+}
+
+/** Random amplitudes that fall with the wavenumber; `project` makes a velocity of them. */
+function start(re: Float64Array, im: Float64Array, seed: number): void {
+  for (let y = 0; y < GRID; y++) {
+    for (let x = 0; x < GRID; x++) {
+      const k2 = signed(x) * signed(x) + signed(y) * signed(y);
+      if (k2 < SLOWEST_START * SLOWEST_START) continue;
+      const i = y * GRID + x;
+      const amplitude = 1 / (k2 * Math.sqrt(k2));
+      re[i] = amplitude * signedUniform(seed, 2 * i);
+      im[i] = amplitude * signedUniform(seed, 2 * i + 1);
+    }
+  }
+}
+
+function clearShortest(re: Float64Array, im: Float64Array): void {
+  re[0] = 0;
+  im[0] = 0;
+  for (let n = 0; n < GRID; n++) {
+    re[HALF * GRID + n] = 0;
+    im[HALF * GRID + n] = 0;
+    re[n * GRID + HALF] = 0;
+    im[n * GRID + HALF] = 0;
+  }
+}
+
+/** Makes u + iv (spectra) divergence-free, rubs, kicks, and scales to unit variance of each component. */
+function project(re: Float64Array, im: Float64Array, kick: number, seed: number): void {
+  const { cosine, sine } = ROOTS;
+  clearShortest(re, im);
+  let energy = 0;
+  let kicks = 0;
+  for (let y = 0; y < HALF; y++) {
+    for (let x = 0; x < GRID; x++) {
+      const kx = signed(x);
+      if (x === HALF || (y === 0 && kx <= 0)) continue;
+      const i = y * GRID + x;
+      const j = ((GRID - y) & MASK) * GRID + ((GRID - x) & MASK);
+      const sx = sine[x];
+      const sy = sine[y];
+      const s2 = sx * sx + sy * sy;
+      const k2 = kx * kx + y * y;
+      const rub = 1 / (1 + FRICTION + LARGE_SCALE_FRICTION / k2);
+      // a divergence-free field is the curl of a stream function: (sy, −sx) times one number
+      let pr = (sy * (0.5 * (re[i] + re[j])) - sx * (0.5 * (im[i] + im[j]))) / s2;
+      let pi = (sy * (0.5 * (im[i] - im[j])) - sx * (0.5 * (re[j] - re[i]))) / s2;
+      pr *= rub;
+      pi *= rub;
+      if (kick > 0 && k2 >= BAND[0] * BAND[0] && k2 < BAND[1] * BAND[1]) {
+        const push = (kick * CELLS) / (8 * Math.sqrt(s2));
+        pr += push * signedUniform(seed, 2 * kicks);
+        pi += push * signedUniform(seed, 2 * kicks + 1);
+        kicks++;
+      }
+      const ur = sy * pr;
+      const ui = sy * pi;
+      const vr = -sx * pr;
+      const vi = -sx * pi;
+      re[i] = ur - vi;
+      im[i] = ui + vr;
+      re[j] = ur + vi;
+      im[j] = vr - ui;
+      const smooth = ((2 + cosine[x]) * (2 + cosine[y])) / 9; // what sampling with cubic splines leaves
+      energy += smooth * smooth * (ur * ur + ui * ui + vr * vr + vi * vi);
+    }
+  }
+  const scale = 1 / Math.sqrt(energy); // Parseval: the mean of u² + v² becomes 2
+  for (let i = 0; i < CELLS; i++) {
+    re[i] *= scale;
+    im[i] *= scale;
+  }
+}

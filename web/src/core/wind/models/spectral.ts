@@ -1,0 +1,101 @@
+/**
+ * 1/f^β gusts: a frozen picture of turbulence with a given spectrum that the wind carries over the forest.
+ * The same arithmetic as precompute/galewood/wind/, which names the sources.
+ */
+import type { ResolvedWind } from "../document";
+import { type Gusts, type Output, type Places, View } from "../frame";
+import { hash32 } from "../hashing";
+import { rootsOfUnity, transformColumns, transformRows } from "./fourier";
+import { type Picture, samplePicture } from "./texture";
+
+const COLUMNS = 1024;
+const ROWS = 128;
+const CELLS_ALONG = 16;
+const CELLS_ACROSS = 4;
+const LATERAL_SHARE = 0.5;
+const SLANT = 0.0955;
+const VON_KARMAN = 70.8;
+const DECAY = 7;
+const SLOWEST_COHERENCE = 0.15;
+const TURN = (2 * Math.PI) / 4294967296;
+
+export class SpectralGusts implements Gusts {
+  private readonly picture: Picture;
+  private readonly view = new View(LATERAL_SHARE);
+
+  constructor(seed: number, beta: number) {
+    this.picture = spectralPicture(seed, beta);
+  }
+
+  velocity(wind: ResolvedWind, travel: number, x: Places, z: Places, outX: Output, outZ: Output): void {
+    this.view.set(wind, travel);
+    samplePicture(this.picture, this.view, x, z, outX, outZ);
+  }
+}
+
+/** Unit variance; for looking at the field itself, as tests do. */
+export function spectralPicture(seed: number, beta: number): Picture {
+  const along = new Float64Array(ROWS * COLUMNS);
+  const across = new Float64Array(ROWS * COLUMNS);
+  for (let x = 0; x < COLUMNS; x++) writeColumn(along, across, seed, beta, x);
+  toPicture(along, across);
+  return {
+    along,
+    across,
+    columns: COLUMNS,
+    rows: ROWS,
+    cellsAlong: CELLS_ALONG,
+    cellsAcross: CELLS_ACROSS,
+    slant: SLANT,
+  };
+}
+
+const waveAcross = (y: number): number => (y <= ROWS / 2 ? y : y - ROWS) * (CELLS_ACROSS / ROWS);
+
+/** Fixed amplitudes and seeded phases of one wavenumber along the wind; nothing is constant along the wind. */
+function writeColumn(re: Float64Array, im: Float64Array, seed: number, beta: number, x: number): void {
+  const n = Math.abs(x <= COLUMNS / 2 ? x : x - COLUMNS) * (CELLS_ALONG / COLUMNS);
+  if (n === 0) return;
+  const width = (DECAY / (2 * Math.PI)) * Math.sqrt(n * n + SLOWEST_COHERENCE * SLOWEST_COHERENCE);
+  let total = 0;
+  for (let y = 0; y < ROWS; y++) total += 1 / (width * width + waveAcross(y) * waveAcross(y));
+  const power = (1 + VON_KARMAN * n * n) ** (-0.5 * beta);
+  for (let y = 0; y < ROWS; y++) {
+    const m = waveAcross(y);
+    const amplitude = Math.sqrt(power / (total * (width * width + m * m)));
+    const phase = hash32(seed, y * COLUMNS + x) * TURN;
+    re[y * COLUMNS + x] = amplitude * Math.cos(phase);
+    im[y * COLUMNS + x] = amplitude * Math.sin(phase);
+  }
+}
+
+/** To places; variances are set before the amplitudes are raised by what the splines will take away. */
+function toPicture(re: Float64Array, im: Float64Array): void {
+  const alongRoots = rootsOfUnity(COLUMNS);
+  const acrossRoots = rootsOfUnity(ROWS);
+  let energy = 0;
+  let cross = 0;
+  for (let y = 0; y < ROWS; y++) {
+    for (let x = 0; x < COLUMNS; x++) {
+      const i = y * COLUMNS + x;
+      const j = ((ROWS - y) & (ROWS - 1)) * COLUMNS + ((COLUMNS - x) & (COLUMNS - 1));
+      energy += re[i] * re[i] + im[i] * im[i];
+      cross += re[i] * re[j] - im[i] * im[j];
+    }
+  }
+  for (let y = 0; y < ROWS; y++) {
+    for (let x = 0; x < COLUMNS; x++) {
+      const lift = 9 / ((2 + alongRoots.cosine[x]) * (2 + acrossRoots.cosine[y]));
+      re[y * COLUMNS + x] *= lift;
+      im[y * COLUMNS + x] *= lift;
+    }
+  }
+  transformRows(re, im, COLUMNS, ROWS, alongRoots, 1);
+  transformColumns(re, im, COLUMNS, ROWS, acrossRoots, 1);
+  const scaleAlong = 1 / Math.sqrt(0.5 * (energy + cross));
+  const scaleAcross = 1 / Math.sqrt(0.5 * (energy - cross));
+  for (let i = 0; i < re.length; i++) {
+    re[i] *= scaleAlong;
+    im[i] *= scaleAcross;
+  }
+}

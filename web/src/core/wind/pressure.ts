@@ -1,0 +1,76 @@
+/** Pressure on a tree from the wind speed, and its share within the range that a table has sampled. */
+import type { Output, Places } from "./frame";
+
+export const AIR_DENSITY_KG_M3 = 1.2;
+export const STREAMLINING_SPEED_M_S = 5;
+export const STREAMLINED_EXPONENT = 1.3;
+
+/** Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, growing as U^1.3 beyond (streamlining). */
+export function dynamicPressure(speedMS: number): number {
+  if (speedMS <= STREAMLINING_SPEED_M_S) return 0.5 * AIR_DENSITY_KG_M3 * speedMS * speedMS;
+  const start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S * STREAMLINING_SPEED_M_S;
+  return start * (speedMS / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT;
+}
+
+/** Pressure (Pa) over speed (m/s). */
+function pressurePerSpeed(speedMS: number): number {
+  if (speedMS <= STREAMLINING_SPEED_M_S) return 0.5 * AIR_DENSITY_KG_M3 * speedMS;
+  const start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S;
+  return start * (speedMS / STREAMLINING_SPEED_M_S) ** (STREAMLINED_EXPONENT - 1);
+}
+
+/** Turns velocities (m/s), each times its factor (height) if given, into pressure vectors (Pa). */
+export function pressureOfVelocity(
+  velocityX: Float64Array,
+  velocityZ: Float64Array,
+  outX: Output,
+  outZ: Output,
+  factor?: Places,
+): void {
+  for (let i = 0; i < outX.length; i++) {
+    const f = factor ? factor[i] : 1;
+    const vx = velocityX[i] * f;
+    const vz = velocityZ[i] * f;
+    const perSpeed = pressurePerSpeed(Math.sqrt(vx * vx + vz * vz));
+    outX[i] = perSpeed * vx;
+    outZ[i] = perSpeed * vz;
+  }
+}
+
+/** Speed at a height over the speed at the reference height: the power law of the wind over a canopy. */
+export function heightFactor(height_m: number, exponent: number, referenceHeight_m: number): number {
+  return (height_m / referenceHeight_m) ** exponent;
+}
+
+/** The strongest pressure (Pa) among a table's records, packed x, z, x, z … */
+export function sampledPeak(samplePressure: Places): number {
+  let peak = 0;
+  for (let i = 0; i + 1 < samplePressure.length; i += 2) {
+    peak = Math.max(peak, samplePressure[i] ** 2 + samplePressure[i + 1] ** 2);
+  }
+  return Math.sqrt(peak);
+}
+
+/**
+ * Shortens pressures that are stronger than what a table has sampled to its strongest, in place: beyond it every
+ * record would be equally wrong, and the direction of the wind would be lost.
+ */
+export function limitPressure(pressureX: Output, pressureZ: Output, peak_pa: number): void {
+  for (let i = 0; i < pressureX.length; i++) {
+    const strength = Math.sqrt(pressureX[i] ** 2 + pressureZ[i] ** 2);
+    if (strength <= peak_pa) continue;
+    pressureX[i] *= peak_pa / strength;
+    pressureZ[i] *= peak_pa / strength;
+  }
+}
+
+/** Share of the given pressures that are no stronger than what the table has sampled, 0 … 1. */
+export function coverage(pressureX: Places, pressureZ: Places, peak_pa: number): number {
+  const count = pressureX.length;
+  if (count === 0) return 1;
+  let inside = 0;
+  for (let i = 0; i < count; i++) {
+    if (pressureX[i] * pressureX[i] + pressureZ[i] * pressureZ[i] <= peak_pa * peak_pa) inside++;
+  }
+  return inside / count;
+}

@@ -1,0 +1,135 @@
+/**
+ * The envelope of every wire message: prefix, msgpack map, padding, payload. Specified in docs/formats/wire.md; same
+ * as server/galewood_server/stream/wire.py. The readers below validate the fields of a header.
+ */
+import { decode, encode } from "@msgpack/msgpack";
+
+export const VERSION = 2;
+const MAGIC = [0x47, 0x57]; // "GW"
+const PREFIX_BYTES = 8;
+const MAX_HEADER_BYTES = 64 * 1024;
+
+export type Header = Record<string, unknown>;
+
+/** A malformed message, or one of another version. `code` is machine-readable. */
+export class WireError extends Error {
+  constructor(
+    message: string,
+    readonly code = "malformed-message",
+  ) {
+    super(message);
+    this.name = "WireError";
+  }
+}
+
+const padding = (length: number) => (8 - (length % 8)) % 8;
+
+/** A message from its parts. */
+export function encodeMessage(
+  kind: number,
+  header: Header,
+  payload = new Uint8Array(0),
+): Uint8Array<ArrayBuffer> {
+  const packed = encode(header);
+  const start = PREFIX_BYTES + packed.length + padding(packed.length);
+  const message = new Uint8Array(start + payload.length);
+  message.set([...MAGIC, VERSION, kind]);
+  new DataView(message.buffer).setUint32(4, packed.length, true);
+  message.set(packed, PREFIX_BYTES);
+  message.set(payload, start);
+  return message;
+}
+
+export interface Message {
+  kind: number;
+  header: Header;
+  /** A view into the message, beginning at a multiple of 8. */
+  payload: Uint8Array<ArrayBuffer>;
+}
+
+/** Kind, header and payload of a message. Throws WireError. */
+export function decodeMessage(data: ArrayBuffer): Message {
+  const bytes = new Uint8Array(data);
+  if (bytes.length < PREFIX_BYTES || bytes[0] !== MAGIC[0] || bytes[1] !== MAGIC[1]) {
+    throw new WireError("not a Galewood message: it must begin with the bytes 'GW'");
+  }
+  if (bytes[2] !== VERSION) {
+    const words = `wire version ${bytes[2]} is not spoken here, only version ${VERSION}`;
+    throw new WireError(words, "unknown-version");
+  }
+  const length = new DataView(data).getUint32(4, true);
+  const start = PREFIX_BYTES + length + padding(length);
+  if (length > MAX_HEADER_BYTES || start > bytes.length) {
+    throw new WireError("the header is longer than the message, or than allowed");
+  }
+  if (bytes.subarray(PREFIX_BYTES + length, start).some((byte) => byte !== 0)) {
+    throw new WireError("the padding after the header is not zero");
+  }
+  const header = unpack(bytes.subarray(PREFIX_BYTES, PREFIX_BYTES + length));
+  return { kind: bytes[3], header, payload: bytes.subarray(start) };
+}
+
+function unpack(packed: Uint8Array): Header {
+  let header: unknown;
+  try {
+    header = decode(packed);
+  } catch {
+    throw new WireError("the header is not msgpack");
+  }
+  return textMap(header, "the header");
+}
+
+/** A header has just these fields; the first that is missing or unknown is named. */
+export function only(header: Header, ...names: string[]): void {
+  const missing = names.filter((name) => !(name in header)).sort();
+  if (missing.length) throw new WireError(`the field '${missing[0]}' is missing`);
+  const unknown = Object.keys(header)
+    .filter((name) => !names.includes(name))
+    .sort();
+  if (unknown.length) throw new WireError(`the field '${unknown[0].slice(0, 40)}' is unknown`);
+}
+
+export function text(header: Header, name: string): string {
+  const value = header[name];
+  if (typeof value !== "string") throw new WireError(`${name} must be text`);
+  return value;
+}
+
+export function textMap(value: unknown, name: string): Header {
+  if (typeof value !== "object" || value === null || Object.getPrototypeOf(value) !== Object.prototype) {
+    throw new WireError(`${name} must be a map with text keys`);
+  }
+  return value as Header;
+}
+
+export function entries(header: Header, name: string): unknown[] {
+  const value = header[name];
+  if (!Array.isArray(value)) throw new WireError(`${name} must be a list`);
+  return value;
+}
+
+/** A whole number from 0. */
+export function whole(header: Header, name: string): number {
+  const value = header[name];
+  if (!Number.isSafeInteger(value) || (value as number) < 0) {
+    throw new WireError(`${name} must be a whole number that is not negative`);
+  }
+  return value as number;
+}
+
+/** A finite number in a range. */
+export function number(header: Header, name: string, low = -1e12, high = 1e12): number {
+  const value = header[name];
+  if (typeof value !== "number" || !Number.isFinite(value)) {
+    throw new WireError(`${name} must be a finite number`);
+  }
+  if (value < low || value > high) throw new WireError(`${name} must lie in ${low}..${high}`);
+  return value;
+}
+
+/** True or false. */
+export function truth(header: Header, name: string): boolean {
+  const value = header[name];
+  if (typeof value !== "boolean") throw new WireError(`${name} must be true or false`);
+  return value;
+}

@@ -1,0 +1,413 @@
+/** The page: binds stage, forest, worker, catalogue and panel, and runs the frame loop. */
+
+import { meanCrownDisplacement_m } from "../core/motion/crownDisplacement";
+import { meanVelocity_m_s, sameWind } from "../core/wind/edit";
+import { parseWind, type WindDocument } from "../core/wind/wind";
+import type { About } from "../core/wire/wire";
+import { Forest, placeForest } from "../scene/forest";
+import { groundHeight_m } from "../scene/ground/landscape";
+import { woodReach_m } from "../scene/placement";
+import type { Season } from "../scene/season/season";
+import { seasonal } from "../scene/season/seasonal";
+import { aerialPerspective } from "../scene/sky/air";
+import { Stage } from "../scene/stage";
+import type { SpeciesForest, SpeciesOptions } from "../scene/trees/speciesForest";
+import type { Candidate, CompareView } from "./compare/compareView";
+import { ForestClient } from "./forestClient";
+import { FrameStatistics } from "./frameStatistics";
+import { type TreeChange, useKeys } from "./server/api";
+import { Catalogue } from "./server/catalogue";
+import { momentFrom } from "./settings/link";
+import { queryFromSettings, type Settings } from "./settings/settings";
+import { adoptPlacement, placementOf, sharedFrom, withShared } from "./settings/sharedForest";
+import { keep } from "./settings/storedSettings";
+import { TreePicker } from "./treePicker";
+import { element } from "./ui/dom";
+import { askForKey, keptKey } from "./ui/keyDialog";
+import { Panel, type SettingKey } from "./ui/panel";
+import { PickedCard } from "./ui/pickedCard";
+import { ProgressCards } from "./ui/progress";
+import { SceneryBar } from "./ui/scenery";
+import { showToast } from "./ui/toast";
+import { displayName, statusLine, summary } from "./ui/words";
+import { Visit } from "./visit";
+import { WindStudio } from "./windStudio";
+
+const REPORT_EVERY_MS = 250;
+/** The scene stays static for this long while the first trees are loading. */
+const PATIENCE_MS = 4000;
+const PLACEMENT_KEYS: SettingKey[] = [
+  "trees",
+  "density",
+  "shares",
+  "forestSeed",
+  "lookup",
+  "method",
+  "poseEasing",
+];
+
+export class App {
+  readonly stage: Stage;
+  frame = 0;
+  private stopped = false;
+  /** Neither advances nor draws, to leave the processor to others. */
+  asleep = false;
+  private readonly client = new ForestClient(showToast, {
+    placement: (about) => this.takePlacement(about),
+    wind: (wind) => {
+      if (!sameWind(wind, this.settings.wind)) this.changeWind(wind, "shared");
+    },
+  });
+  /** Id of the shared forest in the address. */
+  private readonly share = sharedFrom(location.search);
+  private readonly catalogue: Catalogue;
+  private readonly forest: Forest;
+  private readonly cards = new ProgressCards();
+  private readonly panel: Panel;
+  readonly studio: WindStudio;
+  readonly visit: Visit;
+  private readonly scenery: SceneryBar;
+  readonly picker: TreePicker;
+  private readonly pickedCard: PickedCard;
+  private readonly from_s: number;
+  private readonly meter = new FrameStatistics();
+  private readonly flutter = { value: { x: 0, y: 0 } };
+  private compareView: CompareView | null = null;
+  private connected = true;
+  private dirty = true;
+  private last_ms = performance.now();
+  private reported_ms = 0;
+
+  /** `defaults`: settings are stored as differences from these. */
+  constructor(
+    readonly settings: Settings,
+    private readonly defaults: Settings,
+  ) {
+    useKeys({ known: keptKey, ask: askForKey });
+    this.from_s = momentFrom(location.search).time_s ?? 0;
+    this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
+    this.forest = new Forest(this.speciesOptions());
+    this.stage.scene.add(this.forest.group);
+    this.applyScenery();
+    this.scenery = new SceneryBar(settings, () => this.change("season"));
+    this.visit = new Visit(
+      settings,
+      this.stage,
+      this.forest,
+      () => this.catalogue,
+      () => this.client.time_s,
+      () => void this.openCompare(),
+    );
+    this.visit.restore(location.search);
+    this.panel = new Panel(settings, this.meter.statistics, (key) => this.change(key));
+    this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
+      change: (change) => this.treeChanged(change),
+      assetsChanged: () => this.placeTrees(),
+      connected: (connected) => {
+        this.connected = connected;
+      },
+      problem: showToast,
+    });
+    this.studio = new WindStudio(this.stage, settings, {
+      wind: (wind) => this.changeWind(wind, "instruments"),
+      problem: showToast,
+    });
+    this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
+    this.pickedCard = new PickedCard({
+      follow: (following) => {
+        this.picker.following = following;
+      },
+      compare: () => void this.openCompare(),
+      physics: () => this.visit.openPhysics(),
+      close: () => this.picker.select(null),
+    });
+    this.stage.renderer.setAnimationLoop((now) => this.onFrame(now));
+  }
+
+  private speciesOptions(): SpeciesOptions {
+    const { quality } = this.settings;
+    const { capabilities } = this.stage.renderer;
+    return {
+      maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
+      anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
+      smoothEdges: quality !== "low",
+      gloss: quality === "high",
+      surface: seasonal,
+      atmosphere: aerialPerspective,
+      flutter: this.flutter,
+    };
+  }
+
+  private treeChanged(change: TreeChange): void {
+    this.cards.update(change);
+    this.report();
+  }
+
+  /** Trees that stay keep moving; new ones appear with their first poses. `replant`: for everyone who shares the forest. */
+  private placeTrees(replant = false): void {
+    const { settings, client, forest } = this;
+    const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
+    client.plan(
+      placed.flatMap(({ asset, motion, instances }) =>
+        motion ? [{ key: asset.id, motion, ...instances }] : [],
+      ),
+      {
+        lookup: settings.lookup,
+        method: settings.method,
+        poseEasing: settings.poseEasing,
+        from_s: this.from_s,
+        share: this.share === null ? null : { id: this.share, replant, about: placementOf(settings) },
+      },
+      settings.wind,
+      () => {
+        forest.show(placed);
+        this.stage.surround(woodReach_m(placed.map(({ instances }) => instances.placement)));
+        this.dirty = true;
+      },
+    );
+  }
+
+  /** A wind from a document of any origin; throws WindError if it cannot be used. */
+  setWind(document: unknown): void {
+    this.changeWind(parseWind(document), "instruments");
+  }
+
+  /** Every change of the page's wind comes through here; a shared one is known to the worker already. */
+  private changeWind(wind: WindDocument, origin: "panel" | "instruments" | "shared"): void {
+    this.settings.wind = wind;
+    if (origin !== "panel") this.panel.refresh();
+    if (origin !== "shared") this.client.setWind(wind);
+    this.studio.showWind();
+    this.remember();
+  }
+
+  /** Others replaced the trees of this shared forest. */
+  private takePlacement(about: About): void {
+    if (!adoptPlacement(this.settings, about)) return;
+    this.panel.refresh();
+    this.placeTrees();
+    this.remember();
+  }
+
+  get paused(): boolean {
+    return this.stopped;
+  }
+
+  set paused(paused: boolean) {
+    this.stopped = paused;
+    this.client.pause(paused);
+  }
+
+  /** Sets season and time of day. */
+  setScenery(season: Season, daytime: number): void {
+    this.settings.season = season;
+    this.settings.daytime = Math.min(1, Math.max(0, daytime));
+    this.scenery.show();
+    this.change("season");
+  }
+
+  /** Season and time of day: light, land and leaves. */
+  private applyScenery(): void {
+    const { daytime, season } = this.settings;
+    this.stage.show(daytime, season);
+    this.forest.setSeason(season);
+    this.dirty = true;
+  }
+
+  private change(key: SettingKey): void {
+    if (key === "season") this.applyScenery();
+    if (key === "wind") {
+      this.changeWind(this.settings.wind, "panel");
+      return;
+    }
+    if (PLACEMENT_KEYS.includes(key)) this.placeTrees(key !== "lookup");
+    if (key === "quality") {
+      this.stage.setQuality(this.settings.quality);
+      this.forest.options = this.speciesOptions();
+      this.placeTrees();
+    }
+    this.remember();
+  }
+
+  /** Stores the settings, and keeps the address a link to them. */
+  private remember(): void {
+    if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
+    const query = withShared(queryFromSettings(this.settings), this.share);
+    history.replaceState(null, "", query ? `?${query}` : location.pathname);
+  }
+
+  private onFrame(now_ms: number): void {
+    if (this.asleep) return;
+    const begin_ms = performance.now();
+    const frame_ms = now_ms - this.last_ms;
+    const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
+    this.last_ms = now_ms;
+    this.move(dt_s);
+    this.draw();
+    this.frame++;
+    this.meter.count(frame_ms, performance.now() - begin_ms);
+    if (now_ms - this.reported_ms > REPORT_EVERY_MS) {
+      this.reported_ms = now_ms;
+      this.report();
+    }
+  }
+
+  private move(dt_s: number): void {
+    if (!this.paused) this.client.advance(dt_s);
+    this.takePoses();
+    this.picker.enabled = !this.studio.isPlacing;
+    this.picker.advance(dt_s);
+    this.studio.tipOf = this.picker.moving;
+    this.studio.advance(dt_s, this.client, this.forest);
+    const wind_m_s = meanVelocity_m_s(this.settings.wind);
+    this.stage.sky.advance(dt_s, wind_m_s);
+    this.visit.advance(dt_s);
+    this.stage.cover.update(this.stage.camera.position, wind_m_s, this.client.time_s);
+    this.flutter.value.x += dt_s;
+    this.flutter.value.y = this.settings.flutter ? 1 : 0;
+  }
+
+  private takePoses(): void {
+    if (!this.client.takeFreshPoses()) return;
+    for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
+  }
+
+  /** Advances by dt_s and waits for the poses of that time: for films, while asleep. */
+  async step(dt_s: number, drawn = true): Promise<void> {
+    this.move(dt_s);
+    while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));
+    this.takePoses();
+    if (drawn) this.draw();
+    this.frame++;
+  }
+
+  /** While the first trees are loading only clouds would move: leave the processor to the loading. */
+  private get waitsForTrees(): boolean {
+    return this.frame > 0 && this.forest.group.children.length === 0 && performance.now() < PATIENCE_MS;
+  }
+
+  private draw(): void {
+    const { stage, forest } = this;
+    const moved = stage.updateCamera();
+    if (!moved && !this.dirty && this.waitsForTrees) return;
+    if (moved || this.dirty) forest.select(stage.view());
+    this.dirty = false;
+    stage.renderer.info.reset();
+    forest.renderNodes(stage.renderer);
+    stage.render();
+    this.visit.drawn();
+  }
+
+  private report(): void {
+    const { client, forest, meter } = this;
+    const info = this.stage.renderer.info.render;
+    meter.publish({ lookup_ms: client.lookup_ms, trees: forest.trees.moving, triangles: forest.triangles });
+    meter.statistics.drawCalls = info.calls;
+    const { connection } = client;
+    const live = connection.state === "live";
+    const ms = (time_ms: number | null) => (live && time_ms !== null ? `${time_ms.toFixed(0)} ms` : "–");
+    meter.statistics.stream = live ? `${connection.kB_s.toFixed(0)} kB/s` : "off";
+    meter.statistics.latency = ms(connection.latency_ms);
+    meter.statistics.frameAge = ms(connection.frameAge_ms);
+    this.panel.showSpecies(this.catalogue.trees.map((tree) => ({ id: tree.id, name: displayName(tree) })));
+    const status = statusLine({ events: this.connected, lookup: this.settings.lookup, connection });
+    element("status").dataset.state = status.state;
+    element("status").dataset.lookup = this.settings.lookup;
+    if (element("status").textContent !== status.text) element("status").textContent = status.text;
+    this.showPicked();
+    const words = summary(forest.trees, this.catalogue.waiting);
+    if (element("summary").textContent !== words) element("summary").textContent = words;
+  }
+
+  private showPicked(): void {
+    const { figures } = this.picker;
+    const tree = this.catalogue.trees.find(({ id }) => id === figures?.treeId) ?? null;
+    this.pickedCard.show(figures, tree);
+  }
+
+  /** The forest stops meanwhile, to leave the processor to the comparison. */
+  private async openCompare(): Promise<void> {
+    const view = await import("./compare/compareView");
+    this.compareView ??= new view.CompareView({
+      candidates: () => this.forest.moving.flatMap(({ asset, forest }) => this.candidate(asset.id, forest)),
+      wind: () => this.client.wind && { state: this.client.wind.state, time_s: this.client.time_s },
+      closed: () => {
+        this.asleep = false;
+      },
+    });
+    this.asleep = true;
+    this.compareView.open(this.picker.figures?.treeId ?? null);
+  }
+
+  /** A tree for the comparison, where the picked one stands or the first of its kind. */
+  private candidate(id: string, { model, motion, instances }: SpeciesForest): Candidate[] {
+    const tree = this.catalogue.trees.find((known) => known.id === id);
+    if (!tree || !motion) return [];
+    const picked = this.picker.figures?.treeId === id ? (this.picker.moving?.tree ?? 0) : 0;
+    const [x_m, z_m, yaw_rad] = instances.placement.subarray(4 * picked, 4 * picked + 3);
+    return [{ tree, model, motion, place: { x_m, z_m, yaw_rad } }];
+  }
+
+  get readySpecies(): string[] {
+    return this.catalogue.ready;
+  }
+
+  get statistics() {
+    const { frame_ms, script_ms, triangles, drawCalls } = this.meter.statistics;
+    return {
+      frame_ms,
+      script_ms,
+      triangles,
+      drawCalls,
+      work: this.client.work,
+      extrapolationRatio: this.client.extrapolationRatio,
+    };
+  }
+
+  freeze(frozen: boolean): void {
+    this.forest.freeze(frozen);
+  }
+
+  get connection() {
+    return { ...this.client.connection, events: this.connected };
+  }
+
+  get trees() {
+    return this.forest.trees;
+  }
+
+  get time_s(): number {
+    return this.client.time_s;
+  }
+
+  get crownDisplacement_m(): [number, number, number] {
+    return meanCrownDisplacement_m(
+      this.forest.moving.flatMap(({ forest: { motion, instances } }, k) => {
+        const poses = this.client.poses[k];
+        return motion && poses
+          ? [{ ...motion, count: instances.count, placement: instances.placement, poses }]
+          : [];
+      }),
+    );
+  }
+
+  /** Moves the camera: eye above the ground and the point it looks at, metres. */
+  look(eye: { x: number; above: number; z: number }, at: { x: number; above: number; z: number }): void {
+    this.stage.camera.position.set(eye.x, groundHeight_m(eye.x, eye.z) + eye.above, eye.z);
+    this.stage.controls.target.set(at.x, groundHeight_m(at.x, at.z) + at.above, at.z);
+  }
+
+  dispose(): void {
+    this.stage.renderer.setAnimationLoop(null);
+    this.picker.dispose();
+    this.pickedCard.dispose();
+    this.studio.dispose();
+    this.visit.dispose();
+    this.compareView?.dispose();
+    this.catalogue.dispose();
+    this.client.dispose();
+    this.panel.dispose();
+    this.forest.clear();
+    this.stage.dispose();
+  }
+}

@@ -1,0 +1,145 @@
+/** A tree whose vertices are moved on the CPU, for close inspection. */
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DoubleSide,
+  FrontSide,
+  Group,
+  type Material,
+  Mesh,
+  MeshBasicMaterial,
+  MeshLambertMaterial,
+} from "three";
+import type { TreeModel, TreePart } from "../../scene/trees/mesh/treeMesh";
+import type { TableMotion } from "../../worker/protocol";
+
+const SOUND = new Color(1, 1, 1);
+const WRONG = new Color(1, 0.12, 0.05);
+const GHOST = 0x8fd3ff;
+
+/** Displacements of the nodes of a table. */
+export class Nodes {
+  /** [nodes, 3] displacement from rest, m. */
+  readonly moved: Float32Array;
+
+  constructor(private readonly motion: TableMotion) {
+    this.moved = new Float32Array(motion.nodes * 3);
+  }
+
+  /** Moves the nodes to the pose q (modes), drawn `times` as large. */
+  bend(q: Float32Array, times: number): void {
+    const { basis, stride, modes } = this.motion;
+    const { moved } = this;
+    for (let row = 0; row < moved.length; row++) {
+      let sum = 0;
+      for (let k = 0; k < modes; k++) sum += basis[row * stride + k] * q[k];
+      moved[row] = sum * times;
+    }
+  }
+}
+
+interface Piece {
+  readonly rest: Float32Array;
+  readonly firstVertex: number;
+  readonly geometry: BufferGeometry;
+}
+
+/** A tree that stands at the origin: solid, its error as colour, or a see-through ghost. */
+export class BentTree {
+  readonly group = new Group();
+  readonly nodes: Nodes;
+  private readonly pieces: Piece[] = [];
+  private readonly materials: Material[] = [];
+
+  constructor(
+    model: TreeModel,
+    private readonly motion: TableMotion,
+    ghost: boolean,
+  ) {
+    this.nodes = new Nodes(motion);
+    let firstVertex = 0;
+    for (const part of model.parts) {
+      this.add(part, firstVertex, ghost);
+      firstVertex += part.vertices;
+    }
+  }
+
+  private add(part: TreePart, firstVertex: number, ghost: boolean): void {
+    const rest = part.position.array as Float32Array;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(rest.slice(), 3));
+    geometry.setAttribute("normal", part.normal);
+    geometry.setAttribute("color", new BufferAttribute(new Float32Array(rest.length).fill(1), 3));
+    if (part.uv) geometry.setAttribute("uv", part.uv);
+    geometry.setIndex(part.index);
+    const material = ghost ? ghostMaterial(part) : solidMaterial(part);
+    const mesh = new Mesh(geometry, material);
+    mesh.frustumCulled = false; // it bends out of its rest bounds
+    if (ghost) mesh.renderOrder = 1;
+    this.group.add(mesh);
+    this.materials.push(material);
+    this.pieces.push({ rest, firstVertex, geometry });
+  }
+
+  /** Puts every vertex where its node is. */
+  show(): void {
+    const { vertexNode } = this.motion;
+    const { moved } = this.nodes;
+    for (const { rest, firstVertex, geometry } of this.pieces) {
+      const position = geometry.getAttribute("position") as BufferAttribute;
+      const out = position.array as Float32Array;
+      for (let v = 0; v * 3 < rest.length; v++) {
+        const node = 3 * vertexNode[firstVertex + v];
+        for (let axis = 0; axis < 3; axis++) out[3 * v + axis] = rest[3 * v + axis] + moved[node + axis];
+      }
+      position.needsUpdate = true;
+    }
+  }
+
+  /** Colours each vertex by the distance of its node from its true place; full red at `worst_m`. */
+  paint(truth: Nodes, worst_m: number): void {
+    const { vertexNode } = this.motion;
+    const a = this.nodes.moved;
+    const b = truth.moved;
+    const colour = new Color();
+    for (const { rest, firstVertex, geometry } of this.pieces) {
+      const attribute = geometry.getAttribute("color") as BufferAttribute;
+      for (let v = 0; v * 3 < rest.length; v++) {
+        const n = 3 * vertexNode[firstVertex + v];
+        const off = Math.hypot(a[n] - b[n], a[n + 1] - b[n + 1], a[n + 2] - b[n + 2]);
+        colour.lerpColors(SOUND, WRONG, Math.min(1, off / worst_m));
+        attribute.setXYZ(v, colour.r, colour.g, colour.b);
+      }
+      attribute.needsUpdate = true;
+    }
+  }
+
+  dispose(): void {
+    for (const { geometry } of this.pieces) geometry.dispose();
+    for (const material of this.materials) material.dispose();
+  }
+}
+
+function solidMaterial({ material, kind }: TreePart): Material {
+  const leaves = kind === "leaves";
+  return new MeshLambertMaterial({
+    map: material.map,
+    color: leaves ? 0xd7c9a0 : 0xd9cbb8,
+    vertexColors: true,
+    side: leaves ? DoubleSide : FrontSide,
+    alphaTest: leaves && material.map ? 0.42 : 0,
+  });
+}
+
+function ghostMaterial({ material, kind }: TreePart): Material {
+  const leaves = kind === "leaves";
+  return new MeshBasicMaterial({
+    map: leaves ? material.map : null,
+    color: GHOST,
+    transparent: true,
+    opacity: leaves ? 0.16 : 0.4,
+    depthWrite: false,
+    alphaTest: leaves && material.map ? 0.1 : 0,
+  });
+}

@@ -1,0 +1,252 @@
+/** "Is it right?": a dialog that overlays a tree moved by its table with the full simulation. */
+import "./compare.css";
+import type { Method } from "../../core/motion/method";
+import type { WindState } from "../../core/wind/wind";
+import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
+import type { TableMotion } from "../../worker/protocol";
+import { Problem, type Tree } from "../server/api";
+import { make } from "../ui/dom";
+import { displayName } from "../ui/words";
+import { ComparisonScene, type Shown } from "./comparisonScene";
+import { Curves, percent } from "./curves";
+import { compare } from "./request";
+import type { Tracks } from "./tracks";
+
+/** A tree that can be compared, and where one of its kind stands. */
+export interface Candidate {
+  readonly tree: Tree;
+  readonly model: TreeModel;
+  readonly motion: TableMotion;
+  readonly place: { x_m: number; z_m: number; yaw_rad: number };
+}
+
+/** What the dialog asks of the page. */
+export interface ComparePage {
+  candidates(): Candidate[];
+  /** The wind that blows now, and its clock. */
+  wind(): { state: WindState; time_s: number } | null;
+  closed(): void;
+}
+
+const SECONDS = 10;
+const WORST = { fine: 0.002, coarse: 0.02 } as const;
+const WORDS =
+  "The solid tree is moved by its table, as everywhere in the forest. The blue ghost in it is the full simulation by " +
+  "finite elements, computed by the server just now for the wind that blows. Where they differ, the tree turns red.";
+
+export class CompareView {
+  private readonly dialog = make("dialog", "", "compare");
+  private readonly canvas = make("canvas", "", "compare-stage");
+  private readonly choice = make("select");
+  private readonly status = make("p", "", "compare-status");
+  private readonly bar = make("progress");
+  private readonly verdict = make("p", "", "compare-verdict");
+  private readonly again = make("button", "Compare again in the wind of now");
+  private readonly scene: ComparisonScene;
+  private readonly curves: Curves;
+  private readonly shown: Shown = { method: "modal", ghost: true, times: 1, worst: WORST.fine };
+  private tracks: Tracks | null = null;
+  private place = 0;
+  private playing = true;
+  private last_ms = 0;
+  private running: AbortController | null = null;
+  private frame = 0;
+
+  constructor(private readonly page: ComparePage) {
+    const paper = make("div", "", "compare-curves");
+    this.compose(paper);
+    document.body.append(this.dialog);
+    this.scene = new ComparisonScene(this.canvas);
+    this.curves = new Curves(paper, (time_s) => this.seek(time_s));
+    this.dialog.addEventListener("close", () => {
+      this.closed();
+      this.page.closed();
+    });
+  }
+
+  private compose(paper: HTMLElement): void {
+    const heading = make("h2", "Is it right?");
+    heading.id = "compare-heading";
+    this.dialog.setAttribute("aria-labelledby", heading.id);
+    const close = make("button", "Close");
+    close.type = "button";
+    close.addEventListener("click", () => this.dialog.close());
+    const head = make("header");
+    head.append(heading, close);
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "The tree by its table, and the full simulation as a ghost");
+    this.status.setAttribute("role", "status");
+    this.bar.setAttribute("aria-label", "Simulation");
+    this.bar.max = 1;
+    const side = make("section", "", "compare-side");
+    side.append(this.controls(), this.status, this.bar, this.verdict, paper);
+    const body = make("div", "", "compare-body");
+    body.append(this.canvas, side);
+    this.dialog.append(head, make("p", WORDS), body);
+  }
+
+  private controls(): HTMLElement {
+    const row = make("div", "", "compare-controls");
+    this.choice.addEventListener("change", () => void this.start());
+    this.again.type = "button";
+    this.again.addEventListener("click", () => void this.start());
+    const method = select({ modal: "modal reduced order", paper: "the paper's search" }, (value) => {
+      this.shown.method = value as Method;
+      this.shown.worst = value === "paper" ? WORST.coarse : WORST.fine;
+      this.showVerdict();
+    });
+    const times = select({ 1: "true size", 3: "3 times", 10: "10 times" }, (value) => {
+      this.shown.times = Number(value);
+    });
+    const ghost = make("input");
+    ghost.type = "checkbox";
+    ghost.checked = true;
+    ghost.addEventListener("change", () => {
+      this.shown.ghost = ghost.checked;
+    });
+    const pause = make("button", "Pause");
+    pause.type = "button";
+    pause.addEventListener("click", () => {
+      this.playing = !this.playing;
+      pause.textContent = this.playing ? "Pause" : "Play";
+    });
+    row.append(
+      labelled("Tree", this.choice),
+      labelled("Method", method),
+      labelled("Motion", times),
+      labelled("Ghost", ghost),
+      pause,
+      this.again,
+    );
+    return row;
+  }
+
+  /** Opens and starts at once; `treeId` is the one to begin with. */
+  open(treeId: string | null): void {
+    if (this.dialog.open) return;
+    const candidates = this.page.candidates();
+    this.choice.replaceChildren(
+      ...candidates.map(({ tree }) => {
+        const option = make("option", displayName(tree));
+        option.value = tree.id;
+        return option;
+      }),
+    );
+    if (treeId && candidates.some(({ tree }) => tree.id === treeId)) this.choice.value = treeId;
+    this.dialog.showModal();
+    this.last_ms = performance.now();
+    this.frame = requestAnimationFrame((now) => this.play(now));
+    void this.start();
+  }
+
+  private async start(): Promise<void> {
+    this.running?.abort();
+    const chosen = this.page.candidates().find(({ tree }) => tree.id === this.choice.value);
+    const wind = this.page.wind();
+    if (!chosen || !wind) {
+      this.showStatus("No tree moves yet. Wait until one has been computed, then compare again.");
+      return;
+    }
+    const running = new AbortController();
+    this.running = running;
+    this.tracks = null;
+    this.verdict.textContent = "";
+    this.scene.setTree(chosen.model, chosen.motion);
+    this.progress(0, "Asking the server for the full simulation");
+    const frames = Math.round(SECONDS * 30);
+    const asked = { treeId: chosen.tree.id, wind: wind.state, start_s: wind.time_s, frames, ...chosen.place };
+    try {
+      const tracks = await compare(asked, { progress: (f, w) => this.progress(f, w) }, running.signal);
+      if (tracks.modes !== chosen.motion.modes) throw new Problem("The table has changed.", "Compare again.");
+      this.arrive(tracks);
+    } catch (error) {
+      if (!running.signal.aborted) this.fail(error);
+    }
+  }
+
+  private arrive(tracks: Tracks): void {
+    this.tracks = tracks;
+    this.place = 0;
+    this.bar.hidden = true;
+    this.curves.show(tracks);
+    this.showVerdict();
+  }
+
+  private fail(error: unknown): void {
+    if (error instanceof Problem) this.showStatus(`${error.title} ${error.hint}`);
+    else this.showStatus(error instanceof Error ? error.message : String(error));
+  }
+
+  private showStatus(words: string): void {
+    this.bar.hidden = true;
+    this.status.textContent = words;
+  }
+
+  private progress(fraction: number, words: string): void {
+    this.bar.hidden = false;
+    this.bar.value = fraction;
+    this.status.textContent = words;
+  }
+
+  /** The outcome in a sentence. */
+  private showVerdict(): void {
+    if (!this.tracks) return;
+    const { sway, error } = this.tracks;
+    const most = (share: readonly number[]) => percent(100 * Math.max(...share));
+    const { max, hausdorff } = error[this.shown.method];
+    this.verdict.textContent =
+      `The tree swayed by ${most(sway)} % of its height. No point of it was ever farther than ${most(max)} % of the ` +
+      `height from where the full simulation has it (Hausdorff distance ${most(hausdorff)} %). ` +
+      `Full red is ${percent(100 * this.shown.worst)} %.`;
+    this.status.textContent = `${SECONDS} seconds of this wind, from rest, over and over.`;
+  }
+
+  private seek(time_s: number): void {
+    if (this.tracks) this.place = Math.max(0, time_s / this.tracks.dt_s - 1);
+  }
+
+  private play(now_ms: number): void {
+    this.frame = requestAnimationFrame((now) => this.play(now));
+    const passed_s = Math.min(0.25, (now_ms - this.last_ms) / 1000);
+    this.last_ms = now_ms;
+    const { tracks } = this;
+    if (tracks) {
+      if (this.playing) this.place = (this.place + Math.max(0, passed_s) / tracks.dt_s) % tracks.frames;
+      this.scene.show(tracks, this.place, this.shown);
+      this.curves.at((this.place + 1) * tracks.dt_s);
+    }
+    this.scene.render();
+  }
+
+  private closed(): void {
+    cancelAnimationFrame(this.frame);
+    this.running?.abort();
+    this.running = null;
+  }
+
+  dispose(): void {
+    this.closed();
+    this.curves.dispose();
+    this.scene.dispose();
+    this.dialog.remove();
+  }
+}
+
+function labelled(words: string, control: HTMLElement): HTMLLabelElement {
+  const label = make("label", words);
+  label.append(control);
+  return label;
+}
+
+function select(choices: Record<string, string>, chosen: (value: string) => void): HTMLSelectElement {
+  const made = make("select");
+  made.append(
+    ...Object.entries(choices).map(([value, words]) => {
+      const option = make("option", words);
+      option.value = value;
+      return option;
+    }),
+  );
+  made.addEventListener("change", () => chosen(made.value));
+  return made;
+}

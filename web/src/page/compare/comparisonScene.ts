@@ -1,0 +1,69 @@
+/** The tree moved by its table, overlaid with the ghost of the finite element simulation. */
+
+import type { Method } from "../../core/motion/method";
+import { PreviewStage } from "../../scene/previewStage";
+import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
+import type { TableMotion } from "../../worker/protocol";
+import { BentTree } from "./bentTree";
+import { poseAt, type Tracks } from "./tracks";
+
+/** What is shown of a comparison. */
+export interface Shown {
+  method: Method;
+  ghost: boolean;
+  /** How many times as large the motion is drawn. */
+  times: number;
+  /** Error, as a share of the height, that is painted full red. */
+  worst: number;
+}
+
+export class ComparisonScene {
+  private readonly stage: PreviewStage;
+  private solid: BentTree | null = null;
+  private ghost: BentTree | null = null;
+  private pose = new Float32Array(0);
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.stage = new PreviewStage(canvas);
+  }
+
+  /** Replaces the tree. */
+  setTree(model: TreeModel, motion: TableMotion): void {
+    this.clear();
+    this.solid = new BentTree(model, motion, false);
+    this.ghost = new BentTree(model, motion, true);
+    this.pose = new Float32Array(motion.modes);
+    this.stage.scene.add(this.solid.group, this.ghost.group);
+    this.stage.frame(model);
+  }
+
+  /** Shows a moment of the comparison: `place` counts frames. */
+  show(tracks: Tracks, place: number, { method, ghost, times, worst }: Shown): void {
+    if (!this.solid || !this.ghost) return;
+    poseAt(tracks.q[method], tracks.modes, place, this.pose);
+    this.solid.nodes.bend(this.pose, times);
+    poseAt(tracks.q.fem, tracks.modes, place, this.pose);
+    this.ghost.nodes.bend(this.pose, times);
+    this.solid.show();
+    this.solid.paint(this.ghost.nodes, times * worst * tracks.height_m);
+    this.ghost.group.visible = ghost;
+    if (ghost) this.ghost.show();
+  }
+
+  render(): void {
+    this.stage.render();
+  }
+
+  private clear(): void {
+    for (const tree of [this.solid, this.ghost]) {
+      if (!tree) continue;
+      this.stage.scene.remove(tree.group);
+      tree.dispose();
+    }
+  }
+
+  dispose(): void {
+    this.clear();
+    this.stage.dispose();
+  }
+}

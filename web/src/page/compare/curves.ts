@@ -1,0 +1,96 @@
+/** Sway and errors over time, in % of the height, on a logarithmic scale, with a cursor at the playback position. */
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import type { Tracks } from "./tracks";
+
+const INK = "#cfd3d2";
+const GRID = { stroke: "rgba(255,255,255,0.1)", width: 1 };
+const AXIS = { stroke: INK, grid: GRID, ticks: GRID, font: "11px sans-serif" };
+const DECADES = [1e-3, 100] as const;
+
+export const COLOURS = { sway: "#9aa6ab", modal: "#8fd694", paper: "#f2ad3f" } as const;
+
+const line = (label: string, stroke: string, dash?: number[]) => ({
+  label,
+  stroke,
+  width: 1.6,
+  dash,
+  points: { show: false },
+  value: (_: uPlot, value: number | null) => (value === null ? "–" : `${percent(value)} %`),
+});
+
+export const percent = (value: number) => Number(value.toPrecision(2)).toString();
+
+export class Curves {
+  private readonly plot: uPlot;
+  private readonly resized: ResizeObserver;
+  private now_s = 0;
+
+  /** `seek` is called with the time of a click or tap. */
+  constructor(paper: HTMLElement, seek: (time_s: number) => void) {
+    this.plot = new uPlot(this.options(paper), [[], [], [], [], []], paper);
+    this.plot.over.addEventListener("pointerdown", (event) => seek(this.plot.posToVal(event.offsetX, "x")));
+    this.resized = new ResizeObserver(() =>
+      this.plot.setSize({ width: paper.clientWidth, height: this.height(paper) }),
+    );
+    this.resized.observe(paper);
+  }
+
+  private height(paper: HTMLElement): number {
+    return Math.max(140, Math.min(300, paper.clientWidth * 0.42));
+  }
+
+  private options(paper: HTMLElement): uPlot.Options {
+    return {
+      width: paper.clientWidth || 320,
+      height: this.height(paper),
+      legend: { show: true, live: true },
+      cursor: { drag: { x: false, y: false } },
+      scales: { x: { time: false }, y: { distr: 3, range: [...DECADES] } },
+      axes: [
+        { ...AXIS, size: 28, values: (_, ticks) => ticks.map((tick) => `${tick} s`) },
+        { ...AXIS, size: 58, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} %` : "")) },
+      ],
+      series: [
+        { label: "time", value: (_, value) => (value === null ? "–" : `${value.toFixed(1)} s`) },
+        line("sway of the tree", COLOURS.sway),
+        line("error", COLOURS.modal),
+        line("error, Hausdorff", COLOURS.modal, [3, 3]),
+        line("error of the paper's search", COLOURS.paper),
+      ],
+      hooks: { draw: [(plot) => this.drawNow(plot)] },
+    };
+  }
+
+  private drawNow({ ctx, bbox, valToPos }: uPlot): void {
+    const left = valToPos.call(this.plot, this.now_s, "x", true);
+    ctx.save();
+    ctx.strokeStyle = "rgba(255,255,255,0.7)";
+    ctx.beginPath();
+    ctx.moveTo(left, bbox.top);
+    ctx.lineTo(left, bbox.top + bbox.height);
+    ctx.stroke();
+    ctx.restore();
+  }
+
+  show({ frames, dt_s, sway, error }: Tracks): void {
+    const time_s = Array.from({ length: frames }, (_, frame) => (frame + 1) * dt_s);
+    const inPercent = (share: readonly number[]) =>
+      share.map((value) => Math.min(Math.max(100 * value, DECADES[0]), DECADES[1]));
+    const { modal, paper } = error;
+    this.plot.setData([time_s, ...[sway, modal.max, modal.hausdorff, paper.max].map(inPercent)]);
+  }
+
+  /** Moves the cursor to a time. */
+  at(time_s: number): void {
+    this.now_s = time_s;
+    this.plot.redraw(false);
+  }
+
+  dispose(): void {
+    this.resized.disconnect();
+    this.plot.destroy();
+  }
+}
+
+const isDecade = (tick: number) => Number.isInteger(Math.round(Math.log10(tick) * 1e6) / 1e6);

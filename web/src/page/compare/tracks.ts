@@ -1,0 +1,84 @@
+/** The tracks of a comparison (docs/formats/comparison.md): what the server computed, checked. Pure. */
+import { decode } from "@msgpack/msgpack";
+import { entryOfMethod, type Method } from "../../core/motion/method";
+
+export type TrackName = "fem" | Method;
+
+export interface Tracks {
+  readonly frames: number;
+  readonly dt_s: number;
+  readonly height_m: number;
+  readonly modes: number;
+  /** [frames, modes] coordinates of the table's modes, m. */
+  readonly q: Readonly<Record<TrackName, Float32Array>>;
+  /** [frames] farthest node from rest by the finite elements, over the height. */
+  readonly sway: readonly number[];
+  /** [frames] farthest node from its true place, and Hausdorff distance, over the height. */
+  readonly error: Readonly<Record<Method, { max: readonly number[]; hausdorff: readonly number[] }>>;
+}
+
+type Json = Record<string, unknown>;
+
+const wrong = (what: string) => new Error(`The comparison could not be read: ${what}.`);
+
+function object(value: unknown, what: string): Json {
+  if (typeof value !== "object" || value === null || Array.isArray(value)) throw wrong(what);
+  return value as Json;
+}
+
+function number(from: Json, name: string): number {
+  const value = from[name];
+  if (typeof value !== "number" || !(value > 0)) throw wrong(`${name} is no positive number`);
+  return value;
+}
+
+function floats(bytes: unknown, name: string, count: number): Float32Array {
+  if (!(bytes instanceof Uint8Array) || bytes.length !== 4 * count) throw wrong(`${name} has another length`);
+  return new Float32Array(bytes.slice().buffer);
+}
+
+function series(from: Json, name: string, count: number): readonly number[] {
+  const values = from[name];
+  if (!Array.isArray(values) || values.length !== count) throw wrong(`${name} has another length`);
+  return values as number[];
+}
+
+/** Throws an Error in plain words. */
+export function decodeTracks(file: Uint8Array): Tracks {
+  const all = object(decode(file), "it is no map");
+  if (all.format !== "galewood-comparison" || all.version !== 1)
+    throw wrong(`version ${String(all.version)} of ${String(all.format)}`);
+  const [frames, modes] = [number(all, "frames"), number(all, "modes")];
+  const tracks = object(all.tracks, "it has no tracks");
+  const errors = object(all.error, "it has no errors");
+  const errorOf = (name: Method) => {
+    const of = object(entryOfMethod(errors, name), `it has no error of ${name}`);
+    return { max: series(of, "max", frames), hausdorff: series(of, "hausdorff", frames) };
+  };
+  return {
+    frames,
+    modes,
+    dt_s: number(all, "dt_s"),
+    height_m: number(all, "height_m"),
+    q: {
+      fem: floats(tracks.fem, "fem", frames * modes),
+      modal: floats(entryOfMethod(tracks, "modal"), "modal", frames * modes),
+      paper: floats(tracks.paper, "paper", frames * modes),
+    },
+    sway: series(all, "sway", frames),
+    error: { modal: errorOf("modal"), paper: errorOf("paper") },
+  };
+}
+
+/** Coordinates at a moment, between two frames, into `out`; before the first frame the tree is at rest. */
+export function poseAt(q: Float32Array, modes: number, place: number, out: Float32Array): void {
+  const last = q.length / modes - 1;
+  const at = Math.min(Math.max(place, 0), last);
+  const first = Math.floor(at);
+  const next = Math.min(first + 1, last);
+  const part = at - first;
+  for (let k = 0; k < modes; k++) {
+    const a = q[first * modes + k];
+    out[k] = a + (q[next * modes + k] - a) * part;
+  }
+}

@@ -1,0 +1,196 @@
+/** The main thread's side of the worker: sends plans, receives poses, recycles buffers. */
+
+import type { WindDocument, WindState } from "../core/wind/wind";
+import type { About } from "../core/wire/wire";
+import type {
+  Connection,
+  ForestPlan,
+  FromWorker,
+  GroupPlan,
+  Inspection,
+  TableMotion,
+  ToWorker,
+  TreeAt,
+  Work,
+} from "../worker/protocol";
+import { tableUrl } from "./server/api";
+
+type Buffers = Float32Array<ArrayBuffer>[];
+
+interface PendingTable {
+  resolve(motion: TableMotion): void;
+  reject(error: Error): void;
+}
+
+/** Notified of changes that others make to a shared forest. */
+export interface SharedForestListener {
+  placement(about: About): void;
+  wind(wind: WindDocument): void;
+}
+
+/** A group for the worker, with the motion that determines its row length. */
+export interface ClientGroup extends Omit<GroupPlan, "table"> {
+  readonly motion: TableMotion;
+}
+
+const NO_CONNECTION: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
+const NO_WORK: Work = { wind_ms: 0, lookup_ms: 0, total_ms: 0 };
+/** Longer pauses, as of a hidden tab, are skipped. */
+const MAX_STEP_S = 0.25;
+
+/** Started early, so that it loads while the page builds its scene. */
+function startWorker(): Worker {
+  return new Worker(new URL("../worker/forest.worker.ts", import.meta.url), { type: "module" });
+}
+
+export class ForestClient {
+  /** Newest poses, one buffer per moving group. */
+  poses: Buffers = [];
+  time_s = 0;
+  /** The worker's time per frame, smoothed, and that of the last frame. */
+  lookup_ms = 0;
+  work = NO_WORK;
+  connection = NO_CONNECTION;
+  wind: { state: WindState; coverage: number } | null = null;
+  /** Largest extrapolation ratio of all trees: above 1 one is beyond its sampled range. */
+  extrapolationRatio = 0;
+  /** The watched tree's figures. */
+  watched: Inspection | null = null;
+  private readonly worker = startWorker();
+  private readonly waiting = new Map<string, PendingTable[]>();
+  private epoch = 0;
+  private arrived: (() => void) | null = null;
+  private spare: Buffers = [];
+  private busy = false;
+  private backlog_s = 0;
+  private fresh = false;
+
+  /** `shared` is notified of what others do to a shared forest. */
+  constructor(
+    private readonly problem: (title: string, hint: string) => void,
+    private readonly shared: SharedForestListener,
+  ) {
+    this.worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
+  }
+
+  private send(message: ToWorker, transfer: Transferable[] = []): void {
+    this.worker.postMessage(message, transfer);
+  }
+
+  loadTable(sha256: string): Promise<TableMotion> {
+    return new Promise((resolve, reject) => {
+      const waiting = this.waiting.get(sha256);
+      this.waiting.set(sha256, [...(waiting ?? []), { resolve, reject }]);
+      if (!waiting)
+        this.send({ kind: "load", sha256, url: new URL(tableUrl(sha256), document.baseURI).href });
+    });
+  }
+
+  /** Replaces the set of trees; those that stay keep their state. `arrived` is called with their first poses. */
+  plan(
+    groups: readonly ClientGroup[],
+    plan: Omit<ForestPlan, "epoch" | "groups">,
+    wind: WindDocument,
+    arrived: () => void,
+  ): void {
+    this.epoch++;
+    const make = () => groups.map(({ motion, ids }) => new Float32Array(ids.length * motion.stride));
+    this.spare = make();
+    this.arrived = arrived;
+    this.busy = true;
+    const full: ForestPlan = {
+      ...plan,
+      epoch: this.epoch,
+      groups: groups.map(({ key, motion, placement, ids }) => ({
+        key,
+        table: motion.sha256,
+        placement,
+        ids,
+      })),
+    };
+    const socketUrl = new URL("ws/forest", document.baseURI.replace(/^http/, "ws")).href;
+    const buffers = make();
+    const transfer = buffers.map(({ buffer }) => buffer);
+    this.send({ kind: "plan", plan: full, wind, socketUrl, buffers }, transfer);
+  }
+
+  setWind(wind: WindDocument): void {
+    this.send({ kind: "wind", wind });
+  }
+
+  /** Stops or resumes the clock of a shared forest, for everyone. */
+  pause(paused: boolean): void {
+    this.send({ kind: "pause", paused });
+  }
+
+  /** Requests the figures of one tree with every frame; null or a new plan ends it. */
+  watch(at: TreeAt | null): void {
+    this.watched = null;
+    this.send({ kind: "watch", at });
+  }
+
+  /** Advances the forest by the display's step; while the worker is busy the time accumulates. */
+  advance(dt_s: number): void {
+    this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
+    if (this.busy || this.spare.length === 0) return;
+    this.busy = true;
+    const buffers = this.spare;
+    this.spare = [];
+    const message: ToWorker = { kind: "advance", epoch: this.epoch, dt_s: this.backlog_s, buffers };
+    this.backlog_s = 0;
+    this.send(
+      message,
+      buffers.map((buffer) => buffer.buffer),
+    );
+  }
+
+  /** Whether the poses requested last are still to come. */
+  get isBusy(): boolean {
+    return this.busy;
+  }
+
+  /** Whether new poses have arrived since the last call. */
+  takeFreshPoses(): boolean {
+    const { fresh } = this;
+    this.fresh = false;
+    return fresh;
+  }
+
+  private receive(message: FromWorker): void {
+    if (message.kind === "poses") this.receivePoses(message);
+    else if (message.kind === "table")
+      this.settle(message.motion.sha256, ({ resolve }) => resolve(message.motion));
+    else if (message.kind === "tableFailed") {
+      this.settle(message.sha256, ({ reject }) => reject(new Error(message.title)));
+    } else if (message.kind === "shared") this.shared.placement(message.about);
+    else if (message.kind === "sharedWind") this.shared.wind(message.wind);
+    else this.problem(message.title, message.hint);
+  }
+
+  private settle(sha256: string, end: (waiting: PendingTable) => void): void {
+    for (const waiting of this.waiting.get(sha256) ?? []) end(waiting);
+    this.waiting.delete(sha256);
+  }
+
+  private receivePoses(message: Extract<FromWorker, { kind: "poses" }>): void {
+    if (message.epoch !== this.epoch) return;
+    const { arrived } = this;
+    this.arrived = null;
+    if (!arrived) this.spare = this.poses;
+    this.poses = message.buffers;
+    this.time_s = message.time_s;
+    this.work = message.work;
+    this.lookup_ms += 0.1 * (message.work.total_ms - this.lookup_ms);
+    this.connection = message.connection;
+    this.wind = message.wind;
+    this.extrapolationRatio = message.extrapolationRatio;
+    this.watched = message.watched;
+    this.busy = false;
+    this.fresh = true;
+    arrived?.();
+  }
+
+  dispose(): void {
+    this.worker.terminate();
+  }
+}

@@ -1,0 +1,44 @@
+/** Running means of what a frame costs. Pure. */
+/** Figures of the panel, refreshed a few times a second. */
+export interface Statistics {
+  framesPerSecond: number;
+  frame_ms: number;
+  script_ms: number;
+  lookup_ms: number;
+  trees: number;
+  triangles: number;
+  drawCalls: number;
+  stream: string;
+  latency: string;
+  frameAge: string;
+}
+
+const SHARE = 0.08;
+
+export class FrameStatistics {
+  readonly statistics: Statistics = {
+    framesPerSecond: 0,
+    frame_ms: 0,
+    script_ms: 0,
+    lookup_ms: 0,
+    trees: 0,
+    triangles: 0,
+    drawCalls: 0,
+    stream: "off",
+    latency: "–",
+    frameAge: "–",
+  };
+
+  /** Adds a frame: time since the previous one, and time spent in script. */
+  count(frame_ms: number, script_ms: number): void {
+    const { statistics } = this;
+    const first = statistics.frame_ms === 0;
+    statistics.frame_ms += (first ? 1 : SHARE) * (frame_ms - statistics.frame_ms);
+    statistics.script_ms += (first ? 1 : SHARE) * (script_ms - statistics.script_ms);
+    statistics.framesPerSecond = statistics.frame_ms > 0 ? 1000 / statistics.frame_ms : 0;
+  }
+
+  publish(figures: Partial<Statistics>): void {
+    Object.assign(this.statistics, figures);
+  }
+}

@@ -1,0 +1,209 @@
+/** "Your tree": shows how an upload was interpreted, to check and correct before it is computed. */
+import "./ownTree.css";
+import { readTreeModel } from "../../scene/trees/mesh/treeMesh";
+import {
+  type Assumptions,
+  changeAssumptions,
+  deleteTree,
+  fetchMesh,
+  knownSpecies,
+  Problem,
+  startPrecompute,
+  type Tree,
+} from "../server/api";
+import { make } from "../ui/dom";
+import { displayName } from "../ui/words";
+import { type Assumed, assumedOf } from "./assumed";
+import { Preview } from "./preview";
+
+const AXES = { y: "Y", z: "Z", x: "X" };
+const still = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+export class OwnTreeDialog {
+  private readonly dialog = make("dialog", "", "own-tree");
+  private readonly canvas = make("canvas", "", "own-tree-stage");
+  private readonly title = make("h2", "Your tree");
+  private readonly form = make("div", "", "own-tree-form");
+  private readonly message = make("p", "", "own-tree-message");
+  private readonly go = make("button", "Let it sway", "primary");
+  private readonly preview: Preview;
+  private settle: (started: boolean) => void = () => {};
+  private started = false;
+  private frame = 0;
+  private last_ms = 0;
+
+  constructor(private tree: Tree) {
+    this.title.id = "own-tree-heading";
+    this.dialog.setAttribute("aria-labelledby", this.title.id);
+    this.message.setAttribute("role", "status");
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "The tree as it was understood: wood brown, leaves green");
+    const away = make("button", "Remove it");
+    for (const button of [away, this.go]) button.type = "button";
+    away.addEventListener("click", () => this.dialog.close());
+    this.go.addEventListener("click", () => void this.compute());
+    const foot = make("footer");
+    foot.append(away, this.go);
+    const side = make("section");
+    side.append(this.form, this.message, foot);
+    const body = make("div", "", "own-tree-body");
+    body.append(this.canvas, side);
+    this.dialog.append(this.title, body);
+    this.dialog.addEventListener("close", () => void this.closed());
+    document.body.append(this.dialog);
+    this.preview = new Preview(this.canvas);
+  }
+
+  /** Resolves when the dialog is over: whether the tree is being computed. Else it was removed again. */
+  async open(): Promise<boolean> {
+    const over = new Promise<boolean>((resolve) => {
+      this.settle = resolve;
+    });
+    this.dialog.showModal();
+    this.go.focus();
+    this.last_ms = performance.now();
+    this.frame = requestAnimationFrame((now) => this.turn(now));
+    await this.show();
+    return over;
+  }
+
+  private turn(now_ms: number): void {
+    this.frame = requestAnimationFrame((now) => this.turn(now));
+    this.preview.render(Math.min(0.1, Math.max(0, (now_ms - this.last_ms) / 1000)), still());
+    this.last_ms = now_ms;
+  }
+
+  /** The tree as it is understood now. */
+  private async show(): Promise<void> {
+    const { tree } = this;
+    this.title.textContent = displayName(tree);
+    const assumed = assumedOf(tree.report);
+    const species = await knownSpecies().catch(() => []);
+    this.form.replaceChildren(...this.fields(assumed, species), ...warnings(assumed));
+    if (!tree.mesh_sha256) return;
+    try {
+      this.preview.show(await readTreeModel(await fetchMesh(tree.mesh_sha256)));
+    } catch (error) {
+      this.say(error);
+    }
+  }
+
+  private fields(assumed: Assumed, species: readonly { id: string; name: string }[]): HTMLElement[] {
+    const woods = Object.fromEntries(species.map(({ id, name }) => [id, name]));
+    const wood = select(woods, assumed.species.value || "default", (value) =>
+      this.change({ species: value }),
+    );
+    const height = make("input");
+    Object.assign(height, {
+      type: "number",
+      min: "0.5",
+      max: "150",
+      step: "0.1",
+      value: assumed.height_m.toFixed(1),
+    });
+    height.addEventListener("change", () => this.change({ height_m: height.valueAsNumber || null }));
+    const axis = select(AXES, assumed.axis.value, (value) => this.change({ up_axis: value }));
+    return [
+      row("Wood of", wood, assumed.species.reason),
+      row("Height, m", height, assumed.size),
+      row("Upwards is", axis, assumed.axis.reason),
+      this.parts(assumed),
+    ];
+  }
+
+  /** Which parts are wood: any may be named so. */
+  private parts({ parts }: Assumed): HTMLElement {
+    const set = make("fieldset");
+    set.append(make("legend", "Parts that are wood"));
+    for (const part of parts) {
+      const box = make("input");
+      Object.assign(box, { type: "checkbox", checked: part.wood, value: part.name, disabled: !part.name });
+      box.addEventListener("change", () => {
+        const chosen = [...set.querySelectorAll("input:checked")].map(
+          (one) => (one as HTMLInputElement).value,
+        );
+        this.change({ wood_materials: chosen.length > 0 ? chosen : null });
+      });
+      const label = make("label");
+      label.append(
+        box,
+        make("span", part.name || "unnamed"),
+        make("small", `${part.faces} faces; ${part.reason}`),
+      );
+      set.append(label);
+    }
+    return set;
+  }
+
+  private async change(assumptions: Assumptions): Promise<void> {
+    this.busy("Reading the mesh again");
+    try {
+      this.tree = await changeAssumptions(this.tree.id, assumptions);
+      this.message.textContent = "";
+    } catch (error) {
+      this.say(error);
+    } finally {
+      this.go.disabled = false;
+    }
+    await this.show();
+  }
+
+  private async compute(): Promise<void> {
+    this.busy("Asking the server");
+    try {
+      await startPrecompute(this.tree.id);
+      this.started = true;
+      this.dialog.close();
+    } catch (error) {
+      this.go.disabled = false;
+      this.say(error);
+    }
+  }
+
+  private busy(words: string): void {
+    this.go.disabled = true;
+    this.message.textContent = words;
+  }
+
+  private say(error: unknown): void {
+    if (error instanceof Problem) this.message.textContent = `${error.title} ${error.hint}`;
+    else this.message.textContent = error instanceof Error ? error.message : String(error);
+  }
+
+  private async closed(): Promise<void> {
+    cancelAnimationFrame(this.frame);
+    this.preview.dispose();
+    this.dialog.remove();
+    if (!this.started) await deleteTree(this.tree.id).catch(() => {}); // not wanted after all
+    this.settle(this.started);
+  }
+}
+
+function warnings({ warnings: texts }: Assumed): HTMLElement[] {
+  if (texts.length === 0) return [];
+  const list = make("ul", "", "own-tree-warnings");
+  list.append(...texts.map((words) => make("li", words)));
+  return [list];
+}
+
+function row(words: string, control: HTMLElement, reason: string): HTMLElement {
+  const label = make("label", "", "own-tree-row");
+  label.append(make("span", words), control, make("small", reason));
+  return label;
+}
+
+function select(
+  choices: Record<string, string>,
+  value: string,
+  chosen: (value: string) => void,
+): HTMLSelectElement {
+  const made = make("select");
+  for (const [id, words] of Object.entries(choices)) {
+    const option = make("option", words);
+    option.value = id;
+    made.append(option);
+  }
+  made.value = value;
+  made.addEventListener("change", () => chosen(made.value));
+  return made;
+}

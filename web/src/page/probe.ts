@@ -1,0 +1,130 @@
+/** `window.galewood`: the API for tests and embedding pages. */
+
+import type { WindDocument } from "../core/wind/wind";
+import type { App } from "./app";
+import type { PickedFigures } from "./treePicker";
+
+/** The picked tree; `coverage` is the former name of `extrapolationRatio`. */
+export type ProbedTree = PickedFigures & { readonly coverage: number | null };
+
+const probed = (figures: PickedFigures | null): ProbedTree | null =>
+  figures && { ...figures, coverage: figures.extrapolationRatio };
+
+export interface Probe {
+  readonly frame: number;
+  readonly time_s: number;
+  readonly readySpecies: string[];
+  readonly trees: { moving: number; still: number };
+  readonly crownDisplacement_m: [number, number, number];
+  readonly lookup: "worker" | "server";
+  readonly connection: App["connection"];
+  readonly paused: boolean;
+  readonly wind: WindDocument;
+  /** Share of the trees in winds that their tables have sampled, 0 to 1. */
+  readonly coverage: number;
+  /** The anemometer, null while there is none. */
+  readonly anemometer: App["studio"]["anemometer"];
+  /** Another wind, from a document; throws an error that names the field if it cannot be used. */
+  setWind(document: unknown): void;
+  pause(): void;
+  resume(): void;
+  look: App["look"];
+  /** Where the camera is, metres. */
+  readonly eye: readonly [number, number, number];
+  /** An address that brings back this forest, wind, light and view. */
+  readonly link: string;
+  /** Another season ("spring", "summer", "autumn", "winter") and share of the daylight that has passed. */
+  dress: App["setScenery"];
+  /** Stops advancing and drawing, or resumes. */
+  sleep(asleep: boolean): void;
+  /** Advances by one frame of dt_s and waits for it; for frame-by-frame rendering while asleep. */
+  step(dt_s: number, drawn?: boolean): Promise<void>;
+  /** Picks the tree under a place of the window (px), as a click does; null where there is none. */
+  pick(left_px: number, top_px: number): ProbedTree | null;
+  /** The picked tree and its figures now. */
+  readonly picked: ProbedTree | null;
+  /** Whether the camera keeps the picked tree in the middle. */
+  follow(following: boolean): void;
+  /** What the page costs: frame, script, worker, triangles. `extent` is the former name of `extrapolationRatio`. */
+  readonly statistics: App["statistics"] & { readonly extent: number };
+  /** Draws the trees as static instances, or moving again: to measure what the motion costs. */
+  freeze(frozen: boolean): void;
+}
+
+declare global {
+  interface Window {
+    galewood?: Probe;
+  }
+}
+
+export function exposeProbe(app: App): void {
+  window.galewood = {
+    get frame() {
+      return app.frame;
+    },
+    get time_s() {
+      return app.time_s;
+    },
+    get readySpecies() {
+      return app.readySpecies;
+    },
+    get trees() {
+      return app.trees;
+    },
+    get crownDisplacement_m() {
+      return app.crownDisplacement_m;
+    },
+    get lookup() {
+      return app.settings.lookup;
+    },
+    get connection() {
+      return app.connection;
+    },
+    get paused() {
+      return app.paused;
+    },
+    get wind() {
+      return app.settings.wind;
+    },
+    get coverage() {
+      return app.studio.coverage;
+    },
+    get anemometer() {
+      return app.studio.anemometer;
+    },
+    setWind: (document) => app.setWind(document),
+    pause() {
+      app.paused = true;
+    },
+    resume() {
+      app.paused = false;
+    },
+    look: (eye, at) => app.look(eye, at),
+    get eye() {
+      return app.visit.moment.eye;
+    },
+    get link() {
+      return app.visit.link;
+    },
+    dress: (season, daytime) => app.setScenery(season, daytime),
+    sleep(asleep) {
+      app.asleep = asleep;
+    },
+    step: (dt_s, drawn) => app.step(dt_s, drawn),
+    pick(left_px, top_px) {
+      app.picker.select(app.picker.find(left_px, top_px));
+      return probed(app.picker.figures);
+    },
+    get picked() {
+      return probed(app.picker.figures);
+    },
+    follow(following) {
+      app.picker.following = following;
+    },
+    get statistics() {
+      const { statistics } = app;
+      return { ...statistics, extent: statistics.extrapolationRatio };
+    },
+    freeze: (frozen) => app.freeze(frozen),
+  };
+}

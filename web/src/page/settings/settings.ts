@@ -1,0 +1,149 @@
+/** What the visitor chose: defaults, limits, and the address-bar form of it. Pure. */
+import { type Method, parseMethod } from "../../core/motion/method";
+import { plainWind } from "../../core/wind/edit";
+import type { WindDocument } from "../../core/wind/wind";
+import type { Quality } from "../../scene/quality";
+import { SEASONS, type Season } from "../../scene/season/season";
+import type { LookupPlace } from "../../worker/protocol";
+import { numberFrom, queryText } from "./queryNumbers";
+import { windFromQuery, withQueryNumbers, writeWind } from "./windQuery";
+
+export interface Settings {
+  trees: number;
+  /** How close trees stand; 1 is the usual. */
+  density: number;
+  /** How common each species is beside the others, by id; 1 if not named. */
+  shares: Record<string, number>;
+  /** Seed of the placement. */
+  forestSeed: number;
+  /** The page's only wind: panel, instruments, links and worker take it from here. */
+  wind: WindDocument;
+  lookup: LookupPlace;
+  method: Method;
+  /** Share of the way towards the found record's own pose per step; null takes each table's default. */
+  poseEasing: number | null;
+  quality: Quality;
+  season: Season;
+  /** Share of the daylight that has passed: 0 before sunrise, 0.5 noon, 1 after sunset. */
+  daytime: number;
+  /** Leaves tremble in the shader on top of the simulated motion. */
+  flutter: boolean;
+  panel: boolean;
+}
+
+export const LIMITS = {
+  trees: { min: 1, max: 10_000, step: 1 },
+  density: { min: 0.4, max: 2, step: 0.05 },
+  forestSeed: { min: 0, max: 9999, step: 1 },
+  poseEasing: { min: 0, max: 0.5, step: 0.005 },
+  daytime: { min: 0, max: 1, step: 0.005 },
+} as const;
+
+type NumberKey = keyof typeof LIMITS;
+
+export const DEFAULTS: Settings = {
+  trees: 400,
+  density: 1,
+  shares: {},
+  forestSeed: 7,
+  wind: plainWind({ mean_speed_m_s: 7, direction_deg: 30, gustiness: 0.6, seed: 1 }),
+  lookup: "worker",
+  method: "modal",
+  poseEasing: null,
+  quality: "high",
+  season: "autumn",
+  daytime: 0.66,
+  flutter: true,
+  panel: true,
+};
+
+const NAMES: Record<NumberKey, string> = {
+  trees: "trees",
+  density: "density",
+  forestSeed: "forest",
+  poseEasing: "easing",
+  daytime: "time",
+};
+
+const FLAGS = { panel: "panel", flutter: "flutter" } as const;
+const numberKeys = Object.keys(LIMITS) as NumberKey[];
+/** Reads "maple:0.5,poplar:0"; what makes no sense is left out. */
+function sharesFrom(text: string): Record<string, number> {
+  const shares: Record<string, number> = {};
+  for (const part of text.split(",").slice(0, 64)) {
+    const [, id, number] = /^([\w-]{1,64}):(\d*\.?\d+)$/.exec(part) ?? [];
+    if (id) shares[id] = Math.min(1, Number(number));
+  }
+  return shares;
+}
+
+const textOfShares = (shares: Readonly<Record<string, number>>): string =>
+  Object.entries(shares)
+    .filter(([, share]) => share !== 1)
+    .map(([id, share]) => `${id}:${Number(share.toFixed(2))}`)
+    .join(",");
+
+function usableWind(query: string): WindDocument | null {
+  try {
+    return windFromQuery(query);
+  } catch {
+    return null; // the page says so when it starts
+  }
+}
+
+/** Settings from an address such as `?trees=60&speed=12`; what is missing or unreadable keeps its default. */
+export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS): Settings {
+  const given = new URLSearchParams(query);
+  const settings: Settings = { ...defaults, shares: { ...defaults.shares } };
+  settings.wind = usableWind(query) ?? withQueryNumbers(defaults.wind, given);
+  for (const key of numberKeys) {
+    const value = numberFrom(given, NAMES[key], LIMITS[key]);
+    if (value !== null) settings[key] = value;
+  }
+  for (const key of Object.keys(FLAGS) as (keyof typeof FLAGS)[]) {
+    const text = given.get(FLAGS[key]);
+    if (text !== null) settings[key] = text !== "0";
+  }
+  const lookup = given.get("lookup");
+  if (lookup === "worker" || lookup === "server") settings.lookup = lookup;
+  const method = parseMethod(given.get("method"));
+  if (method) settings.method = method;
+  const quality = given.get("quality");
+  if (quality === "low" || quality === "medium" || quality === "high") settings.quality = quality;
+  const mix = given.get("mix");
+  if (mix !== null) settings.shares = sharesFrom(mix);
+  const season = SEASONS.find((name) => name === given.get("season"));
+  if (season) settings.season = season;
+  return settings;
+}
+
+/** The shortest query that gives these settings back: only what differs from the defaults. */
+export function queryFromSettings(settings: Settings, defaults: Settings = DEFAULTS): string {
+  const query = new URLSearchParams();
+  for (const key of numberKeys) {
+    const value = settings[key];
+    if (value !== null && value !== defaults[key]) query.set(NAMES[key], queryText(value));
+  }
+  for (const key of Object.keys(FLAGS) as (keyof typeof FLAGS)[]) {
+    if (settings[key] !== defaults[key]) query.set(FLAGS[key], settings[key] ? "1" : "0");
+  }
+  if (settings.lookup !== defaults.lookup) query.set("lookup", settings.lookup);
+  if (settings.method !== defaults.method) query.set("method", settings.method);
+  if (settings.quality !== defaults.quality) query.set("quality", settings.quality);
+  const mix = textOfShares(settings.shares);
+  if (mix) query.set("mix", mix);
+  if (settings.season !== defaults.season) query.set("season", settings.season);
+  writeWind(query, settings.wind, defaults.wind);
+  return query.toString();
+}
+
+/** Defaults for this screen: fewer trees and pixels on a phone, and where no graphics card draws. */
+export function defaultsFor(screen: { width_px: number; touch: boolean; software: boolean }): Settings {
+  const phone = screen.width_px < 720;
+  if (screen.software) return { ...DEFAULTS, trees: phone ? 60 : 120, quality: "low" };
+  return {
+    ...DEFAULTS,
+    trees: phone ? 160 : DEFAULTS.trees,
+    quality: phone || screen.touch ? "medium" : "high",
+  };
+}

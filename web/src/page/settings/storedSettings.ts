@@ -1,0 +1,30 @@
+/** Settings kept in the browser's storage, as a query; values that cannot be read keep their default. */
+import { queryFromSettings, type Settings, settingsFromQuery } from "./settings";
+import { windFromQuery } from "./windQuery";
+
+const KEY = "galewood.settings";
+const VERSION = 1;
+
+type Store = Pick<Storage, "getItem" | "setItem">;
+
+/** The defaults with the stored settings applied; unreadable storage is ignored. */
+export function remembered(defaults: Settings, store: () => Store): Settings {
+  try {
+    const kept: unknown = JSON.parse(store().getItem(KEY) ?? "null");
+    if (typeof kept !== "object" || kept === null) return defaults;
+    const { version, query } = kept as Record<string, unknown>;
+    if (version !== VERSION || typeof query !== "string") return defaults;
+    windFromQuery(query); // throws for a wind that cannot be used
+    return { ...settingsFromQuery(query, defaults), panel: defaults.panel };
+  } catch {
+    return defaults;
+  }
+}
+
+export function keep(settings: Settings, defaults: Settings, store: () => Store): void {
+  try {
+    store().setItem(KEY, JSON.stringify({ version: VERSION, query: queryFromSettings(settings, defaults) }));
+  } catch {
+    // A full or forbidden storage: the page works without.
+  }
+}

@@ -1,0 +1,63 @@
+/**
+ * The wind in an address. A plain wind is written as its four numbers (`speed`, `direction`, `gust`, `seed`), any
+ * other as a document (`wind`). Pure.
+ */
+import { type PlainWind, plainWind, sameWind, withinTurn, withPlain } from "../../core/wind/edit";
+import { parseWind, type WindDocument, WindError } from "../../core/wind/wind";
+import { clampTo, numberFrom, queryText } from "./queryNumbers";
+
+type PlainKey = keyof PlainWind;
+
+export const WIND_LIMITS = {
+  mean_speed_m_s: { min: 0, max: 25, step: 0.1 },
+  direction_deg: { min: 0, max: 359, step: 1 },
+  gustiness: { min: 0, max: 1, step: 0.01 },
+  seed: { min: 0, max: 9999, step: 1 },
+} as const;
+
+const NAMES: Record<PlainKey, string> = {
+  mean_speed_m_s: "speed",
+  direction_deg: "direction",
+  gustiness: "gust",
+  seed: "seed",
+};
+
+const KEYS = Object.keys(NAMES) as PlainKey[];
+
+/** The wind of an address's `wind` parameter, null without one; throws WindError with the path of what is wrong. */
+export function windFromQuery(query: string): WindDocument | null {
+  const text = new URLSearchParams(query).get("wind");
+  if (text === null) return null;
+  let value: unknown;
+  try {
+    value = JSON.parse(text);
+  } catch {
+    throw new WindError("wind", "expected a JSON object");
+  }
+  return parseWind(value);
+}
+
+/** A wind changed by the plain numbers of an address. */
+export function withQueryNumbers(wind: WindDocument, query: URLSearchParams): WindDocument {
+  const given = KEYS.flatMap((key) => {
+    const value = numberFrom(query, NAMES[key], WIND_LIMITS[key]);
+    return value === null ? [] : [[key, value] as const];
+  });
+  return given.length === 0 ? wind : withPlain(wind, Object.fromEntries(given));
+}
+
+/** Whether the four numbers, as an address writes them, give the wind back. */
+const isPlain = (wind: WindDocument): boolean =>
+  sameWind(wind, plainWind(wind)) &&
+  KEYS.every((key) => clampTo(WIND_LIMITS[key], Number(queryText(wind[key]))) === wind[key]);
+
+/** Writes what it takes to get a wind from the usual one. */
+export function writeWind(query: URLSearchParams, given: WindDocument, usual: WindDocument): void {
+  const wind = withinTurn(given);
+  if (sameWind(wind, withinTurn(usual))) return;
+  if (!isPlain(wind) || !isPlain(usual)) {
+    query.set("wind", JSON.stringify(wind));
+    return;
+  }
+  for (const key of KEYS) if (wind[key] !== usual[key]) query.set(NAMES[key], queryText(wind[key]));
+}

@@ -1,0 +1,129 @@
+/** Model, gust sliders and seed of the wind. */
+import {
+  FIELDS,
+  hasField,
+  MODELS,
+  type WindDocument,
+  type WindModel,
+  type WindNumber,
+} from "../../../core/wind/wind";
+import { make } from "../dom";
+import { withModel } from "./windEditing";
+
+const MODEL_NAMES: Record<WindModel, string> = {
+  cosine: "Cosine waves",
+  perlin: "Perlin noise",
+  spectral: "1/f^β turbulence",
+  "navier-stokes": "Navier–Stokes eddies",
+};
+
+interface Slider {
+  readonly name: WindNumber;
+  readonly label: string;
+  readonly title: string;
+  readonly low: number;
+  readonly high: number;
+  readonly step: number;
+  words(value: number): string;
+}
+
+const SLIDERS: readonly Slider[] = [
+  {
+    name: "gustiness",
+    label: "Gusts",
+    title: "How deep the gusts are",
+    low: 0,
+    high: 1,
+    step: 0.01,
+    words: (value) => `${Math.round(100 * value)} %`,
+  },
+  {
+    name: "length_scale_m",
+    label: "Gust size",
+    title: "Length scale of the gusts",
+    low: FIELDS.length_scale_m.low,
+    high: 100,
+    step: 1,
+    words: (value) => `${Math.round(value)} m`,
+  },
+  {
+    name: "convection_speed_m_s",
+    label: "Gust speed",
+    title: "How fast gusts travel through the forest",
+    low: 1,
+    high: 30,
+    step: 0.5,
+    words: (value) => `${value.toFixed(1)} m/s`,
+  },
+  {
+    name: "beta",
+    label: "Roughness β",
+    title: "Power falls with frequency as 1/f^β: 0 is white, 5/3 is turbulence",
+    low: 0,
+    high: 2,
+    step: 0.01,
+    words: (value) => value.toFixed(2),
+  },
+];
+
+export class WindControls {
+  readonly element = make("div", "", "wind-controls");
+  private readonly model = make("select");
+  private readonly rows: {
+    slider: Slider;
+    row: HTMLElement;
+    input: HTMLInputElement;
+    output: HTMLOutputElement;
+  }[];
+
+  constructor(
+    private readonly current: { readonly wind: WindDocument },
+    private readonly changed: (wind: WindDocument) => void,
+  ) {
+    for (const name of MODELS) this.model.append(new Option(MODEL_NAMES[name], name));
+    this.model.addEventListener("change", () => {
+      this.changed(withModel(current.wind, this.model.value as WindModel));
+    });
+    this.element.append(labelled("Model", this.model));
+    this.rows = SLIDERS.map((slider) => this.makeRow(slider));
+    const seed = make("button", "Other gusts");
+    seed.type = "button";
+    seed.title = "The same wind with other gusts (another seed)";
+    seed.addEventListener("click", () => {
+      this.changed({ ...current.wind, seed: Math.floor(Math.random() * 10_000) });
+    });
+    this.element.append(seed);
+  }
+
+  private makeRow(slider: Slider) {
+    const input = make("input");
+    Object.assign(input, { type: "range", min: slider.low, max: slider.high, step: slider.step });
+    input.title = slider.title;
+    input.dataset.field = slider.name;
+    input.addEventListener("input", () => {
+      this.changed({ ...this.current.wind, [slider.name]: Number(input.value) });
+    });
+    const output = make("output");
+    const row = labelled(slider.label, input, output);
+    this.element.append(row);
+    return { slider, row, input, output };
+  }
+
+  show(): void {
+    const { wind } = this.current;
+    this.model.value = wind.model;
+    for (const { slider, row, input, output } of this.rows) {
+      row.hidden = !hasField(wind.model, slider.name);
+      const standard = slider.name === "beta" ? 5 / 3 : slider.low;
+      const value = wind[slider.name] ?? standard;
+      input.value = String(value);
+      output.textContent = slider.words(value);
+    }
+  }
+}
+
+function labelled(text: string, ...controls: HTMLElement[]): HTMLLabelElement {
+  const label = make("label");
+  label.append(make("span", text), ...controls);
+  return label;
+}

@@ -1,0 +1,171 @@
+/** The wind's instruments: rose, words, presets, gust sliders, overlay, anemometer, files. */
+
+import { withMean } from "../../../core/wind/edit";
+import {
+  PRESETS,
+  type PresetName,
+  type WindDocument,
+  type WindError,
+  type WindField,
+} from "../../../core/wind/wind";
+import { element, make } from "../dom";
+import { Anemometer } from "./anemometer";
+import { windInWords } from "./beaufort";
+import { WindControls } from "./controls";
+import { WindRose } from "./rose";
+import { presetAt, presetOf } from "./windEditing";
+import { saveWind, WindFileInput } from "./windFiles";
+
+const PRESET_NAMES: Record<PresetName, string> = {
+  still: "Still",
+  breeze: "Breeze",
+  "autumn-gusts": "Autumn gusts",
+  "storm-front": "Storm front",
+};
+
+/** The page's wind, read when it is needed; the instruments keep no copy. */
+export interface CurrentWind {
+  readonly wind: WindDocument;
+}
+
+export interface InstrumentEvents {
+  /** The visitor wants another wind. */
+  wind(wind: WindDocument): void;
+  overlay(visible: boolean): void;
+  /** The next click on the ground sets the anemometer up, or no longer does. */
+  placing(active: boolean): void;
+  anemometerRemoved(): void;
+  problem(title: string, hint: string): void;
+}
+
+export class Instruments {
+  readonly anemometer = new Anemometer(() => this.removeAnemometer());
+  private readonly rose = new WindRose(({ direction_deg, mean_speed_m_s }) => {
+    this.events.wind(withMean(this.wind, mean_speed_m_s, direction_deg));
+  });
+  private readonly words = make("p", "", "wind-words");
+  private readonly coverage = make("p", "", "wind-coverage");
+  private readonly controls: WindControls;
+  private readonly presets: { name: PresetName; button: HTMLButtonElement }[];
+  private readonly files = new WindFileInput(
+    (wind) => this.events.wind(wind),
+    (why) => this.refuse(why),
+  );
+  private readonly overlayButton = toggle(
+    "Show on ground",
+    "Arrows on the ground, warm in gusts, blue in lulls",
+  );
+  private readonly placeButton = toggle("Anemometer", "Then click on the ground to set it up");
+
+  constructor(
+    private readonly current: CurrentWind,
+    private readonly events: InstrumentEvents,
+  ) {
+    this.controls = new WindControls(current, events.wind);
+    this.presets = (Object.keys(PRESETS) as PresetName[]).map((name) => this.presetButton(name));
+    this.overlayButton.addEventListener("click", () => events.overlay(flip(this.overlayButton)));
+    this.placeButton.addEventListener("click", () => events.placing(flip(this.placeButton)));
+    const box = element("instruments");
+    box.replaceChildren(
+      this.rose.element,
+      this.words,
+      this.details(),
+      group("wind-tools", this.overlayButton, this.placeButton),
+    );
+    element("anemometer").replaceChildren(this.anemometer.element);
+    element("winds").replaceChildren(...this.presets.map(({ button }) => button));
+    this.showWind();
+  }
+
+  private get wind(): WindDocument {
+    return this.current.wind;
+  }
+
+  private presetButton(name: PresetName) {
+    const button = make("button", PRESET_NAMES[name]);
+    button.type = "button";
+    button.addEventListener("click", () => this.events.wind(presetAt(name, this.wind.direction_deg)));
+    return { name, button };
+  }
+
+  private details(): HTMLElement {
+    const details = make("details");
+    const save = make("button", "Save wind");
+    const load = make("button", "Load wind");
+    save.type = load.type = "button";
+    save.addEventListener("click", () => saveWind(this.wind));
+    load.addEventListener("click", () => this.files.choose());
+    details.append(
+      make("summary", "Gusts and model"),
+      this.controls.element,
+      this.coverage,
+      group("wind-files", save, load, this.files.element),
+    );
+    return details;
+  }
+
+  private refuse(why: WindError): void {
+    this.events.problem("This wind cannot be used.", why.message);
+  }
+
+  /** Shows the page's wind after a change. */
+  showWind(): void {
+    const { wind } = this;
+    const words = windInWords(wind.mean_speed_m_s, wind.direction_deg);
+    if (this.words.textContent !== words) this.words.textContent = words;
+    this.controls.show();
+    const current = presetOf(wind);
+    for (const { name, button } of this.presets)
+      button.setAttribute("aria-pressed", String(name === current));
+  }
+
+  /** Every frame: the dial turns with the camera, the anemometer measures. */
+  advance(turn_deg: number, field: WindField, time_s: number, tip_m: number, now_ms: number): void {
+    this.rose.show(this.wind, turn_deg);
+    this.anemometer.measure(field, time_s, tip_m);
+    this.anemometer.draw(now_ms);
+  }
+
+  /** Share of the trees whose pressure lies within what their table has sampled. */
+  showCoverage(share: number): void {
+    const words =
+      share >= 0.995
+        ? "All of this wind lies within what the trees have sampled."
+        : `${Math.round(100 * share)} % of the trees are in winds that were sampled; the rest bend as in the strongest.`;
+    if (this.coverage.textContent !== words) this.coverage.textContent = words;
+  }
+
+  anemometerPlaced(): void {
+    this.placeButton.setAttribute("aria-pressed", "false");
+  }
+
+  private removeAnemometer(): void {
+    this.anemometer.remove();
+    this.events.anemometerRemoved();
+  }
+
+  dispose(): void {
+    this.anemometer.dispose();
+  }
+}
+
+function toggle(text: string, title: string): HTMLButtonElement {
+  const button = make("button", text);
+  button.type = "button";
+  button.title = title;
+  button.setAttribute("aria-pressed", "false");
+  return button;
+}
+
+/** Presses or releases a toggle; true if it is pressed now. */
+function flip(button: HTMLButtonElement): boolean {
+  const pressed = button.getAttribute("aria-pressed") !== "true";
+  button.setAttribute("aria-pressed", String(pressed));
+  return pressed;
+}
+
+function group(className: string, ...children: HTMLElement[]): HTMLElement {
+  const made = make("div", "", className);
+  made.append(...children);
+  return made;
+}

@@ -1,0 +1,48 @@
+/** Power spectrum of what an anemometer measured (Welch's method). Pure. */
+import { rootsOfUnity, transformRows } from "../../../core/wind/models/fourier";
+
+const SEGMENT = 512;
+const ROOTS = rootsOfUnity(SEGMENT);
+const WINDOW = Float64Array.from({ length: SEGMENT }, (_, i) => 0.5 - 0.5 * ROOTS.cosine[i]);
+const WINDOW_POWER = WINDOW.reduce((sum, value) => sum + value * value, 0);
+
+export interface PowerSpectrum {
+  readonly frequency_hz: Float64Array;
+  /** One-sided density, (m/s)²/Hz. */
+  readonly power: Float64Array;
+}
+
+/** Mean over half-overlapping Hann windows; null while there is less than one window. */
+export function powerSpectrum(values: Float64Array, count: number, rate_hz: number): PowerSpectrum | null {
+  if (count < SEGMENT) return null;
+  const half = SEGMENT / 2;
+  const power = new Float64Array(half - 1);
+  const frequency_hz = Float64Array.from(power, (_, k) => ((k + 1) * rate_hz) / SEGMENT);
+  const re = new Float64Array(SEGMENT);
+  const im = new Float64Array(SEGMENT);
+  let segments = 0;
+  for (let first = count - SEGMENT; first >= 0; first -= half) {
+    const part = values.subarray(first, first + SEGMENT);
+    const mean = part.reduce((sum, value) => sum + value, 0) / SEGMENT;
+    for (let i = 0; i < SEGMENT; i++) re[i] = (part[i] - mean) * WINDOW[i];
+    im.fill(0);
+    transformRows(re, im, SEGMENT, 1, ROOTS, -1);
+    for (let k = 0; k < power.length; k++) power[k] += re[k + 1] ** 2 + im[k + 1] ** 2;
+    segments++;
+  }
+  const scale = 2 / (rate_hz * WINDOW_POWER * segments);
+  return { frequency_hz, power: power.map((value) => value * scale) };
+}
+
+/** A line of slope −5/3 through the spectrum's strength between two frequencies. */
+export function kolmogorovLine(spectrum: PowerSpectrum, from_hz: number, to_hz: number): Float64Array {
+  let sum = 0;
+  let bins = 0;
+  spectrum.frequency_hz.forEach((f, k) => {
+    if (f < from_hz || f > to_hz || spectrum.power[k] <= 0) return;
+    sum += Math.log(spectrum.power[k]) + (5 / 3) * Math.log(f);
+    bins++;
+  });
+  const level = bins > 0 ? sum / bins : 0;
+  return spectrum.frequency_hz.map((f) => Math.exp(level - (5 / 3) * Math.log(f)));
+}

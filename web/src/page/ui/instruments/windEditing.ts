@@ -1,0 +1,40 @@
+/** Turning one wind document into another, as the instruments do. Pure. */
+import {
+  hasField,
+  PRESETS,
+  type PresetName,
+  type WindDocument,
+  type WindModel,
+  type WindNumber,
+} from "../../../core/wind/wind";
+
+const STANDARD = { length_scale_m: 25, beta: 5 / 3 };
+
+/** Another model of the same wind: keeps what both know, adds what the new one needs, leaves out the rest. */
+export function withModel(wind: WindDocument, model: WindModel): WindDocument {
+  const { waves, ...numbers } = { ...STANDARD, ...wind };
+  const kept = Object.entries(numbers).filter(
+    ([name]) => name === "version" || name === "model" || hasField(model, name as WindNumber),
+  );
+  const { beta: _, ...plain } = Object.fromEntries(kept);
+  const beta = model === "spectral" ? { beta: numbers.beta } : {};
+  return { ...plain, ...beta, ...(model === "cosine" && waves ? { waves } : {}), model } as WindDocument;
+}
+
+/** A preset blowing where the wind blows now. */
+export function presetAt(name: PresetName, direction_deg: number): WindDocument {
+  return { ...PRESETS[name], direction_deg };
+}
+
+/** The preset that a wind is, whatever its direction and seed; null if none. */
+export function presetOf(wind: WindDocument): PresetName | null {
+  const same = (name: PresetName) => {
+    const preset: WindDocument = { ...PRESETS[name], direction_deg: wind.direction_deg, seed: wind.seed };
+    const names = new Set([...Object.keys(preset), ...Object.keys(wind)]) as Set<keyof WindDocument>;
+    return [...names].every((key) => preset[key] === wind[key] || (key === "beta" && isUsual(preset, wind)));
+  };
+  return (Object.keys(PRESETS) as PresetName[]).find(same) ?? null;
+}
+
+const isUsual = (a: WindDocument, b: WindDocument): boolean =>
+  (a.beta ?? STANDARD.beta) === (b.beta ?? STANDARD.beta);

@@ -1,0 +1,55 @@
+/** A wind as a file: saved to the visitor's disk and read back. */
+import { parseWind, type WindDocument, WindError } from "../../../core/wind/wind";
+import { make } from "../dom";
+
+const LARGEST_BYTES = 65_536;
+
+/** Reads a wind from text; throws WindError with a path, also for text that is no JSON. */
+export function windFromText(text: string): WindDocument {
+  if (text.length > LARGEST_BYTES)
+    throw new WindError("wind", `expected at most ${LARGEST_BYTES} characters`);
+  let value: unknown;
+  try {
+    value = JSON.parse(text);
+  } catch {
+    throw new WindError("wind", "expected a JSON object");
+  }
+  return parseWind(value);
+}
+
+export function saveWind(wind: WindDocument): void {
+  const link = make("a");
+  link.href = URL.createObjectURL(
+    new Blob([`${JSON.stringify(wind, null, 2)}\n`], { type: "application/json" }),
+  );
+  link.download = "wind.json";
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+/** A hidden file input; `choose` opens it. */
+export class WindFileInput {
+  readonly element = make("input");
+
+  constructor(loaded: (wind: WindDocument) => void, refused: (why: WindError) => void) {
+    this.element.type = "file";
+    this.element.accept = ".json,application/json";
+    this.element.hidden = true;
+    this.element.dataset.testid = "wind-file";
+    this.element.addEventListener("change", async () => {
+      const file = this.element.files?.[0];
+      this.element.value = "";
+      if (!file) return;
+      try {
+        loaded(windFromText(await file.text()));
+      } catch (error) {
+        if (error instanceof WindError) refused(error);
+        else throw error;
+      }
+    });
+  }
+
+  choose(): void {
+    this.element.click();
+  }
+}

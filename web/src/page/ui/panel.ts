@@ -1,0 +1,179 @@
+/** The settings panel. */
+import { type FolderApi, Pane } from "tweakpane";
+import { type PlainWind, withinTurn, withPlain } from "../../core/wind/edit";
+import type { Statistics } from "../frameStatistics";
+import { LIMITS, type Settings } from "../settings/settings";
+import { WIND_LIMITS } from "../settings/windQuery";
+import { labelInputs } from "./accessible";
+import { element } from "./dom";
+
+export type SettingKey = keyof Settings;
+
+const whole = (value: number) => Math.round(value).toLocaleString("en");
+const fine = (value: number) => value.toFixed(1);
+
+export class Panel {
+  private readonly pane: Pane;
+  private readonly species: FolderApi;
+  private readonly changed: (key: SettingKey) => void;
+  private shownSpecies = "";
+  /** Tweakpane reports a refresh like a visitor's change, with values brought within the sliders' limits. */
+  private refreshing = false;
+
+  constructor(
+    private readonly settings: Settings,
+    private readonly statistics: Statistics,
+    onChange: (key: SettingKey) => void,
+  ) {
+    this.changed = (key) => {
+      if (!this.refreshing) onChange(key);
+    };
+    this.pane = new Pane({ container: element("panel") });
+    this.wind(this.pane.addFolder({ title: "Wind" }));
+    this.forest(this.pane.addFolder({ title: "Forest" }));
+    this.species = this.pane.addFolder({ title: "Species", expanded: false });
+    this.lookup(this.pane.addFolder({ title: "Lookup" }));
+    this.figures(this.pane.addFolder({ title: "Statistics", expanded: false }));
+    labelInputs(element("panel"));
+  }
+
+  private number(folder: FolderApi, key: keyof typeof LIMITS, label: string, format = whole): void {
+    folder
+      .addBinding(this.settings as Settings & { poseEasing: number }, key, { label, format, ...LIMITS[key] })
+      .on("change", ({ last }) => {
+        if (last) this.changed(key); // trees are placed again when the slider is let go
+      });
+  }
+
+  /** A number of the wind; it follows the slider at once. */
+  private windNumber(folder: FolderApi, key: keyof PlainWind, label: string, format = whole): void {
+    const { settings } = this;
+    const choose = (value: number) => {
+      if (!this.refreshing) settings.wind = withPlain(settings.wind, { [key]: value });
+    };
+    const bound = {
+      get value() {
+        return withinTurn(settings.wind)[key];
+      },
+      set value(value) {
+        choose(value);
+      },
+    };
+    folder
+      .addBinding(bound, "value", { label, format, ...WIND_LIMITS[key] })
+      .on("change", () => this.changed("wind"));
+  }
+
+  private wind(folder: FolderApi): void {
+    this.windNumber(folder, "mean_speed_m_s", "Mean speed, m/s", fine);
+    this.windNumber(folder, "direction_deg", "Blows towards, °");
+    this.windNumber(folder, "gustiness", "Gustiness", (value) => value.toFixed(2));
+    this.windNumber(folder, "seed", "Seed");
+    this.choice(folder, "flutter", "Leaf flutter");
+  }
+
+  private forest(folder: FolderApi): void {
+    this.number(folder, "trees", "Trees");
+    this.number(folder, "density", "Density", (value) => value.toFixed(2));
+    this.number(folder, "forestSeed", "Seed");
+    this.choice(folder, "quality", "Quality", { Low: "low", Medium: "medium", High: "high" });
+  }
+
+  private lookup(folder: FolderApi): void {
+    this.choice(folder, "lookup", "Looked up", { "In this browser": "worker", "On the server": "server" });
+    this.choice(folder, "method", "Method", {
+      "Modal reduced order": "modal",
+      "The paper's search": "paper",
+    });
+    const advanced = folder.addFolder({ title: "Advanced", expanded: false });
+    const easing = { own: this.settings.poseEasing !== null };
+    const slider = () => {
+      advanced
+        .addBinding(this.settings as Settings & { poseEasing: number }, "poseEasing", {
+          label: "Pose easing",
+          format: (value: number) => value.toFixed(3),
+          ...LIMITS.poseEasing,
+        })
+        .on("change", () => this.changed("poseEasing"));
+      labelInputs(element("panel"));
+    };
+    advanced.addBinding(easing, "own", { label: "Set pose easing" }).on("change", ({ value }) => {
+      this.settings.poseEasing = value ? 0.05 : null;
+      if (value) slider();
+      else advanced.remove(advanced.children[1]);
+      this.changed("poseEasing");
+    });
+    if (easing.own) slider();
+  }
+
+  private choice(
+    folder: FolderApi,
+    key: "flutter" | "quality" | "lookup" | "method",
+    label: string,
+    options?: object,
+  ): void {
+    folder
+      .addBinding(
+        this.settings,
+        key,
+        options ? { label, options: options as Record<string, string> } : { label },
+      )
+      .on("change", () => this.changed(key));
+  }
+
+  private figures(folder: FolderApi): void {
+    const show = (key: keyof Statistics, label: string, format?: (value: number) => string) =>
+      folder.addBinding(this.statistics, key, {
+        readonly: true,
+        label,
+        interval: 500,
+        ...(format && { format }),
+      });
+    folder.addBinding(this.statistics, "framesPerSecond", {
+      readonly: true,
+      label: "Frames/s",
+      view: "graph",
+      min: 0,
+      max: 75,
+      interval: 250,
+    });
+    show("frame_ms", "Frame, ms", fine);
+    show("script_ms", "Script, ms", fine);
+    show("lookup_ms", "Lookup, ms", fine);
+    show("trees", "Trees moving", whole);
+    show("triangles", "Triangles", whole);
+    show("drawCalls", "Draw calls", whole);
+    show("stream", "Stream");
+    show("latency", "Latency");
+    show("frameAge", "Age of frame");
+  }
+
+  /** A slider for every species: how common it is beside the others. */
+  showSpecies(species: readonly { id: string; name: string }[]): void {
+    const key = JSON.stringify(species);
+    if (key === this.shownSpecies) return;
+    this.shownSpecies = key;
+    for (const child of [...this.species.children]) this.species.remove(child);
+    for (const { id, name } of species) {
+      const share = { value: this.settings.shares[id] ?? 1 };
+      this.species
+        .addBinding(share, "value", { label: name, min: 0, max: 1, step: 0.05, format: (v) => v.toFixed(2) })
+        .on("change", ({ last, value }) => {
+          this.settings.shares[id] = value;
+          if (last) this.changed("shares");
+        });
+    }
+    labelInputs(element("panel"));
+  }
+
+  /** Shows settings that were changed elsewhere. */
+  refresh(): void {
+    this.refreshing = true;
+    this.pane.refresh();
+    this.refreshing = false;
+  }
+
+  dispose(): void {
+    this.pane.dispose();
+  }
+}

@@ -1,0 +1,63 @@
+/** A dialog with a card for every tree of the forest: its physics in plain words. */
+import type { Tree } from "../server/api";
+import { make } from "./dom";
+import { factsOf } from "./physics";
+import { displayName } from "./words";
+
+export interface KnownTree {
+  readonly tree: Tree;
+  readonly tableBytes: number | null;
+}
+
+function card({ tree, tableBytes }: KnownTree): HTMLElement {
+  const root = make("article", "", "physics-card");
+  const list = make("dl");
+  for (const { name, value, meaning } of factsOf(tree, tableBytes)) {
+    const row = make("div");
+    const term = make("dt", name);
+    term.append(make("small", meaning));
+    row.append(term, make("dd", value));
+    list.append(row);
+  }
+  root.append(make("h3", displayName(tree)), list);
+  return root;
+}
+
+export class PhysicsCards {
+  private readonly dialog = make("dialog", "", "physics");
+  private readonly cards = make("div", "", "physics-cards");
+
+  constructor() {
+    const heading = make("h2", "What moves these trees");
+    heading.id = "physics-heading";
+    this.dialog.setAttribute("aria-labelledby", heading.id);
+    const words =
+      "Each species was bent by many winds in a simulation of its wood. What was found is kept in a table, and every " +
+      "tree in the forest looks up its own motion there.";
+    const close = make("button", "Close");
+    close.type = "button";
+    close.addEventListener("click", () => this.dialog.close());
+    this.dialog.addEventListener("click", (event) => {
+      if (event.target === this.dialog) this.dialog.close(); // the backdrop
+    });
+    const head = make("header");
+    head.append(heading, close);
+    this.cards.tabIndex = 0;
+    this.cards.setAttribute("role", "region");
+    this.cards.setAttribute("aria-label", "Trees");
+    this.dialog.append(head, make("p", words), this.cards);
+    document.body.append(this.dialog);
+  }
+
+  open(trees: readonly KnownTree[]): void {
+    if (this.dialog.open) return;
+    const ready = trees.filter(({ tree }) => tree.state === "ready");
+    this.cards.replaceChildren(...ready.map(card));
+    if (ready.length === 0) this.cards.append(make("p", "No tree has been computed yet."));
+    this.dialog.showModal();
+  }
+
+  dispose(): void {
+    this.dialog.remove();
+  }
+}

@@ -1,0 +1,115 @@
+/** The picked tree: how it moves now, and what is known of it. */
+import { jobPictures, pictureUrl, type Tree } from "../server/api";
+import type { PickedFigures } from "../treePicker";
+import { element, make } from "./dom";
+import { displayName } from "./words";
+
+export interface PickedTools {
+  follow(following: boolean): void;
+  compare(): void;
+  physics(): void;
+  close(): void;
+}
+
+const PICTURES = { "tetrahedra.png": "Tetrahedra", "skeleton.png": "Skeleton" } as const;
+
+/** The figures as rows of words. Pure. */
+export function figuresInWords({
+  moves,
+  height_m,
+  tip_m,
+  extrapolationRatio,
+  record,
+}: PickedFigures): [string, string][] {
+  const rows: [string, string][] = [["Height", `${height_m.toFixed(1)} m`]];
+  if (!moves) return [...rows, ["Motion", "still to be computed"]];
+  rows.push(["Tip is off by", `${tip_m.toFixed(2)} m`]);
+  rows.push(["Share of its height", `${((100 * tip_m) / height_m).toFixed(1)} %`]);
+  if (extrapolationRatio !== null) {
+    const beyond = extrapolationRatio > 1 ? ", beyond what was sampled" : "";
+    rows.push(["Of the sampled range", `${(100 * extrapolationRatio).toFixed(0)} %${beyond}`]);
+  }
+  if (record !== null) rows.push(["Record in use", record.toLocaleString("en")]);
+  return rows;
+}
+
+export class PickedCard {
+  private readonly root = make("article", "", "card picked");
+  private readonly heading = make("h2");
+  private readonly list = make("dl");
+  private readonly pictures = make("div", "", "job-pictures");
+  private readonly follow = make("button", "Follow");
+  private shownId = "";
+
+  constructor(tools: PickedTools) {
+    this.root.hidden = true;
+    this.root.setAttribute("aria-label", "The picked tree");
+    const row = make("div", "", "picked-tools");
+    this.follow.setAttribute("aria-pressed", "false");
+    this.follow.addEventListener("click", () => {
+      const on = this.follow.getAttribute("aria-pressed") !== "true";
+      this.follow.setAttribute("aria-pressed", String(on));
+      tools.follow(on);
+    });
+    const button = (words: string, pressed: () => void) => {
+      const made = make("button", words);
+      made.addEventListener("click", pressed);
+      return made;
+    };
+    const close = button("✕", () => tools.close());
+    close.setAttribute("aria-label", "Close");
+    row.append(
+      this.follow,
+      button("Is it right?", () => tools.compare()),
+      button("Physics", () => tools.physics()),
+      close,
+    );
+    for (const made of row.querySelectorAll("button")) made.type = "button";
+    this.root.append(this.heading, this.list, this.pictures, row);
+    element("progress").before(this.root);
+  }
+
+  /** Shows the tree as it moves now; null hides the card. */
+  show(figures: PickedFigures | null, tree: Tree | null): void {
+    this.root.hidden = !figures || !tree;
+    if (!figures || !tree) {
+      this.shownId = "";
+      this.follow.setAttribute("aria-pressed", "false");
+      return;
+    }
+    if (this.shownId !== tree.id) {
+      this.shownId = tree.id;
+      this.heading.textContent = displayName(tree);
+      void this.showPictures(tree);
+    }
+    const rows = figuresInWords(figures).map(([name, value]) => {
+      const row = make("div");
+      row.append(make("dt", name), make("dd", value));
+      return row;
+    });
+    this.list.replaceChildren(...rows);
+  }
+
+  private async showPictures(tree: Tree): Promise<void> {
+    this.pictures.replaceChildren();
+    const none: Record<string, string> = {};
+    const found = tree.job_id ? await jobPictures(tree.job_id).catch(() => none) : none;
+    if (this.shownId !== tree.id || !tree.job_id) return;
+    // picked, let go and picked again while the answer was under way: two answers, one set of pictures
+    this.pictures.replaceChildren();
+    for (const [name, sha256] of Object.entries(found)) {
+      if (!(name in PICTURES)) continue;
+      const link = make("a");
+      const image = make("img");
+      link.href = image.src = pictureUrl(tree.job_id, name, sha256);
+      link.target = "_blank";
+      image.alt = `${PICTURES[name as keyof typeof PICTURES]} of ${displayName(tree)}`;
+      link.append(image);
+      this.pictures.append(link);
+    }
+  }
+
+  dispose(): void {
+    this.root.remove();
+  }
+}

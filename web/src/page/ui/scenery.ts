@@ -1,0 +1,83 @@
+/** Season and time of day: four buttons and a slider that follows the sun. */
+
+import { SEASONS, type Season } from "../../scene/season/season";
+import { clockOf } from "../../scene/sky/daytime";
+import { element, make } from "./dom";
+
+export interface Scenery {
+  season: Season;
+  daytime: number;
+}
+
+const WORDS: Record<Season, string> = {
+  spring: "Spring",
+  summer: "Summer",
+  autumn: "Autumn",
+  winter: "Winter",
+};
+
+/** The part of the day in a word. */
+export function partOfDay(daytime: number): string {
+  if (daytime < 0.06) return "sunrise";
+  if (daytime < 0.36) return "morning";
+  if (daytime < 0.6) return "midday";
+  if (daytime < 0.86) return "afternoon";
+  return daytime < 0.95 ? "evening" : "sunset";
+}
+
+export class SceneryBar {
+  private readonly buttons: { season: Season; button: HTMLButtonElement }[];
+  private readonly slider = make("input");
+  private readonly clock = make("output");
+
+  /** `changed` is called when the visitor has changed the scenery. */
+  constructor(
+    private readonly scenery: Scenery,
+    private readonly changed: () => void,
+  ) {
+    this.buttons = SEASONS.map((season) => this.seasonButton(season));
+    const seasons = make("div", "", "seasons");
+    seasons.setAttribute("role", "group");
+    seasons.setAttribute("aria-label", "Season");
+    seasons.append(...this.buttons.map(({ button }) => button));
+    element("scenery").replaceChildren(seasons, this.timeSlider());
+    this.show();
+  }
+
+  private seasonButton(season: Season) {
+    const button = make("button", WORDS[season]);
+    button.type = "button";
+    button.dataset.season = season;
+    button.addEventListener("click", () => {
+      this.scenery.season = season;
+      this.show();
+      this.changed();
+    });
+    return { season, button };
+  }
+
+  private timeSlider(): HTMLElement {
+    const { slider } = this;
+    Object.assign(slider, { type: "range", min: "0", max: "1", step: "0.005" });
+    slider.setAttribute("aria-label", "Time of day");
+    slider.addEventListener("input", () => {
+      this.scenery.daytime = Number(slider.value);
+      this.show();
+      this.changed();
+    });
+    const label = make("div", "", "daytime");
+    label.append(slider, this.clock);
+    return label;
+  }
+
+  /** Shows a scenery that was chosen elsewhere. */
+  show(): void {
+    const { season, daytime } = this.scenery;
+    for (const { season: own, button } of this.buttons)
+      button.setAttribute("aria-pressed", String(own === season));
+    this.slider.value = String(daytime);
+    const clock = clockOf(daytime, season);
+    this.slider.setAttribute("aria-valuetext", `${clock}, ${partOfDay(daytime)}`);
+    this.clock.textContent = clock;
+  }
+}

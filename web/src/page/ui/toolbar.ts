@@ -1,0 +1,128 @@
+/** The tools: views, flight, link, photo, film, full screen, and what is known about the trees. */
+import { VIEWS, type ViewName } from "../../scene/camera/viewpoints";
+import { element, make } from "./dom";
+import { type IconName, icon } from "./icons";
+
+export interface Tools {
+  view(name: ViewName): void;
+  /** Starts or ends the flight; says whether it flies now. */
+  fly(): boolean;
+  link(): void;
+  photo(): void;
+  /** Starts or ends a film; says whether it films now. */
+  film(): boolean;
+  physics(): void;
+  /** Opens the view that holds a tree against the full simulation. */
+  compare(): void;
+}
+
+export class Toolbar {
+  private readonly fly: HTMLButtonElement;
+  private readonly film: HTMLButtonElement;
+  private readonly menu = make("div", "", "views-menu");
+  private readonly life = new AbortController();
+
+  constructor(tools: Tools, can: { film: boolean; fullScreen: boolean }) {
+    const bar = element("tools");
+    const views = tool("views", "Views");
+    views.setAttribute("aria-expanded", "false");
+    views.setAttribute("aria-controls", "views-menu");
+    views.addEventListener("click", () => this.openMenu(this.menu.hidden === true, views));
+    this.fillMenu(tools, views);
+    this.fly = toggle("fly", "Fly through the forest", () => tools.fly());
+    this.film = toggle("film", "Film", () => tools.film());
+    this.film.hidden = !can.film;
+    const full = tool("full", "Full screen");
+    full.hidden = !can.fullScreen;
+    full.addEventListener("click", () => void switchFullScreen());
+    bar.replaceChildren(
+      views,
+      this.menu,
+      this.fly,
+      button("trees", "About the trees", () => tools.physics()),
+      button("compare", "Is it right?", () => tools.compare()),
+      button("link", "Copy a link to this view", () => tools.link()),
+      button("photo", "Save a photo", () => tools.photo()),
+      this.film,
+      full,
+    );
+  }
+
+  private fillMenu(tools: Tools, opener: HTMLButtonElement): void {
+    this.menu.id = "views-menu";
+    this.menu.hidden = true;
+    this.menu.append(
+      ...(Object.keys(VIEWS) as ViewName[]).map((name) => {
+        const item = make("button", VIEWS[name]);
+        item.type = "button";
+        item.addEventListener("click", () => {
+          this.openMenu(false, opener);
+          tools.view(name);
+        });
+        return item;
+      }),
+    );
+    const { signal } = this.life;
+    addEventListener(
+      "keydown",
+      (event) => {
+        if (event.key !== "Escape" || this.menu.hidden) return;
+        this.openMenu(false, opener);
+        opener.focus();
+      },
+      { signal },
+    );
+    addEventListener(
+      "pointerdown",
+      (event) => {
+        if (!(event.target instanceof Element) || !event.target.closest("#tools"))
+          this.openMenu(false, opener);
+      },
+      { signal },
+    );
+  }
+
+  private openMenu(open: boolean, opener: HTMLButtonElement): void {
+    this.menu.hidden = !open;
+    opener.setAttribute("aria-expanded", String(open));
+  }
+
+  showFlight(flying: boolean): void {
+    this.fly.setAttribute("aria-pressed", String(flying));
+  }
+
+  showFilm(filming: boolean): void {
+    this.film.setAttribute("aria-pressed", String(filming));
+  }
+
+  dispose(): void {
+    this.life.abort();
+  }
+}
+
+async function switchFullScreen(): Promise<void> {
+  if (document.fullscreenElement) await document.exitFullscreen();
+  else await document.documentElement.requestFullscreen();
+}
+
+function tool(name: IconName, words: string): HTMLButtonElement {
+  const made = make("button", "", "tool");
+  made.type = "button";
+  made.title = words;
+  made.setAttribute("aria-label", words);
+  made.append(icon(name), make("span", words));
+  return made;
+}
+
+function button(name: IconName, words: string, pressed: () => void): HTMLButtonElement {
+  const made = tool(name, words);
+  made.addEventListener("click", pressed);
+  return made;
+}
+
+function toggle(name: IconName, words: string, flip: () => boolean): HTMLButtonElement {
+  const made = tool(name, words);
+  made.setAttribute("aria-pressed", "false");
+  made.addEventListener("click", () => made.setAttribute("aria-pressed", String(flip())));
+  return made;
+}

@@ -1,0 +1,143 @@
+/** The visitor's tools besides wind and settings: views, flight, link, photo, film, physics. */
+
+import { CameraFlight } from "../scene/camera/cameraFlight";
+import { type Subject, type ViewName, viewpoint } from "../scene/camera/viewpoints";
+import type { Forest } from "../scene/forest";
+import type { Stage } from "../scene/stage";
+import { canFilm, Film, LONGEST_FILM_S, savePhoto } from "./capture";
+import type { Catalogue } from "./server/catalogue";
+import { type Moment, momentFrom, shareQuery } from "./settings/link";
+import type { Settings } from "./settings/settings";
+import { sharedFrom, withShared } from "./settings/sharedForest";
+import { PhysicsCards } from "./ui/physicsCards";
+import { showToast } from "./ui/toast";
+import { Toolbar } from "./ui/toolbar";
+
+const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+export class Visit {
+  private readonly flight: CameraFlight;
+  private readonly toolbar: Toolbar;
+  private readonly physics = new PhysicsCards();
+  private film: Film | null = null;
+  private photoWanted = false;
+
+  constructor(
+    private readonly settings: Settings,
+    private readonly stage: Stage,
+    private readonly forest: Forest,
+    private readonly catalogue: () => Catalogue,
+    private readonly clock_s: () => number,
+    private readonly compare: () => void,
+  ) {
+    this.flight = new CameraFlight(stage.camera, stage.controls, () => this.toolbar.showFlight(false));
+    this.toolbar = new Toolbar(
+      {
+        view: (name) => this.view(name),
+        fly: () => this.fly(),
+        link: () => void this.copyLink(),
+        photo: () => {
+          this.photoWanted = true;
+        },
+        film: () => this.filming(),
+        physics: () => this.openPhysics(),
+        compare: () => this.compare(),
+      },
+      { film: canFilm(), fullScreen: document.fullscreenEnabled },
+    );
+  }
+
+  /** Restores camera and clouds from a link. */
+  restore(query: string): void {
+    const { eye, target, clouds } = momentFrom(query);
+    if (eye && target) {
+      this.stage.camera.position.set(...eye);
+      this.stage.controls.target.set(...target);
+    }
+    if (clouds) this.stage.sky.drift.set(...clouds);
+  }
+
+  get moment(): Moment {
+    const { camera, controls, sky } = this.stage;
+    return {
+      eye: camera.position.toArray(),
+      target: controls.target.toArray(),
+      time_s: this.clock_s(),
+      clouds: sky.drift.toArray(),
+    };
+  }
+
+  get link(): string {
+    return `${location.origin}${location.pathname}?${withShared(shareQuery(this.settings, this.moment), sharedFrom(location.search))}`;
+  }
+
+  private async copyLink(): Promise<void> {
+    const { link } = this;
+    history.replaceState(null, "", link);
+    try {
+      await navigator.clipboard.writeText(link);
+      showToast("Link copied", "It brings back this forest, wind, light and view.", "good");
+    } catch {
+      showToast("The link is in the address bar", "This browser does not let the page copy it.", "good");
+    }
+  }
+
+  view(name: ViewName): void {
+    const { towardsSun } = this.stage.daylight;
+    this.flight.go(viewpoint(name, this.subjects(), towardsSun), calm());
+  }
+
+  private subjects(): Subject[] {
+    return this.forest.moving.flatMap(({ forest: { instances, model } }) =>
+      Array.from({ length: instances.count }, (_, tree) => ({
+        x: instances.placement[tree * 4],
+        z: instances.placement[tree * 4 + 1],
+        height_m: model.height_m * instances.placement[tree * 4 + 3],
+      })),
+    );
+  }
+
+  private fly(): boolean {
+    if (this.flight.flying) this.flight.land();
+    else this.flight.fly();
+    return this.flight.flying;
+  }
+
+  private filming(): boolean {
+    if (this.film) this.film.stop();
+    else {
+      this.film = new Film(this.stage.renderer.domElement, () => this.filmEnded());
+      showToast("Filming", `Press again to stop; it ends by itself after ${LONGEST_FILM_S} s.`, "good");
+    }
+    return this.film !== null;
+  }
+
+  private filmEnded(): void {
+    this.film = null;
+    this.toolbar.showFilm(false);
+  }
+
+  openPhysics(): void {
+    const catalogue = this.catalogue();
+    this.physics.open(catalogue.trees.map((tree) => ({ tree, tableBytes: catalogue.tableBytes(tree.id) })));
+  }
+
+  advance(dt_s: number): void {
+    this.flight.advance(dt_s);
+  }
+
+  /** Right after a frame was drawn. */
+  drawn(): void {
+    if (!this.photoWanted) return;
+    this.photoWanted = false;
+    savePhoto(this.stage.renderer.domElement).catch((error: unknown) =>
+      showToast("The photo could not be saved.", error instanceof Error ? error.message : String(error)),
+    );
+  }
+
+  dispose(): void {
+    this.film?.stop();
+    this.toolbar.dispose();
+    this.physics.dispose();
+  }
+}

@@ -1,0 +1,36 @@
+/** The shape of the land: pure functions of place, shared by terrain, placement and camera. */
+import { fractalNoise, valueNoise } from "../../core/math/noise";
+
+const SEED = 20_260;
+
+const smoothstep = (from: number, to: number, x: number) => {
+  const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
+  return t * t * (3 - 2 * t);
+};
+
+/** Middle line of the glade that leads away from the first camera, as x in metres for a given z. */
+export function gladeCentre_m(z: number): number {
+  return -6 + 9 * Math.sin(z / 34) + 5 * Math.sin(z / 71 + 1.3) + smoothstep(-40, 60, z) * 6;
+}
+
+/** 1 in the middle of the glade, 0 in the wood. */
+export function glade(x: number, z: number): number {
+  const halfWidth_m = 7 + 3 * valueNoise(z / 40, 3.7, SEED + 5) + 9 * smoothstep(0, 45, z);
+  return 1 - smoothstep(halfWidth_m * 0.3, halfWidth_m * 1.7, Math.abs(x - gladeCentre_m(z)));
+}
+
+/** Rounded ridges between 0 and 1. */
+function ridge(x: number, z: number, seed: number): number {
+  const folded = 1 - Math.abs(fractalNoise(x, z, seed, 4)) * 2;
+  return Math.max(0, folded) ** 1.6 * (0.7 + 0.3 * valueNoise(x * 0.6, z * 0.6, seed + 7));
+}
+
+/** Height of the ground in metres at a place. */
+export function groundHeight_m(x: number, z: number): number {
+  const rolling = 4.2 * fractalNoise(x / 95, z / 95, SEED, 3);
+  const hollow = -1.5 * glade(x, z);
+  const distance = Math.hypot(x, z);
+  const far = smoothstep(300, 1500, distance);
+  const hills = far > 0 ? far * (46 + 95 * ridge(x / 620, z / 620, SEED + 9)) : 0;
+  return rolling * (1 + smoothstep(150, 600, distance)) + hollow + hills;
+}

@@ -1,0 +1,63 @@
+/** The ground: a disc that is fine in the middle and coarse at the horizon, see groundMaterial.ts for its colour. */
+import { BufferAttribute, BufferGeometry, Mesh, type MeshLambertMaterial } from "three";
+import type { Pictures } from "../textures/pictures";
+import { groundMaterial } from "./groundMaterial";
+import { glade, groundHeight_m } from "./landscape";
+
+const RINGS = 150;
+const SECTORS = 192;
+const REACH_M = 1700;
+
+/** Ring radii grow slowly first: about 1 m apart in the middle, 60 m at the rim. */
+const ringRadius_m = (ring: number) => REACH_M * (0.12 * (ring / RINGS) + 0.88 * (ring / RINGS) ** 4);
+
+function discGeometry(): BufferGeometry {
+  const columns = SECTORS + 1;
+  const position = new Float32Array((RINGS + 1) * columns * 3);
+  const meadow = new Float32Array((RINGS + 1) * columns);
+  for (let ring = 0; ring <= RINGS; ring++) {
+    for (let sector = 0; sector <= SECTORS; sector++) {
+      const angle = (2 * Math.PI * sector) / SECTORS;
+      const x = ringRadius_m(ring) * Math.cos(angle);
+      const z = ringRadius_m(ring) * Math.sin(angle);
+      const v = ring * columns + sector;
+      position.set([x, groundHeight_m(x, z), z], v * 3);
+      meadow[v] = glade(x, z);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(position, 3));
+  geometry.setAttribute("aMeadow", new BufferAttribute(meadow, 1));
+  geometry.setIndex(new BufferAttribute(discIndex(columns), 1));
+  geometry.computeVertexNormals();
+  return geometry;
+}
+
+function discIndex(columns: number): Uint32Array {
+  const index: number[] = [];
+  for (let ring = 0; ring < RINGS; ring++) {
+    for (let sector = 0; sector < SECTORS; sector++) {
+      const a = ring * columns + sector;
+      const b = a + columns;
+      index.push(a, a + 1, b, b, a + 1, b + 1);
+    }
+  }
+  return Uint32Array.from(index);
+}
+
+export class Terrain {
+  readonly mesh: Mesh<BufferGeometry, MeshLambertMaterial>;
+
+  constructor(pictures: Pictures) {
+    this.mesh = new Mesh(discGeometry(), groundMaterial(pictures));
+    this.mesh.receiveShadow = true;
+    // After the trees: most of it is hidden by then.
+    this.mesh.renderOrder = 5;
+    this.mesh.matrixAutoUpdate = false;
+  }
+
+  dispose(): void {
+    this.mesh.geometry.dispose();
+    this.mesh.material.dispose();
+  }
+}

@@ -1,0 +1,83 @@
+/** Seeded placement of trees, stable when their number grows or a species is added. Pure. */
+import { valueNoise } from "../core/math/noise";
+import { hashText, hashUnit } from "../core/math/random";
+import { glade } from "./ground/landscape";
+import type { Placement } from "./trees/instanceData";
+
+export const SPACING_M = 6.4;
+/** The wood grows outward from here, so that the first camera looks into it. */
+export const HEART = { x_m: 0, z_m: -26 } as const;
+
+const CELL_OFFSET = 512;
+
+function candidate(column: number, row: number, seed: number, spacing_m: number): Placement {
+  const at = (channel: number) => hashUnit(seed, column, row, channel);
+  return {
+    id: (row + CELL_OFFSET) * 2 * CELL_OFFSET + column + CELL_OFFSET,
+    x_m: HEART.x_m + (column + 0.82 * (at(0) - 0.5) + (row & 1) * 0.5) * spacing_m,
+    z_m: HEART.z_m + (row + 0.82 * (at(1) - 0.5)) * spacing_m * 0.9,
+    yaw_rad: at(2) * 2 * Math.PI,
+    scale: 0.78 + 0.5 * at(3) ** 1.4,
+  };
+}
+
+const isWood = (place: Placement) => glade(place.x_m, place.z_m) < 0.5;
+const reach = (place: Placement) => Math.hypot(place.x_m - HEART.x_m, place.z_m - HEART.z_m);
+
+/** The `count` places nearest to the heart of the wood, nearest first; `density` 1 is the usual one. */
+export function placeTrees(count: number, seed: number, density = 1): Placement[] {
+  const spacing_m = SPACING_M / Math.sqrt(density);
+  const cells = Math.ceil(Math.sqrt((count * 1.6) / Math.PI) + (5 * SPACING_M) / spacing_m);
+  const places: Placement[] = [];
+  for (let row = -cells; row <= cells; row++) {
+    for (let column = -cells; column <= cells; column++) places.push(candidate(column, row, seed, spacing_m));
+  }
+  return places
+    .filter(isWood)
+    .sort((a, b) => reach(a) - reach(b))
+    .slice(0, count);
+}
+
+/** How far trees stand from the heart of the wood; `placements`: x, z, yaw, scale of each. */
+export function woodReach_m(placements: readonly Float32Array[]): number {
+  let reach_m = 0;
+  for (const placement of placements) {
+    for (let at = 0; at < placement.length; at += 4) {
+      reach_m = Math.max(reach_m, Math.hypot(placement[at] - HEART.x_m, placement[at + 1] - HEART.z_m));
+    }
+  }
+  return reach_m;
+}
+
+/** Liking of a species for a place: broad groves with strays. A newcomer takes its own places only. */
+function liking(place: Placement, species: string): number {
+  const seed = hashText(species);
+  const noise = valueNoise(place.x_m / 24, place.z_m / 24, seed) + 0.9 * hashUnit(seed, place.id);
+  return Math.min(1, Math.max(1e-6, (noise + 1) / 2.9));
+}
+
+/**
+ * Index of the species that grows at each place, -1 where none does. `shares` are how common each is beside the
+ * others, 1 if not named, 0 to leave it out: of powers 1/share of even random numbers the largest wins as often.
+ */
+export function chooseSpecies(
+  places: readonly Placement[],
+  species: readonly string[],
+  shares: Readonly<Record<string, number>> = {},
+): Int32Array {
+  const score = (place: Placement, name: string) => {
+    const share = shares[name] ?? 1;
+    return share > 0 ? liking(place, name) ** (1 / share) : -1;
+  };
+  return Int32Array.from(places, (place) => {
+    let best = -1;
+    let most = 0;
+    species.forEach((name, k) => {
+      const own = score(place, name);
+      if (own <= most) return;
+      most = own;
+      best = k;
+    });
+    return best;
+  });
+}

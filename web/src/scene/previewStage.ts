@@ -1,0 +1,70 @@
+/** A small scene for one tree: light, ground and an orbiting camera. */
+import {
+  AmbientLight,
+  CircleGeometry,
+  Color,
+  DirectionalLight,
+  Mesh,
+  MeshBasicMaterial,
+  PerspectiveCamera,
+  Scene,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+const BACKGROUND = 0x141c21;
+const GROUND = 0x26302a;
+
+export class PreviewStage {
+  readonly scene = new Scene();
+  private readonly renderer: WebGLRenderer;
+  private readonly camera = new PerspectiveCamera(34, 1, 0.05, 400);
+  private readonly controls: OrbitControls;
+  private readonly ground = new Mesh(new CircleGeometry(1, 64), new MeshBasicMaterial({ color: GROUND }));
+  private readonly resized: ResizeObserver;
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.scene.background = new Color(BACKGROUND);
+    const sun = new DirectionalLight(0xfff0d8, 2.6);
+    sun.position.set(3, 5, 2);
+    this.ground.rotation.x = -Math.PI / 2;
+    this.scene.add(new AmbientLight(0xbfd0dd, 1.1), sun, this.ground);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enablePan = false;
+    this.resized = new ResizeObserver(() => this.resize(canvas));
+    this.resized.observe(canvas);
+  }
+
+  /** Places the camera for a tree of such a size. */
+  frame({ height_m, radius_m }: { height_m: number; radius_m: number }): void {
+    const reach_m = Math.max(height_m, 2 * radius_m);
+    this.ground.scale.setScalar(0.6 * reach_m);
+    this.controls.target.set(0, 0.5 * height_m, 0);
+    this.camera.position.set(1.1 * reach_m, 0.62 * height_m, 1.55 * reach_m);
+    this.controls.minDistance = 0.3 * reach_m;
+    this.controls.maxDistance = 4 * reach_m;
+  }
+
+  render(): void {
+    this.controls.update();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  private resize(canvas: HTMLCanvasElement): void {
+    const { clientWidth: width, clientHeight: height } = canvas;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+  }
+
+  dispose(): void {
+    this.resized.disconnect();
+    this.ground.geometry.dispose();
+    this.ground.material.dispose();
+    this.controls.dispose();
+    this.renderer.dispose();
+  }
+}

@@ -1,0 +1,103 @@
+/** Leaf colours by season: which a tree wears, and how far they replace the leaf texture's own. Pure. */
+import { hashUnit } from "../../core/math/random";
+import type { Rgb } from "../sky/atmosphere";
+import type { Season } from "./season";
+
+type Palette = readonly Rgb[];
+
+/** Linear-light leaf colours by species; the first are the most frequent. */
+const PALETTES: Record<string, Record<Exclude<Season, "winter">, Palette>> = {
+  poplar: {
+    spring: [
+      [0.27, 0.4, 0.07],
+      [0.33, 0.42, 0.09],
+      [0.22, 0.36, 0.06],
+    ],
+    summer: [
+      [0.105, 0.22, 0.035],
+      [0.14, 0.25, 0.05],
+      [0.085, 0.19, 0.04],
+    ],
+    autumn: [
+      [0.62, 0.4, 0.035],
+      [0.7, 0.47, 0.06],
+      [0.56, 0.42, 0.05],
+      [0.3, 0.38, 0.05],
+    ],
+  },
+  maple: {
+    spring: [
+      [0.26, 0.36, 0.05],
+      [0.34, 0.37, 0.06],
+      [0.36, 0.24, 0.06],
+    ],
+    summer: [
+      [0.06, 0.155, 0.022],
+      [0.085, 0.19, 0.03],
+      [0.05, 0.13, 0.03],
+    ],
+    autumn: [
+      [0.5, 0.035, 0.02],
+      [0.62, 0.09, 0.02],
+      [0.42, 0.015, 0.022],
+      [0.64, 0.2, 0.025],
+      [0.2, 0.33, 0.035],
+    ],
+  },
+  apricot: {
+    spring: [
+      [0.82, 0.56, 0.6],
+      [0.86, 0.68, 0.7],
+      [0.78, 0.45, 0.52],
+    ],
+    summer: [
+      [0.1, 0.2, 0.035],
+      [0.13, 0.22, 0.04],
+      [0.16, 0.24, 0.05],
+    ],
+    autumn: [
+      [0.58, 0.22, 0.05],
+      [0.24, 0.34, 0.05],
+      [0.6, 0.31, 0.1],
+      [0.36, 0.36, 0.05],
+    ],
+  },
+};
+
+const OTHER: Record<Exclude<Season, "winter">, Palette> = {
+  spring: [
+    [0.27, 0.38, 0.07],
+    [0.32, 0.4, 0.09],
+  ],
+  summer: [
+    [0.09, 0.19, 0.03],
+    [0.13, 0.22, 0.045],
+  ],
+  autumn: [
+    [0.5, 0.28, 0.05],
+    [0.28, 0.33, 0.05],
+    [0.45, 0.15, 0.04],
+  ],
+};
+
+/** A texture's own colours are those of its maker's season: an unknown tree keeps most of them in summer. */
+function strengthOf(known: boolean, season: Season): number {
+  if (known) return 0.9;
+  return season === "summer" ? 0.15 : 0.45;
+}
+
+/** Colour (linear) and strength of the season's tint for one tree. */
+export function leafTint(
+  species: string | null,
+  treeId: number,
+  season: Season = "autumn",
+): [number, number, number, number] {
+  const own = species ? PALETTES[species] : undefined;
+  const palette = (own ?? OTHER)[season === "winter" ? "autumn" : season];
+  const pick = Math.floor(palette.length * hashUnit(treeId, 21) ** 1.5);
+  const next = palette[Math.min(palette.length - 1, pick + 1)];
+  const mix = 0.45 * hashUnit(treeId, 22);
+  const light = 0.85 + 0.3 * hashUnit(treeId, 23);
+  const channel = (k: 0 | 1 | 2) => light * (palette[pick][k] * (1 - mix) + next[k] * mix);
+  return [channel(0), channel(1), channel(2), strengthOf(own !== undefined, season)];
+}

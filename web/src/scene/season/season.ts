@@ -1,0 +1,87 @@
+/** The four seasons: what they change, as numbers. Pure. */
+import type { Rgb } from "../sky/atmosphere";
+
+export const SEASONS = ["spring", "summer", "autumn", "winter"] as const;
+export type Season = (typeof SEASONS)[number];
+
+export interface SeasonLook {
+  /** The sun's declination, for the height of its path. */
+  readonly declination_deg: number;
+  /** 1 is clean air. */
+  readonly haziness: number;
+  /** How much of the sky is cloud, 0 to 1. */
+  readonly clouds: number;
+  readonly snow: number;
+  /** Ground mist of the early morning. */
+  readonly mist: number;
+  /** Linear colours that the painted grass and litter are multiplied by. */
+  readonly grass: Rgb;
+  readonly litter: Rgb;
+  /** How far fallen leaves cover the ground, 0 to 1. */
+  readonly fallen: number;
+  /** Woods at the horizon: the two colours that their crowns mix. */
+  readonly woods: readonly [Rgb, Rgb, Rgb];
+}
+
+export const SEASON_LOOKS: Record<Season, SeasonLook> = {
+  spring: {
+    declination_deg: 8,
+    haziness: 1.5,
+    clouds: 0.5,
+    snow: 0,
+    mist: 0.8,
+    grass: [0.62, 1.12, 0.5],
+    litter: [0.24, 0.56, 0.9],
+    fallen: 0.1,
+    woods: [
+      [0.15, 0.26, 0.05],
+      [0.23, 0.31, 0.07],
+      [0.1, 0.19, 0.04],
+    ],
+  },
+  summer: {
+    declination_deg: 20,
+    haziness: 1.9,
+    clouds: 0.44,
+    snow: 0,
+    mist: 0.6,
+    grass: [0.52, 0.8, 0.42],
+    litter: [0.17, 0.5, 0.8],
+    fallen: 0.06,
+    woods: [
+      [0.06, 0.13, 0.03],
+      [0.1, 0.17, 0.04],
+      [0.04, 0.1, 0.025],
+    ],
+  },
+  autumn: {
+    declination_deg: -7,
+    haziness: 1.7,
+    clouds: 0.48,
+    snow: 0,
+    mist: 1,
+    grass: [0.8, 0.86, 0.6],
+    litter: [0.92, 1.04, 0.95],
+    fallen: 1,
+    woods: [
+      [0.3, 0.2, 0.04],
+      [0.26, 0.085, 0.03],
+      [0.11, 0.125, 0.04],
+    ],
+  },
+  winter: {
+    declination_deg: -18,
+    haziness: 1.3,
+    clouds: 0.56,
+    snow: 1,
+    mist: 0.7,
+    grass: [0.9, 0.8, 0.62],
+    litter: [0.42, 0.4, 0.38],
+    fallen: 0.5,
+    woods: [
+      [0.16, 0.13, 0.11],
+      [0.21, 0.17, 0.14],
+      [0.11, 0.1, 0.09],
+    ],
+  },
+};

@@ -1,0 +1,73 @@
+/** Aerial perspective, in linear light before tone mapping: sky, ground and trees share one table of the sky. */
+import { Color, type DataTexture, Vector2, Vector3 } from "three";
+import type { AtmosphereShader } from "../trees/treeShader";
+import { AEROSOL_G, SKY_AZIMUTHS, SKY_ELEVATIONS } from "./atmosphere";
+
+export const air = {
+  /** The sky's light: see skyTexture.ts. */
+  uSky: { value: null as DataTexture | null },
+  /** Towards the sun, world frame. */
+  uSunWorld: { value: new Vector3(0.5, 0.5, 0.5).normalize() },
+  /** The same on the ground, unit length. */
+  uSunFlat: { value: new Vector2(0.7, 0.7) },
+  /** Extinction per metre, by colour. */
+  uHaze: { value: new Color(0.0007, 0.0009, 0.0013) },
+  /** Ground mist: extinction per metre at its foot, height of the foot and scale height in m. */
+  uMist: { value: new Vector3(0, -4, 7) },
+};
+
+const halfTexel = (count: number) => (0.5 / count).toFixed(6);
+const inner = (count: number) => (1 - 1 / count).toFixed(6);
+
+export const AIR_PARS = /* glsl */ `
+uniform sampler2D uSky;
+uniform vec3 uSunWorld;
+uniform vec2 uSunFlat;
+uniform vec3 uHaze;
+uniform vec3 uMist;
+float aerosolPhase(float cosine) {
+  const float g = ${AEROSOL_G.toFixed(3)};
+  return (1.0 - g * g) * 0.0795775 * pow(1.0 + g * g - 2.0 * g * cosine, -1.5);
+}
+/** Light of the clear sky; root: square root of the elevation over a right angle. */
+vec3 skyLight(vec2 flatDirection, float root, float cosine) {
+  float turn = sqrt(0.5 * max(0.0, 1.0 - dot(flatDirection, uSunFlat)));
+  vec2 at = vec2(${halfTexel(SKY_AZIMUTHS)} + ${inner(SKY_AZIMUTHS)} * turn,
+    0.5 * (${halfTexel(SKY_ELEVATIONS)} + ${inner(SKY_ELEVATIONS)} * root));
+  return texture2D(uSky, at).rgb + aerosolPhase(cosine) * texture2D(uSky, at + vec2(0.0, 0.5)).rgb;
+}
+/** What far haze looks like in a direction. */
+vec3 hazeColour(vec3 direction) {
+  vec2 level = normalize(direction.xz + 1e-5);
+  float cosine = dot(normalize(vec3(level.x, 0.07, level.y)), uSunWorld);
+  return skyLight(level, 0.2, min(cosine, 0.97));
+}
+/** Optical depth of the mist up to a distance. */
+float mistDepth(vec3 direction, float away) {
+  float foot = exp(-max(-3.0, (cameraPosition.y - uMist.y) / uMist.z));
+  float climb = direction.y * away / uMist.z;
+  float mean = abs(climb) < 0.001 ? 1.0 : (1.0 - exp(-clamp(climb, -6.0, 60.0))) / climb;
+  return uMist.x * foot * away * mean;
+}
+vec3 throughAir(vec3 colour, vec3 direction, float away) {
+  vec3 clear = exp(-uHaze * away);
+  vec3 haze = hazeColour(direction);
+  colour = mix(haze, colour, clear);
+  return uMist.x > 0.0 ? mix(haze, colour, exp(-mistDepth(direction, away))) : colour;
+}
+`;
+
+/** In place of three's own end of a fragment, still before tone mapping: needs vViewPosition. */
+export const AIR_FRAGMENT = /* glsl */ `
+#include <opaque_fragment>
+vec3 airDirection = -normalize((vec4(vViewPosition, 0.0) * viewMatrix).xyz);
+gl_FragColor.rgb = throughAir(gl_FragColor.rgb, airDirection, length(vViewPosition));
+`;
+
+/** The same for materials that take it as an option. */
+export const aerialPerspective: AtmosphereShader = {
+  key: "air",
+  uniforms: air,
+  declarations: AIR_PARS,
+  output: AIR_FRAGMENT,
+};

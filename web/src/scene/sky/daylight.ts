@@ -1,0 +1,98 @@
+/** The sun with two shadow cascades, the sky's soft light, and the air between: one moment's light on the scene. */
+import { Group, HemisphereLight, Vector3 } from "three";
+import { SunLight } from "three/addons/lights/SunLight.js";
+import type { Quality } from "../quality";
+import { SEASON_LOOKS, type Season } from "../season/season";
+import { seasonal } from "../season/seasonal";
+import { air } from "./air";
+import { type Atmosphere, atmosphereAt, SUN_POWER } from "./daytime";
+import { fillSkyTexture, makeSkyTexture } from "./skyTexture";
+
+const SHADOWS: Record<Quality, { side: number; reach_m: number }> = {
+  low: { side: 768, reach_m: 55 },
+  medium: { side: 1024, reach_m: 110 },
+  high: { side: 2048, reach_m: 170 },
+};
+/** Shadows of a sun lower than this would run out of every map. */
+const LOWEST_SHADOW = 0.06;
+/** Light that ground sends back up, beside what it gets from sun and sky. */
+const BOUNCE = 0.5;
+const GROUND_ALBEDO = { bare: [0.13, 0.105, 0.055], snow: [0.7, 0.74, 0.8] } as const;
+/** Leaves and twigs scatter the sky's light among them: a little more of it than of a plain surface. */
+const SKY_GAIN = 1.35;
+
+/** The sky as it is shown beside the land that it lights: cameras and eyes keep its blue from going dark. */
+const SKY_SHOWN = 1.5;
+
+export class Daylight {
+  readonly group = new Group();
+  readonly sun = new SunLight(0xffffff, 1);
+  readonly towardsSun = new Vector3(0, 1, 0);
+  private readonly sky = new HemisphereLight(0xffffff, 0xffffff, 1);
+  private readonly texture = makeSkyTexture();
+
+  constructor(quality: Quality) {
+    this.sun.castShadow = true;
+    this.group.add(this.sun, this.sky);
+    air.uSky.value = this.texture;
+    this.setQuality(quality);
+  }
+
+  /** Sets the light of a season and time of day, and returns it. */
+  show(daytime: number, season: Season): Atmosphere {
+    const light = atmosphereAt(daytime, season);
+    this.point(light.sun.azimuth_deg, light.sun.elevation_deg);
+    fillSkyTexture(this.texture, light.table, SKY_SHOWN * SUN_POWER);
+    this.sun.color.setRGB(...light.sunlight);
+    this.fillIn(light, season);
+    air.uHaze.value.setRGB(...light.haze);
+    air.uMist.value.x = light.mist;
+    seasonal.uSnow.value = SEASON_LOOKS[season].snow;
+    return light;
+  }
+
+  /** Sky above, ground below. */
+  private fillIn({ sunlight, skylight, sun }: Atmosphere, season: Season): void {
+    const level = Math.max(0, Math.sin((sun.elevation_deg * Math.PI) / 180));
+    const albedo = SEASON_LOOKS[season].snow > 0 ? GROUND_ALBEDO.snow : GROUND_ALBEDO.bare;
+    const up = (c: 0 | 1 | 2) => albedo[c] * (BOUNCE * sunlight[c] * level + skylight[c]);
+    this.sky.color.setRGB(SKY_GAIN * skylight[0], SKY_GAIN * skylight[1], SKY_GAIN * skylight[2]);
+    this.sky.groundColor.setRGB(up(0), up(1), up(2));
+  }
+
+  private point(azimuth_deg: number, elevation_deg: number): void {
+    const azimuth = (azimuth_deg * Math.PI) / 180;
+    const elevation = (elevation_deg * Math.PI) / 180;
+    const flat = Math.cos(elevation);
+    air.uSunWorld.value.set(flat * Math.cos(azimuth), Math.sin(elevation), flat * Math.sin(azimuth));
+    air.uSunFlat.value.set(Math.cos(azimuth), Math.sin(azimuth));
+    this.towardsSun.copy(air.uSunWorld.value);
+    this.towardsSun.y = Math.max(LOWEST_SHADOW, this.towardsSun.y);
+    this.towardsSun.normalize();
+    this.sun.position.copy(this.towardsSun);
+  }
+
+  get shadowReach_m(): number {
+    return this.sun.shadow.camera.far;
+  }
+
+  setQuality(quality: Quality): void {
+    const { side, reach_m } = SHADOWS[quality];
+    const { shadow } = this.sun;
+    if (shadow.mapSize.x !== side) {
+      shadow.map?.dispose();
+      shadow.map = null;
+    }
+    shadow.mapSize.set(side, side);
+    shadow.camera.far = reach_m;
+    shadow.normalBias = 0.12;
+    shadow.bias = -0.0006;
+    shadow.radius = 1.4;
+  }
+
+  dispose(): void {
+    this.sun.dispose();
+    this.sky.dispose();
+    this.texture.dispose();
+  }
+}

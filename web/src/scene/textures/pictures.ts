@@ -1,0 +1,43 @@
+/** The painted pictures as textures, made once and shared by ground and sky. */
+import {
+  DataTexture,
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  NoColorSpace,
+  RepeatWrapping,
+  SRGBColorSpace,
+} from "three";
+import type { Quality } from "../quality";
+import { type Picture, paintGrass, paintLitter, paintNoise } from "./paint";
+
+function texture({ side, pixels }: Picture, colour: boolean): DataTexture {
+  const made = new DataTexture(pixels, side, side);
+  made.wrapS = RepeatWrapping;
+  made.wrapT = RepeatWrapping;
+  made.magFilter = LinearFilter;
+  made.minFilter = LinearMipmapLinearFilter;
+  made.generateMipmaps = true;
+  made.colorSpace = colour ? SRGBColorSpace : NoColorSpace;
+  made.needsUpdate = true;
+  return made;
+}
+
+export class Pictures {
+  readonly noise = texture(paintNoise(256), false);
+  readonly litter = texture(paintLitter(512), true);
+  readonly grass = texture(paintGrass(512), true);
+
+  /** Ground seen at a flat angle stays sharp, where quality asks for it: it costs a processor that draws a lot. */
+  setQuality(quality: Quality): void {
+    for (const made of [this.litter, this.grass]) {
+      const samples = quality === "low" ? 1 : 4;
+      if (made.anisotropy === samples) continue;
+      made.anisotropy = samples;
+      made.needsUpdate = true;
+    }
+  }
+
+  dispose(): void {
+    for (const made of [this.noise, this.litter, this.grass]) made.dispose();
+  }
+}

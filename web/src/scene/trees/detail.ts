@@ -1,0 +1,107 @@
+/**
+ * Continuous level of detail: every leaf and branch has a rank in [0, 1), a tree shows the pieces whose rank is below
+ * its share, and a piece has shrunk to a point before it vanishes. Pure.
+ */
+import { hashUnit } from "../../core/math/random";
+import { type Components, componentCentres, componentRadii } from "./mesh/components";
+
+/** Levels of detail: prefixes of the index that hold every piece seen at up to this share. */
+export const LEVEL_SHARES = [1, 0.5, 0.25, 0.13, 0.07] as const;
+export const LEVEL_COUNT = LEVEL_SHARES.length;
+/** A piece shrinks while its rank is between the share and this much more of it. */
+export const EDGE = 0.2;
+/** Leaves that stay grow to cover for those that went, but no more than this: larger ones no longer look like leaves. */
+export const MOST_GROWTH = 2.4;
+/** Share at the second of a view's two distances. */
+const SHARE_AT_SECOND = 0.2;
+/** Hysteresis: a tree keeps its finer level until it needs this share of the coarser one. */
+const HYSTERESIS = 0.93;
+/** Far away the share falls no further; low enough for the last level. */
+const LEAST_SHARE = 0.9 * LEVEL_SHARES[LEVEL_COUNT - 1];
+
+/** Share of its pieces that a tree shows: 1 up to the first distance, then a power of the distance. */
+export function shareAt(distance_m: number, [first_m, second_m]: readonly [number, number]): number {
+  if (distance_m <= first_m) return 1;
+  const power = Math.log(SHARE_AT_SECOND) / Math.log(second_m / first_m);
+  return Math.max(LEAST_SHARE, (distance_m / first_m) ** power);
+}
+
+/** The level for a share; `before` is the tree's last level, kept while it serves, 255 for none. */
+export function levelFor(share: number, before: number): number {
+  let level = LEVEL_COUNT - 1;
+  while (LEVEL_SHARES[level] < share) level--;
+  if (before >= level || before === 255) return level;
+  return share < HYSTERESIS * LEVEL_SHARES[before + 1] ? level : before;
+}
+
+/** Size of a piece of this rank, 0 to 1, in a tree that shows this share; the shader computes the same. */
+export function pieceSize(rank: number, share: number): number {
+  return Math.min(1, Math.max(0, (share * (1 + EDGE) - rank) / (EDGE * share)));
+}
+
+/** How much the leaves that stay are grown; the shader computes the same. */
+export const leafGrowth = (share: number): number => Math.min(MOST_GROWTH, 1 / Math.sqrt(share));
+
+/** Where a leaf's vertex goes in a tree that shows this share, xyz: about the leaf's middle; the shader does the same. */
+export function grownLeaf(
+  vertex: readonly number[],
+  middle: readonly number[],
+  rank: number,
+  share: number,
+): number[] {
+  const grown = pieceSize(rank, share) * leafGrowth(share);
+  return vertex.map((at, axis) => middle[axis] + grown * (at - middle[axis]));
+}
+
+/** Rank of each leaf, seeded. */
+export function leafRanks(pieces: Components): Float32Array {
+  return Float32Array.from({ length: pieces.count }, (_, piece) => hashUnit(piece, 11));
+}
+
+/** Rank of each branch, the longest first; wood in few pieces stays whole. */
+export function woodRanks(pieces: Components, positions: ArrayLike<number>): Float32Array {
+  const ranks = new Float32Array(pieces.count);
+  if (pieces.count < 4) return ranks;
+  const radii = componentRadii(pieces, positions, componentCentres(pieces, positions));
+  const sorted = [...radii.keys()].sort((a, b) => radii[b] - radii[a]);
+  sorted.forEach((piece, place) => {
+    ranks[piece] = place / pieces.count;
+  });
+  return ranks;
+}
+
+/** How much farther up counts as out along a branch. */
+const UPWARD = 0.3;
+
+/** Where each branch shrinks to: its vertex nearest to the trunk's foot, xyz packed. */
+export function branchBases(pieces: Components, positions: ArrayLike<number>): Float32Array {
+  const bases = new Float32Array(pieces.count * 3);
+  const least = new Float32Array(pieces.count).fill(Number.POSITIVE_INFINITY);
+  pieces.ofVertex.forEach((piece, v) => {
+    const [x, y, z] = [positions[v * 3], positions[v * 3 + 1], positions[v * 3 + 2]];
+    const out = Math.hypot(x, z) + UPWARD * y;
+    if (out >= least[piece]) return;
+    least[piece] = out;
+    bases.set([x, y, z], piece * 3);
+  });
+  return bases;
+}
+
+/** Triangles sorted by the rank of their piece, and how many indices each level needs. */
+export function rankedIndex(
+  index: ArrayLike<number>,
+  rankOf: (vertex: number) => number,
+): { index: Uint32Array; counts: number[] } {
+  const triangles = Array.from({ length: index.length / 3 }, (_, t) => t);
+  const rank = Float32Array.from(triangles, (t) => rankOf(index[3 * t]));
+  triangles.sort((a, b) => rank[a] - rank[b] || a - b);
+  const sorted = new Uint32Array(triangles.length * 3);
+  triangles.forEach((t, place) => {
+    for (let corner = 0; corner < 3; corner++) sorted[3 * place + corner] = index[3 * t + corner];
+  });
+  const counts = LEVEL_SHARES.map((share) => {
+    const beyond = triangles.findIndex((t) => pieceSize(rank[t], share) <= 0);
+    return 3 * (beyond < 0 ? triangles.length : beyond);
+  });
+  return { index: sorted, counts };
+}

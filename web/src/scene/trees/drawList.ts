@@ -1,0 +1,161 @@
+/** Which trees a frame draws, at which level of detail, and which cast shadows. Pure; no allocation per frame. */
+import { type Bounds, cylinderSeen, type Planes, type Point, shadowSeen } from "./culling";
+import { LEVEL_COUNT, levelFor, shareAt } from "./detail";
+import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
+
+export interface View {
+  readonly planes: Planes;
+  readonly eye: Point;
+  /** Towards the sun. */
+  readonly sun: Point;
+  /** Distances in m up to which a tree of scale 1 shows all its leaves, and at which it shows a seventh. */
+  readonly levelFrom_m: readonly [number, number];
+  /** Shadows are drawn up to this distance. */
+  readonly shadow_m: number;
+}
+
+/** Bins of distance: trees are drawn near to far, so that what is hidden is not shaded. */
+const BINS = 16;
+const BIN_M = 12;
+const CLASSES = 2 * LEVEL_COUNT * BINS;
+/** Casters are sorted by how near to the eye their shadow may fall. */
+export const CAST_BINS = 32;
+export const CAST_BIN_M = 6;
+const NONE = 255;
+/** A sun lower than this casts no longer shadows. */
+const LOWEST_SUN = 0.15;
+
+/** Per level, the trees `order[start ...]`: first `visible` ones near to far, then `hidden` ones that only cast. */
+export class DrawList {
+  readonly order: Uint32Array;
+  readonly start = new Uint32Array(LEVEL_COUNT);
+  readonly visible = new Uint32Array(LEVEL_COUNT);
+  readonly hidden = new Uint32Array(LEVEL_COUNT);
+  drawn = 0;
+  /** Places in `order` of the casters of each level, those whose shadow may fall nearest first. */
+  readonly casters: Uint32Array;
+  readonly castStart = new Uint32Array(LEVEL_COUNT);
+  /** [levels, bins + 1] casters in nearer bins. */
+  readonly castBefore = new Uint32Array(LEVEL_COUNT * (CAST_BINS + 1));
+  /** Share of its pieces that each tree shows. */
+  readonly share: Float32Array;
+  /** Level of each tree, kept while it serves; 255 before the first. */
+  readonly level: Uint8Array;
+  private readonly classes: Uint8Array;
+  private readonly castBin: Uint8Array;
+  private readonly next = new Uint32Array(CLASSES);
+  private readonly tally = new Uint32Array(CLASSES);
+
+  constructor(private readonly instances: InstanceData) {
+    const { count } = instances;
+    this.order = new Uint32Array(count);
+    this.casters = new Uint32Array(count);
+    this.share = new Float32Array(count);
+    this.level = new Uint8Array(count).fill(NONE);
+    this.classes = new Uint8Array(count);
+    this.castBin = new Uint8Array(count);
+  }
+
+  select(bounds: Bounds, view: View): void {
+    for (let tree = 0; tree < this.instances.count; tree++) this.classify(tree, bounds, view);
+    this.sortTrees();
+    this.sortCasters();
+  }
+
+  private classify(tree: number, bounds: Bounds, view: View): void {
+    const { data } = this.instances;
+    const { eye, planes } = view;
+    const at = tree * INSTANCE_FLOATS;
+    const scale = data[at + 6];
+    const x = data[at];
+    const y = data[at + 1];
+    const z = data[at + 2];
+    const height_m = bounds.height_m * scale;
+    const radius_m = (bounds.radius_m + bounds.reach_m) * scale;
+    const distance_m = Math.sqrt((x - eye.x) ** 2 + (y + 0.5 * height_m - eye.y) ** 2 + (z - eye.z) ** 2);
+    const seen = cylinderSeen(planes, x, y, z, height_m, radius_m);
+    this.castBin[tree] = this.castBinOf(x, y, z, height_m, radius_m, distance_m, view);
+    if (!seen && this.castBin[tree] === NONE) {
+      this.classes[tree] = NONE;
+      return;
+    }
+    this.share[tree] = shareAt(distance_m / scale, view.levelFrom_m);
+    this.level[tree] = levelFor(this.share[tree], this.level[tree]);
+    const bin = Math.min(BINS - 1, Math.floor(distance_m / BIN_M));
+    this.classes[tree] = (2 * this.level[tree] + (seen ? 0 : 1)) * BINS + bin;
+  }
+
+  /** How near to the eye the tree's shadow may fall, as a bin; NONE where it is not drawn. */
+  private castBinOf(
+    x: number,
+    y: number,
+    z: number,
+    height_m: number,
+    radius_m: number,
+    distance_m: number,
+    view: View,
+  ): number {
+    const ball_m = Math.sqrt(0.25 * height_m * height_m + radius_m * radius_m);
+    const slide_m = height_m / Math.max(LOWEST_SUN, view.sun.y);
+    const nearest_m = distance_m - ball_m - slide_m;
+    if (nearest_m > view.shadow_m) return NONE;
+    if (!shadowSeen(view.planes, view.sun, x, y + 0.5 * height_m, z, ball_m, slide_m)) return NONE;
+    return Math.min(CAST_BINS - 1, Math.max(0, Math.floor(nearest_m / CAST_BIN_M)));
+  }
+
+  private sortTrees(): void {
+    const { classes, tally, next, order } = this;
+    tally.fill(0);
+    for (let tree = 0; tree < classes.length; tree++) if (classes[tree] !== NONE) tally[classes[tree]]++;
+    this.layOut();
+    for (let tree = 0; tree < classes.length; tree++) {
+      if (classes[tree] !== NONE) order[next[classes[tree]]++] = tree;
+    }
+  }
+
+  /** Ranges from the tally; `next` is where each class begins. */
+  private layOut(): void {
+    this.visible.fill(0);
+    this.hidden.fill(0);
+    let at = 0;
+    for (let c = 0; c < CLASSES; c++) {
+      const group = Math.floor(c / BINS);
+      const level = group >> 1;
+      if (c % (2 * BINS) === 0) this.start[level] = at;
+      this.next[c] = at;
+      (group & 1 ? this.hidden : this.visible)[level] += this.tally[c];
+      at += this.tally[c];
+    }
+    this.drawn = at;
+  }
+
+  private sortCasters(): void {
+    const { castBefore, castStart, casters, order, castBin, next, start } = this;
+    castBefore.fill(0);
+    let total = 0;
+    for (let level = 0; level < LEVEL_COUNT; level++) {
+      const row = level * (CAST_BINS + 1);
+      const end = start[level] + this.visible[level] + this.hidden[level];
+      for (let i = start[level]; i < end; i++) {
+        const bin = castBin[order[i]];
+        if (bin !== NONE) castBefore[row + bin + 1]++;
+      }
+      castStart[level] = total;
+      for (let bin = 0; bin < CAST_BINS; bin++) {
+        next[bin] = total + castBefore[row + bin];
+        castBefore[row + bin + 1] += castBefore[row + bin];
+      }
+      for (let i = start[level]; i < end; i++) {
+        const bin = castBin[order[i]];
+        if (bin !== NONE) casters[next[bin]++] = i;
+      }
+      total += castBefore[row + CAST_BINS];
+    }
+  }
+
+  /** Casters of a level whose shadow may fall within a distance of the eye: so many from `castStart`. */
+  castersWithin(level: number, distance_m: number): number {
+    const bins = Math.min(CAST_BINS, Math.max(0, Math.floor(distance_m / CAST_BIN_M) + 1));
+    return this.castBefore[level * (CAST_BINS + 1) + bins];
+  }
+}

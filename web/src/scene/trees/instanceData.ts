@@ -1,0 +1,51 @@
+/** The trees of one species as packed arrays. Pure. */
+
+/** Floats per tree in `InstanceData.data`: x y z texel | s·cos s·sin s share | tint rgb, strength. */
+export const INSTANCE_FLOATS = 12;
+
+/** One place for a tree; the species comes later, so that places never move. */
+export interface Placement {
+  /** Identity of the place: stays when other trees come and go. */
+  readonly id: number;
+  readonly x_m: number;
+  readonly z_m: number;
+  readonly yaw_rad: number;
+  /** Size factor about 1. */
+  readonly scale: number;
+}
+
+export interface InstanceData {
+  readonly count: number;
+  readonly data: Float32Array;
+  /** x, z, yaw, scale of each tree, as the worker needs them. */
+  readonly placement: Float32Array<ArrayBuffer>;
+  /** Identity of each tree: that of its place. */
+  readonly ids: Uint32Array<ArrayBuffer>;
+}
+
+export type Tint = (treeId: number) => readonly [number, number, number, number];
+
+/** Gives every tree another tint. */
+export function setTints(instances: InstanceData, tint: Tint): void {
+  instances.ids.forEach((id, i) => {
+    instances.data.set(tint(id), i * INSTANCE_FLOATS + 8);
+  });
+}
+
+export function createInstanceData(
+  places: readonly Placement[],
+  ground: (x: number, z: number) => number,
+  tint: Tint,
+): InstanceData {
+  const data = new Float32Array(places.length * INSTANCE_FLOATS);
+  const placement = new Float32Array(places.length * 4);
+  places.forEach((place, i) => {
+    const { x_m, z_m, yaw_rad, scale } = place;
+    const cos = scale * Math.cos(yaw_rad);
+    const sin = scale * Math.sin(yaw_rad);
+    const y_m = ground(x_m, z_m) - 0.06 * scale;
+    data.set([x_m, y_m, z_m, 0, cos, sin, scale, 1, ...tint(place.id)], i * INSTANCE_FLOATS);
+    placement.set([x_m, z_m, yaw_rad, scale], i * 4);
+  });
+  return { count: places.length, data, placement, ids: Uint32Array.from(places, ({ id }) => id) };
+}

@@ -1,0 +1,178 @@
+/** One level of detail of one species: its instances for the picture and for the shadows. */
+import {
+  type BufferAttribute,
+  DynamicDrawUsage,
+  type Group,
+  InstancedBufferGeometry,
+  InstancedInterleavedBuffer,
+  InterleavedBufferAttribute,
+  Mesh,
+  type OrthographicCamera,
+} from "three";
+import { LEVEL_SHARES } from "./detail";
+import type { DrawList } from "./drawList";
+import { INSTANCE_FLOATS } from "./instanceData";
+import type { TreePart } from "./mesh/treeMesh";
+import type { PartMaterials } from "./treeMaterial";
+
+/** A part as this level draws it: triangles by rank, and the node of each vertex at this level. */
+export interface LevelPart {
+  readonly part: TreePart;
+  readonly node: BufferAttribute | null;
+  readonly materials: PartMaterials;
+}
+
+type InstancedMesh = Mesh<InstancedBufferGeometry>;
+
+/** Texels of the level's trees in the target of pass 1. */
+export interface LevelTexels {
+  readonly first: number;
+  readonly trees: number;
+  readonly nodes: number;
+}
+
+function geometryOf({ part, node }: LevelPart, level: number, instances: InstancedInterleavedBuffer) {
+  const geometry = new InstancedBufferGeometry();
+  geometry.setIndex(part.index);
+  geometry.setDrawRange(0, part.counts[level]);
+  geometry.setAttribute("position", part.position);
+  geometry.setAttribute("normal", part.normal);
+  if (part.uv) geometry.setAttribute("uv", part.uv);
+  geometry.setAttribute("aAnchor", part.anchor);
+  geometry.setAttribute("aPiece", part.piece);
+  if (node) geometry.setAttribute("aNode", node);
+  ["aPlace", "aTurn", "aTint"].forEach((name, k) => {
+    geometry.setAttribute(name, new InterleavedBufferAttribute(instances, 4, k * 4));
+  });
+  return geometry;
+}
+
+function instancesFor(trees: number): InstancedInterleavedBuffer {
+  const buffer = new InstancedInterleavedBuffer(new Float32Array(trees * INSTANCE_FLOATS), INSTANCE_FLOATS);
+  buffer.setUsage(DynamicDrawUsage);
+  return buffer;
+}
+
+export class LevelMeshes {
+  private readonly seen: InstancedInterleavedBuffer;
+  private readonly casting: InstancedInterleavedBuffer;
+  private readonly meshes: { mesh: InstancedMesh; materials: PartMaterials; caster: boolean }[] = [];
+  private visible = 0;
+  private casters = 0;
+  private castersWithin: (distance_m: number) => number = () => 0;
+  /** Triangles of one tree in the picture. */
+  readonly triangles: number;
+
+  /** `shadowShare`: shadows show at most this share of a tree's pieces. */
+  constructor(
+    private readonly level: number,
+    parts: readonly LevelPart[],
+    trees: number,
+    private readonly shadowShare: number,
+    group: Group,
+  ) {
+    this.seen = instancesFor(trees);
+    this.casting = instancesFor(trees);
+    const shadowLevel = Math.max(
+      level,
+      LEVEL_SHARES.findLastIndex((share) => share >= shadowShare),
+    );
+    for (const part of parts) {
+      group.add(this.colourMesh(part), this.shadowMesh(part, shadowLevel));
+    }
+    this.triangles = parts.reduce((sum, { part }) => sum + part.counts[level] / 3, 0);
+  }
+
+  private mesh(part: LevelPart, level: number, caster: boolean): InstancedMesh {
+    const mesh = new Mesh(geometryOf(part, level, caster ? this.casting : this.seen), part.materials.colour);
+    mesh.customDepthMaterial = part.materials.shadow;
+    mesh.frustumCulled = false; // trees are culled one by one
+    mesh.matrixAutoUpdate = false;
+    mesh.castShadow = caster;
+    this.meshes.push({ mesh, materials: part.materials, caster });
+    return mesh;
+  }
+
+  private colourMesh(part: LevelPart): InstancedMesh {
+    const mesh = this.mesh(part, this.level, false);
+    mesh.renderOrder = this.level;
+    mesh.receiveShadow = true;
+    mesh.onBeforeRender = () => {
+      mesh.geometry.instanceCount = this.visible;
+    };
+    return mesh;
+  }
+
+  /** Drawn into the shadow maps only; each cascade takes the casters that can reach it. */
+  private shadowMesh(part: LevelPart, level: number): InstancedMesh {
+    const mesh = this.mesh(part, level, true);
+    mesh.onBeforeShadow = (_renderer, _object, _camera, shadowCamera) => {
+      // The cascade is a slice of the view, which begins at the eye, within a ball of this radius.
+      const radius_m = (shadowCamera as OrthographicCamera).right ?? Number.POSITIVE_INFINITY;
+      mesh.geometry.instanceCount = this.castersWithin(2 * radius_m);
+    };
+    mesh.onBeforeRender = () => {
+      mesh.geometry.instanceCount = 0;
+    };
+    return mesh;
+  }
+
+  /** Copies the level's trees from a draw list. */
+  fill(list: DrawList, data: Float32Array, texels: LevelTexels): void {
+    const { level } = this;
+    const start = list.start[level];
+    this.visible = Math.min(list.visible[level], texels.trees);
+    this.copy(this.seen, data, list, texels, this.visible, 1, (i) => start + i);
+    const castStart = list.castStart[level];
+    this.casters = list.castersWithin(level, Number.POSITIVE_INFINITY);
+    this.castersWithin = (distance_m) => list.castersWithin(level, distance_m);
+    const casterAt = (i: number) => Math.min(list.casters[castStart + i], start + texels.trees - 1);
+    this.copy(this.casting, data, list, texels, this.casters, this.shadowShare, casterAt);
+    for (const { mesh, caster } of this.meshes) mesh.visible = (caster ? this.casters : this.visible) > 0;
+  }
+
+  private copy(
+    buffer: InstancedInterleavedBuffer,
+    data: Float32Array,
+    list: DrawList,
+    { first, nodes }: LevelTexels,
+    count: number,
+    mostShare: number,
+    placeOf: (i: number) => number,
+  ): void {
+    const array = buffer.array as Float32Array;
+    const start = list.start[this.level];
+    for (let i = 0; i < count; i++) {
+      const place = placeOf(i);
+      const tree = list.order[place];
+      const from = tree * INSTANCE_FLOATS;
+      const to = i * INSTANCE_FLOATS;
+      for (let k = 0; k < INSTANCE_FLOATS; k++) array[to + k] = data[from + k];
+      array[to + 3] = first + (place - start) * nodes;
+      array[to + 7] = Math.min(mostShare, list.share[tree]);
+    }
+    buffer.clearUpdateRanges();
+    buffer.addUpdateRange(0, count * INSTANCE_FLOATS);
+    buffer.needsUpdate = count > 0;
+  }
+
+  get visibleTriangles(): number {
+    return this.triangles * this.visible;
+  }
+
+  /** Draws with these materials, one pair per part. */
+  useMaterials(materialsOf: (materials: PartMaterials) => PartMaterials): void {
+    for (const { mesh, materials } of this.meshes) {
+      const used = materialsOf(materials);
+      mesh.material = used.colour;
+      mesh.customDepthMaterial = used.shadow;
+    }
+  }
+
+  dispose(): void {
+    for (const { mesh } of this.meshes) {
+      mesh.removeFromParent();
+      mesh.geometry.dispose();
+    }
+  }
+}

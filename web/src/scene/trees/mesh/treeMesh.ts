@@ -1,0 +1,162 @@
+/** Reads a normalised GLB into the parts that the forest draws. */
+import {
+  BufferAttribute,
+  type BufferGeometry,
+  Mesh,
+  type MeshStandardMaterial,
+  type Object3D,
+  Vector3,
+} from "three";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { hashUnit } from "../../../core/math/random";
+import { branchBases, leafRanks, rankedIndex, woodRanks } from "../detail";
+import {
+  type Components,
+  componentCentres,
+  connectedComponents,
+  holders,
+  weldedComponents,
+} from "./components";
+import { leafReach, openness, roundNormals } from "./foliage";
+
+/** Wood moves with its branch; leaves also flutter, and take light from both sides. */
+export type Part = "wood" | "leaves";
+
+export interface TreePart {
+  readonly kind: Part;
+  readonly vertices: number;
+  readonly material: MeshStandardMaterial;
+  readonly normal: BufferAttribute;
+  readonly uv: BufferAttribute | null;
+  readonly position: BufferAttribute;
+  /** What the vertex's leaf or branch shrinks to. */
+  readonly anchor: BufferAttribute;
+  /** Random of the piece, openness to the sky, free end of the leaf, rank of the piece. */
+  readonly piece: BufferAttribute;
+  /** The vertex whose node each vertex uses: a small leaf is bound to one node at every level, and keeps its shape. */
+  readonly hold: Uint32Array;
+  /** Triangles sorted by rank, and the number of indices that each level of detail draws. */
+  readonly index: BufferAttribute;
+  readonly counts: readonly number[];
+}
+
+export interface TreeModel {
+  readonly parts: readonly TreePart[];
+  readonly height_m: number;
+  /** Largest horizontal reach from the trunk. */
+  readonly radius_m: number;
+}
+
+const isMesh = (object: Object3D): object is Mesh<BufferGeometry, MeshStandardMaterial> =>
+  object instanceof Mesh;
+
+/** Meshes in table order: wood_0, wood_1, …, leaves_0, …: the order in which the file lists them. */
+function meshesOf(scene: Object3D): Mesh<BufferGeometry, MeshStandardMaterial>[] {
+  const meshes: Mesh<BufferGeometry, MeshStandardMaterial>[] = [];
+  scene.traverse((object) => {
+    if (isMesh(object)) meshes.push(object);
+  });
+  const rank = (mesh: Mesh) =>
+    (kindOf(mesh) === "wood" ? 0 : 1e6) + Number(/(\d+)$/.exec(mesh.name)?.[1] ?? 0);
+  return meshes.sort((a, b) => rank(a) - rank(b));
+}
+
+const kindOf = (mesh: Object3D): Part => (mesh.name.startsWith("leaves") ? "leaves" : "wood");
+
+function floats(
+  attribute: { count: number; itemSize: number } & Pick<BufferAttribute, "getComponent">,
+): Float32Array {
+  const out = new Float32Array(attribute.count * attribute.itemSize);
+  for (let i = 0; i < out.length; i++) {
+    out[i] = attribute.getComponent(Math.floor(i / attribute.itemSize), i % attribute.itemSize);
+  }
+  return out;
+}
+
+interface PieceDetail {
+  readonly of: Components;
+  readonly ranks: Float32Array;
+  readonly anchors: Float32Array;
+}
+
+const leafDetail = (of: Components, positions: Float32Array): PieceDetail => ({
+  of,
+  ranks: leafRanks(of),
+  anchors: componentCentres(of, positions),
+});
+
+/** A bare tree consists of branches only: they keep rank 0 and are always drawn. */
+function woodDetail(index: ArrayLike<number>, positions: Float32Array, bare: boolean): PieceDetail {
+  const of = weldedComponents(index, positions);
+  const ranks = bare ? new Float32Array(of.count) : woodRanks(of, positions);
+  return { of, ranks, anchors: branchBases(of, positions) };
+}
+
+function partFrom(
+  mesh: Mesh<BufferGeometry, MeshStandardMaterial>,
+  centre: Vector3,
+  radius_m: number,
+  bare: boolean,
+): TreePart {
+  const { geometry } = mesh;
+  const kind = kindOf(mesh);
+  if (!geometry.getAttribute("normal")) geometry.computeVertexNormals();
+  const positions = floats(geometry.getAttribute("position") as BufferAttribute);
+  const vertices = positions.length / 3;
+  const index = geometry.index?.array ?? Uint32Array.from({ length: vertices }, (_, v) => v);
+  const pieces = connectedComponents(index, vertices);
+  const leaves = kind === "leaves";
+  const normals = floats(geometry.getAttribute("normal") as BufferAttribute);
+  const open = openness(positions, centre, radius_m);
+  const reach = leaves ? leafReach(pieces, positions) : new Float32Array(vertices);
+  const { ranks, anchors, of } = leaves ? leafDetail(pieces, positions) : woodDetail(index, positions, bare);
+  const piece = new Float32Array(vertices * 4);
+  const anchor = new Float32Array(vertices * 3);
+  for (let v = 0; v < vertices; v++) {
+    piece.set([hashUnit(pieces.ofVertex[v], 3), open[v], reach[v], ranks[of.ofVertex[v]]], v * 4);
+    for (let axis = 0; axis < 3; axis++) anchor[v * 3 + axis] = anchors[of.ofVertex[v] * 3 + axis];
+  }
+  const ranked = rankedIndex(index, (v) => ranks[of.ofVertex[v]]);
+  const uv = geometry.getAttribute("uv") as BufferAttribute | undefined;
+  return {
+    kind,
+    vertices,
+    material: mesh.material,
+    normal: new BufferAttribute(leaves ? roundNormals(positions, normals, centre) : normals, 3),
+    uv: uv ? new BufferAttribute(floats(uv), 2) : null,
+    position: new BufferAttribute(positions, 3),
+    anchor: new BufferAttribute(anchor, 3),
+    piece: new BufferAttribute(piece, 4),
+    hold: leaves ? holders(pieces) : Uint32Array.from({ length: vertices }, (_, v) => v),
+    index: new BufferAttribute(ranked.index, 1),
+    counts: ranked.counts,
+  };
+}
+
+/** Throws when the bytes are no GLB or hold no mesh. */
+export async function readTreeModel(bytes: ArrayBuffer): Promise<TreeModel> {
+  const { scene } = await new GLTFLoader().parseAsync(bytes, "");
+  const meshes = meshesOf(scene);
+  if (meshes.length === 0) throw new Error("the tree's mesh file holds no mesh");
+  const low = new Vector3(Infinity, Infinity, Infinity);
+  const high = low.clone().negate();
+  for (const mesh of meshes) {
+    mesh.geometry.computeBoundingBox();
+    low.min(mesh.geometry.boundingBox?.min ?? low);
+    high.max(mesh.geometry.boundingBox?.max ?? high);
+  }
+  const radius_m = Math.max(Math.abs(low.x), Math.abs(low.z), high.x, high.z, 0.1);
+  const centre = new Vector3((low.x + high.x) / 2, 0.25 * low.y + 0.62 * high.y, (low.z + high.z) / 2);
+  const bare = meshes.every((mesh) => kindOf(mesh) === "wood"); // a tree without leaves
+  const parts = meshes.map((mesh) => partFrom(mesh, centre, Math.max(radius_m, high.y * 0.4), bare));
+  for (const mesh of meshes) mesh.geometry.dispose();
+  return { parts, height_m: high.y, radius_m };
+}
+
+/** Frees the GPU resources of a model; drawing it again uploads them again. */
+export function disposeModel({ parts }: TreeModel): void {
+  for (const { material } of parts) {
+    for (const texture of [material.map, material.normalMap]) texture?.dispose();
+    material.dispose();
+  }
+}

@@ -1,0 +1,190 @@
+/** All trees of one species: pass 1 for its nodes, instanced meshes at every level of detail for pass 2. */
+import { BufferAttribute, Group, type WebGLRenderer } from "three";
+import type { NodeLevel, TableMotion } from "../../worker/protocol";
+import type { Bounds } from "./culling";
+import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
+import { DrawList, type View } from "./drawList";
+import type { InstanceData } from "./instanceData";
+import { LevelMeshes, type LevelPart, type LevelTexels } from "./levelMeshes";
+import type { TreeModel, TreePart } from "./mesh/treeMesh";
+import { NodePass } from "./nodes/nodePass";
+import { type MaterialOptions, type PartMaterials, partMaterials } from "./treeMaterial";
+import { nodeRadii } from "./treePick";
+import type { TreeUniforms } from "./treeShader";
+
+export interface SpeciesOptions extends MaterialOptions {
+  readonly maxTextureSide: number;
+  /** Shared clock and amplitude of the flutter of leaves. */
+  readonly flutter: { value: { x: number; y: number } };
+}
+
+/** Buffers grow in steps of this many trees. */
+const ROOM_STEP = 256;
+const ALL: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 };
+
+/** Node of each vertex of one part at one level. */
+function nodeAttribute(part: TreePart, firstVertex: number, motion: TableMotion, level: NodeLevel) {
+  const fine = motion.vertexNode.subarray(firstVertex, firstVertex + part.vertices);
+  return new BufferAttribute(
+    fine.map((_, vertex) => level.of[fine[part.hold[vertex]]]),
+    1,
+  );
+}
+
+interface OwnPart {
+  readonly part: TreePart;
+  readonly firstVertex: number;
+  readonly moving: PartMaterials | null;
+  /** Without any motion, not even of zero: made when first asked for. */
+  still: PartMaterials | null;
+}
+
+export class SpeciesForest {
+  readonly group = new Group();
+  private readonly nodes: NodePass | null;
+  private readonly uniforms: TreeUniforms;
+  private readonly parts: OwnPart[];
+  private readonly levels: LevelMeshes[];
+  private readonly room: number;
+  private list: DrawList;
+  private frozen = false;
+  private nodeRadius_m: Float32Array | null = null;
+
+  /** Without `motion` the trees are static and grey. */
+  constructor(
+    readonly model: TreeModel,
+    readonly motion: TableMotion | null,
+    public instances: InstanceData,
+    readonly options: SpeciesOptions,
+  ) {
+    this.room = Math.ceil(instances.count / ROOM_STEP) * ROOM_STEP;
+    this.nodes = motion ? new NodePass(motion, this.room, options.maxTextureSide) : null;
+    this.uniforms = {
+      uNodes: { value: this.nodes?.target.texture ?? null },
+      uNodeShift: { value: 0 },
+      uFlutter: options.flutter,
+      uGhost: { value: motion ? 0 : 1 },
+    };
+    this.parts = this.makeParts();
+    this.levels = LEVEL_SHARES.map((_, level) => this.makeLevel(level));
+    this.list = new DrawList(instances);
+  }
+
+  private makeParts(): OwnPart[] {
+    let firstVertex = 0;
+    return this.model.parts.map((part) => {
+      const own = {
+        part,
+        firstVertex,
+        moving: this.motion ? this.materials(part, true) : null,
+        still: this.motion ? null : this.materials(part, false),
+      };
+      firstVertex += part.vertices;
+      return own;
+    });
+  }
+
+  private materials(part: TreePart, moves: boolean): PartMaterials {
+    return partMaterials(part.material, part.kind, this.uniforms, this.options, moves);
+  }
+
+  private makeLevel(level: number): LevelMeshes {
+    const parts = this.parts.map(({ part, firstVertex, moving, still }): LevelPart => {
+      const materials = moving ?? still;
+      if (!materials) throw new Error("a part without materials");
+      const { motion } = this;
+      const node = motion ? nodeAttribute(part, firstVertex, motion, motion.levels[level]) : null;
+      return { part, node, materials };
+    });
+    // Where gloss is affordable, so are shadows of every leaf.
+    return new LevelMeshes(level, parts, this.room, this.options.gloss ? 1 : LEVEL_SHARES[1], this.group);
+  }
+
+  /** Replaces the instances, if there is room for them; trees that stay keep their level of detail. */
+  setInstances(instances: InstanceData): boolean {
+    if (instances.count > this.room) return false;
+    const before = this.list;
+    const known = new Map(Array.from(this.instances.ids, (id, tree) => [id, tree] as const));
+    this.instances = instances;
+    this.list = new DrawList(instances);
+    instances.ids.forEach((id, tree) => {
+      const old = known.get(id);
+      if (old !== undefined) this.list.level[tree] = before.level[old];
+    });
+    return true;
+  }
+
+  /** Without leaves: they have fallen and are not drawn. */
+  set leafless(leafless: boolean) {
+    for (const { part, moving, still } of this.parts) {
+      if (part.kind !== "leaves") continue;
+      for (const materials of [moving, still]) if (materials) materials.colour.visible = !leafless;
+    }
+  }
+
+  get bounds(): Bounds {
+    const { height_m, radius_m } = this.model;
+    return { height_m, radius_m, reach_m: this.motion?.reach_m ?? 0 };
+  }
+
+  /** What picking needs to know. */
+  get pickable() {
+    const { instances, bounds, motion } = this;
+    this.nodeRadius_m ??= motion
+      ? nodeRadii(
+          this.model.parts.map(({ position }) => position.array),
+          motion,
+        )
+      : new Float32Array(0);
+    return { instances, bounds, motion, nodeRadius_m: this.nodeRadius_m };
+  }
+
+  /** Chooses what is drawn from this view, and at which level. */
+  select(view: View): void {
+    this.list.select(this.bounds, view);
+    const texels = this.nodes?.place(this.list);
+    if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
+    for (let level = 0; level < LEVEL_COUNT; level++) {
+      this.levels[level].fill(this.list, this.instances.data, texels?.[level] ?? ALL);
+    }
+  }
+
+  /** Triangles drawn into the picture by the last selection. */
+  get triangles(): number {
+    return this.levels.reduce((sum, level) => sum + level.visibleTriangles, 0);
+  }
+
+  setPoses(poses: Float32Array): void {
+    if (!this.frozen) this.nodes?.setPoses(poses);
+  }
+
+  renderNodes(renderer: WebGLRenderer): void {
+    if (!this.frozen) this.nodes?.render(renderer);
+  }
+
+  /** Draws the trees as static instances, or moving again: to measure what the motion costs. */
+  freeze(frozen: boolean): void {
+    this.frozen = frozen;
+    const still = new Map(
+      this.parts.map((own) => {
+        if (frozen) own.still ??= this.materials(own.part, false);
+        return [own.moving, own.still] as const;
+      }),
+    );
+    for (const level of this.levels) {
+      level.useMaterials((moving) => (frozen && still.get(moving)) || moving);
+    }
+  }
+
+  dispose(): void {
+    this.group.removeFromParent();
+    this.nodes?.dispose();
+    for (const level of this.levels) level.dispose();
+    for (const { moving, still } of this.parts) {
+      for (const materials of [moving, still]) {
+        materials?.colour.dispose();
+        materials?.shadow.dispose();
+      }
+    }
+  }
+}

@@ -1,0 +1,102 @@
+/** Materials of one part of a species, for the colour and the shadow pass. */
+import {
+  CustomBlending,
+  DoubleSide,
+  FrontSide,
+  type Material,
+  MeshDepthMaterial,
+  MeshLambertMaterial,
+  MeshStandardMaterial,
+  OneFactor,
+  RGBADepthPacking,
+  type Texture,
+  ZeroFactor,
+} from "three";
+import type { Part } from "./mesh/treeMesh";
+import { type AtmosphereShader, deform, type SurfaceUniforms, type TreeUniforms } from "./treeShader";
+
+const ALPHA_TEST = 0.42;
+
+function sharpen(texture: Texture | null, anisotropy: number): Texture | null {
+  if (texture) texture.anisotropy = anisotropy;
+  return texture;
+}
+
+export type TreeMaterial = MeshStandardMaterial | MeshLambertMaterial;
+
+export interface MaterialOptions {
+  readonly anisotropy: number;
+  readonly smoothEdges: boolean;
+  /** Gloss of bark and leaves; without it a fragment costs about half. */
+  readonly gloss: boolean;
+  readonly surface: SurfaceUniforms;
+  readonly atmosphere: AtmosphereShader;
+}
+
+function colourMaterial(
+  from: MeshStandardMaterial,
+  part: Part,
+  uniforms: TreeUniforms,
+  options: MaterialOptions,
+  moves: boolean,
+): TreeMaterial {
+  const leaves = part === "leaves";
+  const cut = leaves && (from.alphaTest > 0 || from.transparent);
+  const common = {
+    map: sharpen(from.map, options.anisotropy),
+    color: from.color,
+    side: leaves ? DoubleSide : FrontSide,
+    alphaTest: cut ? ALPHA_TEST : 0,
+    alphaToCoverage: cut && options.smoothEdges,
+  };
+  const material = options.gloss
+    ? new MeshStandardMaterial({ ...common, roughness: leaves ? 0.72 : 0.94, metalness: 0 })
+    : new MeshLambertMaterial(common);
+  if (material.alphaToCoverage) keepAlpha(material);
+  const { surface, atmosphere } = options;
+  deform(material, part, "colour", moves, { ...uniforms, ...atmosphere.uniforms, ...surface }, atmosphere);
+  return material;
+}
+
+/** Coverage must not reach the canvas as transparency: write colour only, leave alpha as cleared. */
+function keepAlpha(material: Material): void {
+  material.blending = CustomBlending;
+  material.blendSrc = OneFactor;
+  material.blendDst = ZeroFactor;
+  material.blendSrcAlpha = ZeroFactor;
+  material.blendDstAlpha = OneFactor;
+}
+
+function shadowMaterial(
+  colour: TreeMaterial,
+  part: Part,
+  uniforms: TreeUniforms,
+  { surface, atmosphere }: MaterialOptions,
+  moves: boolean,
+): MeshDepthMaterial {
+  const material = new MeshDepthMaterial({
+    depthPacking: RGBADepthPacking,
+    map: colour.alphaTest > 0 ? colour.map : null,
+    alphaTest: colour.alphaTest,
+  });
+  deform(material, part, "depth", moves, { ...uniforms, ...surface }, atmosphere);
+  return material;
+}
+
+/** What a part is drawn with. */
+export interface PartMaterials {
+  readonly colour: TreeMaterial;
+  readonly shadow: MeshDepthMaterial;
+}
+
+/** Materials of a part that moves with its nodes, or stands still at no cost. */
+export function partMaterials(
+  from: MeshStandardMaterial,
+  part: Part,
+  uniforms: TreeUniforms,
+  options: MaterialOptions,
+  moves: boolean,
+): PartMaterials {
+  const colour = colourMaterial(from, part, uniforms, options, moves);
+  return { colour, shadow: shadowMaterial(colour, part, uniforms, options, moves) };
+}

@@ -1,0 +1,52 @@
+/** Hides a jump of poses (another source or table) by fading out the difference of each tree. Pure. */
+import type { CarriedGroup } from "./carry";
+
+const FADE_S = 1;
+
+export class JumpBlend {
+  /** The pose before the jump; once the new one is known, the difference between them. */
+  private offsets: (Float32Array | null)[] = [];
+  private known: (Uint8Array | null)[] = [];
+  private left_s = 0;
+  private pending = false;
+
+  /** Blends the next poses from those displayed now; null groups and unknown trees are not blended. */
+  start(shown: readonly (CarriedGroup | null)[]): void {
+    this.offsets = shown.map((group) => group?.poses.slice() ?? null);
+    this.known = shown.map((group) => group?.known ?? null);
+    this.left_s = FADE_S;
+    this.pending = true;
+  }
+
+  /** Adds what remains of the old pose to the new ones; call once per frame. */
+  apply(buffers: readonly Float32Array[], dt_s: number): void {
+    if (this.left_s <= 0) return;
+    if (this.pending) this.takeDifferences(buffers);
+    else this.left_s = Math.max(0, this.left_s - dt_s);
+    const t = this.left_s / FADE_S;
+    const weight = t * t * (3 - 2 * t);
+    for (const [group, buffer] of buffers.entries()) {
+      const offset = this.offsets[group];
+      if (offset) for (let i = 0; i < buffer.length; i++) buffer[i] += weight * offset[i];
+    }
+  }
+
+  private takeDifferences(buffers: readonly Float32Array[]): void {
+    this.pending = false;
+    let largest = 0;
+    for (const [group, buffer] of buffers.entries()) {
+      const offset = this.offsets[group];
+      const known = this.known[group];
+      if (!offset || !known || offset.length !== buffer.length) {
+        this.offsets[group] = null;
+        continue;
+      }
+      const stride = buffer.length / known.length;
+      for (let i = 0; i < buffer.length; i++) {
+        offset[i] = known[Math.floor(i / stride)] === 0 ? 0 : offset[i] - buffer[i];
+        largest = Math.max(largest, Math.abs(offset[i]));
+      }
+    }
+    if (largest === 0) this.left_s = 0; // no tree jumps
+  }
+}

@@ -1,0 +1,78 @@
+/**
+ * The server's stream with the local tables behind it: while no frames arrive the tables move the trees,
+ * and the stream takes over again with its next frame. Both read the same wind, so the change is small; the caller
+ * blends it.
+ */
+import type { WindDocument } from "../../core/wind/wind";
+import type { Inspection, TreeAt } from "../protocol";
+import type { LocalMotion } from "./localMotion";
+import type { MotionSource } from "./motionSource";
+import type { StreamMotion } from "./streamMotion";
+
+export class FailoverMotion implements MotionSource {
+  private local: LocalMotion | null = null;
+
+  /** `makeLocal` starts at the given time; `switched` is called when the source of poses changes. */
+  constructor(
+    private readonly stream: StreamMotion,
+    private readonly makeLocal: (time_s: number) => LocalMotion,
+    private readonly switched: () => void,
+  ) {}
+
+  private get source(): MotionSource {
+    return this.local ?? this.stream;
+  }
+
+  get time_s(): number {
+    return this.source.time_s;
+  }
+
+  get connection() {
+    return this.stream.connection;
+  }
+
+  get coverage(): number {
+    return this.source.coverage;
+  }
+
+  get extrapolationRatio(): number {
+    return this.source.extrapolationRatio;
+  }
+
+  takeWind_ms(): number {
+    return this.source.takeWind_ms();
+  }
+
+  inspect(at: TreeAt): Inspection | null {
+    return this.source.inspect(at);
+  }
+
+  windChanged(wind: WindDocument): void {
+    this.stream.windChanged(wind);
+    this.local?.windChanged();
+  }
+
+  pause(paused: boolean): void {
+    this.stream.pause(paused);
+  }
+
+  advance(dt_s: number, out: readonly Float32Array[]): boolean {
+    const lost = this.stream.connection.state === "lost";
+    if (lost && !this.local) {
+      this.local = this.makeLocal(this.stream.time_s);
+      this.switched();
+    } else if (!lost && this.local) {
+      this.local.dispose();
+      this.local = null;
+      this.switched();
+    }
+    // The server continues from the time that the trees have reached meanwhile.
+    if (this.local) this.stream.time_s = this.local.time_s;
+    return this.source.advance(dt_s, out);
+  }
+
+  dispose(): void {
+    this.stream.dispose();
+    this.local?.dispose();
+  }
+}

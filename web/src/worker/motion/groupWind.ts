@@ -1,0 +1,107 @@
+/** The wind at the trees of one group, written into pose buffers. Nothing is allocated per frame. */
+
+import { poseStride } from "../../core/motion/poseStride";
+import { pressureOfVelocity } from "../../core/wind/pressure";
+import { dynamicPressure, heightFactor, type WindField } from "../../core/wind/wind";
+
+export class GroupWind {
+  readonly count: number;
+  readonly x: Float32Array;
+  readonly z: Float32Array;
+  readonly pressureX: Float32Array;
+  readonly pressureZ: Float32Array;
+
+  /** Share of the trees in winds that their table has sampled. */
+  coverage = 1;
+  /** Largest pressure over the largest that the table has sampled. */
+  extrapolationRatio = 0;
+  private readonly speed_m_s: Float32Array;
+  private readonly velocityX: Float64Array;
+  private readonly velocityZ: Float64Array;
+  private readonly factor: Float64Array;
+  private exponent = 0;
+  private reference_m = 1;
+
+  /** `placement`: x, z, yaw, scale of each tree; `height_m`: height of a tree of scale 1. */
+  constructor(
+    readonly placement: Float32Array,
+    private readonly height_m: number,
+    private readonly sampledPeak_pa: number,
+  ) {
+    this.count = placement.length / 4;
+    this.x = this.column(0);
+    this.z = this.column(1);
+    this.pressureX = new Float32Array(this.count);
+    this.pressureZ = new Float32Array(this.count);
+    this.speed_m_s = new Float32Array(this.count);
+    this.velocityX = new Float64Array(this.count);
+    this.velocityZ = new Float64Array(this.count);
+    this.factor = new Float64Array(this.count).fill(1);
+  }
+
+  column(channel: 0 | 1 | 2 | 3): Float32Array {
+    return Float32Array.from({ length: this.count }, (_, tree) => this.placement[tree * 4 + channel]);
+  }
+
+  update(field: WindField, time_s: number): void {
+    const { height_exponent, reference_height_m } = field.at(time_s).wind;
+    this.setProfile(height_exponent, reference_height_m);
+    field.velocity(this.x, this.z, time_s, this.velocityX, this.velocityZ);
+    pressureOfVelocity(this.velocityX, this.velocityZ, this.pressureX, this.pressureZ, this.factor);
+    this.limit();
+  }
+
+  /** Clamps pressures to the sampled range, and counts how many were beyond it. */
+  private limit(): void {
+    const { pressureX, pressureZ, velocityX, velocityZ, speed_m_s, factor, sampledPeak_pa } = this;
+    const most = sampledPeak_pa * sampledPeak_pa;
+    let beyond = 0;
+    let strongest = 0;
+    for (let tree = 0; tree < this.count; tree++) {
+      const vx = velocityX[tree];
+      const vz = velocityZ[tree];
+      speed_m_s[tree] = factor[tree] * Math.sqrt(vx * vx + vz * vz);
+      const px = pressureX[tree];
+      const pz = pressureZ[tree];
+      const square = px * px + pz * pz;
+      if (square > strongest) strongest = square;
+      if (square <= most) continue;
+      beyond++;
+      const share = sampledPeak_pa / Math.sqrt(square);
+      pressureX[tree] = px * share;
+      pressureZ[tree] = pz * share;
+    }
+    this.coverage = this.count === 0 ? 1 : 1 - beyond / this.count;
+    this.extrapolationRatio = Math.sqrt(strongest) / sampledPeak_pa;
+  }
+
+  /** Pressure at one tree over the largest that its table has sampled. */
+  extrapolationRatioAt(tree: number): number {
+    return dynamicPressure(this.speed_m_s[tree]) / this.sampledPeak_pa;
+  }
+
+  /** Wind speed grows with height. */
+  private setProfile(exponent: number, reference_m: number): void {
+    if (exponent === this.exponent && reference_m === this.reference_m) return;
+    this.exponent = exponent;
+    this.reference_m = reference_m;
+    for (let tree = 0; tree < this.count; tree++) {
+      this.factor[tree] = heightFactor(this.height_m * this.placement[tree * 4 + 3], exponent, reference_m);
+    }
+  }
+
+  /** Writes each tree's wind speed (m/s) into its row, after the modes. */
+  writeSpeeds(out: Float32Array, modes: number): void {
+    const stride = poseStride(modes);
+    for (let tree = 0; tree < this.count; tree++) out[tree * stride + modes] = this.speed_m_s[tree];
+  }
+}
+
+/** Share of all trees that are in winds that their tables have sampled. */
+export function coverageOf(groups: readonly GroupWind[]): number {
+  const trees = groups.reduce((sum, { count }) => sum + count, 0);
+  return trees === 0 ? 1 : groups.reduce((sum, group) => sum + group.count * group.coverage, 0) / trees;
+}
+
+export const extrapolationRatioOf = (groups: readonly GroupWind[]): number =>
+  groups.reduce((most, { extrapolationRatio }) => Math.max(most, extrapolationRatio), 0);

@@ -1,0 +1,124 @@
+/** Poses computed from the tables in this worker. */
+
+import { ModalForest } from "../../core/modal/modalForest";
+import type { Method } from "../../core/motion/method";
+import { PaperForest } from "../../core/motion/paperSearch";
+import { poseStride } from "../../core/motion/poseStride";
+import type { Table } from "../../core/table/table";
+import { sampledPeak, type WindField } from "../../core/wind/wind";
+import type { Connection, Inspection, TreeAt } from "../protocol";
+import { rowsBefore, type ShownGroup } from "./carry";
+import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
+import type { MotionSource } from "./motionSource";
+
+/** Longest step of wind and poses, so that the motion does not depend on the display's rate. */
+const MAX_STEP_S = 1 / 30;
+
+export interface LocalGroup extends ShownGroup {
+  readonly table: Table;
+  readonly placement: Float32Array;
+}
+
+interface Moving {
+  readonly group: LocalGroup;
+  readonly lookup: PaperForest | ModalForest;
+  readonly wind: GroupWind;
+  readonly modes: number;
+}
+
+export class LocalMotion implements MotionSource {
+  readonly connection: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
+  private readonly groups: Moving[];
+  private wind_ms = 0;
+
+  constructor(
+    groups: readonly LocalGroup[],
+    private readonly field: WindField,
+    { method, poseEasing }: { method: Method; poseEasing: number | null },
+    public time_s: number,
+  ) {
+    this.groups = groups.map((group) => {
+      const { table, placement } = group;
+      const count = placement.length / 4;
+      const options = poseEasing === null ? {} : { poseEasing };
+      const lookup =
+        method === "modal" ? new ModalForest(table, count) : new PaperForest(table, count, options);
+      const own = new GroupWind(placement, table.metadata.height_m, sampledPeak(table.pressure));
+      lookup.setTrees(own.x, own.z, own.column(2), own.column(3));
+      return { group, lookup, wind: own, modes: table.metadata.modes };
+    });
+  }
+
+  /** Takes over the state of trees that were in motion before, of the same table and method. */
+  adopt(before: LocalMotion): void {
+    for (const { group, lookup } of this.groups) {
+      const old = before.groups.find(
+        (other) => other.group.key === group.key && other.group.table === group.table,
+      );
+      if (!old) continue;
+      const rows = rowsBefore(old.group.ids, group.ids);
+      if (lookup instanceof ModalForest && old.lookup instanceof ModalForest) {
+        lookup.adopt(old.lookup, rows);
+      } else if (lookup instanceof PaperForest && old.lookup instanceof PaperForest) {
+        lookup.adopt(old.lookup, rows);
+      }
+    }
+  }
+
+  windChanged(): void {}
+
+  get coverage(): number {
+    return coverageOf(this.groups.map(({ wind }) => wind));
+  }
+
+  get extrapolationRatio(): number {
+    const winds = extrapolationRatioOf(this.groups.map(({ wind }) => wind));
+    return this.groups.reduce((most, { lookup }) => {
+      if (lookup instanceof ModalForest)
+        for (const one of lookup.extrapolationRatio) most = Math.max(most, one);
+      return most;
+    }, winds);
+  }
+
+  takeWind_ms(): number {
+    const { wind_ms } = this;
+    this.wind_ms = 0;
+    return wind_ms;
+  }
+
+  inspect({ group, tree }: TreeAt): Inspection | null {
+    const found = this.groups[group];
+    if (!found || tree >= found.lookup.count) return null;
+    const { lookup, wind } = found;
+    const felt = wind.extrapolationRatioAt(tree);
+    if (lookup instanceof PaperForest) return { extrapolationRatio: felt, record: lookup.record[tree] };
+    return { extrapolationRatio: Math.max(felt, lookup.extrapolationRatio[tree]), record: null };
+  }
+
+  advance(dt_s: number, out: readonly Float32Array[]): boolean {
+    const steps = Math.max(1, Math.ceil(dt_s / MAX_STEP_S - 1e-9));
+    for (let step = 0; step < steps; step++) this.step(dt_s / steps);
+    for (let g = 0; g < this.groups.length; g++) this.write(g, out[g]);
+    return true;
+  }
+
+  private step(dt_s: number): void {
+    this.time_s += dt_s;
+    const begin_ms = performance.now();
+    for (const { wind } of this.groups) wind.update(this.field, this.time_s);
+    this.wind_ms += performance.now() - begin_ms;
+    for (const { lookup, wind } of this.groups) lookup.advance(dt_s, wind.pressureX, wind.pressureZ);
+  }
+
+  private write(group: number, out: Float32Array): void {
+    const { lookup, wind, modes } = this.groups[group];
+    const stride = poseStride(modes);
+    const { q } = lookup;
+    for (let tree = 0, from = 0, to = 0; tree < lookup.count; tree++, to += stride, from += modes) {
+      for (let k = 0; k < modes; k++) out[to + k] = q[from + k];
+    }
+    wind.writeSpeeds(out, modes);
+  }
+
+  dispose(): void {}
+}

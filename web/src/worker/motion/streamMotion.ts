@@ -1,0 +1,154 @@
+/** Poses streamed by the server, displayed with a short delay; the connection is restored automatically. */
+
+import type { Method } from "../../core/motion/method";
+import { poseStride } from "../../core/motion/poseStride";
+import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
+import type { Frame, Reply, Request } from "../../core/wire/wire";
+import type { Connection, Inspection, ShareRequest, TreeAt } from "../protocol";
+import { forestRequest } from "../stream/forestRequest";
+import { ForestSocket } from "../stream/forestSocket";
+import { PoseSum } from "../stream/poseSum";
+import { SharedClock } from "../stream/sharedClock";
+import { PoseTimeline } from "../stream/timeline";
+import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
+import type { MotionSource } from "./motionSource";
+
+export interface StreamGroup {
+  readonly table: string;
+  readonly scale: Float32Array;
+  readonly placement: Float32Array;
+  readonly height_m: number;
+  readonly sampledPeak_pa: number;
+}
+
+export interface StreamOptions {
+  readonly url: string;
+  readonly method: Method;
+  readonly poseEasing: number | null;
+  /** The shared forest, if it is one. */
+  readonly share?: ShareRequest | null;
+  /** SHARED and WIND_STATE, for the page. */
+  onReply?(reply: Reply): void;
+  problem(title: string, hint: string): void;
+}
+
+const STALE_MS = 1400;
+
+export class StreamMotion implements MotionSource {
+  private readonly socket: ForestSocket;
+  private readonly clock: SharedClock;
+  private received_ms = Number.NaN;
+  private made_s = 0;
+  private wind_ms = 0;
+  private readonly sum: PoseSum;
+  private readonly timeline: PoseTimeline;
+  private readonly winds: GroupWind[];
+
+  constructor(
+    private readonly groups: readonly StreamGroup[],
+    private readonly field: WindField,
+    private readonly options: StreamOptions,
+    public time_s: number,
+  ) {
+    this.sum = new PoseSum(groups.map(({ scale, placement }) => ({ scale, count: placement.length / 4 })));
+    this.timeline = new PoseTimeline(
+      groups.map(({ scale, placement }) => (placement.length / 4) * poseStride(scale.length)),
+    );
+    this.winds = groups.map(
+      ({ placement, height_m, sampledPeak_pa }) => new GroupWind(placement, height_m, sampledPeak_pa),
+    );
+    this.socket = new ForestSocket(options.url, {
+      request: () => this.forestRequest(),
+      reply: (reply) => this.reply(reply),
+      problem: options.problem,
+    });
+    this.clock = new SharedClock(this.socket.clock);
+  }
+
+  get connection(): Connection {
+    const { latency_ms, kB_s, lost } = this.socket;
+    const silent_ms = performance.now() - this.received_ms;
+    if (Number.isNaN(silent_ms)) {
+      return { state: lost ? "lost" : "connecting", latency_ms, frameAge_ms: null, kB_s };
+    }
+    const stale = silent_ms > STALE_MS && !this.clock.paused;
+    const age_ms = this.socket.clock.age_ms(this.made_s, performance.now()) ?? silent_ms;
+    return {
+      state: lost || stale ? "lost" : "live",
+      latency_ms,
+      frameAge_ms: this.clock.paused ? null : Math.max(0, age_ms),
+      kB_s,
+    };
+  }
+
+  private forestRequest(): Request {
+    const { poseEasing, method, share } = this.options;
+    return forestRequest("stream", this.groups, this.field, this.time_s, { method, poseEasing, share });
+  }
+
+  private reply(reply: Reply): void {
+    if (reply.type === "frame") this.frame(reply);
+    else if (reply.type === "clock") this.clock.update(reply);
+    else if (reply.type === "windState") this.field.state = parseState(reply.state);
+    if (reply.type === "shared" || reply.type === "windState") this.options.onReply?.(reply);
+  }
+
+  private frame(frame: Frame): void {
+    if (!this.sum.add(frame)) {
+      if (this.sum.fits(frame)) this.socket.send({ type: "resync" });
+      return;
+    }
+    this.socket.arrived();
+    this.received_ms = performance.now();
+    this.made_s = frame.made_s;
+    const poses = this.timeline.take();
+    this.sum.write(poses);
+    this.timeline.push(frame.time_s, poses);
+  }
+
+  windChanged(wind: WindDocument): void {
+    this.socket.send({ type: "wind", wind: { ...wind } });
+  }
+
+  pause(paused: boolean): void {
+    this.socket.send({ type: "pause", paused });
+  }
+
+  get coverage(): number {
+    return coverageOf(this.winds);
+  }
+
+  get extrapolationRatio(): number {
+    return extrapolationRatioOf(this.winds);
+  }
+
+  takeWind_ms(): number {
+    const { wind_ms } = this;
+    this.wind_ms = 0;
+    return wind_ms;
+  }
+
+  inspect({ group, tree }: TreeAt): Inspection | null {
+    const wind = this.winds[group];
+    return wind && tree < wind.count
+      ? { extrapolationRatio: wind.extrapolationRatioAt(tree), record: null }
+      : null;
+  }
+
+  advance(dt_s: number, out: readonly Float32Array[]): boolean {
+    const shown_s = this.timeline.advance(dt_s);
+    if (!this.timeline.sample(out)) return false;
+    this.time_s = shown_s;
+    const begin_ms = performance.now();
+    for (const [g, wind] of this.winds.entries()) {
+      wind.update(this.field, shown_s);
+      wind.writeSpeeds(out[g], this.groups[g].scale.length);
+    }
+    this.wind_ms += performance.now() - begin_ms;
+    return true;
+  }
+
+  dispose(): void {
+    this.socket.dispose();
+  }
+}

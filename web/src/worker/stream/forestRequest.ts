@@ -1,0 +1,51 @@
+/** The FOREST message of a plan. Pure. */
+
+import type { Method } from "../../core/motion/method";
+import type { WindField } from "../../core/wind/wind";
+import type { Forest } from "../../core/wire/wire";
+import type { ShareRequest } from "../protocol";
+
+export interface PlannedGroup {
+  readonly table: string;
+  readonly placement: Float32Array;
+}
+
+export interface PlanOptions {
+  readonly method: Method;
+  readonly poseEasing: number | null;
+  readonly share?: ShareRequest | null;
+  /** Size in bytes of tables that are loaded already. */
+  readonly have?: Record<string, number>;
+}
+
+export function forestRequest(
+  mode: "stream" | "table",
+  groups: readonly PlannedGroup[],
+  field: WindField,
+  time_s: number,
+  { method, poseEasing, share, have }: PlanOptions,
+): Forest {
+  return {
+    type: "forest",
+    mode,
+    groups: groups.map(({ table, placement }) => ({ table, count: placement.length / 4 })),
+    wind: { ...field.state },
+    time_s,
+    pose_easing: poseEasing,
+    method,
+    ...(share && { share: share.id, replant: share.replant, about: share.about }),
+    ...(have && { have }),
+    trees: packed(groups),
+  };
+}
+
+/** Placements of all groups, concatenated. */
+function packed(groups: readonly PlannedGroup[]): Float32Array<ArrayBuffer> {
+  const trees = new Float32Array(groups.reduce((sum, { placement }) => sum + placement.length, 0));
+  let at = 0;
+  for (const { placement } of groups) {
+    trees.set(placement, at);
+    at += placement.length;
+  }
+  return trees;
+}

@@ -1,0 +1,81 @@
+/** Fewer nodes and modes for distant trees: nodes that move alike are merged. Pure. */
+import type { Table } from "../../core/table/table";
+import type { NodeLevel } from "../protocol";
+
+/** Nodes and texels of modes (four each, the last holds the wind) of each level after the full one. */
+const COARSER = [
+  { nodes: 256, quads: 4 },
+  { nodes: 112, quads: 3 },
+  { nodes: 48, quads: 2 },
+  { nodes: 24, quads: 2 },
+] as const;
+
+/** Basis rows scaled by the typical amplitude of each mode, so that distances between rows are distances in space. */
+function weighed(table: Table): Float32Array {
+  const { nodeBasis, modeScale } = table;
+  return nodeBasis.map((value, i) => value * modeScale[i % modeScale.length]);
+}
+
+function squaredDistance(rows: Float32Array, width: number, a: number, b: number): number {
+  let sum = 0;
+  for (let k = 0; k < width; k++) sum += (rows[a * width + k] - rows[b * width + k]) ** 2;
+  return sum;
+}
+
+/**
+ * Groups of rows, coarse to fine: each new group begins at the row that lies farthest from all before (Gonzalez
+ * 1985, at most twice the least possible error). Returns the group of each row at each of the given numbers.
+ */
+export function groupRows(rows: Float32Array, width: number, numbers: readonly number[]): Uint16Array[] {
+  const count = rows.length / width;
+  const group = new Uint16Array(count);
+  const distance = new Float32Array(count).fill(Number.POSITIVE_INFINITY);
+  const taken = new Map<number, Uint16Array>();
+  let centre = 0;
+  for (let g = 0; g < Math.max(...numbers); g++) {
+    for (let row = 0; row < count; row++) {
+      const d = squaredDistance(rows, width, row, centre);
+      if (d >= distance[row]) continue;
+      distance[row] = d;
+      group[row] = g;
+    }
+    taken.set(g + 1, group.slice());
+    centre = distance.indexOf(Math.max(...distance));
+    if (distance[centre] === 0) break;
+  }
+  const most = taken.size;
+  return numbers.map((number) => taken.get(Math.min(number, most)) ?? group);
+}
+
+/** Mean basis of each group over the render vertices in it, [groups, 3, 4 quads], wind and padding zero. */
+function groupBasis(table: Table, group: Uint16Array, groups: number, modes: number, stride: number) {
+  const { modes: all } = table.metadata;
+  const basis = new Float32Array(groups * 3 * stride);
+  const weight = new Float64Array(groups);
+  const vertices = new Float64Array(group.length).fill(1e-6); // a node without vertices counts for nothing
+  for (const node of table.vertexNode) vertices[node]++;
+  for (let node = 0; node < group.length; node++) weight[group[node]] += vertices[node];
+  for (let node = 0; node < group.length; node++) {
+    const share = vertices[node] / weight[group[node]];
+    for (let axis = 0; axis < 3; axis++) {
+      const from = (node * 3 + axis) * all;
+      const to = (group[node] * 3 + axis) * stride;
+      for (let k = 0; k < modes; k++) basis[to + k] += share * table.nodeBasis[from + k];
+    }
+  }
+  return basis;
+}
+
+/** The levels after the full one. */
+export function coarserNodes(table: Table): NodeLevel[] {
+  const { modes: all } = table.metadata;
+  const numbers = COARSER.map(({ nodes }) => nodes);
+  const grouped = groupRows(weighed(table), 3 * all, numbers);
+  return COARSER.map(({ quads: most }, level) => {
+    const of = grouped[level].slice();
+    const nodes = of.reduce((a, b) => Math.max(a, b), 0) + 1;
+    const quads = Math.min(most, Math.ceil((all + 1) / 4));
+    const modes = Math.min(all, 4 * quads - 1);
+    return { nodes, quads, modes, of, basis: groupBasis(table, of, nodes, modes, 4 * quads) };
+  });
+}
