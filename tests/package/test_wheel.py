@@ -31,7 +31,8 @@ from tests.server.conftest import free_port
 REPOSITORY = Path(__file__).resolve().parents[2]
 LOOK_S = 0.1
 QUICK = (
-    "--species", "maple", "--tets", "500", "--wind-frames", "4", "--elements", "1", "--compared-frames", "0",
+    "--species", "maple", "--target-tets", "500", "--frames", "4", "--sampled-elements", "1",
+    "--reference-frames", "0",
 )  # fmt: skip
 DECODE = """
 import json, sys
