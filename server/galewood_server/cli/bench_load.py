@@ -153,7 +153,7 @@ def _server(folder: Path, load: Load) -> Generator[tuple[psutil.Process, int]]:
             os.sched_setaffinity(0, {load.server_core})
 
     child = subprocess.Popen(
-        [sys.executable, "-c", "from galewood_server.cli.commands import app; app(['serve'])"],
+        [sys.executable, "-m", "galewood_server.cli.main", "serve"],
         env=environment,
         preexec_fn=pin,
         stdout=subprocess.DEVNULL,
