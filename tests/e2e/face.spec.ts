@@ -41,7 +41,7 @@ test("a shared link brings the picture back", async ({ page, context }) => {
   await open(page, `${panelled}&season=winter&time=0.8&forest=11`);
   await forest(page);
   await page.evaluate(() => window.galewood!.look({ x: -6, above: 5, z: 12 }, { x: 2, above: 5, z: -20 }));
-  await page.evaluate(() => document.querySelector<HTMLButtonElement>("[aria-label^='Copy a link']")?.click());
+  await page.evaluate(() => document.querySelector<HTMLButtonElement>("[aria-label='Copy link']")?.click());
   await expect(page.getByRole("alert")).toContainText("Link copied");
   const link = await page.evaluate(() => navigator.clipboard.readText());
   const bare = async () => {
@@ -90,8 +90,8 @@ test.describe("on a wide page", () => {
       expect(await faults()).toEqual([]);
       await page.getByRole("button", { name: "Settings" }).click();
       if (width < 760) await page.getByRole("button", { name: "Tools" }).click();
-      await page.getByRole("button", { name: "About the trees" }).click();
-      await expect(page.getByRole("dialog")).toContainText("times a second");
+      await page.getByRole("button", { name: "Tree physics" }).click();
+      await expect(page.getByRole("dialog")).toContainText("First natural frequency");
       expect(await faults()).toEqual([]);
       await page.keyboard.press("Escape");
       await expect(page.getByRole("dialog")).toBeHidden();
@@ -114,9 +114,9 @@ test.describe("on a wide page", () => {
     await fly.click();
     await expect(fly).toHaveAttribute("aria-pressed", "false");
     const photo = page.waitForEvent("download");
-    await page.getByRole("button", { name: "Save a photo" }).click();
+    await page.getByRole("button", { name: "Save photo" }).click();
     expect((await photo).suggestedFilename()).toMatch(/^galewood-.*\.png$/);
-    const film = page.getByRole("button", { name: "Film" });
+    const film = page.getByRole("button", { name: "Record video" });
     await film.click();
     await expect(film).toHaveAttribute("aria-pressed", "true");
     await frames(page, 6);

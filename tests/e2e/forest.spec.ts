@@ -58,11 +58,11 @@ test.describe("on a phone", () => {
     await forest(page);
     const wide = await page.evaluate(() => document.documentElement.scrollWidth);
     expect(wide).toBeLessThanOrEqual(390);
-    for (const name of ["Still", "Storm", "Settings", "Add your own tree"]) {
+    for (const name of ["Still", "Storm", "Settings", "Upload a tree…"]) {
       const box = await page.getByRole("button", { name }).boundingBox();
       expect(box && box.x >= 0 && box.x + box.width <= 390 && box.height >= 40).toBe(true);
     }
     await page.getByRole("button", { name: "Settings" }).click();
-    await expect(page.getByLabel("Mean speed, m/s").first()).toBeVisible();
+    await expect(page.getByLabel("Mean speed (m/s)").first()).toBeVisible();
   });
 });

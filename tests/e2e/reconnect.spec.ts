@@ -27,11 +27,11 @@ test("the forest goes on while its server is away, and the stream comes back wit
     await page.goto(`${base}/?${SMALL.replace("panel=0", "panel=1")}&speed=12&lookup=server`);
     await forest(page);
     await expect.poll(state).toBe("live");
-    await expect(page.locator("#status")).toContainText(/Lookup on the server, \d+ ms, frame \d+ ms old/);
+    await expect(page.locator("#status")).toContainText(/Computed on the server, \d+ ms, frame \d+ ms old/);
 
     const killed_ms = Date.now();
     process.kill(-(server.pid ?? 0), "SIGKILL");
-    await expect(page.locator("#status")).toContainText("the forest goes on here");
+    await expect(page.locator("#status")).toContainText("computing in this browser");
     console.log(`the page said so after ${Date.now() - killed_ms} ms`);
     const time_s = await page.evaluate(() => window.galewood!.time_s);
     await page.waitForFunction((from) => window.galewood!.time_s > from + 3, time_s);
@@ -41,7 +41,7 @@ test("the forest goes on while its server is away, and the stream comes back wit
     await until("the server's return", STARTS_WITHIN_MS, healthy);
     const returned_ms = Date.now();
     await expect.poll(state, { intervals: [100] }).toBe("live");
-    await expect(page.locator("#status")).toContainText("Lookup on the server");
+    await expect(page.locator("#status")).toContainText("Computed on the server");
     console.log(`the stream was back ${Date.now() - returned_ms} ms after the server`);
     await expect.poll(() => sway_m(page)).toBeGreaterThan(0.01);
     // The browser itself logs what it could not reach.

@@ -46,9 +46,9 @@ test("a tree of one's own joins the moving forest", async ({ page }) => {
   const buffer = Buffer.from(branchedTree());
   await page.setInputFiles("#file", { name: "garden-tree.obj", mimeType: "model/obj", buffer });
   const dialog = page.getByRole("dialog", { name: /garden/i });
-  await expect(dialog.getByLabel("Height, m")).toHaveValue(/\d/);
-  await dialog.getByRole("button", { name: "Let it sway" }).click();
-  await expect(page.getByRole("alert")).toContainText("on its way");
+  await expect(dialog.getByLabel("Height (m)")).toHaveValue(/\d/);
+  await dialog.getByRole("button", { name: "Add to the forest" }).click();
+  await expect(page.getByRole("alert")).toContainText("Computing");
   await expect(page.getByRole("progressbar", { name: /garden/i })).toBeVisible();
   // Software graphics would take the processor that computes the table: a stamp of a picture meanwhile.
   await page.setViewportSize({ width: 64, height: 36 });

@@ -94,14 +94,14 @@ test("the picked tree's figures in words", () => {
   const words = figuresInWords({ ...tree, height_m: 10, moves: true, tip_m: 0.5, extrapolationRatio: 1.2, record: 4321 });
   expect(Object.fromEntries(words)).toEqual({
     Height: "10.0 m",
-    "Tip is off by": "0.50 m",
-    "Share of its height": "5.0 %",
-    "Of the sampled range": "120 %, beyond what was sampled",
-    "Record in use": "4,321",
+    "Tip displacement": "0.50 m",
+    "Relative to height": "5.0 %",
+    "Extrapolation ratio": "1.20 (extrapolated)",
+    "Current record": "4,321",
   });
   const still = figuresInWords({ ...tree, height_m: 10, moves: false, tip_m: 0, extrapolationRatio: null, record: null });
   expect(still).toEqual([
     ["Height", "10.0 m"],
-    ["Motion", "still to be computed"],
+    ["Motion", "not computed yet"],
   ]);
 });

@@ -10,17 +10,17 @@ import { DEFAULTS } from "../../web/src/page/settings/settings";
 
 describe("what the page says", () => {
   test("progress in plain words", () => {
-    expect(progressLine({ state: "queued", stage: "intake", seconds_left: null })).toBe("Waiting for its turn");
+    expect(progressLine({ state: "queued", stage: "intake", seconds_left: null })).toBe("Waiting in the queue");
     expect(progressLine({ state: "running", stage: "sampling", seconds_left: 33 })).toBe(
-      "Letting winds blow on it, about 35 s left",
+      "Simulating winds, about 35 s left",
     );
     expect(timeLeft(240)).toBe("about 4 min left");
     expect(timeLeft(null)).toBe("");
   });
 
   test("the summary owns up to trees that stand still", () => {
-    expect(summary({ moving: 1, still: 0 }, 0)).toMatch(/^1 tree sways/);
-    expect(summary({ moving: 300, still: 100 }, 1)).toMatch(/100 grey ones stand still/);
+    expect(summary({ moving: 1, still: 0 }, 0)).toBe("1 tree, moving");
+    expect(summary({ moving: 300, still: 100 }, 1)).toMatch(/^300 trees moving, 100 grey trees not computed yet$/);
     expect(summary({ moving: 0, still: 0 }, 3)).toBe("The first trees are being computed");
   });
 

@@ -80,7 +80,7 @@ describe("refuses", () => {
     const file = tampered((_, metadata) => {
       metadata.version = 2;
     });
-    expect(() => decodeTable(file)).toThrow("table version 2, this reader knows versions 5 and 6");
+    expect(() => decodeTable(file)).toThrow("table version 2; this reader supports versions 5 and 6");
   });
 
   test("another format, no metadata, metadata out of range", () => {

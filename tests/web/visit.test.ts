@@ -149,13 +149,13 @@ describe("the physics card", () => {
     const said = Object.fromEntries(factsOf({ height_m: 13.16, report }, 7_813_436).map((f) => [f.name, f.value]));
     expect(said).toMatchObject({
       Height: "13.2 m",
-      Sways: "0.71 times a second",
-      Damping: "3.0 %",
+      "First natural frequency": "0.71 Hz",
+      "Damping ratio": "3.0 %",
       "Finite elements": "4,150",
-      Samples: "7,568",
-      Table: "7.8 MB",
-      "Computed in": "61 s",
-      "Left out by the modes": "0.06 % of its height",
+      Records: "7,568",
+      "Table size": "7.8 MB",
+      "Computation time": "61 s",
+      "Truncation error": "0.06 % of height",
     });
     expect(said.Modes).toBeUndefined();
     expect([sizeInWords(1234), timeInWords(3.21), timeInWords(200)]).toEqual(["1 kB", "3.2 s", "3.3 min"]);

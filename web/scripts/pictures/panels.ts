@@ -41,9 +41,9 @@ async function picked(page: Page): Promise<void> {
 async function compared(page: Page): Promise<void> {
   await page.setViewportSize(LARGE);
   await forest(page, "quality=low&trees=6&speed=12&time=0.6");
-  await page.locator("#tools").getByRole("button", { name: "Is it right?" }).click();
+  await page.locator("#tools").getByRole("button", { name: "Check accuracy" }).click();
   await page.waitForFunction(() =>
-    document.querySelector(".compare-verdict")?.textContent?.includes("% of its height"),
+    document.querySelector(".compare-verdict")?.textContent?.includes("% of tree height"),
   );
   await page.waitForTimeout(8000);
   await save(page, "compare");
@@ -59,17 +59,17 @@ async function uploaded(page: Page): Promise<void> {
   if (at > 12) buffer.write("G", at);
   await page.setInputFiles("#file", { name: "our-apricot.glb", mimeType: "model/gltf-binary", buffer });
   const dialog = page.locator("dialog.own-tree");
-  await dialog.getByLabel("Height, m").waitFor();
+  await dialog.getByLabel("Height (m)").waitFor();
   await page.waitForTimeout(6000);
   await save(page, "upload");
-  await dialog.getByRole("button", { name: "Remove it" }).click();
+  await dialog.getByRole("button", { name: "Discard" }).click();
   await dialog.waitFor({ state: "detached" });
 }
 
 async function known(page: Page): Promise<void> {
   await page.setViewportSize(LARGE);
   await forest(page, "quality=low&trees=6&speed=5&time=0.6");
-  await page.locator("#tools").getByRole("button", { name: "About the trees" }).click();
+  await page.locator("#tools").getByRole("button", { name: "Tree physics" }).click();
   await save(page, "trees");
 }
 

@@ -37,7 +37,7 @@ const problem = (title: string, hint: string) => scope.postMessage({ kind: "prob
 async function load(sha256: string, url: string): Promise<void> {
   try {
     const response = await fetch(url);
-    if (!response.ok) throw new Error(`the server answered ${response.status}`);
+    if (!response.ok) throw new Error(`the server responded with status ${response.status}`);
     const bytes = await response.arrayBuffer();
     const table = decodeTable(bytes);
     tables.set(sha256, table);
@@ -51,7 +51,7 @@ async function load(sha256: string, url: string): Promise<void> {
 
 function tableOf({ table }: GroupPlan): Table {
   const found = tables.get(table);
-  if (!found) throw new Error(`table ${table} was planned before it was loaded`);
+  if (!found) throw new Error(`table ${table} is used before it was loaded`);
   return found;
 }
 

@@ -54,13 +54,13 @@ export function decodeMessage(data: ArrayBuffer): Message {
     throw new WireError("not a Galewood message: it must begin with the bytes 'GW'");
   }
   if (bytes[2] !== VERSION) {
-    const words = `wire version ${bytes[2]} is not spoken here, only version ${VERSION}`;
+    const words = `unsupported wire version ${bytes[2]}; this reader supports only version ${VERSION}`;
     throw new WireError(words, "unknown-version");
   }
   const length = new DataView(data).getUint32(4, true);
   const start = PREFIX_BYTES + length + padding(length);
   if (length > MAX_HEADER_BYTES || start > bytes.length) {
-    throw new WireError("the header is longer than the message, or than allowed");
+    throw new WireError("the header is longer than the message or the limit");
   }
   if (bytes.subarray(PREFIX_BYTES + length, start).some((byte) => byte !== 0)) {
     throw new WireError("the padding after the header is not zero");
@@ -112,7 +112,7 @@ export function entries(header: Header, name: string): unknown[] {
 export function whole(header: Header, name: string): number {
   const value = header[name];
   if (!Number.isSafeInteger(value) || (value as number) < 0) {
-    throw new WireError(`${name} must be a whole number that is not negative`);
+    throw new WireError(`${name} must be a non-negative integer`);
   }
   return value as number;
 }

@@ -153,7 +153,7 @@ function decodeAbout(given: Header): About {
   if (names.length > MAX_ABOUT) throw new WireError(`about may have up to ${MAX_ABOUT} entries`);
   for (const name of names) {
     const value = about[name];
-    if (name.length > 64) throw new WireError("the names in about must be short");
+    if (name.length > 64) throw new WireError("names in about may have up to 64 characters");
     if (typeof value === "boolean" || (typeof value === "string" && value.length <= 200)) continue;
     number(about, name, -(2 ** 53), 2 ** 53);
   }
@@ -186,7 +186,7 @@ function decodeTrees(payload: Uint8Array<ArrayBuffer>, count: number): Float32Ar
   }
   const trees = new Float32Array(payload.buffer, payload.byteOffset, count * 4);
   if (!trees.every((value) => Math.abs(value) <= 1e6)) {
-    throw new WireError("a tree's place, yaw or scale is not a sensible number");
+    throw new WireError("a tree's position, yaw or scale is not a valid number");
   }
   if (!trees.every((value, index) => index % 4 !== 3 || (value >= Math.fround(0.01) && value <= 100))) {
     throw new WireError("a tree's scale must lie in 0.01..100");

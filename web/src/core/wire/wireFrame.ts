@@ -97,7 +97,7 @@ export function decodeFrame(header: Header, payload: Uint8Array<ArrayBuffer>): F
   const base = header.base === null ? null : whole(header, "base");
   const shapes = entries(header, "groups").map(decodeShape);
   if (payload.length !== payloadLength(shapes, base === null)) {
-    throw new WireError("the payload does not have the length that the groups say");
+    throw new WireError("the length of the payload does not match the groups");
   }
   return {
     type: "frame",

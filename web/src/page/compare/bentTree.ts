@@ -97,11 +97,11 @@ export class BentTree {
     }
   }
 
-  /** Colours each vertex by the distance of its node from its true place; full red at `worst_m`. */
-  paint(truth: Nodes, worst_m: number): void {
+  /** Colours each vertex by the distance of its node from the reference solution; full red at `worst_m`. */
+  paint(reference: Nodes, worst_m: number): void {
     const { vertexNode } = this.motion;
     const a = this.nodes.moved;
-    const b = truth.moved;
+    const b = reference.moved;
     const colour = new Color();
     for (const { rest, firstVertex, geometry } of this.pieces) {
       const attribute = geometry.getAttribute("color") as BufferAttribute;

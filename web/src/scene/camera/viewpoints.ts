@@ -22,8 +22,8 @@ export interface Subject {
 export const VIEWS = {
   edge: "Forest edge",
   canopy: "Above the canopy",
-  under: "Under the crowns",
-  tree: "One tree",
+  under: "Below the canopy",
+  tree: "Single tree",
 } as const;
 export type ViewName = keyof typeof VIEWS;
 

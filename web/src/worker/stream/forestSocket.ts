@@ -79,7 +79,7 @@ export class ForestSocket {
       reply = decodeReply(data);
     } catch (error) {
       this.handlers.problem(
-        "The stream made no sense.",
+        "The server's stream could not be decoded.",
         error instanceof Error ? error.message : String(error),
       );
       this.socket?.close();
