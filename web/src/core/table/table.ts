@@ -91,7 +91,7 @@ interface Tensor {
 }
 type Json = Record<string, unknown>;
 
-/** Decodes a table file. Throws TableError saying what is wrong with it. */
+/** Decodes a table file. Throws TableError that names the fault. */
 export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
   // Plain bytes: slices of a Node Buffer would share its memory.
   const bytes =
@@ -140,7 +140,7 @@ export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
   return table;
 }
 
-/** [z, r] pose of every record's own state, in units of modeScale; every trajectory starts at 0. */
+/** [z, r] pose of every record, in units of modeScale; every trajectory starts at 0. */
 export function poses(table: Table): Int32Array {
   const { dq, trajectory } = table;
   const r = table.metadata.modes;
@@ -153,7 +153,7 @@ export function poses(table: Table): Int32Array {
   return out;
 }
 
-/** [z] 1 for the last record of each trajectory: it has no successor and is never chosen. */
+/** [z] 1 for the last record of each trajectory, which has no successor and is never chosen. */
 export function lastRecords(trajectory: Uint32Array): Uint8Array {
   const last = new Uint8Array(trajectory[trajectory.length - 1]);
   for (let t = 1; t < trajectory.length; t++) last[trajectory[t] - 1] = 1;
@@ -344,7 +344,7 @@ function checkOffsets({ offsets, candidate, metadata: { records: z } }: Table): 
   }
 }
 
-/** In the file mismatches are delta-coded along each row of candidates. */
+/** Decodes the mismatches, which are delta-coded along each row of candidates. */
 function sumSteps({ offsets, mismatches }: Table): void {
   for (let c = 0; c + 1 < offsets.length; c++) {
     for (let s = offsets[c] + 1; s < offsets[c + 1]; s++) {

@@ -1,4 +1,4 @@
-/** Displacement and errors over time, in % of tree height on a logarithmic axis, with a cursor at the playback position. */
+/** Displacement and errors over time in % of tree height, on a logarithmic axis, with a playback cursor. */
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Tracks } from "./tracks";

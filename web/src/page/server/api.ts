@@ -37,7 +37,7 @@ export interface TreeChange {
   deleted?: boolean;
 }
 
-/** An error of the server (RFC 9457) or the network, in plain words. */
+/** A server problem (RFC 9457) or network error, with a readable title and hint. */
 export class Problem extends Error {
   constructor(
     readonly title: string,

@@ -67,7 +67,7 @@ export class Catalogue {
   private receive(change: TreeChange): void {
     const { tree } = change;
     if (change.deleted || tree.state === "failed") this.remove(tree.id);
-    else if (tree.state !== "uploaded") this.keep(tree); // uploads join the forest when they are submitted for computation
+    else if (tree.state !== "uploaded") this.keep(tree); // uploads join once they are submitted
     this.events.change(change);
   }
 
