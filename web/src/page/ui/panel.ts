@@ -97,7 +97,7 @@ export class Panel {
         .on("change", () => this.changed("poseEasing"));
       labelInputs(element("panel"));
     };
-    advanced.addBinding(easing, "own", { label: "Override pose easing" }).on("change", ({ value }) => {
+    advanced.addBinding(easing, "own", { label: "Custom easing" }).on("change", ({ value }) => {
       this.settings.poseEasing = value ? 0.05 : null;
       if (value) slider();
       else advanced.remove(advanced.children[1]);

@@ -80,8 +80,8 @@ export class Anemometer {
     const { x, z } = this.place;
     const tip_m = this.recorder.tip_m[this.recorder.count - 1] || 0;
     this.reading.textContent =
-      `${this.speed_m_s.toFixed(1)} m/s at x = ${x.toFixed(0)} m, z = ${z.toFixed(0)} m. ` +
-      `Tip displacement: ${(100 * tip_m).toFixed(0)} cm`;
+      `${this.speed_m_s.toFixed(1)} m/s at x = ${x.toFixed(0)} m, z = ${z.toFixed(0)} m; ` +
+      `tip: ${(100 * tip_m).toFixed(0)} cm`;
     this.plots?.show(this.recorder);
   }
 

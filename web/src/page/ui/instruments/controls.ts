@@ -57,7 +57,7 @@ const SLIDERS: readonly Slider[] = [
   },
   {
     name: "beta",
-    label: "Spectral slope β",
+    label: "Slope β",
     title: "Power falls with frequency as 1/f^β: 0 is white noise, 5/3 is turbulence",
     low: 0,
     high: 2,

@@ -77,7 +77,7 @@ export class Plots {
   constructor(paper: HTMLElement) {
     const [first, second] = [make("div"), make("div")];
     const name = (text: string) => make("p", text, "plot-name");
-    paper.append(name("Wind speed (m/s, orange), tip displacement (m, green)"), first);
+    paper.append(name("Wind speed (m/s, orange), tip (m, green)"), first);
     paper.append(name("Power spectrum ((m/s)²/Hz); dashed: slope −5/3"), second);
     this.time = new uPlot(timeOptions, [[], [], []], first);
     this.spectrum = new uPlot(spectrumOptions, [[], [], []], second);
