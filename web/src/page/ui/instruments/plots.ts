@@ -51,7 +51,7 @@ const spectrumOptions: uPlot.Options = {
       gap: 3,
       values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} Hz` : "")),
     },
-    { ...AXIS, size: 34, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? exponent(tick) : "")) },
+    { ...AXIS, size: 40, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? exponent(tick) : "")) },
   ],
   series: [
     {},
