@@ -10,7 +10,7 @@ from typing import Annotated, cast
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
-from galewood_server.access import Intake
+from galewood_server.access import MeshImporter
 from galewood_server.settings import Settings
 from galewood_server.storage import Sessions, Stores
 from galewood_server.stream import Forests
@@ -25,9 +25,9 @@ class Service:
     stores: Stores
     forests: Forests
     server_name: str
-    intake: Intake
+    importer: MeshImporter
     loop: asyncio.AbstractEventLoop
-    intake_slots: asyncio.Semaphore
+    import_slots: asyncio.Semaphore
     upload_slots: asyncio.Semaphore
     # held while a file and the row that names it come or go together
     files_lock: threading.Lock = field(default_factory=threading.Lock)

@@ -10,13 +10,27 @@ from typing import Annotated, Literal
 from pydantic import AliasChoices, Field, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
-REPOSITORY = Path(__file__).resolve().parent.parent
+PACKAGE = Path(__file__).resolve().parent
+REPOSITORY = PACKAGE.parent.parent
 MEBIBYTE = 1024 * 1024
+
+
+def data_folder(packaged: str, checkout: str) -> Path:
+    """Where files that are no Python lie: in a wheel the copy below this package (setup.py), in a checkout of
+    the repository the folder that it is a copy of.
+    """
+    copy = PACKAGE / "data" / packaged
+    return copy if copy.is_dir() else REPOSITORY / checkout
 
 
 def default_workers() -> int:
     """Sampling processes: one a core, at least one."""
     return max(1, os.cpu_count() or 1)
+
+
+def _renamed(name: str, old: str) -> AliasChoices:
+    """A setting that had another name: the environment may still use it."""
+    return AliasChoices(f"GALEWOOD_{name.upper()}", f"GALEWOOD_{old.upper()}")
 
 
 class Settings(BaseSettings):
@@ -30,26 +44,38 @@ class Settings(BaseSettings):
     database_url: str | None = None
     store_url: str | None = None
     scheduler_url: str | None = None
-    page_dir: Path = REPOSITORY / "web" / "dist"
-    species_dir: Path = REPOSITORY / "assets" / "species"
+    page_dir: Path = data_folder("page", "web/dist")
+    species_dir: Path = data_folder("species", "assets/species")
     builtin_species: bool = True
 
     workers: int = Field(default_factory=default_workers, ge=1, le=256)
     concurrent_jobs: int = Field(default=1, ge=1, le=64)
-    concurrent_studies: int = Field(default=1, ge=1, le=64)
+    concurrent_analyses: int = Field(
+        default=1, ge=1, le=64, validation_alias=_renamed("concurrent_analyses", "concurrent_studies")
+    )
     concurrent_evaluations: int = Field(default=1, ge=1, le=64)
     lease_s: float = Field(default=15.0, ge=1, le=3600)
     replaced_files_s: float = Field(default=600.0, ge=0)
-    sweep_s: float = Field(default=60.0, gt=0)
+    garbage_collection_s: float = Field(
+        default=60.0, gt=0, validation_alias=_renamed("garbage_collection_s", "sweep_s")
+    )
     job_attempts: int = Field(default=3, ge=1, le=20)
     job_module: str = "galewood_server.jobs.job_process"
     cluster_idle_s: float = Field(default=30.0, ge=0)
 
     upload_bytes: int = Field(default=64 * MEBIBYTE, ge=1024)
-    intake_memory_bytes: int = Field(default=3072 * MEBIBYTE, ge=256 * MEBIBYTE)
-    intake_cpu_s: int = Field(default=40, gt=0)
-    intake_wall_s: float = Field(default=60.0, gt=0)
-    concurrent_intakes: int = Field(default=2, ge=1, le=64)
+    import_memory_bytes: int = Field(
+        default=3072 * MEBIBYTE,
+        ge=256 * MEBIBYTE,
+        validation_alias=_renamed("import_memory_bytes", "intake_memory_bytes"),
+    )
+    import_cpu_s: int = Field(default=40, gt=0, validation_alias=_renamed("import_cpu_s", "intake_cpu_s"))
+    import_wall_s: float = Field(
+        default=60.0, gt=0, validation_alias=_renamed("import_wall_s", "intake_wall_s")
+    )
+    concurrent_imports: int = Field(
+        default=2, ge=1, le=64, validation_alias=_renamed("concurrent_imports", "concurrent_intakes")
+    )
 
     upload_faces: int = Field(default=600_000, ge=1000)
     concurrent_uploads: int = Field(default=16, ge=1, le=1024)
@@ -103,13 +129,13 @@ class Settings(BaseSettings):
         return self.cache_dir / "cancelled" / job_id
 
     @property
-    def studies_dir(self) -> Path:
+    def analyses_dir(self) -> Path:
         """A folder for each evaluation while it runs."""
-        return self.cache_dir / "studies"
+        return self.cache_dir / "analyses"
 
-    def study_folder(self, job_id: str) -> Path:
+    def analysis_folder(self, job_id: str) -> Path:
         """What an evaluation has finished so far, so that a restart goes on."""
-        return self.studies_dir / job_id
+        return self.analyses_dir / job_id
 
     def environment(self) -> dict[str, str]:
         """The environment in which a child process reads these same settings."""

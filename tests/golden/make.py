@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import scipy.sparse
-from galewood.build.assemble import RenderMesh, TableSettings, assemble_table
 from galewood.fem.model import FemSettings
-from galewood.player.modal_forest import TangentForest
-from galewood.player.paper_search import ForestLookup
-from galewood.reduction.training import Learning, Size
+from galewood.pipeline.assemble import RenderMesh, TableSettings, assemble_table
+from galewood.player.modal_forest import ModalForest
+from galewood.player.paper_search import PaperForest
+from galewood.reduction.training import ModalTraining, Size
 from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
 from galewood.sampling.training_winds import training_winds
 from galewood.table.format import Table, encode
@@ -73,9 +73,9 @@ def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
     }
     runs = beam_runs(beam, frames)
     winds = training_winds(12.0, beam.dt_s)
-    learnt = [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
-    learning = Learning(beam.oscillators(), scheme(beam), learnt, sizes=[Size(5, 3, 5)])
-    return assemble_table(runs, beam.mass_kg, beam_mesh(beam), description, settings, learning)
+    training = [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
+    training = ModalTraining(beam.oscillators(), scheme(beam), training, sizes=[Size(5, 3, 5)])
+    return assemble_table(runs, beam.mass_kg, beam_mesh(beam), description, settings, training)
 
 
 def scheme(beam: Beam) -> FemSettings:
@@ -99,13 +99,13 @@ def wind_vectors() -> list[dict[str, object]]:
     return rows
 
 
-def forest_walk(table: Table, easing: float) -> dict[str, object]:
+def forest_stepper(table: Table, easing: float) -> dict[str, object]:
     """Records and poses of a few trees of all turns and sizes under a wind that changes and then stops."""
     rng = np.random.default_rng(7)
     count = 6
     x, z = rng.uniform(-20, 20, (2, count)).astype(np.float32)
     yaw, scale = rng.uniform(-3, 3, count).astype(np.float32), rng.uniform(0.6, 1.6, count).astype(np.float32)
-    forest = ForestLookup(table, count, pose_easing=easing)
+    forest = PaperForest(table, count, pose_easing=easing)
     forest.set_trees(x, z, yaw, scale)
     out_x, out_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
     records: list[list[int]] = []
@@ -122,13 +122,13 @@ def forest_walk(table: Table, easing: float) -> dict[str, object]:
     return {"pose_easing": easing, "trees": trees, "records": records, "poses": poses}
 
 
-def sway_walk(table: Table) -> dict[str, object]:
+def sway_steps(table: Table) -> dict[str, object]:
     """Poses and coverage of the drift-free method under every wind model, 10,000 frames, then still air."""
     rng = np.random.default_rng(8)
     count, frames = 4, 10_000
     x, z = rng.uniform(-20, 20, (2, count)).astype(np.float32)
     yaw, scale = rng.uniform(-3, 3, count).astype(np.float32), rng.uniform(0.6, 1.6, count).astype(np.float32)
-    forest = TangentForest(table.tangent, table.metadata["dt_s"], table.mode_scale, count)
+    forest = ModalForest(table.modal, table.metadata["dt_s"], table.mode_scale, count)
     forest.set_trees(x, z, yaw, scale)
     out_x, out_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
     poses: list[list[float]] = []
@@ -147,11 +147,11 @@ def sway_walk(table: Table) -> dict[str, object]:
 def main() -> None:
     table = beam_table()
     (HERE / "pole.safetensors").write_bytes(encode(table))
-    walks = [forest_walk(table, easing) for easing in (0.0, 0.1)]
+    walks = [forest_stepper(table, easing) for easing in (0.0, 0.1)]
     for name, content in (
         ("wind.json", wind_vectors()),
         ("walk.json", walks),
-        ("sway.json", sway_walk(table)),
+        ("sway.json", sway_steps(table)),
     ):
         (HERE / name).write_text(json.dumps(content, separators=(",", ":")) + "\n")
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from galewood.player.modal_forest import TangentForest
-from galewood.player.paper_search import ForestLookup
+from galewood.player.modal_forest import ModalForest
+from galewood.player.paper_search import PaperForest
 from galewood.table.format import Table, decode
 from galewood.wind.evaluation import Wind, WindField
 
@@ -40,13 +40,13 @@ def rounded(pressure_pa: np.ndarray) -> np.ndarray:
     return np.floor(pressure_pa * STEPS_PER_PA + 0.5) / STEPS_PER_PA
 
 
-def walk(table: Table, wind: Wind) -> dict[str, Any]:
+def stepper(table: Table, wind: Wind) -> dict[str, Any]:
     """Digests of the records and poses of the drift-free method under a wind."""
     count = len(TREES["x_m"])
     field, x, z = WindField(wind), np.array(TREES["x_m"]), np.array(TREES["z_m"])
-    paper = ForestLookup(table, count)
-    tangent = TangentForest(table.tangent, float(table.metadata["dt_s"]), table.mode_scale, count)
-    for forest in (paper, tangent):
+    paper = PaperForest(table, count)
+    modal = ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, count)
+    for forest in (paper, modal):
         forest.set_trees(TREES["x_m"], TREES["z_m"], TREES["yaw_rad"], TREES["scale"])
     px, pz = np.zeros(count), np.zeros(count)
     digests: list[str] = []
@@ -56,11 +56,11 @@ def walk(table: Table, wind: Wind) -> dict[str, Any]:
         field.pressure(x, z, frame * FRAME_S, px, pz)
         acting = rounded(px), rounded(pz)
         paper.advance(FRAME_S, *acting)
-        tangent.advance(FRAME_S, *acting)
+        modal.advance(FRAME_S, *acting)
         records.update(paper.record.astype("<i4").tobytes())
         if frame % EVERY == EVERY - 1:
             digests.append(records.hexdigest()[:16])
-            poses.append([float(f"{value:.9g}") for value in tangent.q.ravel()])
+            poses.append([float(f"{value:.9g}") for value in modal.q.ravel()])
     return {"wind": wind.document(), "records": digests, "poses": poses}
 
 
@@ -68,7 +68,7 @@ def main() -> None:
     table = decode((HERE / "pole.safetensors").read_bytes())
     content = {
         "frames": FRAMES, "every": EVERY, "steps_per_pa": STEPS_PER_PA, "trees": TREES,
-        "walks": [walk(table, wind) for wind in WINDS],
+        "walks": [stepper(table, wind) for wind in WINDS],
     }  # fmt: skip
     (HERE / "walks.json").write_text(json.dumps(content, separators=(",", ":")) + "\n")
 

@@ -104,7 +104,7 @@ REPLIES: dict[str, dict[str, Any]] = {
         "share": "Heath_7-b",
         "groups": [{"table": TABLE, "count": 3}],
         "pose_easing": 0.0625,
-        "method": "tangent",
+        "method": "modal",
         "about": {"forestSeed": 7},
         "trees": TREES,
     },
@@ -143,7 +143,7 @@ REPLY_KINDS: dict[str, Any] = {
 }
 
 
-def planted(fields: dict[str, Any]) -> dict[str, Any]:
+def grid_placements(fields: dict[str, Any]) -> dict[str, Any]:
     """Groups and trees as Python has them."""
     if "trees" not in fields:
         return fields
@@ -154,7 +154,7 @@ def planted(fields: dict[str, Any]) -> dict[str, Any]:
 def request_of(message: dict[str, Any]) -> wire.Request:
     """A request from its JSON form, which is that of web/src/wire.ts."""
     fields = {name: value for name, value in message.items() if name != "type"}
-    return REQUEST_KINDS[message["type"]](**planted(fields))
+    return REQUEST_KINDS[message["type"]](**grid_placements(fields))
 
 
 def reply_of(message: dict[str, Any]) -> wire.Reply:
@@ -164,7 +164,7 @@ def reply_of(message: dict[str, Any]) -> wire.Reply:
         return frame_of(fields)
     if message["type"] == "table":
         fields["data"] = bytes(fields["data"])
-    return REPLY_KINDS[message["type"]](**planted(fields))
+    return REPLY_KINDS[message["type"]](**grid_placements(fields))
 
 
 def frame_of(fields: dict[str, Any]) -> wire.Frame:

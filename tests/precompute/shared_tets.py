@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from galewood.mesh.importer import read_tree
-from galewood.mesh.types import IntakeOptions
+from galewood.mesh.types import ImportOptions
 from galewood.tets.meshing import tetrahedralise
 
 from tests.precompute.tree_meshes import BRANCHES, cards, glb_bytes, y_tree
@@ -31,6 +31,6 @@ def cache_with_tets(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> P
     with (shared / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # one meshes, the others wait for it
         if not any(shared.glob("*.npz")):
-            tree = read_tree(small_tree_glb(), "tree.glb", IntakeOptions(species="maple"))
+            tree = read_tree(small_tree_glb(), "tree.glb", ImportOptions(species="maple"))
             tetrahedralise(tree, TARGET_TETS, shared)
     return folder

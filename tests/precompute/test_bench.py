@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from galewood.bench import tables as bench_tables
-from galewood.bench.report import TELL, sentences
+from galewood.bench.report import SENTENCES, sentences
 from galewood.bench.run import PARTS
 from galewood.bench.tables import bench_forest, sizes
 from galewood.table.format import decode
@@ -27,11 +27,11 @@ def test_a_forest_is_stepped_by_both_methods(monkeypatch: pytest.MonkeyPatch) ->
     for method in ("drift_free", "paper"):
         assert figures[method]["ms"] == pytest.approx(figures[method]["us_per_tree"] * 20 / 1e3)
         assert figures[method]["ms"] > 0
-    assert "20 trees" in sentences({"tangent": figures})[0]
+    assert "20 trees" in sentences({"modal": figures})[0]
 
 
 def test_every_part_is_told_in_words() -> None:
-    assert set(TELL) == set(PARTS)
+    assert set(SENTENCES) == set(PARTS)
     samples = {
         "samples": 6480, "tree": "poplar", "fast_cpu_s": 14.2, "fast_samples_run": 540,
         "reference_cpu_s": 400.0, "reference_samples_run": 20, "faster": 28.2,

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from galewood.build.assemble import internal_states, spread_pa
+from galewood.pipeline.assemble import internal_states, spread_pa
 from galewood.player.paper_search import ANY, best_candidate, brute_force, nearest_pressure
 from galewood.search.candidates import Rule, Search, air_of, build_search, gain_bound
 from galewood.search.similarity import InternalStates, compared, mismatch_rows
@@ -80,9 +80,9 @@ def test_candidates_of_random_states_give_what_asking_every_record_gives(
     print("seed", seed)
     rng = np.random.default_rng(seed)
     z, q = 400, 6
-    walk = np.cumsum(rng.normal(size=(z, q, 12)), axis=0) * 0.02 + rng.choice([-1, 1], size=(z, q, 12))
+    stepper = np.cumsum(rng.normal(size=(z, q, 12)), axis=0) * 0.02 + rng.choice([-1, 1], size=(z, q, 12))
     states = InternalStates(
-        *(part.astype(np.float32) for part in (walk[..., :3], walk[..., 3:6], walk[..., 6:]))
+        *(part.astype(np.float32) for part in (stepper[..., :3], stepper[..., 3:6], stepper[..., 6:]))
     )
     pressure = (np.cumsum(rng.normal(size=(z, 2)), axis=0)).astype(np.float32)
     starts = np.array([0, 90, 200, 310, z])

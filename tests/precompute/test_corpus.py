@@ -9,8 +9,8 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from galewood.build.options import BuildOptions
-from galewood.build.pipeline import build_table
+from galewood.pipeline.build import build_table
+from galewood.pipeline.options import BuildOptions
 from galewood.sampling import plan as samples
 from galewood.sampling.training_winds import training_winds
 from galewood.table.format import decode
@@ -42,13 +42,13 @@ def test_real_tree(path, tmp_path, monkeypatch):
     report, table = built.report, decode(built.table)
     meshing, model = report["meshing"], report["model"]
     first_hz = model["frequencies_hz"][0]
-    wood_faces = sum(part["faces"] for part in report["intake"]["parts"] if part["kind"] == "wood")
-    warnings = [*report["intake"]["warnings"], *meshing["warnings"]]
+    wood_faces = sum(part["faces"] for part in report["import"]["parts"] if part["kind"] == "wood")
+    warnings = [*report["import"]["warnings"], *meshing["warnings"]]
     warnings += [model["rest_pose"]["warning"]] if "warning" in model["rest_pose"] else []
     tell(path.name, wood_faces, meshing["tets"], meshing["components"], f"{meshing['lost_extent']:.1%}",
          f"{first_hz:.2f} Hz", f"{model['wood_mass_kg']:.0f} kg", f"{perf_counter() - begin:.0f} s",
          "; ".join(warnings))  # fmt: skip
-    assert 1.0 < report["intake"]["height_m"] < 60.0
+    assert 1.0 < report["import"]["height_m"] < 60.0
     assert 3000 <= meshing["tets"] <= 8000
     assert meshing["components"] == 1
     assert meshing["lost_extent"] <= 0.03

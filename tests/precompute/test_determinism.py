@@ -21,7 +21,7 @@ FRAMES = 12
 def digest() -> str:
     """Hash of a model of the apricot and of what is recorded of it under two winds."""
     one = apricot()
-    model = build_model(one.mesh, one.skeleton, one.wood, one.lumps, FemSettings())
+    model = build_model(one.mesh, one.skeleton, one.wood, one.lumped, FemSettings())
     simulator = Simulator(model)
     dt_s = model.settings.dt_s
     speed_m_s = design_wind(simulator, 18.0, one.tree.height_m, dt_s).speed_m_s

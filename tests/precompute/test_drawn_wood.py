@@ -8,9 +8,9 @@ from galewood.fem.dynamics import Simulator
 from galewood.fem.model import FemSettings
 from galewood.mesh.repair import Surface, volume
 from galewood.model.construction import STIFFNESS_FLOOR, build_model, wood_elements
-from galewood.model.foliage import Lumps
+from galewood.model.foliage import LumpedMasses
 from galewood.skeleton.extraction import extract_skeleton
-from galewood.skeleton.radius_correction import as_drawn, drawn_volume
+from galewood.skeleton.radius_correction import drawn_volume, with_corrected_radii
 from galewood.skeleton.roots import root_vertices
 from galewood.tets.quality import tet_volumes
 from galewood.wood.species import species
@@ -38,7 +38,7 @@ def thick_y():
 
 def test_limbs_have_the_drawn_radius_and_the_trunk_its_own(thick_y):
     mesh, skeleton = thick_y
-    drawn = as_drawn(make.as_tree(drawn_y()), mesh, skeleton)
+    drawn = with_corrected_radii(make.as_tree(drawn_y()), mesh, skeleton)
     centre = mesh.vertices_m[mesh.tets].mean(axis=1)
     trunk = (centre[:, 1] < 2.2) & (centre[:, 1] > 0.1)
     assert np.median(drawn.radius_ratio[trunk]) == pytest.approx(1.0, abs=0.05)
@@ -51,7 +51,7 @@ def test_limbs_have_the_drawn_radius_and_the_trunk_its_own(thick_y):
 def test_the_solid_weighs_what_was_drawn(thick_y):
     mesh, skeleton = thick_y
     wood = drawn_y()
-    drawn = as_drawn(make.as_tree(wood), mesh, skeleton)
+    drawn = with_corrected_radii(make.as_tree(wood), mesh, skeleton)
     weight = float((tet_volumes(mesh.vertices_m, mesh.tets) * drawn.radius_ratio**2).sum())
     assert weight == pytest.approx(volume(wood), rel=0.06)
     assert drawn_volume(wood, mesh, skeleton).sum() == pytest.approx(volume(wood), rel=0.06)
@@ -63,18 +63,18 @@ def test_twigs_that_fuse_with_a_trunk_in_meshing_do_not_weigh_as_solid_wood():
         lambda p: np.abs(p[:, [0, 2]]).max(axis=1) < 0.15, (-0.15, 0, -0.15), (0.15, 4, 0.15), 0.05
     )
     rods = make.joined(*(make.tube((x, 0, 0), (x, 4, 0), 0.03, 0.03, sides=16) for x in (-0.06, 0.06)))
-    drawn = as_drawn(make.as_tree(rods), replace(block, radius_ratio=np.full(len(block.tets), 0.3)),
-                     extract_skeleton(block))  # fmt: skip
+    thinner = replace(block, radius_ratio=np.full(len(block.tets), 0.3))
+    drawn = with_corrected_radii(make.as_tree(rods), thinner, extract_skeleton(block))
     weight = float((tet_volumes(block.vertices_m, block.tets) * drawn.radius_ratio**2).sum())
     assert weight == pytest.approx(volume(rods), rel=0.03)
 
 
 def test_a_needle_keeps_its_true_weight_but_not_a_thread_s_stiffness(thick_y):
     mesh, skeleton = thick_y
-    lumps = type("Lumps", (), {"mass_kg": 0, "drag_area_m2": 0, "fixed": np.arange(9)})
+    lumped = type("Lumps", (), {"mass_kg": 0, "drag_area_m2": 0, "fixed": np.arange(9)})
     made = [
         wood_elements(replace(mesh, radius_ratio=np.full(len(mesh.tets), ratio)), skeleton,
-                      species("maple"), lumps)
+                      species("maple"), lumped)
         for ratio in (1.0, STIFFNESS_FLOOR, 0.02)
     ]  # fmt: skip
     assert np.allclose(made[1].axial, STIFFNESS_FLOOR**4 * made[0].axial)
@@ -88,13 +88,13 @@ def test_a_tree_of_needles_stands_and_weathers_a_storm():
     high = mesh.vertices_m[mesh.tets].mean(axis=1)[:, 1] > 3.0
     mesh = replace(mesh, radius_ratio=np.where(high, 0.02, 1.0))
     count = len(mesh.vertices_m)
-    lumps = Lumps(
+    lumped = LumpedMasses(
         np.full(count, 5.0 / count),
         np.full(count, 4.0 / count),
         root_vertices(mesh.vertices_m, mesh.tets),
         {},
     )
-    model = build_model(mesh, extract_skeleton(mesh), species("maple"), lumps, FemSettings(element="linear"))
+    model = build_model(mesh, extract_skeleton(mesh), species("maple"), lumped, FemSettings(element="linear"))
     simulator = Simulator(model)
     for k in range(120):
         simulator.step(np.array([400.0 * (-1) ** (k // 15), 100.0]))

@@ -6,17 +6,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.sparse
-from galewood.build.pipeline import BuildOptions, build_table
 from galewood.cli.commands import app
 from galewood.evaluation.evaluate import METHODS, compare, compare_methods, floor, nearest_sample, played
 from galewood.evaluation.long_run import beyond, long_run
 from galewood.evaluation.measures import errors, figures, growth, hausdorff, joined, windows
 from galewood.evaluation.plot import plot_errors
-from galewood.evaluation.reference_runs import Truth, TruthTask, follow, read_truth, run_truths, sway_of
+from galewood.evaluation.reference_runs import (
+    ReferenceRun,
+    ReferenceTask,
+    follow,
+    read_reference_run,
+    run_references,
+    sway_of,
+)
 from galewood.evaluation.source import Source, SourceError, distinct, find_model, source_of
 from galewood.evaluation.winds import long_gusts, noise, perlin, unseen_winds
 from galewood.fem.dynamics import Simulator
-from galewood.mesh.types import IntakeOptions
+from galewood.mesh.types import ImportOptions
+from galewood.pipeline.build import BuildOptions, build_table
 from galewood.sampling.runner import run_task
 from galewood.table.format import Table, decode
 from typer.testing import CliRunner
@@ -29,46 +36,46 @@ TABLE = decode(FILE)
 
 def test_a_perfect_track_has_no_error_and_a_resting_one_errs_by_the_sway() -> None:
     rng = np.random.default_rng(601)
-    truth = 0.1 * rng.normal(size=(80, 30, 3))
-    perfect, resting = errors(truth, truth), errors(np.zeros_like(truth), truth)
-    sway = np.linalg.norm(truth, axis=2).max() / 2.0
+    reference = 0.1 * rng.normal(size=(80, 30, 3))
+    perfect, resting = errors(reference, reference), errors(np.zeros_like(reference), reference)
+    sway = np.linalg.norm(reference, axis=2).max() / 2.0
     assert figures(perfect, 2.0)["max_error"] == 0
     assert np.isclose(figures(resting, 2.0)["max_error"], sway)
     assert np.isclose(figures(resting, 2.0)["max_error_of_sway"], 1)
-    assert np.isclose(figures(resting, 2.0)["rms_error"], np.sqrt((truth**2).sum(axis=2).mean()) / 2.0)
+    assert np.isclose(figures(resting, 2.0)["rms_error"], np.sqrt((reference**2).sum(axis=2).mean()) / 2.0)
     assert set(figures(resting, 2.0)["frames"]) == {"20", "22", "40", "60"}
 
 
 def test_pieces_of_a_run_are_the_run() -> None:
     rng = np.random.default_rng(603)
-    track, truth = rng.normal(size=(2, 70, 9, 3))
+    track, reference = rng.normal(size=(2, 70, 9, 3))
     weight = rng.integers(1, 9, 9)
-    pieces = [errors(track[a : a + 20], truth[a : a + 20], weight) for a in range(0, 70, 20)]
-    assert figures(joined(pieces), 3.0) == figures(errors(track, truth, weight), 3.0)
+    pieces = [errors(track[a : a + 20], reference[a : a + 20], weight) for a in range(0, 70, 20)]
+    assert figures(joined(pieces), 3.0) == figures(errors(track, reference, weight), 3.0)
 
 
 def test_a_weight_is_how_many_vertices_a_row_stands_for() -> None:
     rng = np.random.default_rng(604)
-    track, truth = rng.normal(size=(2, 12, 5, 3))
+    track, reference = rng.normal(size=(2, 12, 5, 3))
     count = np.array([1, 4, 2, 1, 3])
-    many = errors(np.repeat(track, count, axis=1), np.repeat(truth, count, axis=1))
-    assert np.allclose(errors(track, truth, count).mean_square_m2, many.mean_square_m2)
+    many = errors(np.repeat(track, count, axis=1), np.repeat(reference, count, axis=1))
+    assert np.allclose(errors(track, reference, count).mean_square_m2, many.mean_square_m2)
 
 
 def test_growth_is_that_of_the_error_and_its_relative_form_follows_the_sway() -> None:
-    truth = np.zeros((40, 1, 3))
-    truth[:20, 0, 0], truth[20:, 0, 0] = 1.0, 3.0
-    found = growth(errors(1.1 * truth, truth), 2.0)
+    reference = np.zeros((40, 1, 3))
+    reference[:20, 0, 0], reference[20:, 0, 0] = 1.0, 3.0
+    found = growth(errors(1.1 * reference, reference), 2.0)
     assert np.isclose(found["growth"] or 0, 3.0)
     assert np.isclose(found["growth_of_sway"] or 0, 1.0)
-    truth[20:] = 0.0
-    assert growth(errors(truth + 0.1, truth), 2.0)["growth_of_sway"] is None
+    reference[20:] = 0.0
+    assert growth(errors(reference + 0.1, reference), 2.0)["growth_of_sway"] is None
 
 
 def test_windows_are_whole_and_in_order() -> None:
-    truth = np.ones((25, 2, 3))
-    track = truth + np.repeat([0.0, 0.2, 9.9], [10, 10, 5])[:, None, None]
-    found = windows(errors(track, truth), 10, 1.0)
+    reference = np.ones((25, 2, 3))
+    track = reference + np.repeat([0.0, 0.2, 9.9], [10, 10, 5])[:, None, None]
+    found = windows(errors(track, reference), 10, 1.0)
     assert [round(window["max_error"], 9) for window in found] == [0.0, round(0.2 * 3**0.5, 9)]
 
 
@@ -87,10 +94,12 @@ def test_a_sampled_wind_is_its_own_nearest_sample() -> None:
 
 def test_poses_of_the_drift_free_method_follow_a_sampled_run() -> None:
     start, end = TABLE.trajectory[1:3].astype(int)
-    track, coverage = played(TABLE, TABLE.pressure_pa[start:end].astype(np.float64), METHODS["tangent"])
+    track, extrapolation_ratio = played(
+        TABLE, TABLE.pressure_pa[start:end].astype(np.float64), METHODS["modal"]
+    )
     true = TABLE.pose()[start + 1 : end] * TABLE.mode_scale
     assert np.abs(track[:-1] - true).max() < 0.06 * np.abs(true).max()
-    assert 0 < coverage < 1.3
+    assert 0 < extrapolation_ratio < 1.3
 
 
 def test_winds_keep_to_their_strength_and_change_with_the_seed() -> None:
@@ -112,14 +121,14 @@ def test_winds_that_go_on_come_three_times_without_a_seam(name: str) -> None:
 
 
 def test_growth_leaves_out_the_lead_in() -> None:
-    truth = np.ones((90, 2, 3))
+    reference = np.ones((90, 2, 3))
     error = np.repeat([0.01, 0.3, 0.3], 30)
-    run = errors(truth + error[:, None, None], truth)
+    run = errors(reference + error[:, None, None], reference)
     assert np.isclose(figures(run, 2.0, lead=30)["growth"], 1.0)
     assert np.isclose(figures(run, 2.0)["growth"], 1.0)  # the largest of 45 frames either way
     assert np.isclose(figures(run, 2.0, lead=30)["max_error"], 0.3 * np.sqrt(3) / 2)
-    early = errors(truth + error[::-1][:, None, None], truth)
-    assert np.isclose(figures(early, 2.0, lead=30)["growth"], 0.01 / 0.3)
+    preliminary = errors(reference + error[::-1][:, None, None], reference)
+    assert np.isclose(figures(preliminary, 2.0, lead=30)["growth"], 0.01 / 0.3)
 
 
 def test_noise_has_unit_variance_and_no_seam() -> None:
@@ -138,8 +147,8 @@ def test_long_gusts_are_alike_in_every_window() -> None:
 
 
 def test_the_plot_is_written(tmp_path: Path) -> None:
-    found = {"true_sway": 0.1, "error_by_frame": [0.0, 0.01, 0.02]}
-    plot_errors({"step": {"tangent": found, "rest-pose": found}}, tmp_path / "errors.png")
+    found = {"reference_sway": 0.1, "error_by_frame": [0.0, 0.01, 0.02]}
+    plot_errors({"step": {"modal": found, "rest-pose": found}}, tmp_path / "errors.png")
     assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -148,7 +157,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small tree's table with its mesh beside it, and the cache of its build."""
     path = tmp_path_factory.mktemp("evaluate")
     options = BuildOptions(
-        intake=IntakeOptions(species="maple"),
+        mesh_import=ImportOptions(species="maple"),
         target_tets=TARGET_TETS,
         sampled_elements=8,
         design_speed_m_s=14.0,
@@ -178,54 +187,58 @@ def source(folder: Path, table: Table) -> Source:
 
 
 @pytest.fixture(scope="module")
-def truth(source: Source) -> Truth:
+def reference(source: Source) -> ReferenceRun:
     rng = np.random.default_rng(608)
     return follow(Simulator(source.model), np.abs(rng.normal(size=(40, 2))) * 20.0)
 
 
-def test_what_a_table_was_made_from_is_found_again(table: Table, source: Source, truth: Truth) -> None:
+def test_what_a_table_was_made_from_is_found_again(
+    table: Table, source: Source, reference: ReferenceRun
+) -> None:
     assert source.model.report["frequencies_hz"] == table.metadata["frequencies_hz"]
-    assert source.seen.count.sum() == len(table.vertex_node)
-    left = floor(table, source, truth.displacement_m)
+    assert source.rendered.count.sum() == len(table.vertex_node)
+    left = floor(table, source, reference.displacement_m)
     assert left["truncation"] < 2e-3
     assert left["truncation"] <= left["truncation_and_nodes"] < 0.02
 
 
 def test_the_true_motion_in_modes_errs_by_the_truncation_alone(
-    table: Table, source: Source, truth: Truth
+    table: Table, source: Source, reference: ReferenceRun
 ) -> None:
-    q = source.subspace.project(truth.displacement_m)
-    found = compare(table, source, q, truth.displacement_m)
-    assert np.isclose(found["max_error"], floor(table, source, truth.displacement_m)["truncation"])
+    q = source.subspace.project(reference.displacement_m)
+    found = compare(table, source, q, reference.displacement_m)
+    assert np.isclose(found["max_error"], floor(table, source, reference.displacement_m)["truncation"])
     assert np.isclose(
-        found["seen"]["max_error"], floor(table, source, truth.displacement_m)["truncation_and_nodes"]
+        found["rendered"]["max_error"], floor(table, source, reference.displacement_m)["truncation_and_nodes"]
     )
 
 
-def test_a_tree_at_rest_errs_by_its_sway_on_the_wood(table: Table, source: Source, truth: Truth) -> None:
-    found = compare_methods(table, source, truth)
+def test_a_tree_at_rest_errs_by_its_sway_on_the_wood(
+    table: Table, source: Source, reference: ReferenceRun
+) -> None:
+    found = compare_methods(table, source, reference)
     rest = found["rest-pose"]
-    assert np.isclose(rest["max_error"], sway_of(truth) / float(table.metadata["height_m"]))
-    assert found["tangent"]["max_error"] < 0.2 * rest["max_error"]
+    assert np.isclose(rest["max_error"], sway_of(reference) / float(table.metadata["height_m"]))
+    assert found["modal"]["max_error"] < 0.2 * rest["max_error"]
 
 
 def test_distinct_vertices_are_all_vertices() -> None:
     rng = np.random.default_rng(609)
     rows = scipy.sparse.random(6, 5, 0.6, format="csr", rng=rng)
     twice = scipy.sparse.csr_matrix(scipy.sparse.vstack([rows, rows]))
-    seen = distinct(twice, np.array([0, 0, 1, 1, 2, 2] * 2))
-    assert len(seen.count) == 6
-    assert (seen.count == 2).all()
+    rendered = distinct(twice, np.array([0, 0, 1, 1, 2, 2] * 2))
+    assert len(rendered.count) == 6
+    assert (rendered.count == 2).all()
 
 
 def test_a_wind_is_scaled_until_the_tree_sways_as_asked(source: Source, tmp_path: Path) -> None:
     wind = np.tile([[10.0, 0.0]], (60, 1))
-    task = TruthTask(source.model_path, wind, 0.02)
-    ran = read_truth(run_truths([task], tmp_path, lambda done: None)[0])
+    task = ReferenceTask(source.model_path, wind, 0.02)
+    ran = read_reference_run(run_references([task], tmp_path, lambda done: None)[0])
     assert abs(sway_of(ran) / 0.02 - 1) <= 0.03
     assert np.allclose(ran.pressure_pa / ran.pressure_pa[0, 0], wind / wind[0, 0])
-    weak = read_truth(
-        run_truths([TruthTask(source.model_path, wind, 9.0, 12.0)], tmp_path, lambda d: None)[0]
+    weak = read_reference_run(
+        run_references([ReferenceTask(source.model_path, wind, 9.0, 12.0)], tmp_path, lambda d: None)[0]
     )
     assert np.isclose(np.linalg.norm(weak.pressure_pa, axis=1).max(), 12.0)
 
@@ -234,12 +247,12 @@ def test_a_long_run_is_kept_and_bounded_beyond_its_samples(
     table: Table, source: Source, tmp_path: Path
 ) -> None:
     first = long_run(table, source, tmp_path, lambda f, m: None, frames=1500, sway=0.005, seed=610)
-    assert len(first["methods"]["tangent"]) == 1
-    assert first["methods"]["tangent"][0]["max_error"] < 0.01
+    assert len(first["methods"]["modal"]) == 1
+    assert first["methods"]["modal"][0]["max_error"] < 0.01
     again = long_run(table, source, tmp_path, lambda f, m: None, frames=1500, sway=0.005, seed=610)
     assert first == again
     far = beyond(table, source, frames=300)
-    assert far["coverage"] > 1
+    assert far["extrapolation_ratio"] > 1
     assert far["largest"] < 1
     assert far["left_at_rest_m"] == 0
 
@@ -254,8 +267,8 @@ def test_the_command_needs_the_table_alone_and_says_when_the_model_is_gone(
     ])  # fmt: skip
     assert told.exit_code == 0, told.output
     found = json.loads(out.read_text())
-    assert set(found["winds"]["step"]) >= {"tangent", "paper", "paper-literal", "rest-pose", "floor"}
-    assert found["winds"]["perlin"]["tangent"]["max_error"] < 0.01
+    assert set(found["winds"]["step"]) >= {"modal", "paper", "paper-literal", "rest-pose", "floor"}
+    assert found["winds"]["perlin"]["modal"]["max_error"] < 0.01
     assert picture.stat().st_size > 1000
     lost = CliRunner().invoke(app, ["evaluate", str(folder / "tree.gwt"), "--cache-dir", str(tmp_path)])
     assert lost.exit_code == 1
@@ -263,4 +276,4 @@ def test_the_command_needs_the_table_alone_and_says_when_the_model_is_gone(
 
 def test_another_tables_model_is_not_taken(folder: Path) -> None:
     with pytest.raises(SourceError):
-        find_model({"frequencies_hz": [1.0, 2.0]}, folder / "cache")
+        find_model({"provenance": {"model_sha256": "0" * 64}}, folder / "cache")

@@ -52,13 +52,13 @@ def test_silhouette_of_a_wall_is_its_mean_projection():
 
 def test_frontal_area_and_leaf_mass_are_conserved(mesh):
     leaves = leaf_cards()
-    lumps = bind_foliage(tree(leaves), mesh, WOOD)
-    assert lumps.mass_kg.sum() == pytest.approx(LEAF_MASS_KG_M2 * 60 * 0.04)
-    top = lumps.report["silhouette_m2"] * WOOD.drag_coefficient
-    assert 0.7 * top < lumps.drag_area_m2.sum() < top  # the height profile takes a part
-    assert (lumps.mass_kg >= 0).all()
-    assert (lumps.drag_area_m2 >= 0).all()
-    assert mesh.vertices_m[lumps.fixed][:, 1].max() < 0.11
+    lumped = bind_foliage(tree(leaves), mesh, WOOD)
+    assert lumped.mass_kg.sum() == pytest.approx(LEAF_MASS_KG_M2 * 60 * 0.04)
+    top = lumped.report["silhouette_m2"] * WOOD.drag_coefficient
+    assert 0.7 * top < lumped.drag_area_m2.sum() < top  # the height profile takes a part
+    assert (lumped.mass_kg >= 0).all()
+    assert (lumped.drag_area_m2 >= 0).all()
+    assert mesh.vertices_m[lumped.fixed][:, 1].max() < 0.11
 
 
 def test_leaf_mass_is_capped_and_bare_trees_have_none(mesh):

@@ -10,30 +10,30 @@ import numpy as np
 import psutil
 import pytest
 from galewood.util.process_usage import PeakMemory, cpu_seconds
-from galewood.util.worker_pool import Helpers
+from galewood.util.worker_pool import WorkerPool
 
 STARTS_ONE = """
 import time
-from galewood.util.worker_pool import Helpers
+from galewood.util.worker_pool import WorkerPool
 if __name__ == "__main__":
-    helpers = Helpers(1)
-    print(helpers.start(__import__("os").getpid).result(), flush=True)
-    helpers.start(time.sleep, 600)
+    pool = WorkerPool(1)
+    print(pool.start(__import__("os").getpid).result(), flush=True)
+    pool.start(time.sleep, 600)
     time.sleep(600)
 """
 
 
 def test_what_a_helper_returns_and_raises_comes_back() -> None:
-    with Helpers(1) as helpers:
-        assert helpers.start(divmod, 17, 5).result() == (3, 2)
+    with WorkerPool(1) as pool:
+        assert pool.start(divmod, 17, 5).result() == (3, 2)
         with pytest.raises(ZeroDivisionError):
-            helpers.start(divmod, 1, 0).result()
+            pool.start(divmod, 1, 0).result()
 
 
 def test_an_exception_ends_what_is_still_being_done() -> None:
-    with pytest.raises(KeyError), Helpers(1) as helpers:
-        process = psutil.Process(helpers.start(os.getpid).result())
-        helpers.start(time.sleep, 600)
+    with pytest.raises(KeyError), WorkerPool(1) as pool:
+        process = psutil.Process(pool.start(os.getpid).result())
+        pool.start(time.sleep, 600)
         raise KeyError
     process.wait(60)
 
@@ -53,18 +53,18 @@ def _fill(megabytes: int) -> int:
 
 
 def test_memory_of_a_helper_counts_as_its_own_and_in_the_sum() -> None:
-    with PeakMemory() as memory, Helpers(1) as helpers:
-        helpers.start(_fill, 300).result()
+    with PeakMemory() as memory, WorkerPool(1) as pool:
+        pool.start(_fill, 300).result()
     assert memory.child_mb > 300
     assert memory.total_mb > memory.child_mb + 50
     assert memory.parent_mb < memory.total_mb - 300
 
 
 def test_cpu_time_of_a_living_helper_is_counted() -> None:
-    with Helpers(1) as helpers:
-        helpers.start(os.getpid).result()
+    with WorkerPool(1) as pool:
+        pool.start(os.getpid).result()
         before = cpu_seconds()
-        helpers.start(_burn).result()
+        pool.start(_burn).result()
         assert cpu_seconds() - before > 0.2
 
 

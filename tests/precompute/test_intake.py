@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from galewood.mesh.importer import IntakeOptions, read_tree, render_glb
+from galewood.mesh.importer import ImportOptions, read_tree, render_glb
 from galewood.mesh.repair import Surface, agree_windings, cap, face_outwards, open_edges, volume, weld
 
 from tests.precompute import tree_meshes as make
@@ -49,7 +49,7 @@ def test_assumptions_are_stated_and_can_be_overruled():
         "value": "z"
     }
     assert len(tree.report["warnings"]) == 2
-    told = read_tree(data, "aspen.obj", IntakeOptions(species="maple", height_m=7.0, up_axis="z"))
+    told = read_tree(data, "aspen.obj", ImportOptions(species="maple", height_m=7.0, up_axis="z"))
     assert (told.species, told.height_m) == ("maple", pytest.approx(7.0))
     assert told.report["warnings"] == []
 
@@ -64,7 +64,7 @@ def test_obj_groups_tell_wood_from_leaves_and_options_overrule_them():
     data = "\n".join(text).encode()
     tree = read_tree(data, "a.obj")
     assert [(p.kind, len(p.faces)) for p in tree.primitives] == [("wood", len(wood.faces)), ("leaves", 4)]
-    swapped = read_tree(data, "a.obj", IntakeOptions(wood=("stuff", "canopy")))
+    swapped = read_tree(data, "a.obj", ImportOptions(wood=("stuff", "canopy")))
     assert [p.kind for p in swapped.primitives] == ["wood", "wood"]
 
 
@@ -113,7 +113,7 @@ def test_inside_out_wood_is_turned_and_stated():
 
 def test_of_two_trees_the_larger_is_kept_with_a_warning():
     small = Surface(make.y_tree().vertices * 0.7 + (6.0, 0, 0), make.y_tree().faces)
-    tree = read_tree(make.obj_bytes(make.joined(small, make.y_tree())), "two.obj", IntakeOptions(up_axis="y"))
+    tree = read_tree(make.obj_bytes(make.joined(small, make.y_tree())), "two.obj", ImportOptions(up_axis="y"))
     assert np.ptp(tree.wood_vertices_m[:, 0]) < 4.0
     assert sum(len(p.faces) for p in tree.primitives) == len(make.y_tree().faces)
     assert any("separate" in w for w in tree.report["warnings"])

@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 from galewood.mesh.importer import read_tree, render_glb
-from galewood.mesh.sandboxed import pack_tree, run_intake, unpack_tree
+from galewood.mesh.sandboxed import import_mesh_sandboxed, pack_tree, unpack_tree
 from galewood.sandbox.limited_process import Arrays, Limits, run_limited
 from galewood.util import MeshError
 
@@ -42,7 +42,7 @@ def crash(_: Arrays) -> Arrays:
 
 def test_child_gives_what_the_reader_gives():
     data = make.glb_bytes(make.y_tree(), make.cards([(1.6, 4.6, 0)]))
-    tree, glb = run_intake(data, "a.glb")
+    tree, glb = import_mesh_sandboxed(data, "a.glb")
     direct = read_tree(data, "a.glb")
     assert glb == render_glb(direct)
     assert tree.report == direct.report
@@ -52,7 +52,7 @@ def test_child_gives_what_the_reader_gives():
 
 def test_errors_cross_the_border():
     with pytest.raises(MeshError) as caught:
-        run_intake(b"PK\x03\x04 and more", "a.obj")
+        import_mesh_sandboxed(b"PK\x03\x04 and more", "a.obj")
     assert (caught.value.reason, caught.value.code) == ("unsupported", "unsupported-type")
 
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from galewood.player.modal_forest import TangentForest
-from galewood.reduction import training as learning
+from galewood.player.modal_forest import ModalForest
+from galewood.reduction import training as training_module
 from galewood.reduction.oscillators import propagators, reduced, response
-from galewood.reduction.training import Learning, Size, fit_smallest, size_of
-from galewood.reduction.training_error import replay_error_m, replayed
-from galewood.sampling.recording import Recording, sample_trajectory
+from galewood.reduction.training import ModalTraining, Size, fit_smallest, size_of
+from galewood.reduction.training_error import simulated_q, training_error_m
+from galewood.sampling.recording import SampledRun, sample_trajectory
 from galewood.sampling.training_winds import training_winds
 
 from tests.golden.beam import Beam
@@ -16,7 +16,7 @@ from tests.golden.make import scheme
 FEW, MORE = Size(2, 0, 6), Size(5, 3, 6)
 
 
-def learnt(beam: Beam, design_speed_m_s: float) -> list[Recording]:
+def training_runs(beam: Beam, design_speed_m_s: float) -> list[SampledRun]:
     winds = training_winds(design_speed_m_s, beam.dt_s)[::3]
     return [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
 
@@ -25,40 +25,40 @@ def learnt(beam: Beam, design_speed_m_s: float) -> list[Recording]:
 def test_more_oscillators_are_taken_only_where_few_miss_the_runs(
     monkeypatch: pytest.MonkeyPatch, share: float, expected: Size
 ) -> None:
-    monkeypatch.setattr(learning, "REPLAY_SHARE", share)
+    monkeypatch.setattr(training_module, "TRAINING_ERROR_SHARE", share)
     beam = Beam()
-    runs = learnt(beam, 2.0)
-    given = Learning(beam.oscillators(), scheme(beam), runs, sizes=[FEW, MORE])
+    runs = training_runs(beam, 2.0)
+    given = ModalTraining(beam.oscillators(), scheme(beam), runs, sizes=[FEW, MORE])
     fitted = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4 * beam.height_m, given)
-    assert len(fitted.tangent.step) == expected.dynamic
-    assert fitted.tangent.coupled == expected.coupled
-    again = replay_error_m(fitted.tangent, fitted.subspace, runs, beam.dt_s)
-    assert again == fitted.replay_error_m
+    assert len(fitted.modal.step) == expected.dynamic
+    assert fitted.modal.coupled == expected.coupled
+    again = training_error_m(fitted.modal, fitted.subspace, runs, beam.dt_s)
+    assert again == fitted.training_error_m
 
 
 @pytest.mark.parametrize(("share", "asked"), [(1.0, 0), (0.0, 1)])
 def test_further_runs_are_asked_for_once_and_only_where_the_smallest_does_not_do(
     monkeypatch: pytest.MonkeyPatch, share: float, asked: int
 ) -> None:
-    monkeypatch.setattr(learning, "REPLAY_SHARE", share)
+    monkeypatch.setattr(training_module, "TRAINING_ERROR_SHARE", share)
     beam = Beam()
-    runs, more = learnt(beam, 2.0), learnt(beam, 3.0)
+    runs, more = training_runs(beam, 2.0), training_runs(beam, 3.0)
     times: list[int] = []
 
-    def further() -> list[Recording]:
+    def further() -> list[SampledRun]:
         times.append(1)
         return more
 
-    given = Learning(beam.oscillators(), scheme(beam), runs, [FEW, Size(4, 2, 6), MORE], further)
-    tangent = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4, given).tangent
+    given = ModalTraining(beam.oscillators(), scheme(beam), runs, [FEW, Size(4, 2, 6), MORE], further)
+    modal = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4, given).modal
     assert len(times) == asked
     strongest_pa = max(np.linalg.norm(run.pressure_pa, axis=1).max() for run in (runs, more)[asked])
-    assert tangent.limits[2] == pytest.approx(strongest_pa)
+    assert modal.limits[2] == pytest.approx(strongest_pa)
 
 
 def test_the_oscillators_that_move_the_tree_most_stand_first() -> None:
     beam = Beam()
-    winds = [np.asarray(run.pressure_pa) for run in learnt(beam, 8.0)]
+    winds = [np.asarray(run.pressure_pa) for run in training_runs(beam, 8.0)]
     ritz = reduced(beam.oscillators(), winds, scheme(beam), 5)
     far = np.sqrt((ritz.shapes.reshape(5, -1, 3) ** 2).sum(axis=2).max(axis=1))
     steps = propagators(ritz.omega, np.diag(ritz.damping), scheme(beam))
@@ -74,12 +74,12 @@ def test_the_oscillators_that_move_the_tree_most_stand_first() -> None:
 def test_a_replay_is_the_motion_of_a_lone_tree() -> None:
     rng = np.random.default_rng(901)
     beam = Beam()
-    runs = learnt(beam, 8.0)
-    given = Learning(beam.oscillators(), scheme(beam), runs, sizes=[MORE])
-    tangent = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4, given).tangent
+    runs = training_runs(beam, 8.0)
+    given = ModalTraining(beam.oscillators(), scheme(beam), runs, sizes=[MORE])
+    modal = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4, given).modal
     winds = [rng.normal(size=(frames, 2)) * 10.0 for frames in (30, 47)]
-    for wind, track in zip(winds, replayed(tangent, winds, beam.dt_s), strict=True):
-        lone = TangentForest(tangent, beam.dt_s, np.ones(tangent.modes, np.float32), 1)
+    for wind, track in zip(winds, simulated_q(modal, winds, beam.dt_s), strict=True):
+        lone = ModalForest(modal, beam.dt_s, np.ones(modal.modes, np.float32), 1)
         assert len(track) == len(wind) + 1 and not track[0].any()
         for frame, (x, z) in enumerate(np.concatenate([wind, [[0.0, 0.0]]])):
             lone.advance(beam.dt_s, [x], [z])
@@ -89,7 +89,7 @@ def test_a_replay_is_the_motion_of_a_lone_tree() -> None:
 def test_the_size_is_told_by_its_oscillators_on_a_small_body_too() -> None:
     beam = Beam()
     count = len(beam.oscillators().omega)
-    given = Learning(beam.oscillators(), scheme(beam), [], sizes=[FEW, Size(count + 7, 3, count + 9)])
+    given = ModalTraining(beam.oscillators(), scheme(beam), [], sizes=[FEW, Size(count + 7, 3, count + 9)])
     assert [size_of(given, dynamic) for dynamic in (2, count)] == list(given.sizes)
     with pytest.raises(ValueError, match="build the table again"):
         size_of(given, 3)

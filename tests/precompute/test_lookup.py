@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.player.paper_search import ForestLookup, gaussian
+from galewood.player.paper_search import PaperForest, gaussian
 from galewood.table.format import decode
 
-from tests.golden.make import forest_walk
+from tests.golden.make import forest_stepper
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 TABLE = decode((GOLDEN / "pole.safetensors").read_bytes())
@@ -16,7 +16,7 @@ DT_S = TABLE.metadata["dt_s"]
 STRONG = 0.7 * float(np.abs(TABLE.pressure_pa).max())
 
 
-def blown(forest: ForestLookup, pressure: tuple[float, float], steps: int) -> np.ndarray:
+def blown(forest: PaperForest, pressure: tuple[float, float], steps: int) -> np.ndarray:
     count = len(forest.record)
     track = []
     for _ in range(steps):
@@ -27,9 +27,9 @@ def blown(forest: ForestLookup, pressure: tuple[float, float], steps: int) -> np
 
 def test_walks_the_golden_walk() -> None:
     for golden in json.loads((GOLDEN / "walk.json").read_text()):
-        walk = forest_walk(TABLE, golden["pose_easing"])
-        assert walk["records"] == golden["records"]
-        assert np.array_equal(walk["poses"], golden["poses"])
+        stepper = forest_stepper(TABLE, golden["pose_easing"])
+        assert stepper["records"] == golden["records"]
+        assert np.array_equal(stepper["poses"], golden["poses"])
 
 
 def test_the_gaussian_is_the_exponential() -> None:
@@ -40,13 +40,13 @@ def test_the_gaussian_is_the_exponential() -> None:
 
 @pytest.mark.parametrize("easing", [0.0, 0.08])
 def test_in_still_air_a_resting_tree_stays_exactly_at_rest(easing: float) -> None:
-    track = blown(ForestLookup(TABLE, 2, pose_easing=easing), (0.0, 0.0), 300)
+    track = blown(PaperForest(TABLE, 2, pose_easing=easing), (0.0, 0.0), 300)
     assert not track.any()
 
 
 def test_comes_to_exact_rest_within_twelve_seconds_of_calm() -> None:
     # This table's step is 1/15 s; a tree's is 1/30 s, where easing is twice as fast in seconds.
-    forest = ForestLookup(TABLE, 3, pose_easing=0.15)
+    forest = PaperForest(TABLE, 3, pose_easing=0.15)
     forest.set_trees(np.zeros(3), np.zeros(3), [0.0, 1.0, -2.0], [1.0, 1.0, 1.0])
     blown(forest, (STRONG, 0.3 * STRONG), 200)
     assert np.abs(forest.q).max() > 0.05
@@ -59,7 +59,7 @@ def test_comes_to_exact_rest_within_twelve_seconds_of_calm() -> None:
 def test_leans_downwind() -> None:
     top = int(np.argmax(TABLE.node_rest_m[:, 1]))
     for heading in np.radians([10, 75, 130, 215, 335]):
-        forest = ForestLookup(TABLE, 1)
+        forest = PaperForest(TABLE, 1)
         wind = STRONG * np.array([np.cos(heading), np.sin(heading)])
         lean = (blown(forest, tuple(wind), 300)[60:, 0] @ TABLE.node_basis[top].T).mean(axis=0)
         # This table knows three directions only: up to 60° beside the wind is all that can be asked.
@@ -68,14 +68,14 @@ def test_leans_downwind() -> None:
 
 def test_a_turned_tree_moves_as_if_the_wind_had_turned() -> None:
     # Yaw ψ turns the tree by ψ about y: in its own frame the wind comes from −ψ.
-    straight, turned = ForestLookup(TABLE, 1), ForestLookup(TABLE, 1)
+    straight, turned = PaperForest(TABLE, 1), PaperForest(TABLE, 1)
     turned.set_trees([0.0], [0.0], [np.pi / 2], [1.0])
     assert np.array_equal(blown(straight, (0.0, 4.0), 80)[-1].shape, blown(turned, (4.0, 0.0), 80)[-1].shape)
     assert straight.record.tolist() == turned.record.tolist()
 
 
 def test_the_literal_method_adds_up_what_it_finds() -> None:
-    forest = ForestLookup(TABLE, 1, pose_easing=0.0, still_air=False)
+    forest = PaperForest(TABLE, 1, pose_easing=0.0, still_air=False)
     total = np.zeros(len(TABLE.mode_scale))
     for step in range(200):
         wind = STRONG * np.cos(0.2 * step)
@@ -85,7 +85,7 @@ def test_the_literal_method_adds_up_what_it_finds() -> None:
 
 
 def test_easing_keeps_steps_smooth_and_stays_near_the_poses() -> None:
-    forest = ForestLookup(TABLE, 1)
+    forest = PaperForest(TABLE, 1)
     calm = blown(forest, (STRONG, 0.0), 100)
     track = np.concatenate([calm, blown(forest, (-STRONG, 0.0), 100), blown(forest, (0.0, STRONG), 200)])[
         :, 0
@@ -98,7 +98,7 @@ def test_easing_keeps_steps_smooth_and_stays_near_the_poses() -> None:
 
 
 def test_a_large_tree_walks_slower_and_pauses_are_not_caught_up() -> None:
-    forest = ForestLookup(TABLE, 2)
+    forest = PaperForest(TABLE, 2)
     forest.set_trees([0, 0], [0, 0], [0, 0], [1.0, 2.0])
     for _ in range(8):
         forest.advance(DT_S, [9.0, 9.0], [0.0, 0.0])

@@ -29,7 +29,7 @@ def test_the_whole_page_is_written_and_the_search_is_exact(folder: Path) -> None
     assert all(0 <= fraction <= 1 for fraction in told)
     maple = figures["species"]["maple"]
     assert maple["search"] == {**maple["search"], "queries": 200, "differences": 0}
-    assert maple["gestures"]["hausdorff"]["tangent"]["60"] < maple["gestures"]["sway"]["60"]
+    assert maple["gestures"]["hausdorff"]["modal"]["60"] < maple["gestures"]["sway"]["60"]
     assert set(maple["elements"]) == {"6", "12"}
     assert set(figures["forests"]) == {"20", "50"}
     text = (folder / "paper.md").read_text()

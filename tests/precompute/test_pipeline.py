@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.build.options import BuildOptions, BuildResult, Progress
-from galewood.build.pipeline import build_table
-from galewood.mesh.types import IntakeOptions
-from galewood.player.paper_search import ForestLookup
+from galewood.mesh.types import ImportOptions
+from galewood.pipeline.build import build_table
+from galewood.pipeline.options import BuildOptions, BuildResult, Progress
+from galewood.player.paper_search import PaperForest
 from galewood.sampling.runner import SampleTask, run_task
 from galewood.table.format import decode
 from galewood.util import Cancelled, MeshError
@@ -18,7 +18,7 @@ from galewood.util import Cancelled, MeshError
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
 
 OPTIONS = BuildOptions(
-    intake=IntakeOptions(species="maple"),
+    mesh_import=ImportOptions(species="maple"),
     target_tets=TARGET_TETS,
     sampled_elements=8,
     design_speed_m_s=20.0,
@@ -41,7 +41,7 @@ class Built:
         for count, task in enumerate(tasks, 1):
             run_task(task)
             done(count)
-            if "early.table" not in self.out:
+            if "preliminary.table" not in self.out:
                 self.left_at_early = len(tasks) - count
         return [task.path for task in tasks]
 
@@ -70,13 +70,13 @@ def in_this_process(tasks: Sequence[SampleTask], done: Callable[[int], None]) ->
 def test_a_mesh_becomes_a_table_that_moves(built: Built) -> None:
     assert built.result
     table, told = decode(built.result.table), built.told
-    assert told[0].stage == "intake"
+    assert told[0].stage == "import"
     assert told[-1].stage == "done"
     assert told[-1].fraction == 1.0
     assert all(a.fraction <= b.fraction + 1e-9 for a, b in pairwise(told))
     assert table.metadata["species"] == "maple"
     assert sum(p["vertices"] for p in table.metadata["primitives"]) == len(table.vertex_node)
-    forest = ForestLookup(table, 1)
+    forest = PaperForest(table, 1)
     for _ in range(40):
         forest.advance(1 / 30, [20.0], [0.0])
     assert 0 < np.abs(forest.q).max() < 5.0
@@ -85,7 +85,7 @@ def test_a_mesh_becomes_a_table_that_moves(built: Built) -> None:
 def test_the_report_tells_of_every_stage_and_of_the_reference(built: Built) -> None:
     assert built.result
     report = built.result.report
-    assert set(report["seconds"]) >= {"intake", "meshing", "sampling", "table"}
+    assert set(report["seconds"]) >= {"import", "meshing", "sampling", "table"}
     assert set(report["cpu_seconds"]) == set(report["seconds"])
     reference = report["model"]["reference"]
     assert reference["frames"] == 12
@@ -94,17 +94,17 @@ def test_the_report_tells_of_every_stage_and_of_the_reference(built: Built) -> N
 
 
 def test_pictures_and_an_early_table_are_handed_out_on_the_way(built: Built) -> None:
-    assert set(built.out) >= {"tetrahedra.png", "skeleton.png", "early.table"}
+    assert set(built.out) >= {"tetrahedra.png", "skeleton.png", "preliminary.table"}
     for name in ("tetrahedra.png", "skeleton.png"):
         assert built.out[name].startswith(b"\x89PNG")
         assert len(built.out[name]) <= 200_000
     assert built.result
-    early, whole = decode(built.out["early.table"]), decode(built.result.table)
+    preliminary, whole = decode(built.out["preliminary.table"]), decode(built.result.table)
     assert built.left_at_early > 30
-    assert early.metadata["provenance"]["preliminary"] is True
+    assert preliminary.metadata["provenance"]["preliminary"] is True
     assert "preliminary" not in whole.metadata["provenance"]
-    assert 0 < len(early.dq) < len(whole.dq) / 2
-    assert early.metadata["mesh_sha256"] == whole.metadata["mesh_sha256"]
+    assert 0 < len(preliminary.dq) < len(whole.dq) / 2
+    assert preliminary.metadata["mesh_sha256"] == whole.metadata["mesh_sha256"]
 
 
 def test_a_stopped_build_goes_on_from_what_is_stored(mesh: bytes, built: Built) -> None:

@@ -18,10 +18,10 @@ def task(wind: SampleWind, folder: Path) -> SampleTask:
 @pytest.fixture()
 def samples(tmp_path: Path) -> Samples:
     recorded = [task(wind, tmp_path) for wind in sample_winds(12.0, 1 / 30)]
-    learnt, further = (
+    training, further = (
         [task(wind, tmp_path) for wind in winds(12.0, 1 / 30)] for winds in (training_winds, further_winds)
     )
-    return Samples(recorded, learnt, further)
+    return Samples(recorded, training, further)
 
 
 def touching(happened: list[str]) -> TrajectoryRunner:
@@ -60,7 +60,7 @@ def test_the_first_runs_come_first_and_the_early_table_after_them(samples: Sampl
 
 
 def test_a_build_that_goes_on_has_its_early_table_at_once(samples: Samples) -> None:
-    for one in (*samples.first().recorded, *samples.first().learnt):
+    for one in (*samples.first().recorded, *samples.first().training):
         one.path.touch()
     assert play(samples)[0] == "early"
 
@@ -79,7 +79,7 @@ def test_the_first_winds_come_from_all_sides_and_in_all_strengths(samples: Sampl
 
 
 def test_what_moves_freely_is_learnt_and_what_was_faded_is_not(samples: Samples) -> None:
-    names = [Path(run.path).name for run in samples.learnt_runs()]  # type: ignore[attr-defined]
+    names = [Path(run.path).name for run in samples.training_runs()]  # type: ignore[attr-defined]
     assert not [name for name in names if name.startswith("gust")]
     assert len(names) == 1 + 36 + 20
 

@@ -75,13 +75,13 @@ def test_ticks_between_frames_can_stop() -> None:
     class StopNowError(Exception):
         pass
 
-    def tick(fraction: float) -> None:
+    def on_progress(fraction: float) -> None:
         if fraction > 0.1:
             raise StopNowError
 
     beam = Beam(dt_s=1 / 30)
     with pytest.raises(StopNowError):
-        sample_trajectory(beam, WINDS[5], np.arange(2), beam.dt_s, tick)
+        sample_trajectory(beam, WINDS[5], np.arange(2), beam.dt_s, on_progress)
 
 
 def test_kept_whole_under_a_hash_of_all_that_matters(tmp_path: Path) -> None:

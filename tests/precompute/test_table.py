@@ -48,7 +48,7 @@ def test_refuses_truncated_files(share: float) -> None:
 
 
 def test_refuses_another_version_naming_both() -> None:
-    with pytest.raises(TableError, match="version 7, this reader knows version 5"):
+    with pytest.raises(TableError, match="version 7; this reader knows versions 5 and 6"):
         decode(rewritten({"version": 7}))
 
 
@@ -88,9 +88,9 @@ def test_refuses_numbers_that_are_not_finite(name: str) -> None:
 
 
 def test_refuses_a_sampled_range_that_lacks_a_coupled_speed() -> None:
-    limits = TABLE.tangent_limits[:-1].copy()
-    with pytest.raises(TableError, match=r"tangent\.limits: expected 3, 5, … 9 numbers"):
-        encode(changed("tangent.limits", limits))
+    limits = TABLE.modal_limits[:-1].copy()
+    with pytest.raises(TableError, match=r"modal\.limits: expected 3, 5, … 9 numbers"):
+        encode(changed("modal.limits", limits))
 
 
 @pytest.mark.parametrize(

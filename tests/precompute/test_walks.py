@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from galewood.table.format import decode
 
-from tests.golden.make_walks import WINDS, walk
+from tests.golden.make_walks import WINDS, stepper
 
 GOLDEN = Path(__file__).parent.parent / "golden"
 
@@ -15,7 +15,7 @@ GOLDEN = Path(__file__).parent.parent / "golden"
 def test_walks_the_golden_records_under_every_wind(index: int) -> None:
     table = decode((GOLDEN / "pole.safetensors").read_bytes())
     golden = json.loads((GOLDEN / "walks.json").read_text())["walks"][index]
-    found = walk(table, WINDS[index])
+    found = stepper(table, WINDS[index])
     assert found["records"] == golden["records"]
     for row, expected in zip(found["poses"], golden["poses"], strict=True):
         assert row == pytest.approx(expected, abs=1e-5 * float(table.metadata["height_m"]))

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from galewood.bench.wind import bench_wind
-from galewood.wind import transition as glide
+from galewood.wind import transition as transition
 from galewood.wind.document import FIELDS, MODELS, Field
 from galewood.wind.evaluation import (
     PRESETS,
@@ -96,7 +96,7 @@ def test_both_ends_of_every_range_are_allowed() -> None:
 
 
 def test_states_are_checked() -> None:
-    state = glide.change_wind(glide.steady(Wind()), Wind(model="perlin"), 3.0)
+    state = transition.change_wind(transition.steady(Wind()), Wind(model="perlin"), 3.0)
     assert parse_state(json.loads(json.dumps(state.document()))) == state
     for bad in (None, {}, {**state.document(), "travel": math.nan}, {**state.document(), "wind": 3}):
         with pytest.raises(WindError):
@@ -222,11 +222,11 @@ def test_another_model_fades_in() -> None:
 
 
 def test_travel_is_the_integral_of_the_gliding_rate() -> None:
-    state = glide.steady(Wind(model="perlin", convection_speed_m_s=8.0))
-    state = glide.change_wind(state, Wind(model="perlin", convection_speed_m_s=3.0), 10.0)
-    share = [min(max((t - 10.0) / glide.GLIDE_S, 0.0), 1.0) for t in np.arange(0.0005, 12.0, 0.001)]
+    state = transition.steady(Wind(model="perlin", convection_speed_m_s=8.0))
+    state = transition.change_wind(state, Wind(model="perlin", convection_speed_m_s=3.0), 10.0)
+    share = [min(max((t - 10.0) / transition.TRANSITION_S, 0.0), 1.0) for t in np.arange(0.0005, 12.0, 0.001)]
     rate = [8.0 / 20.0 + (3.0 - 8.0) / 20.0 * s * s * (3.0 - 2.0 * s) for s in share]
-    assert glide.at(state, 12.0).travel == pytest.approx(sum(rate) * 0.001, rel=1e-6)
+    assert transition.at(state, 12.0).travel == pytest.approx(sum(rate) * 0.001, rel=1e-6)
 
 
 def test_whoever_shares_the_state_agrees() -> None:
@@ -240,9 +240,9 @@ def test_whoever_shares_the_state_agrees() -> None:
 
 def test_eddies_go_back_in_time_when_asked() -> None:
     field = WindField(Wind(model="navier-stokes"))
-    early = velocity(field, 3.0)
+    preliminary = velocity(field, 3.0)
     velocity(field, 90.0)
-    np.testing.assert_array_equal(velocity(field, 3.0), early)
+    np.testing.assert_array_equal(velocity(field, 3.0), preliminary)
 
 
 def test_a_single_wave_is_the_cosine() -> None:
@@ -267,9 +267,9 @@ def test_groups_of_trees_share_a_field() -> None:
 
 
 def test_a_document_or_a_state_may_be_sent() -> None:
-    state = glide.change_wind(glide.steady(Wind()), Wind(model="perlin"), 3.0)
+    state = transition.change_wind(transition.steady(Wind()), Wind(model="perlin"), 3.0)
     assert parse_wind_or_state(state.document()) == state
-    assert parse_wind_or_state(Wind().document()) == glide.steady(Wind())
+    assert parse_wind_or_state(Wind().document()) == transition.steady(Wind())
     with pytest.raises(WindError, match=r"wind\.model"):
         parse_wind_or_state({"version": 1})
 
@@ -282,12 +282,14 @@ def test_pressures_beyond_the_table_keep_their_direction() -> None:
 
 def test_a_wind_on_its_way_can_always_be_sent() -> None:
     rng = np.random.default_rng(8)
-    state = glide.steady(Wind(model="spectral"))
+    state = transition.steady(Wind(model="spectral"))
     for k in range(300):
         wild = {
             name: float(rng.choice([rule.low, rule.high, rng.uniform(rule.low, rule.high)]))
             for name, rule in FIELDS.items()
             if "spectral" in rule.models and not rule.whole
         }
-        state = glide.change_wind(state, Wind(model="spectral", seed=int(rng.integers(3)), **wild), 0.17 * k)
+        state = transition.change_wind(
+            state, Wind(model="spectral", seed=int(rng.integers(3)), **wild), 0.17 * k
+        )
         assert parse_state(json.loads(json.dumps(state.document()))) == state

@@ -12,10 +12,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from galewood.build.options import BuildOptions, BuildResult, Progress
+from galewood.pipeline.options import BuildOptions, BuildResult, Progress
 from galewood_server.jobs.analysis_files import PLOT, finish
 from galewood_server.jobs.job_process import main
-from galewood_server.jobs.reporting import Mandate, Reporter
+from galewood_server.jobs.reporting import JobLease, Reporter
 from galewood_server.settings import Settings
 from galewood_server.storage.files import Stores
 from galewood_server.storage.models import JobKind
@@ -59,18 +59,18 @@ def _model(cache_dir: Path) -> Path:
     return path
 
 
-def fake_study(mandate: Mandate, kind: JobKind, settings: Settings, stores: Stores) -> None:
+def fake_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores: Stores) -> None:
     """A study in as many steps, each a file in its folder, as an evaluation keeps its runs."""
-    reporter, folder = Reporter(mandate), settings.study_folder(mandate.job_id)
+    reporter, folder = Reporter(job_lease), settings.analysis_folder(job_lease.job_id)
     folder.mkdir(parents=True, exist_ok=True)
     for step in range(STEPS):
-        reporter.tell("evaluating", step / STEPS, f"step {step}")
+        reporter.report("evaluating", step / STEPS, f"step {step}")
         time.sleep(float(os.environ.get("FAKE_STEP_S", "0.05")))
         with (folder / "steps").open("a") as file:
             file.write(f"{step}\n")
-    report = json.dumps({"kind": kind, "job": mandate.job_id}).encode()
-    finish(mandate, stores, {"kind": kind}, report, {PLOT: b"\x89PNG of " + mandate.job_id.encode()})
+    report = json.dumps({"kind": kind, "job": job_lease.job_id}).encode()
+    finish(job_lease, stores, {"kind": kind}, report, {PLOT: b"\x89PNG of " + job_lease.job_id.encode()})
 
 
 if __name__ == "__main__":
-    main(fake_build, fake_study)
+    main(fake_build, fake_analysis)

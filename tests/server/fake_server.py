@@ -5,13 +5,13 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from galewood.mesh.types import IntakeOptions
+from galewood.mesh.types import ImportOptions
 from galewood.util import MeshError
 from galewood_server.app.main import create_app, run
 from galewood_server.settings import Settings
 
 
-def fake_intake(data: bytes, filename: str, options: IntakeOptions) -> Any:
+def fake_importer(data: bytes, filename: str, options: ImportOptions) -> Any:
     if not data:
         raise MeshError("empty-file", "malformed", "The file is empty.", "Choose another file.")
     mesh = SimpleNamespace(
@@ -22,4 +22,4 @@ def fake_intake(data: bytes, filename: str, options: IntakeOptions) -> Any:
 
 if __name__ == "__main__":
     settings = Settings()
-    run(create_app(settings, fake_intake), settings)
+    run(create_app(settings, fake_importer), settings)

@@ -35,7 +35,7 @@ HEIGHTS_M = (2.5, 3.0, 3.5, 4.0)  # few, so that some builds find everything in 
 MOST_TREES = 8
 LIMITS = {
     "GALEWOOD_REPLACED_FILES_S": "2",
-    "GALEWOOD_SWEEP_S": "1",
+    "GALEWOOD_GARBAGE_COLLECTION_S": "1",
     "GALEWOOD_CLUSTER_IDLE_S": "10",
     "GALEWOOD_READS_PER_MINUTE": "0",
     "GALEWOOD_WRITES_PER_MINUTE": "0",

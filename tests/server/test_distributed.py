@@ -30,7 +30,7 @@ pytestmark = [
 def runs(environment: dict[str, str]) -> dict[str, Any]:
     """The finished runs in the bucket, with when each was written."""
     bucket = open_bucket(environment["GALEWOOD_STORE_URL"])
-    items = [item for page in obstore.list(bucket, prefix="exchange/trajectories") for item in page]
+    items = [item for page in obstore.list(bucket, prefix="transfer/trajectories") for item in page]
     return {item["path"]: item["last_modified"] for item in items}
 
 

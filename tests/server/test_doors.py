@@ -10,7 +10,7 @@ import httpx
 import pytest
 from fastapi import FastAPI, Request
 from galewood_server.access.keys import new_key
-from galewood_server.access.middleware import Doors
+from galewood_server.access.middleware import AccessControl
 from galewood_server.access.rates import neighbourhood
 from galewood_server.app.headers import SecurityHeaders
 from galewood_server.http.errors import install_error_handlers
@@ -36,7 +36,7 @@ def application(**given: Any) -> FastAPI:
     async def broken() -> None:
         raise ZeroDivisionError("a secret of the server")
 
-    app.add_middleware(Doors, settings=settings, metrics=counted)
+    app.add_middleware(AccessControl, settings=settings, metrics=counted)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Tracing, metrics=counted)
     app.state.metrics = counted

@@ -26,7 +26,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     data_dir.mkdir()
     environment = {
         "GALEWOOD_JOB_MODULE": "tests.server.fake_job", "FAKE_STEP_S": "0.05", "GALEWOOD_API_KEYS": KEY_HASH,
-        "GALEWOOD_REPLACED_FILES_S": "0", "GALEWOOD_SWEEP_S": "0.2", **NO_CLUSTER,
+        "GALEWOOD_REPLACED_FILES_S": "0", "GALEWOOD_GARBAGE_COLLECTION_S": "0.2", **NO_CLUSTER,
     }  # fmt: skip
     server = Server(data_dir, "tests.server.fake_server", environment).start()
     yield server

@@ -11,18 +11,18 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
-from galewood.player.paper_search import ForestLookup, lookup_arrays
+from galewood.player.paper_search import PaperForest, lookup_arrays
 from galewood.table.format import decode
 from galewood.wind.evaluation import Wind, steady
 from galewood_server.settings import Settings
 from galewood_server.storage.files import FileStore
-from galewood_server.storage.table_cache import TableShelf
+from galewood_server.storage.table_cache import TableCache
 from galewood_server.stream import wire
-from galewood_server.stream.client_buffer import Mailbox
-from galewood_server.stream.forest import ForestClock, ForestWalk, stream_quantum
+from galewood_server.stream.client_buffer import ClientBuffer
+from galewood_server.stream.forest import ForestClock, ForestStepper, stream_quantum
 from galewood_server.stream.forests import Forests
 from galewood_server.stream.frames import KEPT_TICKS, FrameHistory
-from galewood_server.stream.latest_values import Bulletin
+from galewood_server.stream.latest_values import LatestValues
 from galewood_server.stream.refusal import Refusal
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
@@ -99,7 +99,7 @@ def test_a_frame_is_made_once_and_a_client_that_is_far_behind_gets_a_key_frame()
         assert reply.base == (newest - behind if behind < KEPT_TICKS else None)
 
 
-class FakeOutlet:
+class FakeSink:
     """A socket whose peer reads when told."""
 
     def __init__(self) -> None:
@@ -116,35 +116,35 @@ class FakeOutlet:
 
 
 def test_while_anything_waits_nothing_follows_and_then_comes_the_newest() -> None:
-    outlet, bulletin, history = FakeOutlet(), Bulletin(), FrameHistory([(1, 1, 1)])
-    mailbox = Mailbox(outlet, streams=True, stall_s=10.0)
+    sink, latest, history = FakeSink(), LatestValues(), FrameHistory([(1, 1, 1)])
+    client_buffer = ClientBuffer(sink, streams=True, stall_s=10.0)
     for tick in range(6):
         history.add(tick, 0.0, 0.0, lambda out, tick=tick: out[0].fill(tick))
-        bulletin.post(wire.Clock(tick, 0.0, False))
-        bulletin.post(wire.Clock(tick, 0.5, True))
-        mailbox.deliver(bulletin, history, tick / 30)
-        assert len(outlet.pushed) == 2
-    outlet.unsent_bytes = 0
-    mailbox.deliver(bulletin, history, 0.3)
-    assert len(outlet.pushed) == 4
-    assert wire.decode_reply(message_of(outlet.pushed[2])) == wire.Clock(5, 0.5, True)
+        latest.post(wire.Clock(tick, 0.0, False))
+        latest.post(wire.Clock(tick, 0.5, True))
+        client_buffer.deliver(latest, history, tick / 30)
+        assert len(sink.pushed) == 2
+    sink.unsent_bytes = 0
+    client_buffer.deliver(latest, history, 0.3)
+    assert len(sink.pushed) == 4
+    assert wire.decode_reply(message_of(sink.pushed[2])) == wire.Clock(5, 0.5, True)
     reader = Reader()
-    reader.take(outlet.pushed[1])
-    reader.take(outlet.pushed[3])
+    reader.take(sink.pushed[1])
+    reader.take(sink.pushed[3])
     assert (reader.tick, reader.keys, reader.poses[0][0, 0]) == (5, 1, 5)
 
 
 def test_a_client_that_takes_nothing_is_cut_off_and_one_that_takes_little_is_not() -> None:
     history = FrameHistory([(1, 1, 1)])
     history.add(0, 0.0, 0.0, lambda out: out[0].fill(0))
-    deaf, slow = FakeOutlet(), FakeOutlet()
-    boxes = [Mailbox(outlet, streams=True, stall_s=2.0) for outlet in (deaf, slow)]
+    stalled, slow = FakeSink(), FakeSink()
+    boxes = [ClientBuffer(sink, streams=True, stall_s=2.0) for sink in (stalled, slow)]
     for tick in range(150):
         for box in boxes:
-            box.deliver(Bulletin(), history, tick / 30)
+            box.deliver(LatestValues(), history, tick / 30)
         if tick % 30 == 29:
             slow.unsent_bytes -= 1
-    assert deaf.aborted and not slow.aborted
+    assert stalled.aborted and not slow.aborted
 
 
 def test_rounding_for_the_stream_moves_no_node_by_more_than_is_said() -> None:
@@ -161,7 +161,7 @@ def test_rounding_for_the_stream_moves_no_node_by_more_than_is_said() -> None:
 
 def test_forests_of_a_table_read_the_same_arrays_and_let_them_go_with_it() -> None:
     table = decode(POLE)
-    one, other = ForestLookup(table, 3), ForestLookup(table, 4)
+    one, other = PaperForest(table, 3), PaperForest(table, 4)
     shared = lookup_arrays(table)
     for forest in (one, other):
         assert forest._search is shared.search and forest._poses is shared.poses
@@ -198,23 +198,25 @@ def forests(tmp_path: Path) -> Forests:
     store = FileStore(tmp_path)
     FileStoreWith.sha256 = store.put(POLE)
     limits = Settings(server_trees=100, shared_forests=2, shared_forest_idle_s=0.05)
-    return Forests(limits, TableShelf(store))
+    return Forests(limits, TableCache(store))
 
 
 def test_many_clients_of_a_shared_forest_are_one_simulation(forests: Forests) -> None:
     async def play() -> None:
-        outlets = [FakeOutlet() for _ in range(40)]
-        seats = await asyncio.gather(*(forests.join(plan(60, "a"), steady(Wind()), one) for one in outlets))
-        assert len({id(seat.forest) for seat in seats}) == 1
+        sinks = [FakeSink() for _ in range(40)]
+        subscriptions = await asyncio.gather(
+            *(forests.join(plan(60, "a"), steady(Wind()), one) for one in sinks)
+        )
+        assert len({id(subscription.forest) for subscription in subscriptions}) == 1
         assert (forests.count, forests.tree_count) == (1, 60)
         for _ in range(20):
             await asyncio.sleep(0.02)
-            for outlet in outlets:
-                outlet.unsent_bytes = 0
-        frames = {id(outlet.pushed[-1]) for outlet in outlets}
+            for sink in sinks:
+                sink.unsent_bytes = 0
+        frames = {id(sink.pushed[-1]) for sink in sinks}
         assert len(frames) < 4  # the same bytes for all who are at the same tick
-        for seat in seats:
-            forests.leave(seat)
+        for subscription in subscriptions:
+            forests.leave(subscription)
         await until(lambda: forests.count == 0)
 
     asyncio.run(play())
@@ -222,34 +224,34 @@ def test_many_clients_of_a_shared_forest_are_one_simulation(forests: Forests) ->
 
 def test_a_server_plays_only_so_many_trees_and_shared_forests(forests: Forests) -> None:
     async def play() -> None:
-        first = await forests.join(plan(60), steady(Wind()), FakeOutlet())
+        first = await forests.join(plan(60), steady(Wind()), FakeSink())
         with pytest.raises(Refusal) as refusal:
-            await forests.join(plan(60), steady(Wind()), FakeOutlet())
+            await forests.join(plan(60), steady(Wind()), FakeSink())
         assert (refusal.value.failure.code, refusal.value.close) == ("server-full", 1013)
         forests.leave(first)
-        seats = [await forests.join(plan(10, name), steady(Wind()), FakeOutlet()) for name in "ab"]
+        subscriptions = [await forests.join(plan(10, name), steady(Wind()), FakeSink()) for name in "ab"]
         with pytest.raises(Refusal) as refusal:
-            await forests.join(plan(10, "c"), steady(Wind()), FakeOutlet())
+            await forests.join(plan(10, "c"), steady(Wind()), FakeSink())
         assert (refusal.value.failure.code, refusal.value.close) == ("too-many-forests", 1013)
-        forests.leave(seats[0])
-        await forests.join(plan(10, "c"), steady(Wind()), FakeOutlet())
+        forests.leave(subscriptions[0])
+        await forests.join(plan(10, "c"), steady(Wind()), FakeSink())
 
     asyncio.run(play())
 
 
 def test_a_forest_that_fails_ends_alone(forests: Forests, monkeypatch: pytest.MonkeyPatch) -> None:
     async def play() -> None:
-        sick, well = FakeOutlet(), FakeOutlet()
+        sick, well = FakeSink(), FakeSink()
         ill = await forests.join(plan(10), steady(Wind()), sick)
         await forests.join(plan(20), steady(Wind()), well)
-        step = ForestWalk.step
+        step = ForestStepper.step
 
-        def fail(walk: ForestWalk) -> None:
-            if walk.shapes[0][0] == 10:
+        def fail(stepper: ForestStepper) -> None:
+            if stepper.shapes[0][0] == 10:
                 raise ZeroDivisionError("on purpose")
-            step(walk)
+            step(stepper)
 
-        monkeypatch.setattr(ForestWalk, "step", fail)
+        monkeypatch.setattr(ForestStepper, "step", fail)
         await until(lambda: sick.aborted)
         before = len(well.pushed)
         well.unsent_bytes = 0
@@ -262,7 +264,7 @@ def test_a_forest_that_fails_ends_alone(forests: Forests, monkeypatch: pytest.Mo
 
 def test_a_walk_without_groups_is_a_walk() -> None:
     clock = ForestClock(steady(Wind()), 0.0)
-    walk = ForestWalk([], plan(0, groups=(), trees=np.zeros((0, 4), np.float32)), clock)
+    stepper = ForestStepper([], plan(0, groups=(), trees=np.zeros((0, 4), np.float32)), clock)
     clock.tick()
-    walk.step()
-    assert walk.shapes == []
+    stepper.step()
+    assert stepper.shapes == []

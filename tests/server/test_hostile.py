@@ -210,15 +210,15 @@ def _full(api: httpx.Client) -> bool:
 
 
 def test_declared_faces_are_counted_without_a_library() -> None:
-    from galewood_server.access.face_count import declared_faces
+    from galewood_server.access.face_count import face_count
 
     from tests.server.hostile import stl_of
 
-    assert declared_faces(glb_of_faces(1234)) == 1234
-    assert declared_faces(stl_of(77)) == 77
-    assert declared_faces(pole_obj(rings=4, sides=8)) == 3 * 8 + 2
-    assert declared_faces(b"ply\nformat ascii 1.0\nelement vertex 3\nelement face 9\nend_header\n") == 9
+    assert face_count(glb_of_faces(1234)) == 1234
+    assert face_count(stl_of(77)) == 77
+    assert face_count(pole_obj(rings=4, sides=8)) == 3 * 8 + 2
+    assert face_count(b"ply\nformat ascii 1.0\nelement vertex 3\nelement face 9\nend_header\n") == 9
     species = Path(__file__).parents[2] / "assets" / "species" / "poplar.glb"
-    assert declared_faces(species.read_bytes()) > 1000
+    assert face_count(species.read_bytes()) > 1000
     for rubbish in (b"", b"glTF", b"ply", b"glTF" + bytes(40), b"glTF" + bytes(8) + b"\xff" * 40):
-        assert declared_faces(rubbish) == 0
+        assert face_count(rubbish) == 0

@@ -9,7 +9,7 @@ from datetime import timedelta
 from pathlib import Path
 
 import pytest
-from galewood.build.options import BuildOptions, BuildResult
+from galewood.pipeline.options import BuildOptions, BuildResult
 from galewood.table import format as table_format
 from galewood.util.cancelled import Cancelled
 from galewood_server.jobs.analysis_files import PLOT, finish
@@ -17,11 +17,11 @@ from galewood_server.jobs.build_job import Order, publish_result
 from galewood_server.jobs.leases import claim
 from galewood_server.jobs.publishing import Publisher
 from galewood_server.jobs.queue import add_job
-from galewood_server.jobs.reporting import Mandate
+from galewood_server.jobs.reporting import JobLease
 from galewood_server.storage.database import Sessions, migrate, open_database
 from galewood_server.storage.files import FileStore, Stores
-from galewood_server.storage.garbage import referenced, retire, sweep
-from galewood_server.storage.models import Job, JobKind, Retired, Tree, utc_now
+from galewood_server.storage.garbage import collect_garbage, mark_garbage, referenced
+from galewood_server.storage.models import Garbage, Job, JobKind, Tree, utc_now
 from sqlalchemy import select, update
 
 POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
@@ -46,8 +46,8 @@ class Build:
             add_job(session, session.get_one(Tree, "t"), kind, {})
             claimed = claim(session, "here", (kind,), 60)
         assert claimed
-        self.mandate = Mandate(self.sessions, *claimed)
-        self.publish = Publisher(self.mandate, self.stores)
+        self.job_lease = JobLease(self.sessions, *claimed)
+        self.publish = Publisher(self.job_lease, self.stores)
 
     def table(self, height_m: float) -> bytes:
         """A table of the mesh, different for each height."""
@@ -58,7 +58,7 @@ class Build:
 
     def finish(self, table: bytes) -> None:
         order = Order("t", b"", "t.obj", BuildOptions(), "fingerprint")
-        publish_result(self.mandate, self.stores, order, BuildResult(table, MESH, {}), b"model")
+        publish_result(self.job_lease, self.stores, order, BuildResult(table, MESH, {}), b"model")
 
     @property
     def tree(self) -> Tree:
@@ -67,8 +67,8 @@ class Build:
             assert tree.jobs
             return tree
 
-    def sweep(self, grace_s: float = -1.0) -> int:
-        return sweep(self.sessions, self.stores, grace_s)
+    def collect_garbage(self, grace_s: float = -1.0) -> int:
+        return collect_garbage(self.sessions, self.stores, grace_s)
 
 
 @pytest.fixture
@@ -80,7 +80,7 @@ def test_the_early_table_plays_until_the_full_one_replaces_it(build: Build) -> N
     early, full = build.table(3.0), build.table(4.0)
     build.publish("render.glb", MESH)
     assert build.tree.state == "building" and build.stores.meshes.get(build.tree.mesh_sha256) == MESH
-    build.publish("early.table", early)
+    build.publish("preliminary.table", early)
     assert build.tree.state == "preliminary"
     old = build.tree.table_sha256
     assert build.stores.tables.get(old) == early
@@ -88,8 +88,8 @@ def test_the_early_table_plays_until_the_full_one_replaces_it(build: Build) -> N
     assert build.tree.state == "ready" and build.stores.tables.get(build.tree.table_sha256) == full
     assert build.stores.models.get(build.tree.model_sha256) == b"model"
     assert build.stores.tables.has(old)  # somebody may be fetching it
-    assert build.sweep(grace_s=600) == 0 and build.stores.tables.has(old)
-    assert build.sweep() == 1 and not build.stores.tables.has(old)
+    assert build.collect_garbage(grace_s=600) == 0 and build.stores.tables.has(old)
+    assert build.collect_garbage() == 1 and not build.stores.tables.has(old)
     assert build.stores.tables.has(build.tree.table_sha256)
 
 
@@ -97,9 +97,9 @@ def test_an_early_table_does_not_take_the_place_of_a_full_one(build: Build) -> N
     build.finish(build.table(4.0))
     full = build.tree.table_sha256
     build.next()
-    build.publish("early.table", build.table(3.0))
+    build.publish("preliminary.table", build.table(3.0))
     assert build.tree.table_sha256 == full and build.tree.state == "ready"
-    build.sweep()
+    build.collect_garbage()
     assert list(build.stores.tables.names()) == [full]
 
 
@@ -107,7 +107,7 @@ def test_an_early_table_takes_the_place_of_one_that_no_reader_knows(build: Build
     with build.sessions.begin() as session:
         session.execute(update(Tree).values(table_sha256=build.stores.tables.put(b"of another age")))
     early = build.table(3.0)
-    build.publish("early.table", early)
+    build.publish("preliminary.table", early)
     assert build.stores.tables.get(build.tree.table_sha256) == early
 
 
@@ -125,7 +125,7 @@ def test_pictures_are_named_with_what_they_show(build: Build) -> None:
 def test_a_build_whose_lease_is_gone_publishes_nothing(build: Build) -> None:
     with build.sessions.begin() as session:
         session.execute(update(Job).values(lease="another's"))
-    build.publish("early.table", build.table(3.0))
+    build.publish("preliminary.table", build.table(3.0))
     build.publish("skeleton.png", b"a picture")
     build.finish(build.table(4.0))
     assert build.tree.table_sha256 is None and build.tree.job.pictures == {}
@@ -137,13 +137,15 @@ def test_a_replaced_table_stays_while_a_comparison_needs_it(build: Build) -> Non
     old = build.tree.table_sha256
     with build.sessions.begin() as session:
         tree = session.get_one(Tree, "t")
-        study = add_job(session, tree, "comparison", {"table_sha256": old, "model_sha256": tree.model_sha256})
+        analysis = add_job(
+            session, tree, "comparison", {"table_sha256": old, "model_sha256": tree.model_sha256}
+        )
     build.next()
     build.finish(build.table(4.0))
-    assert build.sweep() == 0 and build.stores.tables.has(old)
+    assert build.collect_garbage() == 0 and build.stores.tables.has(old)
     with build.sessions.begin() as session:
-        session.get_one(Job, study.id).state = "done"
-    assert build.sweep() == 1 and not build.stores.tables.has(old)
+        session.get_one(Job, analysis.id).state = "done"
+    assert build.collect_garbage() == 1 and not build.stores.tables.has(old)
 
 
 def test_a_file_that_two_trees_name_stays_when_one_lets_go(build: Build) -> None:
@@ -153,57 +155,57 @@ def test_a_file_that_two_trees_name_stays_when_one_lets_go(build: Build) -> None
         session.add(Tree(id="u", name="u", filename="u.obj", source_sha256="0" * 64, table_sha256=shared))
     build.next()
     build.finish(build.table(4.0))
-    build.sweep()
+    build.collect_garbage()
     assert build.stores.tables.has(shared)
     with build.sessions() as session:
         assert referenced(session)["tables"] == {shared, build.tree.table_sha256}
         late = utc_now() + timedelta(days=1)
-        assert not session.scalars(select(Retired).where(Retired.retired_at < late)).all()
+        assert not session.scalars(select(Garbage).where(Garbage.garbage_since < late)).all()
 
 
 @pytest.fixture
-def sweep_after_every_put(build: Build, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], None]]:
+def collect_after_every_put(build: Build, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], None]]:
     """Called, from then on: the worst moments for a sweep, a file is stored and not yet named, or is just
     being named.
     """
     put, rivals = FileStore.put, list[threading.Thread]()
 
-    def put_and_sweep(store: FileStore, data: bytes) -> str:
+    def put_and_collect(store: FileStore, data: bytes) -> str:
         sha256 = put(store, data)
-        rival = threading.Thread(target=build.sweep)
+        rival = threading.Thread(target=build.collect_garbage)
         rivals.append(rival)
         rival.start()
         rival.join(0.5)  # inside a transaction that holds the file, it waits for our end
         return sha256
 
-    yield lambda: monkeypatch.setattr(FileStore, "put", put_and_sweep)
+    yield lambda: monkeypatch.setattr(FileStore, "put", put_and_collect)
     for rival in rivals:
         rival.join()
 
 
 def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_study(
-    build: Build, sweep_after_every_put: Callable[[], None]
+    build: Build, collect_after_every_put: Callable[[], None]
 ) -> None:
     build.next("evaluation")
-    sweep_after_every_put()
-    finish(build.mandate, build.stores, {"largest": 1.0}, b"a report", {PLOT: b"a picture"})
-    study = build.tree.jobs[-1]
-    assert study.state == "done" and study.result_sha256
-    build.sweep()
-    assert build.stores.results.get(study.result_sha256) == b"a report"
-    assert build.stores.pictures.get(study.pictures[PLOT]) == b"a picture"
+    collect_after_every_put()
+    finish(build.job_lease, build.stores, {"largest": 1.0}, b"a report", {PLOT: b"a picture"})
+    analysis = build.tree.jobs[-1]
+    assert analysis.state == "done" and analysis.result_sha256
+    build.collect_garbage()
+    assert build.stores.results.get(analysis.result_sha256) == b"a report"
+    assert build.stores.pictures.get(analysis.pictures[PLOT]) == b"a picture"
 
 
 def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_build(
-    build: Build, sweep_after_every_put: Callable[[], None]
+    build: Build, collect_after_every_put: Callable[[], None]
 ) -> None:
     table = build.table(3.0)
     with build.sessions.begin() as session:  # the very files were an earlier build's, and are to be removed
         for kind, data in (("tables", table), ("meshes", MESH), ("models", b"model")):
-            retire(session, kind, build.stores.named(kind).put(data))
-    sweep_after_every_put()
+            mark_garbage(session, kind, build.stores.named(kind).put(data))
+    collect_after_every_put()
     build.finish(table)
-    build.sweep()
+    build.collect_garbage()
     tree = build.tree
     assert build.stores.tables.get(tree.table_sha256) == table
     assert build.stores.meshes.get(tree.mesh_sha256) == MESH
@@ -212,8 +214,8 @@ def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_build(
 
 def test_a_study_that_is_not_ours_any_more_leaves_no_file(build: Build) -> None:
     build.next("evaluation")
-    kept = Mandate(build.sessions, build.mandate.job_id, "another's")
+    kept = JobLease(build.sessions, build.job_lease.job_id, "another's")
     with pytest.raises(Cancelled):
         finish(kept, build.stores, {}, b"a report")
-    build.sweep()
+    build.collect_garbage()
     assert list(build.stores.results.names()) == [] and build.tree.jobs[-1].state == "running"

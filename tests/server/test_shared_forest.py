@@ -14,7 +14,7 @@ from galewood.wind.transition import at
 from galewood_server.stream import wire
 
 from tests.server.conftest import Server
-from tests.server.test_stream import POLE, SHA256, Client, forest, local_walk
+from tests.server.test_stream import POLE, SHA256, Client, forest, local_stepper
 
 
 @pytest.fixture(scope="module")
@@ -82,15 +82,17 @@ def test_a_wind_that_one_changes_blows_for_all(server: Server) -> None:
                 assert parse_wind_or_state(told.state) == first.state
                 break
         seen += frames_until(first, lambda frame: frame.tick >= seen[-1][0].tick + 30)
-        walk = local_walk(request)
+        stepper = local_stepper(request)
         state = first.state
         assert state is not None
         for frame, poses in seen:
-            while walk.time_s < frame.time_s - 1e-9:
-                if abs(walk.time_s + 1 / wire.TICK_HZ - state.since_s) < 1e-6:
-                    assert at(walk.clock.change_wind(new), 7.0).travel == pytest.approx(at(state, 7.0).travel)
-                walk.step()
-            np.testing.assert_allclose(np.vstack(walk.poses()), np.vstack(poses), atol=1)
+            while stepper.time_s < frame.time_s - 1e-9:
+                if abs(stepper.time_s + 1 / wire.TICK_HZ - state.since_s) < 1e-6:
+                    assert at(stepper.clock.change_wind(new), 7.0).travel == pytest.approx(
+                        at(state, 7.0).travel
+                    )
+                stepper.step()
+            np.testing.assert_allclose(np.vstack(stepper.poses()), np.vstack(poses), atol=1)
 
 
 def test_a_pause_by_one_stops_all(server: Server) -> None:

@@ -18,7 +18,7 @@ from galewood.table import format as table_format
 from galewood.wind.evaluation import Wind, WindState, parse_state, parse_wind_or_state
 from galewood_server.stream import wire
 from galewood_server.stream.envelope import WIRE_VERSION, encode_message
-from galewood_server.stream.forest import ForestClock, ForestWalk
+from galewood_server.stream.forest import ForestClock, ForestStepper
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
@@ -124,41 +124,41 @@ class Client:
         self.socket.close()
 
 
-class LocalWalk:
+class LocalStepper:
     """The same forest, walked here."""
 
     def __init__(self, request: wire.Forest) -> None:
         self.clock = ForestClock(parse_wind_or_state(request.wind), request.time_s)
         tables = [table_format.decode(POLE)] * len(request.groups)
-        self._walk = ForestWalk(tables, request, self.clock)
+        self._stepper = ForestStepper(tables, request, self.clock)
         self.time_s = self.clock.time_s
 
     def step(self) -> None:
         self.clock.tick()
-        self._walk.step()
+        self._stepper.step()
         self.time_s = self.clock.time_s
 
     def poses(self) -> list[npt.NDArray[np.int32]]:
-        rows = [np.zeros((count, modes), np.int32) for count, modes, _ in self._walk.shapes]
-        self._walk.write_poses(rows)
+        rows = [np.zeros((count, modes), np.int32) for count, modes, _ in self._stepper.shapes]
+        self._stepper.write_poses(rows)
         return rows
 
 
-local_walk = LocalWalk
+local_stepper = LocalStepper
 
 
 def test_streamed_poses_are_those_of_a_walk_done_here(server: Server) -> None:
     request = forest()
-    walk = local_walk(request)
+    stepper = local_stepper(request)
     with Client(server) as client:
         client.send(request)
         moved = False
         for count, (frame, poses) in enumerate(client.frames()):
             assert frame.key == (count == 0)
-            while walk.time_s < frame.time_s - 1e-9:
-                walk.step()
-            assert walk.time_s == pytest.approx(frame.time_s, abs=1e-9)
-            for mine, theirs in zip(walk.poses(), poses, strict=True):
+            while stepper.time_s < frame.time_s - 1e-9:
+                stepper.step()
+            assert stepper.time_s == pytest.approx(frame.time_s, abs=1e-9)
+            for mine, theirs in zip(stepper.poses(), poses, strict=True):
                 np.testing.assert_array_equal(mine, theirs)
             moved = moved or any(rows.any() for rows in poses)
             if count == 60:
@@ -168,18 +168,18 @@ def test_streamed_poses_are_those_of_a_walk_done_here(server: Server) -> None:
 
 def test_the_answer_to_a_new_wind_is_the_wind_that_blows(server: Server) -> None:
     request = forest()
-    walk = local_walk(request)
+    stepper = local_stepper(request)
     new = Wind(12.0, 300.0, 0.8, model="perlin", length_scale_m=15.0)
     with Client(server) as client:
         client.send(request)
         for count, (frame, poses) in enumerate(client.frames()):
             if count == 20:
                 client.send(wire.WindChange(new.document()))
-            while walk.time_s < frame.time_s - 1e-9:
-                if client.state and abs(walk.time_s + 1 / wire.TICK_HZ - client.state.since_s) < 1e-6:
-                    assert walk.clock.change_wind(new).travel == pytest.approx(client.state.travel)
-                walk.step()
-            np.testing.assert_allclose(np.vstack(walk.poses()), np.vstack(poses), atol=1)
+            while stepper.time_s < frame.time_s - 1e-9:
+                if client.state and abs(stepper.time_s + 1 / wire.TICK_HZ - client.state.since_s) < 1e-6:
+                    assert stepper.clock.change_wind(new).travel == pytest.approx(client.state.travel)
+                stepper.step()
+            np.testing.assert_allclose(np.vstack(stepper.poses()), np.vstack(poses), atol=1)
             if count > 60:
                 break
         assert client.state and client.state.wind == new
@@ -187,7 +187,7 @@ def test_the_answer_to_a_new_wind_is_the_wind_that_blows(server: Server) -> None
 
 def test_a_slow_client_misses_frames_but_never_a_change(server: Server) -> None:
     request = forest(count=2000)
-    walk = local_walk(request)
+    stepper = local_stepper(request)
     narrow = socket.socket()
     narrow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     narrow.connect(("127.0.0.1", server.port))
@@ -196,9 +196,9 @@ def test_a_slow_client_misses_frames_but_never_a_change(server: Server) -> None:
         for count, (frame, poses) in enumerate(client.frames()):
             if count in (10, 20):
                 time.sleep(1.2)
-            while walk.time_s < frame.time_s - 1e-9:
-                walk.step()
-            np.testing.assert_array_equal(np.vstack(walk.poses()), np.vstack(poses))
+            while stepper.time_s < frame.time_s - 1e-9:
+                stepper.step()
+            np.testing.assert_array_equal(np.vstack(stepper.poses()), np.vstack(poses))
             if count == 30:
                 assert frame.tick > 30
                 break
@@ -328,17 +328,17 @@ def test_too_many_sockets_are_turned_away(server: Server) -> None:
 
 def test_a_client_that_never_reads_is_dropped_and_others_do_not_notice(server: Server) -> None:
     wait_until(lambda: sockets(server) == 0)
-    deaf = Client(server, max_queue=1)
-    raw = deaf.socket.socket
+    stalled = Client(server, max_queue=1)
+    raw = stalled.socket.socket
     raw.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-    deaf.send(forest(count=2000))
+    stalled.send(forest(count=2000))
     with Client(server) as other:
         other.send(forest())
         stream = other.frames()
         wait_until(lambda: next(stream) and sockets(server) == 1, 30, 0)
         seen = [next(stream)[0].time_s for _ in range(20)]
         assert np.diff(seen).max() < 0.5
-    deaf.socket.close()
+    stalled.socket.close()
 
 
 def test_unknown_sockets_are_refused(server: Server) -> None:

@@ -10,7 +10,7 @@ import { DEFAULTS } from "../../web/src/page/settings/settings";
 
 describe("texts of the page", () => {
   test("progress line", () => {
-    expect(progressLine({ state: "queued", stage: "intake", seconds_left: null })).toBe("Waiting in the queue");
+    expect(progressLine({ state: "queued", stage: "import", seconds_left: null })).toBe("Waiting in the queue");
     expect(progressLine({ state: "running", stage: "sampling", seconds_left: 33 })).toBe(
       "Simulating winds, about 35 s left",
     );

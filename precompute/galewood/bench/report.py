@@ -10,7 +10,7 @@ Figures = dict[str, Any]
 
 def sentences(figures: Figures) -> list[str]:
     """A few lines for each part that was measured."""
-    return [line for part, tell in TELL.items() if part in figures for line in tell(figures[part])]
+    return [line for part, report in SENTENCES.items() if part in figures for line in report(figures[part])]
 
 
 def _fem(f: Figures) -> list[str]:
@@ -32,11 +32,11 @@ def _samples(f: Figures) -> list[str]:
 def _build(f: Figures) -> list[str]:
     wall, cpu, peak, table = f["wall_s"], f["cpu_s"], f["peak_memory_mb"], f["table"]
     stages = ", ".join(f"{name} {wall[name]:.1f} ({cpu[name]:.1f})" for name in wall if name != "total")
-    early = ", ".join(f"{name} after {s:.0f} s" for name, s in f["handed_out_after_s"].items())
+    preliminary = ", ".join(f"{name} after {s:.0f} s" for name, s in f["handed_out_after_s"].items())
     return [
         f"Build of {f['tree']}: {wall['total']:.1f} s, {cpu['total']:.1f} CPU seconds",
         f"  by stages, seconds (CPU seconds): {stages}",
-        f"  on the way: {early}",
+        f"  on the way: {preliminary}",
         f"  memory at most: {peak['parent']:.0f} MB in the build, {peak['largest_worker']:.0f} MB in a "
         f"worker, {peak['all_at_the_same_time']:.0f} MB in all at the same time",
         f"  table: {table['bytes'] / 1e6:.2f} MB, deflated {table['deflated_bytes'] / 1e6:.2f} MB, "
@@ -54,7 +54,7 @@ def _lookup(f: Figures) -> list[str]:
     ]
 
 
-def _tangent(f: Figures) -> list[str]:
+def _modal(f: Figures) -> list[str]:
     return [
         f"A step of {f['trees']:,} trees: {f['drift_free']['ms']:.1f} ms drift-free, "
         f"{f['paper']['ms']:.1f} ms by the paper's search"
@@ -66,11 +66,11 @@ def _wind(f: Figures) -> list[str]:
     return [f"Wind at {f['trees']:,} trees, ms: {models}"]
 
 
-TELL: dict[str, Callable[[Figures], list[str]]] = {
+SENTENCES: dict[str, Callable[[Figures], list[str]]] = {
     "fem": _fem,
     "samples": _samples,
     "build": _build,
     "lookup": _lookup,
-    "tangent": _tangent,
+    "modal": _modal,
     "wind": _wind,
 }

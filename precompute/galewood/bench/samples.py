@@ -9,36 +9,40 @@ from typing import Any
 
 import numpy as np
 
-from galewood.build import BuildOptions
 from galewood.fem import FemModel, Simulator
-from galewood.mesh import run_intake
-from galewood.model import bind_foliage, build_model, reference_model
+from galewood.mesh import import_mesh_sandboxed
+from galewood.model import reference_model, tree_model
+from galewood.pipeline import BuildOptions
 from galewood.sampling import SampleWind, design_wind, sample_trajectory, sample_winds
-from galewood.skeleton import as_drawn, extract_skeleton, sampled_elements
-from galewood.tets import tetrahedralise
-from galewood.wood import species
+from galewood.skeleton import sampled_elements
 
-Tick = Callable[[float, str], None]
+OnProgress = Callable[[float, str], None]
 REFERENCE_FRAMES, QUICK_REFERENCE_FRAMES = 180, 20
 QUICK_WINDS = 3
 
 
-def bench_samples(mesh: Path, options: BuildOptions, cache_dir: Path, *, quick: bool, tick: Tick) -> Any:
+def bench_samples(
+    mesh: Path, options: BuildOptions, cache_dir: Path, *, quick: bool, on_progress: OnProgress
+) -> Any:
     """CPU seconds of all cosine winds by the fast elements, and of the reference, one core each.
 
     The fast ones run every wind (``quick``: three, and the rest by proportion), recording as for a table. The
     reference runs 180 frames of one wind (20), and the rest is by proportion: each step costs the same.
     """
-    tick(0.0, "Preparing the tree")
+    on_progress(0.0, "Preparing the tree")
     fast, reference, points = prepared(mesh, options, cache_dir)
     wind = design_wind(Simulator(fast), options.design_speed_m_s, _height_m(fast), options.fem.dt_s)
     winds = [w for w in sample_winds(wind.speed_m_s, options.fem.dt_s) if w.name.startswith("cosine")]
     chosen = winds[:: len(winds) // QUICK_WINDS] if quick else winds
     frames = sum(len(w.pressure_pa) for w in winds)
-    fast_s = _seconds(fast, chosen, points, lambda f: tick(0.1 + 0.4 * f, "Sampling with the fast elements"))
+    fast_s = _seconds(
+        fast, chosen, points, lambda f: on_progress(0.1 + 0.4 * f, "Sampling with the fast elements")
+    )
     cut = QUICK_REFERENCE_FRAMES if quick else REFERENCE_FRAMES
     one = [SampleWind("reference", 0.0, winds[-1].pressure_pa[:cut])]
-    slow_s = _seconds(reference, one, points, lambda f: tick(0.5 + 0.5 * f, "Sampling with the reference"))
+    slow_s = _seconds(
+        reference, one, points, lambda f: on_progress(0.5 + 0.5 * f, "Sampling with the reference")
+    )
     run = sum(len(w.pressure_pa) for w in chosen)
     return {
         "tree": mesh.stem,
@@ -54,14 +58,11 @@ def bench_samples(mesh: Path, options: BuildOptions, cache_dir: Path, *, quick: 
 
 def prepared(mesh: Path, options: BuildOptions, cache_dir: Path) -> tuple[FemModel, FemModel, Any]:
     """A tree's fast model, its reference, and the vertices to record."""
-    tree, _ = run_intake(mesh.read_bytes(), mesh.name, options.intake)
-    tets = tetrahedralise(tree, options.target_tets, cache_dir / "tets")
-    skeleton, wood = extract_skeleton(tets), species(tree.species or "default")
-    tets = as_drawn(tree, tets, skeleton)
-    lumps = bind_foliage(tree, tets, wood)
-    fast = build_model(tets, skeleton, wood, lumps, options.fem)
-    points = np.unique(tets.tets[sampled_elements(tets, skeleton, options.sampled_elements)])
-    return fast, reference_model(tets, skeleton, wood, lumps, options.fem), points
+    tree, _ = import_mesh_sandboxed(mesh.read_bytes(), mesh.name, options.mesh_import)
+    made = tree_model(tree, None, options.target_tets, cache_dir, options.fem)
+    points = np.unique(made.tets.tets[sampled_elements(made.tets, made.skeleton, options.sampled_elements)])
+    reference = reference_model(made.tets, made.skeleton, made.wood, made.lumped, options.fem)
+    return made.fem, reference, points
 
 
 def _height_m(model: FemModel) -> float:
@@ -69,7 +70,7 @@ def _height_m(model: FemModel) -> float:
 
 
 def _seconds(
-    model: FemModel, winds: Sequence[SampleWind], points: Any, tick: Callable[[float], None]
+    model: FemModel, winds: Sequence[SampleWind], points: Any, on_progress: Callable[[float], None]
 ) -> float:
     """CPU seconds of this thread; the first step, which may compile, is not counted."""
     simulator, dt_s = Simulator(model), model.settings.dt_s
@@ -77,6 +78,6 @@ def _seconds(
     spent = 0.0
     for k, wind in enumerate(winds):
         begun = thread_time()
-        sample_trajectory(simulator, wind, points, dt_s, lambda f, k=k: tick((k + f) / len(winds)))
+        sample_trajectory(simulator, wind, points, dt_s, lambda f, k=k: on_progress((k + f) / len(winds)))
         spent += thread_time() - begun
     return spent

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import zstandard
 
-from galewood.build import BuildOptions, Progress, build_table
-from galewood.player import ForestLookup, TangentForest, planted
+from galewood.pipeline import BuildOptions, Progress, build_table
+from galewood.player import ModalForest, PaperForest, grid_placements
 from galewood.table import Table, decode
 from galewood.util import PeakMemory
 from galewood.wind import Wind, wind_pressure
 
-Tick = Callable[[float, str], None]
-Forest = ForestLookup | TangentForest
+OnProgress = Callable[[float, str], None]
+Forest = PaperForest | ModalForest
 ELEMENTS = (35, 435)
 COMPARED_FRAMES, QUICK_FRAMES = 60, 30
 SEARCHED_TREES, FOREST_TREES = 1000, 10_000
@@ -27,7 +27,7 @@ STEPS, REPEATS = 60, 3
 
 
 def bench_build(
-    mesh: Path, options: BuildOptions, cache_dir: Path, tick: Tick
+    mesh: Path, options: BuildOptions, cache_dir: Path, on_progress: OnProgress
 ) -> tuple[dict[str, Any], bytes]:
     """A build with everything that it hands out, by stages: wall and CPU seconds, memory; and its table."""
     begun, handed_out_s = time.perf_counter(), dict[str, float]()
@@ -38,7 +38,7 @@ def bench_build(
 
     with PeakMemory() as memory:
         result = build_table(
-            mesh.read_bytes(), mesh.name, options, progress=_teller(tick, ""), cache_dir=cache_dir,
+            mesh.read_bytes(), mesh.name, options, progress=_reporter(on_progress, ""), cache_dir=cache_dir,
             publish=publish,
         )  # fmt: skip
     wall_s, cpu_s = result.report["seconds"], result.report["cpu_seconds"]
@@ -57,8 +57,8 @@ def bench_build(
     return figures, result.table
 
 
-def _teller(tick: Tick, what: str) -> Callable[[Progress], None]:
-    return lambda progress: tick(progress.fraction, what + progress.message)
+def _reporter(on_progress: OnProgress, what: str) -> Callable[[Progress], None]:
+    return lambda progress: on_progress(progress.fraction, what + progress.message)
 
 
 def sizes(table: Table, data: bytes, vertices: int) -> dict[str, Any]:
@@ -73,7 +73,9 @@ def sizes(table: Table, data: bytes, vertices: int) -> dict[str, Any]:
     }
 
 
-def bench_search(mesh: Path, options: BuildOptions, cache_dir: Path, *, quick: bool, tick: Tick) -> Any:
+def bench_search(
+    mesh: Path, options: BuildOptions, cache_dir: Path, *, quick: bool, on_progress: OnProgress
+) -> Any:
     """The paper's search with 35 and with 435 sampled elements; the frames of each wind are the same."""
     frames = QUICK_FRAMES if quick else COMPARED_FRAMES
     found: dict[str, Any] = {"frames_per_wind": frames, "trees": SEARCHED_TREES}
@@ -81,7 +83,9 @@ def bench_search(mesh: Path, options: BuildOptions, cache_dir: Path, *, quick: b
         with PeakMemory() as memory:
             result = build_table(
                 mesh.read_bytes(), mesh.name, replace(options, sampled_elements=count, frames=frames),
-                progress=_teller(lambda f, m, k=k: tick((k + f) / len(ELEMENTS), m), f"{count} elements: "),
+                progress=_reporter(
+                    lambda f, m, k=k: on_progress((k + f) / len(ELEMENTS), m), f"{count} elements: "
+                ),
                 cache_dir=cache_dir,
             )  # fmt: skip
         table = decode(result.table)
@@ -104,19 +108,19 @@ def bench_forest(table: Table) -> dict[str, Any]:
     return {"trees": FOREST_TREES, **steps}
 
 
-def searching(table: Table, trees: int) -> ForestLookup:
+def searching(table: Table, trees: int) -> PaperForest:
     """A forest by the paper's search."""
-    return ForestLookup(table, trees)
+    return PaperForest(table, trees)
 
 
-def swaying(table: Table, trees: int) -> TangentForest:
+def swaying(table: Table, trees: int) -> ModalForest:
     """A forest by the drift-free method."""
-    return TangentForest(table.tangent, float(table.metadata["dt_s"]), table.mode_scale, trees)
+    return ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, trees)
 
 
 def step_us(forest: Forest, table: Table, trees: int) -> float:
     """CPU µs of one step of one tree, in a forest of this many under a gusty wind: the best repeat's mean."""
-    x, z, yaw, _ = planted(trees)
+    x, z, yaw, _ = grid_placements(trees)
     forest.set_trees(x, z, yaw, np.ones(trees))
     dt_s = float(table.metadata["dt_s"])
     pressure = np.zeros((2, trees), np.float32)

@@ -35,20 +35,20 @@ def progress_bar() -> Generator[Progress]:
         yield bar
 
 
-Tick = Callable[[float, str], None]
+OnProgress = Callable[[float, str], None]
 
 
-def teller(bar: Progress) -> Tick:
+def progress_reporter(bar: Progress) -> OnProgress:
     """A function that moves a new task of the bar: fraction done, and what is being done."""
     task = bar.add_task("Starting", total=1.0)
 
-    def tell(fraction: float, message: str) -> None:
+    def report(fraction: float, message: str) -> None:
         bar.update(task, completed=fraction, description=message)
 
-    return tell
+    return report
 
 
-def writer(folder: Path) -> Callable[[str, bytes], None]:
+def file_writer(folder: Path) -> Callable[[str, bytes], None]:
     """A function that writes files of a folder."""
 
     def write(name: str, content: bytes) -> None:

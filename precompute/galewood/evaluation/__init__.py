@@ -4,10 +4,10 @@ from galewood.evaluation.evaluate import METHODS, Forest, Make, evaluate_table, 
 from galewood.evaluation.long_run import beyond
 from galewood.evaluation.measures import FRAMES_SHOWN, hausdorff
 from galewood.evaluation.plot import error_figure
-from galewood.evaluation.reference_runs import TruthTask, read_truth, run_truths
+from galewood.evaluation.reference_runs import ReferenceTask, read_reference_run, run_references
 from galewood.evaluation.report import run_evaluation
 from galewood.evaluation.source import Source, SourceError, samples_of, source_of
-from galewood.evaluation.tracks import Comparison, Place, compare_methods, nodes_on_wood
+from galewood.evaluation.tracks import Comparison, Place, comparison_tracks, nodes_on_wood
 from galewood.evaluation.winds import along
 
 __all__ = [
@@ -17,20 +17,20 @@ __all__ = [
     "Forest",
     "Make",
     "Place",
+    "ReferenceTask",
     "Source",
     "SourceError",
-    "TruthTask",
     "along",
     "beyond",
-    "compare_methods",
+    "comparison_tracks",
     "error_figure",
     "evaluate_table",
     "hausdorff",
     "nodes_on_wood",
     "played",
-    "read_truth",
+    "read_reference_run",
     "run_evaluation",
-    "run_truths",
+    "run_references",
     "samples_of",
     "source_of",
 ]

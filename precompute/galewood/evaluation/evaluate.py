@@ -7,7 +7,7 @@ of them share a node is then in it too). ``floor`` says what is left if the meth
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -15,22 +15,22 @@ from typing import Any
 import numpy as np
 
 from galewood.evaluation.measures import CHUNK, errors, figures, hausdorff_by_frame, joined
-from galewood.evaluation.reference_runs import Truth, TruthTask, read_truth, run_truths
+from galewood.evaluation.reference_runs import ReferenceRun, ReferenceTask, read_reference_run, run_references
 from galewood.evaluation.source import Source
 from galewood.evaluation.winds import unseen_winds
-from galewood.player import ForestLookup, TangentForest
+from galewood.player import ModalForest, PaperForest
 from galewood.table import Table
 from galewood.util import Array, Floats
 from galewood.wind import dynamic_pressure
 
-Forest = ForestLookup | TangentForest
+Forest = PaperForest | ModalForest
 Make = Callable[[Table], Forest]
-Tick = Callable[[float, str], None]
+OnProgress = Callable[[float, str], None]
 
 METHODS: dict[str, Make] = {
-    "tangent": lambda table: TangentForest(table.tangent, float(table.metadata["dt_s"]), table.mode_scale, 1),
-    "paper": lambda table: ForestLookup(table, 1),
-    "paper-literal": lambda table: ForestLookup(table, 1, pose_easing=0.0, still_air=False),
+    "modal": lambda table: ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, 1),
+    "paper": lambda table: PaperForest(table, 1),
+    "paper-literal": lambda table: PaperForest(table, 1, pose_easing=0.0, still_air=False),
 }
 
 
@@ -41,12 +41,15 @@ def played(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, float
     frame later.
     """
     forest, dt_s = make(table), float(table.metadata["dt_s"])
-    poses, coverage = [], 0.0
+    poses, extrapolation_ratio = [], 0.0
     for x, z in np.concatenate([pressure_pa, pressure_pa[-1:]]):
         forest.advance(dt_s, [x], [z])
         poses.append(forest.q[0].astype(np.float64))
-        coverage = max(coverage, float(forest.coverage[0]) if isinstance(forest, TangentForest) else 1.0)
-    return np.array(poses[1:]), coverage
+        extrapolation_ratio = max(
+            extrapolation_ratio,
+            float(forest.extrapolation_ratio[0]) if isinstance(forest, ModalForest) else 1.0,
+        )
+    return np.array(poses[1:]), extrapolation_ratio
 
 
 def nearest_sample(table: Table, pressure_pa: Floats) -> Floats:
@@ -62,31 +65,33 @@ def evaluate_table(
     source: Source,
     frames: int,
     cache_dir: Path,
-    tick: Tick,
+    on_progress: OnProgress,
     *,
     strength: float = 0.65,
     sway: float | None = None,
     seed: int = 20_001,
     workers: int = 2,
+    winds: Mapping[str, Floats] | None = None,
 ) -> dict[str, Any]:
     """Figures per unseen wind and method, beside a tree at rest and the nearest sampled run played back.
 
     ``strength`` is the winds' peak over the design speed. With ``sway`` each wind is scaled until the finite
-    elements sway by that share of the height, or until it peaks at the design speed.
+    elements sway by that share of the height, or until it peaks at the design speed. ``winds`` are
+    names and pressures (T, 2) Pa in place of the default ones.
     """
-    winds = _winds(table, frames, strength if sway is None else 0.9, seed)
-    tasks = truth_tasks(table, source, list(winds.values()), sway)
+    winds = winds or _winds(table, frames, strength if sway is None else 0.9, seed)
+    tasks = reference_tasks(table, source, list(winds.values()), sway)
 
     def done(count: int) -> None:
-        tick(0.8 * count / len(tasks), "Simulating the winds")
+        on_progress(0.8 * count / len(tasks), "Simulating the winds")
 
-    paths = run_truths(tasks, cache_dir, done, workers)
+    paths = run_references(tasks, cache_dir, done, workers)
     found: dict[str, Any] = {}
     for k, (name, path) in enumerate(zip(winds, paths, strict=True)):
-        tick(0.8 + 0.2 * k / len(paths), f"Comparing: {name}")
-        truth = read_truth(path)
-        found[name] = compare_methods(table, source, truth, len(truth.pressure_pa) - frames)
-    tick(1.0, "Done")
+        on_progress(0.8 + 0.2 * k / len(paths), f"Comparing: {name}")
+        reference = read_reference_run(path)
+        found[name] = compare_methods(table, source, reference, len(reference.pressure_pa) - frames)
+    on_progress(1.0, "Done")
     return found
 
 
@@ -95,70 +100,81 @@ def _winds(table: Table, frames: int, strength: float, seed: int) -> dict[str, F
     return unseen_winds(speed_m_s, frames, dt_s, strength=strength, seed=seed)
 
 
-def truth_tasks(table: Table, source: Source, winds: list[Floats], sway: float | None) -> list[TruthTask]:
+def reference_tasks(
+    table: Table, source: Source, winds: list[Floats], sway: float | None
+) -> list[ReferenceTask]:
     """What the finite elements have to run."""
     if sway is None:
-        return [TruthTask(source.model_path, wind) for wind in winds]
+        return [ReferenceTask(source.model_path, wind) for wind in winds]
     most_pa = float(dynamic_pressure(float(table.metadata["design_speed_m_s"])))
     sway_m = sway * float(table.metadata["height_m"])
-    return [TruthTask(source.model_path, wind, sway_m, most_pa) for wind in winds]
+    return [ReferenceTask(source.model_path, wind, sway_m, most_pa) for wind in winds]
 
 
-def compare_methods(table: Table, source: Source, truth: Truth, lead: int = 0) -> dict[str, Any]:
+def compare_methods(table: Table, source: Source, reference: ReferenceRun, lead: int = 0) -> dict[str, Any]:
     """Every method and both baselines on one wind, whose first frames are a lead-in."""
-    pressure = truth.pressure_pa
+    pressure = reference.pressure_pa
     tracks = {method: played(table, pressure, make) for method, make in METHODS.items()}
     tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
     tracks["rest-pose"] = (np.zeros((len(pressure), source.subspace.modes)), 1.0)
     found = {
-        method: {**compare(table, source, q, truth.displacement_m, lead), "coverage": coverage}
-        for method, (q, coverage) in tracks.items()
+        method: {
+            **compare(table, source, q, reference.displacement_m, lead),
+            "extrapolation_ratio": extrapolation_ratio,
+        }
+        for method, (q, extrapolation_ratio) in tracks.items()
     }
-    found["floor"] = floor(table, source, truth.displacement_m)
+    found["floor"] = floor(table, source, reference.displacement_m)
     return found
 
 
-def compare(table: Table, source: Source, q: Floats, truth_m: Array, lead: int = 0) -> dict[str, Any]:
+def compare(table: Table, source: Source, q: Floats, reference_m: Array, lead: int = 0) -> dict[str, Any]:
     """Figures of poses (T, r) on the wood's vertices, and under ``seen`` on the render vertices."""
     height_m = float(table.metadata["height_m"])
-    wood, seen = [], []
+    wood, rendered = [], []
     for a in range(0, len(q), CHUNK):
-        pose, true = q[a : a + CHUNK], truth_m[a : a + CHUNK]
+        pose, true = q[a : a + CHUNK], reference_m[a : a + CHUNK]
         wood.append(errors(source.subspace.expand(pose), true))
-        seen.append(errors(seen_track(table, source, pose), seen_truth(source, true), source.seen.count))
+        rendered.append(
+            errors(
+                rendered_track(table, source, pose), rendered_reference(source, true), source.rendered.count
+            )
+        )
     first = slice(0, 60)
     shown = source.subspace.expand(q[first])
     return {
         **figures(joined(wood), height_m, lead),
-        "true_sway": float(joined(wood).sway_m.max() / height_m),
-        "hausdorff": hausdorff_by_frame(source.rest_m, shown, truth_m[first], height_m),
-        "seen": figures(joined(seen), height_m, lead),
+        "reference_sway": float(joined(wood).sway_m.max() / height_m),
+        "hausdorff": hausdorff_by_frame(source.rest_m, shown, reference_m[first], height_m),
+        "rendered": figures(joined(rendered), height_m, lead),
     }
 
 
-def seen_track(table: Table, source: Source, q: Floats) -> Floats:
+def rendered_track(table: Table, source: Source, q: Floats) -> Floats:
     """(T, s, 3) distinct render vertices, each as its node goes."""
     nodes = np.einsum("nik,tk->tni", table.node_basis.astype(np.float64), q)
-    return nodes[:, source.seen.node]
+    return nodes[:, source.rendered.node]
 
 
-def seen_truth(source: Source, truth_m: Array) -> Floats:
+def rendered_reference(source: Source, reference_m: Array) -> Floats:
     """(T, s, 3) distinct render vertices on the true wood."""
-    frames, n, _ = truth_m.shape
-    flat = truth_m.astype(np.float64).transpose(1, 0, 2).reshape(n, -1)
-    return np.asarray(source.seen.binding @ flat).reshape(-1, frames, 3).transpose(1, 0, 2)
+    frames, n, _ = reference_m.shape
+    flat = reference_m.astype(np.float64).transpose(1, 0, 2).reshape(n, -1)
+    return np.asarray(source.rendered.binding @ flat).reshape(-1, frames, 3).transpose(1, 0, 2)
 
 
-def floor(table: Table, source: Source, truth_m: Array) -> dict[str, float]:
+def floor(table: Table, source: Source, reference_m: Array) -> dict[str, float]:
     """What no method can mend: the modes' truncation, and render vertices that share a node, over the
     height.
     """
     height_m, truncation, nodes = float(table.metadata["height_m"]), [], []
-    for a in range(0, len(truth_m), CHUNK):
-        true = truth_m[a : a + CHUNK].astype(np.float64)
+    for a in range(0, len(reference_m), CHUNK):
+        true = reference_m[a : a + CHUNK].astype(np.float64)
         q = source.subspace.project(true)
         truncation.append(errors(source.subspace.expand(q), true))
-        nodes.append(errors(seen_track(table, source, q), seen_truth(source, true), source.seen.count))
+        nodes.append(
+            errors(rendered_track(table, source, q), rendered_reference(source, true), source.rendered.count)
+        )
     return {
         "truncation": float(joined(truncation).largest_m.max() / height_m),
         "truncation_and_nodes": float(joined(nodes).largest_m.max() / height_m),

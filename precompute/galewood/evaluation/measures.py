@@ -30,10 +30,10 @@ class ErrorByFrame:
     sway_m: Floats
 
 
-def errors(track: Array, truth: Array, weight: Array | None = None) -> ErrorByFrame:
+def errors(track: Array, reference: Array, weight: Array | None = None) -> ErrorByFrame:
     """Of two motions (T, n, 3); ``weight`` (n,) is how many vertices each stands for, in the mean."""
-    gap = np.sqrt(np.square(track.astype(np.float64) - truth).sum(axis=2))
-    sway = np.sqrt(np.square(truth, dtype=np.float64).sum(axis=2).max(axis=1))
+    gap = np.sqrt(np.square(track.astype(np.float64) - reference).sum(axis=2))
+    sway = np.sqrt(np.square(reference, dtype=np.float64).sum(axis=2).max(axis=1))
     return ErrorByFrame(gap.max(axis=1), np.average(gap**2, axis=1, weights=weight), sway)
 
 
@@ -86,11 +86,11 @@ def hausdorff(a: Floats, b: Floats) -> float:
     return float(max(KDTree(a).query(b)[0].max(), KDTree(b).query(a)[0].max()))
 
 
-def hausdorff_by_frame(rest_m: Floats, track: Array, truth: Array, height_m: float) -> dict[str, float]:
+def hausdorff_by_frame(rest_m: Floats, track: Array, reference: Array, height_m: float) -> dict[str, float]:
     """Of the displaced vertices at the paper's frames."""
     shown = [frame for frame in FRAMES_SHOWN if frame <= len(track)]
     return {
-        str(frame): hausdorff(rest_m + track[frame - 1], rest_m + truth[frame - 1]) / height_m
+        str(frame): hausdorff(rest_m + track[frame - 1], rest_m + reference[frame - 1]) / height_m
         for frame in shown
     }
 

@@ -8,7 +8,7 @@ from typing import Any
 FLOOR = 1e-6
 """Errors below this share of the height are drawn at it."""
 STYLES = {
-    "tangent": ("#1b7f5c", 1.4, "-"),
+    "modal": ("#1b7f5c", 1.4, "-"),
     "paper": ("#c2571a", 1.0, "-"),
     "paper-literal": ("#c2571a", 0.8, ":"),
     "nearest-sample": ("#7a7a7a", 0.8, "--"),
@@ -37,7 +37,7 @@ def error_figure(figures: dict[str, Any]) -> Any:
                 panel.semilogy(frames, errors, dashes, color=colour, linewidth=width, label=method)
         for frame in MARKED:
             panel.axvline(frame, color="#d0d0d0", linewidth=0.6, zorder=0)
-        sway = methods["rest-pose"]["true_sway"]
+        sway = methods["rest-pose"]["reference_sway"]
         panel.set_title(f"{wind}: sways by {sway:.1%} of the height", fontsize=8, loc="left")
         panel.tick_params(labelsize=7)
         panel.spines[["top", "right"]].set_visible(False)

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from galewood.fem import Simulator, load_model
 from galewood.util import Floats, write_arrays
 
-TRUTH_VERSION = 1
+REFERENCE_VERSION = 1
 """Part of every run's hash: raise it when the simulation or this file changes what is recorded."""
 ROUNDS = 6
 WITHIN = 0.02
@@ -26,7 +26,7 @@ WITHIN = 0.02
 
 
 @dataclass(frozen=True)
-class TruthTask:
+class ReferenceTask:
     """A wind (T, 2) Pa to run. With ``sway_m``, it is scaled until the tree just sways so far, or until its
     peak is ``most_pa``.
     """
@@ -38,31 +38,31 @@ class TruthTask:
 
 
 @dataclass(frozen=True)
-class Truth:
+class ReferenceRun:
     """What ran: the wind as scaled (T, 2) Pa and the vertices' displacement after each step, m."""
 
     pressure_pa: Floats
     displacement_m: npt.NDArray[np.float32]  # (T, n, 3)
 
 
-def truth_path(task: TruthTask, cache_dir: Path) -> Path:
+def reference_path(task: ReferenceTask, cache_dir: Path) -> Path:
     """Where a run is kept. The model's file name is its content's hash."""
-    digest = hashlib.sha256(f"{TRUTH_VERSION} {task.model.stem} {task.sway_m} {task.most_pa}".encode())
+    digest = hashlib.sha256(f"{REFERENCE_VERSION} {task.model.stem} {task.sway_m} {task.most_pa}".encode())
     digest.update(np.ascontiguousarray(task.pressure_pa, np.float64).tobytes())
-    return cache_dir / "truths" / f"{digest.hexdigest()}.npz"
+    return cache_dir / "references" / f"{digest.hexdigest()}.npz"
 
 
-def run_truths(
-    tasks: Sequence[TruthTask], cache_dir: Path, done: Callable[[int], None], workers: int = 2
+def run_references(
+    tasks: Sequence[ReferenceTask], cache_dir: Path, done: Callable[[int], None], workers: int = 2
 ) -> list[Path]:
     """Run what is missing, telling after each how many are done; the files, in the tasks' order."""
-    paths = [truth_path(task, cache_dir) for task in tasks]
+    paths = [reference_path(task, cache_dir) for task in tasks]
     missing = [(task, path) for task, path in zip(tasks, paths, strict=True) if not path.exists()]
     ready = len(tasks) - len(missing)
     done(ready)
     if len(missing) == 1 or workers == 1:
         for count, (task, path) in enumerate(missing, 1):
-            run_truth(task, path)
+            run_reference(task, path)
             done(ready + count)
     elif missing:
         _run_in_processes(missing, lambda count: done(ready + count), workers)
@@ -70,10 +70,10 @@ def run_truths(
 
 
 def _run_in_processes(
-    missing: Sequence[tuple[TruthTask, Path]], done: Callable[[int], None], workers: int
+    missing: Sequence[tuple[ReferenceTask, Path]], done: Callable[[int], None], workers: int
 ) -> None:
     with ProcessPoolExecutor(min(workers, len(missing)), mp_context=get_context("spawn")) as pool:
-        futures = [pool.submit(run_truth, task, path) for task, path in missing]
+        futures = [pool.submit(run_reference, task, path) for task, path in missing]
         try:
             for count, future in enumerate(as_completed(futures), 1):
                 future.result()
@@ -82,48 +82,51 @@ def _run_in_processes(
             pool.shutdown(wait=True, cancel_futures=True)
 
 
-def run_truth(task: TruthTask, path: Path) -> None:
+def run_reference(task: ReferenceTask, path: Path) -> None:
     """Run one wind and write it, atomically."""
     simulator = _simulator(task.model)
-    truth = follow(simulator, task.pressure_pa)
+    reference = follow(simulator, task.pressure_pa)
     if task.sway_m is not None:
-        truth = _scaled(simulator, truth, task.sway_m, task.most_pa)
-    write_arrays(path, pressure_pa=truth.pressure_pa, displacement_m=truth.displacement_m)
+        reference = _scaled(simulator, reference, task.sway_m, task.most_pa)
+    write_arrays(path, pressure_pa=reference.pressure_pa, displacement_m=reference.displacement_m)
 
 
-def read_truth(path: Path) -> Truth:
+def read_reference_run(path: Path) -> ReferenceRun:
     """Read what ``run_truth`` wrote."""
     with np.load(path, allow_pickle=False) as arrays:
-        return Truth(arrays["pressure_pa"], arrays["displacement_m"])
+        return ReferenceRun(arrays["pressure_pa"], arrays["displacement_m"])
 
 
-def follow(simulator: Simulator, pressure_pa: Floats) -> Truth:
+def follow(simulator: Simulator, pressure_pa: Floats) -> ReferenceRun:
     """Run a wind from gravity rest."""
     simulator.reset()
     track = np.empty((len(pressure_pa), simulator.model.vertex_count, 3), np.float32)
     for frame, pressure in enumerate(pressure_pa):
         simulator.step(pressure)
         track[frame] = simulator.u
-    return Truth(pressure_pa, track)
+    return ReferenceRun(pressure_pa, track)
 
 
-def sway_of(truth: Truth) -> float:
+def sway_of(reference: ReferenceRun) -> float:
     """The farthest that any vertex goes from rest, m."""
-    return float(np.sqrt(np.square(truth.displacement_m).sum(axis=2).max()))
+    return float(np.sqrt(np.square(reference.displacement_m).sum(axis=2).max()))
 
 
-def _scaled(simulator: Simulator, truth: Truth, sway_m: float, most_pa: float) -> Truth:
+def _scaled(simulator: Simulator, reference: ReferenceRun, sway_m: float, most_pa: float) -> ReferenceRun:
     """The wind times the factor that brings the sway asked for: sway grows a little less than the wind."""
     for _ in range(ROUNDS):
-        gap, peak = sway_m / max(sway_of(truth), 1e-9), np.linalg.norm(truth.pressure_pa, axis=1).max()
+        gap, peak = (
+            sway_m / max(sway_of(reference), 1e-9),
+            np.linalg.norm(reference.pressure_pa, axis=1).max(),
+        )
         factor = min(gap, 3.0, most_pa / max(float(peak), 1e-9))
         if abs(gap - 1.0) <= WITHIN or abs(factor - 1.0) <= 1e-3:
             break
-        truth = _followed_if_it_can(simulator, truth.pressure_pa, factor)
-    return truth
+        reference = _followed_if_it_can(simulator, reference.pressure_pa, factor)
+    return reference
 
 
-def _followed_if_it_can(simulator: Simulator, pressure_pa: Floats, factor: float) -> Truth:
+def _followed_if_it_can(simulator: Simulator, pressure_pa: Floats, factor: float) -> ReferenceRun:
     """A wind beyond what the finite elements bear is tried nearer to the last."""
     for _ in range(4):
         try:

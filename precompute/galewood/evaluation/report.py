@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from galewood.evaluation.evaluate import Tick, evaluate_table
+from galewood.evaluation.evaluate import OnProgress, evaluate_table
 from galewood.evaluation.long_run import beyond, long_run
 from galewood.evaluation.plot import plot_errors
 from galewood.evaluation.source import SourceError, source_of
@@ -14,14 +14,14 @@ from galewood.table import decode
 DEFINITIONS = {
     "max_error": "largest distance of a vertex from where the finite elements have it, over the height",
     "rms_error": "root mean square of that distance over all vertices and frames, over the height",
-    "max_error_of_sway": "the same over the farthest that any vertex goes in this run (true_sway × height)",
+    "max_error_of_sway": "the same over the largest displacement in this run (reference_sway × height)",
     "late_error": "largest error in the last sixth of the run, over the height",
     "growth": "largest error of the second half over the first's, after the lead-in of winds that repeat",
     "growth_of_sway": "the same with each half's error over its own sway; none where a half hardly moves",
     "hausdorff": "symmetric Hausdorff distance of the wood's displaced vertices, by frame, over the height",
-    "seen": "the same figures for the render vertices as the viewer moves them, by nodes",
+    "rendered": "the same figures for the render vertices as the viewer moves them, by nodes",
     "floor": "without the method's own error: truncation of the modes, and vertices that share a node",
-    "coverage": "how far into the sampled range of sway and pressure the tree was; above 1 it was beyond",
+    "extrapolation_ratio": "sway or pressure over its largest sampled value; above 1 it is extrapolated",
 }
 
 
@@ -30,7 +30,7 @@ def run_evaluation(
     mesh: Path | None,
     model: Path | None,
     cache_dir: Path,
-    tick: Tick,
+    on_progress: OnProgress,
     *,
     plot: Path | None,
     frames: int,
@@ -39,18 +39,20 @@ def run_evaluation(
     seed: int,
     long: int,
     workers: int,
-    truths: Path | None = None,
+    reference_dir: Path | None = None,
 ) -> dict[str, Any]:
-    """Everything asked for, as JSON-able figures. The finite elements' runs are kept in ``truths``, else in
-    the cache. Raises SourceError, MeshError, and FloatingPointError under a wind they do not bear.
+    """Everything asked for, as JSON-able figures.
+
+    The reference runs are kept in ``reference_dir``, else in the cache. Raises SourceError, MeshError, and
+    FloatingPointError under a wind that the finite elements cannot follow.
     """
     decoded = decode(table.read_bytes())
     source = source_of(
-        decoded, mesh or mesh_of(table), cache_dir, share(tick, 0.0, 0.1), model=model, workers=workers
+        decoded, mesh or mesh_of(table), cache_dir, share(on_progress, 0.0, 0.1), model=model, workers=workers
     )
     middle = 0.4 if long else 1.0
     winds = evaluate_table(
-        decoded, source, frames, truths or cache_dir, share(tick, 0.1, middle),
+        decoded, source, frames, reference_dir or cache_dir, share(on_progress, 0.1, middle),
         strength=strength, sway=sway, seed=seed, workers=workers,
     )  # fmt: skip
     found: dict[str, Any] = {
@@ -65,8 +67,10 @@ def run_evaluation(
     if plot is not None:
         plot_errors(winds, plot)
     if long:
-        told = share(tick, middle, 1.0)
-        found["long"] = long_run(decoded, source, cache_dir, told, frames=long, sway=sway or 0.1, seed=seed)
+        sub_progress = share(on_progress, middle, 1.0)
+        found["long"] = long_run(
+            decoded, source, cache_dir, sub_progress, frames=long, sway=sway or 0.1, seed=seed
+        )
         found["beyond"] = beyond(decoded, source)
     return found
 
@@ -79,6 +83,6 @@ def mesh_of(table: Path) -> Path:
     return beside
 
 
-def share(tick: Tick, first: float, last: float) -> Tick:
+def share(on_progress: OnProgress, first: float, last: float) -> OnProgress:
     """A tick that moves through a part of the whole."""
-    return lambda fraction, message: tick(first + (last - first) * fraction, message)
+    return lambda fraction, message: on_progress(first + (last - first) * fraction, message)

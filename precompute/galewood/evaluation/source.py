@@ -1,9 +1,8 @@
-"""What a table was made from, found again: its model in the cache, its basis on the wood, its render
-vertices.
+"""What a table was built from: its finite-element model, its modes on the wood, its rendered vertices.
 
-The table file alone does not hold them. The model lies in the build's cache (known by its natural
-frequencies, to the last bit), the mesh beside the table or where the user says; the basis follows from the
-same trajectories as in the build. That all three belong to the table is checked, not believed.
+The table file does not hold them. The model is in the build's cache under the hash that the table's
+provenance names, the mesh is beside the table or where the user says, and the modes follow from the same
+training runs as in the build. Each of them is checked against the table.
 """
 
 from __future__ import annotations
@@ -18,19 +17,19 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from galewood.build import BuildOptions, TableSettings
 from galewood.fem import FemModel, load_model
-from galewood.mesh import IntakeOptions, TreeMesh, run_intake
+from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
 from galewood.model import render_binding
-from galewood.reduction import Learning, Subspace, oscillators_of, render_basis, size_of
+from galewood.pipeline import BuildOptions, TableSettings
+from galewood.reduction import ModalTraining, Subspace, oscillators_of, render_basis, size_of, sizes_for
 from galewood.reduction import shown_modes as reduction_modes
 from galewood.sampling import Samples, content_hash, planned, run_in_processes, simulate
 from galewood.skeleton import extract_skeleton, sampled_elements
 from galewood.table import Metadata, Table
 from galewood.tets import TetMesh
-from galewood.util import Floats, Int64s
+from galewood.util import Floats, Int64s, write_whole
 
-Tick = Callable[[float, str], None]
+OnProgress = Callable[[float, str], None]
 
 
 class SourceError(ValueError):
@@ -38,7 +37,7 @@ class SourceError(ValueError):
 
 
 @dataclass(frozen=True)
-class Seen:
+class RenderedVertices:
     """The render vertices, those that move alike taken once: s distinct ones stand for v."""
 
     binding: scipy.sparse.csr_matrix  # (s, n) on the tet vertices
@@ -56,7 +55,7 @@ class Source:
     tree: TreeMesh
     binding: scipy.sparse.csr_matrix  # (v, n) render vertices on the wood's
     subspace: Subspace
-    seen: Seen
+    rendered: RenderedVertices
 
     @property
     def rest_m(self) -> Floats:
@@ -69,7 +68,7 @@ def source_of(
     table: Table,
     mesh: Path,
     cache_dir: Path,
-    tick: Tick = lambda fraction, message: None,
+    on_progress: OnProgress = lambda fraction, message: None,
     *,
     model: Path | None = None,
     workers: int = 2,
@@ -77,41 +76,51 @@ def source_of(
     """Find everything again. Raises SourceError with what to do, MeshError for a mesh that cannot be
     read.
     """
-    tick(0.0, "Finding the model")
-    model_path = kept_model(model, cache_dir) if model else find_model(table.metadata, cache_dir)
+    on_progress(0.0, "Finding the model")
+    metadata = table.metadata
+    model_path = kept_model(model, metadata, cache_dir) if model else find_model(metadata, cache_dir)
     fem = load_model(model_path)
     tets = tets_of(fem)
-    tick(0.1, "Reading the mesh")
+    on_progress(0.1, "Reading the mesh")
     tree = read_mesh(table, mesh)
     binding = render_binding(tree, tets)
-    tick(0.3, "Reading the sampled motion")
+    on_progress(0.3, "Reading the sampled motion")
     subspace = shown_modes(table, fem, tets, cache_dir, workers)
     check_basis(table, binding, subspace)
-    tick(1.0, "Found the model")
-    seen = distinct(binding, table.vertex_node.astype(np.int64))
-    return Source(fem, model_path, tets, tree, binding, subspace, seen)
+    on_progress(1.0, "Found the model")
+    rendered = distinct(binding, table.vertex_node.astype(np.int64))
+    return Source(fem, model_path, tets, tree, binding, subspace, rendered)
 
 
 def find_model(metadata: Metadata, cache_dir: Path) -> Path:
-    """The cached model with exactly this table's natural frequencies."""
-    wanted = list(metadata.get("frequencies_hz", []))
-    newest = sorted((cache_dir / "models").glob("*.npz"), key=lambda path: -path.stat().st_mtime)
-    for path in newest:
-        if wanted and load_model(path).report.get("frequencies_hz") == wanted:
-            return path
+    """The table's model in the cache of its build. Raises SourceError."""
+    path = cache_dir / "models" / f"{_model_sha256(metadata)}.npz"
+    if path.exists():
+        return path
     raise SourceError(
-        f"{cache_dir} holds no model of this table: name the folder it was built with (--cache-dir), "
+        f"{cache_dir} does not hold this table's model: name the folder it was built with (--cache-dir), "
         "the model's own file (--model), or build the table again"
     )
 
 
-def kept_model(path: Path, cache_dir: Path) -> Path:
-    """A model under its content's hash in the cache, as runs are named by it."""
-    kept = cache_dir / "models" / f"{content_hash(load_model(path))}.npz"
+def kept_model(path: Path, metadata: Metadata, cache_dir: Path) -> Path:
+    """The model in a file, put into the cache under its hash; SourceError if it is another table's."""
+    sha256 = content_hash(load_model(path))
+    if sha256 != _model_sha256(metadata):
+        raise SourceError(f"{path} is the model of another table")
+    kept = cache_dir / "models" / f"{sha256}.npz"
     if not kept.exists():
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        kept.write_bytes(path.read_bytes())
+        write_whole(kept, path.read_bytes())
     return kept
+
+
+def _model_sha256(metadata: Metadata) -> str:
+    sha256 = metadata["provenance"].get("model_sha256")
+    if not isinstance(sha256, str):
+        raise SourceError(
+            "this table was built by an older version, which did not note its model: build it again"
+        )
+    return sha256
 
 
 def tets_of(model: FemModel) -> TetMesh:
@@ -124,8 +133,8 @@ def tets_of(model: FemModel) -> TetMesh:
 def read_mesh(table: Table, mesh: Path) -> TreeMesh:
     """The tree in a mesh file, which must have the table's render vertices."""
     metadata, data = table.metadata, mesh.read_bytes()
-    options = IntakeOptions(species=metadata.get("species"), height_m=float(metadata["height_m"]))
-    tree, render_glb = run_intake(data, mesh.name, options)
+    options = ImportOptions(species=metadata.get("species"), height_m=float(metadata["height_m"]))
+    tree, render_glb = import_mesh_sandboxed(data, mesh.name, options)
     counts = [len(primitive.positions_m) for primitive in tree.primitives]
     if counts != [int(primitive["vertices"]) for primitive in metadata["primitives"]]:
         raise SourceError(f"{mesh} has other vertices than the mesh of the table")
@@ -163,14 +172,17 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
 def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
     """The table's modes on the wood's vertices, fitted as the build fits them."""
     samples = samples_of(table, model, mesh, cache_dir, workers)
-    learnt = Learning(oscillators_of(model), model.settings, samples.learnt_runs())
-    tolerance_m = TableSettings().truncation_share * float(table.metadata["height_m"])
+    settings = TableSettings(**table.metadata["provenance"]["table_settings"])
+    training = ModalTraining(
+        oscillators_of(model), model.settings, samples.training_runs(), sizes_for(settings.modes)
+    )
+    tolerance_m = settings.truncation_share * float(table.metadata["height_m"])
     mass_kg = model.mass_kg[: model.vertex_count]
     try:
-        size = size_of(learnt, len(table.tangent_step))
+        size = size_of(training, len(table.modal_step))
     except ValueError as error:
         raise SourceError(str(error)) from error
-    return reduction_modes(samples.recorded_runs(), mass_kg, tolerance_m, learnt, size)[1]
+    return reduction_modes(samples.recorded_runs(), mass_kg, tolerance_m, training, size)[1]
 
 
 def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:
@@ -188,7 +200,7 @@ def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:
         raise SourceError(f"the modes differ from the table's by {gap:.1g}: build the table again")
 
 
-def distinct(binding: Any, node: Int64s) -> Seen:
+def distinct(binding: Any, node: Int64s) -> RenderedVertices:
     """Render vertices that hang alike and have the same node, once each."""
     matrix = scipy.sparse.csr_matrix(binding)
     matrix.sort_indices()
@@ -205,4 +217,4 @@ def distinct(binding: Any, node: Int64s) -> Seen:
             count.append(0)
         count[at] += 1
     chosen = np.array(first, np.int64)
-    return Seen(scipy.sparse.csr_matrix(matrix[chosen]), node[chosen], np.array(count, np.int64))
+    return RenderedVertices(scipy.sparse.csr_matrix(matrix[chosen]), node[chosen], np.array(count, np.int64))

@@ -22,9 +22,9 @@ from galewood.table import Table
 from galewood.util import Floats
 from galewood.wind import WindField, WindState, height_factor, limit_pressure, sampled_peak_pa, to_tree_frame
 
-Tick = Callable[[float, str], None]
+OnProgress = Callable[[float, str], None]
 
-COMPARED = ("tangent", "paper")
+COMPARED = ("modal", "paper")
 
 
 @dataclass(frozen=True)
@@ -70,14 +70,14 @@ def nodes_on_wood(table: Table, model: FemModel, tree: TreeMesh) -> scipy.sparse
     return scipy.sparse.csr_matrix(mean @ render_binding(tree, tets_of(model)))
 
 
-def compare_methods(
+def comparison_tracks(
     table: Table,
     model: FemModel,
     nodes: scipy.sparse.csr_matrix,
     wind: WindState,
     place: Place,
     frames: int,
-    tick: Tick,
+    on_progress: OnProgress,
 ) -> Comparison:
     """Play a wind at a place, ``nodes`` as from ``nodes_on_wood``.
 
@@ -85,17 +85,19 @@ def compare_methods(
     """
     pressure_pa = pressure_at(table, wind, place, frames)
     rest_m, height_m = table.node_rest_m.astype(np.float64), float(table.metadata["height_m"])
-    truth = _simulate(model, nodes, pressure_pa, lambda share: tick(0.8 * share, "Simulating"))
+    reference = _simulate(model, nodes, pressure_pa, lambda share: on_progress(0.8 * share, "Simulating"))
     basis = table.node_basis.astype(np.float64).reshape(-1, len(table.mode_scale))
-    seen = np.asarray(np.linalg.lstsq(basis, truth.reshape(frames, -1).T, rcond=None)[0].T, np.float64)
-    q, errors = {"fem": seen}, {}
+    rendered = np.asarray(
+        np.linalg.lstsq(basis, reference.reshape(frames, -1).T, rcond=None)[0].T, np.float64
+    )
+    q, errors = {"fem": rendered}, {}
     for k, name in enumerate(COMPARED):
-        tick(0.8 + 0.1 * k, "Comparing")
+        on_progress(0.8 + 0.1 * k, "Comparing")
         q[name], _ = played(table, pressure_pa, METHODS[name])
-        errors[name] = _errors((q[name] @ basis.T).reshape(truth.shape), truth, rest_m, height_m)
-    left_out = _farthest((seen @ basis.T).reshape(truth.shape) - truth, height_m)
-    tick(1.0, "Done")
-    return Comparison(pressure_pa, q, _farthest(truth, height_m), errors, left_out)
+        errors[name] = _errors((q[name] @ basis.T).reshape(reference.shape), reference, rest_m, height_m)
+    left_out = _farthest((rendered @ basis.T).reshape(reference.shape) - reference, height_m)
+    on_progress(1.0, "Done")
+    return Comparison(pressure_pa, q, _farthest(reference, height_m), errors, left_out)
 
 
 def pressure_at(table: Table, wind: WindState, place: Place, frames: int) -> Floats:
@@ -118,22 +120,22 @@ def pressure_at(table: Table, wind: WindState, place: Place, frames: int) -> Flo
 
 
 def _simulate(
-    model: FemModel, nodes: scipy.sparse.csr_matrix, pressure_pa: Floats, tick: Callable[[float], None]
+    model: FemModel, nodes: scipy.sparse.csr_matrix, pressure_pa: Floats, on_progress: Callable[[float], None]
 ) -> Floats:
     """(frames, n, 3) displacements of the nodes (n, N) of the model's vertices."""
     simulator, frames = Simulator(model), len(pressure_pa)
     at_rest = nodes @ simulator.u[: model.vertex_count]
     track = np.empty((frames, len(at_rest), 3))
     for frame, pressure in enumerate(pressure_pa):
-        tick(frame / frames)
+        on_progress(frame / frames)
         simulator.step(pressure)
         track[frame] = nodes @ simulator.u[: model.vertex_count]
     return track
 
 
-def _errors(track: Floats, truth: Floats, rest_m: Floats, height_m: float) -> Errors:
-    apart = [hausdorff(rest_m + one, rest_m + other) for one, other in zip(track, truth, strict=True)]
-    return Errors(_farthest(track - truth, height_m), np.array(apart) / height_m)
+def _errors(track: Floats, reference: Floats, rest_m: Floats, height_m: float) -> Errors:
+    apart = [hausdorff(rest_m + one, rest_m + other) for one, other in zip(track, reference, strict=True)]
+    return Errors(_farthest(track - reference, height_m), np.array(apart) / height_m)
 
 
 def _farthest(displacement_m: Floats, height_m: float) -> Floats:

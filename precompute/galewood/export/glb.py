@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from galewood.player import TangentForest
+from galewood.player import ModalForest
 from galewood.table import Table
 from galewood.util import Floats
 from galewood.wind import Wind, WindField, height_factor, limit_pressure, sampled_peak_pa
@@ -40,7 +40,7 @@ def blown(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Fl
     A ``loop`` ends as it begins: the last frame is the first.
     """
     dt_s, field = float(table.metadata["dt_s"]), WindField(wind)
-    forest = TangentForest(table.tangent, dt_s, table.mode_scale, 1)
+    forest = ModalForest(table.modal, dt_s, table.mode_scale, 1)
     before, frames = round(SETTLE_S / dt_s), round(seconds / dt_s) + 1
     track = np.array([_step(table, forest, field, dt_s * (k + 1)) for k in range(before + frames)])
     if not loop:
@@ -51,7 +51,7 @@ def blown(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Fl
     return track[before:]
 
 
-def _step(table: Table, forest: TangentForest, field: WindField, time_s: float) -> Floats:
+def _step(table: Table, forest: ModalForest, field: WindField, time_s: float) -> Floats:
     """(r,) after one table step in the wind as it is at a place in the forest."""
     wind, place, pressure = field.at(time_s).wind, np.zeros(1), np.zeros((2, 1), np.float32)
     height_m = np.array([float(table.metadata["height_m"])])

@@ -4,11 +4,11 @@ from galewood.mesh.classification import weld_keeping_faces
 from galewood.mesh.gltf import read_glb
 from galewood.mesh.gltf_material import alpha_coverage, base_image
 from galewood.mesh.repair import Surface, compact, face_components, signed_volumes, volume
-from galewood.mesh.sandboxed import run_intake
-from galewood.mesh.types import IntakeOptions, Material, RawPart, RenderPrimitive, TreeMesh
+from galewood.mesh.sandboxed import import_mesh_sandboxed
+from galewood.mesh.types import ImportOptions, Material, RawPart, RenderPrimitive, TreeMesh
 
 __all__ = [
-    "IntakeOptions",
+    "ImportOptions",
     "Material",
     "RawPart",
     "RenderPrimitive",
@@ -18,8 +18,8 @@ __all__ = [
     "base_image",
     "compact",
     "face_components",
+    "import_mesh_sandboxed",
     "read_glb",
-    "run_intake",
     "signed_volumes",
     "volume",
     "weld_keeping_faces",

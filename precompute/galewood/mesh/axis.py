@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from galewood.mesh.types import Axis, IntakeOptions
+from galewood.mesh.types import Axis, ImportOptions
 from galewood.util import Floats, Ints
 
 AXES: dict[Axis, int] = {"x": 0, "y": 1, "z": 2}
@@ -32,7 +32,7 @@ class Choice:
     assumed: bool
 
 
-def choose_up_axis(vertices: Floats, faces: Ints, file_format: str, options: IntakeOptions) -> Choice:
+def choose_up_axis(vertices: Floats, faces: Ints, file_format: str, options: ImportOptions) -> Choice:
     """The up axis: what was asked for, +Y for glTF, else the one of +Y and +Z with the more compact base."""
     if options.up_axis is not None:
         return Choice(options.up_axis, "given", assumed=False)
@@ -87,7 +87,7 @@ def to_y_up(axis: str) -> Floats:
     return np.eye(3)
 
 
-def choose_scale(raw_height: float, species: str | None, options: IntakeOptions) -> tuple[float, Choice]:
+def choose_scale(raw_height: float, species: str | None, options: ImportOptions) -> tuple[float, Choice]:
     """Metres per unit of the file, with its reason."""
     if options.height_m is not None:
         return options.height_m / raw_height, Choice(

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from galewood.mesh.gltf_material import greenness, is_cut_out
 from galewood.mesh.repair import Surface, face_components, weld
-from galewood.mesh.types import IntakeOptions, Kind, RawPart
+from galewood.mesh.types import ImportOptions, Kind, RawPart
 from galewood.util import Floats, Ints
 
 WOOD_NAMES = re.compile(
@@ -38,7 +38,7 @@ class SortedPart:
     reason: str
 
 
-def sort_parts(parts: list[RawPart], options: IntakeOptions) -> tuple[list[SortedPart], list[str]]:
+def sort_parts(parts: list[RawPart], options: ImportOptions) -> tuple[list[SortedPart], list[str]]:
     """Every part (y up, any unit) as wood or leaves, mixed ones split; and warnings."""
     if options.wood is not None:
         return [_by_choice(part, options.wood) for part in parts], []

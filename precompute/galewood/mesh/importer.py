@@ -15,11 +15,11 @@ from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.repair import Surface
 from galewood.mesh.species_names import guess_species
 from galewood.mesh.surface import solid_wood
-from galewood.mesh.types import IntakeOptions, Kind, Material, RawPart, RenderPrimitive, TreeMesh
+from galewood.mesh.types import ImportOptions, Kind, Material, RawPart, RenderPrimitive, TreeMesh
 from galewood.util import Floats, Ints, MeshError
 
 __all__ = [
-    "IntakeOptions",
+    "ImportOptions",
     "Material",
     "MeshError",
     "RenderPrimitive",
@@ -33,12 +33,12 @@ MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
 BASE_SLAB = 0.02
 
 
-def read_tree(data: bytes, filename: str, options: IntakeOptions | None = None) -> TreeMesh:
+def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) -> TreeMesh:
     """The tree in `data`, or an MeshError that says what is wrong and what to do.
 
     `filename` only helps to tell formats without a signature apart; no file is opened.
     """
-    options = options or IntakeOptions()
+    options = options or ImportOptions()
     _check_options(options)
     file_format, parts = read_parts(data, filename)
     parts = _usable(parts)
@@ -85,7 +85,7 @@ def read_tree(data: bytes, filename: str, options: IntakeOptions | None = None) 
     )
 
 
-def _check_options(options: IntakeOptions) -> None:
+def _check_options(options: ImportOptions) -> None:
     height_m = options.height_m
     if height_m is not None and not MIN_HEIGHT_M <= height_m <= MAX_HEIGHT_M:
         raise MeshError(
@@ -162,7 +162,7 @@ def _check_volume(vertices: Floats) -> None:
         )
 
 
-def _check_wood(pieces: list[SortedPart], parts: list[RawPart], options: IntakeOptions) -> None:
+def _check_wood(pieces: list[SortedPart], parts: list[RawPart], options: ImportOptions) -> None:
     if any(s.kind == "wood" for s in pieces):
         return
     names = sorted({label for p in parts for label in p.labels})[:20]

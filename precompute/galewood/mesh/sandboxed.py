@@ -13,27 +13,27 @@ from numpy.typing import NDArray
 from galewood.mesh.formats import MAX_BYTES
 from galewood.mesh.gltf_material import pack_material, unpack_material
 from galewood.mesh.importer import read_tree, render_glb
-from galewood.mesh.types import IntakeOptions, RenderPrimitive, TreeMesh
+from galewood.mesh.types import ImportOptions, RenderPrimitive, TreeMesh
 from galewood.sandbox import Arrays, Limits, run_limited
 from galewood.util import MeshError
 
-INTAKE_LIMITS = Limits(memory_bytes=3 << 30, cpu_s=40, wall_s=60.0)
+IMPORT_LIMITS = Limits(memory_bytes=3 << 30, cpu_s=40, wall_s=60.0)
 OPTIONAL_ROWS = ("normals", "uv", "colours")
 
 
-def run_intake(
-    data: bytes, filename: str, options: IntakeOptions | None = None, limits: Limits | None = None
+def import_mesh_sandboxed(
+    data: bytes, filename: str, options: ImportOptions | None = None, limits: Limits | None = None
 ) -> tuple[TreeMesh, bytes]:
     """read_tree and render_glb in a child; MeshError also for time, memory, kills and crashes."""
     if len(data) > MAX_BYTES:  # not worth a process
         raise MeshError(
             "file-too-large", "too-large", f"The file is larger than {MAX_BYTES >> 20} MB.", "Decimate it."
         )
-    request = {"filename": filename, "options": asdict(options or IntakeOptions())}
+    request = {"filename": filename, "options": asdict(options or ImportOptions())}
     result = run_limited(
         "galewood.mesh.sandboxed:read_in_child",
         {"data": to_bytes_array(data), "request": to_json_array(request)},
-        limits or INTAKE_LIMITS,
+        limits or IMPORT_LIMITS,
         what="Reading the mesh",
     )
     return unpack_tree(result), result["glb"].tobytes()
@@ -45,7 +45,7 @@ def read_in_child(arguments: Arrays) -> Arrays:
     chosen = request["options"]
     if chosen["wood"] is not None:
         chosen["wood"] = tuple(chosen["wood"])
-    tree = read_tree(arguments["data"].tobytes(), request["filename"], IntakeOptions(**chosen))
+    tree = read_tree(arguments["data"].tobytes(), request["filename"], ImportOptions(**chosen))
     return pack_tree(tree) | {"glb": to_bytes_array(render_glb(tree))}
 
 

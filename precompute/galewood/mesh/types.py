@@ -15,7 +15,7 @@ Axis = Literal["x", "y", "z"]
 
 
 @dataclass(frozen=True)
-class IntakeOptions:
+class ImportOptions:
     """Everything intake would otherwise assume; None leaves the choice to it."""
 
     species: str | None = None

@@ -1,12 +1,12 @@
 """The modal reduced-order model: its tensors, polynomial terms and step."""
 
 from galewood.modal.step import MAX_STEPS_PER_ADVANCE, advance_trees, widened, working_room
-from galewood.modal.tensors import Tangent, coupled_of, force_terms, shape_terms
+from galewood.modal.tensors import ModalTensors, coupled_of, force_terms, shape_terms
 from galewood.modal.terms import write_force_terms, write_pose_terms
 
 __all__ = [
     "MAX_STEPS_PER_ADVANCE",
-    "Tangent",
+    "ModalTensors",
     "advance_trees",
     "coupled_of",
     "force_terms",

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from galewood.modal.tensors import Tangent
+from galewood.modal.tensors import ModalTensors
 from galewood.modal.terms import hold as hold
 from galewood.modal.terms import write_force_terms, write_pose_terms, write_sway
 from galewood.util import Array, Floats
@@ -59,7 +59,7 @@ def _settle(sway, limits, lanes):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def _show(tensors, lanes, tree, count, now, before, coverage):  # pragma: no cover  (compiled)
+def _show(tensors, lanes, tree, count, now, before, extrapolation_ratio):  # pragma: no cover  (compiled)
     """The poses of the states now, those before kept; and how far into the sampled range the trees are."""
     _, _, _, _, shown, pose, limits = tensors
     e, _, pressure, _, pairs, terms, total, _ = lanes
@@ -67,7 +67,9 @@ def _show(tensors, lanes, tree, count, now, before, coverage):  # pragma: no cov
     for lane in range(count):
         x, y = pairs[0, 0, lane], pairs[0, 1, lane]
         px, pz = pressure[0, lane], pressure[1, lane]
-        coverage[tree[lane]] = max(np.sqrt(x * x + y * y) / limits[0], np.sqrt(px * px + pz * pz) / limits[2])
+        extrapolation_ratio[tree[lane]] = max(
+            np.sqrt(x * x + y * y) / limits[0], np.sqrt(px * px + pz * pz) / limits[2]
+        )
     write_pose_terms(limits, e, pressure, pairs[0], terms)
     np.dot(pose, terms[: pose.shape[1]], total[: len(pose)])
     for lane in range(count):
@@ -81,7 +83,9 @@ def _show(tensors, lanes, tree, count, now, before, coverage):  # pragma: no cov
 
 
 @numba.njit(cache=True, nogil=True)
-def _step_trees(tensors, half_s, lanes, count, turned, e, v, now, before, coverage):  # pragma: no cover
+def _step_trees(
+    tensors, half_s, lanes, count, turned, e, v, now, before, extrapolation_ratio
+):  # pragma: no cover
     """Step the ``count`` trees named in the lanes."""
     own_e, own_v, pressure, _, _, _, _, tree = lanes
     for lane in range(count):
@@ -95,12 +99,26 @@ def _step_trees(tensors, half_s, lanes, count, turned, e, v, now, before, covera
         i = tree[lane]
         for k in range(len(own_e)):
             e[i, k], v[i, k] = own_e[k, lane], own_v[k, lane]
-    _show(tensors, lanes, tree, count, now, before, coverage)
+    _show(tensors, lanes, tree, count, now, before, extrapolation_ratio)
 
 
 @numba.njit(cache=True, nogil=True)
 def advance_trees(
-    tensors, half_s, rate, turn, pressure_x, pressure_z, e, v, phase, turned, now, before, q, coverage, lanes
+    tensors,
+    half_s,
+    rate,
+    turn,
+    pressure_x,
+    pressure_z,
+    e,
+    v,
+    phase,
+    turned,
+    now,
+    before,
+    q,
+    extrapolation_ratio,
+    lanes,
 ):  # pragma: no cover  (compiled)
     for i in range(len(phase)):
         turned[i, 0] = turn[i, 0] * pressure_x[i] - turn[i, 1] * pressure_z[i]
@@ -115,7 +133,7 @@ def advance_trees(
                 tree[count] = i
                 count += 1
             if count == LANES or (count > 0 and i == len(phase) - 1):
-                _step_trees(tensors, half_s, lanes, count, turned, e, v, now, before, coverage)
+                _step_trees(tensors, half_s, lanes, count, turned, e, v, now, before, extrapolation_ratio)
                 stepped += count
                 count = 0
         if stepped == 0:
@@ -126,18 +144,18 @@ def advance_trees(
             q[i, k] = before[i, k] + (now[i, k] - before[i, k]) * phase[i]
 
 
-def widened(tangent: Tangent) -> tuple[Floats, ...]:
+def widened(modal: ModalTensors) -> tuple[Floats, ...]:
     """The tensors in the type that steps are computed in; force (d, F) and pose (r − d, terms) turned."""
-    t = tangent
+    t = modal
     tensors = (t.step, t.load, t.sway, t.force.T, t.shown, t.pose.T, t.limits)
     return tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
 
 
-def working_room(tangent: Tangent) -> tuple[Array, ...]:
+def working_room(modal: ModalTensors) -> tuple[Array, ...]:
     """Lanes for e, v, pressure, e ahead, three pairs, terms, sums, and the trees that are in them."""
-    d = len(tangent.step)
-    terms = max(len(tangent.force), len(tangent.pose))
+    d = len(modal.step)
+    terms = max(len(modal.force), len(modal.pose))
     heights = (d, d, 2, d)
     rooms = [np.zeros((height, LANES)) for height in heights]
-    total = np.zeros((max(d, tangent.pose.shape[1]), LANES))
+    total = np.zeros((max(d, modal.pose.shape[1]), LANES))
     return (*rooms, np.zeros((3, 2, LANES)), np.zeros((terms, LANES)), total, np.zeros(LANES, np.int64))

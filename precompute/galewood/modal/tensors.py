@@ -12,7 +12,7 @@ from galewood.util import Singles
 
 
 @dataclass(frozen=True)
-class Tangent:
+class ModalTensors:
     """Tensors of the method: d dynamic coordinates, c coupled ones, r ≥ d shown modes, F = 44 + 6c terms.
 
     A step of an oscillator under a force f is e' = r00 e + r01 v + s0 f, v' = r10 e + r11 v + s1 f.

@@ -2,14 +2,15 @@
 
 from galewood.model.binding import render_binding
 from galewood.model.comparison import gusty_pressure, trajectory_difference
-from galewood.model.construction import GRAVITY_M_S2, LumpsLike, MeshLike, SkeletonLike, build_model
-from galewood.model.foliage import Lumps, bind_foliage
+from galewood.model.construction import GRAVITY_M_S2, LumpedMassesLike, MeshLike, SkeletonLike, build_model
+from galewood.model.foliage import LumpedMasses, bind_foliage
 from galewood.model.reference import compare_with_reference, reference_model
+from galewood.model.tree_model import tree_model
 
 __all__ = [
     "GRAVITY_M_S2",
-    "Lumps",
-    "LumpsLike",
+    "LumpedMasses",
+    "LumpedMassesLike",
     "MeshLike",
     "SkeletonLike",
     "bind_foliage",
@@ -19,4 +20,5 @@ __all__ = [
     "reference_model",
     "render_binding",
     "trajectory_difference",
+    "tree_model",
 ]

@@ -58,7 +58,7 @@ class SkeletonLike(Protocol):
     def tet_fibre(self) -> Floats: ...
 
 
-class LumpsLike(Protocol):
+class LumpedMassesLike(Protocol):
     """What of the foliage is needed here: extra mass (n,) kg, drag area (n,) m², fixed vertices (k,)."""
 
     @property
@@ -85,30 +85,30 @@ def build_model(
     mesh: MeshLike,
     skeleton: SkeletonLike,
     wood: Wood,
-    lumps: LumpsLike,
+    lumped: LumpedMassesLike,
     settings: FemSettings | None = None,
 ) -> FemModel:
     """Model of a tree: stiffness (fitted), masses, gravity rest pose, Rayleigh damping. ValueError on a bad
     mesh.
     """
     settings = settings or FemSettings()
-    material = wood_elements(mesh, skeleton, wood, lumps)
+    material = wood_elements(mesh, skeleton, wood, lumped)
     report: dict[str, Any] = {"wood": wood.name, "wood_source": wood.source, "element": settings.element}
     report["wood_constants"] = asdict(wood)
     report["wood_mass_kg"] = float(material.element_mass_kg.sum())
     if settings.element != "fitted":
-        return _finished(_raw(material, lumps, settings, settings.element), wood, report)
-    raw_reference = _raw(material, lumps, settings, "quadratic")
-    model, fit = _fitted(material, _raw(material, lumps, settings, "linear"), raw_reference)
+        return _finished(_raw(material, lumped, settings, settings.element), wood, report)
+    raw_reference = _raw(material, lumped, settings, "quadratic")
+    model, fit = _fitted(material, _raw(material, lumped, settings, "linear"), raw_reference)
     return _finished(model, wood, {**report, "fit": fit})
 
 
-def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumps: LumpsLike) -> Material:
+def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumped: LumpedMassesLike) -> Material:
     """Stiffness and mass of the tets, what was thickened for the mesh made thin again."""
     vertices = np.ascontiguousarray(mesh.vertices_m, np.float64)
     tets = np.ascontiguousarray(mesh.tets, np.int32)
     grad, volume = gradients(vertices[tets])
-    _check_mesh(vertices, volume, lumps)
+    _check_mesh(vertices, volume, lumped)
     ratio = np.asarray(mesh.radius_ratio, np.float64)
     fibre = np.asarray(skeleton.tet_fibre, np.float64)
     axial, shear = stiffness_blocks(grad, volume, fibre, moduli(wood))
@@ -118,20 +118,20 @@ def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumps: Lum
     )
 
 
-def _check_mesh(vertices: Floats, volume: Floats, lumps: LumpsLike) -> None:
+def _check_mesh(vertices: Floats, volume: Floats, lumped: LumpedMassesLike) -> None:
     if not np.isfinite(vertices).all():
         raise ValueError("the mesh has vertices that are not finite")
     if not (volume > 0).all():
         raise ValueError(f"{int((volume <= 0).sum())} tetrahedra are flat or inside out")
-    if len(lumps.fixed) < 3:
+    if len(lumped.fixed) < 3:
         raise ValueError("fewer than three vertices are fixed: the tree has no root")
 
 
-def _raw(material: Material, lumps: LumpsLike, settings: FemSettings, element: Element) -> FemModel:
+def _raw(material: Material, lumped: LumpedMassesLike, settings: FemSettings, element: Element) -> FemModel:
     """The model before it knows its rest pose and damping."""
     count = len(material.vertices_m)
     nodes, elements, shares = material.vertices_m, material.tets, np.full(4, 0.25)
-    fixed = np.unique(np.asarray(lumps.fixed, np.int32))
+    fixed = np.unique(np.asarray(lumped.fixed, np.int32))
     if element == "quadratic":
         nodes, elements = elevate(nodes, elements)
         shares = node_mass_shares()
@@ -140,10 +140,10 @@ def _raw(material: Material, lumps: LumpsLike, settings: FemSettings, element: E
     mass: Floats = np.bincount(
         elements.ravel(), np.outer(material.element_mass_kg, shares).ravel(), len(nodes)
     ).astype(np.float64)
-    mass[:count] += lumps.mass_kg
+    mass[:count] += lumped.mass_kg
     gravity, area = np.zeros((len(nodes), 3)), np.zeros(len(nodes))
     gravity[:, 1] = -GRAVITY_M_S2 * mass * settings.gravity
-    area[:count] = lumps.drag_area_m2
+    area[:count] = lumped.drag_area_m2
     return FemModel(
         nodes_m=nodes,
         elements=elements,

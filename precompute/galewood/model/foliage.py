@@ -15,7 +15,7 @@ from galewood.skeleton import CLAMPED_SHARE, root_vertices
 from galewood.tets import TetMesh, tet_volumes
 from galewood.util import Floats, Int32s
 
-__all__ = ["Lumps", "bind_foliage", "render_binding"]
+__all__ = ["LumpedMasses", "bind_foliage", "render_binding"]
 
 LEAF_MASS_KG_M2 = 0.2  # fresh leaf with its petiole, per one-sided area
 MOST_LEAF_MASS = 0.5  # of the wood's own mass
@@ -34,7 +34,7 @@ class WoodLike(Protocol):
 
 
 @dataclass(frozen=True)
-class Lumps:
+class LumpedMasses:
     """Per tet vertex: extra mass (n,), Cd·A with the height profile in it (n,); and the fixed vertices
     (k,)."""
 
@@ -44,7 +44,7 @@ class Lumps:
     report: dict[str, Any]
 
 
-def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> Lumps:
+def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> LumpedMasses:
     """Leaf mass and wind area at the vertices of the wood's mesh.
 
     The silhouette of the whole tree, averaged over directions, is shared out by each piece's own area.
@@ -66,7 +66,7 @@ def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> Lumps:
     silhouette = silhouette_area(*_triangles(tree))
     frontal = shadow * (silhouette / max(float(shadow.sum()), 1e-300))
     profile = np.clip(mesh.vertices_m[:, 1] / tree.height_m, 0.0, 1.0) ** PROFILE_EXPONENT
-    return Lumps(
+    return LumpedMasses(
         mass_kg=leaf_mass,
         drag_area_m2=wood.drag_coefficient * frontal * profile,
         fixed=root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32),

@@ -7,20 +7,20 @@ from typing import Any
 
 from galewood.fem import FemModel, FemSettings
 from galewood.model.comparison import compare
-from galewood.model.construction import LumpsLike, MeshLike, SkeletonLike, build_model
+from galewood.model.construction import LumpedMassesLike, MeshLike, SkeletonLike, build_model
 from galewood.wood import Wood
 
 
 def compare_with_reference(
-    fast: FemModel, mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumps: LumpsLike, frames: int
+    fast: FemModel, mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumped: LumpedMassesLike, frames: int
 ) -> dict[str, Any]:
     """The first ten frequencies and a run of this many frames of a fast model against the reference's."""
-    return compare(fast, reference_model(mesh, skeleton, wood, lumps, fast.settings), frames)
+    return compare(fast, reference_model(mesh, skeleton, wood, lumped, fast.settings), frames)
 
 
 def reference_model(
-    mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumps: LumpsLike, settings: FemSettings
+    mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumped: LumpedMassesLike, settings: FemSettings
 ) -> FemModel:
     """The tree of quadratic elements, all other settings alike."""
     settings = replace(settings, element="quadratic")
-    return build_model(mesh, skeleton, wood, lumps, settings)
+    return build_model(mesh, skeleton, wood, lumped, settings)

@@ -8,24 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from galewood.build import TableSettings, assemble_table, render_mesh
 from galewood.evaluation import (
     FRAMES_SHOWN,
     METHODS,
     Make,
+    ReferenceTask,
     Source,
-    TruthTask,
     along,
     hausdorff,
     played,
-    read_truth,
-    run_truths,
+    read_reference_run,
+    run_references,
     samples_of,
 )
 from galewood.paper.plan import Plan
-from galewood.player import ForestLookup
-from galewood.reduction import Learning, Subspace, oscillators_of, shown_modes, size_of
-from galewood.sampling import DIRECTIONS_DEG, Recording, sample_winds
+from galewood.pipeline import TableSettings, assemble_table, render_mesh
+from galewood.player import PaperForest
+from galewood.reduction import ModalTraining, Subspace, oscillators_of, shown_modes, size_of
+from galewood.sampling import DIRECTIONS_DEG, SampledRun, sample_winds
 from galewood.table import Table
 from galewood.util import Floats
 
@@ -41,7 +41,7 @@ class Fig3:
     """One target wind: figures by method, and the shown poses at the paper's frames for the pictures."""
 
     figures: dict[str, Any]
-    truth_m: dict[int, Floats]  # frame: (n, 3)
+    reference_m: dict[int, Floats]  # frame: (n, 3)
     pose: dict[str, dict[int, Floats]]  # method: frame: (r,)
 
 
@@ -50,7 +50,7 @@ class Fig5:
     """Six winds of one strength: figures by direction, poses at frame 20."""
 
     figures: dict[str, Any]
-    truth_m: list[Floats]
+    reference_m: list[Floats]
     pose: list[Floats]
 
 
@@ -67,22 +67,24 @@ def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
     paper.
     """
     wind = target_wind(table, max(FRAMES_SHOWN))
-    task = TruthTask(source.model_path, wind)
-    truth = read_truth(run_truths([task], plan.cache_dir, lambda done: None)[0]).displacement_m
+    task = ReferenceTask(source.model_path, wind)
+    reference = read_reference_run(
+        run_references([task], plan.cache_dir, lambda done: None)[0]
+    ).displacement_m
     own, own_modes = own_table(plan, table, source)
-    literal: Make = lambda small: ForestLookup(small, 1, pose_easing=0.0, still_air=False)  # noqa: E731
+    literal: Make = lambda small: PaperForest(small, 1, pose_easing=0.0, still_air=False)  # noqa: E731
     shapes: dict[str, tuple[Subspace, Floats]] = {
         name: (source.subspace, played(table, wind, make)[0]) for name, make in METHODS.items()
     }
     shapes[OWN] = (own_modes, played(own, wind, literal)[0])
-    sway = np.linalg.norm(truth, axis=2).max(axis=1)
+    sway = np.linalg.norm(reference, axis=2).max(axis=1)
     height_m = float(table.metadata["height_m"])
     figures = {
         "first_maximum_frame": first_maximum(sway),
         "sway": {str(f): float(sway[f - 1] / height_m) for f in FRAMES_SHOWN},
         "hausdorff": {
             name: {
-                str(f): _apart(source, modes, q[f - 1], truth[f - 1]) / height_m
+                str(f): _apart(source, modes, q[f - 1], reference[f - 1]) / height_m
                 for f in (*FRAMES_SHOWN, first_maximum(sway))
             }
             for name, (modes, q) in shapes.items()
@@ -90,7 +92,7 @@ def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
     }
     shown = (20, 40, 60)
     pose = {name: {f: q[f - 1] for f in shown} for name, (_, q) in shapes.items() if name != OWN}
-    return Fig3(figures, {f: truth[f - 1].astype(np.float64) for f in shown}, pose)
+    return Fig3(figures, {f: reference[f - 1].astype(np.float64) for f in shown}, pose)
 
 
 def first_maximum(sway_m: Floats) -> int:
@@ -99,9 +101,9 @@ def first_maximum(sway_m: Floats) -> int:
     return int(falls[0]) + 1 if len(falls) else len(sway_m)
 
 
-def _apart(source: Source, modes: Subspace, q: Floats, truth_m: Floats) -> float:
+def _apart(source: Source, modes: Subspace, q: Floats, reference_m: Floats) -> float:
     shown = modes.expand(q[None])[0]
-    return hausdorff(source.rest_m + shown, source.rest_m + truth_m)
+    return hausdorff(source.rest_m + shown, source.rest_m + reference_m)
 
 
 def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace]:
@@ -115,21 +117,21 @@ def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace
     mass_kg = source.model.mass_kg[: source.model.vertex_count]
     tolerance_m = TableSettings().truncation_share * float(table.metadata["height_m"])
     own = small_table(table, source, chosen)
-    learning = _learning(source, chosen)
-    size = size_of(learning, len(own.tangent_step))
-    return own, shown_modes(chosen, mass_kg, tolerance_m, learning, size)[1]
+    training = _training(source, chosen)
+    size = size_of(training, len(own.modal_step))
+    return own, shown_modes(chosen, mass_kg, tolerance_m, training, size)[1]
 
 
-def _learning(source: Source, runs: Sequence[Recording]) -> Learning:
-    return Learning(oscillators_of(source.model), source.model.settings, runs)
+def _training(source: Source, runs: Sequence[SampledRun]) -> ModalTraining:
+    return ModalTraining(oscillators_of(source.model), source.model.settings, runs)
 
 
-def small_table(table: Table, source: Source, runs: Sequence[Recording]) -> Table:
+def small_table(table: Table, source: Source, runs: Sequence[SampledRun]) -> Table:
     """A table of other runs of the same tree."""
     mass_kg = source.model.mass_kg[: source.model.vertex_count]
     surface = render_mesh(source.tree, source.binding)
     return assemble_table(
-        runs, mass_kg, surface, dict(table.metadata), TableSettings(), _learning(source, runs)
+        runs, mass_kg, surface, dict(table.metadata), TableSettings(), _training(source, runs)
     )
 
 
@@ -138,17 +140,17 @@ def paper_directions(plan: Plan, table: Table, source: Source) -> Fig5:
     metadata = table.metadata
     winds = sample_winds(float(metadata["design_speed_m_s"]), float(metadata["dt_s"]), DIRECTION_FRAME)
     strongest = [wind for wind in winds if wind.name.startswith("cosine-5")]
-    tasks = [TruthTask(source.model_path, wind.pressure_pa) for wind in strongest]
-    paths = run_truths(tasks, plan.cache_dir, lambda done: None, plan.workers)
-    truths = [read_truth(path).displacement_m[-1].astype(np.float64) for path in paths]
+    tasks = [ReferenceTask(source.model_path, wind.pressure_pa) for wind in strongest]
+    paths = run_references(tasks, plan.cache_dir, lambda done: None, plan.workers)
+    references = [read_reference_run(path).displacement_m[-1].astype(np.float64) for path in paths]
     height_m, figures, shown = float(metadata["height_m"]), {}, []
-    for direction, wind, truth in zip(DIRECTIONS_DEG, strongest, truths, strict=True):
+    for direction, wind, reference in zip(DIRECTIONS_DEG, strongest, references, strict=True):
         poses = {name: played(table, wind.pressure_pa, make)[0][-1] for name, make in METHODS.items()}
-        shown.append(poses["tangent"])
+        shown.append(poses["modal"])
         figures[f"{direction:.0f}"] = {
-            "sway": float(np.linalg.norm(truth, axis=1).max() / height_m),
+            "sway": float(np.linalg.norm(reference, axis=1).max() / height_m),
             "hausdorff": {
-                name: _apart(source, source.subspace, q, truth) / height_m for name, q in poses.items()
+                name: _apart(source, source.subspace, q, reference) / height_m for name, q in poses.items()
             },
         }
-    return Fig5(figures, truths, shown)
+    return Fig5(figures, references, shown)

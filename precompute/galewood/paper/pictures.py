@@ -20,7 +20,7 @@ Move = Callable[[Floats], Floats]
 
 PAPER_ELEMENTS = (35, 135, 235, 335, 435)
 PAPER_FPS = (1133, 1098, 836, 602, 487)
-WOOD, INK, TANGENT, PAPER = "#4a3526", "#333333", "#1b7f5c", "#c2571a"
+WOOD, INK, MODAL, PAPER = "#4a3526", "#333333", "#1b7f5c", "#c2571a"
 LEAVES = {"poplar": "#c9a227", "maple": "#b5432a", "apricot": "#d08a3c"}
 LIGHT_COLOURS = 96
 DRAWN_SWAY = 0.1
@@ -60,7 +60,7 @@ def draw_winds(table: Table, plan: Plan, path: Path) -> None:
     figure = new_figure(7.0, 2.6)
     panels = figure.subplots(2, 3, sharex=True, sharey=True).ravel()
     for k, (panel, wind) in enumerate(zip(panels, chosen, strict=True)):
-        panel.plot(np.linalg.norm(wind.pressure_pa, axis=1), color=TANGENT, linewidth=1.3)
+        panel.plot(np.linalg.norm(wind.pressure_pa, axis=1), color=MODAL, linewidth=1.3)
         panel.set_title(f"wind {k + 1}", fontsize=8, loc="left")
         panel.tick_params(labelsize=7)
         panel.spines[["top", "right"]].set_visible(False)
@@ -72,21 +72,21 @@ def draw_winds(table: Table, plan: Plan, path: Path) -> None:
 def draw_gestures(fig: Fig3, table: Table, source: Source, path: Path) -> None:
     """Fig. 3b: frames 20, 40 and 60 by the finite elements and both methods, over the true outline."""
     rows: list[tuple[str, Callable[[int], Floats], str | None]] = [
-        ("finite elements", lambda f: true_motion(source, fig.truth_m[f]), None),
-        ("drift-free", lambda f: table_motion(table, fig.pose["tangent"][f]), "tangent"),
+        ("finite elements", lambda f: true_motion(source, fig.reference_m[f]), None),
+        ("modal", lambda f: table_motion(table, fig.pose["modal"][f]), "modal"),
         ("paper's search", lambda f: table_motion(table, fig.pose["paper-literal"][f]), "paper-literal"),
     ]
-    times = magnified(list(fig.truth_m.values()), table)
+    times = magnified(list(fig.reference_m.values()), table)
     figure = new_figure(6.0, 7.6)
-    panels = figure.subplots(len(rows), len(fig.truth_m), squeeze=False)
+    panels = figure.subplots(len(rows), len(fig.reference_m), squeeze=False)
     for line, (name, moved, method) in zip(panels, rows, strict=True):
-        for panel, frame in zip(line, fig.truth_m, strict=True):
-            ghost = times * true_motion(source, fig.truth_m[frame]) if method else None
+        for panel, frame in zip(line, fig.reference_m, strict=True):
+            ghost = times * true_motion(source, fig.reference_m[frame]) if method else None
             draw_tree(panel, table, source, times * moved(frame), TARGET_DIRECTION_DEG, ghost)
-            told = f"frame {frame}"
+            sub_progress = f"frame {frame}"
             if method:
-                told += f"   HD {fig.figures['hausdorff'][method][str(frame)]:.4f}"
-            panel.set_title(told, fontsize=8)
+                sub_progress += f"   HD {fig.figures['hausdorff'][method][str(frame)]:.4f}"
+            panel.set_title(sub_progress, fontsize=8)
         line[0].set_ylabel(name, fontsize=9)
     figure.supxlabel(f"motion drawn {times:g} times as large", fontsize=7)
     save_small(figure, path, dpi=90)
@@ -94,30 +94,30 @@ def draw_gestures(fig: Fig3, table: Table, source: Source, path: Path) -> None:
 
 def draw_directions(fig: Fig5, table: Table, source: Source, path: Path) -> None:
     """Fig. 5: six directions of one wind at frame 20, by the finite elements and the drift-free method."""
-    times = magnified(fig.truth_m, table)
+    times = magnified(fig.reference_m, table)
     figure = new_figure(7.6, 3.5)
     panels = figure.subplots(2, len(DIRECTIONS_DEG))
     for k, direction in enumerate(DIRECTIONS_DEG):
-        truth, shown = true_motion(source, fig.truth_m[k]), table_motion(table, fig.pose[k])
+        reference, shown = true_motion(source, fig.reference_m[k]), table_motion(table, fig.pose[k])
         # Seen from the side of 90°, so that winds of 0° and 180° bend the tree right and left.
-        draw_tree(panels[0, k], table, source, times * truth, 0.0, None, direction)
-        draw_tree(panels[1, k], table, source, times * shown, 0.0, times * truth, direction)
+        draw_tree(panels[0, k], table, source, times * reference, 0.0, None, direction)
+        draw_tree(panels[1, k], table, source, times * shown, 0.0, times * reference, direction)
         panels[0, k].set_title(f"{direction:.0f}°", fontsize=8)
     panels[0, 0].set_ylabel("finite elements", fontsize=8)
-    panels[1, 0].set_ylabel("drift-free", fontsize=8)
+    panels[1, 0].set_ylabel("modal", fontsize=8)
     figure.supxlabel(f"motion drawn {times:g} times as large", fontsize=7)
     save_small(figure, path, dpi=100)
 
 
-def magnified(truths_m: Sequence[Floats], table: Table) -> float:
+def magnified(references_m: Sequence[Floats], table: Table) -> float:
     """How many times as large motions have to be drawn to be seen; a whole number."""
-    largest = max(float(np.linalg.norm(truth, axis=1).max()) for truth in truths_m)
+    largest = max(float(np.linalg.norm(reference, axis=1).max()) for reference in references_m)
     return float(max(1, round(DRAWN_SWAY * float(table.metadata["height_m"]) / max(largest, 1e-9))))
 
 
-def true_motion(source: Source, truth_m: Floats) -> Floats:
+def true_motion(source: Source, reference_m: Floats) -> Floats:
     """(v, 3) displacement of the render vertices on the true wood."""
-    return np.asarray(source.binding @ truth_m)
+    return np.asarray(source.binding @ reference_m)
 
 
 def table_motion(table: Table, q: Floats) -> Floats:
@@ -145,11 +145,11 @@ def draw_tree(
         _patches(panel, source, (positions + ghost_m) @ view, "#a8a8a8", "#cfcfcf")
     colour = LEAVES.get(str(table.metadata.get("species")), "#a8842c")
     _patches(panel, source, (positions + moved_m) @ view, WOOD, colour)
-    seen = 1.0 if arrow_deg is None else np.cos(np.radians(arrow_deg))
-    if abs(seen) > 0.1:
+    rendered = 1.0 if arrow_deg is None else np.cos(np.radians(arrow_deg))
+    if abs(rendered) > 0.1:
         low = -0.07 * height
         panel.annotate(
-            "", (0.22 * height * seen, low), (-0.22 * height * seen, low),
+            "", (0.22 * height * rendered, low), (-0.22 * height * rendered, low),
             arrowprops={"arrowstyle": "-|>", "color": "#e0a800", "linewidth": 1.4},
         )  # fmt: skip
     panel.set_xlim(-0.45 * height, 0.45 * height)
@@ -194,12 +194,12 @@ def draw_elements(found: dict[str, dict[str, Any]], elements: Sequence[int], pat
     curves = (
         ("exhaustive_us", "every state compared, as printed", ":"),
         ("paper_us", "exact short lists", "-"),
-        ("tangent_us", "drift-free", "--"),
+        ("modal_us", "modal", "--"),
     )
     for key, label, dashes in curves:
         for k, rows in enumerate(found.values()):
             rates = [1e6 / rows[str(count)][key] for count in elements]
-            colour = TANGENT if key == "tangent_us" else PAPER
+            colour = MODAL if key == "modal_us" else PAPER
             panel.semilogy(elements, rates, dashes, color=colour, linewidth=1.1, label=None if k else label)
     panel.set_xlabel("sampled elements", fontsize=8)
     panel.set_ylabel("steps of one tree a second", fontsize=8)

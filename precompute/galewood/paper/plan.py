@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from galewood.build import BuildOptions, build_table
-from galewood.mesh import IntakeOptions
+from galewood.mesh import ImportOptions
+from galewood.pipeline import BuildOptions, build_table
 from galewood.table import Table, decode
 from galewood.util import write_whole
 
-Tick = Callable[[float, str], None]
+OnProgress = Callable[[float, str], None]
 
 PAPER_VERSION = 1
 SPECIES = ("poplar", "maple", "apricot")
@@ -42,7 +42,7 @@ class Plan:
     def options(self, species: str) -> BuildOptions:
         """How a species' table is built."""
         return BuildOptions(
-            intake=IntakeOptions(species=species, height_m=self.height_m),
+            mesh_import=ImportOptions(species=species, height_m=self.height_m),
             target_tets=self.target_tets,
             sampled_elements=self.elements[0],
             frames=self.record_frames,
@@ -90,7 +90,7 @@ def code_hash() -> str:
     return digest.hexdigest()
 
 
-def built(plan: Plan, notes: Notes, species: str, tick: Tick) -> tuple[Table, Path, Path]:
+def built(plan: Plan, notes: Notes, species: str, on_progress: OnProgress) -> tuple[Table, Path, Path]:
     """A species' table, its file, and the render mesh beside it; built unless it is there."""
     source, options = plan.meshes[species].read_bytes(), plan.options(species)
     key = hashlib.sha256(f"{notes.code} {options}".encode() + source).hexdigest()[:24]
@@ -100,7 +100,7 @@ def built(plan: Plan, notes: Notes, species: str, tick: Tick) -> tuple[Table, Pa
             source,
             plan.meshes[species].name,
             options,
-            progress=lambda p: tick(p.fraction, f"{species}: {p.message}"),
+            progress=lambda p: on_progress(p.fraction, f"{species}: {p.message}"),
             cache_dir=plan.cache_dir,
         )
         write_whole(path.with_suffix(".glb"), result.render_glb)

@@ -9,7 +9,7 @@ from typing import Any
 from galewood.evaluation import Source, beyond, error_figure, evaluate_table, samples_of, source_of
 from galewood.paper.gestures import Fig3, Fig5, paper_directions, paper_gestures
 from galewood.paper.pictures import draw_directions, draw_elements, draw_gestures, draw_winds, save_small
-from galewood.paper.plan import Notes, Plan, Tick, built
+from galewood.paper.plan import Notes, OnProgress, Plan, built
 from galewood.paper.search import against_brute_force
 from galewood.paper.speed import by_elements, forests, memory
 from galewood.paper.text import write_text
@@ -29,17 +29,19 @@ class Tree:
     content: str
 
 
-def run_paper(plan: Plan, out: Path, tick: Tick) -> dict[str, Any]:
+def run_paper(plan: Plan, out: Path, on_progress: OnProgress) -> dict[str, Any]:
     """Measure everything, write ``out`` (Markdown) and its pictures beside it; the figures, JSON-able."""
     notes = Notes(plan)
     trees: dict[str, Tree] = {}
     figures: dict[str, Any] = {"species": {}, "plan": _plan_figures(plan)}
     steps = len(plan.meshes)
     for k, name in enumerate(plan.meshes):
-        told = _part(tick, 0.9 * k / steps, 0.9 * (k + 1) / steps, name)
-        trees[name] = _ready(plan, notes, name, _part(told, 0.0, 0.3))
-        figures["species"][name] = _measure(plan, notes, name, trees[name], out, _part(told, 0.3, 1.0))
-    tick(0.9, "Forests of many trees")
+        sub_progress = _part(on_progress, 0.9 * k / steps, 0.9 * (k + 1) / steps, name)
+        trees[name] = _ready(plan, notes, name, _part(sub_progress, 0.0, 0.3))
+        figures["species"][name] = _measure(
+            plan, notes, name, trees[name], out, _part(sub_progress, 0.3, 1.0)
+        )
+    on_progress(0.9, "Forests of many trees")
     content = " ".join(tree.content for tree in trees.values())
     tables = {name: tree.table for name, tree in trees.items()}
     figures["forests"] = notes.kept("forests", content, lambda: forests(plan, tables))
@@ -48,7 +50,7 @@ def run_paper(plan: Plan, out: Path, tick: Tick) -> dict[str, Any]:
     elements = {name: found["elements"] for name, found in figures["species"].items()}
     draw_elements(elements, plan.elements, folder / "elements.svg")
     write_text(figures, plan, out)
-    tick(1.0, "Done")
+    on_progress(1.0, "Done")
     return figures
 
 
@@ -66,26 +68,28 @@ def _plan_figures(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _ready(plan: Plan, notes: Notes, name: str, tick: Tick) -> Tree:
-    table, path, mesh = built(plan, notes, name, _part(tick, 0.0, 0.8))
-    source = source_of(table, mesh, plan.cache_dir, _part(tick, 0.8, 1.0), workers=plan.workers)
+def _ready(plan: Plan, notes: Notes, name: str, on_progress: OnProgress) -> Tree:
+    table, path, mesh = built(plan, notes, name, _part(on_progress, 0.0, 0.8))
+    source = source_of(table, mesh, plan.cache_dir, _part(on_progress, 0.8, 1.0), workers=plan.workers)
     return Tree(table, path.stat().st_size, source, path.stem)
 
 
-def _measure(plan: Plan, notes: Notes, name: str, tree: Tree, out: Path, tick: Tick) -> dict[str, Any]:
+def _measure(
+    plan: Plan, notes: Notes, name: str, tree: Tree, out: Path, on_progress: OnProgress
+) -> dict[str, Any]:
     table, source, folder = tree.table, tree.source, out.with_suffix("")
-    tick(0.0, "Fig. 3 and 5: gestures")
+    on_progress(0.0, "Fig. 3 and 5: gestures")
     gestures: Fig3 = paper_gestures(plan, table, source)
     directions: Fig5 = paper_directions(plan, table, source)
     draw_gestures(gestures, table, source, folder / f"gestures-{name}.png")
     if name == next(iter(plan.meshes)):
         draw_directions(directions, table, source, folder / f"directions-{name}.png")
-    winds = notes.kept("winds", tree.content, lambda: _unseen(plan, tree, _part(tick, 0.1, 0.5)))
+    winds = notes.kept("winds", tree.content, lambda: _unseen(plan, tree, _part(on_progress, 0.1, 0.5)))
     save_small(error_figure(winds), folder / f"errors-{name}.png")
     elements = notes.kept(
-        "elements", tree.content, lambda: by_elements(plan, table, source, _part(tick, 0.5, 0.8))
+        "elements", tree.content, lambda: by_elements(plan, table, source, _part(on_progress, 0.5, 0.8))
     )
-    search = notes.kept("search", tree.content, lambda: _asked(plan, tree, _part(tick, 0.8, 1.0)))
+    search = notes.kept("search", tree.content, lambda: _asked(plan, tree, _part(on_progress, 0.8, 1.0)))
     return {
         "height_m": table.metadata["height_m"],
         "design_speed_m_s": table.metadata["design_speed_m_s"],
@@ -101,23 +105,23 @@ def _measure(plan: Plan, notes: Notes, name: str, tree: Tree, out: Path, tick: T
     }
 
 
-def _unseen(plan: Plan, tree: Tree, tick: Tick) -> dict[str, Any]:
+def _unseen(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:
     return evaluate_table(
-        tree.table, tree.source, plan.frames, plan.cache_dir, tick,
+        tree.table, tree.source, plan.frames, plan.cache_dir, on_progress,
         strength=STRENGTH, seed=plan.seed, workers=plan.workers,
     )  # fmt: skip
 
 
-def _asked(plan: Plan, tree: Tree, tick: Tick) -> dict[str, int]:
+def _asked(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, int]:
     source = tree.source
     samples = samples_of(tree.table, source.model, source.mesh, plan.cache_dir, plan.workers)
-    return against_brute_force(plan, tree.table, samples.recorded_runs(), tick)
+    return against_brute_force(plan, tree.table, samples.recorded_runs(), on_progress)
 
 
-def _part(tick: Tick, first: float, last: float, name: str = "") -> Tick:
+def _part(on_progress: OnProgress, first: float, last: float, name: str = "") -> OnProgress:
     """A tick that moves through a part of the whole, its messages under a name."""
     prefix = f"{name}: " if name else ""
-    return lambda fraction, message: tick(
+    return lambda fraction, message: on_progress(
         first + (last - first) * fraction,
         message if message.startswith(prefix) else prefix + message,
     )

@@ -10,10 +10,10 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from galewood.build import internal_states
-from galewood.paper.plan import Plan, Tick
-from galewood.player import ForestLookup, gaussian
-from galewood.sampling import Recording
+from galewood.paper.plan import OnProgress, Plan
+from galewood.pipeline import internal_states
+from galewood.player import PaperForest, gaussian
+from galewood.sampling import SampledRun
 from galewood.search import compared, mismatch_rows
 from galewood.table import Table
 from galewood.util import Array
@@ -52,7 +52,7 @@ def _nearest(pressure, barred, fx, fz):  # pragma: no cover  (compiled)
 class Literal:
     """Algorithm 1 with nothing made beforehand: every state is compared with every record at every step."""
 
-    def __init__(self, table: Table, runs: Sequence[Recording]) -> None:
+    def __init__(self, table: Table, runs: Sequence[SampledRun]) -> None:
         states = internal_states(runs)
         self._layout, self._components = compared(states), float(states.components)
         self._rows: Array | None = None
@@ -97,7 +97,9 @@ class Literal:
         )
 
 
-def against_brute_force(plan: Plan, table: Table, runs: Sequence[Recording], tick: Tick) -> dict[str, int]:
+def against_brute_force(
+    plan: Plan, table: Table, runs: Sequence[SampledRun], on_progress: OnProgress
+) -> dict[str, int]:
     """Random queries to both: trees that walk the table under winds that jump at every step.
 
     A third of the winds are records' own, a third anything up to 1.3 times the strongest, a third nearly
@@ -109,7 +111,7 @@ def against_brute_force(plan: Plan, table: Table, runs: Sequence[Recording], tic
     asked = differences = 0
     states: set[int] = set()
     while asked < plan.queries:
-        forest = ForestLookup(table, TREES, pose_easing=0.0, still_air=False)
+        forest = PaperForest(table, TREES, pose_easing=0.0, still_air=False)
         weight = np.zeros(TREES)
         for _ in range(20):
             if asked >= plan.queries:
@@ -124,7 +126,7 @@ def against_brute_force(plan: Plan, table: Table, runs: Sequence[Recording], tic
                 weight[i] = min(literal.most, weight[i] + literal.growth) if follows else literal.least
             states.update(before.tolist())
             asked += TREES
-            tick(min(asked / plan.queries, 1.0), f"Asking {asked:,} of {plan.queries:,} queries twice")
+            on_progress(min(asked / plan.queries, 1.0), f"Asking {asked:,} of {plan.queries:,} queries twice")
     return {"queries": asked, "differences": differences, "states": len(states), "seed": plan.seed}
 
 

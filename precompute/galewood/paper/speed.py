@@ -16,11 +16,11 @@ import numpy.typing as npt
 
 from galewood.evaluation import Forest, Source
 from galewood.paper.gestures import small_table
-from galewood.paper.plan import Plan, Tick
+from galewood.paper.plan import OnProgress, Plan
 from galewood.paper.search import Literal
-from galewood.player import ForestLookup, TangentForest, planted
+from galewood.player import ModalForest, PaperForest, grid_placements
 from galewood.sampling import (
-    Recording,
+    SampledRun,
     Trajectory,
     read_trajectory,
     run_in_processes,
@@ -35,22 +35,22 @@ DIRECTION_DEG = 60.0
 TREES = 1000
 REPEATS = 5
 FORESTS: dict[str, Callable[[Table, int], Forest]] = {
-    "tangent": lambda table, count: TangentForest(
-        table.tangent, float(table.metadata["dt_s"]), table.mode_scale, count
+    "modal": lambda table, count: ModalForest(
+        table.modal, float(table.metadata["dt_s"]), table.mode_scale, count
     ),
-    "paper": lambda table, count: ForestLookup(table, count),
+    "paper": lambda table, count: PaperForest(table, count),
 }
 
 
-def by_elements(plan: Plan, table: Table, source: Source, tick: Tick) -> dict[str, Any]:
+def by_elements(plan: Plan, table: Table, source: Source, on_progress: OnProgress) -> dict[str, Any]:
     """Table 1: time per tree and step at every number of sampled elements, of six winds in one direction.
 
     ``exhaustive`` is Algorithm 1 as printed: at every step every record's whole state is compared.
     """
-    runs, counts, vertices = _runs_of_most(plan, table, source, tick)
+    runs, counts, vertices = _runs_of_most(plan, table, source, on_progress)
     found: dict[str, Any] = {}
     for k, count in enumerate(plan.elements):
-        tick(0.4 + 0.6 * k / len(plan.elements), f"Table 1: {count} elements")
+        on_progress(0.4 + 0.6 * k / len(plan.elements), f"Table 1: {count} elements")
         kept = [_at_points(run, vertices, counts[count]) for run in runs]
         small = small_table(table, source, kept)
         found[str(count)] = {
@@ -65,7 +65,7 @@ def by_elements(plan: Plan, table: Table, source: Source, tick: Tick) -> dict[st
 
 
 def _runs_of_most(
-    plan: Plan, table: Table, source: Source, tick: Tick
+    plan: Plan, table: Table, source: Source, on_progress: OnProgress
 ) -> tuple[list[Trajectory], dict[int, npt.NDArray[np.int64]], npt.NDArray[np.int64]]:
     """Runs recorded at the vertices of the most elements, and which of them each smaller number has."""
     skeleton = extract_skeleton(source.mesh)
@@ -79,7 +79,7 @@ def _runs_of_most(
     tasks = sample_tasks(source.model, winds, most, plan.cache_dir)
 
     def done(ready: int) -> None:
-        tick(0.4 * ready / len(tasks), "Table 1: simulating the winds")
+        on_progress(0.4 * ready / len(tasks), "Table 1: simulating the winds")
 
     paths = run_in_processes(tasks, done, plan.workers)
     return [read_trajectory(path) for path in paths], counts, np.unique(most).astype(np.int64)
@@ -96,7 +96,7 @@ def _at_points(run: Trajectory, vertices: npt.NDArray[np.int64], kept: npt.NDArr
 def step_us(table: Table, method: str, plan: Plan, trees: int = TREES) -> float:
     """Processor µs of one step of one tree under a gusty wind."""
     forest, dt_s = FORESTS[method](table, trees), float(table.metadata["dt_s"])
-    x, z, yaw, _ = planted(trees)
+    x, z, yaw, _ = grid_placements(trees)
     forest.set_trees(x, z, yaw, np.ones(trees))
     field, pressure = WindField(PRESETS["autumn-gusts"]), np.zeros((2, trees), np.float32)
     steps = plan.steps if trees > 1 else 20 * plan.steps
@@ -113,7 +113,7 @@ def step_us(table: Table, method: str, plan: Plan, trees: int = TREES) -> float:
     return float(best)
 
 
-def exhaustive_us(runs: Sequence[Recording], table: Table, plan: Plan) -> float:
+def exhaustive_us(runs: Sequence[SampledRun], table: Table, plan: Plan) -> float:
     """Processor µs of one step of one tree when every state is compared with every record, as printed."""
     literal, rng = Literal(table, runs), np.random.default_rng(plan.seed)
     peak = float(np.abs(table.pressure_pa).max())
@@ -146,7 +146,7 @@ def _forest_ms(
 ) -> tuple[float, float]:
     """Processor ms of a step's wind and of its trees."""
     parts = [FORESTS[method](table, count) for table, count in zip(tables, shares, strict=True)]
-    x, z, yaw, _ = planted(sum(shares))
+    x, z, yaw, _ = grid_placements(sum(shares))
     bounds = np.cumsum([0, *shares])
     cuts = [slice(a, b) for a, b in pairwise(bounds.tolist())]
     for forest, cut in zip(parts, cuts, strict=True):

@@ -12,7 +12,7 @@ from galewood.paper.plan import SPECIES, Plan
 PAPER_FORESTS = {20: "100", 30: "80", 40: "70", 50: "its limit", 1000: "25 (in the abstract)"}
 PAPER_HAUSDORFF = 0.011905
 NAMES = {
-    "tangent": "drift-free",
+    "modal": "modal",
     "paper": "paper's search, eased",
     "paper-literal": "paper's search, literal",
     "paper-own-table": "literal, table of six winds at 60° only",
@@ -116,16 +116,16 @@ In the pictures the tree as the finite elements have it stands in grey behind th
 
 def _unseen(figures: dict[str, Any], folder: str) -> str:
     plan, blocks = figures["plan"], []
-    methods = ("tangent", "paper", "paper-literal", "nearest-sample", "rest-pose")
+    methods = ("modal", "paper", "paper-literal", "nearest-sample", "rest-pose")
     for name, found in figures["species"].items():
         rows = [
-            [wind, percent(by["rest-pose"]["true_sway"], 1), percent(by["tangent"]["max_error"], 3),
-             percent(by["tangent"]["rms_error"], 3), _number(by["tangent"]["growth"]),
+            [wind, percent(by["rest-pose"]["reference_sway"], 1), percent(by["modal"]["max_error"], 3),
+             percent(by["modal"]["rms_error"], 3), _number(by["modal"]["growth"]),
              *(percent(by[method]["max_error"], 1) for method in methods[1:]),
-             percent(by["floor"]["truncation"], 3), percent(by["tangent"]["seen"]["max_error"], 2)]
+             percent(by["floor"]["truncation"], 3), percent(by["modal"]["rendered"]["max_error"], 2)]
             for wind, by in found["winds"].items()
         ]  # fmt: skip
-        head = [name, "sway", "drift-free", "its RMS", "its growth", "eased", "literal", "nearest sample",
+        head = [name, "sway", "modal", "its RMS", "its growth", "eased", "literal", "nearest sample",
                 "not moving", "modes alone", "drift-free as drawn"]  # fmt: skip
         blocks += [table(head, rows), f"![Errors over time, {name}]({folder}/errors-{name}.png)"]
     return f"""## Twenty seconds of winds that were not sampled
@@ -145,8 +145,8 @@ def _elements(figures: dict[str, Any], folder: str) -> str:
     for name, found in figures["species"].items():
         rows = [
             [count, str(paper.get(int(count), "–")), _rate(row["exhaustive_us"]), _rate(row["paper_us"]),
-             _rate(row["tangent_us"]), f"{row['exhaustive_us']:,.0f}", f"{row['paper_us']:.2f}",
-             f"{row['tangent_us']:.2f}", f"{row['table_bytes'] / 1e6:.1f}"]
+             _rate(row["modal_us"]), f"{row['exhaustive_us']:,.0f}", f"{row['paper_us']:.2f}",
+             f"{row['modal_us']:.2f}", f"{row['table_bytes'] / 1e6:.1f}"]
             for count, row in found["elements"].items()
         ]  # fmt: skip
         head = [f"{name}: elements", "paper, fps", "as printed, 1/s", "short lists, 1/s", "drift-free, 1/s",
@@ -177,7 +177,7 @@ def _directions(figures: dict[str, Any], folder: str) -> str:
     for name, found in figures["species"].items():
         rows = [
             [f"{direction}°", percent(row["sway"]), *(percent(row["hausdorff"][m], 3) for m in
-             ("tangent", "paper", "paper-literal"))]
+             ("modal", "paper", "paper-literal"))]
             for direction, row in found["directions"].items()
         ]  # fmt: skip
         blocks.append(table([name, "sway", "drift-free, HD", "eased, HD", "literal, HD"], rows))
@@ -196,8 +196,8 @@ its own records.
 def _forests(figures: dict[str, Any], folder: str) -> str:
     rows = [
         [f"{int(count):,}", PAPER_FORESTS.get(int(count), "–"), f"{row['wind_ms']:.3f}",
-         f"{row['tangent_ms']:.3f}", f"{row['paper_ms']:.3f}",
-         f"{1e3 / (row['wind_ms'] + row['tangent_ms']):,.0f}",
+         f"{row['modal_ms']:.3f}", f"{row['paper_ms']:.3f}",
+         f"{1e3 / (row['wind_ms'] + row['modal_ms']):,.0f}",
          f"{1e3 / (row['wind_ms'] + row['paper_ms']):,.0f}"]
         for count, row in figures["forests"].items()
     ]  # fmt: skip
@@ -249,10 +249,10 @@ Algorithm 1 as printed, which compares the state with every record (seed {figure
 def _beyond(figures: dict[str, Any], folder: str) -> str:
     rows = [
         [name, f"{s['beyond']['times']:g} ×", percent(s["beyond"]["largest"], 0),
-         f"{s['beyond']['coverage']:.2f}", f"{s['beyond']['left_at_rest_m']:.1g}"]
+         f"{s['beyond']['extrapolation_ratio']:.2f}", f"{s['beyond']['left_at_rest_m']:.1g}"]
         for name, s in figures["species"].items()
     ]  # fmt: skip
-    head = ["tree", "pressure", "largest displacement, % of height", "coverage", "left after, m"]
+    head = ["tree", "pressure", "largest displacement, % of height", "extrapolation_ratio", "left after, m"]
     return f"""## Beyond the samples
 
 The drift-free method under a wind far stronger than any sampled, back and forth, then in still air: it stays
@@ -263,13 +263,13 @@ bounded, says that it is beyond its samples (coverage above 1), and comes to res
 
 def _short(figures: dict[str, Any], folder: str) -> str:
     worst, worse, runs = 0.0, 0, 0
-    tangent = 0.0
+    modal = 0.0
     for found in figures["species"].values():
         for by in found["winds"].values():
             literal, rest = by["paper-literal"]["max_error"], by["rest-pose"]["max_error"]
             worst, worse, runs = max(worst, literal), worse + int(literal > rest), runs + 1
-            tangent = max(tangent, by["tangent"]["max_error"])
-    far, own = percent(worst, 0), percent(tangent)
+            modal = max(modal, by["modal"]["max_error"])
+    far, own = percent(worst, 0), percent(modal)
     times = [row["exhaustive_us"] for s in figures["species"].values() for row in s["elements"].values()]
     least, most = f"{min(times):,.0f}", f"{max(times):,.0f}"
     return f"""## Where the paper's own method falls short

@@ -1,7 +1,8 @@
 """Steps a forest of one table's trees; in: pressure per tree; out: modal coordinates per tree. No I/O."""
 
-from galewood.player.modal_forest import TangentForest
-from galewood.player.paper_search import ForestLookup, gaussian
-from galewood.player.sway import planted, play
+from galewood.player.modal_forest import ModalForest
+from galewood.player.paper_search import PaperForest, gaussian
+from galewood.player.sway import grid_placements, play
+from galewood.player.wind_driven import Method, WindDrivenTrees
 
-__all__ = ["ForestLookup", "TangentForest", "gaussian", "planted", "play"]
+__all__ = ["Method", "ModalForest", "PaperForest", "WindDrivenTrees", "gaussian", "grid_placements", "play"]

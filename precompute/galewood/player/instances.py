@@ -8,7 +8,7 @@ import numpy.typing as npt
 from galewood.util import Floats
 
 
-class PacedTrees:
+class TreeInstances:
     """What both methods keep of their trees; twin of web/src/pacedTrees.ts."""
 
     def __init__(self, count: int, mode_scale: npt.NDArray[np.float32], dt_s: float) -> None:

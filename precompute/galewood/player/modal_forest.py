@@ -13,22 +13,22 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from galewood.modal import Tangent, advance_trees, widened, working_room
-from galewood.player.instances import PacedTrees
+from galewood.modal import ModalTensors, advance_trees, widened, working_room
+from galewood.player.instances import TreeInstances
 from galewood.util import Singles
 
 
-class TangentForest(PacedTrees):
+class ModalForest(TreeInstances):
     """Trees of one table, each with its own state, in its own frame and at its own pace."""
 
-    def __init__(self, tangent: Tangent, dt_s: float, mode_scale: Singles, count: int) -> None:
+    def __init__(self, modal: ModalTensors, dt_s: float, mode_scale: Singles, count: int) -> None:
         """``count`` trees at rest; dt_s is the table's step, mode_scale (r,) the stream's unit of q."""
         super().__init__(count, mode_scale, dt_s)
-        self._tensors, self._lanes = widened(tangent), working_room(tangent)
-        d = len(tangent.step)
+        self._tensors, self._lanes = widened(modal), working_room(modal)
+        d = len(modal.step)
         self._e, self._v = np.zeros((count, d)), np.zeros((count, d))
         self._turned = np.zeros((count, 2))
-        self.coverage = np.zeros(count, np.float32)
+        self.extrapolation_ratio = np.zeros(count, np.float32)
         """(count,) how far into the sampled range of sway and pressure a tree is: above 1 it is beyond it."""
 
     def advance(self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike) -> None:
@@ -36,5 +36,5 @@ class TangentForest(PacedTrees):
         px, pz = self._passing(dt_s, pressure_x, pressure_z)
         advance_trees(
             self._tensors, self._dt_s / 2, self._rate, self._turn, px, pz, self._e, self._v, self._phase,
-            self._turned, self._now, self._before, self.q, self.coverage, self._lanes,
+            self._turned, self._now, self._before, self.q, self.extrapolation_ratio, self._lanes,
         )  # fmt: skip

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from galewood.modal import MAX_STEPS_PER_ADVANCE
-from galewood.player.instances import PacedTrees
+from galewood.player.instances import TreeInstances
 from galewood.search import last_records, still_records
 from galewood.table import Table
 from galewood.util import Array, Floats
@@ -179,9 +179,9 @@ def _ease(poses, dq, first, found, easing, now, before):
 @numba.njit(cache=True, nogil=True)
 def _step(search, dq, poses, starts, rule, i, fx, fz, record, weight, now, before):
     """One step of tree i: find the record, adopt its successor's state, accumulate its Δq (Alg. 1)."""
-    initial, maximum, growth, easing, tell_air = rule
+    initial, maximum, growth, easing, separate_still_air = rule
     air = ANY
-    if tell_air:
+    if separate_still_air:
         air = 1 if fx == 0.0 and fz == 0.0 else 0
     found = _find(search, record[i] + 1, weight[i], air, fx, fz)
     if found < 0:  # a table without records of such air: ask all
@@ -259,7 +259,7 @@ def _widened(table: Table) -> LookupArrays:
     return LookupArrays(search, table.dq.astype(np.float64), table.pose().astype(np.float64), starts)
 
 
-class ForestLookup(PacedTrees):
+class PaperForest(TreeInstances):
     """Trees of one table, each with its own state, in its own frame and at its own pace."""
 
     def __init__(

@@ -14,7 +14,14 @@ from typing import Protocol
 import numpy as np
 
 from galewood.fem import FemSettings
-from galewood.modal import Tangent, coupled_of, force_terms, shape_terms, write_force_terms, write_pose_terms
+from galewood.modal import (
+    ModalTensors,
+    coupled_of,
+    force_terms,
+    shape_terms,
+    write_force_terms,
+    write_pose_terms,
+)
 from galewood.reduction.oscillators import Oscillators, propagators, reduced, response
 from galewood.reduction.pod import Subspace
 from galewood.util import Array, Floats
@@ -56,7 +63,7 @@ class ModalRun:
     q: Floats
 
 
-def fit_tangent(
+def fit_modal_model(
     ritz: Oscillators,
     mass_kg: Floats,
     runs: Sequence[RunLike],
@@ -65,7 +72,7 @@ def fit_tangent(
     *,
     coupled: int = 4,
     force_ridge: float = FORCE_RIDGE,
-) -> Tangent:
+) -> ModalTensors:
     """The method's tensors from a tree's oscillators (``leading_oscillators``) and its runs.
 
     The shown modes are the subspace's, which begins with the oscillators' own shapes. ``coupled`` coordinates
@@ -80,7 +87,7 @@ def fit_tangent(
     shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits)
     step[:, [0, 3]] -= 1.0
     tensors = (step, ritz.load, sway, force, shown, pose, limits)
-    return Tangent(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
+    return ModalTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
 
 
 def leading_oscillators(

@@ -8,7 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from galewood.sampling.recording import DIRECTIONS_DEG, Recording, SampleWind, StoredRun, sample_winds
+from galewood.sampling.recording import DIRECTIONS_DEG, SampledRun, SampleWind, StoredRun, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner, sample_tasks
 from galewood.sampling.training_winds import SEED, further_winds, training_winds
 from galewood.util import Array
@@ -22,7 +22,7 @@ FIRST_NAMES = {
     *(f"gust-{direction:03.0f}" for direction in DIRECTIONS_DEG[::3]),
 }
 """Of an early table: weak, middling and strong winds from three sides, and two gusts that die down; …"""
-FIRST_LEARNT = slice(0, None, 3)
+FIRST_TRAINING = slice(0, None, 3)
 """… and every third of the winds that the drift-free method learns from."""
 
 
@@ -31,34 +31,38 @@ class Samples:
     """Runs whose records the paper's search needs, and runs that only the drift-free method learns from."""
 
     recorded: Sequence[SampleTask]
-    learnt: Sequence[SampleTask]
+    training: Sequence[SampleTask]
     further: Sequence[SampleTask] = ()
     """More to learn from, simulated only for a tree that bends far."""
 
     @property
     def winds(self) -> list[SampleWind]:
-        return [task.wind for task in (*self.recorded, *self.learnt)]
+        return [task.wind for task in (*self.recorded, *self.training)]
 
     @property
     def ready(self) -> bool:
-        return all(task.path.exists() for task in (*self.recorded, *self.learnt))
+        return all(task.path.exists() for task in (*self.recorded, *self.training))
 
-    def recorded_runs(self) -> list[Recording]:
+    def recorded_runs(self) -> list[SampledRun]:
         return [StoredRun(task.path) for task in self.recorded]
 
-    def learnt_runs(self) -> list[Recording]:
+    def training_runs(self) -> list[SampledRun]:
         """All that moves as the finite elements do: not what was faded to rest."""
         free = [task for task in self.recorded if not task.wind.fade_frames]
-        return [StoredRun(task.path) for task in (*free, *self.learnt)]
+        return [StoredRun(task.path) for task in (*free, *self.training)]
 
-    def further_runs(self, runner: TrajectoryRunner, tick: Callable[[float], None]) -> list[Recording]:
+    def further_runs(
+        self, runner: TrajectoryRunner, on_progress: Callable[[float], None]
+    ) -> list[SampledRun]:
         """Those that only few trees need, simulated now unless they are there."""
-        runner(self.further, lambda number: tick(number / max(len(self.further), 1)))
+        runner(self.further, lambda number: on_progress(number / max(len(self.further), 1)))
         return [StoredRun(task.path) for task in self.further]
 
     def first(self) -> Samples:
         """The few that an early table is made from, in the same order."""
-        return Samples([t for t in self.recorded if t.wind.name in FIRST_NAMES], self.learnt[FIRST_LEARNT])
+        return Samples(
+            [t for t in self.recorded if t.wind.name in FIRST_NAMES], self.training[FIRST_TRAINING]
+        )
 
 
 def planned(
@@ -77,18 +81,21 @@ def planned(
 
 
 def simulate(
-    samples: Samples, runner: TrajectoryRunner, tick: Callable[[float], None], at_first: Callable[[], None]
+    samples: Samples,
+    runner: TrajectoryRunner,
+    on_progress: Callable[[float], None],
+    at_first: Callable[[], None],
 ) -> None:
     """Run what is not there yet, the first ones first; ``at_first`` is called as soon as these are done."""
     first = samples.first()
-    early = [*first.recorded, *first.learnt]
-    taken = {task.path for task in early}
-    others = [task for task in (*samples.recorded, *samples.learnt) if task.path not in taken]
-    tasks, waiting = [*early, *others], [at_first]
+    preliminary = [*first.recorded, *first.training]
+    taken = {task.path for task in preliminary}
+    others = [task for task in (*samples.recorded, *samples.training) if task.path not in taken]
+    tasks, waiting = [*preliminary, *others], [at_first]
     frames = [len(task.wind.pressure_pa) for task in tasks]
 
     def done(number: int) -> None:
-        tick(sum(frames[:number]) / sum(frames))
+        on_progress(sum(frames[:number]) / sum(frames))
         if waiting and number < len(tasks) and first.ready:
             waiting.pop()()
 

@@ -62,7 +62,7 @@ class Trajectory:
     stiffness: Array  # (T, q, 6) xx yy zz xy xz yz of the diagonal blocks
 
 
-class Recording(Protocol):
+class SampledRun(Protocol):
     """A trajectory, in memory or in its file; the fields are those of ``Trajectory``."""
 
     @property
@@ -133,7 +133,7 @@ def sample_trajectory(
     wind: SampleWind,
     points: Array,
     dt_s: float,
-    tick: Callable[[float], None] = lambda fraction: None,
+    on_progress: Callable[[float], None] = lambda fraction: None,
 ) -> Trajectory:
     """Run a body under a wind from gravity rest, recording S_i at the given vertices (q,).
 
@@ -144,7 +144,7 @@ def sample_trajectory(
     u, v = np.zeros((frames + 1, *body.u.shape), np.float32), np.zeros((frames, len(points), 3), np.float32)
     force, stiffness = np.zeros_like(v), np.zeros((frames, len(points), 6), np.float32)
     for i, pressure in enumerate(wind.pressure_pa):
-        tick(i / frames)
+        on_progress(i / frames)
         v[i] = body.v[points]
         body.step(pressure)
         force[i] = body.recorded_force(points)

@@ -19,7 +19,7 @@ from galewood.sampling.recording import (
     trajectory_key,
     write_trajectory,
 )
-from galewood.util import Array, Helpers
+from galewood.util import Array, WorkerPool
 
 if TYPE_CHECKING:  # the finite elements are loaded only where a run is simulated
     from galewood.fem import FemModel, Simulator
@@ -81,12 +81,12 @@ def _simulator(model: Path) -> Simulator:
     return Simulator(load_model(model))
 
 
-def run_task(task: SampleTask, tick: Callable[[float], None] = lambda fraction: None) -> Path:
+def run_task(task: SampleTask, on_progress: Callable[[float], None] = lambda fraction: None) -> Path:
     """Make one trajectory, in whatever process this is, unless it is there; ``tick`` may raise to stop."""
     if not task.path.exists():
         simulator = _simulator(task.model)
         dt_s = simulator.model.settings.dt_s
-        run = sample_trajectory(simulator, task.wind, np.array(task.points, np.int64), dt_s, tick)
+        run = sample_trajectory(simulator, task.wind, np.array(task.points, np.int64), dt_s, on_progress)
         write_trajectory(task.path, run)
     return task.path
 
@@ -95,22 +95,22 @@ def run_in_processes(
     tasks: Sequence[SampleTask],
     done: Callable[[int], None],
     workers: int | None = None,
-    helpers: Helpers | None = None,
+    pool: WorkerPool | None = None,
 ) -> list[Path]:
     """A TrajectoryRunner on this machine's cores: in ``helpers`` at hand, or in ``workers`` of its own."""
     missing = [task for task in tasks if not task.path.exists()]
     ready = len(tasks) - len(missing)
     done(ready)
-    if missing and helpers:
-        _run_missing(missing, lambda count: done(ready + count), helpers)
+    if missing and pool:
+        _run_missing(missing, lambda count: done(ready + count), pool)
     elif missing:
-        with Helpers(workers) as own:
+        with WorkerPool(workers) as own:
             _run_missing(missing, lambda count: done(ready + count), own)
     return [task.path for task in tasks]
 
 
-def _run_missing(tasks: Sequence[SampleTask], done: Callable[[int], None], helpers: Helpers) -> None:
-    futures = [helpers.start(run_task, task) for task in tasks]
+def _run_missing(tasks: Sequence[SampleTask], done: Callable[[int], None], pool: WorkerPool) -> None:
+    futures = [pool.start(run_task, task) for task in tasks]
     try:
         for count, future in enumerate(as_completed(futures), 1):
             future.result()

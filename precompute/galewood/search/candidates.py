@@ -251,7 +251,7 @@ def prune(first: int, rows: Array, air: Air, rule: Rule) -> tuple[Array, Array, 
 
 
 def build_search(
-    layout: Compared, air: Air, rule: Rule, tick: Callable[[float], None] = lambda fraction: None
+    layout: Compared, air: Air, rule: Rule, on_progress: Callable[[float], None] = lambda fraction: None
 ) -> Search:
     """Compare every record with every other and keep the candidates. ``tick`` hears the fraction done."""
     z = len(layout.rank)
@@ -264,7 +264,7 @@ def build_search(
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for part in pool.map(chunk, range(0, z, CHUNK)):
             parts.append(part)
-            tick(min(1.0, len(parts) * CHUNK / z))
+            on_progress(min(1.0, len(parts) * CHUNK / z))
     counts = np.concatenate([part[0] for part in parts])
     offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.uint32)
     return Search(

@@ -52,7 +52,7 @@ class Line(Protocol):
     def tet_point(self) -> Int32s: ...
 
 
-def as_drawn(tree: TreeMesh, mesh: TetMesh, line: Line) -> TetMesh:
+def with_corrected_radii(tree: TreeMesh, mesh: TetMesh, line: Line) -> TetMesh:
     """The mesh with the ratio of radii that its skeleton and the drawing's volume give."""
     ratio = drawn_ratio(Surface(tree.wood_vertices_m, tree.wood_faces), mesh, line)
     return replace(mesh, radius_ratio=ratio)

@@ -16,11 +16,13 @@ import numpy.typing as npt
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
-from galewood.modal import Tangent, force_terms, shape_terms
+from galewood.modal import ModalTensors, force_terms, shape_terms
 from galewood.util import Array
 
 FORMAT = "galewood-table"
-VERSION = 5
+VERSION = 6
+READABLE = (5, 6)
+"""Version 5 names the tensors of the modal model tangent.*; otherwise it is the same."""
 MAX_HEADER_BYTES = 1 << 20
 MAX_DYNAMIC = 64
 
@@ -46,20 +48,20 @@ class Table:
     offsets: npt.NDArray[np.uint32]  # (z + 1,)
     candidate: npt.NDArray[np.uint16]  # (nnz,)
     mismatches: npt.NDArray[np.uint16]  # (nnz,)
-    tangent_step: npt.NDArray[np.float32]  # (d, 6), as the rest below: galewood.player.modal_forest.Tangent
-    tangent_load: npt.NDArray[np.float32]  # (d, 2)
-    tangent_sway: npt.NDArray[np.float32]  # (2, d)
-    tangent_force: npt.NDArray[np.float32]  # (44 + 6c, d)
-    tangent_shown: npt.NDArray[np.float32]  # (d,)
-    tangent_pose: npt.NDArray[np.float32]  # (d + 9 + 2c, r - d)
-    tangent_limits: npt.NDArray[np.float32]  # (3 + 2c,)
+    modal_step: npt.NDArray[np.float32]  # (d, 6), as the rest below: galewood.player.modal_forest.Tangent
+    modal_load: npt.NDArray[np.float32]  # (d, 2)
+    modal_sway: npt.NDArray[np.float32]  # (2, d)
+    modal_force: npt.NDArray[np.float32]  # (44 + 6c, d)
+    modal_shown: npt.NDArray[np.float32]  # (d,)
+    modal_pose: npt.NDArray[np.float32]  # (d + 9 + 2c, r - d)
+    modal_limits: npt.NDArray[np.float32]  # (3 + 2c,)
 
     @property
-    def tangent(self) -> Tangent:
+    def modal(self) -> ModalTensors:
         """The drift-free method's own tensors."""
-        return Tangent(
-            self.tangent_step, self.tangent_load, self.tangent_sway,
-            self.tangent_force, self.tangent_shown, self.tangent_pose, self.tangent_limits,
+        return ModalTensors(
+            self.modal_step, self.modal_load, self.modal_sway,
+            self.modal_force, self.modal_shown, self.modal_pose, self.modal_limits,
         )  # fmt: skip
 
     def pose(self) -> npt.NDArray[np.int32]:
@@ -78,13 +80,13 @@ TENSORS: dict[str, tuple[str, Any, int]] = {
     "search.offsets": ("offsets", np.uint32, 1),
     "search.record": ("candidate", np.uint16, 1),
     "search.mismatch_steps": ("mismatches", np.uint16, 1),
-    "tangent.step": ("tangent_step", np.float32, 2),
-    "tangent.load": ("tangent_load", np.float32, 2),
-    "tangent.sway": ("tangent_sway", np.float32, 2),
-    "tangent.force": ("tangent_force", np.float32, 2),
-    "tangent.shown": ("tangent_shown", np.float32, 1),
-    "tangent.pose": ("tangent_pose", np.float32, 2),
-    "tangent.limits": ("tangent_limits", np.float32, 1),
+    "modal.step": ("modal_step", np.float32, 2),
+    "modal.load": ("modal_load", np.float32, 2),
+    "modal.sway": ("modal_sway", np.float32, 2),
+    "modal.force": ("modal_force", np.float32, 2),
+    "modal.shown": ("modal_shown", np.float32, 1),
+    "modal.pose": ("modal_pose", np.float32, 2),
+    "modal.limits": ("modal_limits", np.float32, 1),
 }
 """Name in the file → (field, type, rank)."""
 
@@ -115,6 +117,8 @@ def decode(data: bytes) -> Table:
         tensors = load(data)
     except (SafetensorError, ValueError, TypeError, KeyError) as error:
         raise TableError(f"damaged table file: {error}") from error
+    if metadata.get("version") == 5:
+        metadata, tensors = _from_version_5(metadata, tensors)
     table = Table(
         metadata=metadata, **{field: _tensor(tensors, name) for name, (field, _, _) in TENSORS.items()}
     )
@@ -127,6 +131,16 @@ def decode(data: bytes) -> Table:
     table = replace(table, mismatches=_sums(table.mismatches, table.offsets))
     check(table)
     return table
+
+
+def _from_version_5(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Metadata, dict[str, Array]]:
+    """A table of version 5 under the names of this version."""
+    errors = metadata.get("errors")
+    if isinstance(errors, dict) and "replay_m" in errors:
+        kept = {name: value for name, value in errors.items() if name != "replay_m"}
+        metadata = {**metadata, "errors": {**kept, "training_m": errors["replay_m"]}}
+    renamed = {name.replace("tangent.", "modal.", 1): tensor for name, tensor in tensors.items()}
+    return {**metadata, "version": VERSION}, renamed
 
 
 def _steps(mismatches: Array, offsets: Array) -> npt.NDArray[np.uint16]:
@@ -180,7 +194,7 @@ def check(table: Table) -> None:
     _check_numbers(table)
     _check_trajectories(table)
     _check_search(table)
-    _check_tangent(table)
+    _check_modal(table)
 
 
 def _need(holds: bool, complaint: str) -> None:
@@ -192,7 +206,7 @@ def check_metadata(metadata: Metadata) -> None:
     """Format, version, and every figure a reader computes with."""
     _need(metadata.get("format") == FORMAT, f"not a {FORMAT}: format {metadata.get('format')!r:.40}")
     version = metadata.get("version")
-    _need(version == VERSION, f"table version {version!r:.40}, this reader knows version {VERSION}")
+    _need(version == VERSION, f"table version {version!r:.40}; this reader knows versions 5 and 6")
     for name, low, high in (
         ("height_m", 0.01, 1000.0),
         ("dt_s", 1e-4, 1.0),
@@ -224,11 +238,11 @@ def _number(metadata: Metadata, name: str, low: float, high: float) -> float:
 def _check_shapes(table: Table) -> None:
     r, z, n = int(table.metadata["modes"]), int(table.metadata["records"]), len(table.node_rest_m)
     vertices = sum(int(p["vertices"]) for p in table.metadata["primitives"])
-    d = len(table.tangent_step)
+    d = len(table.modal_step)
     most = min(MAX_DYNAMIC, r)
-    _need(2 <= d <= most, f"tensor tangent.step: expected 2..{most} rows")
-    c, odd = divmod(len(table.tangent_limits) - 3, 2)
-    _need(not odd and 0 <= c <= d - 2, f"tensor tangent.limits: expected 3, 5, … {2 * d - 1} numbers")
+    _need(2 <= d <= most, f"tensor modal.step: expected 2..{most} rows")
+    c, odd = divmod(len(table.modal_limits) - 3, 2)
+    _need(not odd and 0 <= c <= d - 2, f"tensor modal.limits: expected 3, 5, … {2 * d - 1} numbers")
     for name, shape in (
         ("modes.scale", (r,)),
         ("nodes.basis", (n, 3, r)),
@@ -238,13 +252,13 @@ def _check_shapes(table: Table) -> None:
         ("samples.pressure_pa", (z, 2)),
         ("search.offsets", (z + 1,)),
         ("search.mismatch_steps", (len(table.candidate),)),
-        ("tangent.step", (d, 6)),
-        ("tangent.load", (d, 2)),
-        ("tangent.sway", (2, d)),
-        ("tangent.force", (force_terms(c), d)),
-        ("tangent.shown", (d,)),
-        ("tangent.pose", (d + 2 + shape_terms(c), r - d)),
-        ("tangent.limits", (3 + 2 * c,)),
+        ("modal.step", (d, 6)),
+        ("modal.load", (d, 2)),
+        ("modal.sway", (2, d)),
+        ("modal.force", (force_terms(c), d)),
+        ("modal.shown", (d,)),
+        ("modal.pose", (d + 2 + shape_terms(c), r - d)),
+        ("modal.limits", (3 + 2 * c,)),
     ):
         found = getattr(table, TENSORS[name][0]).shape
         _need(found == shape, f"tensor {name}: shape {found}, expected {shape}")
@@ -294,11 +308,11 @@ def _check_search(table: Table) -> None:
     _need(bool(((np.diff(key) > 0) | first[1:]).all()), "tensor search.record: candidates out of order")
 
 
-def _check_tangent(table: Table) -> None:
+def _check_modal(table: Table) -> None:
     """Every oscillator's step must contract: a bounded wind then gives a bounded motion."""
-    _need(bool((table.tangent_limits > 0).all()), "tensor tangent.limits: not positive")
-    step = table.tangent_step.astype(np.float64)
+    _need(bool((table.modal_limits > 0).all()), "tensor modal.limits: not positive")
+    step = table.modal_step.astype(np.float64)
     r00, r01, r10, r11 = 1.0 + step[:, 0], step[:, 1], step[:, 2], 1.0 + step[:, 3]
     product = r00 * r11 - r01 * r10
     contracts = (np.abs(product) < 1.0) & (np.abs(r00 + r11) < 1.0 + product)
-    _need(bool(contracts.all()), "tensor tangent.step: an oscillator that does not come to rest")
+    _need(bool(contracts.all()), "tensor modal.step: an oscillator that does not come to rest")

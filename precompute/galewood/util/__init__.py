@@ -5,13 +5,12 @@ from galewood.util.atomic_file import write_arrays, write_whole
 from galewood.util.cancelled import Cancelled
 from galewood.util.errors import MeshError, Reason
 from galewood.util.process_usage import PeakMemory, cpu_seconds
-from galewood.util.worker_pool import Helpers, usable_cores
+from galewood.util.worker_pool import WorkerPool, usable_cores
 
 __all__ = [
     "Array",
     "Cancelled",
     "Floats",
-    "Helpers",
     "Int32s",
     "Int64s",
     "Ints",
@@ -19,6 +18,7 @@ __all__ = [
     "PeakMemory",
     "Reason",
     "Singles",
+    "WorkerPool",
     "cpu_seconds",
     "usable_cores",
     "write_arrays",

@@ -23,13 +23,13 @@ WARM_UP_S = 0.3
 """A process that has just started is kept for so long that the next task starts another one."""
 
 
-class Helpers:
+class WorkerPool:
     """A few processes, started and warmed up at once; ``with`` ends them, and at once after an exception."""
 
     def __init__(self, count: int | None = None, *, warm: Sequence[str] = ()) -> None:
         """``warm`` names modules that every process imports at once."""
         context, count = get_context("spawn"), count or usable_cores()
-        end, self._leash = context.Pipe(duplex=False)
+        end, self._lifeline = context.Pipe(duplex=False)
         self._pool = ProcessPoolExecutor(count, mp_context=context, initializer=_begin, initargs=(end,))
         for _ in range(count if warm else 0):
             self._pool.submit(_warm_up, tuple(warm))
@@ -47,9 +47,9 @@ class Helpers:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if kind is not None:
-            self._leash.close()
+            self._lifeline.close()
         self._pool.shutdown(wait=True, cancel_futures=True)
-        self._leash.close()
+        self._lifeline.close()
 
 
 def usable_cores() -> int:

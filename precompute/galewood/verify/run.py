@@ -22,7 +22,7 @@ class Scope:
     cache_dir: Path = Path("data/cache")
 
 
-def verify_table(scope: Scope, tell: Callable[[Check], None] = lambda check: None) -> list[Check]:
+def verify_table(scope: Scope, report: Callable[[Check], None] = lambda check: None) -> list[Check]:
     """Run every check of the scope; `tell` hears of each as it ends."""
     groups = [element_checks.checks(), beam_checks.checks(), motion_checks.checks()]
     if scope.species_dir is not None:
@@ -30,14 +30,14 @@ def verify_table(scope: Scope, tell: Callable[[Check], None] = lambda check: Non
     found: list[Check] = []
     for check in chain.from_iterable(groups):
         found.append(check)
-        tell(check)
+        report(check)
     return found
 
 
-def run_checks(scope: Scope, tell: Callable[[Check], None] = lambda check: None) -> dict[str, Any]:
+def run_checks(scope: Scope, report: Callable[[Check], None] = lambda check: None) -> dict[str, Any]:
     """All checks as JSON-able figures: whether all passed, seconds, the lines, and the same as Markdown."""
     begin = perf_counter()
-    checks = verify_table(scope, tell)
+    checks = verify_table(scope, report)
     return {
         "passed": all(check.passed for check in checks),
         "seconds": perf_counter() - begin,

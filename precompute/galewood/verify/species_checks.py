@@ -57,7 +57,7 @@ def wood_mass(one: Specimen) -> Check:
 def against_beams(one: Specimen) -> Iterator[Check]:
     """First ten frequencies without gravity, bare and in leaf, of the reference element against the beams."""
     hung = np.bincount(
-        KDTree(one.frame.points_m).query(one.mesh.vertices_m)[1], one.lumps.mass_kg, len(one.frame.points_m)
+        KDTree(one.frame.points_m).query(one.mesh.vertices_m)[1], one.lumped.mass_kg, len(one.frame.points_m)
     ).astype(np.float64)
     for leaves, label in ((False, "bare"), (True, "in leaf")):
         exact = frame_frequencies(one.frame, one.wood, 0.0, MODES, hung if leaves else None)
@@ -87,8 +87,8 @@ def ringing(one: Specimen) -> Iterator[Check]:
 
 def against_generator(one: Specimen) -> Iterator[Check]:
     """The extracted skeleton against the generator's."""
-    points, radius = one.truth_of("points_m"), one.truth_of("radius_m")
-    branch = one.truth_of("branch").astype(np.int32)
+    points, radius = one.reference_of("points_m"), one.reference_of("radius_m")
+    branch = one.reference_of("branch").astype(np.int32)
     error = np.degrees(fibre_errors(one.mesh, one.skeleton, points, radius, branch))
     note = f"median {np.median(error):.1f}°, 90 % below {np.percentile(error, 90):.1f}°"
     name = f"{one.name}: fibre direction against the generator, median over 5°"
@@ -125,9 +125,9 @@ def against_nature(one: Specimen) -> Check:
 
 def breast_radius_m(one: Specimen) -> float:
     """Radius of the trunk at 1.3 m, or at a ninth of a small tree's height."""
-    trunk = one.truth_of("branch") == 0
+    trunk = one.reference_of("branch") == 0
     at_m = min(1.3, one.tree.height_m / 9)
-    return float(np.interp(at_m, one.truth_of("points_m")[trunk, 1], one.truth_of("radius_m")[trunk]))
+    return float(np.interp(at_m, one.reference_of("points_m")[trunk, 1], one.reference_of("radius_m")[trunk]))
 
 
 def _worst(found: Floats, exact: Floats) -> float:

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from galewood.fem import Element, FemModel, FemSettings
-from galewood.mesh import IntakeOptions, TreeMesh, run_intake
-from galewood.model import Lumps, bind_foliage, build_model
-from galewood.skeleton import Skeleton, as_drawn, extract_skeleton
+from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
+from galewood.model import LumpedMasses, bind_foliage, build_model
+from galewood.skeleton import Skeleton, extract_skeleton, with_corrected_radii
 from galewood.tets import TetMesh, tetrahedralise
 from galewood.util import Floats
 from galewood.verify.beam_frame import Frame
@@ -35,7 +35,7 @@ class Specimen:
     tree: TreeMesh
     mesh: TetMesh
     skeleton: Skeleton
-    lumps: Lumps
+    lumped: LumpedMasses
     wood: Wood
     truth: dict[str, Any]
     """Columns of the generator's skeleton, moved to the tree's own origin."""
@@ -43,9 +43,9 @@ class Specimen:
 
     def model(self, element: Element = "fitted", gravity: bool = True, leaves: bool = True) -> FemModel:
         """A model of the tree, without the comparison that a build makes."""
-        lumps = self.lumps if leaves else replace(self.lumps, mass_kg=np.zeros_like(self.lumps.mass_kg))
+        lumped = self.lumped if leaves else replace(self.lumped, mass_kg=np.zeros_like(self.lumped.mass_kg))
         settings = FemSettings(element=element, gravity=gravity)
-        return build_model(self.mesh, self.skeleton, self.wood, lumps, settings)
+        return build_model(self.mesh, self.skeleton, self.wood, lumped, settings)
 
     @cached_property
     def fast(self) -> FemModel:
@@ -57,7 +57,7 @@ class Specimen:
         """The quadratic model on the same mesh."""
         return self.model("quadratic")
 
-    def truth_of(self, name: str) -> Floats:
+    def reference_of(self, name: str) -> Floats:
         """A column of the generator's skeleton."""
         return np.array(self.truth[name])
 
@@ -65,14 +65,14 @@ class Specimen:
 def read_tree(folder: Path, name: str) -> TreeMesh:
     """A species' tree as the intake hands it on."""
     path = folder / f"{name}.glb"
-    tree, _ = run_intake(path.read_bytes(), path.name, IntakeOptions(species=name))
+    tree, _ = import_mesh_sandboxed(path.read_bytes(), path.name, ImportOptions(species=name))
     return tree
 
 
 def specimen(folder: Path, name: str, tree: TreeMesh, mesh: TetMesh) -> Specimen:
     """Skeleton, true thickness and foliage on a mesh of the tree."""
     skeleton = extract_skeleton(mesh)
-    mesh = as_drawn(tree, mesh, skeleton)
+    mesh = with_corrected_radii(tree, mesh, skeleton)
     wood = species(name)
     path = folder / f"{name}.skeleton.json"
     truth, frame = json.loads(path.read_text()), read_frame(path)

@@ -15,7 +15,7 @@ from typing import Any, cast
 
 from galewood.wind.document import FIELDS, Wind, WindError, parse_wind
 
-GLIDE_S = 0.6
+TRANSITION_S = 0.6
 _GLIDING = [name for name in FIELDS if name not in ("seed", "beta", "direction_deg")]
 
 
@@ -84,12 +84,14 @@ def change_wind(state: WindState, wind: Wind, time_s: float) -> WindState:
 
 def at(state: WindState, time_s: float) -> Moment:
     """The wind at a time."""
-    t = min(max((time_s - state.since_s) / GLIDE_S, 0.0), 1.0)
+    t = min(max((time_s - state.since_s) / TRANSITION_S, 0.0), 1.0)
     share = t * t * (3.0 - 2.0 * t)
     old_rate, new_rate = _rate(state.before), _rate(state.wind)
     # ∫ of the smooth step: t³ − t⁴/2, and ½ when it is over
-    glided_s = GLIDE_S * t * t * t * (1.0 - 0.5 * t) + max(0.0, time_s - state.since_s - GLIDE_S)
-    travel = state.travel + old_rate * (time_s - state.since_s) + (new_rate - old_rate) * glided_s
+    transition_s = TRANSITION_S * t * t * t * (1.0 - 0.5 * t) + max(
+        0.0, time_s - state.since_s - TRANSITION_S
+    )
+    travel = state.travel + old_rate * (time_s - state.since_s) + (new_rate - old_rate) * transition_s
     if t >= 1.0 or state.before == state.wind:
         return Moment(state.wind, state.wind, time_s, travel, 1.0)
     wind = _between(state.before, state.wind, share)

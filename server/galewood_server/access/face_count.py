@@ -13,9 +13,9 @@ _PLY_FACES = re.compile(rb"^element\s+face\s+(\d{1,20})\s*$", re.MULTILINE)
 _OBJ_FACE = re.compile(rb"^f[ \t]", re.MULTILINE)
 
 
-def check_declared_faces(data: bytes, limit: int) -> None:
+def check_face_count(data: bytes, limit: int) -> None:
     """ProblemError 413 if the file declares more faces than `limit`; what it holds is counted later."""
-    count = declared_faces(data)
+    count = face_count(data)
     # a count that the file has no bytes for is a lie, and intake says so better
     if limit < count <= len(data):
         raise ProblemError(
@@ -27,7 +27,7 @@ def check_declared_faces(data: bytes, limit: int) -> None:
         )
 
 
-def declared_faces(data: bytes) -> int:
+def face_count(data: bytes) -> int:
     """Faces by the head of a PLY, STL or GLB, or the lines of an OBJ; 0 where the file does not say."""
     if data[:3] == b"ply":
         found = _PLY_FACES.search(data[: data.find(b"end_header") + 1 or 65536].replace(b"\r", b""))

@@ -21,7 +21,7 @@ ALWAYS = "/api/health"  # whoever watches over the service is never turned away
 GRACE_S = 10.0
 
 
-class Doors:
+class AccessControl:
     """ASGI middleware; whatever goes wrong behind it becomes a problem as well."""
 
     def __init__(self, app: ASGIApp, settings: Settings, metrics: Metrics) -> None:

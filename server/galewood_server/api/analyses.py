@@ -19,7 +19,7 @@ from galewood_server.storage import ACTIVE, ASKED, FileStore, Job, JobKind, JobS
 MOST_WAITING = 8
 
 
-class StudyOut(BaseModel):
+class AnalysisOut(BaseModel):
     """A study: a job with what was asked and, once done, the largest figures."""
 
     id: str
@@ -38,10 +38,10 @@ class StudyOut(BaseModel):
 
 def fields_of(job: Job) -> dict[str, Any]:
     """The values of a StudyOut."""
-    return {name: getattr(job, name) for name in StudyOut.model_fields}
+    return {name: getattr(job, name) for name in AnalysisOut.model_fields}
 
 
-def studied_tree(session: Session, tree_id: str) -> Tree:
+def analysed_tree(session: Session, tree_id: str) -> Tree:
     """A tree with table and model. ProblemError 404, 409."""
     tree = session.get(Tree, tree_id)
     if tree is None:

@@ -11,18 +11,18 @@ from pydantic import BaseModel, ConfigDict, Field
 from sse_starlette import EventSourceResponse
 
 from galewood_server.api.analyses import (
-    StudyOut,
+    AnalysisOut,
+    analysed_tree,
     fields_of,
     kept_file,
     need_place_in_queue,
     order_of,
-    studied_tree,
 )
 from galewood_server.api.events import feed_of, follow_job, stream
 from galewood_server.context import ServiceHere
 from galewood_server.http import NOT_MODIFIED, problems
 from galewood_server.jobs import add_job, find_job, request_cancel
-from galewood_server.storage import Job, forget_old_studies
+from galewood_server.storage import Job, forget_old_analyses
 
 router = APIRouter(prefix="/api", tags=["comparisons"])
 
@@ -41,7 +41,7 @@ class ComparisonRequest(BaseModel):
     frames: int = Field(default=300, ge=2, le=600)
 
 
-class ComparisonOut(StudyOut):
+class ComparisonOut(AnalysisOut):
     """A comparison: a job with what was asked and, once done, the largest figures and the tracks' address."""
 
     tracks: str | None
@@ -65,9 +65,9 @@ def compare_tree(
     """Queue a comparison; the finite elements run in a process of their own, beside any build."""
     parse_wind_or_state(body.wind)
     with service.sessions.begin() as session:
-        tree = studied_tree(session, tree_id)
+        tree = analysed_tree(session, tree_id)
         need_place_in_queue(session, "comparison")
-        forget_old_studies(session, tree, "comparison")
+        forget_old_analyses(session, tree, "comparison")
         job = add_job(session, tree, "comparison", order_of(tree, body.model_dump()))
         answer = comparison_out(job)
     response.headers["Location"] = f"/api/comparisons/{answer.id}"

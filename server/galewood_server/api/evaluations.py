@@ -10,12 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from sse_starlette import EventSourceResponse
 
 from galewood_server.api.analyses import (
-    StudyOut,
+    AnalysisOut,
+    analysed_tree,
     fields_of,
     kept_file,
     need_place_in_queue,
     order_of,
-    studied_tree,
 )
 from galewood_server.api.artefacts import BINARY
 from galewood_server.api.events import feed_of, follow_job, stream
@@ -23,7 +23,7 @@ from galewood_server.api.trees import find_tree
 from galewood_server.context import ServiceHere
 from galewood_server.http import NOT_MODIFIED, problems
 from galewood_server.jobs import PLOT, add_job, find_job, request_cancel
-from galewood_server.storage import ACTIVE, Job, Tree, forget_old_studies
+from galewood_server.storage import ACTIVE, Job, Tree, forget_old_analyses
 
 router = APIRouter(prefix="/api", tags=["evaluations"])
 JSON: dict[str, Any] = {"application/json": {"schema": {"type": "object"}}}
@@ -49,7 +49,7 @@ class EvaluationRequest(BaseModel):
         return self
 
 
-class EvaluationOut(StudyOut):
+class EvaluationOut(AnalysisOut):
     """An evaluation: a job with what was asked and, once done, its main figures by wind and method
     (`result`), the address of all figures (`report`) and of their picture (`plot`)."""
 
@@ -87,13 +87,13 @@ def evaluate_tree(
     """Queue an evaluation: what `galewood evaluate` does, in a process of its own, beside any build."""
     asked = (body or EvaluationRequest()).model_dump(exclude_none=True)
     with service.sessions.begin() as session:
-        tree = studied_tree(session, tree_id)
+        tree = analysed_tree(session, tree_id)
         order = order_of(tree, asked)
         job = _same(tree, order)
         response.status_code = 200 if job else 202
         if job is None:
             need_place_in_queue(session, "evaluation")
-            forget_old_studies(session, tree, "evaluation")
+            forget_old_analyses(session, tree, "evaluation")
             job = add_job(session, tree, "evaluation", order)
         answer = evaluation_out(job)
     response.headers["Location"] = f"/api/evaluations/{answer.id}"

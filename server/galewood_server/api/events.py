@@ -39,10 +39,10 @@ class Followed(Protocol):
     def model_dump_json(self) -> str: ...
 
 
-Seen = TypeVar("Seen", bound=Followed)
+Value = TypeVar("Value", bound=Followed)
 
 
-class Mailbox:
+class ClientBuffer:
     """What one listener was not sent yet: the newest change of each tree, so a slow one costs no memory."""
 
     def __init__(self) -> None:
@@ -67,13 +67,13 @@ class ChangeFeed:
 
     def __init__(self, service: Service) -> None:
         self._service = service
-        self._boxes: set[Mailbox] = set()
+        self._boxes: set[ClientBuffer] = set()
         self._known: dict[str, tuple[Stamp, Change]] = {}
 
     @contextmanager
-    def listen(self) -> Generator[Mailbox]:
+    def listen(self) -> Generator[ClientBuffer]:
         """A mailbox that is filled for as long as the block runs."""
-        box = Mailbox()
+        box = ClientBuffer()
         self._boxes.add(box)
         try:
             yield box
@@ -152,7 +152,7 @@ async def _all(service: Service, feed: ChangeFeed) -> AsyncIterator[ServerSentEv
             changes = await box.take()
 
 
-async def follow_job(feed: ChangeFeed, read: Callable[[], Seen]) -> AsyncIterator[ServerSentEvent]:
+async def follow_job(feed: ChangeFeed, read: Callable[[], Value]) -> AsyncIterator[ServerSentEvent]:
     """The job as it is and at each change, until it has ended or is deleted with its tree."""
     with feed.listen() as box:
         job = await asyncio.to_thread(read)  # what changed before we listened is told by nobody

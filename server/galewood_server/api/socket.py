@@ -15,7 +15,7 @@ from galewood.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_
 from galewood_server.api.connections import counted_connection
 from galewood_server.context import Service, service_of
 from galewood_server.stream import WIRE_VERSION, WireError, wire
-from galewood_server.stream.forests import Seat
+from galewood_server.stream.forests import Subscription
 from galewood_server.stream.refusal import NOT_BINARY, REFUSED, UNREADABLE, Refusal
 from galewood_server.stream.socket_protocol import protocol_of
 
@@ -41,7 +41,7 @@ class Session:
         self._websocket = websocket
         self._service = service
         self._protocol = protocol_of(websocket.scope)
-        self._seat: Seat | None = None
+        self._subscription: Subscription | None = None
         self._sending: asyncio.Task[None] | None = None
         self._allowance = service.settings.socket_messages_per_s
         self._counted_s = time.monotonic()
@@ -100,29 +100,29 @@ class Session:
                 await self._send(wire.Pong(request.t, asyncio.get_running_loop().time()))
             case wire.WindChange():
                 wind = _wind(request.wind)
-                if self._seat:
-                    self._seat.forest.change_wind(wind)
+                if self._subscription:
+                    self._subscription.forest.change_wind(wind)
             case wire.Pause():
-                if self._seat:
-                    self._seat.forest.pause(request.paused)
+                if self._subscription:
+                    self._subscription.forest.pause(request.paused)
             case wire.Resync():
-                if self._seat:
-                    self._seat.mailbox.resync()
+                if self._subscription:
+                    self._subscription.client_buffer.resync()
             case wire.Forest():
-                await self._take_seat(request, tasks)
+                await self._subscribe(request, tasks)
             case wire.Hello():
                 raise Refusal("second-hello", "HELLO comes once")
 
-    async def _take_seat(self, forest: wire.Forest, tasks: asyncio.TaskGroup) -> None:
+    async def _subscribe(self, forest: wire.Forest, tasks: asyncio.TaskGroup) -> None:
         """Go over to another forest, or begin to send tables, in place of what was before."""
         wind = self._check(forest)
         if self._sending:
             self._sending.cancel()
             await asyncio.wait([self._sending])
-        before, self._seat = self._seat, None
+        before, self._subscription = self._subscription, None
         try:
             if forest.mode == "stream" or forest.share is not None:
-                self._seat = await self._service.forests.join(forest, wind, self._protocol)
+                self._subscription = await self._service.forests.join(forest, wind, self._protocol)
         finally:
             if before:
                 self._service.forests.leave(before)
@@ -130,9 +130,9 @@ class Session:
             self._sending = tasks.create_task(self._send_tables(forest))
 
     def _leave(self) -> None:
-        if self._seat:
-            self._service.forests.leave(self._seat)
-            self._seat = None
+        if self._subscription:
+            self._service.forests.leave(self._subscription)
+            self._subscription = None
 
     def _check(self, forest: wire.Forest) -> WindState:
         settings, wind = self._service.settings, _wind_state(forest.wind)

@@ -29,7 +29,7 @@ async def get_thumbnail(tree_id: str, request: Request, service: ServiceHere) ->
         return Response(status_code=304, headers=headers)
     target = service.settings.cache_dir / "thumbnails" / f"{sha256}.png"
     if not target.is_file():
-        async with service.intake_slots:
+        async with service.import_slots:
             picture = await asyncio.to_thread(_draw, service, sha256)
         await asyncio.to_thread(write_whole, target, picture)
     return FileResponse(target, media_type="image/png", headers=headers)

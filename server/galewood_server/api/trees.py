@@ -27,7 +27,7 @@ from galewood_server.http import (
     tagged,
 )
 from galewood_server.jobs import queue_job
-from galewood_server.storage import ACTIVE, FileStore, Tree, retire_tree
+from galewood_server.storage import ACTIVE, FileStore, Tree, mark_tree_files
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 ORDER = (case((Tree.builtin, 0), else_=1), Tree.created_at, Tree.id)
@@ -103,7 +103,7 @@ def delete_tree(tree_id: str, service: ServiceHere) -> Response:
             raise ProblemError(
                 409, "still-building", "This tree is being computed", hint="Cancel its job first."
             )
-        retire_tree(session, tree)
+        mark_tree_files(session, tree)
         session.delete(tree)
         session.flush()
         _remove_files(session, service, tree)

@@ -14,7 +14,7 @@ from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from galewood_server.access import check_declared_faces, need_room, note_stored
+from galewood_server.access import check_face_count, need_room, note_stored
 from galewood_server.api.trees import tree_out
 from galewood_server.context import Service, ServiceHere
 from galewood_server.http import (
@@ -24,7 +24,7 @@ from galewood_server.http import (
     TreeChanges,
     TreeOut,
     Upload,
-    intake_options,
+    import_options,
     problems,
     read_upload,
 )
@@ -56,7 +56,7 @@ async def upload_tree(
     fields = _fields(upload)
     tree = await asyncio.to_thread(_find, service, upload, fields)
     if tree is None:
-        check_declared_faces(upload.data, service.settings.upload_faces)
+        check_face_count(upload.data, service.settings.upload_faces)
         mesh, glb = await read_mesh(service, upload.data, upload.filename, assumed(fields))
         tree, new = await asyncio.to_thread(_store, service, upload, fields, mesh, glb)
     else:
@@ -69,8 +69,8 @@ async def read_mesh(
     service: Service, data: bytes, filename: str, options: dict[str, Any]
 ) -> tuple[TreeMesh, bytes]:
     """Intake in a child process, a few at a time. MeshError."""
-    async with service.intake_slots:
-        return await asyncio.to_thread(service.intake, data, filename, intake_options(options))
+    async with service.import_slots:
+        return await asyncio.to_thread(service.importer, data, filename, import_options(options))
 
 
 async def _receive(request: Request, service: Service) -> Upload:

@@ -13,7 +13,7 @@ from typing import TextIO
 import uvicorn
 from fastapi import FastAPI
 
-from galewood_server.access import Doors, Intake, limited_intake
+from galewood_server.access import AccessControl, MeshImporter, limited_importer
 from galewood_server.api import ROUTERS, VERSION, ChangeFeed, ServiceCollector
 from galewood_server.app import docs_page, notices, species
 from galewood_server.app.headers import SecurityHeaders
@@ -25,20 +25,20 @@ from galewood_server.http import install_error_handlers
 from galewood_server.jobs import Supervisor
 from galewood_server.ops import Metrics, Tracing, configure_logging
 from galewood_server.settings import Settings
-from galewood_server.storage import Stores, TableShelf, migrate, open_database
+from galewood_server.storage import Stores, TableCache, migrate, open_database
 from galewood_server.stream import Forests, SocketProtocol
 
 log = logging.getLogger("galewood")
 
 
-def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
+def create_app(settings: Settings, importer: MeshImporter | None = None) -> FastAPI:
     """The application; `intake` reads an upload (bytes, filename, options), a parameter for the tests."""
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
         lock = await asyncio.to_thread(_lock, settings.data_dir)
         await asyncio.to_thread(migrate, settings.database)
-        app.state.service = service = _service(settings, intake or limited_intake(settings))
+        app.state.service = service = _service(settings, importer or limited_importer(settings))
         app.state.feed = ChangeFeed(service)
         app.state.metrics.registry.register(ServiceCollector(service))
         tasks = [
@@ -67,23 +67,23 @@ def create_app(settings: Settings, intake: Intake | None = None) -> FastAPI:
     docs_page.install(app)
     app.mount("/", Page(settings.page_dir))
     # the last added is the first to see a request
-    app.add_middleware(Doors, settings=settings, metrics=counted)
+    app.add_middleware(AccessControl, settings=settings, metrics=counted)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Tracing, metrics=counted)
     return app
 
 
-def _service(settings: Settings, intake: Intake) -> Service:
+def _service(settings: Settings, importer: MeshImporter) -> Service:
     stores = Stores(settings.data_dir, settings.store_url)
     return Service(
         settings=settings,
         sessions=open_database(settings.database),
         stores=stores,
-        forests=Forests(settings, TableShelf(stores.tables)),
+        forests=Forests(settings, TableCache(stores.tables)),
         server_name=f"galewood {VERSION}",
-        intake=intake,
+        importer=importer,
         loop=asyncio.get_running_loop(),
-        intake_slots=asyncio.Semaphore(settings.concurrent_intakes),
+        import_slots=asyncio.Semaphore(settings.concurrent_imports),
         upload_slots=asyncio.Semaphore(settings.concurrent_uploads),
     )
 

@@ -29,7 +29,7 @@ from galewood_server.storage import FileStore
 from galewood_server.stream import Method
 
 SETTLE_S = 3.0
-DEAF_WITHIN_S = 30.0
+STALLED_WITHIN_S = 30.0
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,9 @@ class Load:
     trees: int = 1000
     forests: int = 1
     """Shared forests among the clients; 0 gives each its own."""
-    deaf: int = 20
+    stalled: int = 20
     seconds: float = 20.0
-    method: Method = "tangent"
+    method: Method = "modal"
     server_core: int | None = 0
     client_core: int | None = 1
 
@@ -77,16 +77,16 @@ def _measure(server: psutil.Process, job: dict[str, Any], load: Load) -> dict[st
         watch = Watch(server)
         _phase(listeners, load.seconds)
         steady = watch.figures()
-        if not load.deaf:
+        if not load.stalled:
             return _with_phases({"steady": steady}, listeners)
-        deaf_job = {**job, "clients": load.deaf, "deaf": True, "seconds": DEAF_WITHIN_S}
-        with _clients(deaf_job) as deaf:
+        stalled_job = {**job, "clients": load.stalled, "deaf": True, "seconds": STALLED_WITHIN_S}
+        with _clients(stalled_job) as stalled:
             watch = Watch(server)
-            _phase(listeners, DEAF_WITHIN_S)
-            with_deaf = watch.figures()
-            with_deaf["deaf"] = _last_line(deaf)
-        with_deaf["sockets_left"] = _sockets(job["port"])
-        return _with_phases({"steady": steady, "with_deaf_clients": with_deaf}, listeners)
+            _phase(listeners, STALLED_WITHIN_S)
+            with_stalled = watch.figures()
+            with_stalled["deaf"] = _last_line(stalled)
+        with_stalled["sockets_left"] = _sockets(job["port"])
+        return _with_phases({"steady": steady, "with_deaf_clients": with_stalled}, listeners)
 
 
 def _with_phases(measured: dict[str, Any], listeners: subprocess.Popen[str]) -> dict[str, Any]:
@@ -135,7 +135,7 @@ def _server(folder: Path, load: Load) -> Generator[tuple[psutil.Process, int]]:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = int(probe.getsockname()[1])
-    sockets = str(load.clients + load.deaf + 8)
+    sockets = str(load.clients + load.stalled + 8)
     environment = {
         **os.environ,
         "GALEWOOD_DATA_DIR": str(folder),
@@ -144,7 +144,7 @@ def _server(folder: Path, load: Load) -> Generator[tuple[psutil.Process, int]]:
         "GALEWOOD_BUILTIN_SPECIES": "false",
         "GALEWOOD_SOCKET_CONNECTIONS": sockets,
         "GALEWOOD_SOCKET_CONNECTIONS_PER_ADDRESS": sockets,
-        "GALEWOOD_SERVER_TREES": str(max(200_000, (load.clients + load.deaf) * load.trees)),
+        "GALEWOOD_SERVER_TREES": str(max(200_000, (load.clients + load.stalled) * load.trees)),
         "GALEWOOD_FOREST_TREES": str(max(20_000, load.trees)),
     }
 

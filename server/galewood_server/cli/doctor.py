@@ -23,8 +23,8 @@ from galewood_server.storage import (
     KINDS,
     PREFERRED,
     FileStore,
+    Garbage,
     Job,
-    Retired,
     Sessions,
     Stores,
     Tree,
@@ -139,7 +139,7 @@ def _orphaned(sessions: Sessions, stores: Stores, repair: bool) -> Iterator[Find
     # asked after the files were listed: what was named in between is not taken for an orphan
     with sessions() as session:
         named = referenced(session)
-        leaving = {(one.kind, one.sha256) for one in session.scalars(select(Retired))}
+        leaving = {(one.kind, one.sha256) for one in session.scalars(select(Garbage))}
     for kind in KINDS:
         for sha256 in sorted(present[kind] - named.get(kind, set())):
             store = stores.named(kind)

@@ -1,6 +1,6 @@
 """What every route shares: schemas, problems (RFC 9457), pagination, ETags, multipart forms."""
 
-from galewood_server.http.assumptions import NAMES, intake_options
+from galewood_server.http.assumptions import NAMES, import_options
 from galewood_server.http.errors import (
     Problem,
     ProblemError,
@@ -59,8 +59,8 @@ __all__ = [
     "bad_cursor",
     "beyond",
     "cursor_of",
+    "import_options",
     "install_error_handlers",
-    "intake_options",
     "matches",
     "not_found",
     "parts_of",

@@ -7,53 +7,53 @@ from typing import Any, cast
 
 import msgpack
 import numpy as np
-from galewood.evaluation import Comparison, Place, compare_methods, nodes_on_wood
+from galewood.evaluation import Comparison, Place, comparison_tracks, nodes_on_wood
 from galewood.fem import load_model
-from galewood.mesh import IntakeOptions, TreeMesh, run_intake
+from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
 from galewood.table import Table, decode
 from galewood.wind import parse_wind_or_state
 
 from galewood_server.jobs.analysis_files import finish
-from galewood_server.jobs.reporting import Mandate, Reporter
+from galewood_server.jobs.reporting import JobLease, Reporter
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, JobKind, Stores
 
 FORMAT, VERSION = "galewood-comparison", 1
 
 
-def run_study(mandate: Mandate, kind: JobKind, settings: Settings, stores: Stores) -> None:
+def run_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores: Stores) -> None:
     """Work on a comparison or an evaluation and store what it found. Raises Cancelled."""
-    with mandate.sessions() as session:
-        request = dict(session.get_one(Job, mandate.job_id).settings)
-    reporter = Reporter(mandate)
-    reporter.tell("model", 0.0, "Fetching table and model")
+    with job_lease.sessions() as session:
+        request = dict(session.get_one(Job, job_lease.job_id).settings)
+    reporter = Reporter(job_lease)
+    reporter.report("model", 0.0, "Fetching table and model")
     if kind == "comparison":
-        _compare(mandate, reporter, request, stores)
+        _compare(job_lease, reporter, request, stores)
     else:
         from galewood_server.jobs.evaluation_job import evaluate
 
-        evaluate(mandate, reporter, request, settings, stores)
+        evaluate(job_lease, reporter, request, settings, stores)
 
 
-def _compare(mandate: Mandate, reporter: Reporter, request: dict[str, Any], stores: Stores) -> None:
+def _compare(job_lease: JobLease, reporter: Reporter, request: dict[str, Any], stores: Stores) -> None:
     table = decode(stores.tables.get(request["table_sha256"]))
     model = load_model(stores.models.path(request["model_sha256"]))
     place = Place(**{name: request[name] for name in Place.__dataclass_fields__})
 
-    def tick(share: float, message: str) -> None:
-        reporter.tell("comparing", share, message)
+    def on_progress(share: float, message: str) -> None:
+        reporter.report("comparing", share, message)
 
     wind = parse_wind_or_state(request["wind"])
     nodes = nodes_on_wood(table, model, _mesh_of(table, stores))
-    found = compare_methods(table, model, nodes, wind, place, request["frames"], tick)
-    finish(mandate, stores, figures(found), pack(found, table))
+    found = comparison_tracks(table, model, nodes, wind, place, request["frames"], on_progress)
+    finish(job_lease, stores, figures(found), pack(found, table))
 
 
 def _mesh_of(table: Table, stores: Stores) -> TreeMesh:
     """The tree whose vertices the table's nodes stand for."""
     metadata = table.metadata
-    options = IntakeOptions(species=metadata["species"], height_m=float(metadata["height_m"]), up_axis="y")
-    return run_intake(stores.meshes.get(metadata["mesh_sha256"]), "tree.glb", options)[0]
+    options = ImportOptions(species=metadata["species"], height_m=float(metadata["height_m"]), up_axis="y")
+    return import_mesh_sandboxed(stores.meshes.get(metadata["mesh_sha256"]), "tree.glb", options)[0]
 
 
 def pack(found: Comparison, table: Table) -> bytes:
@@ -81,7 +81,7 @@ def pack(found: Comparison, table: Table) -> bytes:
 def figures(found: Comparison) -> dict[str, Any]:
     """The largest of each, over the height, for those who want no curves."""
     return {
-        "true_sway": float(found.sway.max()),
+        "reference_sway": float(found.sway.max()),
         "left_out": float(found.left_out.max()),
         "max_error": {name: float(error.max.max()) for name, error in found.errors.items()},
         "hausdorff": {name: float(error.hausdorff.max()) for name, error in found.errors.items()},

@@ -6,19 +6,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from galewood.build import BuildOptions, BuildResult, Progress
-from galewood.wood import WoodDocument
+from galewood.options import BuildRequest
+from galewood.pipeline import BuildOptions, BuildResult, Progress, build_options
 from sqlalchemy import update
 
-from galewood_server.http import NAMES, intake_options
-from galewood_server.jobs.cluster.blob_transfer import Exchange
+from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.dask_runner import DaskRunner
 from galewood_server.jobs.fingerprint import fingerprint
 from galewood_server.jobs.publishing import Publisher
 from galewood_server.jobs.queue import end_job
-from galewood_server.jobs.reporting import Mandate, Reporter
+from galewood_server.jobs.reporting import JobLease, Reporter
 from galewood_server.settings import Settings
-from galewood_server.storage import FIELDS, Job, Sessions, Stores, Tree, hold, retire_replaced, utc_now
+from galewood_server.storage import FIELDS, Job, Sessions, Stores, Tree, hold, mark_replaced, utc_now
 
 Build = Callable[..., BuildResult]
 
@@ -43,41 +42,33 @@ def read_order(sessions: Sessions, stores: Stores, job_id: str) -> Order:
             tree_id=tree.id,
             source=stores.sources.get(tree.source_sha256),
             filename=tree.filename,
-            options=build_options({**tree.options, **job.settings}),
+            options=build_options(BuildRequest.model_validate({**tree.options, **job.settings})),
             fingerprint=fingerprint(tree.source_sha256, tree.options, job.settings),
         )
 
 
-def build_options(given: dict[str, Any]) -> BuildOptions:
-    """The options of a build from names and values."""
-    rest = {key: value for key, value in given.items() if key not in NAMES}
-    if "wood" in rest:
-        rest["wood"] = WoodDocument.model_validate(rest["wood"]).wood()
-    return BuildOptions(intake=intake_options(given), **rest)
-
-
-def run_build(mandate: Mandate, address: str, settings: Settings, stores: Stores, build: Build) -> None:
+def run_build(job_lease: JobLease, address: str, settings: Settings, stores: Stores, build: Build) -> None:
     """Compute and publish. Raises MeshError, EngineLostError, Cancelled."""
-    order = read_order(mandate.sessions, stores, mandate.job_id)
-    reporter = Reporter(mandate)
-    exchange = Exchange(settings.store_url, mandate.job_id) if settings.store_url else None
-    runner = DaskRunner(address, settings.cancel_flag(mandate.job_id), reporter.samples, exchange)
-    publish = Publisher(mandate, stores, exchange)
-    if exchange:
-        exchange.bring_tetrahedra(settings.cache_dir / "tets")
+    order = read_order(job_lease.sessions, stores, job_lease.job_id)
+    reporter = Reporter(job_lease)
+    transfer = BlobTransfer(settings.store_url, job_lease.job_id) if settings.store_url else None
+    runner = DaskRunner(address, settings.cancel_flag(job_lease.job_id), reporter.samples, transfer)
+    publish = Publisher(job_lease, stores, transfer)
+    if transfer:
+        transfer.bring_tetrahedra(settings.cache_dir / "tets")
 
     def progress(now: Progress) -> None:
-        reporter.tell(now.stage, now.fraction, now.message)
+        reporter.report(now.stage, now.fraction, now.message)
 
     result = build(order.source, order.filename, order.options, runner, progress, settings.cache_dir, publish)
     model = runner.model.read_bytes() if runner.model else None
-    publish_result(mandate, stores, order, result, model)
-    if exchange:
-        exchange.forget(runner.runs)
+    publish_result(job_lease, stores, order, result, model)
+    if transfer:
+        transfer.forget(runner.runs)
 
 
 def publish_result(
-    mandate: Mandate, stores: Stores, order: Order, result: BuildResult, model: bytes | None
+    job_lease: JobLease, stores: Stores, order: Order, result: BuildResult, model: bytes | None
 ) -> None:
     """The files first, then, in one transaction, the tree that names them and the job's end."""
     made = {"tables": result.table, "meshes": result.render_glb} | ({"models": model} if model else {})
@@ -91,9 +82,9 @@ def publish_result(
         "updated_at": utc_now(),
     }
     done: dict[str, Any] = {"stage": "done", "fraction": 1.0}
-    with mandate.sessions.begin() as session:
-        if end_job(session, mandate.job_id, "done", message="Done", lease=mandate.lease, **done):
-            retire_replaced(session, session.get_one(Tree, order.tree_id), files)
+    with job_lease.sessions.begin() as session:
+        if end_job(session, job_lease.job_id, "done", message="Done", lease=job_lease.lease, **done):
+            mark_replaced(session, session.get_one(Tree, order.tree_id), files)
             for kind, data in made.items():
                 hold(session, stores, kind, data)
             session.execute(update(Tree).where(Tree.id == order.tree_id).values(**tree))

@@ -15,49 +15,51 @@ from galewood.util import Cancelled, MeshError
 from galewood_server.jobs.build_job import Build, run_build
 from galewood_server.jobs.cluster.dask_cluster import NICENESS, EngineLostError
 from galewood_server.jobs.processes import die_with_parent
-from galewood_server.jobs.reporting import JobFailedError, Mandate
+from galewood_server.jobs.reporting import JobFailedError, JobLease
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, JobKind, Sessions, Stores, open_database
 
 log = logging.getLogger("galewood.job")
-Study = Callable[[Mandate, JobKind, Settings, Stores], None]
+Analysis = Callable[[JobLease, JobKind, Settings, Stores], None]
 TRY_AGAIN = 75  # EX_TEMPFAIL: the supervisor queues the job again
 
 
 def run_job(
-    mandate: Mandate, address: str, settings: Settings, build: Build, study: Study | None = None
+    job_lease: JobLease, address: str, settings: Settings, build: Build, analysis: Analysis | None = None
 ) -> None:
     """Do what the job asks; every failure becomes its last state."""
-    job_id = mandate.job_id
+    job_id = job_lease.job_id
     try:
-        _work(mandate, address, settings, build, study)
+        _work(job_lease, address, settings, build, analysis)
     except Cancelled:
-        mandate.end("cancelled", "Cancelled")
+        job_lease.end("cancelled", "Cancelled")
     except EngineLostError:
         log.warning("job %s lost its cluster", job_id)
         sys.exit(TRY_AGAIN)
     except MeshError as error:
-        mandate.end("failed", "Failed", f"{error.title} {error.hint}".strip())
+        job_lease.end("failed", "Failed", f"{error.title} {error.hint}".strip())
     except JobFailedError as error:
         log.warning("job %s failed: %s", job_id, error.__cause__ or error)
-        mandate.end("failed", "Failed", str(error))
+        job_lease.end("failed", "Failed", str(error))
     except Exception as error:
         log.exception("job %s failed", job_id)
         text = f"The computation failed ({type(error).__name__}); the cause is in the server's log."
-        mandate.end("failed", "Failed", text)
+        job_lease.end("failed", "Failed", text)
 
 
-def _work(mandate: Mandate, address: str, settings: Settings, build: Build, study: Study | None) -> None:
+def _work(
+    job_lease: JobLease, address: str, settings: Settings, build: Build, analysis: Analysis | None
+) -> None:
     stores = Stores(settings.data_dir, settings.store_url)
-    kind = _kind(mandate.sessions, mandate.job_id)
+    kind = _kind(job_lease.sessions, job_lease.job_id)
     if kind == "build":
-        run_build(mandate, address, settings, stores, build)
-    elif study:
-        study(mandate, kind, settings, stores)
+        run_build(job_lease, address, settings, stores, build)
+    elif analysis:
+        analysis(job_lease, kind, settings, stores)
     else:
-        from galewood_server.jobs.analysis_job import run_study
+        from galewood_server.jobs.analysis_job import run_analysis
 
-        run_study(mandate, kind, settings, stores)
+        run_analysis(job_lease, kind, settings, stores)
 
 
 def _kind(sessions: Sessions, job_id: str) -> JobKind:
@@ -68,17 +70,17 @@ def _kind(sessions: Sessions, job_id: str) -> JobKind:
         return job.kind
 
 
-def main(build: Build, study: Study | None = None) -> None:
+def main(build: Build, analysis: Analysis | None = None) -> None:
     """Read the arguments and work, gently, until done or until the server is gone. `study`: for the tests."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     die_with_parent()
     os.nice(NICENESS)
     job_id, lease, address = sys.argv[1:4]
     settings = Settings()
-    run_job(Mandate(open_database(settings.database), job_id, lease), address, settings, build, study)
+    run_job(JobLease(open_database(settings.database), job_id, lease), address, settings, build, analysis)
 
 
 if __name__ == "__main__":
-    from galewood.build import build_table
+    from galewood.pipeline import build_table
 
     main(build_table)

@@ -23,7 +23,7 @@ class JobFailedError(Exception):
 
 
 @dataclass(frozen=True)
-class Mandate:
+class JobLease:
     """The job that this process may work on, and the word that says so (leases.py)."""
 
     sessions: Sessions
@@ -52,8 +52,8 @@ class Mandate:
 class Reporter:
     """Writes progress a few times a second; stops the work on a job that is to be cancelled."""
 
-    def __init__(self, mandate: Mandate) -> None:
-        self._mandate = mandate
+    def __init__(self, job_lease: JobLease) -> None:
+        self._job_lease = job_lease
         # time and fraction of the first report: a resumed job leaps
         self._began: tuple[float, float] | None = None
         self._written: tuple[float, str] = (-1.0, "")
@@ -63,7 +63,7 @@ class Reporter:
         """How many of the sampled runs there are by now; told with the next report."""
         self._samples = (done, total)
 
-    def tell(self, stage: str, fraction: float, message: str) -> None:
+    def report(self, stage: str, fraction: float, message: str) -> None:
         """Raises Cancelled."""
         now_s = time.monotonic()
         if now_s - self._written[0] < REPORT_S and stage == self._written[1]:
@@ -72,7 +72,7 @@ class Reporter:
         values: dict[str, Any] = {"stage": stage, "fraction": fraction, "message": message}
         if self._samples:
             values["samples_done"], values["samples_total"] = self._samples
-        self._mandate.write(**values, seconds_left=self._seconds_left(now_s, fraction))
+        self._job_lease.write(**values, seconds_left=self._seconds_left(now_s, fraction))
 
     def _seconds_left(self, now_s: float, fraction: float) -> float | None:
         if self._began is None:

@@ -12,15 +12,15 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from galewood_server.context import Service
 from galewood_server.jobs import leases
-from galewood_server.jobs.cluster.blob_transfer import Exchange
+from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.embedded import Cluster, ClusterError
 from galewood_server.jobs.processes import start_module, stop
 from galewood_server.jobs.queue import end_job
-from galewood_server.storage import Job, JobKind, forget_study_folders, sweep
+from galewood_server.storage import Job, JobKind, collect_garbage, forget_analysis_folders
 
 log = logging.getLogger("galewood.jobs")
 LOOK_S = 0.4
-LANES: dict[str, tuple[JobKind, ...]] = {
+QUEUES: dict[str, tuple[JobKind, ...]] = {
     "builds": ("build",),
     "comparisons": ("comparison",),
     "evaluations": ("evaluation",),
@@ -34,7 +34,7 @@ class Claim:
 
     job_id: str
     lease: str
-    lane: str
+    queue: str
 
 
 class Supervisor:
@@ -45,7 +45,7 @@ class Supervisor:
         self._cluster = Cluster(service.settings)
         self._owner = leases.server_identity(service.settings.data_dir)
         self._watched: dict[Claim, asyncio.Task[None]] = {}
-        self._swept_s = time.monotonic()
+        self._collected_s = time.monotonic()
 
     async def run(self) -> None:
         """Work until cancelled, then stop every child and give unfinished jobs back to the queue."""
@@ -56,7 +56,7 @@ class Supervisor:
             while True:
                 await self._look()
                 await self._cluster.close_if_idle(busy=self._busy("builds") > 0)
-                await self._sweep()
+                await self._collect_garbage()
                 await self._pause()
         finally:
             for task in self._watched.values():
@@ -80,49 +80,49 @@ class Supervisor:
     async def _look(self) -> None:
         """Start what waits; a database that is away for a moment is asked again at the next look."""
         try:
-            for lane in LANES:
-                await self._start_waiting(lane)
+            for queue in QUEUES:
+                await self._start_waiting(queue)
         except SQLAlchemyError:
             log.exception("the queue could not be read")
 
-    async def _sweep(self) -> None:
+    async def _collect_garbage(self) -> None:
         """Now and then, remove files that were replaced."""
-        if time.monotonic() - self._swept_s > self._service.settings.sweep_s:
-            self._swept_s = time.monotonic()
+        if time.monotonic() - self._collected_s > self._service.settings.garbage_collection_s:
+            self._collected_s = time.monotonic()
             try:
-                await asyncio.to_thread(self._remove_retired)
+                await asyncio.to_thread(self._remove_garbage)
             except (SQLAlchemyError, OSError):
                 log.exception("replaced files could not be removed")
 
-    def _remove_retired(self) -> None:
+    def _remove_garbage(self) -> None:
         service = self._service
         with service.files_lock:
-            removed = sweep(service.sessions, service.stores, service.settings.replaced_files_s)
-        forget_study_folders(service.sessions, service.settings.studies_dir)
+            removed = collect_garbage(service.sessions, service.stores, service.settings.replaced_files_s)
+        forget_analysis_folders(service.sessions, service.settings.analyses_dir)
         if removed:
             log.info("%d replaced file(s) removed", removed)
 
-    def _busy(self, lane: str) -> int:
+    def _busy(self, queue: str) -> int:
         self._watched = {claim: task for claim, task in self._watched.items() if not task.done()}
-        return sum(claim.lane == lane for claim in self._watched)
+        return sum(claim.queue == queue for claim in self._watched)
 
-    async def _start_waiting(self, lane: str) -> None:
+    async def _start_waiting(self, queue: str) -> None:
         settings = self._service.settings
         room = {
             "builds": settings.concurrent_jobs,
-            "comparisons": settings.concurrent_studies,
+            "comparisons": settings.concurrent_analyses,
             "evaluations": settings.concurrent_evaluations,
         }
-        while self._busy(lane) < room[lane]:
-            claim = await asyncio.to_thread(self._claim, lane)
+        while self._busy(queue) < room[queue]:
+            claim = await asyncio.to_thread(self._claim, queue)
             if claim is None:
                 return
             self._watched[claim] = asyncio.create_task(self._watch(claim))
 
-    def _claim(self, lane: str) -> Claim | None:
+    def _claim(self, queue: str) -> Claim | None:
         with self._service.sessions.begin() as session:
-            found = leases.claim(session, self._owner, LANES[lane], self._service.settings.lease_s)
-            return Claim(*found, lane) if found else None
+            found = leases.claim(session, self._owner, QUEUES[queue], self._service.settings.lease_s)
+            return Claim(*found, queue) if found else None
 
     async def _watch(self, claim: Claim) -> None:
         keeping = asyncio.create_task(self._keep(claim))
@@ -150,7 +150,7 @@ class Supervisor:
 
     async def _run_process(self, claim: Claim, keeping: asyncio.Task[None]) -> None:
         try:
-            address = await self._cluster.address() if claim.lane == "builds" else ""
+            address = await self._cluster.address() if claim.queue == "builds" else ""
         except ClusterError as error:
             await asyncio.to_thread(self._settle, claim, str(error))
             return
@@ -170,7 +170,7 @@ class Supervisor:
         self, process: asyncio.subprocess.Process, claim: Claim, keeping: asyncio.Task[None]
     ) -> bool:
         """Until process, cluster or lease end (False), or the job is cancelled or deleted (True)."""
-        needs_cluster = claim.lane == "builds"
+        needs_cluster = claim.queue == "builds"
         while (
             process.returncode is None and not keeping.done() and not (needs_cluster and self._cluster.lost)
         ):
@@ -188,7 +188,7 @@ class Supervisor:
         settings = self._service.settings
         write_whole(settings.cancel_flag(job_id), b"")
         if settings.store_url:
-            Exchange(settings.store_url, job_id).cancel()
+            BlobTransfer(settings.store_url, job_id).cancel()
 
     def _must_stop(self, job_id: str) -> bool:
         try:

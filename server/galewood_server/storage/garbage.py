@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 
 from galewood_server.storage.database import Sessions, database_now
 from galewood_server.storage.files import Stores
-from galewood_server.storage.models import ACTIVE, Job, JobKind, Retired, Tree
+from galewood_server.storage.models import ACTIVE, Garbage, Job, JobKind, Tree
 
 FIELDS = {
     "sources": "source_sha256",
@@ -21,14 +21,14 @@ FIELDS = {
     "tables": "table_sha256",
     "models": "model_sha256",
 }
-KEPT_STUDIES = 12
+KEPT_ANALYSES = 12
 ASKED = ("table_sha256", "model_sha256", "mesh_sha256")
 
 
-def retire(session: Session, kind: str, sha256: str | None) -> None:
+def mark_garbage(session: Session, kind: str, sha256: str | None) -> None:
     """Say that a file lost a user; whether it has others is asked when its time has come."""
     if sha256:
-        session.add(Retired(kind=kind, sha256=sha256, retired_at=database_now(session)))
+        session.add(Garbage(kind=kind, sha256=sha256, garbage_since=database_now(session)))
 
 
 def hold(session: Session, stores: Stores, kind: str, data: bytes) -> str:
@@ -37,37 +37,37 @@ def hold(session: Session, stores: Stores, kind: str, data: bytes) -> str:
     """
     sha256 = hashlib.sha256(data).hexdigest()
     # waits for a sweep that has this file in hand, and makes the next one wait for us
-    session.execute(delete(Retired).where(Retired.kind == kind, Retired.sha256 == sha256))
+    session.execute(delete(Garbage).where(Garbage.kind == kind, Garbage.sha256 == sha256))
     return stores.named(kind).put(data)
 
 
-def retire_replaced(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:
+def mark_replaced(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:
     """Before a tree gets other files, by field: those that it has now and loses."""
     for kind, field in FIELDS.items():
         if field in files and getattr(tree, field) != files[field]:
-            retire(session, kind, getattr(tree, field))
+            mark_garbage(session, kind, getattr(tree, field))
 
 
-def retire_tree(session: Session, tree: Tree) -> None:
+def mark_tree_files(session: Session, tree: Tree) -> None:
     """Before a tree is deleted: its files, and those of its jobs."""
     for kind, field in FIELDS.items():
-        retire(session, kind, getattr(tree, field))
+        mark_garbage(session, kind, getattr(tree, field))
     for job in tree.jobs:
-        _retire_job(session, job)
+        _mark_job_files(session, job)
 
 
-def forget_old_studies(session: Session, tree: Tree, kind: JobKind) -> None:
+def forget_old_analyses(session: Session, tree: Tree, kind: JobKind) -> None:
     """Of a tree's ended studies of a kind the newest stay."""
     ended = [job for job in tree.jobs if job.kind == kind and job.state not in ACTIVE]
-    for job in ended[:-KEPT_STUDIES]:
-        _retire_job(session, job)
+    for job in ended[:-KEPT_ANALYSES]:
+        _mark_job_files(session, job)
         tree.jobs.remove(job)
 
 
-def _retire_job(session: Session, job: Job) -> None:
-    retire(session, "results", job.result_sha256)
+def _mark_job_files(session: Session, job: Job) -> None:
+    mark_garbage(session, "results", job.result_sha256)
     for sha256 in job.pictures.values():
-        retire(session, "pictures", sha256)
+        mark_garbage(session, "pictures", sha256)
 
 
 def referenced(session: Session) -> dict[str, set[str]]:
@@ -87,25 +87,25 @@ def in_work(session: Session) -> set[str]:
     return {str(one[field]) for one in asked for field in ASKED if field in one}
 
 
-def sweep(sessions: Sessions, stores: Stores, grace_s: float) -> int:
+def collect_garbage(sessions: Sessions, stores: Stores, grace_s: float) -> int:
     """Remove files that were retired so long ago and that nothing names. How many."""
     with sessions.begin() as session:
         old = database_now(session) - timedelta(seconds=grace_s)
         # their rows first: whoever is about to name one of these files (`hold`) now waits until it is gone
-        rows = delete(Retired).where(Retired.retired_at < old).returning(Retired)
-        due = {(one.kind, one.sha256): one.retired_at for one in session.scalars(rows)}
+        rows = delete(Garbage).where(Garbage.garbage_since < old).returning(Garbage)
+        due = {(one.kind, one.sha256): one.garbage_since for one in session.scalars(rows)}
         busy = in_work(session) if due else set()
         named = referenced(session) if due else {}
         unused = [(kind, sha256) for kind, sha256 in due if sha256 not in named[kind]]
         for kind, sha256 in unused:
             if sha256 in busy:
-                session.add(Retired(kind=kind, sha256=sha256, retired_at=due[kind, sha256]))
+                session.add(Garbage(kind=kind, sha256=sha256, garbage_since=due[kind, sha256]))
             else:
                 stores.named(kind).remove(sha256)
     return sum(sha256 not in busy for _kind, sha256 in unused)
 
 
-def forget_study_folders(sessions: Sessions, folder: Path) -> None:
+def forget_analysis_folders(sessions: Sessions, folder: Path) -> None:
     """Remove what evaluations keep beside while they run, of those that have ended, however they did."""
     kept = [path for path in folder.glob("*") if path.is_dir()]
     if kept:

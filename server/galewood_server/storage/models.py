@@ -121,7 +121,7 @@ class Job(Base):
     tree: Mapped[Tree] = relationship(back_populates="jobs")
 
 
-class Retired(Base):
+class Garbage(Base):
     """A file that was replaced or whose tree was deleted; removed later, unless something names it again."""
 
     __tablename__ = "retired"
@@ -129,4 +129,4 @@ class Retired(Base):
     id: Mapped[int] = mapped_column(Integer, primary_key=True)
     kind: Mapped[str] = mapped_column(String(16))
     sha256: Mapped[str] = mapped_column(String(64))
-    retired_at: Mapped[datetime] = mapped_column(UtcDateTime, index=True)
+    garbage_since: Mapped[datetime] = mapped_column("retired_at", UtcDateTime, index=True)

@@ -10,7 +10,7 @@ from galewood.table import Table, decode
 from galewood_server.storage.files import FileStore
 
 
-class TableShelf:
+class TableCache:
     """Decoded tables, shared by all clients; the least recently used leave first."""
 
     def __init__(self, store: FileStore, capacity: int = 16) -> None:

@@ -10,12 +10,12 @@ import logging
 from typing import Protocol
 
 from galewood_server.stream.frames import FrameHistory
-from galewood_server.stream.latest_values import Bulletin
+from galewood_server.stream.latest_values import LatestValues
 
 log = logging.getLogger("galewood.stream")
 
 
-class Outlet(Protocol):
+class FrameSink(Protocol):
     """What a mailbox needs of a socket (socket_protocol.SocketProtocol)."""
 
     @property
@@ -24,12 +24,12 @@ class Outlet(Protocol):
     def abort(self) -> None: ...
 
 
-class Mailbox:
+class ClientBuffer:
     """Sends a client what is new to it whenever its socket has room; cuts off one that takes nothing."""
 
-    def __init__(self, outlet: Outlet, *, streams: bool, stall_s: float) -> None:
+    def __init__(self, sink: FrameSink, *, streams: bool, stall_s: float) -> None:
         self.streams = streams
-        self._outlet = outlet
+        self._sink = sink
         self._stall_s = stall_s
         self._read = 0
         self._tick: int | None = None
@@ -40,24 +40,24 @@ class Mailbox:
         """The client lost its place: the next frame is a key frame."""
         self._tick = None
 
-    def deliver(self, bulletin: Bulletin, history: FrameHistory | None, now_s: float) -> None:
+    def deliver(self, latest: LatestValues, history: FrameHistory | None, now_s: float) -> None:
         """Send the news and the newest frame, unless something waits still."""
-        unsent = self._outlet.unsent_bytes
+        unsent = self._sink.unsent_bytes
         if unsent:
             self._wait(unsent, now_s)
             return
         self._unsent = 0
-        if bulletin.number != self._read:
-            for frame in bulletin.since(self._read):
-                self._outlet.push(frame)
-            self._read = bulletin.number
+        if latest.number != self._read:
+            for frame in latest.since(self._read):
+                self._sink.push(frame)
+            self._read = latest.number
         if self.streams and history is not None:
             self._send_newest(history)
 
     def _send_newest(self, history: FrameHistory) -> None:
         frame = history.since(self._tick)
         if frame is not None:
-            self._outlet.push(frame)
+            self._sink.push(frame)
             self._tick = history.tick
 
     def _wait(self, unsent: int, now_s: float) -> None:
@@ -69,4 +69,4 @@ class Mailbox:
 
     def cut(self) -> None:
         """Drop the connection with whatever it still had to send."""
-        self._outlet.abort()
+        self._sink.abort()

@@ -109,7 +109,7 @@ def number(header: Header, name: str, low: float = -1e12, high: float = 1e12) ->
     return float(value)
 
 
-def truth(header: Header, name: str) -> bool:
+def boolean(header: Header, name: str) -> bool:
     """True or false. WireError."""
     value = header[name]
     if not isinstance(value, bool):

@@ -13,25 +13,25 @@ from galewood.table import Table, TableError
 from galewood.wind import WindState
 
 from galewood_server.settings import Settings
-from galewood_server.storage import TableShelf
-from galewood_server.stream.client_buffer import Mailbox, Outlet
+from galewood_server.storage import TableCache
+from galewood_server.stream.client_buffer import ClientBuffer, FrameSink
 from galewood_server.stream.live_forest import LiveForest
 from galewood_server.stream.refusal import BUSY, Refusal
-from galewood_server.stream.step_workers import Lane
+from galewood_server.stream.step_workers import StepWorker
 from galewood_server.stream.wire import Forest
 
 if TYPE_CHECKING:
-    from galewood_server.stream.forest import ForestWalk
+    from galewood_server.stream.forest import ForestStepper
 
 log = logging.getLogger("galewood.stream")
 
 
 @dataclass(frozen=True)
-class Seat:
+class Subscription:
     """A client's place in a forest."""
 
     forest: LiveForest
-    mailbox: Mailbox
+    client_buffer: ClientBuffer
 
 
 def cores() -> int:
@@ -42,41 +42,43 @@ def cores() -> int:
 class Forests:
     """Finds, founds and ends forests. In the event loop, apart from what is slow."""
 
-    def __init__(self, settings: Settings, shelf: TableShelf) -> None:
+    def __init__(self, settings: Settings, table_cache: TableCache) -> None:
         self._settings = settings
-        self._shelf = shelf
+        self._table_cache = table_cache
         self._shared: dict[str, LiveForest] = {}
         self._founding = asyncio.Lock()
         threads = cores()
-        walkers = ThreadPoolExecutor(threads, thread_name_prefix="walk")
-        self._lanes = [Lane(walkers) for _ in range(threads)]
+        steppers = ThreadPoolExecutor(threads, thread_name_prefix="stepper")
+        self._workers = [StepWorker(steppers) for _ in range(threads)]
 
     @property
     def count(self) -> int:
         """Forests that are played now."""
-        return sum(len(lane.forests) for lane in self._lanes)
+        return sum(len(worker.forests) for worker in self._workers)
 
     @property
     def tree_count(self) -> int:
         """Trees that are simulated now."""
-        return sum(lane.tree_count for lane in self._lanes)
+        return sum(worker.tree_count for worker in self._workers)
 
-    async def join(self, plan: Forest, wind: WindState, outlet: Outlet) -> Seat:
+    async def join(self, plan: Forest, wind: WindState, sink: FrameSink) -> Subscription:
         """Give a client its place in the forest it asks for. Refusal."""
-        mailbox = Mailbox(outlet, streams=plan.mode == "stream", stall_s=self._settings.socket_stall_s)
+        client_buffer = ClientBuffer(
+            sink, streams=plan.mode == "stream", stall_s=self._settings.socket_stall_s
+        )
         if plan.share is None:
             forest = await self._found(plan, wind)
         else:
             # One at a time: of two who come first together, one founds and the other joins.
             async with self._founding:
                 forest = await self._join_shared(plan.share, plan, wind)
-        forest.add(mailbox, asyncio.get_running_loop().time())
-        return Seat(forest, mailbox)
+        forest.add(client_buffer, asyncio.get_running_loop().time())
+        return Subscription(forest, client_buffer)
 
-    def leave(self, seat: Seat) -> None:
+    def leave(self, subscription: Subscription) -> None:
         """A client goes. A private forest goes with it, a shared one waits a while for others."""
-        forest = seat.forest
-        forest.members.discard(seat.mailbox)
+        forest = subscription.forest
+        forest.members.discard(subscription.client_buffer)
         if forest.members:
             return
         if forest.share is None:
@@ -94,21 +96,21 @@ class Forests:
         bare = not forest.plan.groups and bool(plan.groups)
         if bare or (plan.replant and not forest.same_trees(plan)):
             await self._replant(forest, plan)
-        elif forest.needs_walk and plan.mode == "stream":
+        elif forest.needs_stepper and plan.mode == "stream":
             await self._begin_simulation(forest, plan)
         return forest
 
     async def _begin_simulation(self, forest: LiveForest, plan: Forest) -> None:
         """Somebody streams where all had tables; the places are the forest's or, if it has none, theirs."""
-        planted = forest.plan if len(forest.plan.trees) else plan
-        if planted.groups and planted.groups == forest.plan.groups:
-            walk = await self._walk(forest, planted)
-            forest.plan = replace(forest.plan, trees=planted.trees)
-            forest.set_walk(walk)
+        grid_placements = forest.plan if len(forest.plan.trees) else plan
+        if grid_placements.groups and grid_placements.groups == forest.plan.groups:
+            stepper = await self._stepper(forest, grid_placements)
+            forest.plan = replace(forest.plan, trees=grid_placements.trees)
+            forest.set_stepper(stepper)
 
     async def _replant(self, forest: LiveForest, plan: Forest) -> None:
         simulated = plan.mode == "stream" or (forest.streamed and len(plan.trees) > 0)
-        forest.replant(plan, await self._walk(forest, plan) if simulated else None)
+        forest.replant(plan, await self._stepper(forest, plan) if simulated else None)
 
     async def _found(self, plan: Forest, wind: WindState) -> LiveForest:
         from galewood_server.stream.forest import ForestClock
@@ -116,19 +118,19 @@ class Forests:
         clock = ForestClock(wind, plan.time_s)
         forest = LiveForest(plan, clock, asyncio.get_running_loop().time())
         if plan.mode == "stream" and plan.groups:
-            forest.set_walk(await self._walk(forest, plan))
-        min(self._lanes, key=lambda lane: (lane.tree_count, len(lane.forests))).add(forest)
+            forest.set_stepper(await self._stepper(forest, plan))
+        min(self._workers, key=lambda worker: (worker.tree_count, len(worker.forests))).add(forest)
         return forest
 
-    async def _walk(self, forest: LiveForest, plan: Forest) -> ForestWalk:
+    async def _stepper(self, forest: LiveForest, plan: Forest) -> ForestStepper:
         room = self._settings.server_trees - self.tree_count
         if len(plan.trees) > room:
             raise Refusal("server-full", "This server plays as many trees as it may", "Try later.", BUSY)
-        return await asyncio.to_thread(lambda: forest.make_walk(self._tables(plan), plan))
+        return await asyncio.to_thread(lambda: forest.make_stepper(self._tables(plan), plan))
 
     def _tables(self, plan: Forest) -> list[Table]:
         try:
-            return [self._shelf.take(group.table) for group in plan.groups]
+            return [self._table_cache.take(group.table) for group in plan.groups]
         except (FileNotFoundError, TableError) as error:
             log.warning("a table cannot be used: %s", error)
             raise Refusal("no-such-table", "A table of this forest cannot be used") from None
@@ -157,7 +159,7 @@ class Forests:
             self._end(forest)
 
     def _end(self, forest: LiveForest) -> None:
-        for lane in self._lanes:
-            lane.forests.discard(forest)
+        for worker in self._workers:
+            worker.forests.discard(forest)
         if forest.share is not None and self._shared.get(forest.share) is forest:
             del self._shared[forest.share]

@@ -8,7 +8,7 @@ from galewood_server.stream.wire import Clock, Shared, WindState, encode_reply
 News = Clock | Shared | WindState
 
 
-class Bulletin:
+class LatestValues:
     """News with rising numbers; who has seen number n needs only what is newer, the newest of each kind."""
 
     def __init__(self) -> None:

@@ -10,13 +10,13 @@ import numpy as np
 from galewood.table import Table
 from galewood.wind import Wind
 
-from galewood_server.stream.client_buffer import Mailbox
+from galewood_server.stream.client_buffer import ClientBuffer
 from galewood_server.stream.frames import FrameHistory
-from galewood_server.stream.latest_values import Bulletin
+from galewood_server.stream.latest_values import LatestValues
 from galewood_server.stream.wire import TICK_HZ, Clock, Forest, Shared, WindState
 
 if TYPE_CHECKING:
-    from galewood_server.stream.forest import ForestClock, ForestWalk
+    from galewood_server.stream.forest import ForestClock, ForestStepper
 
 log = logging.getLogger("galewood.stream")
 CLOCK_EVERY_TICKS = TICK_HZ
@@ -28,11 +28,11 @@ class LiveForest:
 
     def __init__(self, plan: Forest, clock: ForestClock, now_s: float) -> None:
         self.share = plan.share
-        self.members: set[Mailbox] = set()
+        self.members: set[ClientBuffer] = set()
         self.plan = plan
         self._clock = clock
-        self._bulletin = Bulletin()
-        self._walk: ForestWalk | None = None
+        self._latest = LatestValues()
+        self._stepper: ForestStepper | None = None
         self._history: FrameHistory | None = None
         self._made_s = now_s
         self._blown = clock.wind
@@ -40,18 +40,18 @@ class LiveForest:
         self.empty_since_s = now_s
         if self.share is not None:
             self._announce()
-            self._bulletin.post(WindState(clock.wind.document()))
-            self._tell_time()
+            self._latest.post(WindState(clock.wind.document()))
+            self._send_clock()
 
     @property
     def tree_count(self) -> int:
         """Trees that are simulated here."""
-        return len(self.plan.trees) if self._walk else 0
+        return len(self.plan.trees) if self._stepper else 0
 
     @property
-    def needs_walk(self) -> bool:
+    def needs_stepper(self) -> bool:
         """Whether nobody has streamed these trees yet."""
-        return self._walk is None
+        return self._stepper is None
 
     @property
     def streamed(self) -> bool:
@@ -60,27 +60,27 @@ class LiveForest:
 
     # ---- in the event loop -------------------------------------------------------------------------
 
-    def set_walk(self, walk: ForestWalk) -> None:
+    def set_stepper(self, stepper: ForestStepper) -> None:
         """Begin to simulate, from rest."""
-        history = FrameHistory(walk.shapes)
-        history.add(self._clock.ticks, self._clock.time_s, self._made_s, walk.write_poses)
-        self._walk, self._history = walk, history
+        history = FrameHistory(stepper.shapes)
+        history.add(self._clock.ticks, self._clock.time_s, self._made_s, stepper.write_poses)
+        self._stepper, self._history = stepper, history
         for member in self.members:
             member.resync()
 
-    def replant(self, plan: Forest, walk: ForestWalk | None) -> None:
+    def replant(self, plan: Forest, stepper: ForestStepper | None) -> None:
         """Other trees under the same clock and wind, for all."""
         self.plan = plan
-        self._walk, self._history = None, None
-        if walk is not None:
-            self.set_walk(walk)
+        self._stepper, self._history = None, None
+        if stepper is not None:
+            self.set_stepper(stepper)
         self._announce()
 
-    def make_walk(self, tables: Sequence[Table], plan: Forest) -> ForestWalk:
+    def make_stepper(self, tables: Sequence[Table], plan: Forest) -> ForestStepper:
         """A simulation of these trees under this forest's clock; slow, hence in a thread."""
-        from galewood_server.stream.forest import ForestWalk
+        from galewood_server.stream.forest import ForestStepper
 
-        return ForestWalk(tables, plan, self._clock)
+        return ForestStepper(tables, plan, self._clock)
 
     def same_trees(self, plan: Forest) -> bool:
         """Whether a plan describes the trees that are here."""
@@ -91,11 +91,11 @@ class LiveForest:
             plan.pose_easing,
         ) and np.array_equal(mine.trees, plan.trees)
 
-    def add(self, member: Mailbox, now_s: float) -> None:
+    def add(self, member: ClientBuffer, now_s: float) -> None:
         """A client joins, and has at once what there is."""
         self.members.add(member)
         current = self._history if self._history and self._history.tick == self._clock.ticks else None
-        member.deliver(self._bulletin, current, now_s)
+        member.deliver(self._latest, current, now_s)
 
     def change_wind(self, wind: Wind) -> None:
         """Glide to another wind from the next tick on; all are told then."""
@@ -104,7 +104,7 @@ class LiveForest:
     def pause(self, paused: bool) -> None:
         """Stop the clock or let it run on; all are told."""
         self._clock.paused = paused
-        self._tell_time()
+        self._send_clock()
 
     def deliver(self, now_s: float) -> None:
         """Send every member what is new to it."""
@@ -114,21 +114,21 @@ class LiveForest:
             return
         if self._clock.wind is not self._blown:
             self._blown = self._clock.wind
-            self._bulletin.post(WindState(self._blown.document()))
+            self._latest.post(WindState(self._blown.document()))
         if self.share is not None and self._clock.ticks % CLOCK_EVERY_TICKS == 0:
-            self._tell_time()
+            self._send_clock()
         for member in self.members:
-            member.deliver(self._bulletin, self._history, now_s)
+            member.deliver(self._latest, self._history, now_s)
 
     def _announce(self) -> None:
         plan = self.plan
         if plan.share is not None:
-            self._bulletin.post(
+            self._latest.post(
                 Shared(plan.share, plan.groups, plan.pose_easing, plan.method, plan.about, plan.trees)
             )
 
-    def _tell_time(self) -> None:
-        self._bulletin.post(Clock(self._clock.time_s, self._made_s, self._clock.paused))
+    def _send_clock(self) -> None:
+        self._latest.post(Clock(self._clock.time_s, self._made_s, self._clock.paused))
 
     # ---- in a lane's thread ------------------------------------------------------------------------
 
@@ -145,7 +145,7 @@ class LiveForest:
         if self._clock.paused or self._failed:
             return
         self._clock.tick()
-        walk, history = self._walk, self._history
-        if walk is not None and history is not None and self.streamed:
-            walk.step()
-            history.add(self._clock.ticks, self._clock.time_s, made_s, walk.write_poses)
+        stepper, history = self._stepper, self._history
+        if stepper is not None and history is not None and self.streamed:
+            stepper.step()
+            history.add(self._clock.ticks, self._clock.time_s, made_s, stepper.write_poses)

@@ -12,7 +12,7 @@ from galewood_server.stream.wire import TICK_HZ
 LATE_S = 0.25
 
 
-class Lane:
+class StepWorker:
     """One thread's forests. Where it is late their time runs slower; other lanes are not held up."""
 
     def __init__(self, threads: ThreadPoolExecutor) -> None:

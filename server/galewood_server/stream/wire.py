@@ -14,13 +14,13 @@ from typing import Any
 from galewood_server.stream.envelope import (
     Header,
     WireError,
+    boolean,
     decode_message,
     encode_message,
     number,
     only,
     text,
     text_map,
-    truth,
     whole,
 )
 from galewood_server.stream.wire_forest import (
@@ -146,7 +146,7 @@ def decode_request(data: bytes) -> Request:
         return Ping(number(header, "t"))
     if kind == PAUSE:
         only(header, "paused")
-        return Pause(truth(header, "paused"))
+        return Pause(boolean(header, "paused"))
     if kind == RESYNC:
         only(header)
         return Resync()
@@ -265,7 +265,7 @@ def _decode_short(kind: int, header: Header) -> Reply:
         return WindState(text_map(header["state"], "state"))
     if kind == CLOCK:
         only(header, "time_s", "made_s", "paused")
-        return Clock(number(header, "time_s"), number(header, "made_s"), truth(header, "paused"))
+        return Clock(number(header, "time_s"), number(header, "made_s"), boolean(header, "paused"))
     raise WireError(f"kind {kind} is not a message that servers send", "unknown-kind")
 
 

@@ -13,13 +13,13 @@ import numpy.typing as npt
 from galewood_server.stream.envelope import (
     Header,
     WireError,
+    boolean,
     encode_message,
     entries,
     number,
     only,
     text,
     text_map,
-    truth,
     whole,
 )
 
@@ -28,7 +28,7 @@ MAX_ABOUT = 32
 """Entries of a forest's `about`."""
 
 Mode = Literal["stream", "table"]
-Method = Literal["tangent", "paper"]
+Method = Literal["modal", "paper"]
 Trees = npt.NDArray[np.float32]
 About = Mapping[str, str | int | float | bool]
 OPTIONS = frozenset({"pose_easing", "method", "share", "replant", "about", "have"})
@@ -53,7 +53,7 @@ class Forest:
     time_s: float
     pose_easing: float | None
     trees: Trees  # (Σ count, 4): x m, z m, yaw rad, scale; (0, 4) where they do not matter
-    method: Method = "tangent"
+    method: Method = "modal"
     share: str | None = None
     """The forest that many share; None for one of one's own."""
     replant: bool = False
@@ -97,17 +97,17 @@ def decode_forest(header: Header, payload: bytes) -> Forest:
     options = text_map(header["options"], "options")
     only(options, *options.keys() & OPTIONS)
     groups = tuple(_group(entry) for entry in entries(header, "groups"))
-    planted = mode == "stream" or bool(payload)
+    grid_placements = mode == "stream" or bool(payload)
     return Forest(
         mode=mode,
         groups=groups,
         wind=text_map(header["wind"], "wind"),
         time_s=number(header, "time_s", -1e9, 1e9),
         pose_easing=_easing(options),
-        trees=_trees(payload, sum(group.count for group in groups) if planted else 0),
-        method=_method(options) if "method" in options else "tangent",
+        trees=_trees(payload, sum(group.count for group in groups) if grid_placements else 0),
+        method=_method(options) if "method" in options else "modal",
         share=_share(options) if "share" in options else None,
-        replant="replant" in options and truth(options, "replant"),
+        replant="replant" in options and boolean(options, "replant"),
         about=_about(options) if "about" in options else {},
         have=_have(options) if "have" in options else {},
     )
@@ -147,7 +147,7 @@ def _options(forest: Forest) -> dict[str, Any]:
     """What differs from the defaults."""
     given: dict[str, Any] = {
         "pose_easing": forest.pose_easing,
-        "method": None if forest.method == "tangent" else forest.method,
+        "method": None if forest.method == "modal" else forest.method,
         "share": forest.share,
         "replant": forest.replant or None,
         "about": dict(forest.about) or None,
@@ -162,8 +162,10 @@ def _easing(options: Header) -> float | None:
 
 def _method(options: Header) -> Method:
     method = text(options, "method")
-    if method not in ("tangent", "paper"):
-        raise WireError("method must be 'tangent' or 'paper'")
+    if method == "tangent":  # the former id of the modal model
+        return "modal"
+    if method not in ("modal", "paper"):
+        raise WireError("method must be 'modal' or 'paper'")
     return method
 
 

@@ -23,7 +23,7 @@ LOOK_S = 0.5
 
 
 @dataclass(frozen=True)
-class ExchangedTask:
+class TransferredTask:
     """A run to record on a machine that knows nothing but the bucket."""
 
     task: SampleTask
@@ -32,7 +32,7 @@ class ExchangedTask:
     """Key whose existence means that nobody wants the run any more."""
 
 
-class Exchange:
+class BlobTransfer:
     """The asking side: models out, runs in; and the tetrahedra, which no two meshings make alike, kept for
     the server that may take the job over: with others the finished runs would be of no use.
     """
@@ -41,14 +41,14 @@ class Exchange:
         self._url = url
         self._bucket = open_bucket(url)
         self._flag = flag_key(job_id)
-        self._tets = f"exchange/tets/{job_id}/"
+        self._tets = f"transfer/tets/{job_id}/"
 
-    def ask(self, task: SampleTask) -> ExchangedTask:
+    def ask(self, task: SampleTask) -> TransferredTask:
         """The task as a worker elsewhere can run it; its model is put where the worker finds it."""
         key = model_key(task.model)
         if stored(self._bucket, key) is None:
             obstore.put(self._bucket, key, task.model.read_bytes())
-        return ExchangedTask(task, self._url, self._flag)
+        return TransferredTask(task, self._url, self._flag)
 
     def take(self, task: SampleTask) -> bool:
         """Bring a finished run here; whether it was there. It stays, in case another server takes over."""
@@ -81,18 +81,18 @@ class Exchange:
 
 
 def model_key(model: Path) -> str:
-    return f"exchange/models/{model.name}"
+    return f"transfer/models/{model.name}"
 
 
 def run_key(run: Path) -> str:
-    return f"exchange/trajectories/{run.name}"
+    return f"transfer/trajectories/{run.name}"
 
 
 def flag_key(job_id: str) -> str:
-    return f"exchange/cancelled/{job_id}"
+    return f"transfer/cancelled/{job_id}"
 
 
-def run_elsewhere(item: ExchangedTask) -> str:
+def run_elsewhere(item: TransferredTask) -> str:
     """In a worker: record a run and store it, unless it is there or nobody wants it any more."""
     bucket, key = open_bucket(item.url), run_key(item.task.path)
     if stored(bucket, key) is not None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from galewood.sampling import SampleTask, run_task
 from galewood.util import Cancelled
 
-from galewood_server.jobs.cluster.blob_transfer import Exchange, ExchangedTask, run_elsewhere
+from galewood_server.jobs.cluster.blob_transfer import BlobTransfer, TransferredTask, run_elsewhere
 from galewood_server.jobs.cluster.dask_cluster import EngineLostError, connected, map_on_cluster
 
 
@@ -31,13 +31,13 @@ class DaskRunner:
         address: str,
         flag: Path,
         samples: Callable[[int, int], None] = lambda done, total: None,
-        exchange: Exchange | None = None,
+        transfer: BlobTransfer | None = None,
     ) -> None:
         """``samples`` hears how many runs there are, of how many, each time before ``done`` does."""
         self._address = address
         self._flag = flag
         self._samples = samples
-        self._exchange = exchange
+        self._transfer = transfer
         self.model: Path | None = None
         """The finite-element model whose runs were asked for."""
         self.runs: list[Path] = []
@@ -60,19 +60,19 @@ class DaskRunner:
         return [task.path for task in tasks]
 
     def _here(self, task: SampleTask) -> bool:
-        return task.path.exists() or (self._exchange is not None and self._exchange.take(task))
+        return task.path.exists() or (self._transfer is not None and self._transfer.take(task))
 
     def _run(self, missing: list[SampleTask], tell: Callable[[int], None]) -> None:
-        exchange, flag = self._exchange, self._flag
+        transfer, flag = self._transfer, self._flag
 
-        def taken(count: int, item: ExchangedTask) -> None:
-            if exchange and not exchange.take(item.task):
+        def taken(count: int, item: TransferredTask) -> None:
+            if transfer and not transfer.take(item.task):
                 raise EngineLostError("a worker's run did not arrive")
             tell(count)
 
         with connected(self._address) as client:
-            if exchange:
-                map_on_cluster(client, run_elsewhere, [exchange.ask(task) for task in missing], taken)
+            if transfer:
+                map_on_cluster(client, run_elsewhere, [transfer.ask(task) for task in missing], taken)
             else:
                 items = [CancellableTask(task, flag) for task in missing]
                 map_on_cluster(client, run_unless_cancelled, items, lambda count, _: tell(count))

@@ -5,7 +5,6 @@ import type { Job, Tree } from "../server/api";
 
 const STAGES: Record<string, string> = {
   queued: "Waiting in the queue",
-  intake: "Importing the mesh",
   import: "Importing the mesh",
   meshing: "Generating tetrahedra",
   skeleton: "Extracting the skeleton",

@@ -7,17 +7,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from galewood.fem import (FemSettings)
-from galewood.mesh import (IntakeOptions)
-from galewood.util import (cpu_seconds)
-from galewood.build.assemble import (TableSettings)
-from galewood.sampling import (SEED)
-from galewood.wood import (Wood)
+from galewood.fem import FemSettings
+from galewood.mesh import ImportOptions
+from galewood.options import BuildRequest, ImportRequest, import_options
+from galewood.pipeline.assemble import TableSettings
+from galewood.sampling import SEED
+from galewood.util import cpu_seconds
+from galewood.wood import Wood
 
-Stage = Literal["intake", "meshing", "skeleton", "model", "sampling", "table", "done"]
+Stage = Literal["import", "meshing", "skeleton", "model", "sampling", "table", "done"]
 
 SHARES: dict[Stage, float] = {
-    "intake": 0.02,
+    "import": 0.02,
     "meshing": 0.22,
     "skeleton": 0.03,
     "model": 0.16,
@@ -27,7 +28,7 @@ SHARES: dict[Stage, float] = {
 }
 """Share of each stage in a usual build's time."""
 MESSAGES: dict[Stage, str] = {
-    "intake": "Reading the mesh",
+    "import": "Reading the mesh",
     "meshing": "Filling the wood with tetrahedra",
     "skeleton": "Finding the skeleton and hanging the leaves on it",
     "model": "Fitting stiffness, mass and damping",
@@ -56,7 +57,7 @@ class BuildOptions:
     the drift-free method learns from. ``fem.element`` "quadratic" makes the table from the reference itself.
     """
 
-    intake: IntakeOptions = field(default_factory=IntakeOptions)
+    mesh_import: ImportOptions = field(default_factory=ImportOptions)
     wood: Wood | None = None
     """What the tree is made of; None: the wood of its species."""
     target_tets: int = 5500
@@ -68,6 +69,17 @@ class BuildOptions:
     """Frames of the run that compares the model with the quadratic reference; 0: no comparison."""
     fem: FemSettings = field(default_factory=FemSettings)
     table: TableSettings = field(default_factory=TableSettings)
+
+
+def build_options(request: BuildRequest) -> BuildOptions:
+    """The options of a build; whatever the request leaves out keeps its default."""
+    given = request.model_dump(exclude_none=True, exclude={"modes", "wood", *ImportRequest.model_fields})
+    return BuildOptions(
+        mesh_import=import_options(request),
+        wood=request.wood.wood() if request.wood else None,
+        table=TableSettings(modes=request.modes),
+        **given,
+    )
 
 
 @dataclass(frozen=True)
@@ -99,11 +111,11 @@ class Stages:
             self.seconds[self._stage] = round(now_s - self._begun, 3)
             self.cpu_seconds[self._stage] = round(spent_s - self._spent, 3)
         self._stage, self._begun, self._spent = stage, now_s, spent_s
-        self.tick(0.0)
+        self.report(0.0)
 
-    def tick(self, fraction: float, message: str = "") -> None:
+    def report(self, fraction: float, message: str = "") -> None:
         """``fraction`` of the present stage is done. Raises what the callback raises."""
-        stage = self._stage or "intake"
+        stage = self._stage or "import"
         order = list(SHARES)
         before = sum(SHARES[other] for other in order[: order.index(stage)])
         whole = 1.0 if stage == "done" else before + SHARES[stage] * min(max(fraction, 0.0), 1.0)

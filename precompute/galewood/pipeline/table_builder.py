@@ -6,17 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from galewood.build.options import (BuildOptions)
-from galewood.sampling import (DesignWind)
-from galewood.mesh import (TreeMesh)
-from galewood.reduction import (Learning)
-from galewood.fem import (FemModel)
-from galewood.build.report import (describe)
-from galewood.sampling import (Samples)
-from galewood.sampling import (Recording, SampleWind)
-from galewood.table import (Table)
-from galewood.build.assemble import (RenderMesh, assemble_table)
-from galewood.reduction import (Oscillators, oscillators_of)
+from galewood.fem import FemModel
+from galewood.mesh import TreeMesh
+from galewood.pipeline.assemble import RenderMesh, assemble_table
+from galewood.pipeline.options import BuildOptions
+from galewood.pipeline.report import describe
+from galewood.reduction import ModalTraining, Oscillators, oscillators_of, sizes_for
+from galewood.sampling import DesignWind, SampledRun, Samples, SampleWind
+from galewood.table import Table
 
 
 @dataclass(frozen=True)
@@ -35,7 +32,7 @@ class TableMaker:
         """The tree's own free motion, which every table of it builds on."""
         return oscillators_of(self.model)
 
-    def early(self, samples: Samples) -> Table:
+    def preliminary(self, samples: Samples) -> Table:
         """A small table of the first runs alone, marked as preliminary."""
         table = self.make(samples.first())
         table.metadata["provenance"]["preliminary"] = True
@@ -44,22 +41,34 @@ class TableMaker:
     def make(
         self,
         samples: Samples,
-        tick: Callable[[float], None] = lambda fraction: None,
-        further: Callable[[], Sequence[Recording]] = tuple,
+        on_progress: Callable[[float], None] = lambda fraction: None,
+        further: Callable[[], Sequence[SampledRun]] = tuple,
     ) -> Table:
         """The table of these runs, and of the ``further`` ones if the tree asks for them."""
         winds, asked = samples.winds, list[SampleWind]()
 
-        def ask() -> Sequence[Recording]:
+        def ask() -> Sequence[SampledRun]:
             runs = further()
             asked.extend(task.wind for task in samples.further[: len(runs)])
             return runs
 
         description = describe(self.tree, self.model, self.wind, winds, self.options, self.render_glb)
-        learning = Learning(self.oscillators, self.options.fem, samples.learnt_runs(), further=ask)
+        training = ModalTraining(
+            self.oscillators,
+            self.options.fem,
+            samples.training_runs(),
+            sizes_for(self.options.table.modes),
+            ask,
+        )
         mass_kg = self.model.mass_kg[: self.model.vertex_count]
         table = assemble_table(
-            samples.recorded_runs(), mass_kg, self.surface, description, self.options.table, learning, tick
+            samples.recorded_runs(),
+            mass_kg,
+            self.surface,
+            description,
+            self.options.table,
+            training,
+            on_progress,
         )
         provenance = table.metadata["provenance"]
         provenance["winds"] += [wind.name for wind in asked]

@@ -10,16 +10,15 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from galewood.build.options import (BuildOptions, Stages)
-from galewood.sampling import (DesignWind)
-from galewood.model import (Lumps)
-from galewood.mesh import (TreeMesh)
-from galewood.fem import (FemModel)
-from galewood.sampling import (SampleWind)
-from galewood.skeleton import (Skeleton)
-from galewood.table import (Metadata, Table)
-from galewood.build.assemble import (RenderMesh)
-from galewood.tets import (TetMesh)
+from galewood.fem import FemModel
+from galewood.mesh import TreeMesh
+from galewood.model import LumpedMasses
+from galewood.pipeline.assemble import RenderMesh
+from galewood.pipeline.options import BuildOptions, Stages
+from galewood.sampling import DesignWind, SampleWind, content_hash
+from galewood.skeleton import Skeleton
+from galewood.table import Metadata, Table
+from galewood.tets import TetMesh
 
 
 def render_mesh(tree: TreeMesh, binding: scipy.sparse.csr_matrix) -> RenderMesh:
@@ -49,7 +48,9 @@ def describe(
             "software": _version(),
             "wood": model.report["wood"],
             "tetrahedra": len(model.elements),
+            "model_sha256": content_hash(model),
             "fem": asdict(options.fem),
+            "table_settings": asdict(options.table),
             "seed": options.seed,
             "winds": [w.name for w in winds],
             "frames": [len(w.pressure_pa) for w in winds],
@@ -61,7 +62,7 @@ def build_report(
     tree: TreeMesh,
     mesh: TetMesh,
     skeleton: Skeleton,
-    lumps: Lumps,
+    lumped: LumpedMasses,
     model: FemModel,
     wind: DesignWind,
     table: Table,
@@ -71,10 +72,10 @@ def build_report(
     """Everything assumed and measured on the way, by stage; JSON-able."""
     candidates = np.diff(table.offsets.astype(np.int64))
     return {
-        "intake": tree.report,
+        "import": tree.report,
         "meshing": mesh.report,
         "skeleton": skeleton.report,
-        "foliage": lumps.report,
+        "foliage": lumped.report,
         "model": model.report | ({"reference": reference} if reference else {}),
         "design_wind": asdict(wind),
         "table": {

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from typing import ParamSpec
 
-from galewood.util import (Helpers)
+from galewood.util import WorkerPool
 
 log = logging.getLogger("galewood.build")
 Arguments = ParamSpec("Arguments")
@@ -16,14 +16,14 @@ Publish = Callable[[str, bytes], None]
 """Takes a name ("tetrahedra.png") and the content. Called by one thread at a time, not always the build's."""
 
 
-class Gallery:
+class ArtefactPublisher:
     """Draws in helpers and publishes each picture as soon as it is there; does nothing where nobody looks.
 
     A picture that fails is logged: a build does not fail for it.
     """
 
-    def __init__(self, helpers: Helpers, publish: Publish | None) -> None:
-        self._helpers = helpers
+    def __init__(self, pool: WorkerPool, publish: Publish | None) -> None:
+        self._pool = pool
         self._publish = publish
         self._lock = threading.Lock()
 
@@ -36,18 +36,18 @@ class Gallery:
     ) -> None:
         """Start a picture; it is published when it is done."""
         if self._publish:
-            drawn = self._helpers.start(picture, *args, **kwargs)
+            drawn = self._pool.start(picture, *args, **kwargs)
             drawn.add_done_callback(lambda drawn: self._drawn(name, drawn))
 
     def _drawn(self, name: str, drawn: Future[bytes]) -> None:
         try:
-            self.hand_out(name, drawn.result)
+            self.publish(name, drawn.result)
         except CancelledError:
             pass  # the build was stopped
         except Exception:
             log.exception("%s was not handed out", name)
 
-    def hand_out(self, name: str, make: Callable[[], bytes]) -> None:
+    def publish(self, name: str, make: Callable[[], bytes]) -> None:
         """Publish what a function makes, if anybody looks."""
         if self._publish:
             content = make()

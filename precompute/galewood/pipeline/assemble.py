@@ -9,21 +9,29 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from galewood.search import (Rule, air_of, build_search)
-from galewood.reduction import (Fitted, Learning, fit_smallest)
-from galewood.reduction import (Nodes, largest_motion_m, make_nodes, render_basis)
-from galewood.sampling import (Recording)
-from galewood.search import (Compared, InternalStates, compared, typical_error)
-from galewood.reduction import (QuantisedMotion, quantise)
-from galewood.table import (FORMAT, VERSION, Metadata, Table, poses)
+from galewood.reduction import (
+    Fitted,
+    ModalTraining,
+    Nodes,
+    QuantisedMotion,
+    fit_smallest,
+    largest_motion_m,
+    make_nodes,
+    quantise,
+    render_basis,
+)
+from galewood.sampling import SampledRun
+from galewood.search import Compared, InternalStates, Rule, air_of, build_search, compared, typical_error
+from galewood.table import FORMAT, VERSION, Metadata, Table, poses
 from galewood.util import Array, Floats
-
 
 
 @dataclass(frozen=True)
 class TableSettings:
     """What a table is built to. docs/design/0002-pose-easing.md says how the numbers were chosen."""
 
+    modes: int | None = None
+    """Oscillators of the modal model; None: as few of the standard sizes as follow the training runs."""
     sigma_share: float = 0.3
     """σ of Eq. 16 over the RMS pressure of the records."""
     weight_leverage: float = 0.94
@@ -51,7 +59,7 @@ class RenderMesh:
     primitives: list[dict[str, Any]]  # name, kind, vertices
 
 
-def internal_states(runs: Sequence[Recording]) -> InternalStates:
+def internal_states(runs: Sequence[SampledRun]) -> InternalStates:
     """The records of all runs, one after another."""
     velocity, force, stiffness = (
         np.concatenate([getattr(run, name) for run in runs]) for name in ("velocity", "force", "stiffness")
@@ -74,19 +82,19 @@ def spread_pa(pressure_pa: Array) -> float:
 
 
 def assemble_table(
-    runs: Sequence[Recording],
+    runs: Sequence[SampledRun],
     mass_kg: Floats,
     mesh: RenderMesh,
     description: Metadata,
     settings: TableSettings,
-    learning: Learning,
-    tick: Callable[[float], None] = lambda fraction: None,
+    training: ModalTraining,
+    on_progress: Callable[[float], None] = lambda fraction: None,
 ) -> Table:
     """The table of all runs. ``description`` adds species, height, winds, provenance to the metadata."""
     height_m = float(description["height_m"])
-    fitted = fit_smallest(runs, mass_kg, height_m, settings.truncation_share * height_m, learning)
-    tangent, subspace = fitted.tangent, fitted.subspace
-    tick(0.2)
+    fitted = fit_smallest(runs, mass_kg, height_m, settings.truncation_share * height_m, training)
+    modal, subspace = fitted.modal, fitted.subspace
+    on_progress(0.2)
     motion = quantise(subspace.project(run.displacement_m) for run in runs)
     starts = np.cumsum([0, *(len(run.pressure_pa) for run in runs)]).astype(np.uint32)
     q_rms = np.sqrt(np.mean((poses(motion.dq, starts) * motion.scale.astype(np.float64)) ** 2, axis=0))
@@ -94,19 +102,19 @@ def assemble_table(
     sway_m = largest_motion_m(vertex_basis, q_rms)
     tolerance_m = min(settings.node_share * height_m, settings.node_sway_share * sway_m)
     nodes = make_nodes(vertex_basis, mesh.vertices_m, q_rms, tolerance_m)
-    tick(0.3)
+    on_progress(0.3)
     pressure = np.concatenate([run.pressure_pa for run in runs]).astype(np.float32)
     states = internal_states(runs)
     layout = compared(states)
     weight = weights(layout, states.components, settings)
     sigma_pa = settings.sigma_share * spread_pa(pressure)
     rule = Rule(states.components, sigma_pa, weight["initial"], weight["maximum"])
-    search = build_search(layout, air_of(pressure, starts), rule, lambda f: tick(0.3 + 0.7 * f))
+    search = build_search(layout, air_of(pressure, starts), rule, lambda f: on_progress(0.3 + 0.7 * f))
     metadata = _metadata(description, settings, mesh, fitted, motion, nodes, states, sigma_pa, weight)
     return Table(
         metadata, motion.scale, nodes.basis, nodes.rest_m, nodes.vertex_node, motion.dq, pressure, starts,
         search.offsets, search.record, search.mismatches,
-        tangent.step, tangent.load, tangent.sway, tangent.force, tangent.shown, tangent.pose, tangent.limits,
+        modal.step, modal.load, modal.sway, modal.force, modal.shown, modal.pose, modal.limits,
     )  # fmt: skip
 
 
@@ -136,7 +144,7 @@ def _metadata(
         "errors": {
             "truncation_max_m": fitted.subspace.max_error_m,
             "truncation_energy": fitted.subspace.energy_left,
-            "replay_m": fitted.replay_error_m,
+            "training_m": fitted.training_error_m,
             "node_rms_m": nodes.rms_error_m,
             "node_max_m": nodes.max_error_m,
         },

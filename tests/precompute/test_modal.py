@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from galewood.fem.model import FemSettings
-from galewood.modal import Tangent
-from galewood.player.modal_forest import TangentForest
+from galewood.modal import ModalTensors
+from galewood.player.modal_forest import ModalForest
 from galewood.reduction.modal_fit import ridge_fit
 from galewood.reduction.oscillators import propagators, response
 from galewood.sampling.training_winds import noise_wind, training_winds
@@ -18,8 +18,8 @@ DT_S = float(TABLE.metadata["dt_s"])
 HEIGHT_M = float(TABLE.metadata["height_m"])
 
 
-def forest(count: int = 1, tangent: Tangent | None = None) -> TangentForest:
-    return TangentForest(tangent or TABLE.tangent, DT_S, TABLE.mode_scale, count)
+def forest(count: int = 1, modal: ModalTensors | None = None) -> ModalForest:
+    return ModalForest(modal or TABLE.modal, DT_S, TABLE.mode_scale, count)
 
 
 def masses(q: np.ndarray) -> np.ndarray:
@@ -60,10 +60,10 @@ def test_the_error_does_not_grow_with_time() -> None:
 
 def test_far_beyond_the_sampled_wind_it_stays_bounded_and_says_so() -> None:
     trees = forest()
-    storm = 10 * float(TABLE.tangent.limits[2])
+    storm = 10 * float(TABLE.modal.limits[2])
     for frame in range(4000):
         trees.advance(DT_S, [storm if frame % 40 < 20 else -storm], [storm])
-        assert trees.coverage[0] > 1
+        assert trees.extrapolation_ratio[0] > 1
     assert np.isfinite(trees.q).all()
     for _ in range(4000):
         trees.advance(DT_S, [0.0], [0.0])
@@ -75,7 +75,7 @@ def test_still_air_moves_nothing() -> None:
     for _ in range(100):
         trees.advance(DT_S / 2, np.zeros(3), np.zeros(3))
     assert not trees.q.any()
-    assert not trees.coverage.any()
+    assert not trees.extrapolation_ratio.any()
 
 
 def test_trees_do_not_disturb_each_other() -> None:
