@@ -1,6 +1,4 @@
-"""Damaged and hostile files: each raises a MeshError with the right reason, and none makes the reader open a
-file.
-"""
+"""Damaged and hostile files raise a MeshError with the right reason; no other file is opened."""
 
 import builtins
 import io

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from galewood.images.build_images import skeleton_png
+from galewood.pictures.build_pictures import skeleton_png
 from galewood.skeleton.extraction import extract_skeleton, sampled_elements
 from galewood.skeleton.levels import cut_sections, geodesic_distance, inner_faces
 from galewood.skeleton.roots import root_vertices
