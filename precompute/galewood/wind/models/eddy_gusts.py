@@ -65,7 +65,7 @@ class EddyGusts:
         self, wind: Wind, travel: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats
     ) -> None:
         """Write the velocity (m/s, world x and z) at each position (m)."""
-        picture = self._velocity_field(STEPS_PER_SCALE * travel)
+        field = self._velocity_field(STEPS_PER_SCALE * travel)
         view = view_of(
             wind,
             travel,
@@ -73,7 +73,7 @@ class EddyGusts:
             cells_along=CELLS_PER_SCALE,
             cells_across=CELLS_PER_SCALE,
         )
-        sample_texture(picture, GRID, GRID, view, x_m, z_m, out_x, out_z)
+        sample_texture(field, GRID, GRID, view, x_m, z_m, out_x, out_z)
 
     def _velocity_field(self, moment: float) -> Floats:
         """(2, GRID²) velocity field at a time measured in steps."""
