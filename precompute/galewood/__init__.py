@@ -31,10 +31,10 @@ if TYPE_CHECKING:
         read,
         save,
     )
-    from galewood.build import Progress
     from galewood.evaluation import SourceError
     from galewood.fem import FemSettings
     from galewood.options import BuildRequest
+    from galewood.pipeline import Progress
     from galewood.table import TableError
     from galewood.util import Cancelled, MeshError
     from galewood.wind import PRESETS, Wind, WindError
@@ -82,7 +82,7 @@ _HOMES = {
     "load": "api",
     "read": "api",
     "save": "api",
-    "Progress": "build",
+    "Progress": "pipeline",
     "SourceError": "evaluation",
     "FemSettings": "fem",
     "BuildRequest": "options",

@@ -6,8 +6,8 @@ import json
 from typing import Any
 
 import pytest
-from galewood.build.options import BuildOptions, build_options
 from galewood.options import BuildRequest
+from galewood.pipeline.options import BuildOptions, build_options
 from galewood.wood.species import SPECIES
 from galewood_server.http.schemas import JobRequest
 from pydantic import ValidationError

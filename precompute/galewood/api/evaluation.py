@@ -45,7 +45,7 @@ def evaluate(
     Raises:
         SourceError: The table's model or mesh is not available.
     """
-    report = on_progress or (lambda fraction, message: None)
+    report = on_progress or _no_progress
     cache = cache_dir or default_cache_dir()
     dt_s = float(table.metadata["dt_s"])
     frames = max(60, round(duration_s / dt_s))
@@ -69,3 +69,7 @@ def evaluate(
         seed=seed,
         winds=given,
     )
+
+
+def _no_progress(fraction: float, message: str) -> None:
+    pass

@@ -12,9 +12,9 @@ import numpy as np
 
 from galewood.api.cache import default_cache_dir
 from galewood.api.trees import Tree
-from galewood.build import Progress, build_options, build_tree
 from galewood.mesh import read_glb
 from galewood.options import BuildRequest
+from galewood.pipeline import Progress, build_options, build_tree
 from galewood.table import Table, decode
 from galewood.util import Floats, Ints, write_whole
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from galewood.build import BuildOptions
 from galewood.fem import FemModel, Simulator
 from galewood.mesh import import_mesh_sandboxed
 from galewood.model import reference_model, tree_model
+from galewood.pipeline import BuildOptions
 from galewood.sampling import SampleWind, design_wind, sample_trajectory, sample_winds
 from galewood.skeleton import sampled_elements
 

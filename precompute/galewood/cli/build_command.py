@@ -65,8 +65,8 @@ def build(
     """Simulate a tree mesh and write its motion table, and the mesh that the table moves."""
     from dataclasses import replace
 
-    from galewood.build import build_options, build_table
     from galewood.fem import FemSettings
+    from galewood.pipeline import build_options, build_table
     from galewood.util import MeshError
 
     options = build_options(_request(chosen, wood))

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from galewood.build import BuildOptions, TableSettings
 from galewood.fem import FemModel, load_model
 from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
 from galewood.model import render_binding
+from galewood.pipeline import BuildOptions, TableSettings
 from galewood.reduction import ModalTraining, Subspace, oscillators_of, render_basis, size_of, sizes_for
 from galewood.reduction import shown_modes as reduction_modes
 from galewood.sampling import Samples, content_hash, planned, run_in_processes, simulate

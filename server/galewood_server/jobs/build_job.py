@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from galewood.build import BuildOptions, BuildResult, Progress, build_options
 from galewood.options import BuildRequest
+from galewood.pipeline import BuildOptions, BuildResult, Progress, build_options
 from sqlalchemy import update
 
 from galewood_server.jobs.cluster.blob_transfer import BlobTransfer

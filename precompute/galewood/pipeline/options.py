@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from galewood.build.assemble import TableSettings
 from galewood.fem import FemSettings
 from galewood.mesh import ImportOptions
 from galewood.options import BuildRequest, ImportRequest, import_options
+from galewood.pipeline.assemble import TableSettings
 from galewood.sampling import SEED
 from galewood.util import cpu_seconds
 from galewood.wood import Wood

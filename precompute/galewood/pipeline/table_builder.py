@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from galewood.build.assemble import RenderMesh, assemble_table
-from galewood.build.options import BuildOptions
-from galewood.build.report import describe
 from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
+from galewood.pipeline.assemble import RenderMesh, assemble_table
+from galewood.pipeline.options import BuildOptions
+from galewood.pipeline.report import describe
 from galewood.reduction import ModalTraining, Oscillators, oscillators_of, sizes_for
 from galewood.sampling import DesignWind, SampledRun, Samples, SampleWind
 from galewood.table import Table

@@ -7,10 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from galewood.build.artefacts import ArtefactPublisher, Publish
-from galewood.build.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
-from galewood.build.report import build_report, render_mesh
-from galewood.build.table_builder import TableMaker
 from galewood.fem import FemModel, Simulator
 from galewood.mesh import TreeMesh, import_mesh_sandboxed
 from galewood.model import (
@@ -23,6 +19,10 @@ from galewood.model import (
     render_binding,
 )
 from galewood.pictures import skeleton_png, tetrahedra_png
+from galewood.pipeline.artefacts import ArtefactPublisher, Publish
+from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
+from galewood.pipeline.report import build_report, render_mesh
+from galewood.pipeline.table_builder import TableMaker
 from galewood.sampling import TrajectoryRunner, design_wind, planned, run_in_processes, simulate
 from galewood.skeleton import extract_skeleton, sampled_elements, with_corrected_radii
 from galewood.table import encode

@@ -1,9 +1,9 @@
 """From a mesh file to a table file: the pipeline, its options, progress and report."""
 
-from galewood.build.assemble import TableSettings, assemble_table, internal_states
-from galewood.build.options import BuildOptions, BuildResult, Progress, build_options
-from galewood.build.pipeline import build_table, build_tree
-from galewood.build.report import render_mesh
+from galewood.pipeline.assemble import TableSettings, assemble_table, internal_states
+from galewood.pipeline.build import build_table, build_tree
+from galewood.pipeline.options import BuildOptions, BuildResult, Progress, build_options
+from galewood.pipeline.report import render_mesh
 
 __all__ = [
     "BuildOptions",
