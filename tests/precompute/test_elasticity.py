@@ -1,4 +1,4 @@
-"""Element stiffness against its tensor form, scikit-fem, and exact integrals."""
+"""Element stiffness compared with its tensor form, scikit-fem and exact integrals."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_blocks_are_the_tensor_contracted_with_the_gradients() -> None:
         )
 
 
-def test_the_tensor_gives_back_the_engineering_constants() -> None:
+def test_engineering_constants_are_recovered_from_the_tensor() -> None:
     wood, fibre = wood_of_species("maple"), np.array([0.0, 0.0, 1.0])
     tensor = elasticity_tensor(wood, fibre)
     voigt = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
@@ -50,7 +50,7 @@ def test_the_tensor_gives_back_the_engineering_constants() -> None:
     assert np.isclose(-compliance[0, 1] / compliance[0, 0], wood.poisson_transverse)
 
 
-def test_both_parts_of_the_stiffness_are_positive() -> None:
+def test_both_parts_of_the_stiffness_are_positive_semidefinite() -> None:
     grad, volume = gradients(_random_tet())
     for part in stiffness_blocks(
         grad, volume, np.array([[0.6, 0.0, 0.8]]), moduli(wood_of_species("poplar"))
@@ -76,7 +76,7 @@ def test_stiffness_agrees_with_scikit_fem(element: str) -> None:
     np.testing.assert_allclose(ours, theirs, atol=1e-12 * theirs.max())
 
 
-def test_quadratic_combination_is_whole_and_masses_sum_to_one() -> None:
+def test_quadratic_combination_is_complete_and_mass_shares_sum_to_one() -> None:
     c = combination()
     assert (len(c.rows), int(c.start[-1])) == (55, len(c.coefficient))
     assert np.isclose(node_mass_shares().sum(), 1)

@@ -1,4 +1,4 @@
-"""Wood: what a species is made of, and what is refused."""
+"""Built-in species, and rejection of invalid wood."""
 
 from dataclasses import replace
 
@@ -18,11 +18,11 @@ def test_every_species_is_stable_green_wood(name: str) -> None:
     assert wood.source
 
 
-def test_aliases_and_case_are_understood() -> None:
+def test_aliases_are_accepted_in_any_case() -> None:
     assert wood_of_species(" Aspen ") is SPECIES["poplar"]
 
 
-def test_an_unknown_species_names_the_known_ones() -> None:
+def test_unknown_species_error_lists_the_known_ones() -> None:
     with pytest.raises(KeyError, match=r"apricot.*maple.*poplar"):
         wood_of_species("triffid")
 
@@ -36,7 +36,7 @@ def test_an_unknown_species_names_the_known_ones() -> None:
         {"poisson_transverse": 1.2},
     ],
 )
-def test_impossible_wood_is_refused(change: dict[str, float]) -> None:
+def test_impossible_wood_is_rejected(change: dict[str, float]) -> None:
     with pytest.raises(ValueError):
         replace(wood_of_species("maple"), **change)
 

@@ -1,4 +1,4 @@
-"""The finite-element model of a tree; in: TetMesh, Skeleton, wood, foliage; out: a FemModel."""
+"""Construction of the finite-element model; in: TetMesh, Skeleton, wood, foliage; out: a FemModel."""
 
 from galewood.model.binding import render_binding
 from galewood.model.comparison import gusty_pressure, trajectory_difference
