@@ -93,10 +93,10 @@ def test_a_result_is_computed_once_for_what_it_depends_on(tmp_path: Path) -> Non
     assert len(made) == 2
 
 
-def test_the_first_maximum_is_where_the_tree_first_turns_back() -> None:
+def test_the_first_maximum_is_the_frame_before_the_sway_first_falls() -> None:
     assert first_maximum(np.array([0.1, 0.4, 0.7, 0.6, 0.9])) == 3
     assert first_maximum(np.array([0.1, 0.2, 0.3])) == 3
 
 
-def test_a_table_in_the_text_has_its_columns() -> None:
+def test_markdown_tables() -> None:
     assert table(["a", "b"], [["1", "2"]]) == "| a | b |\n| --- | ---: |\n| 1 | 2 |"

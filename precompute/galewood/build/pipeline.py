@@ -1,36 +1,37 @@
-"""From a mesh file to a table: every stage by its name."""
+"""The build pipeline: from a mesh file to a table, stage by stage."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-
-from galewood.build.options import (FURTHER, BuildOptions, BuildResult, Progress, Stages)
-from galewood.sampling import (design_wind)
-from galewood.skeleton import (with_corrected_radii)
-from galewood.fem import (Simulator)
-from galewood.model import build_model
-from galewood.model import (bind_foliage, render_binding)
-from galewood.build.artefacts import (ArtefactPublisher, Publish)
-from galewood.util import (WorkerPool)
-from galewood.mesh import (import_mesh_sandboxed)
-from galewood.pictures import (skeleton_png, tetrahedra_png)
-from galewood.build.report import (build_report, render_mesh)
-from galewood.model import (LumpedMassesLike, MeshLike, SkeletonLike, compare_with_reference)
-from galewood.fem import FemModel
-from galewood.wood import Wood
 from typing import Any
-from galewood.sampling import (TrajectoryRunner, run_in_processes)
-from galewood.sampling import (planned, simulate)
-from galewood.skeleton import (extract_skeleton, sampled_elements)
-from galewood.table import (encode)
-from galewood.build.table_builder import (TableMaker)
-from galewood.tets import (kept_tetrahedra, tetrahedralise)
-from galewood.wood import (species)
+
+from galewood.build.artefacts import ArtefactPublisher, Publish
+from galewood.build.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
+from galewood.build.report import build_report, render_mesh
+from galewood.build.table_builder import TableBuilder
+from galewood.fem import FemModel, Simulator
+from galewood.mesh import import_mesh_sandboxed
+from galewood.model import (
+    LumpedMassesLike,
+    MeshLike,
+    SkeletonLike,
+    bind_foliage,
+    build_model,
+    compare_with_reference,
+    render_binding,
+)
+from galewood.pictures import skeleton_png, tetrahedra_png
+from galewood.sampling import TrajectoryRunner, design_wind, planned, run_in_processes, simulate
+from galewood.skeleton import extract_skeleton, sampled_elements, with_corrected_radii
+from galewood.table import encode
+from galewood.tets import kept_tetrahedra, tetrahedralise
+from galewood.util import WorkerPool
+from galewood.wood import Wood, species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
-"""Imported by the worker processes while the tree is read and meshed: they load the compiled kernels."""
+"""Modules that the worker processes import during meshing, so that compiled kernels load early."""
 
 
 def build_table(
@@ -42,11 +43,11 @@ def build_table(
     cache_dir: Path = Path("data/cache"),
     publish: Publish | None = None,
 ) -> BuildResult:
-    """The table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
+    """Build the table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
-    ``publish`` is handed "render.glb", "tets-….npz" (as kept in the cache), "tetrahedra.png", "skeleton.png"
-    and "preliminary.table" as soon as they exist. ``runner`` simulates the winds; without one, processes of this
-    machine do.
+    ``publish`` receives "render.glb", "tets-….npz" (the file in the cache), "tetrahedra.png", "skeleton.png"
+    and "preliminary.table" as soon as they exist. ``runner`` simulates the winds, by default in worker
+    processes on this machine.
     """
     stages = Stages(progress)
     stages.enter("import")
@@ -75,13 +76,15 @@ def build_table(
         samples = planned(
             model, wind.speed_m_s, mesh.tets[elements], cache_dir, frames=options.frames, seed=options.seed
         )
-        maker = TableMaker(tree, model, wind, surface, options, render_glb)
-        preliminary = partial(artefacts.publish, "preliminary.table", lambda: encode(maker.preliminary(samples)))
+        builder = TableBuilder(tree, model, wind, surface, options, render_glb)
+        preliminary = partial(
+            artefacts.publish, "preliminary.table", lambda: encode(builder.preliminary(samples))
+        )
         run = runner or partial(run_in_processes, pool=pool)
         simulate(samples, run, stages.report, preliminary)
         stages.enter("table")
         further = partial(samples.further_runs, run, lambda share: stages.report(0.15 * share, FURTHER))
-        table = maker.make(samples, stages.report, further)
+        table = builder.build(samples, stages.report, further)
         stages.enter("done")
         report = build_report(tree, mesh, skeleton, lumped, model, wind, table, reference(), stages)
         return BuildResult(encode(table), render_glb, report)
@@ -96,9 +99,9 @@ def _start_comparison(
     lumped: LumpedMassesLike,
     frames: int,
 ) -> Callable[[], dict[str, Any] | None]:
-    """Start the comparison with the reference model; the function returned waits for its figures.
+    """Start the comparison with the reference model; the returned function waits for the result.
 
-    They are None if ``frames`` is 0, or if the model is the reference itself.
+    The result is None if ``frames`` is 0, or if the model is the reference itself.
     """
     if fast.settings.element != "fitted" or not frames:
         return lambda: None

@@ -111,7 +111,7 @@ def reference_tasks(
 
 
 def compare_methods(table: Table, source: Source, reference: ReferenceRun, lead: int = 0) -> dict[str, Any]:
-    """Error figures of every method and both baselines on one wind; its first ``lead`` frames are a lead-in."""
+    """Error figures of all methods and both baselines on one wind; ``lead`` frames of it are a lead-in."""
     pressure = reference.pressure_pa
     tracks = {method: played(table, pressure, make) for method, make in METHODS.items()}
     tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
@@ -128,7 +128,7 @@ def compare_methods(table: Table, source: Source, reference: ReferenceRun, lead:
 
 
 def compare(table: Table, source: Source, q: Floats, reference_m: Array, lead: int = 0) -> dict[str, Any]:
-    """Error figures of poses q (T, r) at the wood's vertices, and under ``rendered`` at the render vertices."""
+    """Error figures of q (T, r) at the wood's vertices, and under ``rendered`` at the render vertices."""
     height_m = float(table.metadata["height_m"])
     wood, rendered = [], []
     for a in range(0, len(q), CHUNK):
@@ -163,7 +163,7 @@ def rendered_reference(source: Source, reference_m: Array) -> Floats:
 
 
 def floor(table: Table, source: Source, reference_m: Array) -> dict[str, float]:
-    """Errors over the height that no method can avoid: truncated modes, and render vertices sharing a node."""
+    """Unavoidable errors over the height: truncated modes, and render vertices that share a node."""
     height_m, truncation, nodes = float(table.metadata["height_m"]), [], []
     for a in range(0, len(reference_m), CHUNK):
         exact = reference_m[a : a + CHUNK].astype(np.float64)

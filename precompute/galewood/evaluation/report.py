@@ -21,7 +21,7 @@ DEFINITIONS = {
     "hausdorff": "symmetric Hausdorff distance of the wood's displaced vertices over the height, by frame",
     "rendered": "the same figures at the render vertices, which the viewer moves with their nodes",
     "floor": "error without that of the method: truncation of the modes, and vertices that share a node",
-    "extrapolation_ratio": "sway or pressure over the largest sampled value; above 1 the motion is extrapolated",
+    "extrapolation_ratio": "sway or pressure over the largest sampled value; above 1: extrapolation",
 }
 
 
@@ -43,9 +43,9 @@ def run_evaluation(
 ) -> dict[str, Any]:
     """Evaluate a table file and return JSON-able figures.
 
-    Reference runs are cached in ``reference_dir``, by default in ``cache_dir``. ``plot`` is a picture to write,
-    ``long`` the number of frames of the long run (0: none). Raises TableError, SourceError, MeshError, and
-    FloatingPointError if a reference simulation diverges.
+    Reference runs are cached in ``reference_dir``, by default in ``cache_dir``. ``plot`` is a picture to
+    write, ``long`` the number of frames of the long run (0: none). Raises TableError, SourceError, MeshError,
+    and FloatingPointError if a reference simulation diverges.
     """
     decoded = decode(table.read_bytes())
     source = source_of(

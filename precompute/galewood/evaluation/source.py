@@ -133,7 +133,7 @@ def tets_of(model: FemModel) -> TetMesh:
 
 
 def read_mesh(table: Table, mesh: Path) -> TreeMesh:
-    """Read the tree of a table. Raises SourceError if the mesh is not the table's, MeshError if unreadable."""
+    """Read the tree of a table. Raises SourceError for another mesh, MeshError for an unreadable one."""
     metadata, data = table.metadata, mesh.read_bytes()
     options = ImportOptions(species=metadata.get("species"), height_m=float(metadata["height_m"]))
     tree, render_glb = import_mesh_sandboxed(data, mesh.name, options)

@@ -95,7 +95,7 @@ def perlin(rng: np.random.Generator, period: int, dt_s: float) -> Floats:
 
 
 def _cosine(time_s: Floats, whole_s: float, period_s: float) -> Floats:
-    """Cosine wave from its minimum; the period is adjusted to fit a whole number of times into ``whole_s``."""
+    """Cosine wave from its minimum, with the period adjusted to divide ``whole_s``."""
     times = max(1, round(whole_s / period_s))
     return np.cos(2 * np.pi * (time_s * times / whole_s + 0.5))
 

@@ -76,9 +76,7 @@ def animated_glb(table: Table, glb: bytes, q: Floats) -> bytes:
     document, binary = _read(glb)
     counts = [int(primitive["vertices"]) for primitive in table.metadata["primitives"]]
     if [_vertices(document, mesh) for mesh in document["meshes"]] != counts:
-        raise ExportError(
-            "the mesh has other vertices than the mesh of the table: use the GLB that was built with the table"
-        )
+        raise ExportError("the mesh has other vertices than the mesh of the table: use the GLB of its build")
     file = _File(document, binary)
     reach = np.abs(q).max(axis=0)
     farthest_m = np.linalg.norm(table.node_basis, axis=1).max(axis=0) * reach

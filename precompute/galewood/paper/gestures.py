@@ -63,7 +63,7 @@ def target_wind(table: Table, frames: int) -> Floats:
 
 
 def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
-    """Fig. 3 by every method, and by the literal search on a table of the six winds at 60° only (Sec. 6.1)."""
+    """Fig. 3 by every method, and by the literal search on a table of six winds at 60° (Sec. 6.1)."""
     wind = target_wind(table, max(FRAMES_SHOWN))
     task = ReferenceTask(source.model_path, wind)
     reference = read_reference_run(

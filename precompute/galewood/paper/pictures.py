@@ -70,7 +70,7 @@ def draw_winds(table: Table, plan: Plan, path: Path) -> None:
 
 
 def draw_gestures(fig: Fig3, table: Table, source: Source, path: Path) -> None:
-    """Fig. 3b: frames 20, 40 and 60 by the reference solution and both methods, over the reference in grey."""
+    """Fig. 3b: frames 20, 40 and 60 by the reference solution and, over it in grey, by both methods."""
     rows: list[tuple[str, Callable[[int], Floats], str | None]] = [
         ("finite elements", lambda f: reference_motion(source, fig.reference_m[f]), None),
         ("modal", lambda f: table_motion(table, fig.pose["modal"][f]), "modal"),

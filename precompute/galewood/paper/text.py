@@ -21,7 +21,7 @@ Rows = Iterable[Sequence[str]]
 
 
 def write_text(figures: dict[str, Any], plan: Plan, out: Path) -> None:
-    """Write the page to ``out``. It refers to pictures in the folder beside it that has the name of the page."""
+    """Write the page to ``out``; it shows the pictures in the folder of the same name beside it."""
     parts = (_head, _winds, _gestures, _unseen, _elements, _directions, _forests, _memory, _search, _beyond,
              _short, _unchecked)  # fmt: skip
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -60,9 +60,9 @@ errors, so its figures give orientation and are not a benchmark.{lacks}{quick}
 
 {table(head, rows)}
 
-A table holds the records of the paper, six cosine winds in six directions of {plan["record_frames"]} frames each,
-and those of six decaying gusts. Three methods are compared with the reference solution of the finite-element
-model that the table was built from:
+A table holds the records of the paper, six cosine winds in six directions of {plan["record_frames"]} frames
+each, and those of six decaying gusts. Three methods are compared with the reference solution of the
+finite-element model that the table was built from:
 
 - **modal model** (`modal`), the default: [0005](design/0005-drift-free-motion.md);
 - **paper's state search, literal** (`paper-literal`): Algorithm 1 as printed, with the corrections that it
@@ -102,9 +102,9 @@ def _gestures(figures: dict[str, Any], folder: str) -> str:
     return f"""## Gestures in an unseen wind (Fig. 3)
 
 The tree starts from rest in a cosine wind at 60° whose amplitude and period no sampled wind has. The tables
-give the HD in per cent of the height. The paper reports for its maple {PAPER_HAUSDORFF} at the first maximum (frame
-22), more at frame 40 and less again at frame 60, without stating the unit. As the paper samples a single
-direction for this experiment, the literal search is also run on a table of the six winds at 60° only.
+give the HD in per cent of the height. The paper reports for its maple {PAPER_HAUSDORFF} at the first maximum
+(frame 22), more at frame 40 and less again at frame 60, without stating the unit. As the paper samples a
+single direction for this experiment, the literal search is also run on a table of the six winds at 60° only.
 
 {chr(10).join(f"{block}{chr(10)}" for block in blocks).rstrip()}
 
@@ -127,11 +127,12 @@ def _unseen(figures: dict[str, Any], folder: str) -> str:
         blocks += [table(head, rows), f"![Error over time, {name}]({folder}/errors-{name}.png)"]
     return f"""## Twenty seconds of unseen winds
 
-{plan["frames"]} frames of each wind, peaking at {plan["strength"]} of the strongest sampled speed, seed {plan["seed"]}. The tables give the
-largest error of any vertex in any frame, in per cent of the height. *Growth* is the largest error of the
-second half of the run over that of the first. For this, continuing winds repeat after half a run and are
-preceded by one more pass from rest, so that both halves have the same wind. *Truncation* is the error of the
-reduced basis alone; *rendered* is the error at the render vertices, several of which share a node.
+{plan["frames"]} frames of each wind, peaking at {plan["strength"]} of the strongest sampled speed, seed
+{plan["seed"]}. The tables give the largest error of any vertex in any frame, in per cent of the height.
+*Growth* is the largest error of the second half of the run over that of the first. For this, continuing winds
+repeat after half a run and are preceded by one more pass from rest, so that both halves have the same wind.
+*Truncation* is the error of the reduced basis alone; *rendered* is the error at the render vertices, several
+of which share a node.
 
 {chr(10).join(f"{block}{chr(10)}" for block in blocks).rstrip()}"""
 
@@ -152,11 +153,11 @@ def _elements(figures: dict[str, Any], folder: str) -> str:
     records = max(row["records"] for s in figures["species"].values() for row in s["elements"].values())
     return f"""## Sampled elements (Table 1)
 
-Steps of one tree per second, and CPU time per step, on one thread (best of five repeats; the last two
-methods in a forest of 1,000 trees). The times are measured in every run of `galewood paper`. As in the paper,
-the tables hold the six winds in one direction (60°), {figures["plan"]["element_frames"]} frames each, {records:,} records. *As printed* compares
-the whole state with every record at every step; this corresponds to the paper's frame rates, which include
-drawing the tree.
+Steps of one tree per second, and CPU time per step, on one thread (best of five repeats; the last two methods
+in a forest of 1,000 trees). The times are measured in every run of `galewood paper`. As in the paper, the
+tables hold the six winds in one direction (60°), {figures["plan"]["element_frames"]} frames each, {records:,}
+records. *As printed* compares the whole state with every record at every step; this corresponds to the
+paper's frame rates, which include drawing the tree.
 
 {chr(10).join(f"{block}{chr(10)}" for block in blocks).rstrip()}
 
@@ -237,7 +238,8 @@ def _search(figures: dict[str, Any], folder: str) -> str:
     return f"""## The exact search
 
 Trees step through the table under winds that jump at every step. Each query is answered from the table's
-candidate lists and by Algorithm 1 as printed, which compares the state with every record (seed {figures["plan"]["seed"]}).
+candidate lists and by Algorithm 1 as printed, which compares the state with every record
+(seed {figures["plan"]["seed"]}).
 
 {table(["tree", "queries", "distinct states", "differences"], rows)}"""
 
@@ -273,9 +275,9 @@ def _short(figures: dict[str, Any], folder: str) -> str:
 
 - **It drifts.** The pose is not part of the search key, and increments are summed without bound. "The
   simulation error does not always accumulate" holds for the 60 frames that the paper shows. Over
-  {figures["plan"]["frames"]} frames the error of the literal search reaches {far} % of the height, and in {worse} of {runs} runs it
-  exceeds that of a tree that does not move. The largest error of the modal model in the same runs is
-  {own} %.
+  {figures["plan"]["frames"]} frames the error of the literal search reaches {far} % of the height, and in
+  {worse} of {runs} runs it exceeds that of a tree that does not move. The largest error of the modal model in
+  the same runs is {own} %.
 - **It repeats the comparison of states at every step.** Comparing the state with every record of a table of
   one direction takes between {least} and {most} µs per tree and step, depending on the number of sampled
   elements. The paper does not mention that this can be done before run time.
