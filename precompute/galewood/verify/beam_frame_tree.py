@@ -31,8 +31,8 @@ def frame(points_m: Floats, radius_m: Floats, parent: Int64s, branch: Int64s) ->
     order = [np.flatnonzero(branch == number) for number in range(int(branch.max()) + 1)]
     order.sort(key=lambda own: int(own[0]))
     for own in order:
-        parent = int(branch[parent[own[0]]]) if parent[own[0]] >= 0 else -1
-        builder.add_branch(own, int(branch[own[0]]), parent)
+        parent_branch = int(branch[parent[own[0]]]) if parent[own[0]] >= 0 else -1
+        builder.add_branch(own, int(branch[own[0]]), parent_branch)
     return builder.frame()
 
 
