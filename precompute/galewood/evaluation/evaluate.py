@@ -7,7 +7,7 @@ a node). ``floor`` is the error that would remain if the method itself were exac
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -72,13 +72,15 @@ def evaluate_table(
     sway: float | None = None,
     seed: int = 20_001,
     workers: int = 2,
+    winds: Mapping[str, Floats] | None = None,
 ) -> dict[str, Any]:
     """Error figures per unseen wind and method, with a tree at rest and the nearest sampled run as baselines.
 
     ``strength`` is the peak speed over the design speed. With ``sway`` each wind is instead scaled until the
-    reference solution sways by that share of the height, or until the wind peaks at the design speed.
+    reference solution sways by that share of the height, or until the wind peaks at the design speed. ``winds``
+    (pressures (T, 2) Pa by name) replace the default ones.
     """
-    winds = _winds(table, frames, strength if sway is None else 0.9, seed)
+    winds = winds or _winds(table, frames, strength if sway is None else 0.9, seed)
     tasks = reference_tasks(table, source, list(winds.values()), sway)
 
     def done(count: int) -> None:

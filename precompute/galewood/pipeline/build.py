@@ -7,12 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from galewood.build.artefacts import ArtefactPublisher, Publish
-from galewood.build.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
-from galewood.build.report import build_report, render_mesh
-from galewood.build.table_builder import TableBuilder
 from galewood.fem import FemModel, Simulator
-from galewood.mesh import import_mesh_sandboxed
+from galewood.mesh import TreeMesh, import_mesh_sandboxed
 from galewood.model import (
     LumpedMassesLike,
     MeshLike,
@@ -23,6 +19,10 @@ from galewood.model import (
     render_binding,
 )
 from galewood.pictures import skeleton_png, tetrahedra_png
+from galewood.pipeline.artefacts import ArtefactPublisher, Publish
+from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
+from galewood.pipeline.report import build_report, render_mesh
+from galewood.pipeline.table_builder import TableBuilder
 from galewood.sampling import TrajectoryRunner, design_wind, planned, run_in_processes, simulate
 from galewood.skeleton import extract_skeleton, sampled_elements, with_corrected_radii
 from galewood.table import encode
@@ -52,6 +52,29 @@ def build_table(
     stages = Stages(progress)
     stages.enter("import")
     tree, render_glb = import_mesh_sandboxed(source, filename, options.mesh_import)
+    return _build(tree, render_glb, options, stages, runner, cache_dir, publish)
+
+
+def build_tree(
+    tree: TreeMesh,
+    render_glb: bytes,
+    options: BuildOptions,
+    progress: Callable[[Progress], None] = lambda progress: None,
+    cache_dir: Path = Path("data/cache"),
+) -> BuildResult:
+    """The table of a tree that has been imported already; otherwise as ``build_table``."""
+    return _build(tree, render_glb, options, Stages(progress), None, cache_dir, None)
+
+
+def _build(
+    tree: TreeMesh,
+    render_glb: bytes,
+    options: BuildOptions,
+    stages: Stages,
+    runner: TrajectoryRunner | None,
+    cache_dir: Path,
+    publish: Publish | None,
+) -> BuildResult:
     wood = options.wood or species(tree.species or "default")
     with WorkerPool(1 if runner else None, warm=WARM_MODULES) as pool:
         artefacts = ArtefactPublisher(pool, publish)

@@ -30,6 +30,8 @@ from galewood.util import Array, Floats
 class TableSettings:
     """Parameters and tolerances of a table (docs/design/0002-pose-easing.md explains the defaults)."""
 
+    modes: int | None = None
+    """Oscillators of the modal model; None: as few of the standard sizes as follow the training runs."""
     sigma_share: float = 0.3
     """σ of Eq. 16 over the RMS pressure of the records."""
     weight_leverage: float = 0.94

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from galewood.build.assemble import RenderMesh
-from galewood.build.options import BuildOptions, Stages
 from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
 from galewood.model import LumpedMasses
+from galewood.pipeline.assemble import RenderMesh
+from galewood.pipeline.options import BuildOptions, Stages
 from galewood.sampling import DesignWind, SampleWind, content_hash
 from galewood.skeleton import Skeleton
 from galewood.table import Metadata, Table

@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from galewood.build.assemble import RenderMesh, assemble_table
-from galewood.build.options import BuildOptions
-from galewood.build.report import describe
 from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
-from galewood.reduction import ModalTraining, Oscillators, oscillators_of
+from galewood.pipeline.assemble import RenderMesh, assemble_table
+from galewood.pipeline.options import BuildOptions
+from galewood.pipeline.report import describe
+from galewood.reduction import ModalTraining, Oscillators, oscillators_of, sizes_for
 from galewood.sampling import DesignWind, SampledRun, Samples, SampleWind
 from galewood.table import Table
 
@@ -57,7 +57,11 @@ class TableBuilder:
 
         description = describe(self.tree, self.model, self.wind, winds, self.options, self.render_glb)
         training = ModalTraining(
-            self.oscillators, self.options.fem, samples.training_runs(), further=further_runs
+            self.oscillators,
+            self.options.fem,
+            samples.training_runs(),
+            sizes_for(self.options.table.modes),
+            further_runs,
         )
         mass_kg = self.model.mass_kg[: self.model.vertex_count]
         table = assemble_table(
