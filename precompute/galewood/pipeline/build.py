@@ -46,8 +46,8 @@ def build_table(
     """Build the table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
     ``publish`` receives "render.glb", "tets-….npz" (the file in the cache), "tetrahedra.png", "skeleton.png"
-    and "preliminary.table" as soon as they exist. ``runner`` simulates the winds, by default in worker
-    processes on this machine.
+    and "preliminary.table" as soon as they exist. ``runner`` simulates the training runs, by default in
+    worker processes on this machine.
     """
     stages = Stages(progress)
     stages.enter("import")
@@ -62,7 +62,7 @@ def build_tree(
     progress: Callable[[Progress], None] = lambda progress: None,
     cache_dir: Path = Path("data/cache"),
 ) -> BuildResult:
-    """The table of a tree that has been imported already; otherwise as ``build_table``."""
+    """Build the table of an imported tree; otherwise like ``build_table``."""
     return _build(tree, render_glb, options, Stages(progress), None, cache_dir, None)
 
 
