@@ -112,11 +112,7 @@ def missing_here() -> list[str]:
         found = subprocess.run(
             command, cwd=PACKAGE.parent, capture_output=True, text=True, timeout=60, check=False
         )
-    return (
-        json.loads(found.stdout)
-        if found.returncode == 0
-        else ["confined processes do not start here"]
-    )
+    return json.loads(found.stdout) if found.returncode == 0 else ["confined processes do not start here"]
 
 
 if __name__ == "__main__":
