@@ -106,7 +106,7 @@ def test_cancelled_it_stops_and_leaves_nothing(
 ) -> None:
     url = evaluate(api, tree, speed_m_s=7.5).headers["location"]
     wait_until(lambda: api.get(url).json()["fraction"] > 0)
-    folder = server.data_dir / "cache" / "studies" / url.rsplit("/", 1)[-1]
+    folder = server.data_dir / "cache" / "analyses" / url.rsplit("/", 1)[-1]
     running = [one for one in server.family() if folder.name in command_line(one)]
     assert running and folder.exists()
     api.post(f"{url}/cancel")
@@ -152,7 +152,7 @@ def test_the_client_evaluates_and_follows(server: Server, tree: dict[str, Any]) 
 
 def test_a_killed_server_takes_it_up_again(server: Server, api: httpx.Client, tree: dict[str, Any]) -> None:
     url = evaluate(api, tree, frames=90).headers["location"]
-    steps = server.data_dir / "cache" / "studies" / url.rsplit("/", 1)[-1] / "steps"
+    steps = server.data_dir / "cache" / "analyses" / url.rsplit("/", 1)[-1] / "steps"
     wait_until(lambda: steps.exists() and len(steps.read_text().split()) > 2)
     family = server.family()
     server.kill()
