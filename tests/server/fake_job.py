@@ -15,7 +15,7 @@ from pathlib import Path
 from galewood.build.options import BuildOptions, BuildResult, Progress
 from galewood_server.jobs.analysis_files import PLOT, finish
 from galewood_server.jobs.job_process import main
-from galewood_server.jobs.reporting import JobLease, Reporter
+from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.settings import Settings
 from galewood_server.storage.files import Stores
 from galewood_server.storage.models import JobKind
@@ -61,7 +61,7 @@ def _model(cache_dir: Path) -> Path:
 
 def fake_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores: Stores) -> None:
     """A study in as many steps, each a file in its folder, as an evaluation keeps its runs."""
-    reporter, folder = Reporter(job_lease), settings.analysis_folder(job_lease.job_id)
+    reporter, folder = ProgressReporter(job_lease), settings.analysis_folder(job_lease.job_id)
     folder.mkdir(parents=True, exist_ok=True)
     for step in range(STEPS):
         reporter.report("evaluating", step / STEPS, f"step {step}")

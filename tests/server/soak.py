@@ -26,9 +26,9 @@ import numpy as np
 import psutil
 from galewood_server.stream import wire
 
-from tests.server import meshes
+from tests.server import sample_meshes
 from tests.server.conftest import Server, wait_until
-from tests.server.test_stream import BREEZE, Client
+from tests.server.test_forest_stream import BREEZE, Client
 
 SMALL = {"target_tets": 500, "sampled_elements": 5, "frames": 30}
 HEIGHTS_M = (2.5, 3.0, 3.5, 4.0)  # few, so that some builds find everything in the cache
@@ -64,7 +64,7 @@ class Soak:
         """One tree has a table before the dice fall, and stays, so that there is something to stream however
         slow the machine is; its first frames load the code that streams.
         """
-        file = {"file": ("pole.obj", meshes.pole_obj(2.0))}
+        file = {"file": ("pole.obj", sample_meshes.pole_obj(2.0))}
         tree = self.ask("POST", "/api/trees", files=file).json()
         self.kept = str(tree["id"])
         self.ask("POST", f"/api/trees/{self.kept}/precompute", json={"settings": SMALL})
@@ -106,7 +106,7 @@ class Soak:
         trees = self.trees()
         if len(trees) >= MOST_TREES:
             return self.delete()
-        file = {"file": ("pole.obj", meshes.pole_obj(self.dice.choice(HEIGHTS_M)))}
+        file = {"file": ("pole.obj", sample_meshes.pole_obj(self.dice.choice(HEIGHTS_M)))}
         data = {"species": self.dice.choice(["maple", "poplar"]), "name": f"tree {self.dice.random()}"}
         return self.ask("POST", "/api/trees", files=file, data=data).status_code
 
@@ -189,7 +189,9 @@ class Soak:
         return 404
 
     def nonsense(self) -> int:
-        data = self.dice.choice([b"", b"PK\x03\x04", meshes.truncated_glb(), self.dice.randbytes(2000)])
+        data = self.dice.choice(
+            [b"", b"PK\x03\x04", sample_meshes.truncated_glb(), self.dice.randbytes(2000)]
+        )
         return self.ask("POST", "/api/trees", files={"file": ("tree.glb", data)}).status_code
 
     def finish(self) -> None:

@@ -17,8 +17,8 @@ from galewood.table import format as table_format
 from galewood_server.storage.object_store import open_bucket
 
 from tests.server.conftest import Server, shared_services, wait_until
+from tests.server.test_build_end_to_end import LONG_S, assert_compares, begin, follow, sampling
 from tests.server.test_jobs import gone, state
-from tests.server.test_real_build import LONG_S, assert_compares, begin, follow, sampling
 
 SCHEDULER = os.environ.get("GALEWOOD_TEST_SCHEDULER", "")
 pytestmark = [

@@ -11,7 +11,7 @@ from fastapi import FastAPI
 from galewood_server.app.main import create_app
 from galewood_server.settings import Settings
 
-from tests.server.test_doors import ask
+from tests.server.test_access_control import ask
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from galewood_server.cli.commands import app
-from galewood_server.cli.doctor import examine
+from galewood_server.cli.doctor import run_checks
 from galewood_server.settings import Settings
 from galewood_server.storage.database import migrate, open_database
 from galewood_server.storage.files import Stores
@@ -46,7 +46,7 @@ def settings(tmp_path: Path) -> Settings:
 
 
 def faults(settings: Settings, *, repair: bool = False) -> list[str]:
-    return [f"{one.kind}: {one.what}" for one in examine(settings, repair=repair) if one.is_fault]
+    return [f"{one.kind}: {one.what}" for one in run_checks(settings, repair=repair) if one.is_fault]
 
 
 def tree_of(settings: Settings) -> Tree:
@@ -57,7 +57,7 @@ def tree_of(settings: Settings) -> Tree:
 def test_a_sound_store_has_no_faults(settings: Settings) -> None:
     assert faults(settings) == []
     # what a table of rubbish says of itself is only worth knowing
-    assert [one.kind for one in examine(settings) if one.kind == "version"] == ["version"]
+    assert [one.kind for one in run_checks(settings) if one.kind == "version"] == ["version"]
 
 
 @pytest.mark.parametrize("kind", ["sources", "meshes", "tables", "models", "pictures"])
@@ -104,7 +104,7 @@ def test_a_file_that_nothing_names_goes_when_it_is_old(settings: Settings) -> No
 def test_unfinished_jobs_and_little_disk_are_told(settings: Settings) -> None:
     with open_database(settings.database).begin() as session:
         session.add(Job(tree_id="oak", state="running"))
-    assert [one.what for one in examine(settings) if one.kind == "jobs"] == [
+    assert [one.what for one in run_checks(settings) if one.kind == "jobs"] == [
         "1 running; a running server carries them on"
     ]
     assert faults(settings.model_copy(update={"free_bytes": 1 << 60}))[0].startswith("disk: ")

@@ -14,7 +14,7 @@ from galewood_server.cli.client import Client, ServiceError
 from tests.server.conftest import NO_CLUSTER, Server, command_line, wait_until
 from tests.server.fake_job import STEPS
 from tests.server.test_jobs import gone
-from tests.server.test_rest import assert_problem
+from tests.server.test_rest_api import assert_problem
 
 KEY, KEY_HASH = new_key()
 MINE = {"Authorization": f"Bearer {KEY}"}

@@ -23,7 +23,7 @@ from galewood_server.stream.forest import ForestClock, ForestStepper, stream_qua
 from galewood_server.stream.forests import Forests
 from galewood_server.stream.frames import KEPT_TICKS, FrameHistory
 from galewood_server.stream.latest_values import LatestValues
-from galewood_server.stream.refusal import Refusal
+from galewood_server.stream.session_error import SessionError
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
@@ -225,14 +225,14 @@ def test_many_clients_of_a_shared_forest_are_one_simulation(forests: Forests) ->
 def test_a_server_plays_only_so_many_trees_and_shared_forests(forests: Forests) -> None:
     async def play() -> None:
         first = await forests.join(plan(60), steady(Wind()), FakeSink())
-        with pytest.raises(Refusal) as refusal:
+        with pytest.raises(SessionError) as session_error:
             await forests.join(plan(60), steady(Wind()), FakeSink())
-        assert (refusal.value.failure.code, refusal.value.close) == ("server-full", 1013)
+        assert (session_error.value.failure.code, session_error.value.close) == ("server-full", 1013)
         forests.leave(first)
         subscriptions = [await forests.join(plan(10, name), steady(Wind()), FakeSink()) for name in "ab"]
-        with pytest.raises(Refusal) as refusal:
+        with pytest.raises(SessionError) as session_error:
             await forests.join(plan(10, "c"), steady(Wind()), FakeSink())
-        assert (refusal.value.failure.code, refusal.value.close) == ("too-many-forests", 1013)
+        assert (session_error.value.failure.code, session_error.value.close) == ("too-many-forests", 1013)
         forests.leave(subscriptions[0])
         await forests.join(plan(10, "c"), steady(Wind()), FakeSink())
 

@@ -10,7 +10,7 @@ import psutil
 
 from tests.server.conftest import NO_CLUSTER, Server, command_line, wait_until
 from tests.server.fake_job import STEPS
-from tests.server.test_rest import upload
+from tests.server.test_rest_api import upload
 
 StartServer = Callable[..., Server]
 

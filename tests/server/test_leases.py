@@ -10,7 +10,7 @@ from typing import Any
 import httpx
 import psutil
 import pytest
-from galewood_server.jobs.leases import claim, give_back, renew
+from galewood_server.jobs.leases import claim, renew, requeue_running
 from galewood_server.storage.database import migrate, open_database
 from galewood_server.storage.models import Job, Tree
 
@@ -117,7 +117,7 @@ def test_a_claim_is_won_once_and_a_lost_lease_writes_nothing(tmp_path: Path) -> 
         taken = claim(session, "two", ("build",), 60)
         assert taken and taken[0] == "j" and taken[1] != won[1]
         assert not renew(session, *won, 60)
-        assert give_back(session, "one") == 0 and give_back(session, "two") == 1
+        assert requeue_running(session, "one") == 0 and requeue_running(session, "two") == 1
         assert session.get_one(Job, "j").state == "queued"
     with sessions() as session:
         assert claim(session, "one", ("comparison",), 60) is None

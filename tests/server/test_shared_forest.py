@@ -14,7 +14,7 @@ from galewood.wind.transition import at
 from galewood_server.stream import wire
 
 from tests.server.conftest import Server
-from tests.server.test_stream import POLE, SHA256, Client, forest, local_stepper
+from tests.server.test_forest_stream import POLE, SHA256, Client, forest, local_stepper
 
 
 @pytest.fixture(scope="module")
@@ -207,5 +207,5 @@ def test_a_table_is_resumed_where_it_broke_off(server: Server, begin: int) -> No
 def test_more_of_a_table_than_there_is_is_refused(server: Server) -> None:
     with Client(server) as client:
         client.send(forest("table", have={SHA256: len(POLE) + 1}))
-        failure, close, _ = client.refusal()
+        failure, close, _ = client.session_error()
         assert (failure.code, close) == ("no-such-offset", 1008)

@@ -54,17 +54,17 @@ def test_golden_reply(name: str) -> None:
 @pytest.mark.parametrize("case", REFUSED, ids=lambda case: case["name"])
 def test_refused(case: dict[str, Any]) -> None:
     decode = wire.decode_request if case["at"] == "server" else wire.decode_reply
-    with pytest.raises(WireError) as refusal:
+    with pytest.raises(WireError) as session_error:
         decode(bytes.fromhex(case["hex"]))
-    assert 5 < len(str(refusal.value)) < 200
+    assert 5 < len(str(session_error.value)) < 200
 
 
 def test_another_version_is_refused_naming_both() -> None:
     data = bytearray(encode_message(wire.PING, {"t": 0.5}))
     data[2] = 7
-    with pytest.raises(WireError, match=r"7.*only version 2") as refusal:
+    with pytest.raises(WireError, match=r"7.*only version 2") as session_error:
         wire.decode_request(bytes(data))
-    assert refusal.value.code == "unknown-version"
+    assert session_error.value.code == "unknown-version"
 
 
 @pytest.mark.parametrize("name", [*REQUESTS, *REPLIES])

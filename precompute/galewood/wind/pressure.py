@@ -10,7 +10,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from galewood.util import Floats
+from galewood.util import Array, Floats
 
 AIR_DENSITY_KG_M3 = 1.2
 STREAMLINING_SPEED_M_S = 5.0
@@ -60,7 +60,9 @@ def sampled_peak_pa(sample_pressure_pa: npt.NDArray[np.float32]) -> float:
 
 
 @numba.njit(cache=True, nogil=True)
-def limit_pressure(pressure_x, pressure_z, peak_pa):  # pragma: no cover  (compiled)
+def limit_pressure(
+    pressure_x: Array, pressure_z: Array, peak_pa: float
+) -> None:  # pragma: no cover  (compiled)
     """Shorten pressures that are stronger than what a table has sampled to its strongest, in place.
 
     Beyond it every record would be equally wrong, and trees would no longer know where the wind comes from.

@@ -1,4 +1,4 @@
-"""What the REST interface sends and takes."""
+"""Request and response models of the REST API."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ MaterialName = Annotated[str, StringConstraints(min_length=1, max_length=200)]
 
 
 class JobOut(BaseModel):
-    """A job: `fraction` in [0, 1], `seconds_left` an estimate, `error` a sentence.
+    """A build job: `fraction` is in [0, 1], `seconds_left` is an estimate, `error` a message for users.
 
-    `samples_done` of `samples_total` runs are simulated; `pictures` are names with a hash each.
+    `samples_done` of `samples_total` runs are simulated; `pictures` maps names of preview images to hashes.
     """
 
     model_config = ConfigDict(from_attributes=True)
@@ -38,7 +38,7 @@ class JobOut(BaseModel):
 
 
 class TreeOut(BaseModel):
-    """A tree: `state` is `ready` as soon as there is a table; `job_id` is its newest job."""
+    """A tree: `state` is `ready` once it has a complete table; `job_id` is its newest build job."""
 
     model_config = ConfigDict(from_attributes=True)
 
@@ -56,7 +56,7 @@ class TreeOut(BaseModel):
 
 
 class TreeList(BaseModel):
-    """A page of the trees, built-in species first, then by age; `next` asks for the page after it."""
+    """A page of the trees: built-in trees first, then by age. `next` is the cursor of the next page."""
 
     trees: list[TreeOut]
     total: int
@@ -64,7 +64,7 @@ class TreeList(BaseModel):
 
 
 class JobList(BaseModel):
-    """A page of the jobs, the newest first; `next` asks for the page after it."""
+    """A page of the jobs, newest first. `next` is the cursor of the next page."""
 
     jobs: list[JobOut]
     total: int
@@ -72,7 +72,7 @@ class JobList(BaseModel):
 
 
 class TableOut(BaseModel):
-    """A table that a tree has now."""
+    """The current table of a tree."""
 
     sha256: str
     size_bytes: int
@@ -84,15 +84,15 @@ class TableOut(BaseModel):
 
 
 class TableList(BaseModel):
-    """Every table in use."""
+    """A page of the current tables. `next` is the cursor of the next page."""
 
     tables: list[TableOut]
     total: int
     next: str | None
 
 
-class SpeciesOut(BaseModel):
-    """Wood that a tree can be given: elastic constants along and across the fibre, density, damping, drag."""
+class WoodSpeciesOut(BaseModel):
+    """A wood species: Young's modulus along the fibre, density, damping ratio and drag coefficient."""
 
     id: str
     name: str
@@ -103,22 +103,22 @@ class SpeciesOut(BaseModel):
     source: str
 
 
-class SpeciesList(BaseModel):
-    """The woods that are known by name."""
+class WoodSpeciesList(BaseModel):
+    """All wood species."""
 
-    species: list[SpeciesOut]
+    species: list[WoodSpeciesOut]
 
 
 class Change(BaseModel):
-    """One event of /api/events: a tree with its newest job, or the last word on a tree that was deleted."""
+    """An event of /api/events: a tree with its newest build job; `deleted` if the tree was removed."""
 
     tree: TreeOut
     job: JobOut | None
     deleted: bool = False
 
 
-class Assumptions(BaseModel):
-    """What intake assumes of a mesh; everything left out is left to it, and told in the tree's report."""
+class ImportFields(BaseModel):
+    """Mesh import options. Missing options are determined by mesh import and listed in the tree's report."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -126,38 +126,41 @@ class Assumptions(BaseModel):
     height_m: float | None = Field(default=None, gt=0.1, le=150)
     up_axis: Literal["x", "y", "z"] | None = None
     wood_materials: list[MaterialName] | None = Field(
-        default=None, min_length=1, max_length=64, description="Materials, nodes or meshes that are wood."
+        default=None,
+        min_length=1,
+        max_length=64,
+        description="Names of the materials, nodes or meshes that are wood.",
     )
 
     @field_validator("species")
     @classmethod
     def _known(cls, name: str | None) -> str | None:
         if name is not None and name not in SPECIES:
-            raise ValueError(f"unknown species {name[:40]!r}; known: {', '.join(sorted(SPECIES))}")
+            raise ValueError(f"unknown wood species {name[:40]!r}; allowed: {', '.join(sorted(SPECIES))}")
         return name
 
 
-class TreeChanges(Assumptions):
-    """Body of PATCH /api/trees/{id}: another name, other assumptions (the mesh is then read again)."""
+class TreeChanges(ImportFields):
+    """Body of PATCH /api/trees/{id}: a new name or other import options (the mesh is then imported again)."""
 
     name: TreeName | None = None
 
 
-class BuildSettings(Assumptions):
-    """What a build may be told to do otherwise; everything left out keeps the tree's own or the default."""
+class BuildSettings(ImportFields):
+    """Settings of a build. Missing ones default to the tree's import options or the build's defaults."""
 
     target_tets: int | None = Field(default=None, ge=500, le=60_000)
     sampled_elements: int | None = Field(default=None, ge=1, le=2000)
     design_speed_m_s: float | None = Field(default=None, gt=0, le=60)
     frames: int | None = Field(default=None, ge=30, le=1800)
-    seed: int | None = Field(default=None, ge=0, lt=2**31, description="Of the winds that are learnt from.")
+    seed: int | None = Field(default=None, ge=0, lt=2**31, description="Random seed of the training winds.")
     wood: WoodDocument | None = Field(
-        default=None, description="A wood of one's own, before that of a species."
+        default=None, description="Material constants that replace those of the wood species."
     )
 
 
 class PrecomputeRequest(BaseModel):
-    """Body of POST /api/trees/{id}/precompute; may be left out."""
+    """Body of POST /api/trees/{id}/precompute (optional)."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -171,7 +174,7 @@ class JobRequest(PrecomputeRequest):
 
 
 class Liveness(BaseModel):
-    """Answer of /api/health: the versions of the software, of its tables and of its streams."""
+    """Response of /api/health: versions of the software, the table format and the stream protocol."""
 
     status: str
     version: str
@@ -180,7 +183,7 @@ class Liveness(BaseModel):
 
 
 class Readiness(BaseModel):
-    """Answer of /api/health/ready: `status` is "ok" or "unable"."""
+    """Response of /api/health/ready: `status` is "ok" or "unable"."""
 
     status: str
     version: str
@@ -188,7 +191,7 @@ class Readiness(BaseModel):
 
 
 class ProblemOut(BaseModel):
-    """A problem (RFC 9457): `code` is for programs, `title`, `detail` and `hint` for people."""
+    """Problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users."""
 
     type: str
     title: str
@@ -199,7 +202,7 @@ class ProblemOut(BaseModel):
 
 
 class Health(BaseModel):
-    """Answer of /healthz."""
+    """Response of /healthz."""
 
     status: str
     version: str

@@ -9,18 +9,18 @@ from galewood_server.storage.database import (
     open_database,
 )
 from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file
-from galewood_server.storage.files import KINDS, FileStore, Stores, file_age_s, is_hash
+from galewood_server.storage.files import STORE_NAMES, FileStore, Stores, file_age_s, is_hash
 from galewood_server.storage.garbage import (
-    ASKED,
-    FIELDS,
+    ANALYSIS_INPUTS,
+    HASH_COLUMNS,
     collect_garbage,
     forget_analysis_folders,
     forget_old_analyses,
-    hold,
     mark_garbage,
     mark_replaced,
     mark_tree_files,
-    referenced,
+    referenced_files,
+    store_referenced,
 )
 from galewood_server.storage.models import (
     ACTIVE,
@@ -37,10 +37,10 @@ from galewood_server.storage.table_cache import TableCache
 
 __all__ = [
     "ACTIVE",
-    "ASKED",
-    "FIELDS",
-    "KINDS",
+    "ANALYSIS_INPUTS",
+    "HASH_COLUMNS",
     "PREFERRED",
+    "STORE_NAMES",
     "FileStore",
     "Garbage",
     "Job",
@@ -59,7 +59,6 @@ __all__ = [
     "file_age_s",
     "forget_analysis_folders",
     "forget_old_analyses",
-    "hold",
     "is_hash",
     "mark_garbage",
     "mark_replaced",
@@ -68,6 +67,7 @@ __all__ = [
     "migration_config",
     "new_id",
     "open_database",
-    "referenced",
+    "referenced_files",
+    "store_referenced",
     "utc_now",
 ]

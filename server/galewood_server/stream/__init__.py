@@ -1,4 +1,4 @@
-"""Forests played on the server: wire format, stepping, one encoded stream per client."""
+"""Forest streaming: wire protocol, simulation on the server, and delivery to clients."""
 
 from galewood_server.stream import wire
 from galewood_server.stream.envelope import WIRE_VERSION, WireError

@@ -11,7 +11,7 @@ from typing import Any
 import httpx
 import pytest
 import zstandard
-from galewood_server.http.etags import matches
+from galewood_server.http.etags import etag_matches
 from galewood_server.storage.encodings import coding_of
 
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
@@ -204,8 +204,8 @@ def test_the_coding_that_a_client_prefers(header: str, coding: str | None) -> No
 
 
 def test_tags_are_compared_whole() -> None:
-    assert matches('"a"', '"a"') and matches('W/"a", "b"', '"a"') and matches("*", '"a"')
-    assert not matches('"ab"', '"a"') and not matches("", '"a"') and not matches("a", '"a"')
+    assert etag_matches('"a"', '"a"') and etag_matches('W/"a", "b"', '"a"') and etag_matches("*", '"a"')
+    assert not etag_matches('"ab"', '"a"') and not etag_matches("", '"a"') and not etag_matches("a", '"a"')
 
 
 def test_tables_are_listed_and_unreadable_ones_say_so(api: httpx.Client) -> None:

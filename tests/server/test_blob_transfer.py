@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from galewood_server.jobs.artefact_publisher import ArtefactPublisher
 from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
-from galewood_server.jobs.publishing import Publisher
 
-from tests.server.test_publishing import Build
+from tests.server.test_artefact_publisher import Build
 
 
 @pytest.fixture
@@ -19,16 +19,16 @@ def url(tmp_path: Path) -> str:
 def test_the_next_server_of_a_job_has_the_tetrahedra_of_the_first(tmp_path: Path, url: str) -> None:
     """Regression: it made others, whose runs have other names, and all winds were simulated again."""
     build = Build(tmp_path)
-    publish = Publisher(build.job_lease, build.stores, BlobTransfer(url, "job"))
+    publish = ArtefactPublisher(build.job_lease, build.stores, BlobTransfer(url, "job"))
     publish("tets-abc.npz", b"tetrahedra")
-    BlobTransfer(url, "job").bring_tetrahedra(tmp_path / "tets")
+    BlobTransfer(url, "job").fetch_tetrahedra(tmp_path / "tets")
     assert (tmp_path / "tets" / "tets-abc.npz").read_bytes() == b"tetrahedra"
-    BlobTransfer(url, "another").bring_tetrahedra(tmp_path / "others")
+    BlobTransfer(url, "another").fetch_tetrahedra(tmp_path / "others")
     assert not list(tmp_path.glob("others/*"))
 
 
 def test_a_finished_job_leaves_nothing_there(tmp_path: Path, url: str) -> None:
     transfer = BlobTransfer(url, "job")
-    transfer.keep_tetrahedra("tets-abc.npz", b"tetrahedra")
-    transfer.forget([])
+    transfer.store_tetrahedra("tets-abc.npz", b"tetrahedra")
+    transfer.delete_runs([])
     assert not [path for path in (tmp_path / "bucket").rglob("*") if path.is_file()]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.server.meshes import greedy_ply, nowhere_obj, pole_obj, truncated_glb, zip_file
+from tests.server.sample_meshes import greedy_ply, nowhere_obj, pole_obj, truncated_glb, zip_file
 
 
 @dataclass(frozen=True)

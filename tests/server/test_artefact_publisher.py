@@ -13,14 +13,14 @@ from galewood.build.options import BuildOptions, BuildResult
 from galewood.table import format as table_format
 from galewood.util.cancelled import Cancelled
 from galewood_server.jobs.analysis_files import PLOT, finish
+from galewood_server.jobs.artefact_publisher import ArtefactPublisher
 from galewood_server.jobs.build_job import Order, publish_result
 from galewood_server.jobs.leases import claim
-from galewood_server.jobs.publishing import Publisher
+from galewood_server.jobs.progress import JobLease
 from galewood_server.jobs.queue import add_job
-from galewood_server.jobs.reporting import JobLease
 from galewood_server.storage.database import Sessions, migrate, open_database
 from galewood_server.storage.files import FileStore, Stores
-from galewood_server.storage.garbage import collect_garbage, mark_garbage, referenced
+from galewood_server.storage.garbage import collect_garbage, mark_garbage, referenced_files
 from galewood_server.storage.models import Garbage, Job, JobKind, Tree, utc_now
 from sqlalchemy import select, update
 
@@ -47,7 +47,7 @@ class Build:
             claimed = claim(session, "here", (kind,), 60)
         assert claimed
         self.job_lease = JobLease(self.sessions, *claimed)
-        self.publish = Publisher(self.job_lease, self.stores)
+        self.publish = ArtefactPublisher(self.job_lease, self.stores)
 
     def table(self, height_m: float) -> bytes:
         """A table of the mesh, different for each height."""
@@ -158,7 +158,7 @@ def test_a_file_that_two_trees_name_stays_when_one_lets_go(build: Build) -> None
     build.collect_garbage()
     assert build.stores.tables.has(shared)
     with build.sessions() as session:
-        assert referenced(session)["tables"] == {shared, build.tree.table_sha256}
+        assert referenced_files(session)["tables"] == {shared, build.tree.table_sha256}
         late = utc_now() + timedelta(days=1)
         assert not session.scalars(select(Garbage).where(Garbage.garbage_since < late)).all()
 

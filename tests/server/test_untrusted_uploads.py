@@ -14,8 +14,8 @@ import psutil
 import pytest
 
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
-from tests.server.hostile import Case, cases, glb_of_faces
-from tests.server.meshes import pole_obj
+from tests.server.sample_meshes import pole_obj
+from tests.server.untrusted_meshes import Case, cases, glb_of_faces
 
 MEGABYTE = 1_000_000
 LIMIT_BYTES = 40 * MEGABYTE
@@ -212,7 +212,7 @@ def _full(api: httpx.Client) -> bool:
 def test_declared_faces_are_counted_without_a_library() -> None:
     from galewood_server.access.face_count import face_count
 
-    from tests.server.hostile import stl_of
+    from tests.server.untrusted_meshes import stl_of
 
     assert face_count(glb_of_faces(1234)) == 1234
     assert face_count(stl_of(77)) == 77

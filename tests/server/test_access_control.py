@@ -11,7 +11,7 @@ import pytest
 from fastapi import FastAPI, Request
 from galewood_server.access.keys import new_key
 from galewood_server.access.middleware import AccessControl
-from galewood_server.access.rates import neighbourhood
+from galewood_server.access.rates import rate_limit_key
 from galewood_server.app.headers import SecurityHeaders
 from galewood_server.http.errors import install_error_handlers
 from galewood_server.ops.metrics import Metrics
@@ -143,9 +143,9 @@ def test_an_address_may_ask_only_so_often(method: str, setting: str) -> None:
 
 
 def test_an_ipv6_customer_is_one_address() -> None:
-    assert neighbourhood("2001:db8:1:2::1") == neighbourhood("2001:db8:1:2:ffff::9")
-    assert neighbourhood("2001:db8:1:2::1") != neighbourhood("2001:db8:1:3::1")
-    assert neighbourhood("192.0.2.1") != neighbourhood("192.0.2.2")
+    assert rate_limit_key("2001:db8:1:2::1") == rate_limit_key("2001:db8:1:2:ffff::9")
+    assert rate_limit_key("2001:db8:1:2::1") != rate_limit_key("2001:db8:1:3::1")
+    assert rate_limit_key("192.0.2.1") != rate_limit_key("192.0.2.2")
 
 
 def test_a_body_that_stops_coming_ends_the_request() -> None:

@@ -106,7 +106,7 @@ class Client:
             else:
                 assert isinstance(frame, wire.Pong)
 
-    def refusal(self) -> tuple[wire.Failure, int, str]:
+    def session_error(self) -> tuple[wire.Failure, int, str]:
         """What the server says before it closes, with the close code and reason."""
         while True:
             reply = self.receive()
@@ -241,7 +241,7 @@ def test_tables_come_in_chunks_and_whole(server: Server) -> None:
 def test_rubbish_is_closed_with_a_code_and_a_reason(server: Server, case: dict[str, Any]) -> None:
     with Client(server) as client:
         client.socket.send(bytes.fromhex(case["hex"]))
-        failure, code, reason = client.refusal()
+        failure, code, reason = client.session_error()
         assert code in (1007, 1008) and reason and failure.title.startswith(reason)
 
 
@@ -250,7 +250,7 @@ def test_another_version_is_told_both(server: Server) -> None:
         data = bytearray(wire.encode_request(wire.Hello("new")))
         data[2] = 9
         client.socket.send(bytes(data))
-        failure, code, reason = client.refusal()
+        failure, code, reason = client.session_error()
         assert (failure.code, code) == ("unknown-version", 1008)
         assert "9" in reason and str(WIRE_VERSION) in reason
 
@@ -275,21 +275,21 @@ def test_requests_beyond_the_limits_are_refused(
         with contextlib.suppress(ConnectionClosed):  # the last of many may come too late
             for request in requests:
                 client.send(request)
-        failure, close, _ = client.refusal()
+        failure, close, _ = client.session_error()
         assert (failure.code, close) == (code, 1008)
 
 
 def test_hello_comes_first(server: Server) -> None:
     with Client(server, hello=False) as client:
         client.send(wire.Ping(0.5))
-        failure, close, _ = client.refusal()
+        failure, close, _ = client.session_error()
         assert (failure.code, close) == ("no-hello", 1008)
 
 
 def test_text_is_refused(server: Server) -> None:
     with Client(server) as client:
         client.socket.send("hello")
-        assert client.refusal()[1] == 1003
+        assert client.session_error()[1] == 1003
 
 
 def test_an_oversized_message_is_cut_short(server: Server) -> None:

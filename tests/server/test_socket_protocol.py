@@ -17,7 +17,7 @@ from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
 from tests.server.conftest import Server, wait_until
-from tests.server.test_stream import POLE, SHA256, Client, forest, sockets
+from tests.server.test_forest_stream import POLE, SHA256, Client, forest, sockets
 
 LONGEST_BYTES = 50_000
 HELLO = wire.encode_request(wire.Hello("raw"))

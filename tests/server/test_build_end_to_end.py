@@ -16,21 +16,21 @@ from galewood.sampling.recording import is_whole
 from galewood.table import format as table_format
 from galewood_server.stream import wire
 
-from tests.server import meshes
+from tests.server import sample_meshes
 from tests.server.conftest import Server, command_line, wait_until
+from tests.server.test_forest_stream import BREEZE, Client
 from tests.server.test_jobs import gone, state
-from tests.server.test_rest import assert_problem, progress, upload
-from tests.server.test_stream import BREEZE, Client
+from tests.server.test_rest_api import assert_problem, progress, upload
 
 SMALL = {"target_tets": 500, "sampled_elements": 5, "frames": 60}
 LONG_S = 600.0  # for what takes seconds on a machine with nothing else to do
 BAD: dict[str, tuple[bytes, str, set[int]]] = {
     "empty": (b"", "tree.glb", {400}),
-    "truncated": (meshes.truncated_glb(), "tree.glb", {400}),
+    "truncated": (sample_meshes.truncated_glb(), "tree.glb", {400}),
     "not a mesh": (b"<!doctype html><title>Tree</title>", "tree.obj", {400, 415, 422}),
-    "a zip": (meshes.zip_file(), "tree.obj", {415}),
-    "greedy": (meshes.greedy_ply(), "tree.ply", {400}),
-    "not numbers": (meshes.nowhere_obj(), "tree.obj", {422}),
+    "a zip": (sample_meshes.zip_file(), "tree.obj", {415}),
+    "greedy": (sample_meshes.greedy_ply(), "tree.ply", {400}),
+    "not numbers": (sample_meshes.nowhere_obj(), "tree.obj", {422}),
 }
 
 
@@ -61,7 +61,7 @@ def test_bad_uploads_are_problems_and_the_server_lives_on(api: httpx.Client, nam
 
 
 def begin(api: httpx.Client, height_m: float) -> tuple[dict[str, Any], dict[str, Any]]:
-    answer = upload(api, meshes.pole_obj(height_m), "pole.obj", species="poplar")
+    answer = upload(api, sample_meshes.pole_obj(height_m), "pole.obj", species="poplar")
     assert answer.status_code == 201, answer.text
     tree = answer.json()
     return tree, api.post(f"/api/trees/{tree['id']}/precompute", json={"settings": SMALL}).json()
@@ -221,7 +221,7 @@ def test_builtin_species_are_registered_and_computed_once(
 ) -> None:
     folder = tmp_path / "species"
     folder.mkdir()
-    (folder / "small.obj").write_bytes(meshes.pole_obj(3.0))
+    (folder / "small.obj").write_bytes(sample_meshes.pole_obj(3.0))
     entry = {"id": "small", "name": "Small", "file": "small.obj", "species": "maple", "height_m": 3.0}
     (folder / "species.json").write_text(json.dumps([entry]))
     environment = {"GALEWOOD_BUILTIN_SPECIES": "true", "GALEWOOD_SPECIES_DIR": str(folder)}
@@ -237,7 +237,7 @@ def test_builtin_species_are_registered_and_computed_once(
     with again.client() as api:
         assert api.get("/api/trees/small").json()["job_id"] == first["job_id"]
     again.stop()
-    (folder / "small.obj").write_bytes(meshes.pole_obj(3.1))
+    (folder / "small.obj").write_bytes(sample_meshes.pole_obj(3.1))
     (tmp_path / "data" / "cache" / "steps-small.obj").unlink()
     changed = start_server(FAKE_STEP_S="0.01", **environment)
     with changed.client() as api:
