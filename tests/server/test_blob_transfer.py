@@ -1,4 +1,4 @@
-"""What servers of one job and workers elsewhere give each other through a bucket (here a folder)."""
+"""Blob transfer between servers and remote workers through a bucket (here a folder)."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def url(tmp_path: Path) -> str:
     return f"file://{tmp_path / 'bucket'}"
 
 
-def test_the_next_server_of_a_job_has_the_tetrahedra_of_the_first(tmp_path: Path, url: str) -> None:
-    """Regression: it made others, whose runs have other names, and all winds were simulated again."""
+def test_another_server_of_a_job_reuses_its_tetrahedra(tmp_path: Path, url: str) -> None:
+    """Regression test: a new mesh made all finished runs useless."""
     build = Build(tmp_path)
     publish = ArtefactPublisher(build.job_lease, build.stores, BlobTransfer(url, "job"))
     publish("tets-abc.npz", b"tetrahedra")
@@ -27,7 +27,7 @@ def test_the_next_server_of_a_job_has_the_tetrahedra_of_the_first(tmp_path: Path
     assert not list(tmp_path.glob("others/*"))
 
 
-def test_a_finished_job_leaves_nothing_there(tmp_path: Path, url: str) -> None:
+def test_a_finished_job_deletes_its_blobs(tmp_path: Path, url: str) -> None:
     transfer = BlobTransfer(url, "job")
     transfer.store_tetrahedra("tets-abc.npz", b"tetrahedra")
     transfer.delete_runs([])

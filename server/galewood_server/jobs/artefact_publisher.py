@@ -38,7 +38,7 @@ class ArtefactPublisher:
         if name.endswith(PICTURE):
             self._publish_picture(name, content)
         elif name.startswith(TETS) and self._transfer:
-            self._transfer.keep_tetrahedra(name, content)
+            self._transfer.store_tetrahedra(name, content)
         elif name == MESH:
             self._publish_mesh(content)
         elif name == PRELIMINARY:

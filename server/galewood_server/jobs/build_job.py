@@ -70,7 +70,7 @@ def run_build(job_lease: JobLease, address: str, settings: Settings, stores: Sto
     inputs = read_build_inputs(job_lease.sessions, stores, job_lease.job_id)
     reporter = ProgressReporter(job_lease)
     transfer = BlobTransfer(settings.store_url, job_lease.job_id) if settings.store_url else None
-    runner = DaskRunner(address, settings.cancel_flag(job_lease.job_id), reporter.samples, transfer)
+    runner = DaskRunner(address, settings.cancel_flag(job_lease.job_id), reporter.set_samples, transfer)
     publisher = ArtefactPublisher(job_lease, stores, transfer)
     if transfer:
         transfer.fetch_tetrahedra(settings.cache_dir / "tets")

@@ -39,7 +39,7 @@ def store_referenced(session: Session, stores: Stores, kind: str, data: bytes) -
     sha256 = hashlib.sha256(data).hexdigest()
     # waits for a garbage collection that is removing this file and makes the next one wait
     session.execute(delete(Garbage).where(Garbage.kind == kind, Garbage.sha256 == sha256))
-    return stores.names(kind).put(data)
+    return stores.named(kind).put(data)
 
 
 def mark_replaced(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:
@@ -102,7 +102,7 @@ def collect_garbage(sessions: Sessions, stores: Stores, grace_s: float) -> int:
             if sha256 in in_use:
                 session.add(Garbage(kind=kind, sha256=sha256, garbage_since=expired[kind, sha256]))
             else:
-                stores.names(kind).remove(sha256)
+                stores.named(kind).remove(sha256)
     return sum(sha256 not in in_use for _kind, sha256 in unused)
 
 

@@ -39,7 +39,7 @@ def pack(document: Header) -> bytes:
 
 def unpack(data: bytes | memoryview) -> object:
     """Decode msgpack with text keys. ValueError, TypeError, RecursionError, msgpack.UnpackException."""
-    return cast(object, _unpackb(data, raw=False, strict_map_key=True, max_str_len=4096))
+    return _unpackb(data, raw=False, strict_map_key=True, max_str_len=4096)
 
 
 def encode_message(kind: int, header: Header, payload: bytes = b"") -> bytes:

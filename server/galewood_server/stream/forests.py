@@ -80,8 +80,8 @@ class Forests:
     def leave(self, subscription: Subscription) -> None:
         """End a subscription. A private forest ends with it, a shared one after `shared_forest_idle_s`."""
         forest = subscription.forest
-        forest.members.discard(subscription.client_buffer)
-        if forest.members:
+        forest.clients.discard(subscription.client_buffer)
+        if forest.clients:
             return
         if forest.share is None:
             self._end(forest)
@@ -143,7 +143,7 @@ class Forests:
         if len(self._shared) < self._settings.shared_forests:
             return
         for forest in list(self._shared.values()):
-            if not forest.members:
+            if not forest.clients:
                 self._end(forest)
                 return
         raise SessionError(
@@ -156,7 +156,7 @@ class Forests:
         loop.call_later(self._settings.shared_forest_idle_s, self._end_if_empty, forest)
 
     def _end_if_empty(self, forest: LiveForest) -> None:
-        if forest.members:
+        if forest.clients:
             return
         now_s = asyncio.get_running_loop().time()
         if self._join_lock.locked():  # a client may be about to join it

@@ -111,7 +111,7 @@ class LiveForest:
         """Send new values and frames to all clients."""
         if self._failed:
             for client in self.clients:
-                client.cut()
+                client.disconnect()
             return
         if self._clock.wind is not self._sent_wind:
             self._sent_wind = self._clock.wind

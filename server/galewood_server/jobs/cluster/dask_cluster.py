@@ -13,7 +13,7 @@ import os
 import sys
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from galewood.threads import SINGLE_THREADED
 
@@ -55,7 +55,7 @@ def map_on_cluster(
     futures: list[Any] = client.map(work, items, pure=False, retries=2)
     item_of = {future.key: item for future, item in zip(futures, items, strict=True)}
     try:
-        finished: Iterable[Any] = as_completed(futures, loop=client.loop)  # untyped library
+        finished = cast(Iterable[Any], as_completed(futures, loop=client.loop))
         for count, future in enumerate(finished, 1):
             future.result()
             done(count, item_of[future.key])
