@@ -9,7 +9,7 @@ import sys
 from tests.server.conftest import REPOSITORY
 
 HEAVY = (
-    "dask", "distributed", "galewood.build", "galewood.fem", "galewood.mesh", "galewood.model",
+    "dask", "distributed", "galewood.fem", "galewood.mesh", "galewood.model", "galewood.pipeline",
     "galewood.reduction", "galewood.sampling", "scipy.sparse.linalg", "trimesh",
 )  # fmt: skip
 

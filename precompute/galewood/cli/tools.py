@@ -48,7 +48,7 @@ def progress_reporter(bar: Progress) -> OnProgress:
     return report
 
 
-def writer(folder: Path) -> Callable[[str, bytes], None]:
+def file_writer(folder: Path) -> Callable[[str, bytes], None]:
     """A function that writes files of a folder."""
 
     def write(name: str, content: bytes) -> None:

@@ -8,6 +8,8 @@ from typing import Annotated, Any
 import typer
 from galewood.cli import JsonOut, console, progress_bar, progress_reporter, write_figures
 
+from galewood_server.cli.extras import needs_extras
+
 
 def upload(
     mesh: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL.")],
@@ -25,9 +27,10 @@ def upload(
     json_out: JsonOut = None,
 ) -> None:
     """Upload a mesh to a service, wait for its table and optionally download it."""
-    import httpx
+    with needs_extras():
+        import httpx
 
-    from galewood_server.cli.client import Client, ServiceError
+        from galewood_server.cli.client import Client, ServiceError
 
     given = {"species": species, "height_m": height_m, "up_axis": up_axis}
     assumptions = {name: value for name, value in given.items() if value is not None}
@@ -69,8 +72,9 @@ def doctor(
     json_out: JsonOut = None,
 ) -> None:
     """Check the file stores against the database. Exit status 1 if there are faults, otherwise 0."""
-    from galewood_server.cli.doctor import run_checks
-    from galewood_server.settings import Settings
+    with needs_extras():
+        from galewood_server.cli.doctor import run_checks
+        from galewood_server.settings import Settings
 
     findings = run_checks(Settings(), repair=repair)
     for one in findings:
@@ -85,7 +89,8 @@ def doctor(
 
 def key() -> None:
     """Create an API key: give the key to a client and add its hash to GALEWOOD_API_KEYS."""
-    from galewood_server.access import new_key
+    with needs_extras():
+        from galewood_server.access import new_key
 
     secret, sha256 = new_key()
     typer.echo(f"key      {secret}\nSHA-256  {sha256}")
