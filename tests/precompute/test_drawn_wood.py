@@ -13,7 +13,7 @@ from galewood.skeleton.extraction import extract_skeleton
 from galewood.skeleton.radius_correction import drawn_volume, with_corrected_radii
 from galewood.skeleton.roots import root_vertices
 from galewood.tets.quality import tet_volumes
-from galewood.wood.species import species
+from galewood.wood.species import wood_of_species
 
 from tests.precompute import tree_meshes as make
 from tests.precompute.tet_meshes import Y_SEGMENTS, grid_mesh, near_segment, y_mesh
@@ -74,7 +74,7 @@ def test_a_needle_keeps_its_true_weight_but_not_a_thread_s_stiffness(thick_y):
     lumped = type("Lumps", (), {"mass_kg": 0, "drag_area_m2": 0, "fixed": np.arange(9)})
     made = [
         wood_elements(replace(mesh, radius_ratio=np.full(len(mesh.tets), ratio)), skeleton,
-                      species("maple"), lumped)
+                      wood_of_species("maple"), lumped)
         for ratio in (1.0, STIFFNESS_FLOOR, 0.02)
     ]  # fmt: skip
     assert np.allclose(made[1].axial, STIFFNESS_FLOOR**4 * made[0].axial)
@@ -94,7 +94,9 @@ def test_a_tree_of_needles_stands_and_weathers_a_storm():
         root_vertices(mesh.vertices_m, mesh.tets),
         {},
     )
-    model = build_model(mesh, extract_skeleton(mesh), species("maple"), lumped, FemSettings(element="linear"))
+    model = build_model(
+        mesh, extract_skeleton(mesh), wood_of_species("maple"), lumped, FemSettings(element="linear")
+    )
     simulator = Simulator(model)
     for k in range(120):
         simulator.step(np.array([400.0 * (-1) ** (k // 15), 100.0]))

@@ -14,7 +14,7 @@ from galewood.model.comparison import trajectory_difference
 from galewood.model.construction import build_model
 from galewood.verify.bars import polygon_bar
 from galewood.verify.motion_checks import energy_rise, laden_pole, ring_down
-from galewood.wood.species import species
+from galewood.wood.species import wood_of_species
 
 
 @cache
@@ -26,7 +26,7 @@ def pole() -> FemModel:
 def small() -> FemModel:
     bar = polygon_bar(sides=5, radius_m=0.05, length_m=3.0, layers=12, tip_radius_m=0.02)
     windy = replace(bar, drag_area_m2=np.where(bar.vertices_m[:, 1] > 1.5, 0.01, 0.0))
-    return build_model(windy, windy, species("maple"), windy, FemSettings(element="linear"))
+    return build_model(windy, windy, wood_of_species("maple"), windy, FemSettings(element="linear"))
 
 
 def test_a_tree_at_rest_stays_at_rest() -> None:
@@ -40,7 +40,7 @@ def test_a_tree_at_rest_stays_at_rest() -> None:
 def test_ring_down_is_the_eigenvalue_with_the_woods_damping() -> None:
     hertz, ratio = ring_down(pole(), 0)
     assert hertz == pytest.approx(float(frequencies(pole(), 1)[0]), rel=0.02)
-    assert ratio == pytest.approx(species("poplar").damping_ratio, rel=0.1)
+    assert ratio == pytest.approx(wood_of_species("poplar").damping_ratio, rel=0.1)
 
 
 @pytest.mark.parametrize("scheme", ["tr-bdf2", "backward-euler"])
@@ -120,7 +120,7 @@ def test_a_model_survives_its_file_bit_for_bit(tmp_path: Path) -> None:
 
 def test_a_tree_that_cannot_stand_keeps_its_shape_and_says_so() -> None:
     bar = polygon_bar(sides=5, radius_m=0.004, length_m=6.0, layers=30)
-    model = build_model(bar, bar, species("poplar"), bar, FemSettings(element="quadratic"))
+    model = build_model(bar, bar, wood_of_species("poplar"), bar, FemSettings(element="quadratic"))
     assert model.report["rest_pose"]["kind"] == "balanced"
     assert "cannot carry" in model.report["rest_pose"]["warning"]
     simulator = Simulator(model)
@@ -139,7 +139,7 @@ def test_impossible_settings_are_refused(bad: dict[str, object]) -> None:
 def test_a_mesh_that_is_inside_out_is_refused() -> None:
     bar = polygon_bar(sides=4, radius_m=0.05, length_m=1.0, layers=3)
     with pytest.raises(ValueError, match="inside out"):
-        build_model(replace(bar, tets=bar.tets[:, [1, 0, 2, 3]]), bar, species("maple"), bar)
+        build_model(replace(bar, tets=bar.tets[:, [1, 0, 2, 3]]), bar, wood_of_species("maple"), bar)
 
 
 def test_a_model_that_many_write_at_once_is_whole(tmp_path: Path) -> None:

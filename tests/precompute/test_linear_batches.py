@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from galewood.fem.assembly import ElementSystem
 from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
-from galewood.wood.species import species
+from galewood.wood.species import wood_of_species
 
 from tests.precompute.tet_meshes import grid_mesh
 
@@ -22,7 +22,7 @@ def loose_system(count: int, rng: np.random.Generator) -> ElementSystem:
     grad, volume = gradients(vertices[tets])
     fibre = rng.normal(size=(count, 3))
     fibre /= np.linalg.norm(fibre, axis=1)[:, None]
-    axial, shear = stiffness_blocks(grad, volume, fibre, moduli(species("maple")))
+    axial, shear = stiffness_blocks(grad, volume, fibre, moduli(wood_of_species("maple")))
     blocks = axial * rng.uniform(0.2, 1, (count, 1, 1, 1)) + shear * rng.uniform(0.2, 1, (count, 1, 1, 1))
     stress = rng.normal(size=(count, 3, 3)) * 1e7
     stress += stress.transpose(0, 2, 1)

@@ -7,13 +7,13 @@ from galewood.fem.model import FemSettings
 from galewood.model.construction import build_model
 from galewood.verify.bars import polygon_bar
 from galewood.wood.document import WoodDocument, WoodError, read_wood
-from galewood.wood.species import species
+from galewood.wood.species import wood_of_species
 
 
 def test_what_is_left_out_comes_from_the_species_it_is_based_on():
     wood = read_wood(json.dumps({"name": "my oak", "based_on": "maple", "density_kg_m3": 1000.0}))
     assert (wood.name, wood.density_kg_m3) == ("my oak", 1000.0)
-    assert wood.young_longitudinal_pa == species("maple").young_longitudinal_pa
+    assert wood.young_longitudinal_pa == wood_of_species("maple").young_longitudinal_pa
     assert wood.source == "the user"
 
 

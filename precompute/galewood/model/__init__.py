@@ -4,8 +4,8 @@ from galewood.model.binding import render_binding
 from galewood.model.comparison import gusty_pressure, trajectory_difference
 from galewood.model.construction import GRAVITY_M_S2, LumpedMassesLike, MeshLike, SkeletonLike, build_model
 from galewood.model.foliage import LumpedMasses, bind_foliage
+from galewood.model.from_tree import tree_model
 from galewood.model.reference import compare_with_reference, reference_model
-from galewood.model.tree_model import tree_model
 
 __all__ = [
     "GRAVITY_M_S2",

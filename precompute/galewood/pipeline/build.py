@@ -28,7 +28,7 @@ from galewood.skeleton import extract_skeleton, sampled_elements, with_corrected
 from galewood.table import encode
 from galewood.tets import kept_tetrahedra, tetrahedralise
 from galewood.util import WorkerPool
-from galewood.wood import Wood, species
+from galewood.wood import Wood, wood_of_species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Imported by the worker processes while the tree is read and meshed: they load the compiled kernels."""
@@ -75,7 +75,7 @@ def _build(
     cache_dir: Path,
     publish: Publish | None,
 ) -> BuildResult:
-    wood = options.wood or species(tree.species or "default")
+    wood = options.wood or wood_of_species(tree.species or "default")
     with WorkerPool(1 if runner else None, warm=WARM_MODULES) as pool:
         artefacts = ArtefactPublisher(pool, publish)
         artefacts.publish("render.glb", lambda: render_glb)

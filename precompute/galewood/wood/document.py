@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from galewood.wood.species import Wood, species
+from galewood.wood.species import Wood, wood_of_species
 
 Ratio = Annotated[float, Field(ge=0.005, le=1.0)]
 Modulus = Annotated[float, Field(ge=1e8, le=5e10)]
@@ -56,7 +56,7 @@ class WoodDocument(BaseModel):
     def wood(self) -> Wood:
         """The wood. ValueError where the species is not known or the constants contradict each other."""
         try:
-            base = species(self.based_on)
+            base = wood_of_species(self.based_on)
         except KeyError as error:
             raise ValueError(f"based_on: {error.args[0]}") from None
         names = {field.name for field in fields(Wood)}

@@ -170,7 +170,7 @@ ALIASES = {
 }
 
 
-def species(name: str) -> Wood:
+def wood_of_species(name: str) -> Wood:
     """The wood of a species by name or alias; KeyError naming the known ones otherwise."""
     key = name.strip().lower()
     key = ALIASES.get(key, key)

@@ -14,15 +14,17 @@ from galewood.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_
 
 from galewood_server.api.connections import limited_connection
 from galewood_server.context import Service, service_of
-from galewood_server.stream import WIRE_VERSION, WireError, wire
-from galewood_server.stream.forests import Subscription
-from galewood_server.stream.session_error import (
+from galewood_server.stream import (
     INVALID_DATA,
     POLICY_VIOLATION,
     UNSUPPORTED_DATA,
+    WIRE_VERSION,
     SessionError,
+    Subscription,
+    WireError,
+    protocol_of,
+    wire,
 )
-from galewood_server.stream.socket_protocol import protocol_of
 
 router = APIRouter()
 log = logging.getLogger("galewood.stream")

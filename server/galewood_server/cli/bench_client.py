@@ -18,8 +18,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from galewood_server.stream import FRAME, wire
-from galewood_server.stream.envelope import unpack
+from galewood_server.stream import FRAME, unpack_msgpack, wire
 
 BYTES_PER_TREE = 256
 _HANDSHAKE = (
@@ -125,7 +124,7 @@ class Listener:
             self.link.send(masked(bytes(self._view[start : start + length]), 10))
         elif opcode == 2 and self._buffer[start + 3] == FRAME:
             end = start + 8 + int.from_bytes(self._buffer[start + 4 : start + 8], "little")
-            header = cast(dict[str, Any], unpack(self._view[start + 8 : end]))
+            header = cast(dict[str, Any], unpack_msgpack(self._view[start + 8 : end]))
             self.ages_s.append(now_s - header["made_s"])
             self.keys += header["base"] is None
             self.base_mismatches += header["base"] not in (None, self.tick)

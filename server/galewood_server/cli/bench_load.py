@@ -1,7 +1,6 @@
 """Load benchmark of one server process on one core: clients × trees × 30 Hz, and clients that never read.
 
-The server and the clients run in separate processes pinned to different cores.
-`galewood bench-serve`, or `python -m galewood_server.cli.bench_load`.
+The server and the clients run in separate processes pinned to different cores. Run by `galewood bench-serve`.
 """
 
 from __future__ import annotations
@@ -229,9 +228,3 @@ def table_files(folder: Path) -> list[Path]:
     if not whole:
         raise FileNotFoundError(f"no tables in {folder}: give --table, or run `galewood serve` first")
     return whole[:3]
-
-
-if __name__ == "__main__":
-    from galewood_server.cli.commands import app
-
-    app(["bench-serve", *sys.argv[1:]])

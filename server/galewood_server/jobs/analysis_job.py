@@ -16,7 +16,7 @@ from galewood_server.jobs.analysis_files import store_result
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, JobKind, Stores
-from galewood_server.stream.envelope import pack as pack_msgpack
+from galewood_server.stream import pack_msgpack
 
 FORMAT, VERSION = "galewood-comparison", 1
 

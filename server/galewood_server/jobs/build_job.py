@@ -13,9 +13,9 @@ from sqlalchemy import update
 from galewood_server.jobs.artefact_publisher import ArtefactPublisher
 from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.dask_runner import DaskRunner
-from galewood_server.jobs.fingerprint import fingerprint
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.jobs.queue import end_job
+from galewood_server.jobs.table_fingerprint import fingerprint
 from galewood_server.settings import Settings
 from galewood_server.storage import (
     HASH_COLUMNS,

@@ -1,15 +1,24 @@
 """Forest streaming: wire protocol, simulation on the server, and delivery to clients."""
 
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import WIRE_VERSION, WireError
-from galewood_server.stream.forests import Forests
-from galewood_server.stream.socket_protocol import SocketProtocol
+from galewood_server.stream.envelope import WIRE_VERSION, WireError, pack_msgpack, unpack_msgpack
+from galewood_server.stream.forests import Forests, Subscription
+from galewood_server.stream.session_error import (
+    INVALID_DATA,
+    POLICY_VIOLATION,
+    UNSUPPORTED_DATA,
+    SessionError,
+)
+from galewood_server.stream.socket_protocol import SocketProtocol, protocol_of
 from galewood_server.stream.wire import Failure, Hello, Reply, decode_reply, encode_request
 from galewood_server.stream.wire_forest import Forest, Method
 from galewood_server.stream.wire_frame import FRAME
 
 __all__ = [
     "FRAME",
+    "INVALID_DATA",
+    "POLICY_VIOLATION",
+    "UNSUPPORTED_DATA",
     "WIRE_VERSION",
     "Failure",
     "Forest",
@@ -17,9 +26,14 @@ __all__ = [
     "Hello",
     "Method",
     "Reply",
+    "SessionError",
     "SocketProtocol",
+    "Subscription",
     "WireError",
     "decode_reply",
     "encode_request",
+    "pack_msgpack",
+    "protocol_of",
+    "unpack_msgpack",
     "wire",
 ]

@@ -32,19 +32,19 @@ class WireError(ValueError):
         self.code = code
 
 
-def pack(document: Header) -> bytes:
+def pack_msgpack(document: Header) -> bytes:
     """Encode a document with msgpack."""
     return cast(bytes, _packb(document, use_bin_type=True))
 
 
-def unpack(data: bytes | memoryview) -> object:
+def unpack_msgpack(data: bytes | memoryview) -> object:
     """Decode msgpack with text keys. ValueError, TypeError, RecursionError, msgpack.UnpackException."""
     return _unpackb(data, raw=False, strict_map_key=True, max_str_len=4096)
 
 
 def encode_message(kind: int, header: Header, payload: bytes = b"") -> bytes:
     """Encode a message."""
-    packed = pack(header)
+    packed = pack_msgpack(header)
     prefix = MAGIC + bytes((WIRE_VERSION, kind)) + struct.pack("<I", len(packed))
     return prefix + packed + bytes(-len(packed) % 8) + payload
 
@@ -68,7 +68,7 @@ def decode_message(data: bytes) -> tuple[int, Header, bytes]:
 
 def _unpack(packed: bytes) -> Header:
     try:
-        header = unpack(packed)
+        header = unpack_msgpack(packed)
     except (ValueError, TypeError, RecursionError, msgpack.UnpackException) as error:
         raise WireError("the header is not msgpack") from error
     return text_map(header, "the header")
