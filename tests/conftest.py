@@ -3,9 +3,8 @@
 import pytest
 
 LONGEST = (
-    "test_wheel",
-    "test_real_build", "test_jobs", "test_leases", "test_verify_species", "test_paper", "test_evaluations",
-    "test_evaluate", "test_pipeline", "test_hostile", "test_determinism",
+    "test_wheel", "test_build_end_to_end", "test_jobs", "test_leases", "test_verify_species", "test_paper",
+    "test_evaluations", "test_evaluate", "test_pipeline", "test_untrusted_uploads", "test_determinism",
 )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What every part of the running service shares."""
+"""State shared by all parts of a running server process."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from galewood_server.stream import Forests
 
 @dataclass
 class Service:
-    """Settings, database and files, with the signals between the parts of one process."""
+    """Settings, database sessions, file stores, running forests and synchronisation of one process."""
 
     settings: Settings
     sessions: Sessions
@@ -29,25 +29,25 @@ class Service:
     loop: asyncio.AbstractEventLoop
     import_slots: asyncio.Semaphore
     upload_slots: asyncio.Semaphore
-    # held while a file and the row that names it come or go together
+    # held while a file and the database row that references it are added or removed together
     files_lock: threading.Lock = field(default_factory=threading.Lock)
-    # set when a job was queued or cancelled, so that the supervisor need not wait for its next look
+    # set when a job is queued or cancelled, so that the supervisor reacts before its next poll
     jobs_changed: asyncio.Event = field(default_factory=asyncio.Event)
     socket_addresses: dict[str, int] = field(default_factory=dict[str, int])
 
     def wake_supervisor(self) -> None:
-        """Say that a job was queued or cancelled; from any thread."""
+        """Notify the supervisor that a job was queued or cancelled. Thread-safe."""
         self.loop.call_soon_threadsafe(self.jobs_changed.set)
 
     @property
     def sockets(self) -> int:
-        """Open WebSockets."""
+        """Number of open WebSockets."""
         return sum(self.socket_addresses.values())
 
 
 def service_of(connection: HTTPConnection) -> Service:
-    """The service behind a request or a socket."""
+    """The Service of the application that received a request or a WebSocket."""
     return cast(Service, connection.app.state.service)
 
 
-ServiceHere = Annotated[Service, Depends(service_of)]
+ServiceDep = Annotated[Service, Depends(service_of)]

@@ -24,17 +24,17 @@ def data_folder(packaged: str, checkout: str) -> Path:
 
 
 def default_workers() -> int:
-    """Sampling processes: one a core, at least one."""
+    """Number of simulation worker processes: one per core, at least one."""
     return max(1, os.cpu_count() or 1)
 
 
 def _renamed(name: str, old: str) -> AliasChoices:
-    """A setting that had another name: the environment may still use it."""
+    """Environment names of a renamed setting: the new name and the former one, which is still accepted."""
     return AliasChoices(f"GALEWOOD_{name.upper()}", f"GALEWOOD_{old.upper()}")
 
 
 class Settings(BaseSettings):
-    """Every setting has a default that suits one laptop; names carry their units."""
+    """All settings. The defaults suit a single laptop; names end in their units."""
 
     model_config = SettingsConfigDict(env_prefix="GALEWOOD_", extra="ignore", populate_by_name=True)
 
@@ -46,7 +46,7 @@ class Settings(BaseSettings):
     scheduler_url: str | None = None
     page_dir: Path = data_folder("page", "web/dist")
     species_dir: Path = data_folder("species", "assets/species")
-    builtin_species: bool = True
+    builtin_trees: bool = Field(default=True, validation_alias=_renamed("builtin_trees", "builtin_species"))
 
     workers: int = Field(default_factory=default_workers, ge=1, le=256)
     concurrent_jobs: int = Field(default=1, ge=1, le=64)
@@ -82,7 +82,7 @@ class Settings(BaseSettings):
     stored_bytes: int = Field(default=20 * 1024 * MEBIBYTE, ge=0)
     free_bytes: int = Field(default=512 * MEBIBYTE, ge=0)
 
-    # SHA-256 of the keys that may write, in hex, separated by commas; none: only this machine may
+    # SHA-256 hashes (hex, comma-separated) of the keys with write access; empty: only local clients may write
     api_keys: Annotated[list[str], NoDecode] = Field(default_factory=list)
     trusted_proxies: str = "127.0.0.1"
     reads_per_minute: int = Field(default=6000, ge=0)
@@ -108,37 +108,41 @@ class Settings(BaseSettings):
 
     @field_validator("api_keys", mode="before")
     @classmethod
-    def _hashes(cls, given: object) -> object:
-        hashes = [part.strip().lower() for part in given.split(",")] if isinstance(given, str) else given
-        if isinstance(hashes, list) and not all(re.fullmatch(r"[0-9a-f]{64}", one) for one in hashes if one):
-            raise ValueError("expected SHA-256 hashes in hex, separated by commas; `galewood key` makes them")
-        return [one for one in hashes if one] if isinstance(hashes, list) else hashes
+    def _parse_hashes(cls, given: str | list[str]) -> list[str]:
+        """A list of hashes from a comma-separated string. ValueError if one is not a SHA-256 in hex."""
+        parts = given.split(",") if isinstance(given, str) else given
+        hashes = [part.strip().lower() for part in parts if part.strip()]
+        if not all(re.fullmatch(r"[0-9a-f]{64}", one) for one in hashes):
+            raise ValueError(
+                "expected SHA-256 hashes in hex, separated by commas; create them with `galewood key`"
+            )
+        return hashes
 
     @property
     def database(self) -> str:
-        """SQLAlchemy URL: the one given, else SQLite inside the data folder."""
+        """SQLAlchemy URL: `database_url` if set, otherwise SQLite in the data folder."""
         return self.database_url or f"sqlite:///{self.data_dir.resolve() / 'galewood.sqlite'}"
 
     @property
     def cache_dir(self) -> Path:
-        """Stored meshes and trajectories, from which an interrupted build goes on."""
+        """Folder of intermediate results from which interrupted builds resume."""
         return self.data_dir.resolve() / "cache"
 
     def cancel_flag(self, job_id: str) -> Path:
-        """The file that tells the workers that a job was cancelled."""
+        """The file whose existence tells the workers that a job was cancelled."""
         return self.cache_dir / "cancelled" / job_id
 
     @property
     def analyses_dir(self) -> Path:
-        """A folder for each evaluation while it runs."""
+        """Parent of the working folders of running evaluations."""
         return self.cache_dir / "analyses"
 
     def analysis_folder(self, job_id: str) -> Path:
-        """What an evaluation has finished so far, so that a restart goes on."""
+        """Working folder of an evaluation: its finished runs, from which it resumes after a restart."""
         return self.analyses_dir / job_id
 
     def environment(self) -> dict[str, str]:
-        """The environment in which a child process reads these same settings."""
+        """Environment variables from which a child process reads the same settings."""
         child = dict(os.environ)
         child["GALEWOOD_DATA_DIR"] = str(self.data_dir.resolve())
         child["GALEWOOD_DATABASE_URL"] = self.database

@@ -1,4 +1,4 @@
-"""A real server process on a free port with a data folder of its own, ended with the test."""
+"""Fixtures: a real server process on a free port with its own data folder, stopped after the test."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ import psycopg
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-# fake builds need no cluster: none is started, and nobody calls this address
+# fake builds need no cluster: with an external address, none is started
 NO_CLUSTER = {"GALEWOOD_SCHEDULER_URL": "tcp://127.0.0.1:9"}
 
 
@@ -41,7 +41,7 @@ def wait_until(holds: Callable[[], Any], timeout_s: float = 30.0, every_s: float
 
 
 def shared_services(folder: Path) -> dict[str, str]:
-    """Under `make test-distributed`: a PostgreSQL database and a bucket's prefix of this folder's own."""
+    """Under `make test-distributed`: settings for a separate PostgreSQL database and bucket prefix."""
     postgres, store = os.environ.get("GALEWOOD_TEST_POSTGRES"), os.environ.get("GALEWOOD_TEST_STORE")
     if not postgres or not store:
         return {}
@@ -54,7 +54,7 @@ def shared_services(folder: Path) -> dict[str, str]:
 
 @dataclass
 class Server:
-    """A server process; `stop` ends it kindly, `kill` as a crash would."""
+    """A server process; `stop` ends it gracefully, `kill` simulates a crash."""
 
     data_dir: Path
     module: str
@@ -71,7 +71,7 @@ class Server:
         return f"ws://127.0.0.1:{self.port}/ws/forest"
 
     def variables(self) -> dict[str, str]:
-        """The environment of the server, and of whoever looks at its data."""
+        """Environment of the server and of processes that use its data."""
         return {
             **os.environ,
             "GALEWOOD_DATA_DIR": str(self.data_dir),
@@ -123,16 +123,16 @@ class Server:
 
 
 def command_line(process: psutil.Process) -> list[str]:
-    """The command of a process; empty if it has just ended."""
+    """The command line of a process; empty if it has ended."""
     try:
         return process.cmdline()
-    except psutil.NoSuchProcess:  # a zombie too
+    except psutil.NoSuchProcess:  # also raised for zombies
         return []
 
 
 @pytest.fixture
 def start_server(tmp_path: Path) -> Iterator[Callable[..., Server]]:
-    """Start servers that share one data folder; builds and intake are fakes unless told otherwise."""
+    """Start servers that share one data folder; builds and mesh import are fakes by default."""
     servers: list[Server] = []
 
     def start(module: str = "tests.server.fake_server", **environment: str) -> Server:

@@ -1,4 +1,4 @@
-"""A job process whose build takes a known time and computes nothing: for tests of the queue alone.
+"""A job process whose build takes a fixed time and computes nothing, for tests of the queue.
 
 Started through GALEWOOD_JOB_MODULE. The name of the file chooses what happens; steps done are kept in the
 cache, so that a test can see that a resumed job goes on.
@@ -13,9 +13,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from galewood.pipeline.options import BuildOptions, BuildResult, Progress
-from galewood_server.jobs.analysis_files import PLOT, finish
+from galewood_server.jobs.analysis_files import PLOT, store_result
 from galewood_server.jobs.job_process import main
-from galewood_server.jobs.reporting import JobLease, Reporter
+from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.settings import Settings
 from galewood_server.storage.models import JobKind
 from galewood_server.storage.stores import Stores
@@ -60,8 +60,8 @@ def _model(cache_dir: Path) -> Path:
 
 
 def fake_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores: Stores) -> None:
-    """A study in as many steps, each a file in its folder, as an evaluation keeps its runs."""
-    reporter, folder = Reporter(job_lease), settings.analysis_folder(job_lease.job_id)
+    """An analysis in STEPS steps, recorded in its folder like the runs of an evaluation."""
+    reporter, folder = ProgressReporter(job_lease), settings.analysis_folder(job_lease.job_id)
     folder.mkdir(parents=True, exist_ok=True)
     for step in range(STEPS):
         reporter.report("evaluating", step / STEPS, f"step {step}")
@@ -69,7 +69,9 @@ def fake_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores
         with (folder / "steps").open("a") as file:
             file.write(f"{step}\n")
     report = json.dumps({"kind": kind, "job": job_lease.job_id}).encode()
-    finish(job_lease, stores, {"kind": kind}, report, {PLOT: b"\x89PNG of " + job_lease.job_id.encode()})
+    store_result(
+        job_lease, stores, {"kind": kind}, report, {PLOT: b"\x89PNG of " + job_lease.job_id.encode()}
+    )
 
 
 if __name__ == "__main__":

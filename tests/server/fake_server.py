@@ -1,4 +1,4 @@
-"""A server that takes uploads as they are, without mesh libraries: `python -m tests.server.fake_server`."""
+"""A server without mesh import, which accepts any upload: `python -m tests.server.fake_server`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A long, random use of a real server: `python -m tests.server.soak --minutes 10 --seed 1 [--json FILE]`.
+"""Randomised test of a real server: `python -m tests.server.soak --minutes 10 --seed 1 [--json FILE]`.
 
 Uploads, builds, cancels, deletions, comparisons, evaluations, listeners that come and go and streams that
 break off, as the dice fall. At the end nothing may have stuck: the server's memory and open files are flat,
@@ -26,12 +26,12 @@ import numpy as np
 import psutil
 from galewood_server.stream import wire
 
-from tests.server import meshes
+from tests.server import sample_meshes
 from tests.server.conftest import Server, wait_until
-from tests.server.test_stream import BREEZE, Client
+from tests.server.test_forest_stream import BREEZE, Client
 
 SMALL = {"target_tets": 500, "sampled_elements": 5, "frames": 30}
-HEIGHTS_M = (2.5, 3.0, 3.5, 4.0)  # few, so that some builds find everything in the cache
+HEIGHTS_M = (2.5, 3.0, 3.5, 4.0)  # few, so that some builds use cached runs
 MOST_TREES = 8
 LIMITS = {
     "GALEWOOD_REPLACED_FILES_S": "2",
@@ -41,13 +41,13 @@ LIMITS = {
     "GALEWOOD_WRITES_PER_MINUTE": "0",
 }
 WARM_UP = 0.25
-"""Share of the samples that are passed over: compiled code and tables come into memory."""
+"""Share of the memory samples that are ignored as warm-up."""
 GROWTH_BYTES, GROWTH_HANDLES = 48 << 20, 6
 ACTIVE = ("queued", "running")
 
 
 class Soak:
-    """The dice, the server, and what happened."""
+    """Random actions on a server and their statistics."""
 
     def __init__(self, server: Server, seed: int) -> None:
         self.server = server
@@ -64,7 +64,7 @@ class Soak:
         """One tree has a table before the dice fall, and stays, so that there is something to stream however
         slow the machine is; its first frames load the code that streams.
         """
-        file = {"file": ("pole.obj", meshes.pole_obj(2.0))}
+        file = {"file": ("pole.obj", sample_meshes.pole_obj(2.0))}
         tree = self.ask("POST", "/api/trees", files=file).json()
         self.kept = str(tree["id"])
         self.ask("POST", f"/api/trees/{self.kept}/precompute", json={"settings": SMALL})
@@ -73,7 +73,7 @@ class Soak:
             self.wrong.clear()
 
     def run(self, minutes: float) -> None:
-        """Act until the time is over."""
+        """Perform random actions until the time is over."""
         actions = {
             self.upload: 3, self.build: 5, self.cancel: 2, self.delete: 2,
             self.compare: 3, self.evaluate: 2, self.listen: 3, self.stream: 3, self.nonsense: 1,
@@ -96,7 +96,7 @@ class Soak:
         return self.ask("GET", "/api/trees", params={"limit": 500}).json()["trees"]
 
     def ask(self, method: str, path: str, **more: Any) -> httpx.Response:
-        """A request; an answer that says the server failed is noted."""
+        """Send a request; server errors are recorded."""
         answer = self.api.request(method, path, **more)
         if answer.status_code >= 500 and answer.status_code not in (503, 507):
             self.wrong.append(f"{method} {path}: {answer.status_code} {answer.text[:300]}")
@@ -106,7 +106,7 @@ class Soak:
         trees = self.trees()
         if len(trees) >= MOST_TREES:
             return self.delete()
-        file = {"file": ("pole.obj", meshes.pole_obj(self.dice.choice(HEIGHTS_M)))}
+        file = {"file": ("pole.obj", sample_meshes.pole_obj(self.dice.choice(HEIGHTS_M)))}
         data = {"species": self.dice.choice(["maple", "poplar"]), "name": f"tree {self.dice.random()}"}
         return self.ask("POST", "/api/trees", files=file, data=data).status_code
 
@@ -147,7 +147,7 @@ class Soak:
         return answer.status_code
 
     def listen(self) -> int:
-        """Somebody follows all events for a while, in a thread of its own, then drops the line."""
+        """Read all events for a while in a separate thread, then disconnect."""
         until_s = time.monotonic() + self.dice.uniform(0.1, 4)
 
         def follow() -> None:
@@ -167,7 +167,7 @@ class Soak:
         return len(self.listeners) and 1
 
     def stream(self) -> int:
-        """A client plants a forest, takes some frames and is gone without a word."""
+        """Request a forest, receive some frames and disconnect without a close."""
         tables = [tree["table_sha256"] for tree in self.trees() if tree["table_sha256"]]
         if not tables:
             return 0
@@ -178,7 +178,7 @@ class Soak:
             client.send(wire.Forest("stream", groups, BREEZE, 0.0, None, rows))
             took = sum(1 for _ in zip(range(self.dice.randint(1, 40)), client.frames(), strict=False))
             return took and 1
-        except Exception as error:  # the table may just have been replaced and removed
+        except Exception as error:  # the table may have been replaced and removed meanwhile
             return self._excuse(error)
         finally:
             client.socket.close()
@@ -189,11 +189,13 @@ class Soak:
         return 404
 
     def nonsense(self) -> int:
-        data = self.dice.choice([b"", b"PK\x03\x04", meshes.truncated_glb(), self.dice.randbytes(2000)])
+        data = self.dice.choice(
+            [b"", b"PK\x03\x04", sample_meshes.truncated_glb(), self.dice.randbytes(2000)]
+        )
         return self.ask("POST", "/api/trees", files={"file": ("tree.glb", data)}).status_code
 
     def finish(self) -> None:
-        """Cancel what is active and wait until nothing is; then look, delete everything, and look again."""
+        """Cancel active jobs, wait, check the stores, delete everything, and check again."""
         for thread in self.listeners:
             thread.join()
         for tree in self.trees():
@@ -221,7 +223,7 @@ class Soak:
         return [] if answer.returncode == 0 else [f"doctor: {answer.stdout} {answer.stderr}"]
 
     def verdict(self) -> dict[str, Any]:
-        """Figures, and what is wrong: an empty list is a pass."""
+        """Statistics and a list of failures, which is empty if the test passed."""
         memory, handles = flat(self.memory), flat(self.handles)
         if memory["growth"] > GROWTH_BYTES:
             self.wrong.append(f"memory grew by {memory['growth'] >> 20} MB")
@@ -235,7 +237,7 @@ class Soak:
 
 
 def flat(values: list[int]) -> dict[str, int]:
-    """Medians early and late after the warm-up, and by how much the second is larger."""
+    """Early and late medians after the warm-up, and their difference."""
     kept = values[int(WARM_UP * len(values)) :]
     third = max(1, len(kept) // 3)
     early, late = int(np.median(kept[:third])), int(np.median(kept[-third:]))

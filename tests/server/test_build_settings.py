@@ -1,4 +1,4 @@
-"""What a job is told over HTTP is what the build gets."""
+"""Build settings from the HTTP request to the build."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from pydantic import ValidationError
 
 
 def options_of(settings: dict[str, Any]) -> BuildOptions:
-    """From the request's body, through the database's JSON, to the build."""
+    """Build options of a request body, via JSON in the database."""
     body = json.dumps({"tree_id": "x", "settings": settings})
     request = JobRequest.model_validate(json.loads(body))
     kept = json.loads(json.dumps(request.settings.model_dump(exclude_none=True)))
     return build_options(BuildRequest.model_validate(kept))
 
 
-def test_everything_that_shapes_a_table_arrives() -> None:
+def test_all_settings_reach_the_build() -> None:
     options = options_of(
         {"species": "maple", "height_m": 9, "up_axis": "z", "wood_materials": ["Bark", "Twig"], "seed": 7,
          "target_tets": 3000, "sampled_elements": 135, "design_speed_m_s": 12.5, "frames": 90, "modes": 24,
@@ -37,7 +37,7 @@ def test_everything_that_shapes_a_table_arrives() -> None:
     assert options.wood.density_kg_m3 == SPECIES["maple"].density_kg_m3
 
 
-def test_nothing_said_is_the_default() -> None:
+def test_missing_settings_are_the_defaults() -> None:
     assert options_of({}) == BuildOptions()
 
 
@@ -46,6 +46,6 @@ def test_nothing_said_is_the_default() -> None:
     [{"wood": {"name": "x", "density_kg_m3": -1}}, {"wood": {"based_on": "maple"}}, {"seed": -1},
      {"wood": {"name": "x", "based_on": "no such"}}, {"wood_materials": [""]}, {"design_speed_m_s": 0}],
 )  # fmt: skip
-def test_nonsense_is_refused(settings: dict[str, Any]) -> None:
+def test_invalid_settings_are_rejected(settings: dict[str, Any]) -> None:
     with pytest.raises(ValidationError):
         options_of(settings)

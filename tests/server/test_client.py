@@ -1,4 +1,4 @@
-"""The client and its commands against a real server: a mesh goes up, its table comes down, a forest moves."""
+"""The Python client and the command line against a real server."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def mesh(tmp_path: Path) -> Path:
     return tmp_path / "oak.obj"
 
 
-def test_a_mesh_goes_up_and_its_table_comes_down(server: Server, mesh: Path) -> None:
+def test_upload_compute_and_download(server: Server, mesh: Path) -> None:
     with Client(server.url, KEY) as client:
         tree = client.upload(mesh, species="maple", height_m=7.5)
         assert (tree["name"], tree["species"], tree["height_m"]) == ("oak", "maple", 7.5)
@@ -56,8 +56,8 @@ def test_a_mesh_goes_up_and_its_table_comes_down(server: Server, mesh: Path) -> 
         assert client.table(client.tree(tree["id"])["table_sha256"]) == b"table of an oak"
 
 
-def test_problems_are_errors_with_words(server: Server, mesh: Path) -> None:
-    with Client(server.url) as stranger, pytest.raises(ServiceError, match="needs a key") as caught:
+def test_problems_become_service_errors(server: Server, mesh: Path) -> None:
+    with Client(server.url) as stranger, pytest.raises(ServiceError, match="API key") as caught:
         stranger.upload(mesh)
     assert (caught.value.status, caught.value.code) == (401, "key-needed")
     with Client(server.url, KEY) as client:
@@ -68,13 +68,13 @@ def test_problems_are_errors_with_words(server: Server, mesh: Path) -> None:
     assert unknown.value.status == 422 and unknown.value.hint
 
 
-def test_a_damaged_table_is_refused() -> None:
+def test_a_damaged_download_is_rejected() -> None:
     damaged = httpx.MockTransport(lambda _: httpx.Response(200, content=b"other bytes"))
     with Client("http://server", transport=damaged) as client, pytest.raises(ValueError, match="damaged"):
         client.table("0" * 64)
 
 
-def test_a_broken_stream_of_events_is_taken_up_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_broken_event_stream_is_resumed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("galewood_server.cli.client.time.sleep", lambda _: None)
     answers = iter(["running", None, None, "running", "done"])
 
@@ -85,12 +85,12 @@ def test_a_broken_stream_of_events_is_taken_up_again(monkeypatch: pytest.MonkeyP
         event = f"event: progress\ndata: {json.dumps({'state': state})}\n\n"
         return httpx.Response(200, headers={"content-type": "text/event-stream"}, text=event)
 
-    # each answer ends after one event, which a stream of a job that runs on must not
+    # each response ends after one event, although the job is still running
     with Client("http://server", transport=httpx.MockTransport(answer)) as client:
         assert [job["state"] for job in client.follow("x")] == ["running", "running", "done"]
 
 
-def test_the_command_waits_and_writes_the_table(server: Server, mesh: Path, tmp_path: Path) -> None:
+def test_the_upload_command_writes_the_table(server: Server, mesh: Path, tmp_path: Path) -> None:
     table, report = tmp_path / "oak.gwt", tmp_path / "oak.json"
     mesh.write_bytes(b"another oak")
     arguments = ["upload", str(mesh), "--server", server.url, "--out", str(table), "--json", str(report)]
@@ -105,31 +105,31 @@ def test_the_command_waits_and_writes_the_table(server: Server, mesh: Path, tmp_
     assert away.exit_code == 1
 
 
-def test_a_stream_answers_in_messages(server: Server) -> None:
+def test_the_stream_yields_messages(server: Server) -> None:
     async def told() -> list[Reply]:
         return [reply async for reply in stream(server.url, FOREST)]
 
     replies = anyio.run(told)
     assert isinstance(replies[0], Welcome) and replies[0].tick_hz == 30
-    # there is no such table, which is said before the socket is closed
+    # the table does not exist: an error is sent before the socket is closed
     assert isinstance(replies[-1], Failure) and replies[-1].title
 
 
 def logged(server: Server, request_id: str) -> list[dict[str, Any]]:
-    """The log's lines of a request."""
+    """Log lines of a request."""
     whole = [line for line in server.log().splitlines(keepends=True) if line[0] == "{" and line[-1] == "\n"]
     return [line for line in map(json.loads, whole) if line.get("request_id") == request_id]
 
 
-def test_the_log_is_json_with_the_request_in_it(server: Server) -> None:
+def test_json_logs_have_request_fields(server: Server) -> None:
     headers = {"X-Request-ID": "find-me.1"}
     httpx.get(f"{server.url}/api/trees/none", headers=headers)
-    (line,) = wait_until(lambda: logged(server, "find-me.1"))  # it may come after the answer
+    (line,) = wait_until(lambda: logged(server, "find-me.1"))  # may be written after the response
     assert (line["status"], line["method"], line["path"]) == (404, "GET", "/api/trees/none")
     assert line["timestamp"] and line["level"] == "info" and line["ms"] >= 0
     assert KEY not in server.log()
 
 
-def test_a_key_is_made_with_its_hash() -> None:
+def test_the_key_command_prints_key_and_hash() -> None:
     made = run(app, ["key"]).output.split()
     assert made[0] == "key" and made[1].startswith("gw_") and len(made[3]) == 64

@@ -1,4 +1,4 @@
-"""Builds on a Dask scheduler elsewhere, whose workers share neither disk nor database with the server.
+"""Builds on an external Dask cluster whose workers share neither disk nor database with the server.
 
 Only under `make test-distributed`, which starts PostgreSQL, an S3-compatible server, a scheduler and workers.
 """
@@ -17,8 +17,8 @@ from galewood.table import format as table_format
 from galewood_server.storage.object_store import open_bucket
 
 from tests.server.conftest import Server, shared_services, wait_until
+from tests.server.test_build_end_to_end import LONG_S, assert_compares, begin, follow, sampling
 from tests.server.test_jobs import gone, state
-from tests.server.test_real_build import LONG_S, assert_compares, begin, follow, sampling
 
 SCHEDULER = os.environ.get("GALEWOOD_TEST_SCHEDULER", "")
 pytestmark = [
@@ -28,14 +28,14 @@ pytestmark = [
 
 
 def runs(environment: dict[str, str]) -> dict[str, Any]:
-    """The finished runs in the bucket, with when each was written."""
+    """Finished runs in the bucket with their modification times."""
     bucket = open_bucket(environment["GALEWOOD_STORE_URL"])
     items = [item for page in obstore.list(bucket, prefix="transfer/trajectories") for item in page]
     return {item["path"]: item["last_modified"] for item in items}
 
 
 def worker() -> psutil.Process:
-    """A process that simulates, under its nanny."""
+    """A simulating worker process."""
     nannies = [psutil.Process(int(pid)) for pid in os.environ["GALEWOOD_TEST_WORKERS"].split(",")]
     return next(
         one for nanny in nannies for one in nanny.children(recursive=True) if "spawn" in str(one.cmdline())
@@ -47,7 +47,7 @@ def start(folder: Path, environment: dict[str, str]) -> Server:
     return Server(folder, "galewood_server.cli.main", environment).start("serve")
 
 
-def test_a_build_outlives_worker_and_server_without_a_shared_disk(tmp_path: Path) -> None:
+def test_a_build_survives_worker_and_server_loss_without_a_shared_disk(tmp_path: Path) -> None:
     environment = {**shared_services(tmp_path), "GALEWOOD_SCHEDULER_URL": SCHEDULER, "GALEWOOD_LEASE_S": "3"}
     first = start(tmp_path / "first" / "data", environment)
     with first.client() as api:
@@ -73,19 +73,19 @@ def finish(
     environment: dict[str, str],
     finished: dict[str, Any],
 ) -> None:
-    """The other server, whose disk is empty, goes on from the bucket: no run is made twice."""
+    """A server with an empty disk finishes the job from the bucket without repeating runs."""
     wait_until(lambda: len(runs(environment)) > len(finished), LONG_S)
     later = runs(environment)
     assert {path: later.get(path) for path in finished} == finished
     follow(api, tree["id"], job["id"])
     assert state(api, job) == "done"
-    wait_until(lambda: not runs(environment), LONG_S)  # nobody needs them any more
+    wait_until(lambda: not runs(environment), LONG_S)  # deleted after the build
     tree = api.get(f"/api/trees/{tree['id']}").json()
     table = table_format.decode(api.get(f"/api/tables/{tree['table_sha256']}").content)
     assert_compares(api, tree, table)
 
 
-def test_cancel_stops_workers_that_share_no_disk(tmp_path: Path) -> None:
+def test_cancel_stops_workers_without_a_shared_disk(tmp_path: Path) -> None:
     environment = {**shared_services(tmp_path), "GALEWOOD_SCHEDULER_URL": SCHEDULER}
     server = start(tmp_path / "data", environment)
     try:
@@ -101,7 +101,7 @@ def test_cancel_stops_workers_that_share_no_disk(tmp_path: Path) -> None:
 
 
 def settled(environment: dict[str, str]) -> dict[str, Any]:
-    """The finished runs once no more come: a run takes less than the second that is waited."""
+    """Finished runs, once their number is constant for a second."""
     before = runs(environment)
     psutil.cpu_percent(1.0)
     return before if runs(environment) == before else {}

@@ -1,4 +1,4 @@
-"""The page of the interface comes from this server alone and runs under its own policy."""
+"""The API documentation page is served locally and complies with its security policy."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fastapi import FastAPI
 from galewood_server.app.main import create_app
 from galewood_server.settings import Settings
 
-from tests.server.test_doors import ask
+from tests.server.test_access_control import ask
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def get(app: FastAPI, path: str) -> httpx.Response:
     return ask(app, "GET", path)
 
 
-def test_all_that_the_page_needs_is_here(app: FastAPI) -> None:
+def test_the_page_loads_only_local_files(app: FastAPI) -> None:
     html = get(app, "/docs")
     assert html.headers["content-type"].startswith("text/html")
     named = re.findall(r'(?:src|href)="([^"]+)"', html.text)
@@ -36,7 +36,7 @@ def test_all_that_the_page_needs_is_here(app: FastAPI) -> None:
     assert 'url: "openapi.json"' in get(app, "/docs/start.js").text
 
 
-def test_its_policy_names_no_host_and_no_script_stands_in_the_page(app: FastAPI) -> None:
+def test_the_policy_allows_no_host_and_the_page_has_no_inline_script(app: FastAPI) -> None:
     html = get(app, "/docs")
     policy = html.headers["content-security-policy"]
     rules = dict(rule.split(" ", 1) for rule in policy.split("; "))
@@ -46,7 +46,7 @@ def test_its_policy_names_no_host_and_no_script_stands_in_the_page(app: FastAPI)
     assert get(app, "/docs/files/swagger-ui.css").headers["content-security-policy"] == policy
 
 
-def test_no_other_reference_page_is_left(app: FastAPI) -> None:
+def test_there_is_no_other_reference_page(app: FastAPI) -> None:
     assert get(app, "/redoc").status_code == 404
     assert get(app, "/docs/oauth2-redirect").status_code == 404
     assert get(app, "/docs/files/../docs_page.py").status_code == 404

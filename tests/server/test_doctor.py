@@ -1,4 +1,4 @@
-"""A store that is whole has no findings; each way to lose something is found, and mended where it can be."""
+"""`galewood doctor`: detection and repair of each kind of fault."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from galewood_server.cli.commands import app
-from galewood_server.cli.doctor import examine
+from galewood_server.cli.doctor import run_checks
 from galewood_server.settings import Settings
 from galewood_server.storage.database import migrate, open_database
 from galewood_server.storage.models import Job, Tree
@@ -20,7 +20,7 @@ OLD_S = 1_000_000_000
 
 @pytest.fixture
 def settings(tmp_path: Path) -> Settings:
-    """A tree with every kind of file, a job with a picture, all of it sound."""
+    """A consistent data folder: a tree with every kind of file and a job with a picture."""
     settings = Settings(data_dir=tmp_path / "data")
     migrate(settings.database)
     stores = Stores(settings.data_dir)
@@ -46,7 +46,7 @@ def settings(tmp_path: Path) -> Settings:
 
 
 def faults(settings: Settings, *, repair: bool = False) -> list[str]:
-    return [f"{one.kind}: {one.what}" for one in examine(settings, repair=repair) if one.is_fault]
+    return [f"{one.kind}: {one.what}" for one in run_checks(settings, repair=repair) if one.is_fault]
 
 
 def tree_of(settings: Settings) -> Tree:
@@ -54,20 +54,20 @@ def tree_of(settings: Settings) -> Tree:
         return session.get_one(Tree, "oak")
 
 
-def test_a_sound_store_has_no_faults(settings: Settings) -> None:
+def test_an_intact_store_has_no_faults(settings: Settings) -> None:
     assert faults(settings) == []
-    # what a table of rubbish says of itself is only worth knowing
-    assert [one.kind for one in examine(settings) if one.kind == "version"] == ["version"]
+    # an unreadable table is only a note
+    assert [one.kind for one in run_checks(settings) if one.kind == "version"] == ["version"]
 
 
 @pytest.mark.parametrize("kind", ["sources", "meshes", "tables", "models", "pictures"])
-def test_a_file_that_is_gone_is_missed(settings: Settings, kind: str) -> None:
+def test_a_missing_file_is_reported_and_repaired(settings: Settings, kind: str) -> None:
     store = Stores(settings.data_dir).named(kind)
     (name,) = store.names()
     store.remove(name)
     assert [line.split("/")[0] for line in faults(settings)] == [f"missing: {kind}"]
     still = faults(settings, repair=True)
-    if kind == "sources":  # nothing can bring an upload back, and the tree stays as it was
+    if kind == "sources":  # uploads cannot be restored
         assert len(still) == 1 and tree_of(settings).table_sha256
         return
     assert still == [] == faults(settings)
@@ -76,7 +76,7 @@ def test_a_file_that_is_gone_is_missed(settings: Settings, kind: str) -> None:
     assert tree.jobs[0].pictures == ({} if kind == "pictures" else tree.jobs[0].pictures)
 
 
-def test_a_torn_file_is_found_by_its_bytes(settings: Settings) -> None:
+def test_a_corrupt_file_is_detected_by_its_hash(settings: Settings) -> None:
     store = Stores(settings.data_dir).tables
     (name,) = store.names()
     store.path(name).write_bytes(b"table of a tr")
@@ -87,10 +87,10 @@ def test_a_torn_file_is_found_by_its_bytes(settings: Settings) -> None:
     assert faults(settings) == []
 
 
-def test_a_file_that_nothing_names_goes_when_it_is_old(settings: Settings) -> None:
+def test_an_old_unreferenced_file_is_removed(settings: Settings) -> None:
     store = Stores(settings.data_dir).meshes
     name = store.put(b"nobody's")
-    assert faults(settings, repair=True) == [] and store.has(name)  # an upload may be about to name it
+    assert faults(settings, repair=True) == [] and store.has(name)  # it may belong to a running upload
     os.utime(store.path(name), (OLD_S, OLD_S))
     part = store.path(name).with_name(".part-abc")
     part.write_bytes(b"half")
@@ -101,17 +101,17 @@ def test_a_file_that_nothing_names_goes_when_it_is_old(settings: Settings) -> No
     assert len(list(store.names())) == 1
 
 
-def test_unfinished_jobs_and_little_disk_are_told(settings: Settings) -> None:
+def test_active_jobs_and_low_disk_space_are_reported(settings: Settings) -> None:
     with open_database(settings.database).begin() as session:
         session.add(Job(tree_id="oak", state="running"))
-    assert [one.what for one in examine(settings) if one.kind == "jobs"] == [
-        "1 running; a running server carries them on"
+    assert [one.what for one in run_checks(settings) if one.kind == "jobs"] == [
+        "1 running; a running server will resume them"
     ]
     assert faults(settings.model_copy(update={"free_bytes": 1 << 60}))[0].startswith("disk: ")
     assert faults(settings.model_copy(update={"stored_bytes": 1}))[0].startswith("disk: ")
 
 
-def test_a_database_that_is_not_ours_is_told(tmp_path: Path) -> None:
+def test_a_database_without_schema_is_reported(tmp_path: Path) -> None:
     (tmp_path / "data").mkdir()
     settings = Settings(data_dir=tmp_path / "data")
     assert [line.split(":")[0] for line in faults(settings)] == ["database"]
@@ -119,7 +119,7 @@ def test_a_database_that_is_not_ours_is_told(tmp_path: Path) -> None:
     assert faults(settings) == ["database: cannot be opened (DatabaseError)"]
 
 
-def test_the_command_ends_with_a_status(
+def test_the_doctor_command_has_an_exit_status(
     settings: Settings, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("GALEWOOD_DATA_DIR", str(settings.data_dir))

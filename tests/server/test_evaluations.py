@@ -1,4 +1,4 @@
-"""Evaluations as a client meets them: queued, followed, cancelled, read, and gone with their tree."""
+"""Evaluations over REST: queue, follow, cancel, download and delete."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from galewood_server.cli.client import Client, ServiceError
 from tests.server.conftest import NO_CLUSTER, Server, command_line, wait_until
 from tests.server.fake_job import STEPS
 from tests.server.test_jobs import gone
-from tests.server.test_rest import assert_problem
+from tests.server.test_rest_api import assert_problem
 
 KEY, KEY_HASH = new_key()
 MINE = {"Authorization": f"Bearer {KEY}"}
@@ -46,7 +46,7 @@ def tree(server: Server) -> dict[str, Any]:
 
 
 def computed(api: httpx.Client, name: str) -> dict[str, Any]:
-    """A tree whose table and model are there."""
+    """A tree with table and model."""
     answer = api.post("/api/trees?build=true", files={"file": (name, name.encode())})
     address = f"/api/trees/{answer.json()['id']}"
     found: dict[str, Any] = wait_until(lambda: (now := api.get(address).json())["state"] == "ready" and now)
@@ -64,9 +64,7 @@ def ended(api: httpx.Client, url: str) -> dict[str, Any]:
     return found
 
 
-def test_the_same_question_is_asked_once_and_answered_in_full(
-    api: httpx.Client, tree: dict[str, Any]
-) -> None:
+def test_an_identical_evaluation_runs_once(api: httpx.Client, tree: dict[str, Any]) -> None:
     first = evaluate(api, tree, sway=0.1, frames=120)
     assert first.status_code == 202 and first.json()["report"] is None
     url = first.headers["location"]
@@ -88,7 +86,7 @@ def test_the_same_question_is_asked_once_and_answered_in_full(
     assert listed["total"] == len(listed["evaluations"])
 
 
-def test_what_cannot_be_evaluated_is_a_problem(api: httpx.Client, tree: dict[str, Any]) -> None:
+def test_invalid_evaluations_are_problems(api: httpx.Client, tree: dict[str, Any]) -> None:
     for asked in ({"sway": 0.1, "speed_m_s": 8}, {"sway": 3}, {"speed_m_s": 0}, {"frames": 10}, {"wind": 1}):
         assert_problem(evaluate(api, tree, **asked), 422, "invalid-request")
     assert_problem(evaluate(api, {"id": "none"}), 404, "no-such-tree")
@@ -96,26 +94,26 @@ def test_what_cannot_be_evaluated_is_a_problem(api: httpx.Client, tree: dict[str
     assert_problem(evaluate(api, bare), 409, "not-computed")
     assert_problem(api.get("/api/evaluations/none"), 404, "no-such-evaluation")
     build = f"/api/evaluations/{tree['job_id']}"
-    assert_problem(api.get(build), 404, "no-such-evaluation")  # a build is none
+    assert_problem(api.get(build), 404, "no-such-evaluation")  # a build is not an evaluation
     stranger = httpx.post(f"{api.base_url}/api/trees/{tree['id']}/evaluations", json={})
     assert_problem(stranger, 401, "key-needed")
 
 
-def test_cancelled_it_stops_and_leaves_nothing(
+def test_a_cancelled_evaluation_stops_and_leaves_no_files(
     server: Server, api: httpx.Client, tree: dict[str, Any]
 ) -> None:
     url = evaluate(api, tree, speed_m_s=7.5).headers["location"]
     wait_until(lambda: api.get(url).json()["fraction"] > 0)
-    folder = server.data_dir / "cache" / "studies" / url.rsplit("/", 1)[-1]
+    folder = server.data_dir / "cache" / "analyses" / url.rsplit("/", 1)[-1]
     running = [one for one in server.family() if folder.name in command_line(one)]
     assert running and folder.exists()
     api.post(f"{url}/cancel")
     assert ended(api, url)["state"] == "cancelled"
     wait_until(lambda: gone(running) and not folder.exists())
-    assert evaluate(api, tree, speed_m_s=7.5).status_code == 202  # asked again, it runs again
+    assert evaluate(api, tree, speed_m_s=7.5).status_code == 202  # a new request starts a new job
 
 
-def test_its_files_go_with_the_tree(server: Server, api: httpx.Client) -> None:
+def test_evaluation_files_are_removed_with_the_tree(server: Server, api: httpx.Client) -> None:
     tree = computed(api, "study-gone.obj")
     found = ended(api, evaluate(api, tree, seed=7).headers["location"])
     assert len(files_of(server, found["id"])) == 2
@@ -125,20 +123,20 @@ def test_its_files_go_with_the_tree(server: Server, api: httpx.Client) -> None:
 
 
 def files_of(server: Server, evaluation_id: str) -> list[Path]:
-    """The stored files that speak of an evaluation."""
+    """Stored files that contain the id of an evaluation."""
     kinds = [path for kind in ("results", "pictures") for path in (server.data_dir / kind).rglob("??/*")]
     return [path for path in kinds if evaluation_id.encode() in content(path)]
 
 
 def content(path: Path) -> bytes:
-    """What a file holds; nothing if it was removed meanwhile."""
+    """The content of a file; empty if it was removed meanwhile."""
     try:
         return path.read_bytes()
     except FileNotFoundError:
         return b""
 
 
-def test_the_client_evaluates_and_follows(server: Server, tree: dict[str, Any]) -> None:
+def test_the_python_client_runs_an_evaluation(server: Server, tree: dict[str, Any]) -> None:
     with Client(server.url, KEY) as client:
         begun = client.evaluate(tree["id"], sway=0.05, frames=60)
         states = [one["state"] for one in client.follow(begun["id"], "evaluations")]
@@ -150,9 +148,11 @@ def test_the_client_evaluates_and_follows(server: Server, tree: dict[str, Any]) 
             client.evaluation_plot(client.evaluate(tree["id"], seed=9)["id"])
 
 
-def test_a_killed_server_takes_it_up_again(server: Server, api: httpx.Client, tree: dict[str, Any]) -> None:
+def test_an_evaluation_resumes_after_a_server_crash(
+    server: Server, api: httpx.Client, tree: dict[str, Any]
+) -> None:
     url = evaluate(api, tree, frames=90).headers["location"]
-    steps = server.data_dir / "cache" / "studies" / url.rsplit("/", 1)[-1] / "steps"
+    steps = server.data_dir / "cache" / "analyses" / url.rsplit("/", 1)[-1] / "steps"
     wait_until(lambda: steps.exists() and len(steps.read_text().split()) > 2)
     family = server.family()
     server.kill()
@@ -160,4 +160,4 @@ def test_a_killed_server_takes_it_up_again(server: Server, api: httpx.Client, tr
     kept = len(steps.read_text().split())
     server.start()
     assert ended(api, url)["state"] == "done"
-    assert kept < STEPS  # it was under way
+    assert kept < STEPS  # it was interrupted

@@ -1,4 +1,4 @@
-"""Frames encoded once for many, and the mailbox of one client."""
+"""Frame history, client buffers and forests without a server."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from galewood_server.stream.forest import ForestClock, ForestStepper, stream_qua
 from galewood_server.stream.forests import Forests
 from galewood_server.stream.frames import KEPT_TICKS, FrameHistory
 from galewood_server.stream.latest_values import LatestValues
-from galewood_server.stream.refusal import Refusal
+from galewood_server.stream.session_error import SessionError
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
@@ -32,13 +32,13 @@ Poses = npt.NDArray[np.int32]
 
 
 def message_of(frame: bytes) -> bytes:
-    """The inside of an unmasked WebSocket frame."""
+    """The payload of an unmasked WebSocket frame."""
     assert frame[0] == 0x82 and frame[1] < 128
     return frame[{126: 4, 127: 10}.get(frame[1], 2) :]
 
 
 class Reader:
-    """A client's side: frames summed up, checked against the tick they were taken from."""
+    """A client that accumulates frames and checks their base ticks."""
 
     def __init__(self) -> None:
         self.tick: int | None = None
@@ -60,7 +60,7 @@ class Reader:
 @seed(11)
 @given(st.lists(st.tuples(st.integers(1, 3), st.booleans(), st.booleans()), min_size=1, max_size=40))
 @settings(max_examples=60, deadline=None)
-def test_whatever_a_client_misses_it_ends_where_all_are(steps: list[tuple[int, bool, bool]]) -> None:
+def test_a_client_that_misses_frames_ends_in_the_same_state(steps: list[tuple[int, bool, bool]]) -> None:
     rng = np.random.default_rng(len(steps))
     history = FrameHistory([(3, 4, 1), (2, 2, 9)])
     truth = [np.zeros((3, 4), np.int32), np.zeros((2, 2), np.int32)]
@@ -85,7 +85,7 @@ def test_whatever_a_client_misses_it_ends_where_all_are(steps: list[tuple[int, b
                 np.testing.assert_array_equal(mine, rows)
 
 
-def test_a_frame_is_made_once_and_a_client_that_is_far_behind_gets_a_key_frame() -> None:
+def test_frames_are_encoded_once_and_late_clients_get_a_key_frame() -> None:
     history = FrameHistory([(1, 1, 1)])
     for tick in range(2 * KEPT_TICKS):
         history.add(tick, 0.0, 0.0, lambda out, tick=tick: out[0].fill(tick))
@@ -100,7 +100,7 @@ def test_a_frame_is_made_once_and_a_client_that_is_far_behind_gets_a_key_frame()
 
 
 class FakeSink:
-    """A socket whose peer reads when told."""
+    """A socket whose peer reads on demand."""
 
     def __init__(self) -> None:
         self.unsent_bytes = 0
@@ -115,7 +115,7 @@ class FakeSink:
         self.aborted = True
 
 
-def test_while_anything_waits_nothing_follows_and_then_comes_the_newest() -> None:
+def test_only_the_newest_frame_is_sent_after_a_delay() -> None:
     sink, latest, history = FakeSink(), LatestValues(), FrameHistory([(1, 1, 1)])
     client_buffer = ClientBuffer(sink, streams=True, stall_s=10.0)
     for tick in range(6):
@@ -134,7 +134,7 @@ def test_while_anything_waits_nothing_follows_and_then_comes_the_newest() -> Non
     assert (reader.tick, reader.keys, reader.poses[0][0, 0]) == (5, 1, 5)
 
 
-def test_a_client_that_takes_nothing_is_cut_off_and_one_that_takes_little_is_not() -> None:
+def test_a_stalled_client_is_disconnected_but_not_a_slow_one() -> None:
     history = FrameHistory([(1, 1, 1)])
     history.add(0, 0.0, 0.0, lambda out: out[0].fill(0))
     stalled, slow = FakeSink(), FakeSink()
@@ -147,7 +147,7 @@ def test_a_client_that_takes_nothing_is_cut_off_and_one_that_takes_little_is_not
     assert stalled.aborted and not slow.aborted
 
 
-def test_rounding_for_the_stream_moves_no_node_by_more_than_is_said() -> None:
+def test_quantisation_error_is_bounded() -> None:
     table = decode(POLE)
     quantum = stream_quantum(table)
     rng = np.random.default_rng(4)
@@ -159,7 +159,7 @@ def test_rounding_for_the_stream_moves_no_node_by_more_than_is_said() -> None:
     assert np.sqrt((moved_m**2).mean(axis=0)).max() < 0.25e-3
 
 
-def test_forests_of_a_table_read_the_same_arrays_and_let_them_go_with_it() -> None:
+def test_forests_of_a_table_share_its_arrays() -> None:
     table = decode(POLE)
     one, other = PaperForest(table, 3), PaperForest(table, 4)
     shared = lookup_arrays(table)
@@ -201,7 +201,7 @@ def forests(tmp_path: Path) -> Forests:
     return Forests(limits, TableCache(store))
 
 
-def test_many_clients_of_a_shared_forest_are_one_simulation(forests: Forests) -> None:
+def test_clients_of_a_shared_forest_share_one_simulation(forests: Forests) -> None:
     async def play() -> None:
         sinks = [FakeSink() for _ in range(40)]
         subscriptions = await asyncio.gather(
@@ -214,7 +214,7 @@ def test_many_clients_of_a_shared_forest_are_one_simulation(forests: Forests) ->
             for sink in sinks:
                 sink.unsent_bytes = 0
         frames = {id(sink.pushed[-1]) for sink in sinks}
-        assert len(frames) < 4  # the same bytes for all who are at the same tick
+        assert len(frames) < 4  # clients at the same tick receive the same bytes
         for subscription in subscriptions:
             forests.leave(subscription)
         await until(lambda: forests.count == 0)
@@ -222,24 +222,24 @@ def test_many_clients_of_a_shared_forest_are_one_simulation(forests: Forests) ->
     asyncio.run(play())
 
 
-def test_a_server_plays_only_so_many_trees_and_shared_forests(forests: Forests) -> None:
+def test_limits_of_trees_and_shared_forests(forests: Forests) -> None:
     async def play() -> None:
         first = await forests.join(plan(60), steady(Wind()), FakeSink())
-        with pytest.raises(Refusal) as refusal:
+        with pytest.raises(SessionError) as session_error:
             await forests.join(plan(60), steady(Wind()), FakeSink())
-        assert (refusal.value.failure.code, refusal.value.close) == ("server-full", 1013)
+        assert (session_error.value.failure.code, session_error.value.close) == ("server-full", 1013)
         forests.leave(first)
         subscriptions = [await forests.join(plan(10, name), steady(Wind()), FakeSink()) for name in "ab"]
-        with pytest.raises(Refusal) as refusal:
+        with pytest.raises(SessionError) as session_error:
             await forests.join(plan(10, "c"), steady(Wind()), FakeSink())
-        assert (refusal.value.failure.code, refusal.value.close) == ("too-many-forests", 1013)
+        assert (session_error.value.failure.code, session_error.value.close) == ("too-many-forests", 1013)
         forests.leave(subscriptions[0])
         await forests.join(plan(10, "c"), steady(Wind()), FakeSink())
 
     asyncio.run(play())
 
 
-def test_a_forest_that_fails_ends_alone(forests: Forests, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failing_forest_does_not_affect_others(forests: Forests, monkeypatch: pytest.MonkeyPatch) -> None:
     async def play() -> None:
         sick, well = FakeSink(), FakeSink()
         ill = await forests.join(plan(10), steady(Wind()), sick)
@@ -262,7 +262,7 @@ def test_a_forest_that_fails_ends_alone(forests: Forests, monkeypatch: pytest.Mo
     asyncio.run(play())
 
 
-def test_a_walk_without_groups_is_a_walk() -> None:
+def test_a_stepper_without_groups_is_allowed() -> None:
     clock = ForestClock(steady(Wind()), 0.0)
     stepper = ForestStepper([], plan(0, groups=(), trees=np.zeros((0, 4), np.float32)), clock)
     clock.tick()

@@ -1,4 +1,4 @@
-"""Jobs across cancels, crashes and restarts, with real processes and a build of known length."""
+"""Jobs: cancellation, crashes and restarts, with real processes and a fake build."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import psutil
 
 from tests.server.conftest import NO_CLUSTER, Server, command_line, wait_until
 from tests.server.fake_job import STEPS
-from tests.server.test_rest import upload
+from tests.server.test_rest_api import upload
 
 StartServer = Callable[..., Server]
 
@@ -33,7 +33,7 @@ def gone(processes: list[psutil.Process]) -> bool:
     return not any(one.is_running() and one.status() != psutil.STATUS_ZOMBIE for one in processes)
 
 
-def test_cancel_stops_the_work_and_the_queue_goes_on(start_server: StartServer) -> None:
+def test_cancel_stops_a_job_and_the_queue_continues(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="1.5", **NO_CLUSTER)
     with server.client() as api:
         first, second, third = begin(api, "a.obj"), begin(api, "b.obj"), begin(api, "c.obj")
@@ -48,7 +48,7 @@ def test_cancel_stops_the_work_and_the_queue_goes_on(start_server: StartServer) 
         assert state(api, third) == "cancelled"
 
 
-def test_a_restart_keeps_state_and_goes_on(start_server: StartServer) -> None:
+def test_jobs_resume_after_a_restart(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="0.2", **NO_CLUSTER)
     with server.client() as api:
         first, second = begin(api, "a.obj"), begin(api, "b.obj")
@@ -68,7 +68,7 @@ def test_a_restart_keeps_state_and_goes_on(start_server: StartServer) -> None:
     assert [int(line) for line in steps.read_text().split()] == list(range(STEPS))
 
 
-def test_a_killed_job_process_is_picked_up(start_server: StartServer) -> None:
+def test_a_killed_job_process_is_restarted(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="0.2", **NO_CLUSTER)
     with server.client() as api:
         job = begin(api)
@@ -78,7 +78,7 @@ def test_a_killed_job_process_is_picked_up(start_server: StartServer) -> None:
         wait_until(lambda: state(api, job) == "done")
 
 
-def test_a_kind_stop_leaves_no_process_behind(start_server: StartServer) -> None:
+def test_a_graceful_stop_leaves_no_process(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="1")
     with server.client() as api:
         running(api, begin(api))
@@ -89,7 +89,7 @@ def test_a_kind_stop_leaves_no_process_behind(start_server: StartServer) -> None
     assert "Traceback" not in server.log()
 
 
-def test_a_second_server_on_the_same_folder_is_refused(start_server: StartServer) -> None:
+def test_a_second_server_on_the_same_folder_does_not_start(start_server: StartServer) -> None:
     server = start_server(**NO_CLUSTER)
     other = Server(server.data_dir, server.module, server.environment)
     try:

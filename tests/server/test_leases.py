@@ -1,4 +1,4 @@
-"""Several servers on one database and one store: each job has one server, and another when that one dies."""
+"""Job leases: several servers on one database and one store."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import httpx
 import psutil
 import pytest
-from galewood_server.jobs.leases import claim, give_back, renew
+from galewood_server.jobs.leases import claim, renew, requeue_running
 from galewood_server.storage.database import migrate, open_database
 from galewood_server.storage.models import Job, Tree
 
@@ -20,7 +20,7 @@ from tests.server.test_jobs import begin, state
 
 
 class Pair:
-    """Two servers with data folders of their own that share a database and a store."""
+    """Two servers with separate data folders, a shared database and a shared store."""
 
     def __init__(self, folder: Path) -> None:
         shared = {
@@ -39,12 +39,12 @@ class Pair:
         return Server(data_dir, "tests.server.fake_server", environment).start()
 
     def steps(self, filename: str) -> list[int]:
-        """How many steps of a build each server did."""
+        """Number of build steps per server."""
         logs = [server.data_dir / "cache" / f"steps-{filename}" for server in self.servers]
         return [len(log.read_text().split()) if log.exists() else 0 for log in logs]
 
     def at_work(self, filename: str) -> tuple[Server, Server]:
-        """Who runs a build, and the other."""
+        """The server that runs a build, and the other one."""
         steps = wait_until(lambda: sum(self.steps(filename)) and self.steps(filename))
         first, second = self.servers
         return (first, second) if steps[0] else (second, first)
@@ -64,10 +64,10 @@ def all_done(api: httpx.Client, jobs: list[dict[str, Any]]) -> None:
         wait_until(lambda job=job: state(api, job) == "done", 60)
 
 
-def test_each_job_has_one_server_and_both_work(pair: Pair) -> None:
+def test_each_job_has_one_server_and_both_servers_work(pair: Pair) -> None:
     with pair.servers[0].client() as api, pair.servers[1].client() as other:
         jobs = [begin(api, f"{name}.obj") for name in "abcd"]
-        all_done(other, jobs)  # the other server sees them too
+        all_done(other, jobs)  # visible to the other server as well
         counts = [pair.steps(f"{name}.obj") for name in "abcd"]
         assert all(sorted(count) == [0, STEPS] for count in counts), counts
         assert {count.index(STEPS) for count in counts} == {0, 1}, counts
@@ -75,17 +75,17 @@ def test_each_job_has_one_server_and_both_work(pair: Pair) -> None:
             assert other.get(f"/api/tables/{tree['table_sha256']}").content.startswith(b"table of")
 
 
-def test_another_server_takes_over_from_one_that_died(pair: Pair) -> None:
+def test_another_server_takes_over_after_a_crash(pair: Pair) -> None:
     with pair.servers[0].client() as api:
         job = begin(api)
     busy, idle = pair.at_work("tree.obj")
     busy.kill()
     with idle.client() as api:
         all_done(api, [job])
-    busy.start()  # so that the fixture can end it
+    busy.start()  # so that the fixture can stop it
 
 
-def test_a_server_that_was_only_slow_changes_nothing_afterwards(pair: Pair) -> None:
+def test_a_suspended_server_cannot_change_a_lost_job(pair: Pair) -> None:
     with pair.servers[0].client() as api:
         job = begin(api)
     busy, idle = pair.at_work("tree.obj")
@@ -102,7 +102,7 @@ def test_a_server_that_was_only_slow_changes_nothing_afterwards(pair: Pair) -> N
     assert pair.steps("tree.obj")[pair.servers.index(busy)] < STEPS
 
 
-def test_a_claim_is_won_once_and_a_lost_lease_writes_nothing(tmp_path: Path) -> None:
+def test_a_job_is_claimed_once_and_a_lost_lease_writes_nothing(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path / 'jobs.sqlite'}"
     migrate(url)
     sessions = open_database(url)
@@ -117,7 +117,7 @@ def test_a_claim_is_won_once_and_a_lost_lease_writes_nothing(tmp_path: Path) -> 
         taken = claim(session, "two", ("build",), 60)
         assert taken and taken[0] == "j" and taken[1] != won[1]
         assert not renew(session, *won, 60)
-        assert give_back(session, "one") == 0 and give_back(session, "two") == 1
+        assert requeue_running(session, "one") == 0 and requeue_running(session, "two") == 1
         assert session.get_one(Job, "j").state == "queued"
     with sessions() as session:
         assert claim(session, "one", ("comparison",), 60) is None

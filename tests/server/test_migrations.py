@@ -1,4 +1,4 @@
-"""The database's schema: an old one is brought up to date at a start, and it is what the models say."""
+"""Schema migrations: upgrade at startup, and agreement with the models."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OLD_JOB = """INSERT INTO jobs (id, tree_id, state, stage, fraction, message, set
     false, '2026-01-02 03:04:05', '2026-01-02 03:04:05')"""
 
 
-def test_a_start_on_an_older_database_migrates_it(tmp_path: Path) -> None:
+def test_startup_migrates_an_older_database(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path / 'old.sqlite'}"
     command.upgrade(migration_config(url), "0001")
     engine = create_engine(url)
@@ -41,7 +41,7 @@ def test_a_start_on_an_older_database_migrates_it(tmp_path: Path) -> None:
         assert (job.kind, job.state, job.pictures, job.lease) == ("build", "running", {}, None)
 
 
-def test_the_migrations_lead_to_what_the_models_say(tmp_path: Path) -> None:
+def test_the_migrations_match_the_models(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path / 'new.sqlite'}"
     migrate(url)
     with engine_of(open_database(url)).connect() as connection:
@@ -50,7 +50,7 @@ def test_the_migrations_lead_to_what_the_models_say(tmp_path: Path) -> None:
     migrate(url)
 
 
-def test_servers_that_start_at_once_migrate_once(tmp_path: Path) -> None:
+def test_concurrent_starts_migrate_once(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path / 'shared.sqlite'}"
     failures: list[Exception] = []
 
@@ -68,7 +68,7 @@ def test_servers_that_start_at_once_migrate_once(tmp_path: Path) -> None:
     assert not failures
 
 
-def test_a_plain_postgresql_url_gets_the_driver_that_is_installed() -> None:
+def test_postgresql_urls_use_the_installed_driver() -> None:
     assert with_driver("postgresql://a@b/c") == "postgresql+psycopg://a@b/c"
     assert with_driver("postgresql+psycopg://a@b/c") == "postgresql+psycopg://a@b/c"
     assert with_driver("sqlite:///x") == "sqlite:///x"

@@ -1,4 +1,4 @@
-"""The interface against its own description: made-up requests never fail the server or surprise a client.
+"""The REST API against its OpenAPI description with generated requests.
 
 Schemathesis makes the requests; the examples are few and always the same (derandomised).
 """
@@ -43,7 +43,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 @pytest.fixture(scope="module")
 def names_in_use(server: Server) -> dict[str, str]:
-    """A tree that is computed, and what belongs to it."""
+    """Identifiers of a computed tree and its resources."""
     with server.client() as api:
         tree = api.post("/api/trees?build=true", files={"file": ("a.obj", b"a tree")}).json()
         address = f"/api/trees/{tree['id']}"
@@ -53,7 +53,7 @@ def names_in_use(server: Server) -> dict[str, str]:
 
 @pytest.fixture(scope="module")
 def described(server: Server) -> Any:
-    # streams of events do not end
+    # event streams do not end
     return schemathesis.openapi.from_url(f"{server.url}/openapi.json").exclude(path_regex=r"/events$")
 
 
@@ -67,7 +67,7 @@ FEW = settings(
 )
 
 
-def test_every_answer_is_a_described_one(
+def test_every_response_matches_the_description(
     server: Server, described: Any, names_in_use: dict[str, str]
 ) -> None:
     tried = [operation.ok() for operation in described.get_all_operations()]
@@ -80,7 +80,7 @@ def test_every_answer_is_a_described_one(
 
 
 def _try(operation: Any, known: dict[str, str]) -> str:
-    """What is wrong with an operation; names in its path are made up, or those of things that are there."""
+    """Failures of an operation; path parameters are random or existing identifiers."""
 
     @FEW
     @given(case=operation.as_strategy(), exists=booleans())
@@ -96,7 +96,7 @@ def _try(operation: Any, known: dict[str, str]) -> str:
     return ""
 
 
-def test_every_route_is_described_with_words_and_problems(server: Server) -> None:
+def test_every_route_has_a_description_and_problems(server: Server) -> None:
     with server.client() as api:
         paths = api.get("/openapi.json").json()["paths"]
     for path, operations in paths.items():
@@ -108,7 +108,7 @@ def test_every_route_is_described_with_words_and_problems(server: Server) -> Non
                 assert {"401", "403"} <= set(operation["responses"]) and operation["security"], (method, path)
 
 
-def test_wrong_methods_are_told_the_right_ones(server: Server) -> None:
+def test_wrong_methods_are_answered_with_the_allowed_ones(server: Server) -> None:
     with httpx.Client(base_url=server.url) as api:
         answer = api.put("/api/trees")
         assert answer.status_code == 405 and answer.json()["code"] == "method-not-allowed"

@@ -1,4 +1,4 @@
-"""Forests that many share, against a real server process: one wind, one clock, one simulation."""
+"""Shared forests of a real server: one wind, one clock, one simulation."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from galewood.wind.transition import at
 from galewood_server.stream import wire
 
 from tests.server.conftest import Server
-from tests.server.test_stream import POLE, SHA256, Client, forest, local_stepper
+from tests.server.test_forest_stream import POLE, SHA256, Client, forest, local_stepper
 
 
 @pytest.fixture(scope="module")
@@ -29,13 +29,13 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 
 def joining(share: str, **changes: Any) -> wire.Forest:
-    """Who has only the id."""
+    """A request with only the id of a shared forest."""
     none = {"groups": (), "trees": np.zeros((0, 4), np.float32)}
     return forest(share=share, **{**none, **changes})
 
 
 def frames_until(client: Client, holds: Callable[[wire.Frame], Any], most: int = 300) -> list[Any]:
-    """(tick, poses) up to the first frame for which it holds."""
+    """(tick, poses) up to the first frame that fulfils a condition."""
     seen: list[Any] = []
     for (frame, poses), _ in zip(client.frames(), range(most), strict=False):
         seen.append((frame, poses))
@@ -44,7 +44,7 @@ def frames_until(client: Client, holds: Callable[[wire.Frame], Any], most: int =
     raise AssertionError("did not happen")
 
 
-def test_who_joins_late_by_the_id_alone_sees_the_same_forest(server: Server) -> None:
+def test_a_late_client_joins_the_same_forest_by_id(server: Server) -> None:
     founding = forest(share="late", about={"forestSeed": 7, "wood": "größer"})
     with Client(server) as first, Client(server) as second:
         first.send(founding)
@@ -63,7 +63,7 @@ def test_who_joins_late_by_the_id_alone_sees_the_same_forest(server: Server) -> 
         np.testing.assert_array_equal(shared.trees, founding.trees)
 
 
-def test_a_wind_that_one_changes_blows_for_all(server: Server) -> None:
+def test_a_wind_change_applies_to_all_clients(server: Server) -> None:
     request = forest(share="wind")
     new = Wind(12.0, 300.0, 0.8, model="perlin", length_scale_m=15.0)
     with Client(server) as first, Client(server) as second, Client(server) as table:
@@ -95,7 +95,7 @@ def test_a_wind_that_one_changes_blows_for_all(server: Server) -> None:
             np.testing.assert_allclose(np.vstack(stepper.poses()), np.vstack(poses), atol=1)
 
 
-def test_a_pause_by_one_stops_all(server: Server) -> None:
+def test_a_pause_applies_to_all_clients(server: Server) -> None:
     with Client(server) as first, Client(server) as second:
         first.send(forest(share="pause"))
         frames_until(first, lambda frame: frame.tick >= 5)
@@ -116,7 +116,7 @@ def test_a_pause_by_one_stops_all(server: Server) -> None:
         assert frame.time_s == pytest.approx(stopped_s, abs=2 / wire.TICK_HZ)
 
 
-def test_a_replanting_reaches_all(server: Server) -> None:
+def test_replaced_trees_reach_all_clients(server: Server) -> None:
     with Client(server) as first, Client(server) as second:
         first.send(forest(share="replant"))
         frames_until(first, lambda frame: frame.tick >= 5)
@@ -130,7 +130,7 @@ def test_a_replanting_reaches_all(server: Server) -> None:
             assert client.shared and client.shared.about == {"trees": 9}
 
 
-def test_tables_in_a_shared_forest_come_with_its_wind_and_clock(server: Server) -> None:
+def test_table_mode_receives_wind_and_clock(server: Server) -> None:
     with Client(server) as streaming, Client(server) as table:
         streaming.send(forest(share="clock"))
         frames_until(streaming, lambda frame: frame.tick >= 30)
@@ -144,7 +144,7 @@ def test_tables_in_a_shared_forest_come_with_its_wind_and_clock(server: Server) 
         assert frame.time_s - clock.time_s == pytest.approx(elapsed_s, abs=0.5)
 
 
-def test_a_founder_with_tables_alone_is_joined_by_one_who_streams(server: Server) -> None:
+def test_a_streaming_client_can_join_a_table_client(server: Server) -> None:
     with Client(server) as table, Client(server) as streaming:
         founding = forest("table", share="bare", trees=forest().trees, have={SHA256: len(POLE)})
         table.send(founding)
@@ -155,7 +155,7 @@ def test_a_founder_with_tables_alone_is_joined_by_one_who_streams(server: Server
         np.testing.assert_array_equal(streaming.shared.trees, founding.trees)  # type: ignore[union-attr]
 
 
-def test_a_shared_forest_waits_a_while_for_its_clients(server: Server) -> None:
+def test_an_empty_shared_forest_is_kept_for_a_while(server: Server) -> None:
     with Client(server) as client:
         client.send(forest(share="waits"))
         left = frames_until(client, lambda frame: frame.tick >= 10)[-1][0].tick
@@ -170,7 +170,7 @@ def test_a_shared_forest_waits_a_while_for_its_clients(server: Server) -> None:
         assert frame.tick == 0 and len(frame.groups[0].values) == 2
 
 
-def test_a_key_frame_comes_on_request(server: Server) -> None:
+def test_resync_sends_a_key_frame(server: Server) -> None:
     with Client(server) as client:
         client.send(forest())
         frames_until(client, lambda frame: frame.tick >= 5)
@@ -179,7 +179,7 @@ def test_a_key_frame_comes_on_request(server: Server) -> None:
         assert frame.tick > 5
 
 
-def test_a_private_forest_is_nobody_elses(server: Server) -> None:
+def test_private_forests_are_independent(server: Server) -> None:
     with Client(server) as first, Client(server) as second:
         for client in (first, second):
             client.send(forest())
@@ -190,7 +190,7 @@ def test_a_private_forest_is_nobody_elses(server: Server) -> None:
 
 
 @pytest.mark.parametrize("begin", [1, 200_000, len(POLE) - 1, len(POLE)])
-def test_a_table_is_resumed_where_it_broke_off(server: Server, begin: int) -> None:
+def test_a_table_transfer_is_resumed(server: Server, begin: int) -> None:
     with Client(server) as client:
         client.send(forest("table", have={SHA256: begin}))
         data = bytearray(POLE[:begin])
@@ -204,8 +204,8 @@ def test_a_table_is_resumed_where_it_broke_off(server: Server, begin: int) -> No
         assert hashlib.sha256(data).hexdigest() == SHA256
 
 
-def test_more_of_a_table_than_there_is_is_refused(server: Server) -> None:
+def test_an_offset_beyond_the_table_is_rejected(server: Server) -> None:
     with Client(server) as client:
         client.send(forest("table", have={SHA256: len(POLE) + 1}))
-        failure, close, _ = client.refusal()
+        failure, close, _ = client.session_error()
         assert (failure.code, close) == ("no-such-offset", 1008)

@@ -1,4 +1,4 @@
-"""The wire in Python: golden bytes, round trips, and bytes that mean nothing."""
+"""The wire protocol in Python: golden files, round trips and invalid bytes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SAID = json.loads((HERE / "messages.json").read_text())
 
 
 def same(one: Any, other: Any) -> bool:
-    """Equality of messages with arrays inside."""
+    """Equality of messages with arrays."""
     if type(one) is not type(other):
         return False
     for name in one.__dataclass_fields__:
@@ -52,23 +52,23 @@ def test_golden_reply(name: str) -> None:
 
 
 @pytest.mark.parametrize("case", REFUSED, ids=lambda case: case["name"])
-def test_refused(case: dict[str, Any]) -> None:
+def test_invalid_messages_are_rejected(case: dict[str, Any]) -> None:
     decode = wire.decode_request if case["at"] == "server" else wire.decode_reply
-    with pytest.raises(WireError) as refusal:
+    with pytest.raises(WireError) as session_error:
         decode(bytes.fromhex(case["hex"]))
-    assert 5 < len(str(refusal.value)) < 200
+    assert 5 < len(str(session_error.value)) < 200
 
 
-def test_another_version_is_refused_naming_both() -> None:
+def test_another_version_is_rejected() -> None:
     data = bytearray(encode_message(wire.PING, {"t": 0.5}))
     data[2] = 7
-    with pytest.raises(WireError, match=r"7.*only version 2") as refusal:
+    with pytest.raises(WireError, match=r"7.*only version 2") as session_error:
         wire.decode_request(bytes(data))
-    assert refusal.value.code == "unknown-version"
+    assert session_error.value.code == "unknown-version"
 
 
 @pytest.mark.parametrize("name", [*REQUESTS, *REPLIES])
-def test_every_truncation_is_refused(name: str) -> None:
+def test_every_truncation_is_rejected(name: str) -> None:
     data = (HERE / f"{name}.bin").read_bytes()
     decode = wire.decode_request if name in REQUESTS else wire.decode_reply
     shortened = 0
@@ -85,7 +85,7 @@ def test_every_truncation_is_refused(name: str) -> None:
 @seed(1)
 @given(st.binary(max_size=400))
 @settings(max_examples=400, deadline=None)
-def test_random_bytes_are_refused_or_decoded_never_worse(data: bytes) -> None:
+def test_random_bytes_are_decoded_or_rejected(data: bytes) -> None:
     for decode in (wire.decode_request, wire.decode_reply, decode_message):
         for message in (data, b"GW\x02" + data):
             with contextlib.suppress(WireError):
@@ -131,9 +131,7 @@ known_names = [
     st.binary(max_size=64),
 )
 @settings(max_examples=400, deadline=None)
-def test_random_headers_are_refused_or_decoded_never_worse(
-    kind: int, header: dict[str, Any], payload: bytes
-) -> None:
+def test_random_headers_are_decoded_or_rejected(kind: int, header: dict[str, Any], payload: bytes) -> None:
     data = encode_message(kind, header, payload)
     assert decode_message(data)[0] == kind
     for decode in (wire.decode_request, wire.decode_reply):
@@ -148,7 +146,7 @@ def test_random_headers_are_refused_or_decoded_never_worse(
     st.integers(0, 2**32),
 )
 @settings(max_examples=200, deadline=None)
-def test_frames_survive_the_way(shapes: list[tuple[int, int, int]], base: int | None, number: int) -> None:
+def test_frames_round_trip(shapes: list[tuple[int, int, int]], base: int | None, number: int) -> None:
     rng = np.random.default_rng(number)
     groups: list[wire.Rows] = []
     for count, modes, bits in shapes:
@@ -159,14 +157,14 @@ def test_frames_survive_the_way(shapes: list[tuple[int, int, int]], base: int | 
     assert same(wire.decode_reply(wire.encode_reply(frame)), frame)
 
 
-def test_only_the_modes_that_need_it_are_wide() -> None:
+def test_only_large_modes_are_wide() -> None:
     values = np.array([[-129, 0, 127], [3, 128, -128], [0, 0, 0]], np.int32)
     data = wire.encode_reply(wire.Frame(5, 4, 0.5, 0.5, (wire.Rows(1, values),)))
     _, header, payload = decode_message(data)
     assert header["groups"][0]["wide"] == 2 and len(payload) == 3 * 2 * 2 + 3
 
 
-def test_a_delta_that_does_not_fit_is_not_cut() -> None:
+def test_an_overflowing_difference_is_an_error() -> None:
     rows = (wire.Rows(1, np.array([[40000]], np.int32)),)
     with pytest.raises(ValueError, match="16 bits"):
         wire.encode_reply(wire.Frame(1, 0, 0.5, 0.5, rows))

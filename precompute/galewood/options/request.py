@@ -7,12 +7,14 @@ Everything left out keeps its default; docs/building.md describes the options.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator
 
-from galewood.mesh import ImportOptions
 from galewood.wood import SPECIES, WoodDocument
+
+if TYPE_CHECKING:  # the service validates requests without loading the mesh libraries
+    from galewood.mesh import ImportOptions
 
 MaterialName = Annotated[str, StringConstraints(min_length=1, max_length=200)]
 
@@ -66,5 +68,7 @@ class BuildRequest(ImportRequest):
 
 def import_options(request: ImportRequest) -> ImportOptions:
     """The options of mesh import."""
+    from galewood.mesh import ImportOptions
+
     wood = tuple(request.wood_materials) if request.wood_materials else None
     return ImportOptions(request.species, request.height_m, request.up_axis, wood)

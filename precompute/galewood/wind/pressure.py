@@ -10,7 +10,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from galewood.util import Floats
+from galewood.util import Array, Floats
 
 AIR_DENSITY_KG_M3 = 1.2
 STREAMLINING_SPEED_M_S = 5.0
@@ -60,7 +60,9 @@ def sampled_peak_pa(sample_pressure_pa: npt.NDArray[np.float32]) -> float:
 
 
 @numba.njit(cache=True, nogil=True)
-def limit_pressure(pressure_x, pressure_z, peak_pa):  # pragma: no cover  (compiled)
+def limit_pressure(
+    pressure_x: Array, pressure_z: Array, peak_pa: float
+) -> None:  # pragma: no cover  (compiled)
     """Clamp pressures in place to the magnitude of the strongest one in the table, keeping their direction.
 
     Above it every record would be an equally poor match, and trees would no longer respond to the direction.

@@ -2,21 +2,21 @@
 
 from galewood_server.access.face_count import check_face_count
 from galewood_server.access.import_limits import MeshImporter, limited_importer
-from galewood_server.access.keys import HARMLESS, UNSAFE, new_key
+from galewood_server.access.keys import READ_ONLY_POSTS, WRITE_METHODS, new_key
 from galewood_server.access.middleware import AccessControl
 from galewood_server.access.origins import origin_allowed
-from galewood_server.access.quota import need_room, note_stored, stored_bytes
+from galewood_server.access.quota import check_quota, count_stored, stored_bytes
 
 __all__ = [
-    "HARMLESS",
-    "UNSAFE",
+    "READ_ONLY_POSTS",
+    "WRITE_METHODS",
     "AccessControl",
     "MeshImporter",
     "check_face_count",
+    "check_quota",
+    "count_stored",
     "limited_importer",
-    "need_room",
     "new_key",
-    "note_stored",
     "origin_allowed",
     "stored_bytes",
 ]

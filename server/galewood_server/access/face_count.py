@@ -1,4 +1,4 @@
-"""How many faces a file says it has, by its head alone: a mesh that is far too fine need not be read."""
+"""Face count declared in a mesh file's header: oversized meshes are rejected before they are parsed."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ _OBJ_FACE = re.compile(rb"^f[ \t]", re.MULTILINE)
 
 
 def check_face_count(data: bytes, limit: int) -> None:
-    """ProblemError 413 if the file declares more faces than `limit`; what it holds is counted later."""
+    """Raise ProblemError 413 if the file declares more than `limit` faces; mesh import counts them."""
     count = face_count(data)
-    # a count that the file has no bytes for is a lie, and intake says so better
+    # more declared faces than bytes means a corrupt header, for which mesh import has a better message
     if limit < count <= len(data):
         raise ProblemError(
             413,
             "too-many-faces",
             "The mesh has too many triangles",
-            detail=f"It declares {count} faces; {limit} are read at most.",
-            hint=f"Decimate it below {limit} faces and try again.",
+            detail=f"It declares {count} faces; the limit is {limit}.",
+            hint=f"Reduce it to fewer than {limit} faces and upload it again.",
         )
 
 
 def face_count(data: bytes) -> int:
-    """Faces by the head of a PLY, STL or GLB, or the lines of an OBJ; 0 where the file does not say."""
+    """Faces declared by the header of a PLY, STL or GLB file, or `f` lines of an OBJ file; 0 if unknown."""
     if data[:3] == b"ply":
         found = _PLY_FACES.search(data[: data.find(b"end_header") + 1 or 65536].replace(b"\r", b""))
         return int(found[1]) if found else 0
@@ -40,7 +40,7 @@ def face_count(data: bytes) -> int:
 
 
 def _gltf_faces(data: bytes) -> int:
-    """A third of the indices of all primitives; a file that is not as it should be is left to intake."""
+    """A third of the indices of all primitives; 0 for a malformed file, which mesh import then rejects."""
     if len(data) < 20:
         return 0
     (length,) = struct.unpack_from("<I", data, 12)

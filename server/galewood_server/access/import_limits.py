@@ -1,18 +1,21 @@
-"""Reading an upload in a child process with the limits of the settings."""
+"""Mesh import in a sandboxed child process with the resource limits of the settings."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-
-from galewood.mesh import ImportOptions, TreeMesh
+from typing import TYPE_CHECKING
 
 from galewood_server.settings import Settings
 
-MeshImporter = Callable[[bytes, str, ImportOptions], tuple[TreeMesh, bytes]]
+if TYPE_CHECKING:  # the mesh libraries are loaded with the first upload, not at startup
+    from galewood.mesh import ImportOptions, TreeMesh
+
+MeshImporter = Callable[[bytes, str, "ImportOptions"], tuple["TreeMesh", bytes]]
+"""(file bytes, file name, options) -> (tree mesh, render mesh as GLB)."""
 
 
 def limited_importer(settings: Settings) -> MeshImporter:
-    """A function that reads a mesh: the tree and its GLB, or an MeshError whatever the mesh does to it."""
+    """Return a function that imports an untrusted mesh. It raises MeshError for every kind of failure."""
 
     def read(data: bytes, filename: str, options: ImportOptions) -> tuple[TreeMesh, bytes]:
         from galewood.mesh import import_mesh_sandboxed

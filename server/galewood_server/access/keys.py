@@ -1,4 +1,4 @@
-"""Who may write: holders of a key, or, where no keys are set, programs and pages of this very machine."""
+"""Write access: clients with an API key or, if none is configured, clients on the server's own machine."""
 
 from __future__ import annotations
 
@@ -14,68 +14,70 @@ from galewood_server.access.origins import origin_allowed
 from galewood_server.http import ProblemError
 from galewood_server.settings import Settings
 
-UNSAFE = frozenset({"POST", "PUT", "PATCH", "DELETE"})
-HARMLESS = frozenset({"/api/winds/validate"})  # asked by POST, for the body's sake, but changes nothing
+WRITE_METHODS = frozenset({"POST", "PUT", "PATCH", "DELETE"})
+READ_ONLY_POSTS = frozenset({"/api/winds/validate"})  # POST only because it needs a request body
 FORWARDED = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
 
 
 def new_key() -> tuple[str, str]:
-    """A fresh key and its SHA-256 for GALEWOOD_API_KEYS."""
+    """A new random key and its SHA-256 hash for GALEWOOD_API_KEYS."""
     key = f"gw_{secrets.token_urlsafe(32)}"
     return key, key_hash(key)
 
 
 def key_hash(key: str) -> str:
-    """What the settings hold of a key. Keys are long and random, so a plain hash cannot be turned back."""
+    """SHA-256 of a key, as stored in the settings. Keys have 256 random bits, so no salt is needed."""
     return hashlib.sha256(key.encode()).hexdigest()
 
 
 def is_write(scope: Scope) -> bool:
-    """Whether a request changes something."""
+    """Whether a request needs write access."""
     path = scope["path"]
-    return scope["method"] in UNSAFE and path.startswith("/api/") and path not in HARMLESS
+    return scope["method"] in WRITE_METHODS and path.startswith("/api/") and path not in READ_ONLY_POSTS
 
 
 def check_writer(scope: Scope, settings: Settings) -> None:
-    """ProblemError 401 or 403 unless the request may write."""
+    """Raise ProblemError 401 or 403 unless the request has write access."""
     headers = Headers(scope=scope)
     if not origin_allowed(headers.get("origin"), headers.get("host"), settings.allowed_origins):
         raise ProblemError(
             403,
             "foreign-origin",
-            "Pages of other sites may not change anything here",
-            detail="The Origin header names another site.",
+            "Write access from other websites is not allowed",
+            detail="The Origin header does not match this server.",
             hint="Add the origin to GALEWOOD_ALLOWED_ORIGINS.",
         )
     if settings.api_keys:
         _check_key(headers, settings.api_keys)
-    elif not _is_this_machine(scope, headers):
+    elif not _is_local(scope, headers):
         raise ProblemError(
             403,
             "local-only",
-            "Only programs on the server's own machine may change anything",
-            hint="The operator can set GALEWOOD_API_KEYS, so that holders of a key may.",
+            "Write access is limited to the server's own machine",
+            hint="To allow remote clients, the operator must configure GALEWOOD_API_KEYS.",
         )
 
 
 def _check_key(headers: Headers, hashes: list[str]) -> None:
     scheme, _, key = headers.get("authorization", "").partition(" ")
     given = key_hash(key.strip()) if scheme.lower() == "bearer" else ""
-    # every hash is compared, in the same time whatever was given
+    # compare with every hash in constant time
     if sum(hmac.compare_digest(given, one) for one in hashes) == 0:
         raise ProblemError(
             401,
             "key-needed",
-            "This needs a key",
-            detail="The Authorization header holds no key that is known here.",
-            hint="Send 'Authorization: Bearer KEY'; the operator hands out keys.",
+            "An API key is required",
+            detail="The Authorization header is missing or its key is not valid.",
+            hint="Send 'Authorization: Bearer KEY' with a key from the operator.",
             headers={"WWW-Authenticate": 'Bearer realm="galewood"'},
         )
 
 
-def _is_this_machine(scope: Scope, headers: Headers) -> bool:
-    """A direct connection over the loopback, to a name of it: what a proxy passes on comes from elsewhere,
-    and a foreign name that leads here is a page that tricks the browser (DNS rebinding)."""
+def _is_local(scope: Scope, headers: Headers) -> bool:
+    """Whether the client connected directly over the loopback interface, using a loopback host name.
+
+    Requests forwarded by a proxy count as remote. The host name is checked against DNS rebinding.
+    """
     client = scope.get("client")
     if client is None or not _is_loopback(client[0]) or any(name in headers for name in FORWARDED):
         return False

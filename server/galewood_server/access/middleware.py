@@ -1,4 +1,4 @@
-"""What every request passes before it reaches a route: rates, keys, a watch on bodies that come slowly."""
+"""Access control middleware: rate limits, API keys and a minimum rate for request bodies."""
 
 from __future__ import annotations
 
@@ -10,51 +10,51 @@ from fastapi import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from galewood_server.access.keys import check_writer, is_write
-from galewood_server.access.rates import Rates
-from galewood_server.http import ProblemError, problem_of
+from galewood_server.access.rates import RateLimits
+from galewood_server.http import ProblemError, problem_from
 from galewood_server.ops import Metrics
 from galewood_server.settings import Settings
 
 log = logging.getLogger("galewood.errors")
-GUARDED = ("/api/", "/docs", "/openapi.json")
-ALWAYS = "/api/health"  # whoever watches over the service is never turned away
+CHECKED_PATHS = ("/api/", "/docs", "/openapi.json")
+EXEMPT_PATH = "/api/health"  # monitoring must always succeed
 GRACE_S = 10.0
 
 
 class AccessControl:
-    """ASGI middleware; whatever goes wrong behind it becomes a problem as well."""
+    """ASGI middleware that rejects unauthorised requests and converts uncaught exceptions to problems."""
 
     def __init__(self, app: ASGIApp, settings: Settings, metrics: Metrics) -> None:
         self._app = app
         self._settings = settings
         self._metrics = metrics
-        self._rates = Rates(settings)
+        self._rates = RateLimits(settings)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let a request in, or answer it with a problem."""
+        """Pass a request on or answer it with a problem."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        begun = False
+        started = False
 
-        async def answer(message: Message) -> None:
-            nonlocal begun
-            begun = begun or message["type"] == "http.response.start"
+        async def send_response(message: Message) -> None:
+            nonlocal started
+            started = started or message["type"] == "http.response.start"
             await send(message)
 
         try:
-            await self._admit(scope)
-            await self._app(scope, self._watched(scope, receive), answer)
+            await self._check_access(scope)
+            await self._app(scope, self._rate_limited(scope, receive), send_response)
         except Exception as error:
-            if begun:
+            if started:
                 raise
             if not isinstance(error, ProblemError):
                 log.exception("%s %s failed", scope["method"], scope["path"])
-            await problem_of(error).response(getattr(error, "headers", None))(scope, receive, send)
+            await problem_from(error).response(getattr(error, "headers", None))(scope, receive, send)
 
-    async def _admit(self, scope: Scope) -> None:
+    async def _check_access(self, scope: Scope) -> None:
         path = scope["path"]
-        if not path.startswith(GUARDED) or path.startswith(ALWAYS):
+        if not path.startswith(CHECKED_PATHS) or path.startswith(EXEMPT_PATH):
             return
         try:
             await self._check(scope, (scope.get("client") or ("",))[0])
@@ -75,44 +75,44 @@ class AccessControl:
             raise
         await self._rates.count("write", address)
 
-    def _watched(self, scope: Scope, receive: Receive) -> Receive:
-        """A body must keep coming, and on average at a least rate, or the request is over (slow loris)."""
+    def _rate_limited(self, scope: Scope, receive: Receive) -> Receive:
+        """Wrap `receive` so that a stalled or too slow request body ends the request (slow-loris attack)."""
         if scope["method"] in ("GET", "HEAD"):
             return receive
-        watch = BodyWatch(self._settings)
+        monitor = BodyRateMonitor(self._settings)
 
-        async def next_piece() -> Message:
-            if watch.complete:
+        async def receive_piece() -> Message:
+            if monitor.complete:
                 return await receive()
             try:
                 async with asyncio.timeout(self._settings.body_stall_s):
                     message = await receive()
             except TimeoutError:
-                raise too_slow() from None
-            watch.see(message)
+                raise body_too_slow() from None
+            monitor.add(message)
             return message
 
-        return next_piece
+        return receive_piece
 
 
-class BodyWatch:
-    """How much of a body came, and since when."""
+class BodyRateMonitor:
+    """Measures the average rate at which a request body arrives."""
 
     def __init__(self, settings: Settings) -> None:
-        self._least_rate = settings.body_bytes_per_s
+        self._min_rate = settings.body_bytes_per_s
         self._began_s = time.monotonic()
         self._received = 0
         self.complete = False
 
-    def see(self, message: Message) -> None:
-        """Count a piece; HTTPException 408 if the body is on average too slow."""
+    def add(self, message: Message) -> None:
+        """Count a part of the body. HTTPException 408 if the average rate is too low."""
         self._received += len(message.get("body", b""))
         self.complete = message["type"] != "http.request" or not message.get("more_body", False)
         spent_s = time.monotonic() - self._began_s
-        if not self.complete and spent_s > GRACE_S and self._received < self._least_rate * spent_s:
-            raise too_slow()
+        if not self.complete and spent_s > GRACE_S and self._received < self._min_rate * spent_s:
+            raise body_too_slow()
 
 
-def too_slow() -> HTTPException:
-    """408. FastAPI passes its own exceptions on from where it reads a body, and no others."""
-    return HTTPException(408, "The request's body came too slowly", headers={"Connection": "close"})
+def body_too_slow() -> HTTPException:
+    """408 as an HTTPException: FastAPI re-raises only these from its body parser."""
+    return HTTPException(408, "The request body arrived too slowly", headers={"Connection": "close"})

@@ -1,4 +1,4 @@
-"""Which origins may use the interface from a browser."""
+"""Origin check for requests from browsers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from urllib.parse import urlsplit
 
 
 def origin_allowed(origin: str | None, host: str | None, allowed: list[str]) -> bool:
-    """Browsers name the page's origin: it must be this site, or listed. Programs send none."""
+    """Whether an Origin header is this server or listed in `allowed`; non-browser clients send none."""
     if origin is None or origin in allowed:
         return True
     return bool(host) and urlsplit(origin).netloc.lower() == str(host).lower()

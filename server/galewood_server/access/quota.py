@@ -1,4 +1,4 @@
-"""Room for uploads: what is stored may not outgrow its share, nor fill the disk."""
+"""Storage quota: limits on the stored bytes and on the remaining disk space."""
 
 from __future__ import annotations
 
@@ -10,49 +10,47 @@ from pathlib import Path
 
 from galewood_server.http import ProblemError
 from galewood_server.settings import Settings
-from galewood_server.storage import KINDS
+from galewood_server.storage import STORE_NAMES
 
-LOOK_S = 10.0
-FOLDERS = (*KINDS, "cache")
+POLL_S = 10.0
+FOLDERS = (*STORE_NAMES, "cache")
 _lock = threading.Lock()
-_looked: dict[Path, tuple[float, int]] = {}
+_measured: dict[Path, tuple[float, int]] = {}
 
 
 def stored_bytes(settings: Settings) -> int:
-    """Bytes that uploads and builds left in the data folder; a walk, at most every ten seconds."""
+    """Bytes in the data folder's stores and cache, measured at most every ten seconds."""
     folder = settings.data_dir.resolve()
     with _lock:
         now_s = time.monotonic()
-        seen = _looked.get(folder)
-        if seen is None or now_s - seen[0] > LOOK_S:
-            seen = _looked[folder] = (now_s, sum(_size(folder / name) for name in FOLDERS))
-        return seen[1]
+        measured = _measured.get(folder)
+        if measured is None or now_s - measured[0] > POLL_S:
+            measured = _measured[folder] = (now_s, sum(_size(folder / name) for name in FOLDERS))
+        return measured[1]
 
 
-def note_stored(settings: Settings, size: int) -> None:
-    """Count bytes that were stored since the last walk, so that a burst of uploads cannot slip past it."""
+def count_stored(settings: Settings, size: int) -> None:
+    """Add newly stored bytes to the last measurement, so that a burst of uploads cannot exceed the quota."""
     folder = settings.data_dir.resolve()
     with _lock:
-        if folder in _looked:
-            at_s, total = _looked[folder]
-            _looked[folder] = (at_s, total + size)
+        if folder in _measured:
+            measured_s, total = _measured[folder]
+            _measured[folder] = (measured_s, total + size)
 
 
-def need_room(settings: Settings, size: int) -> None:
-    """ProblemError 507 if `size` more bytes would pass the quota or leave too little of the disk."""
+def check_quota(settings: Settings, size: int) -> None:
+    """Raise ProblemError 507 if `size` more bytes would exceed the quota or leave too little disk space."""
     limit = settings.stored_bytes
     if limit and stored_bytes(settings) + size > limit:
         raise ProblemError(
             507,
             "quota-reached",
-            "The service holds as much as it may",
+            "The storage quota is reached",
             detail=f"The quota is {limit >> 20} MB.",
-            hint="Delete trees that are no longer needed, or ask the operator for more room.",
+            hint="Delete trees that are no longer needed, or ask the operator for a larger quota.",
         )
     if shutil.disk_usage(settings.data_dir).free < settings.free_bytes + size:
-        raise ProblemError(
-            507, "disk-full", "The disk of the service is nearly full", hint="Try again later."
-        )
+        raise ProblemError(507, "disk-full", "The server's disk is nearly full", hint="Try again later.")
 
 
 def _size(folder: Path) -> int:
@@ -62,5 +60,5 @@ def _size(folder: Path) -> int:
             try:
                 total += os.lstat(os.path.join(parent, name)).st_blocks * 512  # noqa: PTH118
             except OSError:
-                continue  # a build's cache changes while we look
+                continue  # running builds change the cache meanwhile
     return total

@@ -1,4 +1,4 @@
-"""How often one address may ask: a sliding window a minute long, in the memory of this process."""
+"""Rate limits per client address: a sliding window of one minute, kept in this process's memory."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from galewood_server.settings import Settings
 WRONG_KEYS_PER_MINUTE = 20
 
 
-class Rates:
-    """Counts reads, writes and wrong keys by address."""
+class RateLimits:
+    """Limits reads, writes and attempts with invalid keys per address."""
 
     def __init__(self, settings: Settings) -> None:
         self._limiter = SlidingWindowCounterRateLimiter(MemoryStorage())
@@ -28,33 +28,33 @@ class Rates:
         self._items = {kind: RateLimitItemPerMinute(count) for kind, count in per_minute.items() if count}
 
     async def count(self, kind: str, address: str) -> None:
-        """Count one more; ProblemError 429 with Retry-After if there were too many."""
+        """Count a request. ProblemError 429 with Retry-After if the limit is exceeded."""
         item = self._items.get(kind)
-        if item and not await self._limiter.hit(item, kind, neighbourhood(address)):
-            await self._refuse(kind, address)
+        if item and not await self._limiter.hit(item, kind, rate_limit_key(address)):
+            await self._raise_limited(kind, address)
 
     async def check(self, kind: str, address: str) -> None:
-        """As `count`, without counting."""
+        """Like `count`, but without counting the request."""
         item = self._items.get(kind)
-        if item and not await self._limiter.test(item, kind, neighbourhood(address)):
-            await self._refuse(kind, address)
+        if item and not await self._limiter.test(item, kind, rate_limit_key(address)):
+            await self._raise_limited(kind, address)
 
-    async def _refuse(self, kind: str, address: str) -> None:
+    async def _raise_limited(self, kind: str, address: str) -> None:
         item = self._items[kind]
-        window = await self._limiter.get_window_stats(item, kind, neighbourhood(address))
+        window = await self._limiter.get_window_stats(item, kind, rate_limit_key(address))
         wait_s = max(1, round(window.reset_time - time.time()))
         raise ProblemError(
             429,
             "too-many-requests",
             "Too many requests from this address",
-            detail=f"{item.amount} a minute are allowed ({kind}).",
+            detail=f"The limit is {item.amount} per minute ({kind}).",
             hint=f"Try again in {wait_s} s.",
             headers={"Retry-After": str(wait_s)},
         )
 
 
-def neighbourhood(address: str) -> str:
-    """An IPv4 address, or the /64 that an IPv6 customer has to itself."""
+def rate_limit_key(address: str) -> str:
+    """The IPv4 address, or the /64 network of an IPv6 address, which usually belongs to one customer."""
     try:
         parsed = ipaddress.ip_address(address)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Tables and meshes by their hash: immutable, cacheable for ever, with ranges."""
+"""Tables and meshes by content hash: immutable, cacheable, with support for range requests."""
 
 from __future__ import annotations
 
@@ -8,35 +8,39 @@ from typing import Any
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, Response
 
-from galewood_server.context import Service, ServiceHere
-from galewood_server.http import NOT_MODIFIED, ProblemError, matches, not_found, problems
+from galewood_server.context import Service, ServiceDep
+from galewood_server.http import NOT_MODIFIED, ProblemError, etag_matches, not_found, problems
 from galewood_server.storage import PREFERRED, FileStore, coding_of, encoded_file
 
 router = APIRouter(prefix="/api", tags=["artefacts"])
-FOREVER = "public, max-age=31536000, immutable"
+IMMUTABLE = "public, max-age=31536000, immutable"
 _RANGE = re.compile(r"bytes=\s*(\d+-\d*|-\d+)(\s*,\s*(\d+-\d*|-\d+)){0,15}\s*")
 BINARY: dict[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 
 
-def _answers(media_type: str) -> dict[int | str, dict[str, Any]]:
+def _responses(media_type: str) -> dict[int | str, dict[str, Any]]:
     content = {media_type: BINARY}
-    part = {"description": "The part that the Range header asked for.", "content": content}
+    part = {"description": "The requested byte range.", "content": content}
     whole = {"description": "The file.", "content": content}
-    beyond = {"description": "The range begins beyond the file.", "content": {"text/plain": {}}}
-    return {200: whole, 206: part, 416: beyond, **NOT_MODIFIED, **problems(400, 404)}
+    no_body: dict[str, Any] = {"text/plain": {}}
+    out_of_range: dict[str, Any] = {
+        "description": "The range starts beyond the end of the file.",
+        "content": no_body,
+    }
+    return {200: whole, 206: part, 416: out_of_range, **NOT_MODIFIED, **problems(400, 404)}
 
 
-@router.get("/tables/{sha256}", response_class=FileResponse, responses=_answers("application/octet-stream"))
+@router.get("/tables/{sha256}", response_class=FileResponse, responses=_responses("application/octet-stream"))
 @router.head("/tables/{sha256}", include_in_schema=False)
-def get_table(sha256: str, request: Request, service: ServiceHere) -> Response:
-    """A table file (docs/formats/table.md), whole or in ranges, by zstd or gzip where the client can."""
+def get_table(sha256: str, request: Request, service: ServiceDep) -> Response:
+    """A table file (docs/formats/table.md), whole or in ranges, compressed with zstd or gzip if accepted."""
     return _file(request, service, service.stores.tables, "table", sha256, "application/octet-stream")
 
 
-@router.get("/meshes/{sha256}", response_class=FileResponse, responses=_answers("model/gltf-binary"))
+@router.get("/meshes/{sha256}", response_class=FileResponse, responses=_responses("model/gltf-binary"))
 @router.head("/meshes/{sha256}", include_in_schema=False)
-def get_mesh(sha256: str, request: Request, service: ServiceHere) -> Response:
-    """A tree as it is drawn: GLB whose vertices are in the order of its table."""
+def get_mesh(sha256: str, request: Request, service: ServiceDep) -> Response:
+    """The render mesh of a tree: a GLB whose vertex order matches its table."""
     return _file(request, service, service.stores.meshes, "mesh", sha256, "model/gltf-binary")
 
 
@@ -47,17 +51,19 @@ def _file(
         raise not_found(kind, sha256)
     ranges = request.headers.get("range")
     if ranges is not None and not _RANGE.fullmatch(ranges):
-        raise ProblemError(400, "bad-range", "The Range header cannot be read", hint="Send bytes=FIRST-LAST.")
-    # a range is of the plain bytes, so that whoever asks for one need not know of compression
+        raise ProblemError(400, "bad-range", "Invalid Range header", hint="Send bytes=FIRST-LAST.")
+    # ranges refer to the uncompressed bytes
     coding = coding_of(request.headers.get("accept-encoding", "")) if kind == "table" and not ranges else None
     folder = service.settings.cache_dir / "encoded"
     path = encoded_file(folder, sha256, coding, lambda: store.get(sha256)) if coding else None
     etag = f'"{sha256}-{coding}"' if path else f'"{sha256}"'
-    headers = {"ETag": etag, "Cache-Control": FOREVER, "Vary": "Accept-Encoding"}
-    # the bytes never change, so whoever holds them in any coding holds them: the compressed file may
-    # have been made between two requests of one client
-    held = request.headers.get("if-none-match", "")
-    if any(matches(held, f'"{sha256}{end}"') for end in ("", *(f"-{known}" for known in PREFERRED))):
+    headers = {"ETag": etag, "Cache-Control": IMMUTABLE, "Vary": "Accept-Encoding"}
+    # the content never changes, so a copy in any encoding is current: the compressed file may have been
+    # created between two requests of the same client
+    if_none_match = request.headers.get("if-none-match", "")
+    if any(
+        etag_matches(if_none_match, f'"{sha256}{end}"') for end in ("", *(f"-{known}" for known in PREFERRED))
+    ):
         return Response(status_code=304, headers=headers)
     if path is None or coding is None:
         return FileResponse(store.path(sha256), media_type=media_type, headers=headers)

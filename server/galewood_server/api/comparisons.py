@@ -1,4 +1,4 @@
-"""Comparisons: one tree's motion under one wind, by the finite elements and by both methods of its table."""
+"""Comparisons: one tree's motion under one wind by FEM and by both lookup methods of its table."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from sse_starlette import EventSourceResponse
 
 from galewood_server.api.analyses import (
     AnalysisOut,
-    analysed_tree,
-    fields_of,
-    kept_file,
-    need_place_in_queue,
-    order_of,
+    analysis_fields,
+    analysis_settings,
+    check_queue_length,
+    computed_tree,
+    result_file,
 )
 from galewood_server.api.events import feed_of, follow_job, stream
-from galewood_server.context import ServiceHere
+from galewood_server.context import ServiceDep
 from galewood_server.http import NOT_MODIFIED, problems
 from galewood_server.jobs import add_job, find_job, request_cancel
 from galewood_server.storage import Job, forget_old_analyses
@@ -29,7 +29,7 @@ router = APIRouter(prefix="/api", tags=["comparisons"])
 
 class ComparisonRequest(BaseModel):
     """Body of POST /api/trees/{id}/comparisons: a wind document (docs/formats/wind.md) or the state of a wind
-    that glides, where the tree stands in it, and when it begins."""
+    transition, the tree's position and rotation, the start time and the number of frames."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -42,15 +42,15 @@ class ComparisonRequest(BaseModel):
 
 
 class ComparisonOut(AnalysisOut):
-    """A comparison: a job with what was asked and, once done, the largest figures and the tracks' address."""
+    """A comparison job: its settings and, once it is done, the largest errors and the URL of the tracks."""
 
     tracks: str | None
 
 
 def comparison_out(job: Job) -> ComparisonOut:
-    """A comparison as the interface shows it."""
+    """The response model of a comparison."""
     tracks = f"/api/comparisons/{job.id}/tracks" if job.result_sha256 else None
-    return ComparisonOut(**fields_of(job), tracks=tracks)
+    return ComparisonOut(**analysis_fields(job), tracks=tracks)
 
 
 @router.post(
@@ -60,44 +60,44 @@ def comparison_out(job: Job) -> ComparisonOut:
     responses=problems(404, 409, 413, 429),
 )
 def compare_tree(
-    tree_id: str, body: ComparisonRequest, response: Response, service: ServiceHere
+    tree_id: str, body: ComparisonRequest, response: Response, service: ServiceDep
 ) -> ComparisonOut:
-    """Queue a comparison; the finite elements run in a process of their own, beside any build."""
+    """Queue a comparison. It runs in its own process, concurrently with builds."""
     parse_wind_or_state(body.wind)
     with service.sessions.begin() as session:
-        tree = analysed_tree(session, tree_id)
-        need_place_in_queue(session, "comparison")
+        tree = computed_tree(session, tree_id)
+        check_queue_length(session, "comparison")
         forget_old_analyses(session, tree, "comparison")
-        job = add_job(session, tree, "comparison", order_of(tree, body.model_dump()))
-        answer = comparison_out(job)
-    response.headers["Location"] = f"/api/comparisons/{answer.id}"
+        job = add_job(session, tree, "comparison", analysis_settings(tree, body.model_dump()))
+        out = comparison_out(job)
+    response.headers["Location"] = f"/api/comparisons/{out.id}"
     service.wake_supervisor()
-    return answer
+    return out
 
 
 @router.get("/comparisons/{comparison_id}", responses=problems(404))
-def get_comparison(comparison_id: str, service: ServiceHere) -> ComparisonOut:
-    """One comparison as it stands."""
+def get_comparison(comparison_id: str, service: ServiceDep) -> ComparisonOut:
+    """The current state of a comparison."""
     with service.sessions() as session:
         return comparison_out(find_job(session, comparison_id, "comparison"))
 
 
 @router.post("/comparisons/{comparison_id}/cancel", responses=problems(404))
-def cancel_comparison(comparison_id: str, service: ServiceHere) -> ComparisonOut:
-    """Ask a comparison to stop, as a job."""
+def cancel_comparison(comparison_id: str, service: ServiceDep) -> ComparisonOut:
+    """Cancel a comparison."""
     with service.sessions.begin() as session:
         job = find_job(session, comparison_id, "comparison")
         request_cancel(session, job)
-        answer = comparison_out(job)
+        out = comparison_out(job)
     service.wake_supervisor()
-    return answer
+    return out
 
 
 @router.get(
     "/comparisons/{comparison_id}/events", response_class=EventSourceResponse, responses=problems(404)
 )
-def comparison_events(comparison_id: str, request: Request, service: ServiceHere) -> EventSourceResponse:
-    """Events named "progress" with the comparison, until it ends."""
+def comparison_events(comparison_id: str, request: Request, service: ServiceDep) -> EventSourceResponse:
+    """Server-sent events named "progress" with the comparison, until it ends."""
 
     def read() -> ComparisonOut:
         return get_comparison(comparison_id, service)
@@ -111,8 +111,8 @@ def comparison_events(comparison_id: str, request: Request, service: ServiceHere
     response_class=FileResponse,
     responses={**NOT_MODIFIED, **problems(404)},
 )
-def get_tracks(comparison_id: str, request: Request, service: ServiceHere) -> Response:
-    """The motion by each way (docs/formats/comparison.md)."""
+def get_tracks(comparison_id: str, request: Request, service: ServiceDep) -> Response:
+    """The motion by each method (docs/formats/comparison.md)."""
     with service.sessions() as session:
         sha256 = find_job(session, comparison_id, "comparison").result_sha256
-    return kept_file(request, service.stores.results, sha256, "tracks", "application/msgpack")
+    return result_file(request, service.stores.results, sha256, "tracks", "application/msgpack")

@@ -13,10 +13,10 @@ from galewood_server.http import Problem
 
 
 @asynccontextmanager
-async def counted_connection(websocket: WebSocket, service: Service) -> AsyncGenerator[bool]:
-    """Count a socket for as long as the block runs; False if it was turned away, with an HTTP problem."""
+async def limited_connection(websocket: WebSocket, service: Service) -> AsyncGenerator[bool]:
+    """Count an open socket while the block runs. Yields False if it was rejected with an HTTP problem."""
     address = websocket.client.host if websocket.client else ""
-    problem = _objection(websocket, service, address)
+    problem = _limit_exceeded(websocket, service, address)
     if problem:
         await websocket.send_denial_response(problem.response())
         yield False
@@ -31,7 +31,7 @@ async def counted_connection(websocket: WebSocket, service: Service) -> AsyncGen
             del counts[address]
 
 
-def _objection(websocket: WebSocket, service: Service, address: str) -> Problem | None:
+def _limit_exceeded(websocket: WebSocket, service: Service, address: str) -> Problem | None:
     settings = service.settings
     if not origin_allowed(
         websocket.headers.get("origin"), websocket.headers.get("host"), settings.allowed_origins
@@ -39,17 +39,20 @@ def _objection(websocket: WebSocket, service: Service, address: str) -> Problem 
         return Problem(
             status=403,
             code="foreign-origin",
-            title="Pages of other sites may not open this socket",
-            detail="The Origin header names another site.",
+            title="Connections from other websites are not allowed",
+            detail="The Origin header does not match this server.",
             hint="Add the origin to GALEWOOD_ALLOWED_ORIGINS.",
         )
-    here = service.socket_addresses.get(address, 0)
-    if service.sockets >= settings.socket_connections or here >= settings.socket_connections_per_address:
+    open_sockets = service.socket_addresses.get(address, 0)
+    if (
+        service.sockets >= settings.socket_connections
+        or open_sockets >= settings.socket_connections_per_address
+    ):
         return Problem(
             status=503 if service.sockets >= settings.socket_connections else 429,
             code="too-many-sockets",
             title="Too many open sockets",
-            detail=f"{here} are open from this address.",
-            hint="Close others or try again later.",
+            detail=f"{open_sockets} sockets are open from this address.",
+            hint="Close some of them or try again later.",
         )
     return None

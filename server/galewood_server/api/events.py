@@ -1,9 +1,9 @@
-"""Progress by server-sent events: the database is looked at a few times a second, once for all listeners."""
+"""Server-sent events: the database is polled a few times per second, once for all subscribers."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Generator
+from collections.abc import AsyncIterator, Callable, Generator, Sequence
 from contextlib import contextmanager
 from datetime import datetime
 from typing import Protocol, TypeVar
@@ -14,21 +14,21 @@ from sse_starlette import EventSourceResponse, ServerSentEvent
 from starlette.requests import HTTPConnection
 
 from galewood_server.api.trees import job_out, tree_out
-from galewood_server.context import Service, ServiceHere, service_of
+from galewood_server.context import Service, ServiceDep, service_of
 from galewood_server.http import Change, JobOut, ProblemError
 from galewood_server.jobs import find_job
 from galewood_server.storage import ACTIVE, Job, JobState, Tree
 
 router = APIRouter(prefix="/api", tags=["events"])
-LOOK_S = 0.3
+POLL_S = 0.3
 SEND_TIMEOUT_S = 20.0
 
 Stamp = tuple[datetime, int, datetime | None]
-"""A tree's own last change, how many jobs it has, and their last change."""
+"""Last change of a tree, its number of jobs, and the last change of its jobs."""
 
 
-class Followed(Protocol):
-    """A job as a client sees it."""
+class JobView(Protocol):
+    """The common fields of all job response models."""
 
     @property
     def tree_id(self) -> str: ...
@@ -39,23 +39,23 @@ class Followed(Protocol):
     def model_dump_json(self) -> str: ...
 
 
-Value = TypeVar("Value", bound=Followed)
+Value = TypeVar("Value", bound=JobView)
 
 
 class ClientBuffer:
-    """What one listener was not sent yet: the newest change of each tree, so a slow one costs no memory."""
+    """Unsent changes of one subscriber: only the newest of each tree, so that memory stays bounded."""
 
     def __init__(self) -> None:
         self._changes: dict[str, Change] = {}
         self._arrived = asyncio.Event()
 
     def put(self, change: Change) -> None:
-        """Leave a change, in place of an older one of the same tree."""
+        """Add a change; it replaces an older one of the same tree."""
         self._changes[change.tree.id] = change
         self._arrived.set()
 
     async def take(self) -> list[Change]:
-        """Wait for changes and empty the box."""
+        """Wait for changes and remove them from the buffer."""
         await self._arrived.wait()
         self._arrived.clear()
         changes, self._changes = list(self._changes.values()), {}
@@ -63,31 +63,31 @@ class ClientBuffer:
 
 
 class ChangeFeed:
-    """Finds what changed in the database and puts it in every listener's mailbox."""
+    """Polls the database for changes and adds them to the buffer of every subscriber."""
 
     def __init__(self, service: Service) -> None:
         self._service = service
-        self._boxes: set[ClientBuffer] = set()
+        self._buffers: set[ClientBuffer] = set()
         self._known: dict[str, tuple[Stamp, Change]] = {}
 
     @contextmanager
-    def listen(self) -> Generator[ClientBuffer]:
-        """A mailbox that is filled for as long as the block runs."""
-        box = ClientBuffer()
-        self._boxes.add(box)
+    def subscribe(self) -> Generator[ClientBuffer]:
+        """A buffer that receives changes while the block runs."""
+        buffer = ClientBuffer()
+        self._buffers.add(buffer)
         try:
-            yield box
+            yield buffer
         finally:
-            self._boxes.discard(box)
+            self._buffers.discard(buffer)
 
     async def run(self) -> None:
-        """Work until cancelled; sleeps while nobody listens."""
+        """Poll until cancelled; does not query the database while there are no subscribers."""
         while True:
-            if self._boxes:
+            if self._buffers:
                 for change in await asyncio.to_thread(self._changes):
-                    for box in self._boxes:
-                        box.put(change)
-            await asyncio.sleep(LOOK_S)
+                    for buffer in self._buffers:
+                        buffer.put(change)
+            await asyncio.sleep(POLL_S)
 
     def _changes(self) -> list[Change]:
         newest = (
@@ -97,18 +97,20 @@ class ChangeFeed:
         )
         with self._service.sessions() as session:
             stamps: dict[str, Stamp] = {row[0]: (row[1], row[2], row[3]) for row in session.execute(newest)}
-            moved = [
+            changed = [
                 key for key, stamp in stamps.items() if key not in self._known or self._known[key][0] != stamp
             ]
-            found = session.scalars(select(Tree).where(Tree.id.in_(moved))).all() if moved else []
-            changes = [Change(tree=tree_out(tree), job=job_out(tree)) for tree in found]
-        gone = [self._known.pop(key)[1] for key in list(self._known) if key not in stamps]
+            trees: Sequence[Tree] = ()
+            if changed:
+                trees = session.scalars(select(Tree).where(Tree.id.in_(changed))).all()
+            changes = [Change(tree=tree_out(tree), job=job_out(tree)) for tree in trees]
+        deleted = [self._known.pop(key)[1] for key in list(self._known) if key not in stamps]
         self._known.update({change.tree.id: (stamps[change.tree.id], change) for change in changes})
-        return changes + [Change(tree=last.tree, job=last.job, deleted=True) for last in gone]
+        return changes + [Change(tree=last.tree, job=last.job, deleted=True) for last in deleted]
 
 
 def feed_of(connection: HTTPConnection) -> ChangeFeed:
-    """The feed of the running service."""
+    """The ChangeFeed of the application."""
     feed = connection.app.state.feed
     assert isinstance(feed, ChangeFeed)
     return feed
@@ -116,13 +118,13 @@ def feed_of(connection: HTTPConnection) -> ChangeFeed:
 
 @router.get("/events", response_class=EventSourceResponse)
 async def all_events(request: Request) -> EventSourceResponse:
-    """Every tree as it stands, then every change: {"tree": Tree, "job": Job|null, "deleted": bool}."""
-    return stream(_all(service_of(request), feed_of(request)))
+    """The current state of all trees, then every change: {"tree": Tree, "job": Job|null, "deleted": bool}."""
+    return stream(_all_events(service_of(request), feed_of(request)))
 
 
 @router.get("/jobs/{job_id}/events", response_class=EventSourceResponse)
-async def job_events(job_id: str, request: Request, service: ServiceHere) -> EventSourceResponse:
-    """Events named "progress" with the job, until it ends."""
+async def job_events(job_id: str, request: Request, service: ServiceDep) -> EventSourceResponse:
+    """Server-sent events named "progress" with the job, until it ends."""
 
     def read() -> JobOut:
         with service.sessions() as session:
@@ -133,32 +135,32 @@ async def job_events(job_id: str, request: Request, service: ServiceHere) -> Eve
 
 
 def stream(events: AsyncIterator[ServerSentEvent]) -> EventSourceResponse:
-    """An answer of server-sent events; a client that takes nothing for a while is let go."""
+    """A response of server-sent events; clients that do not read for SEND_TIMEOUT_S are disconnected."""
     return EventSourceResponse(events, send_timeout=SEND_TIMEOUT_S)
 
 
-async def _all(service: Service, feed: ChangeFeed) -> AsyncIterator[ServerSentEvent]:
+async def _all_events(service: Service, feed: ChangeFeed) -> AsyncIterator[ServerSentEvent]:
     sent: dict[str, Change] = {}
-    with feed.listen() as box:
-        changes = await asyncio.to_thread(_standing, service)
+    with feed.subscribe() as buffer:
+        changes = await asyncio.to_thread(_current, service)
         while True:
             for change in changes:
-                # a comparison moves its tree's stamp, but is no news here
+                # a comparison or evaluation changes the stamp of its tree but not this event
                 if sent.get(change.tree.id) != change:
                     yield ServerSentEvent(change.model_dump_json())
                 sent[change.tree.id] = change
                 if change.deleted:
                     del sent[change.tree.id]
-            changes = await box.take()
+            changes = await buffer.take()
 
 
 async def follow_job(feed: ChangeFeed, read: Callable[[], Value]) -> AsyncIterator[ServerSentEvent]:
-    """The job as it is and at each change, until it has ended or is deleted with its tree."""
-    with feed.listen() as box:
-        job = await asyncio.to_thread(read)  # what changed before we listened is told by nobody
+    """The current state of a job, then every change, until it ends or its tree is deleted."""
+    with feed.subscribe() as buffer:
+        job = await asyncio.to_thread(read)  # after subscribing, so that no change is missed
         yield ServerSentEvent(job.model_dump_json(), event="progress")
         while job.state in ACTIVE:
-            changes = await box.take()
+            changes = await buffer.take()
             if any(change.tree.id == job.tree_id for change in changes):
                 try:
                     now = await asyncio.to_thread(read)
@@ -169,7 +171,7 @@ async def follow_job(feed: ChangeFeed, read: Callable[[], Value]) -> AsyncIterat
                 job = now
 
 
-def _standing(service: Service) -> list[Change]:
+def _current(service: Service) -> list[Change]:
     with service.sessions() as session:
         trees = session.scalars(select(Tree).order_by(Tree.builtin.desc(), Tree.created_at)).all()
         return [Change(tree=tree_out(tree), job=job_out(tree)) for tree in trees]

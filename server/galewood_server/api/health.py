@@ -1,4 +1,4 @@
-"""Whether the service lives, and whether it can do its work."""
+"""Liveness and readiness checks."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from galewood.table import VERSION as TABLE_VERSION
 from sqlalchemy import func, select
 from sqlalchemy.exc import SQLAlchemyError
 
-from galewood_server.context import Service, ServiceHere
+from galewood_server.context import Service, ServiceDep
 from galewood_server.http import Health, Liveness, Readiness
 from galewood_server.storage import ACTIVE, Job, Tree
 from galewood_server.stream import WIRE_VERSION
@@ -20,8 +20,8 @@ VERSION = version("galewood")
 
 
 @router.get("/healthz")
-def healthz(service: ServiceHere) -> Health:
-    """Whether the service answers, and how much it holds."""
+def healthz(service: ServiceDep) -> Health:
+    """Service status with the number of trees, active jobs and open sockets."""
     with service.sessions() as session:
         return Health(
             status="ok",
@@ -35,21 +35,23 @@ def healthz(service: ServiceHere) -> Health:
 
 @router.get("/api/health")
 def live() -> Liveness:
-    """The process answers; nothing else is asked. A failure means: start it again."""
+    """Liveness: the process responds. No other component is checked; on failure, restart the process."""
     return Liveness(status="ok", version=VERSION, table_version=TABLE_VERSION, wire_version=WIRE_VERSION)
 
 
-@router.get("/api/health/ready", responses={503: {"model": Readiness, "description": "It cannot."}})
-def ready(service: ServiceHere, response: Response) -> Readiness:
-    """Whether requests can be met: database, data folder, page. 503 means: send them elsewhere for now."""
+@router.get(
+    "/api/health/ready", responses={503: {"model": Readiness, "description": "The service is not ready."}}
+)
+def ready(service: ServiceDep, response: Response) -> Readiness:
+    """Readiness: checks of database, data folder and page. 503: route requests elsewhere."""
     checks = {
         "database": _database(service),
         "storage": _storage(service),
         "page": (service.settings.page_dir / "index.html").is_file(),
     }
-    able = checks["database"] and checks["storage"]
-    response.status_code = 200 if able else 503
-    return Readiness(status="ok" if able else "unable", version=VERSION, checks=checks)
+    ok = checks["database"] and checks["storage"]
+    response.status_code = 200 if ok else 503
+    return Readiness(status="ok" if ok else "unable", version=VERSION, checks=checks)
 
 
 def _database(service: Service) -> bool:

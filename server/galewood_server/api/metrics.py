@@ -1,4 +1,4 @@
-"""GET /metrics: counters and gauges in Prometheus' text format."""
+"""GET /metrics: counters and gauges in the Prometheus text format."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import InstrumentedAttribute
 
 from galewood_server.access import stored_bytes
-from galewood_server.context import Service, ServiceHere
+from galewood_server.context import Service, ServiceDep
 from galewood_server.ops import Metrics
 from galewood_server.storage import Job, Tree
 
@@ -22,24 +22,26 @@ router = APIRouter(tags=["service"])
 
 
 class ServiceCollector(Collector):
-    """What is counted at the moment of asking: rows, sockets, disk."""
+    """Gauges measured at each scrape: database rows, open sockets and disk usage."""
 
     def __init__(self, service: Service) -> None:
         self._service = service
 
     def describe(self) -> Iterable[GaugeMetricFamily]:
-        """Nothing in advance: a registry may not ask the database before it is there."""
+        """No descriptions: the registry must not query the database at registration."""
         return []
 
     def collect(self) -> Iterator[GaugeMetricFamily]:
-        """Gauges of trees, jobs, sockets and disk."""
+        """Gauges of trees, jobs, sockets and disk usage."""
         service = self._service
-        yield _by_label("galewood_trees", "Trees", "builtin", self._count(Tree.builtin))
-        yield _by_label("galewood_jobs", "Jobs", "state", self._count(Job.state))
-        yield GaugeMetricFamily("galewood_sockets", "Open WebSockets", service.sockets)
-        yield GaugeMetricFamily("galewood_stored_bytes", "Bytes stored", stored_bytes(service.settings))
+        yield _labelled_gauge("galewood_trees", "Number of trees", "builtin", self._count(Tree.builtin))
+        yield _labelled_gauge("galewood_jobs", "Number of jobs", "state", self._count(Job.state))
+        yield GaugeMetricFamily("galewood_sockets", "Number of open WebSockets", service.sockets)
+        yield GaugeMetricFamily(
+            "galewood_stored_bytes", "Bytes in the data folder", stored_bytes(service.settings)
+        )
         free = shutil.disk_usage(service.settings.data_dir).free
-        yield GaugeMetricFamily("galewood_disk_free_bytes", "Free on the disk of the data folder", free)
+        yield GaugeMetricFamily("galewood_disk_free_bytes", "Free bytes on the disk of the data folder", free)
 
     def _count(self, column: InstrumentedAttribute[Any]) -> dict[str, int]:
         with self._service.sessions() as session:
@@ -47,15 +49,15 @@ class ServiceCollector(Collector):
             return {str(value).lower(): count for value, count in rows}
 
 
-def _by_label(name: str, what: str, label: str, counts: dict[str, int]) -> GaugeMetricFamily:
-    family = GaugeMetricFamily(name, what, labels=[label])
+def _labelled_gauge(name: str, help_text: str, label: str, counts: dict[str, int]) -> GaugeMetricFamily:
+    family = GaugeMetricFamily(name, help_text, labels=[label])
     for value, count in sorted(counts.items()):
         family.add_metric([value], count)
     return family
 
 
 @router.get("/metrics", response_class=Response)
-def metrics(request: Request, service: ServiceHere) -> Response:
-    """Figures in Prometheus' text format. Not for the open web: the proxy keeps it to itself."""
+def metrics(request: Request, service: ServiceDep) -> Response:
+    """Metrics in the Prometheus text format. A public proxy must not forward this path."""
     found: Metrics = request.app.state.metrics
     return Response(found.text(), media_type=CONTENT_TYPE_LATEST)

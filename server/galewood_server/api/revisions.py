@@ -1,27 +1,29 @@
-"""Changing what was assumed of a mesh, before its table is computed."""
+"""Changing the name or the import options of a tree before its table is computed."""
 
 from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter
-from galewood.mesh import TreeMesh
 
-from galewood_server.access import need_room, note_stored
+from galewood_server.access import check_quota, count_stored
 from galewood_server.api.trees import find_tree, remove_unshared, tree_out
-from galewood_server.api.uploads import assumed, read_mesh
-from galewood_server.context import Service, ServiceHere
+from galewood_server.api.uploads import given_import_options, read_mesh
+from galewood_server.context import Service, ServiceDep
 from galewood_server.http import ProblemError, TreeChanges, TreeOut, problems
 from galewood_server.storage import Tree
+
+if TYPE_CHECKING:
+    from galewood.mesh import TreeMesh
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 
 
 @dataclass(frozen=True)
 class Revision:
-    """A mesh read again: under which options, and what came of it."""
+    """A mesh imported again: its options and the result."""
 
     options: dict[str, Any]
     mesh: TreeMesh
@@ -29,28 +31,28 @@ class Revision:
 
 
 @router.patch("/{tree_id}", max_body_size=64 * 1024, responses=problems(400, 403, 404, 409, 413, 507))
-async def change_tree(tree_id: str, body: TreeChanges, service: ServiceHere) -> TreeOut:
-    """Give an upload another name, or read its mesh again under other assumptions: its report and its preview
-    follow. A field that is null is left to intake again, one that is missing stays. Once there is a table,
-    only the name changes: POST /api/jobs computes another from other settings."""
+async def change_tree(tree_id: str, body: TreeChanges, service: ServiceDep) -> TreeOut:
+    """Rename an upload or import its mesh again with other options, which updates its report and preview.
+    A field that is null is determined by mesh import again; a missing field is unchanged. Once there is a
+    table, only the name can be changed: use POST /api/jobs to compute a table with other settings."""
     options = await asyncio.to_thread(_options, service, tree_id, body)
     revision = None
     if options is not None:
         source, filename = await asyncio.to_thread(_source, service, tree_id)
         revision = Revision(options, *await read_mesh(service, source, filename, options))
-        await asyncio.to_thread(need_room, service.settings, len(revision.glb))
+        await asyncio.to_thread(check_quota, service.settings, len(revision.glb))
     return await asyncio.to_thread(_write, service, tree_id, body.name, revision)
 
 
 def _options(service: Service, tree_id: str, body: TreeChanges) -> dict[str, Any] | None:
-    """The assumptions as they will be; None if they stay as they are."""
+    """The new import options; None if they do not change. ProblemError 403, 404, 409."""
     with service.sessions() as session:
         tree = find_tree(session, tree_id)
         if tree.builtin:
-            raise ProblemError(403, "builtin-tree", "The built-in species stay as they are")
-        named = body.model_fields_set - {"name"}
-        kept = {key: value for key, value in tree.options.items() if key not in named}
-        options = {**kept, **{k: v for k, v in assumed(body).items() if k in named}}
+            raise ProblemError(403, "builtin-tree", "Built-in trees cannot be changed")
+        given = body.model_fields_set - {"name"}
+        kept = {key: value for key, value in tree.options.items() if key not in given}
+        options = {**kept, **{k: v for k, v in given_import_options(body).items() if k in given}}
         if options == tree.options:
             return None
         _check_unbuilt(tree)
@@ -62,8 +64,8 @@ def _check_unbuilt(tree: Tree) -> None:
         raise ProblemError(
             409,
             "already-built",
-            "This tree is computed, or about to be",
-            hint="Upload the file again under other assumptions, or start a job with other settings.",
+            "This tree has a table or is being computed",
+            hint="Upload the file again with other options, or start a job with other settings.",
         )
 
 
@@ -84,7 +86,7 @@ def _write(service: Service, tree_id: str, name: str | None, revision: Revision 
             tree.options, tree.report = revision.options, revision.mesh.report
             tree.species, tree.height_m = revision.mesh.species, revision.mesh.height_m
             tree.mesh_sha256 = service.stores.meshes.put(revision.glb)
-            note_stored(service.settings, len(revision.glb))
+            count_stored(service.settings, len(revision.glb))
             session.flush()
             remove_unshared(session, service.stores.meshes, Tree.mesh_sha256, before)
         session.flush()

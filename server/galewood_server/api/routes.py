@@ -1,4 +1,4 @@
-"""Every route of the interface, in the order in which they are matched."""
+"""All routers in matching order."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from galewood_server.api import (
     metrics,
     revisions,
     socket,
-    species,
     tables,
     thumbnails,
     trees,
     uploads,
     winds,
+    wood_species,
 )
 
 ROUTERS: tuple[APIRouter, ...] = tuple(
     module.router
     for module in (
         uploads, trees, revisions, thumbnails, jobs, job_pictures, comparisons, evaluations,
-        tables, artefacts, species, winds, events, socket, health, metrics,
+        tables, artefacts, wood_species, winds, events, socket, health, metrics,
     )
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The WebSocket /ws/forest: one session a client, the wire of docs/formats/wire.md."""
+"""The WebSocket /ws/forest: one session per client, using the protocol of docs/formats/wire.md."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from typing import Any
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from galewood.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_state
 
-from galewood_server.api.connections import counted_connection
+from galewood_server.api.connections import limited_connection
 from galewood_server.context import Service, service_of
 from galewood_server.stream import (
-    NOT_BINARY,
-    REFUSED,
-    UNREADABLE,
+    INVALID_DATA,
+    POLICY_VIOLATION,
+    UNSUPPORTED_DATA,
     WIRE_VERSION,
-    Refusal,
+    SessionError,
     Subscription,
     WireError,
     protocol_of,
@@ -34,15 +34,15 @@ HELLO_S = 10.0
 
 @router.websocket("/ws/forest")
 async def forest_socket(websocket: WebSocket) -> None:
-    """Admit a client and serve it until either side has had enough."""
+    """Serve a client, if the connection limits permit, until either side closes the socket."""
     service = service_of(websocket)
-    async with counted_connection(websocket, service) as welcome:
-        if welcome:
+    async with limited_connection(websocket, service) as accepted:
+        if accepted:
             await Session(websocket, service).run()
 
 
 class Session:
-    """One client: reads its requests, and keeps it in the forest that it asked for last."""
+    """One client's session: processes its requests and holds its forest subscription."""
 
     def __init__(self, websocket: WebSocket, service: Service) -> None:
         self._websocket = websocket
@@ -54,29 +54,29 @@ class Session:
         self._counted_s = time.monotonic()
 
     async def run(self) -> None:
-        """Serve until the client leaves or is refused."""
+        """Serve until the client disconnects or causes an error."""
         await self._websocket.accept()
         try:
             async with asyncio.TaskGroup() as tasks:
-                await self._greet()
+                await self._handshake()
                 while True:
                     await self._answer(await self._receive(), tasks)
         except* WebSocketDisconnect:
             pass
-        except* Refusal as group:
+        except* SessionError as group:
             self._leave()
-            await self._refuse(_first(group))
+            await self._close_with_error(_first_error(group))
         finally:
             self._leave()
 
-    async def _greet(self) -> None:
+    async def _handshake(self) -> None:
         try:
             async with asyncio.timeout(HELLO_S):
                 first = await self._receive()
         except TimeoutError:
-            raise Refusal("no-hello", "HELLO did not arrive in time") from None
+            raise SessionError("no-hello", "HELLO was not received in time") from None
         if not isinstance(first, wire.Hello):
-            raise Refusal("no-hello", "The first message must be HELLO")
+            raise SessionError("no-hello", "The first message must be HELLO")
         await self._send(wire.Welcome(self._service.server_name, WIRE_VERSION, wire.TICK_HZ))
 
     async def _receive(self) -> wire.Request:
@@ -85,21 +85,21 @@ class Session:
             raise WebSocketDisconnect(message.get("code", 1005))
         data = message.get("bytes")
         if data is None:
-            raise Refusal("not-binary", "Messages are binary, not text", close=NOT_BINARY)
-        self._count()
+            raise SessionError("not-binary", "Messages must be binary, not text", close=UNSUPPORTED_DATA)
+        self._check_message_rate()
         try:
             return wire.decode_request(data)
         except WireError as error:
-            close = UNREADABLE if error.code == "malformed-message" else REFUSED
-            raise Refusal(error.code, f"{error}"[:1].upper() + f"{error}"[1:], close=close) from None
+            close = INVALID_DATA if error.code == "malformed-message" else POLICY_VIOLATION
+            raise SessionError(error.code, f"{error}"[:1].upper() + f"{error}"[1:], close=close) from None
 
-    def _count(self) -> None:
-        """A client may send so many messages a second, and save up two seconds' worth."""
+    def _check_message_rate(self) -> None:
+        """Limit the message rate with a token bucket that holds two seconds of messages."""
         rate, now_s = self._service.settings.socket_messages_per_s, time.monotonic()
         self._allowance = min(2 * rate, self._allowance + (now_s - self._counted_s) * rate) - 1
         self._counted_s = now_s
         if self._allowance < 0:
-            raise Refusal("too-many-messages", f"More than {rate:g} messages a second")
+            raise SessionError("too-many-messages", f"More than {rate:g} messages per second")
 
     async def _answer(self, request: wire.Request, tasks: asyncio.TaskGroup) -> None:
         match request:
@@ -118,10 +118,10 @@ class Session:
             case wire.Forest():
                 await self._subscribe(request, tasks)
             case wire.Hello():
-                raise Refusal("second-hello", "HELLO comes once")
+                raise SessionError("second-hello", "HELLO may be sent only once")
 
     async def _subscribe(self, forest: wire.Forest, tasks: asyncio.TaskGroup) -> None:
-        """Go over to another forest, or begin to send tables, in place of what was before."""
+        """Replace the current subscription or table transfer by the requested one."""
         wind = self._check(forest)
         if self._sending:
             self._sending.cancel()
@@ -144,13 +144,13 @@ class Session:
     def _check(self, forest: wire.Forest) -> WindState:
         settings, wind = self._service.settings, _wind_state(forest.wind)
         if len(forest.groups) > settings.forest_groups:
-            raise Refusal("too-many-groups", f"A forest may have up to {settings.forest_groups} groups")
+            raise SessionError("too-many-groups", f"A forest may have up to {settings.forest_groups} groups")
         if sum(group.count for group in forest.groups) > settings.forest_trees:
-            raise Refusal("too-many-trees", f"A forest may have up to {settings.forest_trees} trees")
+            raise SessionError("too-many-trees", f"A forest may have up to {settings.forest_trees} trees")
         for group in forest.groups:
             if not self._service.stores.tables.has(group.table):
-                raise Refusal(
-                    "no-such-table", f"There is no table {group.table[:12]}…", "List the trees again."
+                raise SessionError(
+                    "no-such-table", f"There is no table {group.table[:12]}…", "Reload the list of trees."
                 )
         return wind
 
@@ -163,39 +163,39 @@ class Session:
         try:
             data = self._service.stores.tables.get(sha256)
         except FileNotFoundError:
-            raise Refusal("no-such-table", "A table of this forest is gone") from None
+            raise SessionError("no-such-table", "A table of this forest no longer exists") from None
         if hashlib.sha256(data).hexdigest() != sha256:
             log.error("the stored table %s is damaged", sha256)
-            raise Refusal("no-such-table", "A table of this forest cannot be used")
+            raise SessionError("no-such-table", "A table of this forest cannot be used")
         return data
 
-    async def _send_table(self, sha256: str, data: bytes, begin: int) -> None:
-        """From byte `begin` to the end; a client that has all gets one empty piece."""
-        if begin > len(data):
-            raise Refusal("no-such-offset", f"The table has {len(data)} bytes, not {begin}")
-        for offset in range(begin, max(len(data), begin + 1), CHUNK_BYTES):
-            piece = data[offset : offset + CHUNK_BYTES]
-            await self._send(wire.TableChunk(sha256, offset, len(data), piece))
+    async def _send_table(self, sha256: str, data: bytes, start: int) -> None:
+        """Send a table from byte `start` to its end; at least one, possibly empty, chunk."""
+        if start > len(data):
+            raise SessionError("no-such-offset", f"The table has {len(data)} bytes, not {start}")
+        for offset in range(start, max(len(data), start + 1), CHUNK_BYTES):
+            chunk = data[offset : offset + CHUNK_BYTES]
+            await self._send(wire.TableChunk(sha256, offset, len(data), chunk))
 
     async def _send(self, reply: wire.Reply) -> None:
-        """Send, or cut off a client that does not read: closing politely would wait for it for ever."""
+        """Send a message. A client that does not read is disconnected without a closing handshake."""
         try:
             async with asyncio.timeout(self._service.settings.socket_stall_s):
                 await self._websocket.send_bytes(wire.encode_reply(reply))
         except TimeoutError:
-            log.info("dropped a client that does not read")
+            log.info("disconnected a client that does not read")
             self._protocol.abort()
             raise WebSocketDisconnect(1006, "the client does not read") from None
         except RuntimeError:
-            if self._protocol.closing:  # what it sent next closed the socket before we could answer
+            if self._protocol.closing:  # closed by a later message before this reply was sent
                 raise WebSocketDisconnect(1006) from None
             raise
 
-    async def _refuse(self, refusal: Refusal) -> None:
+    async def _close_with_error(self, error: SessionError) -> None:
         try:
-            await self._send(refusal.failure)
-            reason = refusal.failure.title.encode()[:120].decode(errors="ignore")
-            await self._websocket.close(refusal.close, reason)
+            await self._send(error.failure)
+            reason = error.failure.title.encode()[:120].decode(errors="ignore")
+            await self._websocket.close(error.close, reason)
         except (WebSocketDisconnect, RuntimeError):
             self._protocol.abort()
 
@@ -204,16 +204,16 @@ def _wind(document: Mapping[str, Any]) -> Wind:
     try:
         return parse_wind(document)
     except WindError as error:
-        raise Refusal("bad-wind", str(error)) from None
+        raise SessionError("bad-wind", str(error)) from None
 
 
 def _wind_state(document: Mapping[str, Any]) -> WindState:
     try:
         return parse_wind_or_state(document)
     except WindError as error:
-        raise Refusal("bad-wind", str(error)) from None
+        raise SessionError("bad-wind", str(error)) from None
 
 
-def _first(group: BaseExceptionGroup[Refusal]) -> Refusal:
+def _first_error(group: BaseExceptionGroup[SessionError]) -> SessionError:
     inner = group.exceptions[0]
-    return _first(inner) if isinstance(inner, BaseExceptionGroup) else inner
+    return _first_error(inner) if isinstance(inner, BaseExceptionGroup) else inner

@@ -1,4 +1,4 @@
-"""Tables: which there are and what they hold. Their bytes are served by artefacts.py."""
+"""List and metadata of tables. artefacts.py serves the files."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from galewood.table import TableError, read_metadata
 from pydantic import BaseModel
 from sqlalchemy import func, select
 
-from galewood_server.context import Service, ServiceHere
+from galewood_server.context import Service, ServiceDep
 from galewood_server.http import (
     NOT_MODIFIED,
-    Asked,
+    PageParams,
     ProblemError,
     TableList,
     TableOut,
-    bad_cursor,
-    beyond,
-    cursor_of,
+    decode_cursor,
+    encode_cursor,
+    invalid_cursor,
+    json_with_etag,
     not_found,
-    parts_of,
     problems,
-    tagged,
+    rows_after,
 )
 from galewood_server.storage import Tree
 
@@ -32,37 +32,37 @@ ORDER = (Tree.created_at, Tree.id)
 
 
 class TableMetadata(BaseModel):
-    """What a table says of itself (docs/formats/table.md)."""
+    """The metadata of a table (docs/formats/table.md)."""
 
     sha256: str
     metadata: dict[str, Any]
 
 
 @router.get("", response_model=TableList, responses=NOT_MODIFIED)
-def list_tables(request: Request, service: ServiceHere, asked: Asked) -> Response:
-    """A page of the tables that trees have now, by the age of their tree."""
-    rows = select(Tree).where(Tree.table_sha256.is_not(None)).order_by(*ORDER).limit(asked.limit + 1)
-    if asked.after:
-        rows = rows.where(beyond(ORDER, _sort_key(asked.after)))
+def list_tables(request: Request, service: ServiceDep, query: PageParams) -> Response:
+    """A page of the trees' current tables, ordered by the age of the tree."""
+    rows = select(Tree).where(Tree.table_sha256.is_not(None)).order_by(*ORDER).limit(query.limit + 1)
+    if query.after:
+        rows = rows.where(rows_after(ORDER, _sort_key(query.after)))
     with service.sessions() as session:
-        found = session.scalars(rows).all()
+        trees = session.scalars(rows).all()
         total = session.scalar(select(func.count(Tree.id)).where(Tree.table_sha256.is_not(None))) or 0
-    last = found[asked.limit - 1] if len(found) > asked.limit else None
-    more = cursor_of([last.created_at.isoformat(), last.id]) if last else None
-    tables = [out for tree in found[: asked.limit] if (out := _out(service, tree))]
-    return tagged(request, TableList(tables=tables, total=total, next=more))
+    last = trees[query.limit - 1] if len(trees) > query.limit else None
+    cursor = encode_cursor([last.created_at.isoformat(), last.id]) if last else None
+    tables = [out for tree in trees[: query.limit] if (out := _out(service, tree))]
+    return json_with_etag(request, TableList(tables=tables, total=total, next=cursor))
 
 
 def _sort_key(cursor: str) -> tuple[datetime, str]:
-    created_at, tree_id = parts_of(cursor, 2)
+    created_at, tree_id = decode_cursor(cursor, 2)
     try:
         return datetime.fromisoformat(created_at), tree_id
     except ValueError:
-        raise bad_cursor() from None
+        raise invalid_cursor() from None
 
 
 def _out(service: Service, tree: Tree) -> TableOut | None:
-    """None if the file is gone, which `galewood doctor` tells."""
+    """None if the file is missing, which `galewood doctor` reports."""
     size = service.stores.tables.size(tree.table_sha256 or "")
     if size is None:
         return None
@@ -73,14 +73,14 @@ def _out(service: Service, tree: Tree) -> TableOut | None:
 @router.get(
     "/{sha256}/metadata", response_model=TableMetadata, responses={**NOT_MODIFIED, **problems(404, 409)}
 )
-def table_metadata(sha256: str, request: Request, service: ServiceHere) -> Response:
-    """The header of a table: modes, records, winds, errors, frequencies, provenance."""
+def table_metadata(sha256: str, request: Request, service: ServiceDep) -> Response:
+    """The metadata of a table: modes, records, winds, errors, frequencies and provenance."""
     if not service.stores.tables.has(sha256):
         raise not_found("table", sha256)
     try:
         metadata = read_metadata(service.stores.tables.get(sha256))
     except TableError as error:
         raise ProblemError(
-            409, "unreadable-table", "The table says nothing of itself", detail=str(error)
+            409, "unreadable-table", "The table's metadata is unreadable", detail=str(error)
         ) from None
-    return tagged(request, TableMetadata(sha256=sha256, metadata=metadata))
+    return json_with_etag(request, TableMetadata(sha256=sha256, metadata=metadata))

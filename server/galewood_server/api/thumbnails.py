@@ -1,31 +1,34 @@
-"""A small picture of every tree, drawn once from its render mesh and kept."""
+"""Thumbnails of trees, rendered once from the render mesh and cached."""
 
 from __future__ import annotations
 
 import asyncio
+from typing import Any
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
 from galewood.util import write_whole
 
 from galewood_server.api.trees import find_tree
-from galewood_server.context import Service, ServiceHere
-from galewood_server.http import NOT_MODIFIED, ProblemError, matches, problems
+from galewood_server.context import Service, ServiceDep
+from galewood_server.http import NOT_MODIFIED, ProblemError, etag_matches, problems
 from galewood_server.storage import is_hash
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
-PNG = {200: {"description": "256 × 256 pixels.", "content": {"image/png": {}}}}
+PNG: dict[int | str, dict[str, Any]] = {
+    200: {"description": "256 × 256 pixels.", "content": {"image/png": {}}}
+}
 
 
 @router.get(
     "/{tree_id}/thumbnail", response_class=FileResponse, responses={**PNG, **NOT_MODIFIED, **problems(404)}
 )
-async def get_thumbnail(tree_id: str, request: Request, service: ServiceHere) -> Response:
-    """The tree from the front, in its own colours, on nothing. It changes with the tree's mesh."""
+async def get_thumbnail(tree_id: str, request: Request, service: ServiceDep) -> Response:
+    """Front view of the tree on a transparent background. It changes with the tree's mesh."""
     sha256 = await asyncio.to_thread(_mesh_of, service, tree_id)
     etag = f'"{sha256}-256"'
     headers = {"ETag": etag, "Cache-Control": "no-cache"}
-    if matches(request.headers.get("if-none-match", ""), etag):
+    if etag_matches(request.headers.get("if-none-match", ""), etag):
         return Response(status_code=304, headers=headers)
     target = service.settings.cache_dir / "thumbnails" / f"{sha256}.png"
     if not target.is_file():

@@ -1,4 +1,4 @@
-"""Wind documents, checked before they are used: the same reader that the socket and the simulation ask."""
+"""Validation of wind documents, with the parser that the socket and the simulation use."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ BODY: dict[str, Any] = {
 
 @router.post("/validate", openapi_extra=BODY, responses=problems(413, 422))
 async def validate(request: Request) -> dict[str, Any]:
-    """Read a wind document (docs/formats/wind.md) and give it back, in its shortest form, as `wind`.
+    """Validate a wind document (docs/formats/wind.md) and return it in its shortest form as `wind`.
 
-    422 `bad-wind` names the path of the field that is wrong and what is allowed there.
+    422 `bad-wind` names the path of the invalid field and the allowed values.
     """
     return {"wind": parse_wind(_json(await _body(request))).document()}
 
 
 async def _body(request: Request) -> bytes:
     body = bytearray()
-    async for piece in request.stream():
-        body += piece
+    async for chunk in request.stream():
+        body += chunk
         if len(body) > LARGEST_BYTES:
             title = "The wind document is too large"
             raise ProblemError(413, "wind-too-large", title, hint=f"At most {LARGEST_BYTES} bytes.")

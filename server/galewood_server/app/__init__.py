@@ -1,4 +1,4 @@
-"""The application: how the service is assembled, starts and stops."""
+"""The application: assembly, startup and shutdown of the service."""
 
 from galewood_server.app.main import create_app, run
 

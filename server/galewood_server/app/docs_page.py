@@ -1,7 +1,7 @@
-"""`/docs`: the interface as a page to read and try, by Swagger UI, all of it from this server.
+"""`/docs`: the REST API in Swagger UI, served entirely from this server.
 
-The viewer's files come with a package (`fastapi-offline`, which pins them); nothing is loaded from another
-host and no script stands in the page, so that the policy in headers.py is as strict as for our own page.
+The viewer's files come from the package `fastapi-offline`. Nothing is loaded from other hosts and the page
+has no inline script, so that the content security policy in headers.py can stay strict.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from starlette.staticfiles import StaticFiles
 
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<title>Galewood: the interface for programs</title>
+<title>Galewood REST API</title>
 <link rel="icon" href="docs/files/favicon.png"><link rel="stylesheet" href="docs/files/swagger-ui.css">
-</head><body><main id="reference"><noscript>The same for programs: <a href="openapi.json">openapi.json</a>
+</head><body><main id="reference"><noscript>
+This page needs JavaScript. Machine-readable description: <a href="openapi.json">openapi.json</a>
 </noscript></main><script src="docs/files/swagger-ui-bundle.js"></script><script src="docs/start.js"></script>
 </body></html>"""
 START = """SwaggerUIBundle({
@@ -32,7 +33,7 @@ START = """SwaggerUIBundle({
 
 
 def install(app: FastAPI) -> None:
-    """Serve the page, its start and the viewer's files."""
+    """Add the routes of the page, its start script and the viewer's files."""
     app.add_api_route("/docs", _page, include_in_schema=False)
     app.add_api_route("/docs/start.js", _start, include_in_schema=False)
     app.mount("/docs/files", StaticFiles(directory=_viewer_files()))
@@ -47,7 +48,7 @@ def _start() -> Response:
 
 
 def _viewer_files() -> Path:
-    """Where the package has them, found without importing it, as it brings an application of its own."""
+    """The package's static files, located without importing it (it would create an application)."""
     package = find_spec("fastapi_offline")
     assert package and package.origin
     return Path(package.origin).parent / "static"

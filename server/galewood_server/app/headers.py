@@ -1,4 +1,4 @@
-"""Headers that tell browsers what a page of ours may do, and that no other site may do more with it."""
+"""Security headers: content security policy and cross-origin isolation."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-# The viewer: module scripts of its own, a worker, textures from bytes and blobs, decoders in WebAssembly;
-# inline styles are set by the panel's library and by us on single elements.
+# The page needs its own module scripts, a worker, textures from blobs and WebAssembly decoders. The panel
+# library and the page itself set inline styles.
 PAGE_POLICY = "; ".join(
     (
         "default-src 'none'",
@@ -26,7 +26,7 @@ PAGE_POLICY = "; ".join(
     )
 )
 DATA_POLICY = "default-src 'none'; frame-ancestors 'none'; sandbox"
-# the viewer of the interface (docs_page.py): its icons are in its style sheet, its styles in its script
+# Swagger UI (docs_page.py) has icons in its style sheet and styles in its script
 DOCS_POLICY = "; ".join(
     (
         "default-src 'none'",
@@ -49,25 +49,25 @@ ALWAYS: Mapping[str, str] = {
 
 
 def policy_of(path: str) -> str:
-    """The content security policy of a path."""
+    """The Content-Security-Policy of a path."""
     if path == "/docs" or path.startswith("/docs/"):
         return DOCS_POLICY
     return DATA_POLICY if path.startswith(("/api/", "/metrics", "/healthz", "/openapi.json")) else PAGE_POLICY
 
 
 class SecurityHeaders:
-    """ASGI middleware: the headers on every answer, a route's own taking precedence."""
+    """ASGI middleware that adds the security headers to every response unless the route has set them."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on; its answer gets the headers."""
+        """Handle a request and add the headers to its response."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
 
-        async def answer(message: Message) -> None:
+        async def send_response(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
                 for name, value in ALWAYS.items():
@@ -77,4 +77,4 @@ class SecurityHeaders:
                     headers.setdefault("Cache-Control", "no-store")
             await send(message)
 
-        await self._app(scope, receive, answer)
+        await self._app(scope, receive, send_response)

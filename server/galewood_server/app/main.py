@@ -1,4 +1,4 @@
-"""The service: what it is made of, how it starts and how it ends."""
+"""Assembles the service and runs it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fastapi import FastAPI
 
 from galewood_server.access import AccessControl, MeshImporter, limited_importer
 from galewood_server.api import ROUTERS, VERSION, ChangeFeed, ServiceCollector
-from galewood_server.app import docs_page, notices, species
+from galewood_server.app import builtin_trees, docs_page, startup_warnings
 from galewood_server.app.headers import SecurityHeaders
 from galewood_server.app.http_protocol import protocol_with_limit
 from galewood_server.app.openapi import describe
@@ -32,7 +32,7 @@ log = logging.getLogger("galewood")
 
 
 def create_app(settings: Settings, importer: MeshImporter | None = None) -> FastAPI:
-    """The application; `intake` reads an upload (bytes, filename, options), a parameter for the tests."""
+    """Create the application. `importer` replaces the sandboxed mesh import in tests."""
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
@@ -46,8 +46,8 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
             for work in (
                 Supervisor(service).run(),
                 app.state.feed.run(),
-                species.register(service),
-                asyncio.to_thread(notices.tell, settings),
+                builtin_trees.register(service),
+                asyncio.to_thread(startup_warnings.log_startup_warnings, settings),
             )
         ]
         try:
@@ -59,17 +59,17 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
             lock.close()
 
     app = FastAPI(title="Galewood", version=VERSION, lifespan=lifespan, docs_url=None, redoc_url=None)
-    app.state.metrics = counted = Metrics(VERSION)
+    app.state.metrics = metrics = Metrics(VERSION)
     install_error_handlers(app)
     for router in ROUTERS:
         app.include_router(router)
     describe(app)
     docs_page.install(app)
     app.mount("/", Page(settings.page_dir))
-    # the last added is the first to see a request
-    app.add_middleware(AccessControl, settings=settings, metrics=counted)
+    # the middleware added last handles a request first
+    app.add_middleware(AccessControl, settings=settings, metrics=metrics)
     app.add_middleware(SecurityHeaders)
-    app.add_middleware(Tracing, metrics=counted)
+    app.add_middleware(Tracing, metrics=metrics)
     return app
 
 
@@ -89,7 +89,7 @@ def _service(settings: Settings, importer: MeshImporter) -> Service:
 
 
 def _lock(data_dir: Path) -> TextIO:
-    """Hold the data folder; RuntimeError if another server does."""
+    """Lock the data folder. RuntimeError if another server uses it."""
     data_dir.mkdir(parents=True, exist_ok=True)
     handle = (data_dir / ".lock").open("w")
     try:
@@ -97,13 +97,13 @@ def _lock(data_dir: Path) -> TextIO:
     except OSError:
         handle.close()
         raise RuntimeError(
-            f"another server is using {data_dir}; set GALEWOOD_DATA_DIR to a folder of its own"
+            f"another server is using {data_dir}; set GALEWOOD_DATA_DIR to a different folder"
         ) from None
     return handle
 
 
 def run(app: FastAPI, settings: Settings) -> None:
-    """Answer until interrupted, then let what is being answered come to its end."""
+    """Serve until interrupted, then finish open requests."""
     configure_logging(settings)
     uvicorn.run(
         app,

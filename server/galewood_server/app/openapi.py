@@ -1,4 +1,4 @@
-"""The interface's own description, completed by what holds for every route alike."""
+"""The OpenAPI description, completed with the problems and the API key that all routes share."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
-from galewood_server.access import HARMLESS, UNSAFE
+from galewood_server.access import READ_ONLY_POSTS, WRITE_METHODS
 from galewood_server.http import ProblemOut, problems
 
-ABOUT = """Trees go in as meshes and come out as tables of simulated motion.
+ABOUT = """Computes lookup tables of simulated motion from tree meshes.
 
-Errors are problems (RFC 9457): `code` for programs, `title`, `detail` and `hint` for people. What changes
-anything needs a key (`Authorization: Bearer KEY`), or, where the operator set none, a client on the server's
-own machine. Lists come in pages: pass `next` on as `after`. Answers carry `ETag` and `X-Request-ID`.
-Forests are streamed by the WebSocket `/ws/forest` (docs/formats/wire.md)."""
+Errors are problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users.
+Write access requires an API key (`Authorization: Bearer KEY`) or, if the operator configured none, a client
+on the server's own machine. Lists are paginated: pass `next` as `after`. Responses have `ETag` and
+`X-Request-ID` headers. Forests are streamed over the WebSocket `/ws/forest` (docs/formats/wire.md)."""
 
 
 def describe(app: FastAPI) -> None:
-    """Let the app describe itself with the problems and the key that every route shares."""
+    """Replace the app's OpenAPI function by one that adds the shared problems and the API key."""
 
     def description() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -51,7 +51,7 @@ def _complete_operation(path: str, method: str, operation: dict[str, Any]) -> No
         shared.add(422)
     if "requestBody" in operation:
         shared |= {408, 413, 422}
-    if method in UNSAFE and path not in HARMLESS:
+    if method in WRITE_METHODS and path not in READ_ONLY_POSTS:
         shared |= {401, 403}
         operation["security"] = [{"key": []}, {}]
     for status, answer in problems(*sorted(shared)).items():

@@ -1,4 +1,4 @@
-"""The viewer's page: the built files of web/, or a page that says how to build them."""
+"""The web page: the built files of web/, or instructions how to build them."""
 
 from __future__ import annotations
 
@@ -11,34 +11,34 @@ from starlette.types import Receive, Scope, Send
 NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Galewood</title>
 <body style="font: 16px/1.5 system-ui; max-width: 40rem; margin: 4rem auto; padding: 0 1rem">
 <h1>The page has not been built</h1>
-<p>The server is running, but there is no page in <code>web/dist</code>. Build it and reload:</p>
+<p>The server is running, but <code>web/dist</code> has no page. Build it, then reload:</p>
 <pre>make build</pre>
-<p>The interface for programs is at <a href="/docs">/docs</a>.</p></body></html>"""
+<p>The REST API is documented at <a href="/docs">/docs</a>.</p></body></html>"""
 HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "same-origin"}
-FOREVER = "public, max-age=31536000, immutable"
+IMMUTABLE = "public, max-age=31536000, immutable"
 
 
 class Page(StaticFiles):
-    """Static files, looked for at each request, so that a page built later needs no restart."""
+    """Static files, looked up on each request, so that a page built later needs no restart."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__(directory=folder, html=True, check_dir=False)
         self._folder = folder
 
     async def check_config(self) -> None:
-        """Nothing to check: a missing folder is answered by a page of its own."""
+        """Skip the check: a missing folder is handled by `get_response`."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
-        """A file of the page. Files whose name has a hash are kept for ever, the others asked for again."""
+        """A file of the page. Files with a hash in their name are immutable, others are revalidated."""
         if path in (".", "index.html") and not (self._folder / "index.html").is_file():
             return HTMLResponse(NOT_BUILT, 503, HEADERS)
         response = await super().get_response(path, scope)
-        response.headers["Cache-Control"] = FOREVER if path.startswith("assets/") else "no-cache"
+        response.headers["Cache-Control"] = IMMUTABLE if path.startswith("assets/") else "no-cache"
         response.headers.update(HEADERS)
         return response
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Requests only: a WebSocket to an unknown path is refused."""
+        """Serve HTTP requests; reject WebSockets to unknown paths."""
         if scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008})
             return

@@ -1,8 +1,9 @@
-"""Many clients of a stream in one process, as light as possible, so that the server is what is measured.
+"""Lightweight stream clients in one process, for benchmarks of the server.
 
-`python -m galewood_server.cli.bench_client` reads one line of JSON from standard input, prints "ready",
-measures for as many seconds as each further line says, and prints its figures as JSON at the end. Server and
-clients share a machine, hence a clock.
+`python -m galewood_server.cli.bench_client` reads a JSON line with its parameters from standard input,
+prints "ready", measures for the number of seconds given by each further line, and finally prints the
+results as JSON.
+Server and clients must run on the same machine, because they compare times of its clock.
 """
 
 from __future__ import annotations
@@ -13,12 +14,11 @@ import select
 import socket
 import sys
 import time
-from typing import Any
+from typing import Any, cast
 
-import msgpack
 import numpy as np
 
-from galewood_server.stream import FRAME, wire
+from galewood_server.stream import FRAME, unpack_msgpack, wire
 
 BYTES_PER_TREE = 256
 _HANDSHAKE = (
@@ -28,7 +28,7 @@ _HANDSHAKE = (
 
 
 def masked(message: bytes, opcode: int = 2) -> bytes:
-    """A message as clients send it, under a mask of zeros."""
+    """The WebSocket frame of a client message, with a zero mask."""
     head = bytes([0x80 | opcode])
     if len(message) < 126:
         head += bytes([0x80 | len(message)])
@@ -39,8 +39,8 @@ def masked(message: bytes, opcode: int = 2) -> bytes:
     return head + bytes(4) + message
 
 
-def grown(job: dict[str, Any], member: int) -> wire.Forest:
-    """The forest that a client asks for: one of the shared ones, or its own."""
+def client_forest(job: dict[str, Any], member: int) -> wire.Forest:
+    """The forest request of client number `member`: shared or private."""
     tables, count = job["tables"], job["trees"]
     counts = [count // len(tables) + (k < count % len(tables)) for k in range(len(tables))]
     own = job["forests"] == 0
@@ -52,7 +52,7 @@ def grown(job: dict[str, Any], member: int) -> wire.Forest:
 
 
 def connected(port: int, forest: wire.Forest) -> socket.socket:
-    """A socket that has asked for its forest."""
+    """Open a WebSocket and request a forest. ConnectionError."""
     link = socket.create_connection(("127.0.0.1", port))
     link.sendall(_HANDSHAKE)
     answer = b""
@@ -69,25 +69,25 @@ def connected(port: int, forest: wire.Forest) -> socket.socket:
 
 
 class Listener:
-    """One client: what it received, and whether every difference met the tick it was taken from."""
+    """One client: counts received frames and checks the base ticks of differences."""
 
     def __init__(self, link: socket.socket, trees: int) -> None:
         self.link = link
         self.ages_s: list[float] = []
         self.received_bytes = 0
-        self.keys = self.misfits = 0
+        self.keys = self.base_mismatches = 0
         self.tick: int | None = None
         self._buffer = bytearray((1 << 18) + BYTES_PER_TREE * trees)
         self._view = memoryview(self._buffer)
         self._filled = 0
         link.setblocking(False)
 
-    def forget(self) -> None:
-        """Count from here on."""
-        self.ages_s, self.received_bytes, self.keys, self.misfits = [], 0, 0, 0
+    def reset_counts(self) -> None:
+        """Reset the counters."""
+        self.ages_s, self.received_bytes, self.keys, self.base_mismatches = [], 0, 0, 0
 
     def read(self) -> bool:
-        """Take what has come; False at the end of the stream."""
+        """Read available data; False at the end of the stream."""
         try:
             count = self.link.recv_into(self._view[self._filled :])
         except BlockingIOError:
@@ -124,15 +124,15 @@ class Listener:
             self.link.send(masked(bytes(self._view[start : start + length]), 10))
         elif opcode == 2 and self._buffer[start + 3] == FRAME:
             end = start + 8 + int.from_bytes(self._buffer[start + 4 : start + 8], "little")
-            header: dict[str, Any] = msgpack.unpackb(self._view[start + 8 : end])
+            header = cast(dict[str, Any], unpack_msgpack(self._view[start + 8 : end]))
             self.ages_s.append(now_s - header["made_s"])
             self.keys += header["base"] is None
-            self.misfits += header["base"] not in (None, self.tick)
+            self.base_mismatches += header["base"] not in (None, self.tick)
             self.tick = header["tick"]
 
 
 def listen(listeners: list[Listener], until_s: float) -> int:
-    """Read until a time; the number of clients that were cut off."""
+    """Read until a time. Returns the number of clients that were disconnected."""
     poll = select.epoll()
     by_number = {listener.link.fileno(): listener for listener in listeners}
     for number in by_number:
@@ -148,10 +148,10 @@ def listen(listeners: list[Listener], until_s: float) -> int:
 
 
 def wait_until_cut(links: list[socket.socket], until_s: float) -> list[float]:
-    """Never read; the moments at which the server cut the sockets off."""
+    """Keep sockets open without reading. Returns the times at which the server closed them."""
     poll = select.poll()
     for link in links:
-        poll.register(link.fileno(), 0)  # errors and hang-ups alone
+        poll.register(link.fileno(), 0)  # only errors and hang-ups
     cut: list[float] = []
     while len(cut) < len(links) and (left_s := until_s - time.monotonic()) > 0:
         for number, _ in poll.poll(1e3 * left_s):
@@ -161,7 +161,7 @@ def wait_until_cut(links: list[socket.socket], until_s: float) -> list[float]:
 
 
 def figures(listeners: list[Listener], seconds: float, lost: int, spent_s: float) -> dict[str, Any]:
-    """What all clients saw."""
+    """Results over all clients."""
     ages_ms = 1e3 * np.array([age for listener in listeners for age in listener.ages_s] or [np.nan])
     rates_hz = [len(listener.ages_s) / seconds for listener in listeners]
     return {
@@ -169,20 +169,20 @@ def figures(listeners: list[Listener], seconds: float, lost: int, spent_s: float
         "age_ms": {f"p{q:g}": float(np.percentile(ages_ms, q)) for q in (50, 90, 99, 99.9, 100)},
         "megabytes_per_s": sum(listener.received_bytes for listener in listeners) / seconds / 1e6,
         "key_frames": sum(listener.keys for listener in listeners),
-        "misfits": sum(listener.misfits for listener in listeners),
+        "base_mismatches": sum(listener.base_mismatches for listener in listeners),
         "lost_clients": lost,
         "clients_cpu_share": spent_s / seconds,
     }
 
 
 def main() -> None:
-    """See the module."""
+    """Run the benchmark clients (see the module docstring)."""
     job: dict[str, Any] = json.loads(sys.stdin.readline())
     if job["core"] is not None:
         os.sched_setaffinity(0, {job["core"]})
     begin_s = time.monotonic()
-    if job["deaf"]:
-        links = [connected(job["port"], grown(job, member)) for member in range(job["clients"])]
+    if job["stalled"]:
+        links = [connected(job["port"], client_forest(job, member)) for member in range(job["clients"])]
         print("ready", flush=True)
         cut = wait_until_cut(links, begin_s + job["seconds"])
         result: dict[str, Any] = {"cut": len(cut), "last_cut_after_s": max(cut) - begin_s if cut else None}
@@ -196,36 +196,36 @@ def main() -> None:
 
 
 def _listeners(job: dict[str, Any]) -> list[Listener]:
-    """All clients; those that are connected read while the others come."""
+    """Connect all clients; connected ones read meanwhile."""
     listeners: list[Listener] = []
     for member in range(job["clients"]):
-        listeners.append(Listener(connected(job["port"], grown(job, member)), job["trees"]))
+        listeners.append(Listener(connected(job["port"], client_forest(job, member)), job["trees"]))
         if member % 8 == 7:
             listen(listeners, time.monotonic() + 0.05)
     return listeners
 
 
 def _wait_for_frames(listeners: list[Listener], patience_s: float = 180.0) -> None:
-    """A first start compiles for a while."""
+    """Wait for the first frame of every client; numba may have to compile first."""
     end_s = time.monotonic() + patience_s
     while any(listener.tick is None for listener in listeners):
         if listen(listeners, time.monotonic() + 0.5) or time.monotonic() > end_s:
-            raise RuntimeError("some clients get no frames: see the server's log")
+            raise RuntimeError("some clients receive no frames: see the server log")
 
 
 def _next_line(listeners: list[Listener]) -> str:
-    """The next line of standard input; clients go on reading meanwhile, or what follows would be old."""
+    """The next line of standard input. Clients keep reading meanwhile, so that no old frames queue up."""
     while not select.select([sys.stdin], [], [], 0)[0]:
         listen(listeners, time.monotonic() + 0.05)
     return sys.stdin.readline()
 
 
 def _phases(listeners: list[Listener]) -> list[dict[str, Any]]:
-    """One measurement for each line "SECONDS" of standard input, until it ends."""
+    """One measurement per line of standard input, which gives its length in seconds."""
     phases: list[dict[str, Any]] = []
     while line := _next_line(listeners):
         for listener in listeners:
-            listener.forget()
+            listener.reset_counts()
         seconds, spent_s = float(line), time.process_time()
         lost = listen(listeners, time.monotonic() + seconds)
         phases.append(figures(listeners, seconds, lost, time.process_time() - spent_s))

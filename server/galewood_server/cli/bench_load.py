@@ -1,7 +1,6 @@
-"""What one server process on one core carries: clients × trees × 30 Hz, and clients that never read.
+"""Load benchmark of one server process on one core: clients × trees × 30 Hz, and clients that never read.
 
-The server runs in a process of its own, pinned to one core, the clients in others, pinned apart from it.
-Run by `galewood bench-serve`.
+The server and the clients run in separate processes pinned to different cores. Run by `galewood bench-serve`.
 """
 
 from __future__ import annotations
@@ -34,12 +33,12 @@ STALLED_WITHIN_S = 30.0
 
 @dataclass(frozen=True)
 class Load:
-    """What to put on a server."""
+    """Parameters of the load."""
 
     clients: int = 200
     trees: int = 1000
     forests: int = 1
-    """Shared forests among the clients; 0 gives each its own."""
+    """Number of shared forests; 0 gives each client its own."""
     stalled: int = 20
     seconds: float = 20.0
     method: Method = "modal"
@@ -48,7 +47,7 @@ class Load:
 
 
 def run_load(tables: list[Path], load: Load) -> dict[str, Any]:
-    """All figures of one load."""
+    """Run a load benchmark and return its results."""
     with tempfile.TemporaryDirectory() as folder:
         store = FileStore(Path(folder) / "tables")
         names = [store.put(path.read_bytes()) for path in tables]
@@ -73,24 +72,24 @@ def run_load(tables: list[Path], load: Load) -> dict[str, Any]:
 
 
 def _measure(server: psutil.Process, job: dict[str, Any], load: Load) -> dict[str, Any]:
-    with _clients({**job, "clients": load.clients, "deaf": False}) as listeners:
+    with _clients({**job, "clients": load.clients, "stalled": False}) as listeners:
         watch = Watch(server)
         _phase(listeners, load.seconds)
         steady = watch.figures()
         if not load.stalled:
             return _with_phases({"steady": steady}, listeners)
-        stalled_job = {**job, "clients": load.stalled, "deaf": True, "seconds": STALLED_WITHIN_S}
+        stalled_job = {**job, "clients": load.stalled, "stalled": True, "seconds": STALLED_WITHIN_S}
         with _clients(stalled_job) as stalled:
             watch = Watch(server)
             _phase(listeners, STALLED_WITHIN_S)
             with_stalled = watch.figures()
-            with_stalled["deaf"] = _last_line(stalled)
+            with_stalled["stalled_clients"] = _last_line(stalled)
         with_stalled["sockets_left"] = _sockets(job["port"])
-        return _with_phases({"steady": steady, "with_deaf_clients": with_stalled}, listeners)
+        return _with_phases({"steady": steady, "with_stalled_clients": with_stalled}, listeners)
 
 
 def _with_phases(measured: dict[str, Any], listeners: subprocess.Popen[str]) -> dict[str, Any]:
-    """What the server spent beside what the clients saw."""
+    """Merge the server's and the clients' results of each phase."""
     assert listeners.stdin
     listeners.stdin.close()
     phases = cast(list[dict[str, Any]], _last_line(listeners)["phases"])
@@ -100,7 +99,7 @@ def _with_phases(measured: dict[str, Any], listeners: subprocess.Popen[str]) -> 
 
 
 class Watch:
-    """Processor and memory of a process while something else happens."""
+    """Measures CPU and memory usage of a process in the background."""
 
     def __init__(self, process: psutil.Process) -> None:
         self._process = process
@@ -122,7 +121,7 @@ class Watch:
             self._memory.append(self._rss_mb())
 
     def figures(self) -> dict[str, Any]:
-        """From the beginning to now."""
+        """Stop and return CPU share and memory since the start."""
         self._done.set()
         self._thread.join()
         share = (self._cpu_s() - self._spent_s) / (time.monotonic() - self._begin_s)
@@ -176,7 +175,7 @@ def _wait_for(port: int, child: subprocess.Popen[bytes], patience_s: float = 120
             return
         except httpx.HTTPError:
             time.sleep(0.2)
-    raise RuntimeError("the server did not answer")
+    raise RuntimeError("the server did not respond")
 
 
 def _sockets(port: int) -> int:
@@ -185,7 +184,7 @@ def _sockets(port: int) -> int:
 
 @contextmanager
 def _clients(job: dict[str, Any]) -> Generator[subprocess.Popen[str]]:
-    """A process of clients that have all asked for their forest."""
+    """Start a client process and wait until all clients have requested their forest."""
     child = subprocess.Popen(
         [sys.executable, "-m", "galewood_server.cli.bench_client"],
         stdin=subprocess.PIPE,
@@ -214,7 +213,7 @@ def _expect(child: subprocess.Popen[str], word: str) -> None:
     assert child.stdout
     line = child.stdout.readline().strip()
     if line != word:
-        raise RuntimeError(f"the clients ended: {line!r}")
+        raise RuntimeError(f"the client process failed: {line!r}")
 
 
 def _last_line(child: subprocess.Popen[str]) -> dict[str, Any]:
@@ -223,11 +222,9 @@ def _last_line(child: subprocess.Popen[str]) -> dict[str, Any]:
 
 
 def table_files(folder: Path) -> list[Path]:
-    """Tables of a data folder, the smallest first. FileNotFoundError if there are none."""
+    """The smallest tables of a data folder, at most three. FileNotFoundError if there are none."""
     found = sorted((folder / "tables").glob("??/*"), key=lambda path: path.stat().st_size)
     whole = [path for path in found if hashlib.sha256(path.read_bytes()).hexdigest() == path.name]
     if not whole:
-        raise FileNotFoundError(
-            f"no tables in {folder}: name some with --table, or run `galewood serve` first"
-        )
+        raise FileNotFoundError(f"no tables in {folder}: give --table, or run `galewood serve` first")
     return whole[:3]

@@ -1,4 +1,4 @@
-"""A client of the service: send a mesh, wait for its table, fetch it, follow a forest.
+"""Python client of the service: upload meshes, wait for tables, download them, and stream forests.
 
 with Client("http://127.0.0.1:8000", key=None) as galewood:
     tree = galewood.upload(Path("oak.glb"), species="maple")
@@ -23,13 +23,13 @@ from websockets.exceptions import ConnectionClosedError
 from galewood_server.stream import Failure, Forest, Hello, Reply, decode_reply, encode_request
 
 ENDED = ("done", "failed", "cancelled")
-QUIET_S = 60.0  # the server says something at least every 15 s
-TRIES = 5
+READ_TIMEOUT_S = 60.0  # the server sends a ping at least every 15 s
+MAX_TRIES = 5
 Json = dict[str, Any]
 
 
 class ServiceError(Exception):
-    """A problem that the service told (RFC 9457): `status`, `code`, and words for people."""
+    """A problem response of the service (RFC 9457)."""
 
     def __init__(self, status: int, code: str, title: str, hint: str) -> None:
         super().__init__(f"{title} {hint}".strip())
@@ -37,7 +37,7 @@ class ServiceError(Exception):
 
 
 class Client:
-    """Talks to one server; `key` is needed for what changes anything, where the server asks for one."""
+    """HTTP client of one server. `key` is the API key for write access, if the server requires one."""
 
     def __init__(
         self, url: str, key: str | None = None, *, transport: httpx.BaseTransport | None = None
@@ -54,21 +54,21 @@ class Client:
         self._http.close()
 
     def upload(self, mesh: Path, **assumptions: str | float) -> Json:
-        """Send a mesh; the tree with its report. The same file again is the same tree. ServiceError."""
+        """Upload a mesh and return its tree. The same file gives the same tree. ServiceError."""
         fields = {name: str(value) for name, value in assumptions.items()}
         with mesh.open("rb") as file:
-            return self._ask("POST", "/api/trees", files={"file": (mesh.name, file)}, data=fields)
+            return self._request("POST", "/api/trees", files={"file": (mesh.name, file)}, data=fields)
 
     def tree(self, tree_id: str) -> Json:
-        """A tree as it stands. ServiceError."""
-        return self._ask("GET", f"/api/trees/{tree_id}")
+        """A tree. ServiceError."""
+        return self._request("GET", f"/api/trees/{tree_id}")
 
     def start(self, tree_id: str, **settings: Any) -> Json:
-        """Have a tree's table computed; its job, done already if the table is there. ServiceError."""
-        return self._ask("POST", "/api/jobs", json={"tree_id": tree_id, "settings": settings})
+        """Compute a tree's table. Returns the job, already done if the table exists. ServiceError."""
+        return self._request("POST", "/api/jobs", json={"tree_id": tree_id, "settings": settings})
 
     def follow(self, job_id: str, kind: str = "jobs") -> Iterator[Json]:
-        """The job at every change until it ends; a broken connection is taken up again. ServiceError.
+        """Yield the job at every change until it ends; reconnects if the connection breaks. ServiceError.
 
         `kind`: "jobs", "evaluations" or "comparisons".
         """
@@ -80,47 +80,48 @@ class Client:
                     yield job
                     if job["state"] in ENDED:
                         return
-                time.sleep(1.0)  # the server ended it, as it does when it stops
+                time.sleep(1.0)  # the server is shutting down
             except httpx.TransportError:
                 tries += 1
-                if tries >= TRIES:
+                if tries >= MAX_TRIES:
                     raise
                 time.sleep(min(2.0**tries, 10.0))
 
     def table(self, sha256: str) -> bytes:
-        """A table's bytes, held against their hash. ServiceError; ValueError if they are damaged."""
+        """Download a table and verify its hash. ServiceError; ValueError if it is damaged."""
         answer = self._http.get(f"/api/tables/{sha256}")
         _check(answer)
         if hashlib.sha256(answer.content).hexdigest() != sha256:
-            raise ValueError("the table came damaged")
+            raise ValueError("the downloaded table is damaged")
         return answer.content
 
     def cancel(self, job_id: str, kind: str = "jobs") -> Json:
-        """Ask a job to stop. ServiceError."""
-        return self._ask("POST", f"/api/{kind}/{job_id}/cancel")
+        """Cancel a job. ServiceError."""
+        return self._request("POST", f"/api/{kind}/{job_id}/cancel")
 
-    def evaluate(self, tree_id: str, **asked: float) -> Json:
-        """Have a tree's table held against its finite elements: `sway` or `speed_m_s`, `frames`, `seed`; the
-        evaluation, to be followed as one of the kind "evaluations". ServiceError.
+    def evaluate(self, tree_id: str, **parameters: float) -> Json:
+        """Start an evaluation of a tree's table with `sway` or `speed_m_s`, `frames` and `seed`.
+
+        Use `follow` with kind "evaluations" to wait for it. ServiceError.
         """
-        return self._ask("POST", f"/api/trees/{tree_id}/evaluations", json=asked)
+        return self._request("POST", f"/api/trees/{tree_id}/evaluations", json=parameters)
 
     def evaluations(self, tree_id: str) -> list[Json]:
-        """The evaluations of a tree, the newest first. ServiceError."""
-        return self._ask("GET", f"/api/trees/{tree_id}/evaluations")["evaluations"]
+        """The evaluations of a tree, newest first. ServiceError."""
+        return self._request("GET", f"/api/trees/{tree_id}/evaluations")["evaluations"]
 
     def evaluation_report(self, evaluation_id: str) -> Json:
-        """All figures of an evaluation that is done (docs/formats/evaluation.md). ServiceError."""
-        return self._ask("GET", f"/api/evaluations/{evaluation_id}/report")
+        """The report of a finished evaluation (docs/formats/evaluation.md). ServiceError."""
+        return self._request("GET", f"/api/evaluations/{evaluation_id}/report")
 
     def evaluation_plot(self, evaluation_id: str) -> bytes:
-        """Its errors over time as a PNG. ServiceError."""
+        """The error plot of a finished evaluation (PNG). ServiceError."""
         answer = self._http.get(f"/api/evaluations/{evaluation_id}/plot")
         _check(answer)
         return answer.content
 
     def _events(self, job_id: str, kind: str) -> Iterator[Json]:
-        timeout = httpx.Timeout(60.0, read=QUIET_S)
+        timeout = httpx.Timeout(60.0, read=READ_TIMEOUT_S)
         path = f"/api/{kind}/{job_id}/events"
         with connect_sse(self._http, "GET", path, timeout=timeout) as source:
             if source.response.is_error:
@@ -129,7 +130,7 @@ class Client:
             for event in source.iter_sse():
                 yield event.json()
 
-    def _ask(self, method: str, path: str, **given: Any) -> Json:
+    def _request(self, method: str, path: str, **given: Any) -> Json:
         answer = self._http.request(method, path, **given)
         _check(answer)
         return answer.json()
@@ -139,18 +140,17 @@ def _check(answer: httpx.Response) -> None:
     if not answer.is_error:
         return
     try:
-        told: Json = answer.json()
+        problem: Json = answer.json()
     except ValueError:
-        told = {}
-    title = told.get("title") or f"The server answered {answer.status_code}."
-    raise ServiceError(answer.status_code, told.get("code", ""), title, told.get("hint", ""))
+        problem = {}
+    title = problem.get("title") or f"The server responded with status {answer.status_code}."
+    raise ServiceError(answer.status_code, problem.get("code", ""), title, problem.get("hint", ""))
 
 
 async def stream(url: str, forest: Forest, name: str = "galewood client") -> AsyncIterator[Reply]:
-    """What the server sends of a forest (stream/wire.py), until the caller has had enough.
+    """Yield the server's messages about a forest (stream/wire.py) until the caller stops.
 
-    `url` is the server's, as for Client. Ends after a Failure; ConnectionClosedError if
-    the socket breaks.
+    `url` is the server's, as for Client. Ends after a Failure. ConnectionClosedError if the socket breaks.
     """
     address = url.rstrip("/").replace("http", "ws", 1) + "/ws/forest"
     async with connect(address, max_size=None, compression=None) as socket:
@@ -163,5 +163,5 @@ async def stream(url: str, forest: Forest, name: str = "galewood client") -> Asy
                     reply = decode_reply(message)
                     yield reply
         except ConnectionClosedError:
-            if not isinstance(reply, Failure):  # which said why
+            if not isinstance(reply, Failure):  # the Failure has the reason
                 raise

@@ -21,9 +21,9 @@ for command in (upload, doctor, key):
 def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on (HOST).")] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on (PORT).")] = None,
-    data_dir: Annotated[Path | None, typer.Option(help="Folder of all state (GALEWOOD_DATA_DIR).")] = None,
+    data_dir: Annotated[Path | None, typer.Option(help="Data folder (GALEWOOD_DATA_DIR).")] = None,
 ) -> None:
-    """Serve the page, the REST interface and the streams; compute the built-in species in the background."""
+    """Serve the web page, the REST API and the streams; compute the built-in trees in the background."""
     given = {"GALEWOOD_HOST": host, "GALEWOOD_PORT": port, "GALEWOOD_DATA_DIR": data_dir}
     # children read the same settings from the environment
     os.environ.update({name: str(value) for name, value in given.items() if value is not None})
@@ -39,21 +39,21 @@ def serve(
 
 @app.command("bench-serve")
 def bench_serve(
-    clients: Annotated[int, typer.Option(help="Clients that read.")] = 200,
-    trees: Annotated[int, typer.Option(help="Trees of each forest.")] = 1000,
-    forests: Annotated[int, typer.Option(help="Forests that they share; 0 gives each its own.")] = 1,
-    stalled: Annotated[int, typer.Option(help="Further clients that never read, in a second phase.")] = 20,
-    seconds: Annotated[float, typer.Option(help="Length of the first phase.")] = 20.0,
+    clients: Annotated[int, typer.Option(help="Number of clients that read.")] = 200,
+    trees: Annotated[int, typer.Option(help="Trees per forest.")] = 1000,
+    forests: Annotated[int, typer.Option(help="Number of shared forests; 0 gives each client its own.")] = 1,
+    stalled: Annotated[int, typer.Option(help="Additional clients that never read, in a second phase.")] = 20,
+    seconds: Annotated[float, typer.Option(help="Length of the first phase (s).")] = 20.0,
     paper: Annotated[
-        bool, typer.Option(help="The paper's search in place of the drift-free method.")
+        bool, typer.Option(help="Use the paper's state search instead of the modal model.")
     ] = False,
-    server_core: Annotated[int, typer.Option(help="Core of the server; −1 for any.")] = 0,
-    client_core: Annotated[int, typer.Option(help="Core of the clients; −1 for any.")] = 1,
-    table: Annotated[list[Path] | None, typer.Option(exists=True, help="Tables of the trees.")] = None,
-    data_dir: Annotated[Path, typer.Option(help="Where to look for tables.")] = Path("data"),
+    server_core: Annotated[int, typer.Option(help="CPU core of the server; −1 for any.")] = 0,
+    client_core: Annotated[int, typer.Option(help="CPU core of the clients; −1 for any.")] = 1,
+    table: Annotated[list[Path] | None, typer.Option(exists=True, help="Table files of the trees.")] = None,
+    data_dir: Annotated[Path, typer.Option(help="Data folder to search for tables.")] = Path("data"),
     json_out: JsonOut = None,
 ) -> None:
-    """Measure what one server process on one core carries: frame rate, age of frames, memory."""
+    """Benchmark one server process on one core: frame rate, frame age and memory."""
     with needs_extras():
         from galewood_server.cli.bench_load import Load, run_load, table_files
 

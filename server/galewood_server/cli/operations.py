@@ -1,4 +1,4 @@
-"""`galewood upload`, `doctor` and `key`: what an operator and a user do from the shell."""
+"""The commands `galewood upload`, `doctor` and `key`."""
 
 from __future__ import annotations
 
@@ -13,18 +13,20 @@ from galewood_server.cli.extras import needs_extras
 
 def upload(
     mesh: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL.")],
-    server: Annotated[str, typer.Option(help="Where the service is.")] = "http://127.0.0.1:8000",
+    server: Annotated[str, typer.Option(help="URL of the service.")] = "http://127.0.0.1:8000",
     key: Annotated[
-        str | None, typer.Option(envvar="GALEWOOD_KEY", help="Key, if the service asks for one.")
+        str | None, typer.Option(envvar="GALEWOOD_KEY", help="API key, if the service requires one.")
     ] = None,
-    species: Annotated[str | None, typer.Option(help="Wood of this species.")] = None,
-    height_m: Annotated[float | None, typer.Option(help="Height of the tree, m.")] = None,
-    up_axis: Annotated[str | None, typer.Option(help="x, y or z.")] = None,
-    inspect: Annotated[bool, typer.Option(help="Only tell what would be assumed; compute nothing.")] = False,
+    species: Annotated[str | None, typer.Option(help="Wood species.")] = None,
+    height_m: Annotated[float | None, typer.Option(help="Height of the tree (m).")] = None,
+    up_axis: Annotated[str | None, typer.Option(help="Up axis: x, y or z.")] = None,
+    inspect: Annotated[
+        bool, typer.Option(help="Only import the mesh and print the report; compute nothing.")
+    ] = False,
     out: Annotated[Path | None, typer.Option(help="Write the table to this file.")] = None,
     json_out: JsonOut = None,
 ) -> None:
-    """Send a mesh to a service, wait until its table is computed, and fetch it if a file is named."""
+    """Upload a mesh to a service, wait for its table and optionally download it."""
     with needs_extras():
         import httpx
 
@@ -42,7 +44,7 @@ def upload(
         console.print(f"[red]{error.title}[/red] {error.hint}")
         raise typer.Exit(1) from None
     except httpx.TransportError as error:
-        console.print(f"[red]{server} does not answer[/red] ({error})")
+        console.print(f"[red]{server} does not respond[/red] ({error})")
         raise typer.Exit(1) from None
     write_figures(json_out, tree)
     console.print_json(data=tree)
@@ -50,14 +52,14 @@ def upload(
 
 def _compute(client: Any, tree_id: str) -> dict[str, Any]:
     with progress_bar() as bar:
-        tell = progress_reporter(bar)
+        report = progress_reporter(bar)
         started = client.start(tree_id)
         job = started
         for job in client.follow(started["id"]):
-            tell(job["fraction"], job["message"])
+            report(job["fraction"], job["message"])
     if job["state"] != "done":
         console.print(
-            f"[red]The tree was not computed[/red] ({job['state']}): {job['error'] or job['message']}"
+            f"[red]The computation did not finish[/red] ({job['state']}): {job['error'] or job['message']}"
         )
         raise typer.Exit(1)
     return client.tree(tree_id)
@@ -65,16 +67,16 @@ def _compute(client: Any, tree_id: str) -> dict[str, Any]:
 
 def doctor(
     repair: Annotated[
-        bool, typer.Option(help="Remove what is torn or orphaned, let go of what is gone.")
+        bool, typer.Option(help="Remove corrupt and unreferenced files, clear references to missing ones.")
     ] = False,
     json_out: JsonOut = None,
 ) -> None:
-    """Hold the stores against the database; 1 if something needs to be done, 0 if all is well."""
+    """Check the file stores against the database. Exit status 1 if there are faults, otherwise 0."""
     with needs_extras():
-        from galewood_server.cli.doctor import examine
+        from galewood_server.cli.doctor import run_checks
         from galewood_server.settings import Settings
 
-    findings = examine(Settings(), repair=repair)
+    findings = run_checks(Settings(), repair=repair)
     for one in findings:
         mark = "repaired" if one.repaired else "FAULT" if one.is_fault else "note"
         console.print(f"{mark:>8}  {one.kind}: {one.what}", highlight=False, markup=False, soft_wrap=True)
@@ -86,7 +88,7 @@ def doctor(
 
 
 def key() -> None:
-    """Make a key: give the first line to whoever may write, put the second into GALEWOOD_API_KEYS."""
+    """Create an API key: give the key to a client and add its hash to GALEWOOD_API_KEYS."""
     with needs_extras():
         from galewood_server.access import new_key
 

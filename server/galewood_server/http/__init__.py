@@ -1,17 +1,24 @@
-"""What every route shares: schemas, problems (RFC 9457), pagination, ETags, multipart forms."""
+"""Shared by all routes: schemas, problem details (RFC 9457), pagination, ETags and multipart forms."""
 
-from galewood_server.http.assumptions import NAMES, import_options
 from galewood_server.http.errors import (
     Problem,
     ProblemError,
     install_error_handlers,
     not_found,
-    problem_of,
+    problem_from,
     problems,
 )
-from galewood_server.http.etags import NOT_MODIFIED, matches, tagged
-from galewood_server.http.multipart import FORM, Upload, read_upload
-from galewood_server.http.pagination import Asked, PageQuery, bad_cursor, beyond, cursor_of, parts_of
+from galewood_server.http.etags import NOT_MODIFIED, etag_matches, json_with_etag
+from galewood_server.http.import_fields import IMPORT_FIELDS, import_options
+from galewood_server.http.multipart import UPLOAD_FORM, Upload, read_upload
+from galewood_server.http.pagination import (
+    PageParams,
+    PageQuery,
+    decode_cursor,
+    encode_cursor,
+    invalid_cursor,
+    rows_after,
+)
 from galewood_server.http.schemas import (
     Change,
     Health,
@@ -22,50 +29,50 @@ from galewood_server.http.schemas import (
     PrecomputeRequest,
     ProblemOut,
     Readiness,
-    SpeciesList,
-    SpeciesOut,
     TableList,
     TableOut,
     TreeChanges,
     TreeList,
     TreeOut,
+    WoodSpeciesList,
+    WoodSpeciesOut,
 )
 
 __all__ = [
-    "FORM",
-    "NAMES",
+    "IMPORT_FIELDS",
     "NOT_MODIFIED",
-    "Asked",
+    "UPLOAD_FORM",
     "Change",
     "Health",
     "JobList",
     "JobOut",
     "JobRequest",
     "Liveness",
+    "PageParams",
     "PageQuery",
     "PrecomputeRequest",
     "Problem",
     "ProblemError",
     "ProblemOut",
     "Readiness",
-    "SpeciesList",
-    "SpeciesOut",
     "TableList",
     "TableOut",
     "TreeChanges",
     "TreeList",
     "TreeOut",
     "Upload",
-    "bad_cursor",
-    "beyond",
-    "cursor_of",
+    "WoodSpeciesList",
+    "WoodSpeciesOut",
+    "decode_cursor",
+    "encode_cursor",
+    "etag_matches",
     "import_options",
     "install_error_handlers",
-    "matches",
+    "invalid_cursor",
+    "json_with_etag",
     "not_found",
-    "parts_of",
-    "problem_of",
+    "problem_from",
     "problems",
     "read_upload",
-    "tagged",
+    "rows_after",
 ]

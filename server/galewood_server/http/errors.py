@@ -1,4 +1,4 @@
-"""From exceptions to problems (RFC 9457): one table, so that every failed request has the same shape."""
+"""Conversion of exceptions to problem details (RFC 9457)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ log = logging.getLogger("galewood.errors")
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """What a client is told: `code` is for programs, `title`, `detail` and `hint` for people."""
+    """An error response: `code` is machine-readable; `title`, `detail` and `hint` are for users."""
 
     status: int
     code: str
@@ -30,7 +30,7 @@ class Problem:
     hint: str
 
     def response(self, headers: Mapping[str, str] | None = None) -> JSONResponse:
-        """The problem as application/problem+json."""
+        """The response with media type application/problem+json."""
         body = {
             "type": f"urn:galewood:problem:{self.code}",
             "title": self.title,
@@ -43,7 +43,7 @@ class Problem:
 
 
 class ProblemError(Exception):
-    """Raised by our own code where a request cannot be met."""
+    """A request failed; converted to a Problem response."""
 
     def __init__(
         self,
@@ -61,15 +61,15 @@ class ProblemError(Exception):
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """The statuses of a route, for its description: each is answered with a problem."""
+    """The OpenAPI `responses` of statuses that are answered with a problem."""
     content = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemOut"}}}
     return {status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses}
 
 
 def not_found(kind: str, name: str) -> ProblemError:
-    """404 for a tree, job, table or mesh that is not here."""
+    """404 for an unknown tree, job, table or mesh."""
     title = f"There is no such {kind}"
-    return ProblemError(404, f"no-such-{kind}", title, detail=f"{name[:80]!r} is not known here.", hint="")
+    return ProblemError(404, f"no-such-{kind}", title, detail=f"{name[:80]!r} was not found.", hint="")
 
 
 MESH_STATUS: dict[Reason, int] = {"malformed": 400, "too-large": 413, "unsupported": 415, "unsuitable": 422}
@@ -83,7 +83,7 @@ def _from_mesh(error: MeshError) -> Problem:
 
 
 def _from_wind(error: WindError) -> Problem:
-    title, hint = "The wind document cannot be used", f"{error.path}: {error.expected}."
+    title, hint = "Invalid wind document", f"{error.path}: {error.expected}."
     return Problem(status=422, code="bad-wind", title=title, detail=str(error), hint=hint)
 
 
@@ -92,9 +92,9 @@ def _from_validation(error: RequestValidationError) -> Problem:
     return Problem(
         status=422,
         code="invalid-request",
-        title="The request has fields that cannot be used",
+        title="The request has invalid fields",
         detail="; ".join(lines),
-        hint="See /docs for the fields and their ranges.",
+        hint="See /docs for the fields and their allowed values.",
     )
 
 
@@ -118,13 +118,13 @@ def _from_anything(_error: Exception) -> Problem:
     return Problem(
         status=500,
         code="internal-error",
-        title="The server failed on this request",
-        detail="The cause is in the server's log.",
-        hint="Nothing stored was lost; try again.",
+        title="Internal server error",
+        detail="The server log has the details.",
+        hint="Try again. Stored data is not affected.",
     )
 
 
-TABLE: Mapping[type[Exception], Callable[[Any], Problem]] = {
+PROBLEMS_BY_TYPE: Mapping[type[Exception], Callable[[Any], Problem]] = {
     ProblemError: lambda error: error.problem,
     MeshError: _from_mesh,
     WindError: _from_wind,
@@ -135,17 +135,17 @@ TABLE: Mapping[type[Exception], Callable[[Any], Problem]] = {
 }
 
 
-def problem_of(error: Exception) -> Problem:
-    """The problem of an exception: the first row of the table that fits."""
-    return next(make(error) for kind, make in TABLE.items() if isinstance(error, kind))
+def problem_from(error: Exception) -> Problem:
+    """The problem for an exception, by the first matching type in PROBLEMS_BY_TYPE."""
+    return next(make(error) for kind, make in PROBLEMS_BY_TYPE.items() if isinstance(error, kind))
 
 
 def install_error_handlers(app: FastAPI) -> None:
-    """Make the app answer every exception with its problem."""
+    """Register handlers that answer every exception with its problem."""
 
     async def answer(_request: Request, error: Exception) -> Response:
-        return problem_of(error).response(getattr(error, "headers", None))
+        return problem_from(error).response(getattr(error, "headers", None))
 
     handler: Callable[[Request, Exception], Awaitable[Response]] = answer
-    for kind in TABLE:
+    for kind in PROBLEMS_BY_TYPE:
         app.add_exception_handler(kind, handler)

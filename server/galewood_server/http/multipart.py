@@ -1,4 +1,4 @@
-"""Reading an upload: a multipart form of one file and a few short fields, never more bytes than allowed."""
+"""Parses the multipart form of an upload (one file and a few short fields) with a size limit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from galewood_server.http.errors import ProblemError
 FORM_OVERHEAD_BYTES = 64 * 1024  # boundaries, part headers and the text fields
 DRAIN_S = 2.0
 FIELDS = ("species", "height_m", "name", "up_axis", "wood_materials")
-FORM: dict[str, Any] = {
+UPLOAD_FORM: dict[str, Any] = {
     "requestBody": {
         "required": True,
         "content": {
@@ -34,7 +34,7 @@ FORM: dict[str, Any] = {
                         "up_axis": {"type": "string", "enum": ["x", "y", "z"]},
                         "wood_materials": {
                             "type": "string",
-                            "description": "Names of the materials, nodes or meshes that are wood, by commas",
+                            "description": "Comma-separated names of wood materials, nodes or meshes",
                         },
                     },
                 }
@@ -46,7 +46,7 @@ FORM: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Upload:
-    """A file's bytes, its bare name, and the text fields that were given."""
+    """An uploaded file's bytes, its base name and the given text fields."""
 
     data: bytes
     filename: str
@@ -54,13 +54,13 @@ class Upload:
 
 
 async def read_upload(request: Request, limit_bytes: int) -> Upload:
-    """Read the form of an upload. ProblemError 400, 413 or 415 if it is not one, or too large."""
+    """Parse the form of an upload. ProblemError 400, 413, 415 or 422."""
     if not request.headers.get("content-type", "").startswith("multipart/form-data"):
         raise ProblemError(
             415,
             "not-a-form",
-            "An upload is a multipart form",
-            hint="Send multipart/form-data with a part 'file'.",
+            "The upload is not a multipart form",
+            hint="Send multipart/form-data with a part named 'file'.",
         )
     parser = MultiPartParser(request.headers, _limited(request, limit_bytes), max_files=1, max_fields=16)
     form = await parser.parse()
@@ -81,7 +81,7 @@ async def _upload_of(form: FormData, limit_bytes: int) -> Upload:
             422,
             "unknown-field",
             f"Unknown field {unknown[0][:40]!r}",
-            hint=f"Known: file, {', '.join(FIELDS)}.",
+            hint=f"Allowed fields: file, {', '.join(FIELDS)}.",
         )
     data = await file.read(limit_bytes + 1)
     if len(data) > limit_bytes:
@@ -90,13 +90,13 @@ async def _upload_of(form: FormData, limit_bytes: int) -> Upload:
 
 
 def bare_name(filename: str) -> str:
-    """The last part of a client's file name, printable and short; it is shown, never opened."""
+    """The base name of a client's file name, limited to printable characters; only for display."""
     last = PurePosixPath(filename.replace("\\", "/")).name
     return "".join(char for char in last if char.isprintable())[-120:] or "mesh"
 
 
 async def _limited(request: Request, limit_bytes: int) -> AsyncGenerator[bytes, None]:
-    """The body of a request; ProblemError 413 once it is, or says it will be, too long."""
+    """The request body in chunks. ProblemError 413 if its declared or actual length exceeds the limit."""
     room = limit_bytes + FORM_OVERHEAD_BYTES
     declared = request.headers.get("content-length", "")
     stream = request.stream()
@@ -113,7 +113,7 @@ async def _limited(request: Request, limit_bytes: int) -> AsyncGenerator[bytes, 
 
 
 async def _drain(stream: AsyncGenerator[bytes, None]) -> None:
-    # A client still sending would see a reset instead of the answer: read on for a moment, keep nothing.
+    # A client that is still sending would see a connection reset instead of the response: discard its data.
     try:
         async with asyncio.timeout(DRAIN_S):
             async for _ in stream:
@@ -127,6 +127,6 @@ def _too_large(limit_bytes: int) -> ProblemError:
         413,
         "upload-too-large",
         f"The file is larger than {limit_bytes // 1024 // 1024} MB",
-        detail=f"Uploads may have up to {limit_bytes} bytes.",
-        hint="Reduce the textures or the number of triangles.",
+        detail=f"The limit is {limit_bytes} bytes.",
+        hint="Reduce the texture size or the number of triangles.",
     )

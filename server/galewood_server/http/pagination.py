@@ -1,11 +1,11 @@
-"""Pages of long lists: a cursor names the last row that was sent, so rows that come or go shift nothing."""
+"""Keyset pagination: a cursor holds the sort key of the last row sent, so that inserts shift nothing."""
 
 from __future__ import annotations
 
 import base64
 import json
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 from fastapi import Query
 from pydantic import BaseModel
@@ -13,44 +13,51 @@ from sqlalchemy import ColumnElement, and_, or_
 
 from galewood_server.http.errors import ProblemError
 
-LARGEST = 500
+MAX_PAGE_LENGTH = 500
 
 
 class PageQuery(BaseModel):
-    """Which page of a list."""
+    """Query parameters of a page."""
 
-    limit: int = Query(default=100, ge=1, le=LARGEST)
-    after: str | None = Query(default=None, max_length=400, description="`next` of the page before.")
-
-
-Asked = Annotated[PageQuery, Query()]
+    limit: int = Query(default=100, ge=1, le=MAX_PAGE_LENGTH)
+    after: str | None = Query(default=None, max_length=400, description="`next` of the previous page.")
 
 
-def cursor_of(values: Sequence[str]) -> str:
-    """A cursor that holds the sort key of a row, each part as text."""
+PageParams = Annotated[PageQuery, Query()]
+
+
+def encode_cursor(values: Sequence[str]) -> str:
+    """Encode the sort key of a row, with all parts as text."""
     return base64.urlsafe_b64encode(json.dumps(list(values)).encode()).decode().rstrip("=")
 
 
-def parts_of(cursor: str, count: int) -> list[str]:
-    """The sort key in a cursor. ProblemError 422 if it is none of ours."""
+def decode_cursor(cursor: str, count: int) -> list[str]:
+    """Decode a cursor to `count` text parts. ProblemError 422 if it is invalid."""
     try:
-        parts = json.loads(base64.urlsafe_b64decode(cursor + "=" * (-len(cursor) % 4)))
+        parts: object = json.loads(base64.urlsafe_b64decode(cursor + "=" * (-len(cursor) % 4)))
     except ValueError:
         parts = None
-    if isinstance(parts, list) and len(parts) == count and all(isinstance(part, str) for part in parts):
-        return parts
-    raise bad_cursor()
+    if isinstance(parts, list):
+        texts = [part for part in cast(list[object], parts) if isinstance(part, str)]
+        if len(texts) == count == len(cast(list[object], parts)):
+            return texts
+    raise invalid_cursor()
 
 
-def bad_cursor() -> ProblemError:
-    """422 for a cursor that was not handed out here."""
+def invalid_cursor() -> ProblemError:
+    """422 for an invalid cursor."""
     return ProblemError(
-        422, "bad-cursor", "This is no page", hint="Pass on 'next' as it came, or leave it out."
+        422,
+        "bad-cursor",
+        "Invalid cursor",
+        hint="Use the unchanged value of 'next', or omit 'after' for the first page.",
     )
 
 
-def beyond(columns: Sequence[Any], values: Sequence[Any], *, descending: bool = False) -> ColumnElement[bool]:
-    """Rows after a sort key, in the order of the columns."""
+def rows_after(
+    columns: Sequence[Any], values: Sequence[Any], *, descending: bool = False
+) -> ColumnElement[bool]:
+    """SQL condition for the rows after a sort key, in lexicographic order of the columns."""
     rows: list[ColumnElement[bool]] = []
     for k, (column, value) in enumerate(zip(columns, values, strict=True)):
         equal = [left == right for left, right in zip(columns[:k], values[:k], strict=True)]

@@ -1,4 +1,4 @@
-"""What the REST interface sends and takes."""
+"""Request and response models of the REST API."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ TreeName = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1,
 
 
 class JobOut(BaseModel):
-    """A job: `fraction` in [0, 1], `seconds_left` an estimate, `error` a sentence.
+    """A build job: `fraction` is in [0, 1], `seconds_left` is an estimate, `error` a message for users.
 
-    `samples_done` of `samples_total` runs are simulated; `pictures` are names with a hash each.
+    `samples_done` of `samples_total` runs are simulated; `pictures` maps names of preview images to hashes.
     """
 
     model_config = ConfigDict(from_attributes=True)
@@ -37,7 +37,7 @@ class JobOut(BaseModel):
 
 
 class TreeOut(BaseModel):
-    """A tree: `state` is `ready` as soon as there is a table; `job_id` is its newest job."""
+    """A tree: `state` is `ready` once it has a complete table; `job_id` is its newest build job."""
 
     model_config = ConfigDict(from_attributes=True)
 
@@ -55,7 +55,7 @@ class TreeOut(BaseModel):
 
 
 class TreeList(BaseModel):
-    """A page of the trees, built-in species first, then by age; `next` asks for the page after it."""
+    """A page of the trees: built-in trees first, then by age. `next` is the cursor of the next page."""
 
     trees: list[TreeOut]
     total: int
@@ -63,7 +63,7 @@ class TreeList(BaseModel):
 
 
 class JobList(BaseModel):
-    """A page of the jobs, the newest first; `next` asks for the page after it."""
+    """A page of the jobs, newest first. `next` is the cursor of the next page."""
 
     jobs: list[JobOut]
     total: int
@@ -71,7 +71,7 @@ class JobList(BaseModel):
 
 
 class TableOut(BaseModel):
-    """A table that a tree has now."""
+    """The current table of a tree."""
 
     sha256: str
     size_bytes: int
@@ -83,15 +83,15 @@ class TableOut(BaseModel):
 
 
 class TableList(BaseModel):
-    """Every table in use."""
+    """A page of the current tables. `next` is the cursor of the next page."""
 
     tables: list[TableOut]
     total: int
     next: str | None
 
 
-class SpeciesOut(BaseModel):
-    """Wood that a tree can be given: elastic constants along and across the fibre, density, damping, drag."""
+class WoodSpeciesOut(BaseModel):
+    """A wood species: Young's modulus along the fibre, density, damping ratio and drag coefficient."""
 
     id: str
     name: str
@@ -102,36 +102,36 @@ class SpeciesOut(BaseModel):
     source: str
 
 
-class SpeciesList(BaseModel):
-    """The woods that are known by name."""
+class WoodSpeciesList(BaseModel):
+    """All wood species."""
 
-    species: list[SpeciesOut]
+    species: list[WoodSpeciesOut]
 
 
 class Change(BaseModel):
-    """One event of /api/events: a tree with its newest job, or the last word on a tree that was deleted."""
+    """An event of /api/events: a tree with its newest build job; `deleted` if the tree was removed."""
 
     tree: TreeOut
     job: JobOut | None
     deleted: bool = False
 
 
-class Assumptions(ImportRequest):
-    """What mesh import would otherwise assume; the tree's report says what it did assume."""
+class ImportFields(ImportRequest):
+    """Mesh import options. Missing options are determined by mesh import and listed in the tree's report."""
 
 
-class TreeChanges(Assumptions):
-    """Body of PATCH /api/trees/{id}: another name, other assumptions (the mesh is then read again)."""
+class TreeChanges(ImportFields):
+    """Body of PATCH /api/trees/{id}: a new name or other import options (the mesh is then imported again)."""
 
     name: TreeName | None = None
 
 
 class BuildSettings(BuildRequest):
-    """Options of a build; whatever is left out keeps the tree's own value or the default."""
+    """Settings of a build. Missing ones default to the tree's import options or the build's defaults."""
 
 
 class PrecomputeRequest(BaseModel):
-    """Body of POST /api/trees/{id}/precompute; may be left out."""
+    """Body of POST /api/trees/{id}/precompute (optional)."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -145,7 +145,7 @@ class JobRequest(PrecomputeRequest):
 
 
 class Liveness(BaseModel):
-    """Answer of /api/health: the versions of the software, of its tables and of its streams."""
+    """Response of /api/health: versions of the software, the table format and the stream protocol."""
 
     status: str
     version: str
@@ -154,7 +154,7 @@ class Liveness(BaseModel):
 
 
 class Readiness(BaseModel):
-    """Answer of /api/health/ready: `status` is "ok" or "unable"."""
+    """Response of /api/health/ready: `status` is "ok" or "unable"."""
 
     status: str
     version: str
@@ -162,7 +162,7 @@ class Readiness(BaseModel):
 
 
 class ProblemOut(BaseModel):
-    """A problem (RFC 9457): `code` is for programs, `title`, `detail` and `hint` for people."""
+    """Problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users."""
 
     type: str
     title: str
@@ -173,7 +173,7 @@ class ProblemOut(BaseModel):
 
 
 class Health(BaseModel):
-    """Answer of /healthz."""
+    """Response of /healthz."""
 
     status: str
     version: str

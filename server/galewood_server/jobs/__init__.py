@@ -1,4 +1,4 @@
-"""The job queue: jobs in, child processes that compute, results published. Only this package uses Dask."""
+"""The job queue: jobs run in child processes and store their results. Only this package uses Dask."""
 
 from galewood_server.jobs.analysis_files import PLOT
 from galewood_server.jobs.queue import add_job, find_job, queue_job, request_cancel

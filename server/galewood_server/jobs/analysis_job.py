@@ -1,11 +1,10 @@
-"""Jobs that find something out about a table: how it moves beside the finite elements it was made from."""
+"""Analysis jobs: comparisons and evaluations of a table against its FEM model."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any, cast
+from typing import Any
 
-import msgpack
 import numpy as np
 from galewood.evaluation import Comparison, Place, comparison_tracks, nodes_on_wood
 from galewood.fem import load_model
@@ -13,19 +12,20 @@ from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
 from galewood.table import Table, decode
 from galewood.wind import parse_wind_or_state
 
-from galewood_server.jobs.analysis_files import finish
-from galewood_server.jobs.reporting import JobLease, Reporter
+from galewood_server.jobs.analysis_files import store_result
+from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, JobKind, Stores
+from galewood_server.stream import pack_msgpack
 
 FORMAT, VERSION = "galewood-comparison", 1
 
 
 def run_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores: Stores) -> None:
-    """Work on a comparison or an evaluation and store what it found. Raises Cancelled."""
+    """Run a comparison or an evaluation and store its result. Raises Cancelled, JobFailedError, MeshError."""
     with job_lease.sessions() as session:
         request = dict(session.get_one(Job, job_lease.job_id).settings)
-    reporter = Reporter(job_lease)
+    reporter = ProgressReporter(job_lease)
     reporter.report("model", 0.0, "Fetching table and model")
     if kind == "comparison":
         _compare(job_lease, reporter, request, stores)
@@ -35,7 +35,9 @@ def run_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores:
         evaluate(job_lease, reporter, request, settings, stores)
 
 
-def _compare(job_lease: JobLease, reporter: Reporter, request: dict[str, Any], stores: Stores) -> None:
+def _compare(
+    job_lease: JobLease, reporter: ProgressReporter, request: dict[str, Any], stores: Stores
+) -> None:
     table = decode(stores.tables.get(request["table_sha256"]))
     model = load_model(stores.models.path(request["model_sha256"]))
     place = Place(**{name: request[name] for name in Place.__dataclass_fields__})
@@ -45,46 +47,46 @@ def _compare(job_lease: JobLease, reporter: Reporter, request: dict[str, Any], s
 
     wind = parse_wind_or_state(request["wind"])
     nodes = nodes_on_wood(table, model, _mesh_of(table, stores))
-    found = comparison_tracks(table, model, nodes, wind, place, request["frames"], on_progress)
-    finish(job_lease, stores, figures(found), pack(found, table))
+    comparison = comparison_tracks(table, model, nodes, wind, place, request["frames"], on_progress)
+    store_result(job_lease, stores, summary(comparison), pack(comparison, table))
 
 
 def _mesh_of(table: Table, stores: Stores) -> TreeMesh:
-    """The tree whose vertices the table's nodes stand for."""
+    """The tree mesh from which the table was built."""
     metadata = table.metadata
     options = ImportOptions(species=metadata["species"], height_m=float(metadata["height_m"]), up_axis="y")
     return import_mesh_sandboxed(stores.meshes.get(metadata["mesh_sha256"]), "tree.glb", options)[0]
 
 
-def pack(found: Comparison, table: Table) -> bytes:
-    """The bytes of docs/formats/comparison.md."""
+def pack(comparison: Comparison, table: Table) -> bytes:
+    """Encode a comparison (docs/formats/comparison.md)."""
     metadata = table.metadata
     document: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
-        "frames": len(found.pressure_pa),
+        "frames": len(comparison.pressure_pa),
         "dt_s": float(metadata["dt_s"]),
         "height_m": float(metadata["height_m"]),
         "modes": len(table.mode_scale),
-        "pressure_pa": _bytes(found.pressure_pa),
-        "tracks": {name: _bytes(q) for name, q in found.q.items()},
-        "sway": _list(found.sway),
-        "left_out": _list(found.left_out),
+        "pressure_pa": _bytes(comparison.pressure_pa),
+        "tracks": {name: _bytes(q) for name, q in comparison.q.items()},
+        "sway": _list(comparison.sway),
+        "left_out": _list(comparison.left_out),
         "error": {
             name: {kind: _list(values) for kind, values in asdict(error).items()}
-            for name, error in found.errors.items()
+            for name, error in comparison.errors.items()
         },
     }
-    return cast(bytes, msgpack.packb(document, use_bin_type=True))
+    return pack_msgpack(document)
 
 
-def figures(found: Comparison) -> dict[str, Any]:
-    """The largest of each, over the height, for those who want no curves."""
+def summary(comparison: Comparison) -> dict[str, Any]:
+    """The maximum of each error over time, relative to the tree height."""
     return {
-        "reference_sway": float(found.sway.max()),
-        "left_out": float(found.left_out.max()),
-        "max_error": {name: float(error.max.max()) for name, error in found.errors.items()},
-        "hausdorff": {name: float(error.hausdorff.max()) for name, error in found.errors.items()},
+        "reference_sway": float(comparison.sway.max()),
+        "left_out": float(comparison.left_out.max()),
+        "max_error": {name: float(error.max.max()) for name, error in comparison.errors.items()},
+        "hausdorff": {name: float(error.hausdorff.max()) for name, error in comparison.errors.items()},
     }
 
 

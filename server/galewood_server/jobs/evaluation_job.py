@@ -1,4 +1,4 @@
-"""The work of an evaluation: what `galewood evaluate` runs, on the stored table, model and mesh."""
+"""Evaluation job: runs `galewood evaluate` on the stored table, model and mesh."""
 
 from __future__ import annotations
 
@@ -10,32 +10,39 @@ from typing import Any
 from galewood.evaluation import SourceError, run_evaluation
 from galewood.table import read_metadata
 
-from galewood_server.jobs.analysis_files import PLOT, finish
-from galewood_server.jobs.reporting import JobFailedError, JobLease, Reporter
+from galewood_server.jobs.analysis_files import PLOT, store_result
+from galewood_server.jobs.progress import JobFailedError, JobLease, ProgressReporter
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores
 
 STRENGTH = 0.65
-"""Peak of the winds over the design speed where nothing was asked, as in `galewood evaluate`."""
-SHOWN = ("max_error", "rms_error", "late_error", "growth", "extrapolation_ratio")
+"""Default peak wind speed relative to the design speed, as in `galewood evaluate`."""
+MAIN_FIGURES = ("max_error", "rms_error", "late_error", "growth", "extrapolation_ratio")
 
 
 def evaluate(
-    job_lease: JobLease, reporter: Reporter, request: dict[str, Any], settings: Settings, stores: Stores
+    job_lease: JobLease,
+    reporter: ProgressReporter,
+    request: dict[str, Any],
+    settings: Settings,
+    stores: Stores,
 ) -> None:
-    """Evaluate and store. What ran is kept beside until the job has ended, so that a restart goes on."""
+    """Evaluate a table and store the result. Finished runs are kept until the end, to resume after a restart.
+
+    Raises Cancelled, JobFailedError.
+    """
     folder = settings.analysis_folder(job_lease.job_id)
     folder.mkdir(parents=True, exist_ok=True)
-    found = _figures(folder, reporter, request, settings, stores)
-    # `growth` is null where nothing grows; a figure that is no number would be a fault worth failing for
-    report = json.dumps(found, allow_nan=False, default=float).encode()
+    figures = _run(folder, reporter, request, settings, stores)
+    # `growth` is null if nothing grows; NaN would be a defect, hence allow_nan=False
+    report = json.dumps(figures, allow_nan=False, default=float).encode()
     pictures = {PLOT: (folder / PLOT).read_bytes()}
-    finish(job_lease, stores, main_figures(found["winds"]), report, pictures)
+    store_result(job_lease, stores, main_figures(figures["winds"]), report, pictures)
     shutil.rmtree(folder, ignore_errors=True)
 
 
-def _figures(
-    folder: Path, reporter: Reporter, request: dict[str, Any], settings: Settings, stores: Stores
+def _run(
+    folder: Path, reporter: ProgressReporter, request: dict[str, Any], settings: Settings, stores: Stores
 ) -> dict[str, Any]:
     table, mesh = stores.tables.path(request["table_sha256"]), folder / "tree.glb"
     mesh.write_bytes(stores.meshes.get(request["mesh_sha256"]))
@@ -50,26 +57,28 @@ def _figures(
             sway=request.get("sway"), seed=request["seed"], long=0, workers=1, reference_dir=folder,
         )  # fmt: skip
     except SourceError as error:
-        raise JobFailedError("The table is not of the model that is kept. Compute the tree again.") from error
+        raise JobFailedError("The table does not match the stored model. Compute the tree again.") from error
     except FloatingPointError as error:
-        raise JobFailedError("The finite elements do not bear such wind. Ask for less.") from error
+        raise JobFailedError(
+            "The simulation is unstable under this wind. Reduce the wind strength."
+        ) from error
 
 
 def strength_of(table: Path, request: dict[str, Any]) -> float:
-    """Peak of the winds over the table's design speed."""
+    """Peak wind speed relative to the table's design speed."""
     if "speed_m_s" not in request:
         return STRENGTH
     return float(request["speed_m_s"]) / float(read_metadata(table.read_bytes())["design_speed_m_s"])
 
 
 def main_figures(winds: dict[str, Any]) -> dict[str, Any]:
-    """By wind: how far the tree swayed, what no method can mend, and each method's main figures."""
+    """By wind: sway of the reference solution, truncation error, and the main figures of each method."""
     return {
         wind: {
             "sway": methods["rest-pose"]["reference_sway"],
             "floor": methods["floor"]["truncation"],
             "methods": {
-                name: {figure: figures[figure] for figure in SHOWN}
+                name: {figure: figures[figure] for figure in MAIN_FIGURES}
                 for name, figures in methods.items()
                 if name != "floor"
             },

@@ -1,4 +1,4 @@
-"""One job in a process of its own.
+"""Child process that runs one job.
 
 `python -m galewood_server.jobs.job_process JOB_ID LEASE SCHEDULER_ADDRESS`
 """
@@ -15,27 +15,27 @@ from galewood.util import Cancelled, MeshError
 from galewood_server.jobs.build_job import Build, run_build
 from galewood_server.jobs.cluster.dask_cluster import NICENESS, EngineLostError
 from galewood_server.jobs.processes import die_with_parent
-from galewood_server.jobs.reporting import JobFailedError, JobLease
+from galewood_server.jobs.progress import JobFailedError, JobLease
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, JobKind, Sessions, Stores, open_database
 
 log = logging.getLogger("galewood.job")
 Analysis = Callable[[JobLease, JobKind, Settings, Stores], None]
-TRY_AGAIN = 75  # EX_TEMPFAIL: the supervisor queues the job again
+EXIT_TRY_AGAIN = 75  # EX_TEMPFAIL: the supervisor queues the job again
 
 
 def run_job(
     job_lease: JobLease, address: str, settings: Settings, build: Build, analysis: Analysis | None = None
 ) -> None:
-    """Do what the job asks; every failure becomes its last state."""
+    """Run a job; every failure is stored as its final state."""
     job_id = job_lease.job_id
     try:
         _work(job_lease, address, settings, build, analysis)
     except Cancelled:
         job_lease.end("cancelled", "Cancelled")
     except EngineLostError:
-        log.warning("job %s lost its cluster", job_id)
-        sys.exit(TRY_AGAIN)
+        log.warning("job %s lost the connection to its cluster", job_id)
+        sys.exit(EXIT_TRY_AGAIN)
     except MeshError as error:
         job_lease.end("failed", "Failed", f"{error.title} {error.hint}".strip())
     except JobFailedError as error:
@@ -43,7 +43,7 @@ def run_job(
         job_lease.end("failed", "Failed", str(error))
     except Exception as error:
         log.exception("job %s failed", job_id)
-        text = f"The computation failed ({type(error).__name__}); the cause is in the server's log."
+        text = f"The computation failed ({type(error).__name__}). The server log has the details."
         job_lease.end("failed", "Failed", text)
 
 
@@ -71,7 +71,7 @@ def _kind(sessions: Sessions, job_id: str) -> JobKind:
 
 
 def main(build: Build, analysis: Analysis | None = None) -> None:
-    """Read the arguments and work, gently, until done or until the server is gone. `study`: for the tests."""
+    """Run the job given on the command line at low priority; end with the server. Tests pass `analysis`."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     die_with_parent()
     os.nice(NICENESS)

@@ -1,7 +1,7 @@
-"""Leases: each running job belongs to one server at a time, and to nobody once that server falls silent.
+"""Job leases: a running job is owned by one server until its lease expires.
 
-A claim writes a new word, the lease, beside the job. Everything that its process writes afterwards asks for
-that word, so a server that was only slow, and lost the job meanwhile, changes nothing any more.
+A claim stores a new random token, the lease, with the job. All later writes of its process require this
+token, so a slow server whose job was claimed by another one cannot change the job.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from galewood_server.storage import Job, JobKind, database_now, new_id, utc_now
 
 
 def server_identity(data_dir: Path) -> str:
-    """A name that stays with a data folder: after a crash the server at once takes up what was its own."""
+    """The identifier of a data folder's server, with which it requeues its own jobs after a crash."""
     path = data_dir / "server-id"
     if not path.exists():
         path.write_text(new_id())
@@ -27,15 +27,15 @@ def server_identity(data_dir: Path) -> str:
 
 
 def claim(session: Session, owner: str, kinds: Collection[JobKind], lease_s: float) -> tuple[str, str] | None:
-    """Take the job that waited longest, or one whose server fell silent: (job, lease), or None."""
+    """Claim the oldest job that is queued or whose lease has expired: (job id, lease), or None."""
     now = database_now(session)
-    free = _free(now)
+    claimable = _claimable(now)
     job_id = session.scalars(
-        select(Job.id).where(free, Job.kind.in_(kinds)).order_by(Job.created_at).limit(1)
+        select(Job.id).where(claimable, Job.kind.in_(kinds)).order_by(Job.created_at).limit(1)
     ).first()
     if job_id is None:
         return None
-    taken: dict[str, Any] = {
+    values: dict[str, Any] = {
         "state": "running",
         "message": "Starting",
         "owner": owner,
@@ -43,33 +43,33 @@ def claim(session: Session, owner: str, kinds: Collection[JobKind], lease_s: flo
         "lease_until": now + timedelta(seconds=lease_s),
         "updated_at": utc_now(),
     }
-    # Asked again in the same breath: of several servers exactly one gets it.
-    won = update(Job).where(Job.id == job_id, free).values(**taken).returning(Job.id)
-    return (job_id, str(taken["lease"])) if session.scalar(won) else None
+    # the condition is repeated in the update, so that only one of several servers succeeds
+    statement = update(Job).where(Job.id == job_id, claimable).values(**values).returning(Job.id)
+    return (job_id, str(values["lease"])) if session.scalar(statement) else None
 
 
-def _free(now: datetime) -> ColumnElement[bool]:
-    silent = or_(Job.lease_until.is_(None), Job.lease_until < now)
-    return or_(Job.state == "queued", and_(Job.state == "running", silent))
+def _claimable(now: datetime) -> ColumnElement[bool]:
+    expired = or_(Job.lease_until.is_(None), Job.lease_until < now)
+    return or_(Job.state == "queued", and_(Job.state == "running", expired))
 
 
 def renew(session: Session, job_id: str, lease: str, lease_s: float) -> bool:
-    """Keep a job for another while; False if it is not ours any more."""
+    """Extend a lease. False if it is no longer valid."""
     until = database_now(session) + timedelta(seconds=lease_s)
-    # updated_at stays: nothing changed that anybody is shown
-    kept = {"lease_until": until, "updated_at": Job.updated_at}
-    ours = update(Job).where(Job.id == job_id, Job.lease == lease).values(**kept).returning(Job.id)
-    return session.scalar(ours) is not None
+    # keep updated_at: nothing visible to clients changed
+    values = {"lease_until": until, "updated_at": Job.updated_at}
+    statement = update(Job).where(Job.id == job_id, Job.lease == lease).values(**values).returning(Job.id)
+    return session.scalar(statement) is not None
 
 
-def give_back(session: Session, owner: str) -> int:
-    """Queue whatever this server has running: at its start, after a crash, and at its end. How many."""
-    waiting: dict[str, Any] = {
+def requeue_running(session: Session, owner: str) -> int:
+    """Requeue the running jobs of a server, at its start and end. Returns their number."""
+    values: dict[str, Any] = {
         "state": "queued",
-        "message": "Interrupted; goes on from what was stored",
+        "message": "Interrupted; will resume from stored results",
         "lease": None,
         "lease_until": None,
         "updated_at": utc_now(),
     }
-    mine = update(Job).where(Job.state == "running", Job.owner == owner).values(**waiting)
-    return len(session.scalars(mine.returning(Job.id)).all())
+    statement = update(Job).where(Job.state == "running", Job.owner == owner).values(**values)
+    return len(session.scalars(statement.returning(Job.id)).all())

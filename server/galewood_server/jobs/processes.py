@@ -1,4 +1,4 @@
-"""Child processes that never outlive their parent, and parents that leave no grandchildren behind."""
+"""Child processes that end with their parent, including their own children."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from galewood.threads import SINGLE_THREADED
 
 
 def kill_tree(pid: int) -> None:
-    """Kill a process and everything it started, the parent first so that it starts nothing more."""
+    """Kill a process and its descendants, the parent first so that it cannot start new ones."""
     try:
         process = psutil.Process(pid)
         family = [process, *process.children(recursive=True)]
@@ -26,7 +26,7 @@ def kill_tree(pid: int) -> None:
 
 
 def die_with_parent() -> None:
-    """In a child: when the parent closes our standard input, by will or by death, end with our children."""
+    """In a child process: exit with all descendants when the parent closes standard input or dies."""
 
     def watch() -> None:
         while os.read(0, 1024):
@@ -44,9 +44,9 @@ def die_with_parent() -> None:
 async def start_module(
     module: str, *arguments: str, environment: dict[str, str], listen: bool = False
 ) -> asyncio.subprocess.Process:
-    """Start `python -m module` in a session of its own, so that a Ctrl-C reaches only the server.
+    """Start `python -m module` in a new session, so that Ctrl-C reaches only the server.
 
-    Its output is read by us if `listen`, else thrown away (mesh libraries chatter); its errors go to our log.
+    Its standard output is piped if `listen`, otherwise discarded; standard error is inherited.
     """
     return await asyncio.create_subprocess_exec(
         sys.executable,
@@ -61,7 +61,7 @@ async def start_module(
 
 
 async def stop(process: asyncio.subprocess.Process, patience_s: float = 0.0) -> None:
-    """End a child: by closing its input, and after `patience_s` by force."""
+    """End a child process by closing its standard input; kill it after `patience_s`."""
     if process.returncode is None and process.stdin:
         process.stdin.close()
     try:

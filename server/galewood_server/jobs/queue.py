@@ -1,4 +1,4 @@
-"""The job queue: jobs are added, found, cancelled and ended. supervisor.py runs them."""
+"""The job queue: add, find, cancel and end jobs. supervisor.py runs them."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from galewood_server.storage import ACTIVE, Job, JobKind, Tree, utc_now
 
 
 def queue_job(session: Session, tree: Tree, settings: dict[str, Any]) -> Job:
-    """Add a build of a tree's table. ProblemError 409 if one is queued or running already."""
+    """Queue a build of a tree's table. ProblemError 409 if one is already queued or running."""
     if tree.job and tree.job.state in ACTIVE:
         raise ProblemError(
             409,
             "already-building",
-            "This tree is being computed already",
-            hint="Wait for the job or cancel it.",
+            "This tree is already being computed",
+            hint="Wait for its job to finish, or cancel it.",
         )
     return add_job(session, tree, "build", settings)
 
 
 def add_job(session: Session, tree: Tree, kind: JobKind, settings: dict[str, Any]) -> Job:
-    """A new job at the end of the queue."""
-    job = Job(tree_id=tree.id, kind=kind, settings=settings, message="Waiting for its turn")
+    """Add a job at the end of the queue."""
+    job = Job(tree_id=tree.id, kind=kind, settings=settings, message="Queued")
     tree.jobs.append(job)
     session.flush()
     return job
@@ -41,18 +41,24 @@ def end_job(
     lease: str | None = None,
     **more: Any,
 ) -> bool:
-    """Give a job that is active, and ours if a lease is given, its last state; whether it was so."""
-    end = {"state": state, "message": message, "error": error, "seconds_left": None, "updated_at": utc_now()}
+    """Set the final state of an active job, if `lease` is None or still valid. Returns whether it was set."""
+    values = {
+        "state": state,
+        "message": message,
+        "error": error,
+        "seconds_left": None,
+        "updated_at": utc_now(),
+    }
     active = update(Job).where(Job.id == job_id, Job.state.in_(ACTIVE))
     if lease is not None:
         active = active.where(Job.lease == lease)
-    return session.scalar(active.values(**end, **more).returning(Job.id)) is not None
+    return session.scalar(active.values(**values, **more).returning(Job.id)) is not None
 
 
 def request_cancel(session: Session, job: Job) -> None:
-    """End a waiting job; ask the server that runs it to stop a running one."""
+    """End a queued job; request the cancellation of a running one."""
     if job.state == "queued":
-        end_job(session, job.id, "cancelled", message="Cancelled before it began")
+        end_job(session, job.id, "cancelled", message="Cancelled before it started")
     elif job.state == "running":
         job.cancel_requested = True
     session.flush()
@@ -60,7 +66,7 @@ def request_cancel(session: Session, job: Job) -> None:
 
 
 def find_job(session: Session, job_id: str, kind: JobKind = "build") -> Job:
-    """A job by its name and kind. ProblemError 404."""
+    """A job by its id and kind. ProblemError 404."""
     job = session.scalars(select(Job).where(Job.id == job_id, Job.kind == kind)).one_or_none()
     if job is None:
         raise not_found("job" if kind == "build" else kind, job_id)

@@ -1,4 +1,4 @@
-"""Runs the queue: starts one process a job, watches it, stops it when cancelled, picks up after a crash."""
+"""Runs the job queue: one process per job, cancellation, and recovery after crashes."""
 
 from __future__ import annotations
 
@@ -12,25 +12,24 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from galewood_server.context import Service
 from galewood_server.jobs import leases
-from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.embedded import Cluster, ClusterError
 from galewood_server.jobs.processes import start_module, stop
 from galewood_server.jobs.queue import end_job
 from galewood_server.storage import Job, JobKind, collect_garbage, forget_analysis_folders
 
 log = logging.getLogger("galewood.jobs")
-LOOK_S = 0.4
+POLL_S = 0.4
 QUEUES: dict[str, tuple[JobKind, ...]] = {
     "builds": ("build",),
     "comparisons": ("comparison",),
     "evaluations": ("evaluation",),
 }
-"""A comparison takes seconds and somebody waits for it: it does not queue behind builds or evaluations."""
+"""Queue -> job kinds. Comparisons take seconds and are interactive, so they do not wait for other kinds."""
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A job of ours, by the word of its lease (leases.py)."""
+    """A job claimed by this server, with its lease (leases.py)."""
 
     job_id: str
     lease: str
@@ -38,61 +37,61 @@ class Claim:
 
 
 class Supervisor:
-    """The one place that starts job processes. The truth about a job is in the database, never here."""
+    """Starts and supervises job processes. The state of jobs is kept only in the database."""
 
     def __init__(self, service: Service) -> None:
         self._service = service
         self._cluster = Cluster(service.settings)
         self._owner = leases.server_identity(service.settings.data_dir)
-        self._watched: dict[Claim, asyncio.Task[None]] = {}
+        self._running: dict[Claim, asyncio.Task[None]] = {}
         self._collected_s = time.monotonic()
 
     async def run(self) -> None:
-        """Work until cancelled, then stop every child and give unfinished jobs back to the queue."""
-        interrupted = await asyncio.to_thread(self._give_back)
+        """Run until cancelled, then stop all child processes and requeue unfinished jobs."""
+        interrupted = await asyncio.to_thread(self._requeue_running)
         if interrupted:
-            log.info("%d interrupted job(s) go on", interrupted)
+            log.info("resuming %d interrupted job(s)", interrupted)
         try:
             while True:
-                await self._look()
-                await self._cluster.close_if_idle(busy=self._busy("builds") > 0)
+                await self._start_jobs()
+                await self._cluster.close_if_idle(busy=self._running_count("builds") > 0)
                 await self._collect_garbage()
                 await self._pause()
         finally:
-            for task in self._watched.values():
+            for task in self._running.values():
                 task.cancel()
-            await asyncio.gather(*self._watched.values(), return_exceptions=True)
+            await asyncio.gather(*self._running.values(), return_exceptions=True)
             await self._cluster.close()
-            await asyncio.to_thread(self._give_back)
+            await asyncio.to_thread(self._requeue_running)
 
-    def _give_back(self) -> int:
+    def _requeue_running(self) -> int:
         with self._service.sessions.begin() as session:
-            return leases.give_back(session, self._owner)
+            return leases.requeue_running(session, self._owner)
 
     async def _pause(self) -> None:
         try:
-            async with asyncio.timeout(LOOK_S):
+            async with asyncio.timeout(POLL_S):
                 await self._service.jobs_changed.wait()
         except TimeoutError:
             pass
         self._service.jobs_changed.clear()
 
-    async def _look(self) -> None:
-        """Start what waits; a database that is away for a moment is asked again at the next look."""
+    async def _start_jobs(self) -> None:
+        """Start queued jobs. Database errors are logged; the next poll tries again."""
         try:
             for queue in QUEUES:
                 await self._start_waiting(queue)
         except SQLAlchemyError:
-            log.exception("the queue could not be read")
+            log.exception("the job queue could not be read")
 
     async def _collect_garbage(self) -> None:
-        """Now and then, remove files that were replaced."""
+        """Remove garbage every `garbage_collection_s`."""
         if time.monotonic() - self._collected_s > self._service.settings.garbage_collection_s:
             self._collected_s = time.monotonic()
             try:
                 await asyncio.to_thread(self._remove_garbage)
             except (SQLAlchemyError, OSError):
-                log.exception("replaced files could not be removed")
+                log.exception("garbage collection failed")
 
     def _remove_garbage(self) -> None:
         service = self._service
@@ -100,47 +99,47 @@ class Supervisor:
             removed = collect_garbage(service.sessions, service.stores, service.settings.replaced_files_s)
         forget_analysis_folders(service.sessions, service.settings.analyses_dir)
         if removed:
-            log.info("%d replaced file(s) removed", removed)
+            log.info("garbage collection removed %d file(s)", removed)
 
-    def _busy(self, queue: str) -> int:
-        self._watched = {claim: task for claim, task in self._watched.items() if not task.done()}
-        return sum(claim.queue == queue for claim in self._watched)
+    def _running_count(self, queue: str) -> int:
+        self._running = {claim: task for claim, task in self._running.items() if not task.done()}
+        return sum(claim.queue == queue for claim in self._running)
 
     async def _start_waiting(self, queue: str) -> None:
         settings = self._service.settings
-        room = {
+        limits = {
             "builds": settings.concurrent_jobs,
             "comparisons": settings.concurrent_analyses,
             "evaluations": settings.concurrent_evaluations,
         }
-        while self._busy(queue) < room[queue]:
+        while self._running_count(queue) < limits[queue]:
             claim = await asyncio.to_thread(self._claim, queue)
             if claim is None:
                 return
-            self._watched[claim] = asyncio.create_task(self._watch(claim))
+            self._running[claim] = asyncio.create_task(self._run_claim(claim))
 
     def _claim(self, queue: str) -> Claim | None:
         with self._service.sessions.begin() as session:
             found = leases.claim(session, self._owner, QUEUES[queue], self._service.settings.lease_s)
             return Claim(*found, queue) if found else None
 
-    async def _watch(self, claim: Claim) -> None:
-        keeping = asyncio.create_task(self._keep(claim))
+    async def _run_claim(self, claim: Claim) -> None:
+        renewal = asyncio.create_task(self._renew_lease(claim))
         try:
-            await self._run_process(claim, keeping)
+            await self._run_process(claim, renewal)
         finally:
-            keeping.cancel()
+            renewal.cancel()
 
-    async def _keep(self, claim: Claim) -> None:
-        """Renew the lease again and again; ends when it is lost."""
+    async def _renew_lease(self, claim: Claim) -> None:
+        """Renew the lease until it is lost."""
         lease_s = self._service.settings.lease_s
-        kept_s = time.monotonic()
-        while time.monotonic() - kept_s < lease_s:
+        renewed_s = time.monotonic()
+        while time.monotonic() - renewed_s < lease_s:
             await asyncio.sleep(lease_s / 5)
             try:
                 if not await asyncio.to_thread(self._renew, claim):
                     return
-                kept_s = time.monotonic()
+                renewed_s = time.monotonic()
             except SQLAlchemyError:
                 log.exception("the lease of job %s could not be renewed", claim.job_id)
 
@@ -148,49 +147,51 @@ class Supervisor:
         with self._service.sessions.begin() as session:
             return leases.renew(session, claim.job_id, claim.lease, self._service.settings.lease_s)
 
-    async def _run_process(self, claim: Claim, keeping: asyncio.Task[None]) -> None:
+    async def _run_process(self, claim: Claim, renewal: asyncio.Task[None]) -> None:
         try:
             address = await self._cluster.address() if claim.queue == "builds" else ""
         except ClusterError as error:
-            await asyncio.to_thread(self._settle, claim, str(error))
+            await asyncio.to_thread(self._record_exit, claim, str(error))
             return
         settings = self._service.settings
         process = await start_module(
             settings.job_module, claim.job_id, claim.lease, address, environment=settings.environment()
         )
         try:
-            cancelled = await self._wait(process, claim, keeping)
+            cancelled = await self._wait_for_end(process, claim, renewal)
         finally:
             await stop(process)
         code = process.returncode
-        reason = None if cancelled else f"The process that computed this ended with code {code}."
-        await asyncio.to_thread(self._settle, claim, reason)
+        reason = None if cancelled else f"The job process ended with exit code {code}."
+        await asyncio.to_thread(self._record_exit, claim, reason)
 
-    async def _wait(
-        self, process: asyncio.subprocess.Process, claim: Claim, keeping: asyncio.Task[None]
+    async def _wait_for_end(
+        self, process: asyncio.subprocess.Process, claim: Claim, renewal: asyncio.Task[None]
     ) -> bool:
-        """Until process, cluster or lease end (False), or the job is cancelled or deleted (True)."""
+        """Wait until the process, cluster or lease ends (False) or the job is cancelled or deleted (True)."""
         needs_cluster = claim.queue == "builds"
         while (
-            process.returncode is None and not keeping.done() and not (needs_cluster and self._cluster.lost)
+            process.returncode is None and not renewal.done() and not (needs_cluster and self._cluster.lost)
         ):
             try:
-                async with asyncio.timeout(LOOK_S):
+                async with asyncio.timeout(POLL_S):
                     await process.wait()
             except TimeoutError:
-                if await asyncio.to_thread(self._must_stop, claim.job_id):
-                    await asyncio.to_thread(self._raise_flag, claim.job_id)
+                if await asyncio.to_thread(self._cancel_requested, claim.job_id):
+                    await asyncio.to_thread(self._set_cancel_flag, claim.job_id)
                     return True
         return False
 
-    def _raise_flag(self, job_id: str) -> None:
-        """Tell the workers, which Dask cannot stop."""
+    def _set_cancel_flag(self, job_id: str) -> None:
+        """Signal the cancellation to the workers, because Dask cannot stop running tasks."""
         settings = self._service.settings
         write_whole(settings.cancel_flag(job_id), b"")
         if settings.store_url:
-            BlobTransfer(settings.store_url, job_id).cancel()
+            from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 
-    def _must_stop(self, job_id: str) -> bool:
+            BlobTransfer(settings.store_url, job_id).set_cancel_flag()
+
+    def _cancel_requested(self, job_id: str) -> bool:
         try:
             with self._service.sessions() as session:
                 job = session.get(Job, job_id)
@@ -199,8 +200,8 @@ class Supervisor:
             log.exception("job %s could not be read", job_id)
             return False
 
-    def _settle(self, claim: Claim, crash: str | None) -> None:
-        """A job whose process is gone and that has no last state was cancelled (crash None), or crashed."""
+    def _record_exit(self, claim: Claim, crash: str | None) -> None:
+        """Update a job that ended without a final state: cancelled (crash is None), requeued or failed."""
         with self._service.sessions.begin() as session:
             job = session.get(Job, claim.job_id)
             if job is None or job.state != "running" or job.lease != claim.lease:
@@ -209,6 +210,6 @@ class Supervisor:
                 end_job(session, claim.job_id, "cancelled", message="Cancelled")
             elif job.attempts + 1 < self._service.settings.job_attempts:
                 job.attempts += 1
-                job.state, job.message = "queued", "Interrupted; goes on from what was stored"
+                job.state, job.message = "queued", "Interrupted; will resume from stored results"
             else:
                 end_job(session, claim.job_id, "failed", message="Failed", error=crash)

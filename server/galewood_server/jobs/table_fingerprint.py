@@ -1,4 +1,4 @@
-"""What a table was computed from, as one hash: an outdated table is recognised by it."""
+"""Fingerprint of a table's inputs, by which outdated tables are recognised."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ import json
 from importlib.metadata import version
 from typing import Any
 
-from galewood.sampling import SAMPLING_VERSION
 from galewood.table import VERSION
 
 BUILD_VERSION = 2
-"""Raise it when builds store more than they did (2: the model)."""
+"""Increase it when builds store additional files (2: the model)."""
 
 
 def fingerprint(source_sha256: str, options: dict[str, Any], settings: dict[str, Any]) -> str:
-    """Hash of all that a table depends on: a built-in species is computed again when it changes."""
+    """SHA-256 of source, options, settings and versions; a table with another fingerprint is outdated."""
+    from galewood.sampling import SAMPLING_VERSION  # imported here: loads numba
+
     versions = [version("galewood"), VERSION, SAMPLING_VERSION, BUILD_VERSION]
     parts = json.dumps([source_sha256, options, settings, versions], sort_keys=True)
     return hashlib.sha256(parts.encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""Logs: one line an event, as text for people or JSON for programs, each with the id of its request."""
+"""Structured logs: one line per event, as text or JSON, with the id of the request."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ COMMON: list[Processor] = [
 
 
 def configure_logging(settings: Settings) -> None:
-    """Send every log of the process, the libraries' too, to standard error in the chosen format."""
+    """Send all logs of the process, including libraries, to standard error in the configured format."""
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(
         structlog.stdlib.ProcessorFormatter(

@@ -11,16 +11,16 @@ from galewood_server.storage.database import (
 from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file
 from galewood_server.storage.files import FileStore, file_age_s, is_hash
 from galewood_server.storage.garbage import (
-    ASKED,
-    FIELDS,
+    ANALYSIS_INPUTS,
+    HASH_COLUMNS,
     collect_garbage,
     forget_analysis_folders,
     forget_old_analyses,
-    hold,
     mark_garbage,
     mark_replaced,
     mark_tree_files,
-    referenced,
+    referenced_files,
+    store_referenced,
 )
 from galewood_server.storage.models import (
     ACTIVE,
@@ -33,16 +33,16 @@ from galewood_server.storage.models import (
     new_id,
     utc_now,
 )
-from galewood_server.storage.object_store import fetch, open_bucket, stored
-from galewood_server.storage.stores import KINDS, Stores
+from galewood_server.storage.object_store import fetch, list_keys, open_bucket, stored
+from galewood_server.storage.stores import STORE_NAMES, Stores
 from galewood_server.storage.table_cache import TableCache
 
 __all__ = [
     "ACTIVE",
-    "ASKED",
-    "FIELDS",
-    "KINDS",
+    "ANALYSIS_INPUTS",
+    "HASH_COLUMNS",
     "PREFERRED",
+    "STORE_NAMES",
     "FileStore",
     "Garbage",
     "Job",
@@ -62,8 +62,8 @@ __all__ = [
     "file_age_s",
     "forget_analysis_folders",
     "forget_old_analyses",
-    "hold",
     "is_hash",
+    "list_keys",
     "mark_garbage",
     "mark_replaced",
     "mark_tree_files",
@@ -72,7 +72,8 @@ __all__ = [
     "new_id",
     "open_bucket",
     "open_database",
-    "referenced",
+    "referenced_files",
+    "store_referenced",
     "stored",
     "utc_now",
 ]

@@ -1,4 +1,4 @@
-"""Connections to the database and its migration to the present schema."""
+"""Database connections and schema migration."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Sessions = sessionmaker[Session]
 
 
 def open_database(url: str) -> Sessions:
-    """A factory of sessions on an existing, migrated database."""
+    """A session factory for an existing, migrated database."""
     engine = create_engine(with_driver(url), pool_pre_ping=not url.startswith("sqlite"))
     if engine.dialect.name == "sqlite":
         event.listen(engine, "connect", _prepare_sqlite)
@@ -26,7 +26,7 @@ def open_database(url: str) -> Sessions:
 
 
 def with_driver(url: str) -> str:
-    """PostgreSQL's usual URL, with the driver that is installed here."""
+    """A database URL with the installed PostgreSQL driver."""
     for plain in ("postgresql://", "postgres://"):
         if url.startswith(plain):
             return "postgresql+psycopg://" + url.removeprefix(plain)
@@ -34,13 +34,13 @@ def with_driver(url: str) -> str:
 
 
 def _prepare_sqlite(connection: Any, _record: object) -> None:
-    # WAL lets the job processes write while the server reads; waiting beats "database is locked".
+    # WAL allows job processes to write while the server reads; busy_timeout avoids "database is locked"
     for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON", "busy_timeout=10000"):
         connection.execute(f"PRAGMA {pragma}")
 
 
 def migrate(url: str) -> None:
-    """Bring the database to the newest schema; an empty one is made. One server at a time does so."""
+    """Migrate the database to the newest schema, creating it if necessary. Serialises concurrent calls."""
     if not url.startswith("sqlite:///"):
         command.upgrade(migration_config(url), "head")  # env.py takes an advisory lock
         return
@@ -52,7 +52,7 @@ def migrate(url: str) -> None:
 
 
 def migration_config(url: str) -> Config:
-    """Alembic's configuration, without a file."""
+    """Alembic's configuration for a database URL."""
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
     config.attributes["url"] = url
@@ -60,14 +60,14 @@ def migration_config(url: str) -> Config:
 
 
 def engine_of(sessions: Sessions) -> Engine:
-    """The engine behind a factory of sessions."""
+    """The engine of a session factory."""
     bind = sessions.kw["bind"]
     assert isinstance(bind, Engine)
     return bind
 
 
 def database_now(session: Session) -> datetime:
-    """The database's clock, where it is one for several servers; a file's servers share the machine's."""
+    """The current time by PostgreSQL's clock, which servers share, or by this machine's for SQLite."""
     if session.get_bind().dialect.name == "postgresql":
         return session.scalars(select(func.clock_timestamp())).one()
     return utc_now()

@@ -1,4 +1,4 @@
-"""Compressed copies of immutable files, made once, after the first request that could take one, and kept."""
+"""Compressed copies of immutable files, created once after the first request that accepts them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ log = logging.getLogger("galewood.encodings")
 
 
 def coding_of(accept_encoding: str) -> Coding | None:
-    """The best coding that a client takes (RFC 9110, section 12.5.3); None for the plain bytes."""
+    """The preferred coding of an Accept-Encoding header (RFC 9110, section 12.5.3); None: uncompressed."""
     weights = dict(_weight(part) for part in accept_encoding.lower().split(",") if part.strip())
     offered: list[tuple[float, Coding]] = [
         (weights.get(name, weights.get("*", 0.0)), name) for name in PREFERRED
@@ -42,8 +42,8 @@ def _weight(part: str) -> tuple[str, float]:
 
 
 def encoded_file(folder: Path, sha256: str, coding: Coding, read: Callable[[], bytes]) -> Path | None:
-    """The compressed copy of a file. None if it is not there yet: it is begun, and the plain bytes
-    do for this once, as nobody should wait for it. `read` gives the plain bytes."""
+    """The compressed copy of a file, or None if it does not exist yet; its creation is then started in the
+    background, so that requests do not wait for it. `read` returns the uncompressed bytes."""
     target = folder / coding / sha256[:2] / sha256
     if target.is_file():
         return target
@@ -58,8 +58,8 @@ def encoded_file(folder: Path, sha256: str, coding: Coding, read: Callable[[], b
 def _make(target: Path, coding: Coding, read: Callable[[], bytes]) -> None:
     try:
         write_whole(target, _compress(read(), coding))
-    except OSError as error:  # no room, or the file was removed meanwhile: the next request tries again
-        log.warning("no compressed copy of %s: %s", target.name, error)
+    except OSError as error:  # disk full or file removed meanwhile: the next request tries again
+        log.warning("%s could not be compressed: %s", target.name, error)
     finally:
         with _lock:
             _under_way.discard(target)

@@ -1,4 +1,4 @@
-"""The database: trees and the jobs that compute their tables."""
+"""Database tables: trees, jobs and garbage."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ ACTIVE: tuple[JobState, ...] = ("queued", "running")
 
 
 def utc_now() -> datetime:
-    """The present moment, aware of its zone."""
+    """The current time as an aware UTC datetime."""
     return datetime.now(UTC)
 
 
 def new_id() -> str:
-    """An identifier that cannot be guessed from another."""
+    """A random, unguessable identifier."""
     return secrets.token_hex(8)
 
 
 class UtcDateTime(TypeDecorator[datetime]):
-    """Aware UTC times, also on databases that forget the zone (SQLite)."""
+    """Aware UTC datetimes, also on databases that do not store time zones (SQLite)."""
 
     impl = DateTime(timezone=True)
     cache_ok = True
@@ -42,11 +42,11 @@ class UtcDateTime(TypeDecorator[datetime]):
 
 
 class Base(DeclarativeBase):
-    """Root of the tables; `server/migrations` must be kept in step (a test compares them)."""
+    """Base class of the tables; a test compares them with storage/migrations."""
 
 
 class Tree(Base):
-    """A mesh, what intake said of it, and the newest table computed from it."""
+    """A mesh, its import report, and the newest table computed from it."""
 
     __tablename__ = "trees"
 
@@ -61,11 +61,11 @@ class Tree(Base):
     source_sha256: Mapped[str] = mapped_column(String(64))
     mesh_sha256: Mapped[str | None] = mapped_column(String(64))
     table_sha256: Mapped[str | None] = mapped_column(String(64))
-    # the finite-element model that the table was sampled from
+    # the FEM model of the table's training runs
     model_sha256: Mapped[str | None] = mapped_column(String(64))
-    # the table is an early one, from the first few winds; a build replaces it by the full one
+    # the table is preliminary (from the first few winds); the build will replace it
     preliminary: Mapped[bool] = mapped_column(Boolean, default=False)
-    # what the table was computed from: source, options, settings and version of the pipeline
+    # hash of the table's source, options, settings and pipeline version
     fingerprint: Mapped[str | None] = mapped_column(String(64))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
@@ -75,12 +75,12 @@ class Tree(Base):
 
     @property
     def job(self) -> Job | None:
-        """The newest build."""
+        """The newest build job."""
         return next((job for job in reversed(self.jobs) if job.kind == "build"), None)
 
     @property
     def state(self) -> TreeState:
-        """Follows from the table and the newest job, so that it cannot disagree with them."""
+        """Derived from the table and the newest build job."""
         if self.table_sha256:
             return "preliminary" if self.preliminary else "ready"
         if self.job and self.job.state in ACTIVE:
@@ -89,7 +89,7 @@ class Tree(Base):
 
 
 class Job(Base):
-    """One computation for one tree: its table, or something found out about that table."""
+    """A build or an analysis of one tree."""
 
     __tablename__ = "jobs"
 
@@ -107,12 +107,12 @@ class Job(Base):
     cancel_requested: Mapped[bool] = mapped_column(Boolean, default=False)
     samples_done: Mapped[int | None] = mapped_column(Integer)
     samples_total: Mapped[int | None] = mapped_column(Integer)
-    # name → SHA-256 of what a build shows on its way
+    # name → SHA-256 of preview images and plots
     pictures: Mapped[dict[str, str]] = mapped_column(JSON, default=dict)
-    # figures found, and the file they are in if they are many
+    # main figures of an analysis, and the hash of its result file
     result: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     result_sha256: Mapped[str | None] = mapped_column(String(64))
-    # who runs it, by a word that is new with each claim, and until when nobody else may (jobs/leases.py)
+    # owning server, lease token and expiry (jobs/leases.py)
     owner: Mapped[str | None] = mapped_column(String(64))
     lease: Mapped[str | None] = mapped_column(String(64))
     lease_until: Mapped[datetime | None] = mapped_column(UtcDateTime)
@@ -122,7 +122,7 @@ class Job(Base):
 
 
 class Garbage(Base):
-    """A file that was replaced or whose tree was deleted; removed later, unless something names it again."""
+    """A file that was replaced or whose tree was deleted; removed later unless it is referenced again."""
 
     __tablename__ = "retired"
 

@@ -1,17 +1,17 @@
-"""Files in a bucket of an S3-compatible (or another) object store, with copies of what was read on disk.
+"""File stores in an object store (S3-compatible and others), with local copies of files that were read.
 
-A name is the hash of its content, so a copy never goes stale; whether a file is still stored is always asked
-of the bucket, as another server may have removed it.
+Names are content hashes, so local copies never become stale. Existence is always checked in the bucket,
+because another server may have removed the file.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import obstore
 from galewood.util import write_whole
@@ -19,13 +19,14 @@ from obstore.store import from_url
 
 from galewood_server.storage.files import FileStore, is_hash
 
+_list_objects: Callable[..., Any] = getattr(obstore, "list")  # noqa: B009  (its stubs are incomplete)
 TIMEOUT_S = 30
 RETRY_S = 20
 
 
 def open_bucket(url: str) -> Any:
-    """A bucket by its URL: s3://bucket/prefix, with keys, region and endpoint from AWS_… in the environment;
-    or file:///folder, for servers that share a disk.
+    """Open a bucket by its URL: s3://bucket/prefix, with AWS_… environment variables for credentials, region
+    and endpoint, or file:///folder for servers that share a disk.
     """
     if url.startswith("file:"):
         return from_url(url, mkdir=True)
@@ -40,7 +41,7 @@ def open_bucket(url: str) -> Any:
 
 
 def stored(bucket: Any, key: str) -> int | None:
-    """Bytes of an object; None if there is none."""
+    """Size of an object in bytes; None if it does not exist."""
     try:
         return int(obstore.head(bucket, key)["size"])
     except FileNotFoundError:
@@ -52,6 +53,12 @@ def fetch(bucket: Any, key: str) -> bytes:
     return bytes(obstore.get(bucket, key).bytes())
 
 
+def list_keys(bucket: Any, prefix: str) -> list[str]:
+    """The keys of all objects with a prefix."""
+    pages = cast(Iterable[Sequence[Mapping[str, Any]]], _list_objects(bucket, prefix=prefix))
+    return [str(item["path"]) for page in pages for item in page]
+
+
 class BucketStore(FileStore):
     """One kind of file under a prefix of the bucket."""
 
@@ -61,34 +68,34 @@ class BucketStore(FileStore):
         self._prefix = prefix
 
     def path(self, sha256: str) -> Path:
-        """A copy on this machine's disk, fetched if need be. FileNotFoundError, ValueError."""
+        """The path of a local copy, fetched if necessary. FileNotFoundError, ValueError."""
         copy = super().path(sha256)
         if not copy.is_file():
             write_whole(copy, fetch(self._bucket, self._key(sha256)))
         return copy
 
     def has(self, sha256: str) -> bool:
-        """Whether the bucket has the file."""
+        """Whether the bucket contains the file."""
         return self.size(sha256) is not None
 
     def size(self, sha256: str) -> int | None:
-        """Bytes of a stored file; None if there is none."""
+        """Size of a stored file in bytes; None if it does not exist."""
         return stored(self._bucket, self._key(sha256)) if is_hash(sha256) else None
 
     def put(self, data: bytes) -> str:
-        """Store bytes; an upload appears whole or not at all."""
+        """Store bytes and return their SHA-256. Uploads are atomic."""
         sha256 = hashlib.sha256(data).hexdigest()
         if not self.has(sha256):
             obstore.put(self._bucket, self._key(sha256), data)
         return sha256
 
-    def get_anew(self, sha256: str) -> bytes:
-        """The bytes in the bucket; a copy here is put right. FileNotFoundError."""
+    def get_from_origin(self, sha256: str) -> bytes:
+        """The bytes in the bucket; replaces the local copy. FileNotFoundError."""
         super().path(sha256).unlink(missing_ok=True)
         return self.get(sha256)
 
     def age_s(self, sha256: str) -> float:
-        """Seconds since the bucket got the file; 0 if it is not there."""
+        """Seconds since the file was stored; 0 if it does not exist."""
         try:
             stored_at: datetime = obstore.head(self._bucket, self._key(sha256))["last_modified"]
         except FileNotFoundError:
@@ -97,14 +104,13 @@ class BucketStore(FileStore):
 
     def names(self) -> Iterator[str]:
         """The hash of every stored file."""
-        for page in obstore.list(self._bucket, prefix=self._prefix):
-            for item in page:
-                name = str(item["path"]).rsplit("/", 1)[-1]
-                if is_hash(name):
-                    yield name
+        for key in list_keys(self._bucket, self._prefix):
+            name = key.rsplit("/", 1)[-1]
+            if is_hash(name):
+                yield name
 
     def remove(self, sha256: str) -> None:
-        """Forget a file and its copy here."""
+        """Remove a file and its local copy."""
         if stored(self._bucket, self._key(sha256)) is not None:
             obstore.delete(self._bucket, self._key(sha256))
         super().path(sha256).unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""Every kind of file that the service keeps, in the data folder or in a bucket."""
+"""The file stores of the service, in the data folder or in a bucket."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ from pathlib import Path
 
 from galewood_server.storage.files import FileStore
 
-KINDS = ("sources", "meshes", "tables", "models", "pictures", "results")
+STORE_NAMES = ("sources", "meshes", "tables", "models", "pictures", "results")
 
 
 class Stores:
-    """The kinds of file the service keeps, apart so that no URL of one kind reaches another.
+    """One store per kind of file, in the data folder or in a bucket shared by several servers.
 
-    In the data folder, or by a URL in a bucket (`object_store.py`) that several servers share.
+    Separate stores ensure that a URL of one kind cannot reach files of another.
     """
 
     def __init__(self, data_dir: Path, url: str | None = None) -> None:
-        """`url` such as s3://bucket/prefix; its credentials come from the environment."""
+        """`url`: bucket such as s3://bucket/prefix; its credentials are in the environment."""
         self._named = (
-            _in_bucket(url, data_dir) if url else {kind: FileStore(data_dir / kind) for kind in KINDS}
+            _in_bucket(url, data_dir) if url else {kind: FileStore(data_dir / kind) for kind in STORE_NAMES}
         )
         self.sources = self._named["sources"]
         self.meshes = self._named["meshes"]
@@ -28,7 +28,7 @@ class Stores:
         self.results = self._named["results"]
 
     def named(self, kind: str) -> FileStore:
-        """A store by its kind's name. KeyError."""
+        """A store by its name, one of STORE_NAMES. KeyError."""
         return self._named[kind]
 
 
@@ -36,4 +36,4 @@ def _in_bucket(url: str, data_dir: Path) -> dict[str, FileStore]:
     from galewood_server.storage.object_store import BucketStore, open_bucket
 
     bucket = open_bucket(url)
-    return {kind: BucketStore(bucket, kind, data_dir / "store-cache" / kind) for kind in KINDS}
+    return {kind: BucketStore(bucket, kind, data_dir / "store-cache" / kind) for kind in STORE_NAMES}

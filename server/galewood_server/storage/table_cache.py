@@ -1,4 +1,4 @@
-"""Decoded tables in memory."""
+"""In-memory cache of decoded tables."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from galewood_server.storage.files import FileStore
 
 
 class TableCache:
-    """Decoded tables, shared by all clients; the least recently used leave first."""
+    """LRU cache of decoded tables, shared by all clients. Thread-safe."""
 
     def __init__(self, store: FileStore, capacity: int = 16) -> None:
         self._store = store
@@ -20,7 +20,7 @@ class TableCache:
         self._lock = threading.Lock()
 
     def take(self, sha256: str) -> Table:
-        """A table by its hash. FileNotFoundError."""
+        """A table by its hash. FileNotFoundError, TableError."""
         with self._lock:
             if sha256 not in self._tables:
                 self._tables[sha256] = decode(self._store.get(sha256))

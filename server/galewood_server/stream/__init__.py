@@ -1,9 +1,14 @@
-"""Forests played on the server: wire format, stepping, one encoded stream per client."""
+"""Forest streaming: wire protocol, simulation on the server, and delivery to clients."""
 
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import WIRE_VERSION, WireError
+from galewood_server.stream.envelope import WIRE_VERSION, WireError, pack_msgpack, unpack_msgpack
 from galewood_server.stream.forests import Forests, Subscription
-from galewood_server.stream.refusal import NOT_BINARY, REFUSED, UNREADABLE, Refusal
+from galewood_server.stream.session_error import (
+    INVALID_DATA,
+    POLICY_VIOLATION,
+    UNSUPPORTED_DATA,
+    SessionError,
+)
 from galewood_server.stream.socket_protocol import SocketProtocol, protocol_of
 from galewood_server.stream.wire import Failure, Hello, Reply, decode_reply, encode_request
 from galewood_server.stream.wire_forest import Forest, Method
@@ -11,22 +16,24 @@ from galewood_server.stream.wire_frame import FRAME
 
 __all__ = [
     "FRAME",
-    "NOT_BINARY",
-    "REFUSED",
-    "UNREADABLE",
+    "INVALID_DATA",
+    "POLICY_VIOLATION",
+    "UNSUPPORTED_DATA",
     "WIRE_VERSION",
     "Failure",
     "Forest",
     "Forests",
     "Hello",
     "Method",
-    "Refusal",
     "Reply",
+    "SessionError",
     "SocketProtocol",
     "Subscription",
     "WireError",
     "decode_reply",
     "encode_request",
+    "pack_msgpack",
     "protocol_of",
+    "unpack_msgpack",
     "wire",
 ]

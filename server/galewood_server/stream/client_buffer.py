@@ -1,7 +1,7 @@
-"""One client's place in a forest: what it was sent, and a slot that only the newest can be in.
+"""Client buffer: delivers the latest values and frames of a forest to one client.
 
-The slot is the socket's own buffer: while a message waits there nothing follows it, and what follows then
-is the newest. So a client holds the memory of one message, and no task of its own.
+The only queue is the socket's own send buffer: nothing is added while data is unsent, and then only the
+newest frame is sent. A client therefore needs the memory of at most one message and no task of its own.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ log = logging.getLogger("galewood.stream")
 
 
 class FrameSink(Protocol):
-    """What a mailbox needs of a socket (socket_protocol.SocketProtocol)."""
+    """The socket interface that a ClientBuffer uses (socket_protocol.SocketProtocol)."""
 
     @property
     def unsent_bytes(self) -> int: ...
@@ -25,32 +25,32 @@ class FrameSink(Protocol):
 
 
 class ClientBuffer:
-    """Sends a client what is new to it whenever its socket has room; cuts off one that takes nothing."""
+    """Sends new values and frames when the socket is ready; disconnects a client that stops reading."""
 
     def __init__(self, sink: FrameSink, *, streams: bool, stall_s: float) -> None:
         self.streams = streams
         self._sink = sink
         self._stall_s = stall_s
-        self._read = 0
+        self._sent_number = 0
         self._tick: int | None = None
         self._unsent = 0
-        self._stuck_since_s = 0.0
+        self._stalled_since_s = 0.0
 
     def resync(self) -> None:
-        """The client lost its place: the next frame is a key frame."""
+        """Make the next frame a key frame."""
         self._tick = None
 
     def deliver(self, latest: LatestValues, history: FrameHistory | None, now_s: float) -> None:
-        """Send the news and the newest frame, unless something waits still."""
+        """Send new values and the newest frame, unless earlier data is still unsent."""
         unsent = self._sink.unsent_bytes
         if unsent:
-            self._wait(unsent, now_s)
+            self._check_stall(unsent, now_s)
             return
         self._unsent = 0
-        if latest.number != self._read:
-            for frame in latest.since(self._read):
+        if latest.number != self._sent_number:
+            for frame in latest.since(self._sent_number):
                 self._sink.push(frame)
-            self._read = latest.number
+            self._sent_number = latest.number
         if self.streams and history is not None:
             self._send_newest(history)
 
@@ -60,13 +60,13 @@ class ClientBuffer:
             self._sink.push(frame)
             self._tick = history.tick
 
-    def _wait(self, unsent: int, now_s: float) -> None:
+    def _check_stall(self, unsent: int, now_s: float) -> None:
         if unsent != self._unsent:
-            self._unsent, self._stuck_since_s = unsent, now_s
-        elif now_s - self._stuck_since_s > self._stall_s:
-            log.info("dropped a client that does not read")
-            self.cut()
+            self._unsent, self._stalled_since_s = unsent, now_s
+        elif now_s - self._stalled_since_s > self._stall_s:
+            log.info("disconnected a client that does not read")
+            self.disconnect()
 
-    def cut(self) -> None:
-        """Drop the connection with whatever it still had to send."""
+    def disconnect(self) -> None:
+        """Abort the connection and discard unsent data."""
         self._sink.abort()

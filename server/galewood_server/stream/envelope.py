@@ -1,12 +1,14 @@
-"""What every message of the wire looks like, whatever it says: prefix, msgpack map, padding, payload.
+"""The message envelope of the wire protocol: prefix, msgpack header, padding, payload.
 
-Specified in docs/formats/wire.md; twin of web/src/envelope.ts. The readers below check a header's fields.
+Specified in docs/formats/wire.md; counterpart of web/src/core/wire/envelope.ts. The functions below
+`decode_message` validate header fields.
 """
 
 from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Callable
 from typing import Any, cast
 
 import msgpack
@@ -17,25 +19,38 @@ PREFIX_BYTES = 8
 MAX_HEADER_BYTES = 64 * 1024
 
 Header = dict[str, Any]
+# msgpack has no complete type information
+_packb = cast(Callable[..., object], getattr(msgpack, "packb"))  # noqa: B009
+_unpackb = cast(Callable[..., object], getattr(msgpack, "unpackb"))  # noqa: B009
 
 
 class WireError(ValueError):
-    """Bytes that are no message of this version; the text says what is wrong, `code` is for programs."""
+    """An invalid message; `code` is machine-readable."""
 
     def __init__(self, message: str, code: str = "malformed-message") -> None:
         super().__init__(message)
         self.code = code
 
 
+def pack_msgpack(document: Header) -> bytes:
+    """Encode a document with msgpack."""
+    return cast(bytes, _packb(document, use_bin_type=True))
+
+
+def unpack_msgpack(data: bytes | memoryview) -> object:
+    """Decode msgpack with text keys. ValueError, TypeError, RecursionError, msgpack.UnpackException."""
+    return _unpackb(data, raw=False, strict_map_key=True, max_str_len=4096)
+
+
 def encode_message(kind: int, header: Header, payload: bytes = b"") -> bytes:
-    """A message from its parts."""
-    packed = cast(bytes, msgpack.packb(header, use_bin_type=True))
+    """Encode a message."""
+    packed = pack_msgpack(header)
     prefix = MAGIC + bytes((WIRE_VERSION, kind)) + struct.pack("<I", len(packed))
     return prefix + packed + bytes(-len(packed) % 8) + payload
 
 
 def decode_message(data: bytes) -> tuple[int, Header, bytes]:
-    """Kind, header and payload of a message. WireError."""
+    """Decode a message to its kind, header and payload. WireError."""
     if len(data) < PREFIX_BYTES or data[:2] != MAGIC:
         raise WireError("not a Galewood message: it must begin with the bytes 'GW'")
     if data[2] != WIRE_VERSION:
@@ -53,14 +68,14 @@ def decode_message(data: bytes) -> tuple[int, Header, bytes]:
 
 def _unpack(packed: bytes) -> Header:
     try:
-        header = msgpack.unpackb(packed, raw=False, strict_map_key=True, max_str_len=4096)
+        header = unpack_msgpack(packed)
     except (ValueError, TypeError, RecursionError, msgpack.UnpackException) as error:
         raise WireError("the header is not msgpack") from error
     return text_map(header, "the header")
 
 
-def only(header: Header, *names: str) -> None:
-    """A header has just these fields. WireError names the first that is missing or unknown."""
+def check_fields(header: Header, *names: str) -> None:
+    """Check that a header has exactly these fields. WireError names the first missing or unknown one."""
     missing, unknown = sorted(set(names) - set(header)), sorted(set(header) - set(names))
     if missing:
         raise WireError(f"the field {missing[0]!r} is missing")
@@ -69,7 +84,7 @@ def only(header: Header, *names: str) -> None:
 
 
 def text(header: Header, name: str) -> str:
-    """A text. WireError."""
+    """A text field. WireError."""
     value = header[name]
     if not isinstance(value, str):
         raise WireError(f"{name} must be text")
@@ -77,22 +92,22 @@ def text(header: Header, name: str) -> str:
 
 
 def text_map(value: Any, name: str) -> Header:
-    """A map whose keys are text. WireError."""
+    """A map with text keys. WireError."""
     if not isinstance(value, dict) or not all(isinstance(key, str) for key in cast(dict[Any, Any], value)):
         raise WireError(f"{name} must be a map with text keys")
     return cast(Header, value)
 
 
-def entries(header: Header, name: str) -> list[Any]:
-    """A list of anything. WireError."""
+def list_field(header: Header, name: str) -> list[Any]:
+    """A list field. WireError."""
     value = header[name]
     if not isinstance(value, list):
         raise WireError(f"{name} must be a list")
     return cast(list[Any], value)
 
 
-def whole(header: Header, name: str) -> int:
-    """A whole number from 0 that JavaScript can hold. WireError."""
+def whole_number(header: Header, name: str) -> int:
+    """A non-negative integer below 2^53, the exact range of JavaScript. WireError."""
     value = header[name]
     if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**53:
         raise WireError(f"{name} must be a whole number that is not negative")
@@ -100,7 +115,7 @@ def whole(header: Header, name: str) -> int:
 
 
 def number(header: Header, name: str, low: float = -1e12, high: float = 1e12) -> float:
-    """A finite number in a range. WireError."""
+    """A finite number in low..high. WireError."""
     value = header[name]
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         raise WireError(f"{name} must be a finite number")
@@ -110,7 +125,7 @@ def number(header: Header, name: str, low: float = -1e12, high: float = 1e12) ->
 
 
 def boolean(header: Header, name: str) -> bool:
-    """True or false. WireError."""
+    """A Boolean field. WireError."""
     value = header[name]
     if not isinstance(value, bool):
         raise WireError(f"{name} must be true or false")

@@ -1,7 +1,4 @@
-"""A forest on the server: its clock, and wind and lookup for every tree of every group."""
-
-# pyright: reportMissingParameterType=false
-# (compiled kernels take their types from the call)
+"""Forest simulation on the server: the clock, and wind and table lookup for every tree."""
 
 from __future__ import annotations
 
@@ -11,6 +8,7 @@ import numba
 import numpy as np
 from galewood.player import WindDrivenTrees
 from galewood.table import Table
+from galewood.util import Floats, Singles
 from galewood.wind import Wind, WindField, WindState, change_wind
 
 from galewood_server.stream.frames import Shape
@@ -18,26 +16,26 @@ from galewood_server.stream.wire import TICK_HZ, Forest, Method, Poses
 from galewood_server.stream.wire_forest import Trees
 
 STREAM_ERROR_M = 0.25e-3
-"""How far rounding may move a node of a tree of scale 1, at worst."""
+"""Maximum displacement error of a node from quantisation, for a tree of scale 1."""
 
 
 @numba.njit(cache=True, nogil=True)
-def quantise(q, unit, out):  # pragma: no cover  (compiled)
-    """out = q / unit, rounded: (n, r) poses by the (r,) step of each mode."""
+def quantise(q: Singles, unit: Floats, out: Poses) -> None:  # pragma: no cover  (compiled)
+    """out (n, r) = round(q / unit): q (n, r) modal coordinates, unit (r,) quantisation step per mode."""
     for i in range(q.shape[0]):
         for k in range(q.shape[1]):
             out[i, k] = np.int32(np.rint(q[i, k] / unit[k]))
 
 
 def stream_quantum(table: Table) -> int:
-    """Units of modes.scale that a stream may round poses to: √Σ(½ step)² over the modes stays in bounds."""
+    """Quantisation step in units of modes.scale for which √Σ(½ step)² over the modes ≤ STREAM_ERROR_M."""
     reach_m = np.linalg.norm(table.node_basis, axis=1).max(axis=0, initial=0.0) * table.mode_scale
     half_step_m = 0.5 * float(np.sqrt(np.sum(reach_m.astype(np.float64) ** 2)))
     return int(np.clip(STREAM_ERROR_M / max(half_step_m, 1e-12), 1, 65535))
 
 
 class ForestClock:
-    """A forest's time, which ticks TICK_HZ times a second, and its wind."""
+    """The time of a forest, advanced TICK_HZ times per second, and its wind."""
 
     def __init__(self, wind: WindState, start_s: float) -> None:
         self.paused = False
@@ -48,53 +46,53 @@ class ForestClock:
 
     @property
     def time_s(self) -> float:
-        """The forest's own time: that of its poses as they are now."""
+        """The forest's time (s), which is the time of its current poses."""
         return self._start_s + self.ticks / TICK_HZ
 
     @property
     def wind(self) -> WindState:
-        """The wind from the next tick on."""
+        """The wind that applies from the next tick on."""
         return self._next
 
     def change_wind(self, wind: Wind) -> WindState:
-        """Glide to another wind from the next tick on; may be called while a tick is computed elsewhere.
+        """Start a transition to another wind at the next tick. Thread-safe with respect to `tick`.
 
-        The state is what a client needs to show the same wind. It begins at the end of the tick that may be
-        under way, which therefore sees the old wind whichever state it takes.
+        Returns the state from which a client computes the same wind. The transition starts at the end of a
+        tick that may be in progress, so that this tick sees the old wind with either state.
         """
         self._next = change_wind(self._next, wind, self.time_s + 1 / TICK_HZ)
         return self._next
 
     def tick(self) -> None:
-        """One tick on."""
+        """Advance by one tick."""
         self.field.state = self._next
         self.ticks += 1
 
 
 class GroupStepper:
-    """Trees of one table, and their poses as the stream sends them."""
+    """The trees of one table, and their poses as integers for the stream."""
 
     def __init__(self, table: Table, trees: Trees, pose_easing: float | None, method: Method) -> None:
-        """trees (n, 4): x m, z m, yaw rad, scale."""
+        """trees (n, 4): x (m), z (m), yaw (rad), scale."""
         self._trees = WindDrivenTrees(table, trees, method, pose_easing)
         quantum = stream_quantum(table)
         self._unit = quantum * table.mode_scale.astype(np.float64)
         self.shape: Shape = (len(trees), len(table.mode_scale), quantum)
 
     def step(self, field: WindField, time_s: float, dt_s: float) -> None:
-        """Advance by dt_s, up to time_s, under the wind of that moment."""
+        """Advance all trees by dt_s to time_s under the wind at time_s."""
         self._trees.step(field, time_s, dt_s)
 
     def write_poses(self, out: Poses) -> None:
-        """(n, r) poses in units of quantum × modes.scale."""
+        """Write the poses (n, r) in units of quantum × modes.scale."""
         quantise(self._trees.q, self._unit, out)
 
 
 class ForestStepper:
-    """Every group of one forest, stepped under one clock."""
+    """All groups of a forest, stepped under one clock."""
 
     def __init__(self, tables: Sequence[Table], forest: Forest, clock: ForestClock) -> None:
-        """The table of each group beside what was asked for."""
+        """`tables` has one table per group of `forest`."""
         ends = np.cumsum([group.count for group in forest.groups], dtype=np.int64)
         parts = np.split(forest.trees, ends)[:-1]
         self.clock = clock
@@ -109,11 +107,11 @@ class ForestStepper:
         return [group.shape for group in self._groups]
 
     def step(self) -> None:
-        """Follow the clock by one tick, under the wind at its end, as the page does it."""
+        """Advance by one tick under the wind at its end, like the browser."""
         for group in self._groups:
             group.step(self.clock.field, self.clock.time_s, 1 / TICK_HZ)
 
     def write_poses(self, out: Sequence[Poses]) -> None:
-        """(count, r) poses of each group."""
+        """Write the poses (count, r) of each group."""
         for group, rows in zip(self._groups, out, strict=True):
             group.write_poses(rows)

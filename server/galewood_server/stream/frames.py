@@ -1,7 +1,7 @@
-"""A forest's newest poses and the frames made of them, each encoded once for all who are sent it.
+"""Recent poses of a forest and the frames encoded from them, each encoded once for all clients.
 
-A client is sent the difference to the tick that it was sent before, whichever that is: a slow one misses
-frames, never a change. Where that tick is no longer kept, or the difference does not fit, it is a key frame.
+A client receives the difference to the last tick it was sent, so that a slow client misses frames but no
+changes. If that tick is no longer stored or the difference does not fit, it receives a key frame.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from galewood_server.stream.socket_protocol import binary_frame
 from galewood_server.stream.wire_frame import Frame, Poses, Rows, encode_frame
 
 KEPT_TICKS = 8
-"""Ticks that a difference may reach back: a client at a quarter of the rate still gets differences."""
+"""Number of stored ticks: clients at a quarter of the frame rate still receive differences."""
 
 Shape = tuple[int, int, int]
 """(count, modes, quantum) of a group."""
@@ -23,7 +23,7 @@ Write = Callable[[Sequence[Poses]], None]
 
 
 @dataclass
-class _Moment:
+class _TickFrames:
     tick: int
     time_s: float
     made_s: float
@@ -32,14 +32,14 @@ class _Moment:
 
 
 class FrameHistory:
-    """The last poses of a forest in buffers that are used again. One thread at a time."""
+    """Ring buffer of the last poses of a forest. Not thread-safe."""
 
     def __init__(self, shapes: Sequence[Shape]) -> None:
         self._quanta = [quantum for _, _, quantum in shapes]
         self._ring = [self._buffers(shapes) for _ in range(KEPT_TICKS)]
         self._difference = self._buffers(shapes)
-        self._kept: dict[int, _Moment] = {}
-        self._newest: _Moment | None = None
+        self._kept: dict[int, _TickFrames] = {}
+        self._newest: _TickFrames | None = None
 
     @staticmethod
     def _buffers(shapes: Sequence[Shape]) -> tuple[Poses, ...]:
@@ -47,29 +47,29 @@ class FrameHistory:
 
     @property
     def tick(self) -> int | None:
-        """The newest tick, None before the first."""
+        """The newest tick; None before the first one."""
         return self._newest.tick if self._newest else None
 
     @property
     def poses(self) -> tuple[Poses, ...]:
-        """The newest poses in units of quantum × modes.scale, valid until KEPT_TICKS later."""
+        """The newest poses in units of quantum × modes.scale; valid for KEPT_TICKS ticks."""
         assert self._newest is not None
         return self._newest.poses
 
     def add(self, tick: int, time_s: float, made_s: float, write: Write) -> None:
-        """Take in the poses that `write` puts into the arrays it is given; encode what most will be sent."""
-        before = self._newest
+        """Add the poses of a tick, which `write` puts into the given arrays, and encode the usual frame."""
+        previous = self._newest
         poses = self._ring[tick % KEPT_TICKS]
         write(poses)
-        moment = _Moment(tick, time_s, made_s, poses)
+        entry = _TickFrames(tick, time_s, made_s, poses)
         self._kept = {old: kept for old, kept in self._kept.items() if tick - KEPT_TICKS < old < tick}
-        self._kept[tick] = moment
-        self._newest = moment
-        if before is not None and before.tick in self._kept and before.tick != tick:
-            self.since(before.tick)
+        self._kept[tick] = entry
+        self._newest = entry
+        if previous is not None and previous.tick in self._kept and previous.tick != tick:
+            self.since(previous.tick)
 
     def since(self, tick: int | None) -> bytes | None:
-        """What brings a client from a tick (None: from nowhere) to the newest; None if it is there."""
+        """The frame from a tick (None: a key frame) to the newest one; None if `tick` is the newest."""
         newest = self._newest
         if newest is None or tick == newest.tick:
             return None
@@ -78,7 +78,7 @@ class FrameHistory:
             newest.frames[base] = binary_frame(self._encode(newest, base))
         return newest.frames[base]
 
-    def _encode(self, newest: _Moment, base: int | None) -> bytes:
+    def _encode(self, newest: _TickFrames, base: int | None) -> bytes:
         values = newest.poses
         if base is not None:
             for now, old, out in zip(values, self._kept[base].poses, self._difference, strict=True):
@@ -87,5 +87,5 @@ class FrameHistory:
         rows = tuple(Rows(quantum, part) for quantum, part in zip(self._quanta, values, strict=True))
         try:
             return encode_frame(Frame(newest.tick, base, newest.time_s, newest.made_s, rows))
-        except ValueError:  # a difference that does not fit
+        except ValueError:  # a difference exceeds 16 bits
             return self._encode(newest, None)

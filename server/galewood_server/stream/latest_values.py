@@ -1,25 +1,25 @@
-"""What a forest has to tell besides poses: of each kind the newest, encoded once."""
+"""The latest values of a forest other than poses (clock, wind, description), each encoded once."""
 
 from __future__ import annotations
 
 from galewood_server.stream.socket_protocol import binary_frame
 from galewood_server.stream.wire import Clock, Shared, WindState, encode_reply
 
-News = Clock | Shared | WindState
+Value = Clock | Shared | WindState
 
 
 class LatestValues:
-    """News with rising numbers; who has seen number n needs only what is newer, the newest of each kind."""
+    """The newest message of each type, numbered; clients fetch those after the last one sent."""
 
     def __init__(self) -> None:
         self.number = 0
-        self._frames: dict[type[News], tuple[int, bytes]] = {}
+        self._frames: dict[type[Value], tuple[int, bytes]] = {}
 
-    def post(self, news: News) -> None:
-        """In place of what was said of the kind before."""
+    def post(self, value: Value) -> None:
+        """Replace the value of the same type."""
         self.number += 1
-        self._frames[type(news)] = (self.number, binary_frame(encode_reply(news)))
+        self._frames[type(value)] = (self.number, binary_frame(encode_reply(value)))
 
     def since(self, number: int) -> list[bytes]:
-        """What is newer, in order, ready for the socket."""
-        return [frame for posted, frame in sorted(self._frames.values()) if posted > number]
+        """WebSocket frames of the values newer than `number`, in order."""
+        return [frame for value_number, frame in sorted(self._frames.values()) if value_number > number]

@@ -1,4 +1,4 @@
-"""A forest that is being played: one clock, one simulation, and any number of clients that follow it."""
+"""A running forest: one clock, one simulation and any number of clients."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from galewood.table import Table
-from galewood.wind import Wind
 
 from galewood_server.stream.client_buffer import ClientBuffer
 from galewood_server.stream.frames import FrameHistory
@@ -16,74 +14,77 @@ from galewood_server.stream.latest_values import LatestValues
 from galewood_server.stream.wire import TICK_HZ, Clock, Forest, Shared, WindState
 
 if TYPE_CHECKING:
+    from galewood.table import Table
+    from galewood.wind import Wind
+
     from galewood_server.stream.forest import ForestClock, ForestStepper
 
 log = logging.getLogger("galewood.stream")
 CLOCK_EVERY_TICKS = TICK_HZ
-"""How often the clients of a shared forest are told the time."""
+"""Interval of clock messages to the clients of a shared forest."""
 
 
 class LiveForest:
-    """`compute` runs in a lane's thread, everything else in the event loop; never both at once for poses."""
+    """`compute` runs in a worker thread, everything else in the event loop, never concurrently on poses."""
 
     def __init__(self, plan: Forest, clock: ForestClock, now_s: float) -> None:
         self.share = plan.share
-        self.members: set[ClientBuffer] = set()
+        self.clients: set[ClientBuffer] = set()
         self.plan = plan
         self._clock = clock
         self._latest = LatestValues()
         self._stepper: ForestStepper | None = None
         self._history: FrameHistory | None = None
         self._made_s = now_s
-        self._blown = clock.wind
+        self._sent_wind = clock.wind
         self._failed = False
         self.empty_since_s = now_s
         if self.share is not None:
-            self._announce()
+            self._post_shared()
             self._latest.post(WindState(clock.wind.document()))
             self._send_clock()
 
     @property
     def tree_count(self) -> int:
-        """Trees that are simulated here."""
+        """Number of simulated trees."""
         return len(self.plan.trees) if self._stepper else 0
 
     @property
     def needs_stepper(self) -> bool:
-        """Whether nobody has streamed these trees yet."""
+        """Whether the trees are not simulated yet."""
         return self._stepper is None
 
     @property
     def streamed(self) -> bool:
-        """Whether somebody wants poses now."""
-        return any(member.streams for member in self.members)
+        """Whether any client receives poses."""
+        return any(client.streams for client in self.clients)
 
     # ---- in the event loop -------------------------------------------------------------------------
 
     def set_stepper(self, stepper: ForestStepper) -> None:
-        """Begin to simulate, from rest."""
+        """Start the simulation from rest."""
         history = FrameHistory(stepper.shapes)
         history.add(self._clock.ticks, self._clock.time_s, self._made_s, stepper.write_poses)
         self._stepper, self._history = stepper, history
-        for member in self.members:
-            member.resync()
+        for client in self.clients:
+            client.resync()
 
     def replant(self, plan: Forest, stepper: ForestStepper | None) -> None:
-        """Other trees under the same clock and wind, for all."""
+        """Replace the trees for all clients; clock and wind continue."""
         self.plan = plan
         self._stepper, self._history = None, None
         if stepper is not None:
             self.set_stepper(stepper)
-        self._announce()
+        self._post_shared()
 
     def make_stepper(self, tables: Sequence[Table], plan: Forest) -> ForestStepper:
-        """A simulation of these trees under this forest's clock; slow, hence in a thread."""
+        """Create a simulation of trees under this forest's clock. Slow: call it in a thread."""
         from galewood_server.stream.forest import ForestStepper
 
         return ForestStepper(tables, plan, self._clock)
 
     def same_trees(self, plan: Forest) -> bool:
-        """Whether a plan describes the trees that are here."""
+        """Whether a request describes the current trees."""
         mine = self.plan
         return (mine.groups, mine.method, mine.pose_easing) == (
             plan.groups,
@@ -91,36 +92,36 @@ class LiveForest:
             plan.pose_easing,
         ) and np.array_equal(mine.trees, plan.trees)
 
-    def add(self, member: ClientBuffer, now_s: float) -> None:
-        """A client joins, and has at once what there is."""
-        self.members.add(member)
+    def add(self, client: ClientBuffer, now_s: float) -> None:
+        """Add a client and send it the current state."""
+        self.clients.add(client)
         current = self._history if self._history and self._history.tick == self._clock.ticks else None
-        member.deliver(self._latest, current, now_s)
+        client.deliver(self._latest, current, now_s)
 
     def change_wind(self, wind: Wind) -> None:
-        """Glide to another wind from the next tick on; all are told then."""
+        """Start a transition to another wind at the next tick; all clients are notified."""
         self._clock.change_wind(wind)
 
     def pause(self, paused: bool) -> None:
-        """Stop the clock or let it run on; all are told."""
+        """Pause or resume the clock; all clients are notified."""
         self._clock.paused = paused
         self._send_clock()
 
     def deliver(self, now_s: float) -> None:
-        """Send every member what is new to it."""
+        """Send new values and frames to all clients."""
         if self._failed:
-            for member in self.members:
-                member.cut()
+            for client in self.clients:
+                client.disconnect()
             return
-        if self._clock.wind is not self._blown:
-            self._blown = self._clock.wind
-            self._latest.post(WindState(self._blown.document()))
+        if self._clock.wind is not self._sent_wind:
+            self._sent_wind = self._clock.wind
+            self._latest.post(WindState(self._sent_wind.document()))
         if self.share is not None and self._clock.ticks % CLOCK_EVERY_TICKS == 0:
             self._send_clock()
-        for member in self.members:
-            member.deliver(self._latest, self._history, now_s)
+        for client in self.clients:
+            client.deliver(self._latest, self._history, now_s)
 
-    def _announce(self) -> None:
+    def _post_shared(self) -> None:
         plan = self.plan
         if plan.share is not None:
             self._latest.post(
@@ -130,10 +131,10 @@ class LiveForest:
     def _send_clock(self) -> None:
         self._latest.post(Clock(self._clock.time_s, self._made_s, self._clock.paused))
 
-    # ---- in a lane's thread ------------------------------------------------------------------------
+    # ---- in a worker thread -------------------------------------------------------------------------
 
     def compute(self, made_s: float) -> None:
-        """One tick. A forest that fails ends alone."""
+        """Compute one tick. If it fails, only this forest ends."""
         try:
             self._tick(made_s)
         except Exception:

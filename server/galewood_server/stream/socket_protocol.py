@@ -1,4 +1,4 @@
-"""uvicorn's WebSocket protocol with two short cuts: ready-made frames, and letting go of deaf clients."""
+"""uvicorn's WebSocket protocol, extended by pre-encoded frames and disconnection of stalled clients."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from typing import Any, cast
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 UNACKNOWLEDGED_MS = 20_000
-KERNEL_BYTES = 256 * 1024  # what waits here is old before it arrives; by default it may be megabytes
+KERNEL_BYTES = 256 * 1024  # limits latency; the default can be megabytes
 EXTENSION = "galewood.socket"
-SIOCOUTQNSD = 0x894B  # linux/sockios.h: what a TCP socket has taken and not sent
+SIOCOUTQNSD = 0x894B  # linux/sockios.h: unsent bytes in the socket's queue
 _count = bytearray(4)
-_BINARY = 0x82  # a whole message of the kind "binary" (RFC 6455, section 5.2)
+_BINARY = 0x82  # FIN and opcode "binary" (RFC 6455, section 5.2)
 
 
 def binary_frame(message: bytes) -> bytes:
-    """A message as it goes over the socket: servers do not mask, so all can be sent the same bytes."""
+    """The WebSocket frame of a message. Server frames are unmasked, so all clients receive the same bytes."""
     length = len(message)
     if length < 126:
         head = struct.pack("!BB", _BINARY, length)
@@ -40,10 +40,10 @@ def _is_text(data: bytes) -> bool:
 
 
 class SocketProtocol(WebSocketsSansIOProtocol):
-    """Closing a socket waits until the peer has read everything; a stalled peer must be cut off instead."""
+    """A closing handshake waits until the peer has read everything, so stalled peers are aborted instead."""
 
     def connection_made(self, transport: BaseTransport) -> None:
-        """Let the kernel hold little, and give up on peers that take nothing for a while."""
+        """Set a small kernel send buffer and a timeout for unacknowledged data."""
         super().connection_made(transport)
         raw = cast(socket.socket | None, transport.get_extra_info("socket"))
         tcp = raw is not None and raw.family in (socket.AF_INET, socket.AF_INET6)
@@ -54,12 +54,12 @@ class SocketProtocol(WebSocketsSansIOProtocol):
                 raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, UNACKNOWLEDGED_MS)
 
     def keepalive_timeout(self) -> None:
-        """No answer to a ping: drop the connection with whatever it still had to send."""
+        """Abort the connection if a ping is not answered."""
         super().keepalive_timeout()
         self.abort()
 
     def send_receive_event_to_app(self) -> None:
-        """Close on text that is not UTF-8 without a traceback in the log: anybody can send some."""
+        """Close on invalid UTF-8 without a traceback in the log, because any client can send it."""
         if self.curr_msg_data_type == "text" and not self.close_sent and not _is_text(b"".join(self.frames)):
             self.frames = []
             self.conn.send_close(1007)
@@ -68,18 +68,18 @@ class SocketProtocol(WebSocketsSansIOProtocol):
         super().send_receive_event_to_app()
 
     def push(self, frame: bytes) -> None:
-        """Write a frame that `binary_frame` made, whole and at once; nothing on a socket that is closing."""
+        """Write a frame made by `binary_frame`; does nothing if the socket is closing."""
         if not self.closing:
             self.transport.write(frame)
 
     @property
     def closing(self) -> bool:
-        """Whether nothing more can be sent: either side has closed."""
+        """Whether the socket is closed or closing."""
         return self.close_sent or self.disconnected or self.transport.is_closing()
 
     @property
     def unsent_bytes(self) -> int:
-        """What the peer was written and is not on its way yet, here or in the kernel."""
+        """Number of written bytes that are still unsent, in the transport or in the kernel."""
         return self.transport.get_write_buffer_size() + self._kernel_unsent_bytes()
 
     def _kernel_unsent_bytes(self) -> int:
@@ -89,19 +89,19 @@ class SocketProtocol(WebSocketsSansIOProtocol):
         return int.from_bytes(_count, sys.byteorder)
 
     def abort(self) -> None:
-        """Cut the connection at once and forget what was still to be sent, here and in the kernel."""
+        """Abort the connection and discard unsent data, including the kernel's."""
         if self._raw is not None and self._raw.fileno() >= 0:
             self._raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
         self.transport.abort()
 
     async def run_asgi(self) -> None:
-        """Hand the application this protocol beside the usual scope."""
+        """Add this protocol to the ASGI scope."""
         cast(dict[str, Any], self.scope)["extensions"][EXTENSION] = {"protocol": self}
         await super().run_asgi()
 
 
 def protocol_of(scope: Any) -> SocketProtocol:
-    """The protocol of a socket. RuntimeError under a server that was not started with it."""
+    """The SocketProtocol of an ASGI scope. RuntimeError if uvicorn was started without it."""
     extension: dict[str, SocketProtocol] = scope.get("extensions", {}).get(EXTENSION, {})
     if "protocol" not in extension:
         raise RuntimeError(

@@ -1,4 +1,4 @@
-"""Who computes: a few threads, each stepping its forests one after the other, thirty times a second."""
+"""Step workers: threads that each step their forests TICK_HZ times per second."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LATE_S = 0.25
 
 
 class StepWorker:
-    """One thread's forests. Where it is late their time runs slower; other lanes are not held up."""
+    """The forests of one thread. If overloaded, their time runs slower; other workers are unaffected."""
 
     def __init__(self, threads: ThreadPoolExecutor) -> None:
         self.forests: set[LiveForest] = set()
@@ -22,11 +22,11 @@ class StepWorker:
 
     @property
     def tree_count(self) -> int:
-        """Trees to step at each tick."""
+        """Number of trees stepped per tick."""
         return sum(forest.tree_count for forest in self.forests)
 
     def add(self, forest: LiveForest) -> None:
-        """Step this one too."""
+        """Add a forest."""
         self.forests.add(forest)
         if self._work is None or self._work.done():
             self._work = asyncio.create_task(self._run())

@@ -1,8 +1,8 @@
-"""THE wire format of /ws/forest, version 2: specified in docs/formats/wire.md, twin of web/src/wire.ts.
+"""The wire protocol of /ws/forest, version 2: specified in docs/formats/wire.md.
 
-Requests go from client to server, replies back; envelope.py says what they have in common, wire_forest.py
-and wire_frame.py hold the messages with rows of numbers. `encode_*` stands beside `decode_*`; what decodes
-has been checked, so that nobody downstream checks again.
+Counterpart of web/src/core/wire/wire.ts. Requests are sent by clients, replies by the server. envelope.py
+has the common message structure, wire_forest.py and wire_frame.py the messages with numeric payloads.
+Decoders validate all fields, so that later code need not check them.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from galewood_server.stream.envelope import (
     Header,
     WireError,
     boolean,
+    check_fields,
     decode_message,
     encode_message,
     number,
-    only,
     text,
     text_map,
-    whole,
+    whole_number,
 )
 from galewood_server.stream.wire_forest import (
     FOREST,
@@ -69,7 +69,7 @@ HELLO, WIND, PING, PAUSE, RESYNC = 1, 3, 4, 5, 6
 WELCOME, TABLE, ERROR, PONG, WIND_STATE, CLOCK = 65, 66, 68, 69, 70, 71
 
 TICK_HZ = 30
-"""Frames a second of a stream, and ticks of a forest's clock."""
+"""Frames per second of a stream and ticks per second of a forest's clock."""
 
 
 # ---- client to server ------------------------------------------------------------------------------
@@ -77,42 +77,42 @@ TICK_HZ = 30
 
 @dataclass(frozen=True)
 class Hello:
-    """First message of a client: a name for itself."""
+    """First message of a client, with its name."""
 
     client: str
 
 
 @dataclass(frozen=True)
 class WindChange:
-    """A new wind document (docs/formats/wind.md)."""
+    """Changes the wind to a wind document (docs/formats/wind.md)."""
 
     wind: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Ping:
-    """Asks for a Pong with the same number."""
+    """Requests a Pong with the same number."""
 
     t: float
 
 
 @dataclass(frozen=True)
 class Pause:
-    """Stops the forest's clock, or lets it run on."""
+    """Pauses or resumes the forest's clock."""
 
     paused: bool
 
 
 @dataclass(frozen=True)
 class Resync:
-    """Asks for a key frame: the client lost its place."""
+    """Requests a key frame after the client lost synchronisation."""
 
 
 Request = Hello | Forest | WindChange | Ping | Pause | Resync
 
 
 def encode_request(request: Request) -> bytes:
-    """The bytes of a client's message."""
+    """Encode a client message."""
     match request:
         case Hello():
             return encode_message(HELLO, {"client": request.client})
@@ -129,26 +129,26 @@ def encode_request(request: Request) -> bytes:
 
 
 def decode_request(data: bytes) -> Request:
-    """The message of a client. WireError."""
+    """Decode a client message. WireError."""
     kind, header, payload = decode_message(data)
     if kind == FOREST:
         return decode_forest(header, payload)
     if payload:
         raise WireError("only a FOREST message has a payload")
     if kind == HELLO:
-        only(header, "client")
+        check_fields(header, "client")
         return Hello(text(header, "client")[:200])
     if kind == WIND:
-        only(header, "wind")
+        check_fields(header, "wind")
         return WindChange(text_map(header["wind"], "wind"))
     if kind == PING:
-        only(header, "t")
+        check_fields(header, "t")
         return Ping(number(header, "t"))
     if kind == PAUSE:
-        only(header, "paused")
+        check_fields(header, "paused")
         return Pause(boolean(header, "paused"))
     if kind == RESYNC:
-        only(header)
+        check_fields(header)
         return Resync()
     raise WireError(f"kind {kind} is not a message that clients send", "unknown-kind")
 
@@ -158,7 +158,7 @@ def decode_request(data: bytes) -> Request:
 
 @dataclass(frozen=True)
 class Welcome:
-    """Answer to Hello: who serves, which wire version, how many frames a second."""
+    """Reply to Hello: server name, wire version and frames per second."""
 
     server: str
     version: int
@@ -167,7 +167,7 @@ class Welcome:
 
 @dataclass(frozen=True)
 class TableChunk:
-    """A piece of a table file, from byte `offset` of `total`."""
+    """A chunk of a table file, starting at byte `offset` of `total`."""
 
     table: str
     offset: int
@@ -177,7 +177,7 @@ class TableChunk:
 
 @dataclass(frozen=True)
 class Failure:
-    """Why the server is about to close the connection."""
+    """The reason why the server is about to close the connection."""
 
     code: str
     title: str
@@ -186,7 +186,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Pong:
-    """Answer to Ping, with the server's clock, which `made_s` of frames and clocks is read from."""
+    """Reply to Ping with the server's clock, to which `made_s` of frames and clocks refers."""
 
     t: float
     server_s: float
@@ -194,14 +194,14 @@ class Pong:
 
 @dataclass(frozen=True)
 class WindState:
-    """The forest's wind and its clock (docs/formats/wind.md), after a change or on joining."""
+    """The forest's wind state (docs/formats/wind.md), sent after a change and on joining."""
 
     state: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Clock:
-    """The forest's time at `made_s` of the server's clock, and whether it stands still."""
+    """The forest's time at `made_s` of the server's clock, and whether it is paused."""
 
     time_s: float
     made_s: float
@@ -212,7 +212,7 @@ Reply = Welcome | TableChunk | Frame | Failure | Pong | WindState | Clock | Shar
 
 
 def encode_reply(reply: Reply) -> bytes:
-    """The bytes of a server's message."""
+    """Encode a server message."""
     match reply:
         case Welcome():
             header = {"server": reply.server, "version": reply.version, "tick_hz": reply.tick_hz}
@@ -236,14 +236,14 @@ def encode_reply(reply: Reply) -> bytes:
 
 
 def decode_reply(data: bytes) -> Reply:
-    """The message of a server. WireError."""
+    """Decode a server message. WireError."""
     kind, header, payload = decode_message(data)
     if kind == FRAME:
         return decode_frame(header, payload)
     if kind == SHARED:
         return decode_shared(header, payload)
     if kind == TABLE:
-        only(header, "table", "offset", "total")
+        check_fields(header, "table", "offset", "total")
         return _chunk(header, payload)
     if payload:
         raise WireError("only FRAME, TABLE and SHARED messages have a payload")
@@ -252,25 +252,27 @@ def decode_reply(data: bytes) -> Reply:
 
 def _decode_short(kind: int, header: Header) -> Reply:
     if kind == WELCOME:
-        only(header, "server", "version", "tick_hz")
-        return Welcome(text(header, "server"), whole(header, "version"), number(header, "tick_hz"))
+        check_fields(header, "server", "version", "tick_hz")
+        return Welcome(text(header, "server"), whole_number(header, "version"), number(header, "tick_hz"))
     if kind == ERROR:
-        only(header, "code", "title", "hint")
+        check_fields(header, "code", "title", "hint")
         return Failure(text(header, "code"), text(header, "title"), text(header, "hint"))
     if kind == PONG:
-        only(header, "t", "server_s")
+        check_fields(header, "t", "server_s")
         return Pong(number(header, "t"), number(header, "server_s"))
     if kind == WIND_STATE:
-        only(header, "state")
+        check_fields(header, "state")
         return WindState(text_map(header["state"], "state"))
     if kind == CLOCK:
-        only(header, "time_s", "made_s", "paused")
+        check_fields(header, "time_s", "made_s", "paused")
         return Clock(number(header, "time_s"), number(header, "made_s"), boolean(header, "paused"))
     raise WireError(f"kind {kind} is not a message that servers send", "unknown-kind")
 
 
 def _chunk(header: Header, payload: bytes) -> TableChunk:
-    chunk = TableChunk(text(header, "table"), whole(header, "offset"), whole(header, "total"), payload)
+    chunk = TableChunk(
+        text(header, "table"), whole_number(header, "offset"), whole_number(header, "total"), payload
+    )
     if chunk.offset + len(payload) > chunk.total:
         raise WireError("a chunk reaches past the end of its table")
     return chunk

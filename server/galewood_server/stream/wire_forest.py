@@ -1,4 +1,4 @@
-"""FOREST, the message that asks for a forest, and SHARED, which describes one: encoders beside decoders."""
+"""The messages FOREST, which requests a forest, and SHARED, which describes a shared one."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from galewood_server.stream.envelope import (
     Header,
     WireError,
     boolean,
+    check_fields,
     encode_message,
-    entries,
+    list_field,
     number,
-    only,
     text,
     text_map,
-    whole,
+    whole_number,
 )
 
 FOREST, SHARED = 2, 72
 MAX_ABOUT = 32
-"""Entries of a forest's `about`."""
+"""Maximum number of entries in a forest's `about`."""
 
 Mode = Literal["stream", "table"]
 Method = Literal["modal", "paper"]
@@ -45,28 +45,28 @@ class Group:
 
 @dataclass(frozen=True)
 class Forest:
-    """What the client wants: tables to look up itself, or a stream of poses of these trees."""
+    """A forest request: tables for lookup in the client, or a stream of poses of the given trees."""
 
     mode: Mode
     groups: tuple[Group, ...]
     wind: Mapping[str, Any]
     time_s: float
     pose_easing: float | None
-    trees: Trees  # (Σ count, 4): x m, z m, yaw rad, scale; (0, 4) where they do not matter
+    trees: Trees  # (Σ count, 4): x (m), z (m), yaw (rad), scale; (0, 4) if not needed
     method: Method = "modal"
     share: str | None = None
-    """The forest that many share; None for one of one's own."""
+    """Identifier of a shared forest; None for a private one."""
     replant: bool = False
-    """If the shared forest has other trees, give it these, for all."""
+    """Replace the trees of the shared forest, for all clients, if they differ."""
     about: About = field(default_factory=lambda: cast(About, {}))
-    """What the planter wants others to know, passed on unread."""
+    """Client-defined data passed to other clients unchanged."""
     have: Mapping[str, int] = field(default_factory=lambda: cast(Mapping[str, int], {}))
-    """Bytes of tables (by SHA-256) that the client has already."""
+    """SHA-256 of a table -> bytes that the client has already received."""
 
 
 @dataclass(frozen=True)
 class Shared:
-    """A shared forest as it is: told to all who join and at each replanting."""
+    """Description of a shared forest, sent to joining clients and when its trees are replaced."""
 
     share: str
     groups: tuple[Group, ...]
@@ -77,10 +77,10 @@ class Shared:
 
 
 def encode_forest(forest: Forest) -> bytes:
-    """FOREST: groups in the header, a row of four float32 a tree in the payload."""
+    """Encode FOREST: groups in the header, four float32 per tree in the payload."""
     header = {
         "mode": forest.mode,
-        "groups": _plain(forest.groups),
+        "groups": _group_list(forest.groups),
         "options": _options(forest),
         "wind": dict(forest.wind),
         "time_s": forest.time_s,
@@ -89,22 +89,22 @@ def encode_forest(forest: Forest) -> bytes:
 
 
 def decode_forest(header: Header, payload: bytes) -> Forest:
-    """The twin of encode_forest. WireError."""
-    only(header, "mode", "groups", "options", "wind", "time_s")
+    """Decode FOREST. WireError."""
+    check_fields(header, "mode", "groups", "options", "wind", "time_s")
     mode = text(header, "mode")
     if mode not in ("stream", "table"):
         raise WireError("mode must be 'stream' or 'table'")
     options = text_map(header["options"], "options")
-    only(options, *options.keys() & OPTIONS)
-    groups = tuple(_group(entry) for entry in entries(header, "groups"))
-    grid_placements = mode == "stream" or bool(payload)
+    check_fields(options, *options.keys() & OPTIONS)
+    groups = tuple(_group(entry) for entry in list_field(header, "groups"))
+    has_trees = mode == "stream" or bool(payload)
     return Forest(
         mode=mode,
         groups=groups,
         wind=text_map(header["wind"], "wind"),
         time_s=number(header, "time_s", -1e9, 1e9),
         pose_easing=_easing(options),
-        trees=_trees(payload, sum(group.count for group in groups) if grid_placements else 0),
+        trees=_trees(payload, sum(group.count for group in groups) if has_trees else 0),
         method=_method(options) if "method" in options else "modal",
         share=_share(options) if "share" in options else None,
         replant="replant" in options and boolean(options, "replant"),
@@ -114,10 +114,10 @@ def decode_forest(header: Header, payload: bytes) -> Forest:
 
 
 def encode_shared(shared: Shared) -> bytes:
-    """SHARED: the forest's trees in the payload, as in FOREST."""
+    """Encode SHARED, with the trees in the payload as in FOREST."""
     header = {
         "share": shared.share,
-        "groups": _plain(shared.groups),
+        "groups": _group_list(shared.groups),
         "pose_easing": shared.pose_easing,
         "method": shared.method,
         "about": dict(shared.about),
@@ -126,9 +126,9 @@ def encode_shared(shared: Shared) -> bytes:
 
 
 def decode_shared(header: Header, payload: bytes) -> Shared:
-    """The twin of encode_shared. WireError."""
-    only(header, "share", "groups", "pose_easing", "method", "about")
-    groups = tuple(_group(entry) for entry in entries(header, "groups"))
+    """Decode SHARED. WireError."""
+    check_fields(header, "share", "groups", "pose_easing", "method", "about")
+    groups = tuple(_group(entry) for entry in list_field(header, "groups"))
     return Shared(
         share=_share(header),
         groups=groups,
@@ -139,12 +139,12 @@ def decode_shared(header: Header, payload: bytes) -> Shared:
     )
 
 
-def _plain(groups: tuple[Group, ...]) -> list[dict[str, Any]]:
+def _group_list(groups: tuple[Group, ...]) -> list[dict[str, Any]]:
     return [{"table": group.table, "count": group.count} for group in groups]
 
 
 def _options(forest: Forest) -> dict[str, Any]:
-    """What differs from the defaults."""
+    """The options that differ from their defaults."""
     given: dict[str, Any] = {
         "pose_easing": forest.pose_easing,
         "method": None if forest.method == "modal" else forest.method,
@@ -196,14 +196,14 @@ def _have(options: Header) -> Mapping[str, int]:
     have = text_map(options["have"], "have")
     for table in have:
         _check_hash(table)
-        whole(have, table)
+        whole_number(have, table)
     return have
 
 
 def _group(entry: Any) -> Group:
     group = text_map(entry, "a group")
-    only(group, "table", "count")
-    return Group(_check_hash(text(group, "table")), whole(group, "count"))
+    check_fields(group, "table", "count")
+    return Group(_check_hash(text(group, "table")), whole_number(group, "count"))
 
 
 def _check_hash(table: str) -> str:

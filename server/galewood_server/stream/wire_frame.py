@@ -1,7 +1,7 @@
-"""FRAME, the message that carries poses: encoder beside decoder. Twin of web/src/wireFrame.ts.
+"""The message FRAME, which contains poses. Counterpart of web/src/core/wire/wireFrame.ts.
 
-A pose is counted in `quantum` × the table's modes.scale. A key frame is int32; any other frame holds the
-differences to another tick, int16 for the first `wide` modes, which move most, and int8 for the rest.
+Poses are integers in units of `quantum` × the table's modes.scale. Key frames are int32. Other frames contain
+differences to another tick: int16 for the first `wide` modes, which move most, and int8 for the others.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import numpy.typing as npt
 from galewood_server.stream.envelope import (
     Header,
     WireError,
+    check_fields,
     encode_message,
-    entries,
+    list_field,
     number,
-    only,
     text_map,
-    whole,
+    whole_number,
 )
 
 FRAME = 67
@@ -30,7 +30,7 @@ Poses = npt.NDArray[np.int32]
 
 @dataclass(frozen=True)
 class Rows:
-    """Poses of one group, or what was added to them: (count, modes) in `quantum` × modes.scale."""
+    """Poses of one group or their differences: (count, modes) in units of `quantum` × modes.scale."""
 
     quantum: int
     values: Poses
@@ -38,22 +38,22 @@ class Rows:
 
 @dataclass(frozen=True)
 class Frame:
-    """Poses of every tree at one tick: absolute if `base` is None, else to be added to tick `base`."""
+    """Poses of all trees at one tick: absolute if `base` is None, otherwise differences to tick `base`."""
 
     tick: int
     base: int | None
-    time_s: float  # of the forest
-    made_s: float  # by the server's clock, that of PONG
+    time_s: float  # forest time
+    made_s: float  # server clock, as in PONG
     groups: tuple[Rows, ...]
 
     @property
     def key(self) -> bool:
-        """Whether the frame stands alone."""
+        """Whether this is a key frame."""
         return self.base is None
 
 
 def wide_modes(values: Poses) -> int:
-    """How many modes must be int16 so that the others fit int8; −1 if int16 is too narrow."""
+    """Number of leading modes that need int16 so that the others fit int8; −1 if int16 is too narrow."""
     if not values.size:
         return 0
     low, high = values.min(axis=0), values.max(axis=0)
@@ -63,7 +63,7 @@ def wide_modes(values: Poses) -> int:
 
 
 def encode_frame(frame: Frame) -> bytes:
-    """The bytes of a frame. ValueError if a difference does not fit 16 bits."""
+    """Encode FRAME. ValueError if a difference does not fit 16 bits."""
     wides = [rows.values.shape[1] if frame.key else wide_modes(rows.values) for rows in frame.groups]
     if min(wides, default=0) < 0:
         raise ValueError("a difference does not fit 16 bits: send a key frame")
@@ -101,23 +101,26 @@ class _Shape:
 
 
 def decode_frame(header: Header, payload: bytes) -> Frame:
-    """The twin of encode_frame. WireError."""
-    only(header, "tick", "base", "time_s", "made_s", "groups")
-    base = None if header["base"] is None else whole(header, "base")
-    shapes = [_shape(entry) for entry in entries(header, "groups")]
+    """Decode FRAME. WireError."""
+    check_fields(header, "tick", "base", "time_s", "made_s", "groups")
+    base = None if header["base"] is None else whole_number(header, "base")
+    shapes = [_shape(entry) for entry in list_field(header, "groups")]
     if len(payload) != _length(shapes, base is None):
         raise WireError("the payload does not have the length that the groups say")
     values = _absolute(shapes, payload) if base is None else _differences(shapes, payload)
     groups = tuple(Rows(shape.quantum, rows) for shape, rows in zip(shapes, values, strict=True))
-    tick, time_s, made_s = whole(header, "tick"), number(header, "time_s"), number(header, "made_s")
+    tick, time_s, made_s = whole_number(header, "tick"), number(header, "time_s"), number(header, "made_s")
     return Frame(tick, base, time_s, made_s, groups)
 
 
 def _shape(entry: Any) -> _Shape:
     group = text_map(entry, "a group")
-    only(group, "count", "modes", "quantum", "wide")
+    check_fields(group, "count", "modes", "quantum", "wide")
     shape = _Shape(
-        whole(group, "count"), whole(group, "modes"), whole(group, "quantum"), whole(group, "wide")
+        whole_number(group, "count"),
+        whole_number(group, "modes"),
+        whole_number(group, "quantum"),
+        whole_number(group, "wide"),
     )
     if shape.wide > shape.modes or shape.quantum < 1:
         raise WireError("quantum must be at least 1, and wide at most the number of modes")

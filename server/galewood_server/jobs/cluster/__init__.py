@@ -1,1 +1,1 @@
-"""Simulating on a Dask cluster, embedded or external."""
+"""Simulation on an embedded or external Dask cluster."""

@@ -1,7 +1,7 @@
-"""Sampled runs through a bucket: for workers that share no disk with whoever asks them.
+"""Blob transfer: exchange of models and training runs through a bucket with workers that share no disk.
 
-The model goes there under its file's name, which is its content's hash; each run comes back under the name of
-its trajectory. A worker keeps the last model it simulated.
+Models are stored under their content hash, finished runs under the name of their trajectory file. A worker
+keeps the last model it simulated.
 """
 
 from __future__ import annotations
@@ -17,24 +17,26 @@ import obstore
 from galewood.sampling import SampleTask, run_task
 from galewood.util import Cancelled, write_whole
 
-from galewood_server.storage import fetch, open_bucket, stored
+from galewood_server.storage import fetch, list_keys, open_bucket, stored
 
-LOOK_S = 0.5
+POLL_S = 0.5
 
 
 @dataclass(frozen=True)
 class TransferredTask:
-    """A run to record on a machine that knows nothing but the bucket."""
+    """A training run for a worker that has access only to the bucket."""
 
     task: SampleTask
     url: str
     flag: str
-    """Key whose existence means that nobody wants the run any more."""
+    """Key whose existence means that the job was cancelled."""
 
 
 class BlobTransfer:
-    """The asking side: models out, runs in; and the tetrahedra, which no two meshings make alike, kept for
-    the server that may take the job over: with others the finished runs would be of no use.
+    """The server's side: uploads models and fetches runs.
+
+    It also stores the tetrahedral mesh for another server that takes over the job: meshing is not
+    reproducible, and finished runs are valid only for the same mesh.
     """
 
     def __init__(self, url: str, job_id: str) -> None:
@@ -43,15 +45,15 @@ class BlobTransfer:
         self._flag = flag_key(job_id)
         self._tets = f"transfer/tets/{job_id}/"
 
-    def ask(self, task: SampleTask) -> TransferredTask:
-        """The task as a worker elsewhere can run it; its model is put where the worker finds it."""
+    def upload_model(self, task: SampleTask) -> TransferredTask:
+        """Upload the model of a task, if missing, and return the task for a remote worker."""
         key = model_key(task.model)
         if stored(self._bucket, key) is None:
             obstore.put(self._bucket, key, task.model.read_bytes())
         return TransferredTask(task, self._url, self._flag)
 
-    def take(self, task: SampleTask) -> bool:
-        """Bring a finished run here; whether it was there. It stays, in case another server takes over."""
+    def fetch_run(self, task: SampleTask) -> bool:
+        """Fetch a finished run; False if it does not exist. It stays in the bucket until `delete_runs`."""
         try:
             data = fetch(self._bucket, run_key(task.path))
         except FileNotFoundError:
@@ -59,24 +61,24 @@ class BlobTransfer:
         write_whole(task.path, data)
         return True
 
-    def keep_tetrahedra(self, name: str, data: bytes) -> None:
-        """Put a build's mesh where the next server of this job finds it."""
+    def store_tetrahedra(self, name: str, data: bytes) -> None:
+        """Store the tetrahedral mesh of a build for servers that take over the job."""
         obstore.put(self._bucket, self._tets + name, data)
 
-    def bring_tetrahedra(self, folder: Path) -> None:
-        """Put the mesh of this job's earlier servers, if there is one, into the cache of meshes."""
-        for key in self._kept_tetrahedra():
+    def fetch_tetrahedra(self, folder: Path) -> None:
+        """Fetch the tetrahedral mesh stored by an earlier server of this job, if any, into `folder`."""
+        for key in self._tetrahedra_keys():
             write_whole(folder / key.rsplit("/", 1)[-1], fetch(self._bucket, key))
 
-    def _kept_tetrahedra(self) -> list[str]:
-        return [item["path"] for page in obstore.list(self._bucket, prefix=self._tets) for item in page]
+    def _tetrahedra_keys(self) -> list[str]:
+        return list_keys(self._bucket, self._tets)
 
-    def forget(self, runs: Sequence[Path]) -> None:
-        """Once the table is published: nobody needs the runs and the mesh there any more."""
-        obstore.delete(self._bucket, [*(run_key(run) for run in runs), *self._kept_tetrahedra()])
+    def delete_runs(self, runs: Sequence[Path]) -> None:
+        """Delete the runs and the tetrahedral mesh after the table is stored."""
+        obstore.delete(self._bucket, [*(run_key(run) for run in runs), *self._tetrahedra_keys()])
 
-    def cancel(self) -> None:
-        """Tell the workers that nobody wants the runs of this job."""
+    def set_cancel_flag(self) -> None:
+        """Signal the workers that the job was cancelled."""
         obstore.put(self._bucket, self._flag, b"")
 
 
@@ -92,8 +94,8 @@ def flag_key(job_id: str) -> str:
     return f"transfer/cancelled/{job_id}"
 
 
-def run_elsewhere(item: TransferredTask) -> str:
-    """In a worker: record a run and store it, unless it is there or nobody wants it any more."""
+def run_and_upload(item: TransferredTask) -> str:
+    """In a worker: simulate and store a run, unless it exists or the job was cancelled. Returns its key."""
     bucket, key = open_bucket(item.url), run_key(item.task.path)
     if stored(bucket, key) is not None:
         return key
@@ -101,24 +103,24 @@ def run_elsewhere(item: TransferredTask) -> str:
         path = Path(folder) / item.task.path.name
         model = _model(item.url, item.task.model)
         try:
-            run_task(replace(item.task, model=model, path=path), _watch(bucket, item.flag))
-        except Cancelled:  # whoever asked for it is gone: end without a noise
+            run_task(replace(item.task, model=model, path=path), _cancel_check(bucket, item.flag))
+        except Cancelled:  # the job was cancelled: return normally so that Dask does not retry
             return ""
         obstore.put(bucket, key, path.read_bytes())
     return key
 
 
-def _watch(bucket: object, flag: str) -> Callable[[float], None]:
-    looked_s = time.monotonic()
+def _cancel_check(bucket: object, flag: str) -> Callable[[float], None]:
+    checked_s = time.monotonic()
 
-    def look(_fraction: float) -> None:
-        nonlocal looked_s
-        if time.monotonic() - looked_s > LOOK_S:
-            looked_s = time.monotonic()
+    def check(_fraction: float) -> None:
+        nonlocal checked_s
+        if time.monotonic() - checked_s > POLL_S:
+            checked_s = time.monotonic()
             if stored(bucket, flag) is not None:
                 raise Cancelled
 
-    return look
+    return check
 
 
 @lru_cache(maxsize=1)
@@ -127,10 +129,10 @@ def _models_folder() -> tempfile.TemporaryDirectory[str]:
 
 
 def _model(url: str, model: Path) -> Path:
-    """The model's file on this machine; only the newest is kept."""
-    here = Path(_models_folder().name) / model.name
-    if not here.exists():
-        for other in here.parent.glob("*.npz"):
+    """A local copy of a model; only the newest is kept."""
+    copy = Path(_models_folder().name) / model.name
+    if not copy.exists():
+        for other in copy.parent.glob("*.npz"):
             other.unlink()
-        write_whole(here, fetch(open_bucket(url), model_key(model)))
-    return here
+        write_whole(copy, fetch(open_bucket(url), model_key(model)))
+    return copy

@@ -1,8 +1,8 @@
-"""The only file that knows Dask: an embedded cluster in a process of its own, and a map over any cluster.
+"""The Dask interface: an embedded cluster in a separate process, and a parallel map on any cluster.
 
-Dask unpickles what it is sent and has no passwords: the embedded one listens on the loopback interface
-only, without a dashboard. Results are names of files written atomically under their hash, never arrays,
-so that no finished work dies with a worker.
+Dask unpickles its messages and has no authentication, so the embedded cluster listens only on the loopback
+interface and has no dashboard. Results are names of atomically written files, never arrays, so that finished
+work survives the loss of a worker.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from galewood.threads import SINGLE_THREADED
 
@@ -21,16 +21,16 @@ from galewood_server.jobs.processes import die_with_parent
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-NICENESS = 10  # samples yield to the process that streams
+NICENESS = 10  # lower priority than the server process that streams
 
 
 class EngineLostError(Exception):
-    """The cluster went away; what was finished is stored and the job can go on later."""
+    """The cluster was lost. Finished runs are stored; the job can be resumed."""
 
 
 @contextmanager
 def connected(address: str) -> Generator[Any]:
-    """A client of the cluster. EngineLostError if it cannot be reached or is lost inside the block."""
+    """Connect to a cluster. EngineLostError if it is unreachable or lost inside the block."""
     from distributed import Client
     from distributed.client import FutureCancelledError
     from distributed.comm.core import CommClosedError
@@ -46,16 +46,17 @@ def connected(address: str) -> Generator[Any]:
 def map_on_cluster(
     client: Any, work: Callable[[Item], Result], items: Sequence[Item], done: Callable[[int, Item], None]
 ) -> None:
-    """`work` on every item, in worker processes.
+    """Apply `work` to every item in the worker processes.
 
-    `done` is told how many are finished, and which was last; it may raise to stop the rest.
+    `done` is called with the number of finished items and the last one; it may raise to cancel the others.
     """
     from distributed import as_completed
 
-    futures = client.map(work, items, pure=False, retries=2)
+    futures: list[Any] = client.map(work, items, pure=False, retries=2)
     item_of = {future.key: item for future, item in zip(futures, items, strict=True)}
     try:
-        for count, future in enumerate(as_completed(futures, loop=client.loop), 1):
+        finished = cast(Iterable[Any], as_completed(futures, loop=client.loop))
+        for count, future in enumerate(finished, 1):
             future.result()
             done(count, item_of[future.key])
     finally:
@@ -63,7 +64,7 @@ def map_on_cluster(
 
 
 def main() -> None:
-    """Hold a cluster until standard input closes; first write its address to standard output."""
+    """Run an embedded cluster until standard input closes. Writes its address to standard output as JSON."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--workers", type=int, required=True)
     parser.add_argument("--folder", required=True)
@@ -72,7 +73,7 @@ def main() -> None:
     os.environ.update(SINGLE_THREADED)
     import distributed
 
-    make_cluster: Any = distributed.LocalCluster  # its types promise a coroutine and a dashboard
+    make_cluster: Any = distributed.LocalCluster  # its type stubs do not allow this use
     with make_cluster(
         n_workers=options.workers,
         threads_per_worker=1,

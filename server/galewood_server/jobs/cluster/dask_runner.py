@@ -1,4 +1,4 @@
-"""The pipeline's trajectory runner on a cluster."""
+"""The TrajectoryRunner that simulates training runs on a cluster."""
 
 from __future__ import annotations
 
@@ -9,83 +9,85 @@ from pathlib import Path
 from galewood.sampling import SampleTask, run_task
 from galewood.util import Cancelled
 
-from galewood_server.jobs.cluster.blob_transfer import BlobTransfer, TransferredTask, run_elsewhere
+from galewood_server.jobs.cluster.blob_transfer import BlobTransfer, TransferredTask, run_and_upload
 from galewood_server.jobs.cluster.dask_cluster import EngineLostError, connected, map_on_cluster
 
 
 @dataclass(frozen=True)
 class CancellableTask:
-    """A run to record, and the file whose existence means that nobody wants it any more."""
+    """A training run and the file whose existence means that the job was cancelled."""
 
     task: SampleTask
     flag: Path
 
 
 class DaskRunner:
-    """Samples every wind on the cluster. The trajectories are files in the cache, which the workers share, or
-    come there through a bucket (exchange.py) from workers that do not.
+    """Simulates training runs on a cluster. Workers write trajectories to the shared cache folder or
+    transfer them through a bucket (blob_transfer.py).
     """
 
     def __init__(
         self,
         address: str,
         flag: Path,
-        samples: Callable[[int, int], None] = lambda done, total: None,
+        on_samples: Callable[[int, int], None] = lambda on_done, total: None,
         transfer: BlobTransfer | None = None,
     ) -> None:
-        """``samples`` hears how many runs there are, of how many, each time before ``done`` does."""
+        """`on_samples(done, total)` is called with the number of finished runs before each report."""
         self._address = address
         self._flag = flag
-        self._samples = samples
+        self._on_samples = on_samples
         self._transfer = transfer
         self.model: Path | None = None
-        """The finite-element model whose runs were asked for."""
+        """File of the FEM model of the last call."""
         self.runs: list[Path] = []
-        """Every run that was asked for."""
+        """Trajectory files of all requested runs."""
 
-    def __call__(self, tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
-        """A galewood.sampling.runner.TrajectoryRunner; sends only what is not there yet. EngineLostError."""
+    def __call__(self, tasks: Sequence[SampleTask], on_done: Callable[[int], None]) -> list[Path]:
+        """Simulate the missing runs and return all trajectory files. EngineLostError."""
         self.model = tasks[0].model if tasks else None
         self.runs += [task.path for task in tasks]
-        missing = [task for task in tasks if not self._here(task)]
+        missing = [task for task in tasks if not self._available(task)]
         ready = len(tasks) - len(missing)
 
-        def tell(count: int) -> None:
-            self._samples(ready + count, len(tasks))
-            done(ready + count)
+        def report(count: int) -> None:
+            self._on_samples(ready + count, len(tasks))
+            on_done(ready + count)
 
-        tell(0)
+        report(0)
         if missing:
-            self._run(missing, tell)
+            self._run(missing, report)
         return [task.path for task in tasks]
 
-    def _here(self, task: SampleTask) -> bool:
-        return task.path.exists() or (self._transfer is not None and self._transfer.take(task))
+    def _available(self, task: SampleTask) -> bool:
+        return task.path.exists() or (self._transfer is not None and self._transfer.fetch_run(task))
 
-    def _run(self, missing: list[SampleTask], tell: Callable[[int], None]) -> None:
+    def _run(self, missing: list[SampleTask], report: Callable[[int], None]) -> None:
         transfer, flag = self._transfer, self._flag
 
-        def taken(count: int, item: TransferredTask) -> None:
-            if transfer and not transfer.take(item.task):
-                raise EngineLostError("a worker's run did not arrive")
-            tell(count)
+        def fetched(count: int, item: TransferredTask) -> None:
+            if transfer and not transfer.fetch_run(item.task):
+                raise EngineLostError("a run finished by a worker is missing in the bucket")
+            report(count)
 
         with connected(self._address) as client:
             if transfer:
-                map_on_cluster(client, run_elsewhere, [transfer.ask(task) for task in missing], taken)
+                map_on_cluster(
+                    client, run_and_upload, [transfer.upload_model(task) for task in missing], fetched
+                )
             else:
                 items = [CancellableTask(task, flag) for task in missing]
-                map_on_cluster(client, run_unless_cancelled, items, lambda count, _: tell(count))
+                map_on_cluster(client, run_unless_cancelled, items, lambda count, _: report(count))
 
 
 def run_unless_cancelled(item: CancellableTask) -> str:
-    """In a worker: record a run, looking for the flag between frames, as Dask cannot stop what has begun."""
+    """In a worker: simulate a run and check the cancel flag between frames, as Dask cannot stop a task."""
 
-    def look(_fraction: float) -> None:
+    def check_cancelled(_fraction: float) -> None:
         if item.flag.exists():
             raise Cancelled
 
     try:
-        return str(run_task(item.task, look))
-    except Cancelled:  # whoever asked for it is gone: end without a noise
+        return str(run_task(item.task, check_cancelled))
+    except Cancelled:  # the job was cancelled: return normally so that Dask does not retry
         return ""

@@ -1,4 +1,4 @@
-"""The embedded cluster as the server sees it: one child process with an address (see engine.py)."""
+"""The embedded cluster, as a child process of the server (see dask_cluster.py)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class ClusterError(Exception):
 
 
 class Cluster:
-    """Started when the first job needs it, closed when none has for a while; or a remote one by its URL."""
+    """An embedded cluster, started on demand and closed when idle, or an external one by its URL."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -28,7 +28,7 @@ class Cluster:
         self._used_s = time.monotonic()
 
     async def address(self) -> str:
-        """The scheduler's address; starts or restarts the embedded cluster if need be. ClusterError."""
+        """The scheduler's address. Starts or restarts the embedded cluster if necessary. ClusterError."""
         if self._settings.scheduler_url:
             return self._settings.scheduler_url
         async with self._starting:
@@ -55,16 +55,16 @@ class Cluster:
             self._address = str(json.loads(line)["address"])
         except (TimeoutError, ValueError, KeyError) as error:
             await stop(process)
-            raise ClusterError("the processes that compute samples could not be started") from error
+            raise ClusterError("the simulation workers could not be started") from error
         self._process = process
 
     @property
     def lost(self) -> bool:
-        """Whether the embedded cluster ended though nobody ended it."""
+        """Whether the embedded cluster ended unexpectedly."""
         return self._process is not None and self._process.returncode is not None
 
     async def close_if_idle(self, busy: bool) -> None:
-        """Give its memory back once no job has used it for the time set."""
+        """Close the embedded cluster if no job has used it for `cluster_idle_s`."""
         now_s = time.monotonic()
         self._used_s = now_s if busy else self._used_s
         if self._process and now_s - self._used_s > self._settings.cluster_idle_s:

@@ -1,4 +1,4 @@
-"""How Alembic reaches the database: by the URL of database.py, or of the settings from a shell."""
+"""Alembic environment: database URL from database.py or, on the command line, from the settings."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from galewood_server.storage.database import with_driver
 from galewood_server.storage.models import Base
 from sqlalchemy import create_engine, text
 
-LOCK = 0x67616C65  # "gale": a number that only we take in this database
+LOCK = 0x67616C65  # "gale" in ASCII: key of the advisory lock
 
 url = context.config.attributes.get("url") or Settings().database
 engine = create_engine(with_driver(url))
 with engine.connect() as connection:
-    # batch mode: SQLite cannot alter a column, so tables are copied
+    # batch mode copies tables, because SQLite cannot alter columns
     context.configure(connection=connection, target_metadata=Base.metadata, render_as_batch=True)
     with context.begin_transaction():
         if connection.dialect.name == "postgresql":
-            # of several servers that start at once, one migrates and the others wait, then find nothing to do
+            # if several servers start at once, one migrates and the others wait
             connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": LOCK})
         context.run_migrations()
 engine.dispose()

@@ -1,4 +1,4 @@
-"""Leases of jobs, pictures and early tables of builds, comparisons of a table with its model."""
+"""Leases of jobs, pictures and preliminary tables of builds, comparisons of a table with its model."""
 
 from __future__ import annotations
 

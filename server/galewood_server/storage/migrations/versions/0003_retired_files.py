@@ -1,4 +1,4 @@
-"""Files that were replaced and are to be removed."""
+"""Garbage: replaced files that are to be removed."""
 
 from __future__ import annotations
 

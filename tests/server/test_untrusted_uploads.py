@@ -1,4 +1,4 @@
-"""Hostile and broken uploads against a real server with the real intake: told what is wrong, nothing kept."""
+"""Malicious and malformed uploads to a real server with sandboxed mesh import."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ import psutil
 import pytest
 
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
-from tests.server.hostile import Case, cases, glb_of_faces
-from tests.server.meshes import pole_obj
+from tests.server.sample_meshes import pole_obj
+from tests.server.untrusted_meshes import Case, cases, glb_of_faces
 
 MEGABYTE = 1_000_000
 LIMIT_BYTES = 40 * MEGABYTE
@@ -46,7 +46,7 @@ def api(server: Server) -> Iterator[httpx.Client]:
 
 
 def kept(server: Server) -> set[str]:
-    """Every file under the stores and the temporary folder."""
+    """All files in the stores and the temporary folder."""
     roots = [server.data_dir / name for name in ("sources", "meshes", "tables")] + [
         server.data_dir.parent / "tmp"
     ]
@@ -58,7 +58,9 @@ def send(server: Server, case: Case) -> httpx.Response:
         return api.post("/api/trees", files={"file": (case.filename, case.data)})
 
 
-def test_each_is_answered_and_what_is_refused_leaves_nothing(server: Server, api: httpx.Client) -> None:
+def test_untrusted_uploads_are_answered_and_rejected_ones_leave_no_file(
+    server: Server, api: httpx.Client
+) -> None:
     api.post("/api/trees", files={"file": ("warm.obj", pole_obj(3.0))})
     before, files = _resources(server), kept(server)
     tried = cases()
@@ -69,7 +71,7 @@ def test_each_is_answered_and_what_is_refused_leaves_nothing(server: Server, api
     accepted = [answer.json() for answer in answers if answer.status_code == 201]
     trees = api.get("/api/trees").json()["trees"]
     assert len(trees) == len(accepted) + 1
-    # stores go by content: one of two trees in a file is the same mesh as that tree alone
+    # stores are content-addressed: one of two trees in a file gives the same mesh as that tree alone
     meshes = {tree["mesh_sha256"] for tree in accepted}
     assert len(kept(server) - files) == len(accepted) + len(meshes)
     assert not [name for name in kept(server) if "cron" in name or "passwd" in name]
@@ -106,7 +108,7 @@ def _settled(server: Server, before: dict[str, int]) -> dict[str, int] | None:
     return now if calm else None
 
 
-def test_millimetres_are_stated_and_can_be_set_right(server: Server, api: httpx.Client) -> None:
+def test_an_assumed_unit_is_reported_and_can_be_corrected(server: Server, api: httpx.Client) -> None:
     case = next(case for case in cases() if case.name == "millimetres")
     tree = send(server, case).json()
     assert tree["height_m"] == pytest.approx(4.12, rel=0.01)
@@ -120,7 +122,7 @@ def test_millimetres_are_stated_and_can_be_set_right(server: Server, api: httpx.
     assert api.get(f"/api/trees/{tree['id']}").json() == changed.json()
 
 
-def test_200_megabytes_are_cut_short(server: Server, api: httpx.Client) -> None:
+def test_an_oversized_upload_is_aborted(server: Server, api: httpx.Client) -> None:
     files, before = kept(server), _resources(server)
 
     def body() -> Iterator[bytes]:
@@ -134,13 +136,13 @@ def test_200_megabytes_are_cut_short(server: Server, api: httpx.Client) -> None:
         answer = api.post("/api/trees", content=body(), headers=headers)
         assert answer.status_code == 413 and answer.json()["code"] == "upload-too-large"
     except httpx.TransportError:
-        pass  # the server hung up on a client that would not stop
+        pass  # the server closed the connection
     after = wait_until(lambda: _settled(server, before), 10)
     assert after["bytes"] - before["bytes"] < 100 * MEGABYTE
     assert kept(server) == files
 
 
-def test_bytes_too_many_are_refused_by_their_declared_length(server: Server) -> None:
+def test_an_oversized_content_length_is_rejected(server: Server) -> None:
     with socket.create_connection(("127.0.0.1", server.port), 10) as raw:
         raw.sendall(
             b"POST /api/trees HTTP/1.1\r\nHost: localhost\r\nContent-Length: 200000000\r\n"
@@ -149,13 +151,13 @@ def test_bytes_too_many_are_refused_by_their_declared_length(server: Server) -> 
         assert raw.recv(64).startswith((b"HTTP/1.1 413", b"HTTP/1.1 507"))
 
 
-def test_a_head_that_never_ends_is_hung_up_on(server: Server) -> None:
+def test_unfinished_request_headers_time_out(server: Server) -> None:
     with socket.create_connection(("127.0.0.1", server.port), 10) as raw:
         raw.sendall(b"POST /api/trees HTTP/1.1\r\nHost: localhost\r\n")
         assert _drip(raw, b"X-A: b\r\n") == b""
 
 
-def test_a_body_that_never_ends_is_answered_408(server: Server) -> None:
+def test_an_unfinished_body_is_answered_with_408(server: Server) -> None:
     with socket.create_connection(("127.0.0.1", server.port), 10) as raw:
         raw.sendall(
             b"POST /api/trees HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n"
@@ -166,7 +168,7 @@ def test_a_body_that_never_ends_is_answered_408(server: Server) -> None:
 
 
 def _drip(raw: socket.socket, piece: bytes) -> bytes:
-    """A few bytes now and then, until the other side ends it."""
+    """Send a few bytes at a time until the server closes the connection."""
     raw.settimeout(0.3)
     for _ in range(40):
         try:
@@ -179,7 +181,7 @@ def _drip(raw: socket.socket, piece: bytes) -> bytes:
     raise AssertionError("still listened to")
 
 
-def test_slow_clients_do_not_keep_others_out(server: Server, api: httpx.Client) -> None:
+def test_slow_clients_do_not_block_others(server: Server, api: httpx.Client) -> None:
     slow = [socket.create_connection(("127.0.0.1", server.port), 10) for _ in range(40)]
     try:
         for raw in slow:
@@ -191,7 +193,7 @@ def test_slow_clients_do_not_keep_others_out(server: Server, api: httpx.Client) 
             raw.close()
 
 
-def test_the_quota_ends_uploads_before_the_disk_does(server: Server, api: httpx.Client) -> None:
+def test_uploads_beyond_the_quota_are_rejected(server: Server, api: httpx.Client) -> None:
     filler = server.data_dir / "cache" / "filler"
     filler.parent.mkdir(exist_ok=True)
     filler.write_bytes(os.urandom(100 * MEGABYTE))
@@ -209,10 +211,10 @@ def _full(api: httpx.Client) -> bool:
     return float(line.split()[1]) > 100 * MEGABYTE
 
 
-def test_declared_faces_are_counted_without_a_library() -> None:
+def test_declared_faces_are_counted_from_the_header() -> None:
     from galewood_server.access.face_count import face_count
 
-    from tests.server.hostile import stl_of
+    from tests.server.untrusted_meshes import stl_of
 
     assert face_count(glb_of_faces(1234)) == 1234
     assert face_count(stl_of(77)) == 77

@@ -1,4 +1,4 @@
-"""Who is let in: keys, this machine alone, rates, and headers; on a small application, without a server."""
+"""Access control: API keys, local clients, rate limits and headers, on an application without a server."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ import pytest
 from fastapi import FastAPI, Request
 from galewood_server.access.keys import new_key
 from galewood_server.access.middleware import AccessControl
-from galewood_server.access.rates import neighbourhood
+from galewood_server.access.rates import rate_limit_key
 from galewood_server.app.headers import SecurityHeaders
 from galewood_server.http.errors import install_error_handlers
 from galewood_server.ops.metrics import Metrics
 from galewood_server.ops.tracing import Tracing
 from galewood_server.settings import Settings
+from pydantic import AliasChoices
 
 LOCAL, FAR = ("127.0.0.1", 5), ("203.0.113.9", 5)
 
@@ -67,11 +68,11 @@ def code_of(answer: httpx.Response) -> tuple[int, str]:
 
 @pytest.mark.parametrize("client", [LOCAL, ("::1", 5), ("::ffff:127.0.0.1", 5), ("127.8.8.8", 1)])
 @pytest.mark.parametrize("host", ["localhost", "127.0.0.1", "[::1]", "galewood.localhost"])
-def test_without_keys_this_machine_may_write(client: tuple[str, int], host: str) -> None:
+def test_without_keys_local_clients_have_write_access(client: tuple[str, int], host: str) -> None:
     assert ask(application(), "POST", "/api/thing", client=client, host=host).status_code == 200
 
 
-def test_without_keys_others_may_only_read() -> None:
+def test_without_keys_remote_clients_are_read_only() -> None:
     app = application()
     assert ask(app, "GET", "/api/thing", client=FAR).status_code == 200
     assert ask(app, "POST", "/api/winds/validate", client=FAR).status_code == 200
@@ -80,13 +81,13 @@ def test_without_keys_others_may_only_read() -> None:
 
 
 @pytest.mark.parametrize("name", ["X-Forwarded-For", "Forwarded", "Via", "X-Real-IP"])
-def test_what_a_proxy_passes_on_is_not_from_this_machine(name: str) -> None:
+def test_forwarded_requests_are_not_local(name: str) -> None:
     answer = ask(application(), "POST", "/api/thing", headers={name: "127.0.0.1"})
     assert code_of(answer) == (403, "local-only")
 
 
 @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example", "localhost.evil.example"])
-def test_a_foreign_name_that_leads_here_may_not_write(host: str) -> None:
+def test_dns_rebinding_has_no_write_access(host: str) -> None:
     """DNS rebinding: the page's origin and the host agree, and the connection is local."""
     headers = {"Origin": f"http://{host}:8000"}
     assert code_of(ask(application(), "POST", "/api/thing", host=host, headers=headers)) == (
@@ -95,14 +96,14 @@ def test_a_foreign_name_that_leads_here_may_not_write(host: str) -> None:
     )
 
 
-def test_pages_of_other_sites_may_not_write() -> None:
+def test_foreign_origins_have_no_write_access() -> None:
     headers = {"Origin": "http://evil.example"}
     assert code_of(ask(application(), "POST", "/api/thing", headers=headers)) == (403, "foreign-origin")
     friendly = application(allowed_origins=["http://evil.example"])
     assert ask(friendly, "POST", "/api/thing", headers=headers).status_code == 200
 
 
-def test_with_keys_only_their_holders_may_write() -> None:
+def test_with_keys_write_access_requires_a_key() -> None:
     (key, sha256), (other, _) = new_key(), new_key()
     app = application(api_keys=[sha256, "0" * 64])
     bearer = {"Authorization": f"Bearer {key}"}
@@ -113,7 +114,7 @@ def test_with_keys_only_their_holders_may_write() -> None:
         assert code_of(answer) == (401, "key-needed") and "Bearer" in answer.headers["www-authenticate"]
 
 
-def test_keys_are_read_from_the_environment_and_must_be_hashes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_keys_in_the_environment_must_be_hashes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GALEWOOD_API_KEYS", f"{'A' * 64}, {'b' * 64},")
     assert Settings().api_keys == ["a" * 64, "b" * 64]
     monkeypatch.setenv("GALEWOOD_API_KEYS", "swordfish")
@@ -121,7 +122,7 @@ def test_keys_are_read_from_the_environment_and_must_be_hashes(monkeypatch: pyte
         Settings()
 
 
-def test_guessing_keys_is_slowed_down_and_harms_nobody_else() -> None:
+def test_guessing_keys_is_rate_limited_per_address() -> None:
     key, sha256 = new_key()
     app = application(api_keys=[sha256])
     wrong = {"Authorization": "Bearer wrong"}
@@ -132,7 +133,7 @@ def test_guessing_keys_is_slowed_down_and_harms_nobody_else() -> None:
 
 
 @pytest.mark.parametrize(("method", "setting"), [("GET", "reads_per_minute"), ("POST", "writes_per_minute")])
-def test_an_address_may_ask_only_so_often(method: str, setting: str) -> None:
+def test_requests_are_rate_limited_per_address(method: str, setting: str) -> None:
     app = application(**{setting: 5})
     answers = [ask(app, method, "/api/thing") for _ in range(8)]
     assert [answer.status_code for answer in answers] == [200] * 5 + [429] * 3
@@ -142,13 +143,13 @@ def test_an_address_may_ask_only_so_often(method: str, setting: str) -> None:
     assert b'galewood_refused_total{reason="too-many-requests"} 3.0' in app.state.metrics.text()
 
 
-def test_an_ipv6_customer_is_one_address() -> None:
-    assert neighbourhood("2001:db8:1:2::1") == neighbourhood("2001:db8:1:2:ffff::9")
-    assert neighbourhood("2001:db8:1:2::1") != neighbourhood("2001:db8:1:3::1")
-    assert neighbourhood("192.0.2.1") != neighbourhood("192.0.2.2")
+def test_an_ipv6_network_shares_one_rate_limit() -> None:
+    assert rate_limit_key("2001:db8:1:2::1") == rate_limit_key("2001:db8:1:2:ffff::9")
+    assert rate_limit_key("2001:db8:1:2::1") != rate_limit_key("2001:db8:1:3::1")
+    assert rate_limit_key("192.0.2.1") != rate_limit_key("192.0.2.2")
 
 
-def test_a_body_that_stops_coming_ends_the_request() -> None:
+def test_a_stalled_body_times_out() -> None:
     app = application(body_stall_s=0.2)
 
     async def body() -> Any:
@@ -161,7 +162,7 @@ def test_a_body_that_stops_coming_ends_the_request() -> None:
 
 
 async def _stream(app: FastAPI, body: Any) -> int:
-    """httpx' own transport reads a body to its end before it asks; this one hands it on as it comes."""
+    """Send a request body in parts; httpx's ASGI transport would read it completely first."""
     pieces, status = body(), 0
     ended = False
 
@@ -190,7 +191,7 @@ async def _stream(app: FastAPI, body: Any) -> int:
     return status
 
 
-def test_a_body_that_drips_ends_the_request(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_slow_body_times_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("galewood_server.access.middleware.GRACE_S", 0.3)
     app = application(body_bytes_per_s=1000)
 
@@ -202,7 +203,7 @@ def test_a_body_that_drips_ends_the_request(monkeypatch: pytest.MonkeyPatch) -> 
     assert anyio.run(_stream, app, body) == 408
 
 
-def test_every_answer_has_its_headers_and_its_id() -> None:
+def test_responses_have_security_headers_and_a_request_id() -> None:
     app = application()
     given = ask(app, "GET", "/api/thing", headers={"X-Request-ID": "abc.123"})
     assert given.headers["x-request-id"] == "abc.123"
@@ -217,7 +218,7 @@ def test_every_answer_has_its_headers_and_its_id() -> None:
         assert answer.headers["x-request-id"] and answer.headers["cache-control"] == "no-store"
 
 
-def test_a_failure_tells_nothing_of_itself_and_is_counted(caplog: pytest.LogCaptureFixture) -> None:
+def test_internal_errors_hide_details_and_are_counted(caplog: pytest.LogCaptureFixture) -> None:
     app = application()
     answer = ask(app, "GET", "/api/broken")
     assert code_of(answer) == (500, "internal-error") and "secret" not in answer.text
@@ -226,7 +227,7 @@ def test_a_failure_tells_nothing_of_itself_and_is_counted(caplog: pytest.LogCapt
     assert line in app.state.metrics.text()
 
 
-def test_unknown_paths_are_one_route_in_the_figures() -> None:
+def test_unknown_paths_share_one_metrics_label() -> None:
     app = application()
     for k in range(20):
         ask(app, "GET", f"/api/unknown/{k}")
@@ -234,7 +235,12 @@ def test_unknown_paths_are_one_route_in_the_figures() -> None:
     assert routes == ['galewood_http_requests_total{method="GET",route="none",status="404"} 20.0']
 
 
-def test_the_environment_names_every_setting_in_the_manual() -> None:
+def test_every_setting_is_documented() -> None:
     manual = (Path(__file__).parents[2] / "docs" / "operations.md").read_text()
-    missing = [name for name in Settings.model_fields if name.upper() not in manual.upper()]
+    missing: list[str] = []
+    for name, field in Settings.model_fields.items():
+        alias = field.validation_alias
+        choices = alias.choices if isinstance(alias, AliasChoices) else [name]
+        if not any(str(choice).upper() in manual.upper() for choice in (name, *choices)):
+            missing.append(name)
     assert not missing

@@ -1,4 +1,4 @@
-"""The REST interface against a real server process."""
+"""The REST API of a real server process."""
 
 from __future__ import annotations
 
@@ -51,12 +51,12 @@ def assert_problem(answer: httpx.Response, status: int, code: str) -> dict[str, 
     return problem
 
 
-def test_health_tells_the_version(api: httpx.Client) -> None:
+def test_health_has_the_version(api: httpx.Client) -> None:
     health = api.get("/healthz").json()
     assert health["status"] == "ok" and health["version"]
 
 
-def test_upload_is_listed_and_its_mesh_is_served(api: httpx.Client) -> None:
+def test_an_upload_is_listed_and_its_mesh_is_served(api: httpx.Client) -> None:
     answer = upload(api, b"an oak", species="maple", height_m="7.5", name="My tree")
     assert answer.status_code == 201
     tree = answer.json()
@@ -68,7 +68,7 @@ def test_upload_is_listed_and_its_mesh_is_served(api: httpx.Client) -> None:
     assert hashlib.sha256(mesh.content).hexdigest() == tree["mesh_sha256"]
 
 
-def test_upload_becomes_a_table_that_is_cached_for_ever(api: httpx.Client) -> None:
+def test_a_computed_table_is_immutable(api: httpx.Client) -> None:
     tree = upload(api, b"a tree to build").json()
     answer = api.post(f"/api/trees/{tree['id']}/precompute")
     assert answer.status_code == 202
@@ -103,7 +103,7 @@ def assert_immutable(api: httpx.Client, path: str, content: bytes) -> None:
     assert again.status_code == 304 and not again.content
 
 
-def test_every_change_is_told(api: httpx.Client) -> None:
+def test_every_change_is_an_event(api: httpx.Client) -> None:
     with api.stream("GET", "/api/events") as stream:
         events = (json.loads(line[6:]) for line in stream.iter_lines() if line.startswith("data: "))
         with httpx.Client(base_url=api.base_url) as other:
@@ -117,7 +117,7 @@ def test_every_change_is_told(api: httpx.Client) -> None:
             assert next(event for event in events if event["deleted"])["tree"]["id"] == tree["id"]
 
 
-def test_two_builds_of_one_tree_at_once_are_refused(api: httpx.Client) -> None:
+def test_concurrent_builds_of_one_tree_are_rejected(api: httpx.Client) -> None:
     tree = upload(api, b"twice", "twice.obj").json()
     job = api.post(f"/api/trees/{tree['id']}/precompute").json()
     assert_problem(api.post(f"/api/trees/{tree['id']}/precompute"), 409, "already-building")
@@ -127,7 +127,7 @@ def test_two_builds_of_one_tree_at_once_are_refused(api: httpx.Client) -> None:
     assert api.get(f"/api/trees/{tree['id']}").json()["state"] == "uploaded"
 
 
-def test_a_failed_build_says_so_and_can_be_tried_again(api: httpx.Client) -> None:
+def test_a_failed_build_can_be_retried(api: httpx.Client) -> None:
     tree = upload(api, b"bad", "fail.obj").json()
     for _ in range(2):
         job = api.post(f"/api/trees/{tree['id']}/precompute").json()
@@ -136,14 +136,14 @@ def test_a_failed_build_says_so_and_can_be_tried_again(api: httpx.Client) -> Non
     assert api.get(f"/api/trees/{tree['id']}").json()["state"] == "failed"
 
 
-def test_a_build_that_always_crashes_fails_in_the_end(api: httpx.Client) -> None:
+def test_a_build_that_always_crashes_fails_eventually(api: httpx.Client) -> None:
     tree = upload(api, b"worse", "crash.obj").json()
     job = api.post(f"/api/trees/{tree['id']}/precompute").json()
     last = list(progress(api, job["id"]))[-1]
     assert last["state"] == "failed" and "ended with code" in last["error"]
 
 
-def test_delete_removes_files_that_no_other_tree_shares(api: httpx.Client, server: Server) -> None:
+def test_delete_removes_unshared_files(api: httpx.Client, server: Server) -> None:
     first, second = (upload(api, b"shared", species=name).json() for name in ("maple", "poplar"))
     mesh = f"/api/meshes/{first['mesh_sha256']}"
     assert api.delete(f"/api/trees/{first['id']}").status_code == 204
@@ -153,7 +153,7 @@ def test_delete_removes_files_that_no_other_tree_shares(api: httpx.Client, serve
     assert_problem(api.get(f"/api/trees/{first['id']}"), 404, "no-such-tree")
 
 
-def test_bad_requests_are_problems(api: httpx.Client) -> None:
+def test_invalid_requests_are_problems(api: httpx.Client) -> None:
     assert_problem(upload(api, b""), 400, "empty-file")
     assert_problem(upload(api, b"x" * 100_001), 413, "upload-too-large")
     assert_problem(upload(api, b"x" * 3_000_000), 413, "upload-too-large")
@@ -175,7 +175,7 @@ def test_bad_requests_are_problems(api: httpx.Client) -> None:
     assert upload(api, b"the next upload works").status_code == 201
 
 
-def test_an_upload_without_a_declared_length_is_limited_too(api: httpx.Client) -> None:
+def test_an_upload_without_content_length_is_limited(api: httpx.Client) -> None:
     def body() -> Iterator[bytes]:
         yield b'--x\r\ncontent-disposition: form-data; name="file"; filename="a.obj"\r\n\r\n'
         for _ in range(40):
@@ -189,14 +189,14 @@ def test_an_upload_without_a_declared_length_is_limited_too(api: httpx.Client) -
     "settings",
     [{"height_m": -1}, {"target_tets": 10**9}, {"colour": 1}, {"species": "baobab"}, {"height_m": "x"}],
 )
-def test_bad_settings_are_refused(api: httpx.Client, settings: dict[str, Any]) -> None:
+def test_invalid_build_settings_are_rejected(api: httpx.Client, settings: dict[str, Any]) -> None:
     tree = upload(api, b"settings").json()
     answer = api.post(f"/api/trees/{tree['id']}/precompute", json={"settings": settings})
     problem = assert_problem(answer, 422, "invalid-request")
     assert next(iter(settings)) in problem["detail"]
 
 
-def test_names_never_become_paths(api: httpx.Client, server: Server) -> None:
+def test_file_names_never_become_paths(api: httpx.Client, server: Server) -> None:
     tree = upload(api, b"named", "../../etc/pass\x00wd.obj").json()
     assert "/" not in tree["name"] and not list(server.data_dir.parent.glob("**/*pass*"))
 

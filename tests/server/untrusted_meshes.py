@@ -1,4 +1,4 @@
-"""Uploads that mean harm or are broken, made here; each with the statuses that may answer it."""
+"""Malicious and malformed uploads with the allowed response statuses."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.server.meshes import greedy_ply, nowhere_obj, pole_obj, truncated_glb, zip_file
+from tests.server.sample_meshes import greedy_ply, nowhere_obj, pole_obj, truncated_glb, zip_file
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class Case:
     filename: str
     data: bytes
     status: int
-    codes: tuple[str, ...] = ()  # of the problem; empty if it is accepted
+    codes: tuple[str, ...] = ()  # problem codes; empty if the upload is accepted
 
 
 def zip_bomb() -> bytes:
@@ -40,7 +40,7 @@ def glb(document: dict[str, object], body: bytes = b"") -> bytes:
 
 
 def glb_of_faces(count: int) -> bytes:
-    """A GLB whose indices, a byte each, make `count` triangles of three points."""
+    """A GLB with `count` triangles of the same three vertices and one-byte indices."""
     corners = 3 * count
     positions = np.eye(3, dtype="<f4").tobytes()
     document = {
@@ -61,14 +61,14 @@ def glb_of_faces(count: int) -> bytes:
 
 
 def deep_gltf(depth: int = 5000) -> bytes:
-    """Nodes within nodes within nodes."""
+    """A glTF with deeply nested nodes."""
     nodes: list[dict[str, object]] = [{"children": [k + 1]} for k in range(depth)]
     return json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
                        "nodes": [*nodes, {"mesh": 0}], "meshes": [{"primitives": []}]}).encode()  # fmt: skip
 
 
 def reaching_gltf(uri: str) -> bytes:
-    """A glTF whose buffer is somewhere else."""
+    """A glTF with an external buffer URI."""
     document = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
@@ -79,14 +79,14 @@ def reaching_gltf(uri: str) -> bytes:
 
 
 def stl_of(faces: int, declared: int | None = None) -> bytes:
-    """A binary STL of random triangles, seeded."""
+    """A binary STL of random triangles with a fixed seed."""
     body = np.zeros(faces, dtype=[("numbers", "<f4", 12), ("end", "<u2")])
     body["numbers"] = np.random.default_rng(7).uniform(0, 5, (faces, 12))
     return bytes(80) + struct.pack("<I", faces if declared is None else declared) + body.tobytes()
 
 
 def scaled_pole(factor: float) -> bytes:
-    """The pole in other units: OBJ says nothing of them."""
+    """The pole in other units; OBJ files have no unit."""
     lines = pole_obj().decode().splitlines()
     scaled = (
         "v " + " ".join(f"{float(n) * factor:.3f}" for n in line.split()[1:])
@@ -98,7 +98,7 @@ def scaled_pole(factor: float) -> bytes:
 
 
 def moved(obj: bytes, by_m: float, first: int) -> bytes:
-    """An OBJ's pole, aside, its faces counting from `first`."""
+    """The pole of an OBJ, shifted, with face indices from `first`."""
     lines: list[str] = []
     for line in obj.decode().splitlines():
         kind, *rest = line.split()
@@ -111,7 +111,7 @@ def moved(obj: bytes, by_m: float, first: int) -> bytes:
 
 
 def cases() -> list[Case]:
-    """One of each kind."""
+    """All cases."""
     pole = pole_obj()
     vertices = pole.count(b"\nv ") + 1
     flat = b"\n".join(b"v %d 0 %d" % (i, j) for i in range(4) for j in range(4)) + b"\nf 1 2 6 5\nf 2 3 7 6\n"

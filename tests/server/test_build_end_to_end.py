@@ -1,4 +1,4 @@
-"""The whole way against real processes: bad uploads, an upload that becomes a table, workers that die."""
+"""End-to-end tests with real processes: invalid uploads, builds, and crashes of workers and servers."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from galewood.sampling.recording import is_whole
 from galewood.table import format as table_format
 from galewood_server.stream import wire
 
-from tests.server import meshes
+from tests.server import sample_meshes
 from tests.server.conftest import Server, command_line, wait_until
+from tests.server.test_forest_stream import BREEZE, Client
 from tests.server.test_jobs import gone, state
-from tests.server.test_rest import assert_problem, progress, upload
-from tests.server.test_stream import BREEZE, Client
+from tests.server.test_rest_api import assert_problem, progress, upload
 
 SMALL = {"target_tets": 500, "sampled_elements": 5, "frames": 60}
-LONG_S = 600.0  # for what takes seconds on a machine with nothing else to do
+LONG_S = 600.0  # timeout for steps that take seconds on an idle machine
 BAD: dict[str, tuple[bytes, str, set[int]]] = {
     "empty": (b"", "tree.glb", {400}),
-    "truncated": (meshes.truncated_glb(), "tree.glb", {400}),
+    "truncated": (sample_meshes.truncated_glb(), "tree.glb", {400}),
     "not a mesh": (b"<!doctype html><title>Tree</title>", "tree.obj", {400, 415, 422}),
-    "a zip": (meshes.zip_file(), "tree.obj", {415}),
-    "greedy": (meshes.greedy_ply(), "tree.ply", {400}),
-    "not numbers": (meshes.nowhere_obj(), "tree.obj", {422}),
+    "a zip": (sample_meshes.zip_file(), "tree.obj", {415}),
+    "greedy": (sample_meshes.greedy_ply(), "tree.ply", {400}),
+    "not numbers": (sample_meshes.nowhere_obj(), "tree.obj", {422}),
 }
 
 
@@ -50,7 +50,7 @@ def api(server: Server) -> Iterator[httpx.Client]:
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_uploads_are_problems_and_the_server_lives_on(api: httpx.Client, name: str) -> None:
+def test_invalid_uploads_are_problems(api: httpx.Client, name: str) -> None:
     data, filename, statuses = BAD[name]
     before = api.get("/api/trees").json()
     answer = upload(api, data, filename)
@@ -61,14 +61,14 @@ def test_bad_uploads_are_problems_and_the_server_lives_on(api: httpx.Client, nam
 
 
 def begin(api: httpx.Client, height_m: float) -> tuple[dict[str, Any], dict[str, Any]]:
-    answer = upload(api, meshes.pole_obj(height_m), "pole.obj", species="poplar")
+    answer = upload(api, sample_meshes.pole_obj(height_m), "pole.obj", species="poplar")
     assert answer.status_code == 201, answer.text
     tree = answer.json()
     return tree, api.post(f"/api/trees/{tree['id']}/precompute", json={"settings": SMALL}).json()
 
 
 def sampling(api: httpx.Client, job: dict[str, Any]) -> None:
-    """Wait until some trajectories are done and some are not."""
+    """Wait until some trajectories are finished, but not all."""
     for now in progress(api, job["id"]):
         assert now["state"] in ("queued", "running"), now["error"]
         if now["stage"] == "sampling" and (now["samples_done"] or 0) >= 2:
@@ -81,21 +81,21 @@ def trajectories(server: Server) -> dict[Path, int]:
 
 
 def workers(server: Server) -> list[psutil.Process]:
-    """The processes under the cluster's own."""
+    """Child processes of the cluster process."""
     (cluster,) = [
         one for one in server.family() if "galewood_server.jobs.cluster.dask_cluster" in command_line(one)
     ]
     return [one for one in cluster.children(recursive=True) if "spawn_main" in " ".join(command_line(one))]
 
 
-def test_cancel_stops_sampling(server: Server, api: httpx.Client) -> None:
+def test_cancel_stops_the_simulation(server: Server, api: httpx.Client) -> None:
     _, job = begin(api, 3.0)
     sampling(api, job)
     running = [one for one in server.family() if job["id"] in command_line(one)]
     api.post(f"/api/jobs/{job['id']}/cancel")
     wait_until(lambda: state(api, job) == "cancelled" and gone(running), LONG_S)
     wait_until(lambda: idle(server), LONG_S)
-    assert len(trajectories(server)) < 36  # not just done
+    assert len(trajectories(server)) < 36  # the build has not finished
 
 
 def idle(server: Server) -> bool:
@@ -105,9 +105,7 @@ def idle(server: Server) -> bool:
 
 
 @pytest.mark.timeout(1800)
-def test_an_upload_becomes_a_streamed_tree_though_worker_cluster_and_server_die(
-    server: Server, api: httpx.Client
-) -> None:
+def test_a_build_survives_worker_cluster_and_server_crashes(server: Server, api: httpx.Client) -> None:
     tree, job = begin(api, 4.0)
     sampling(api, job)
     workers(server)[0].kill()
@@ -117,7 +115,7 @@ def test_an_upload_becomes_a_streamed_tree_though_worker_cluster_and_server_die(
     (cluster,) = [
         one for one in server.family() if "galewood_server.jobs.cluster.dask_cluster" in command_line(one)
     ]
-    cluster.kill()  # with its scheduler
+    cluster.kill()  # including its scheduler
     wait_until(lambda: len(trajectories(server)) > len(finished), LONG_S)
     finished |= trajectories(server)
     family = server.family()
@@ -146,7 +144,7 @@ def test_an_upload_becomes_a_streamed_tree_though_worker_cluster_and_server_die(
 
 
 def follow(api: httpx.Client, tree_id: str, job_id: str) -> tuple[dict[str, str], set[str]]:
-    """The job's pictures at its end, and the states in which its tree was seen until then."""
+    """The job's final pictures and the states of its tree until then."""
     states: set[str] = set()
     for now in progress(api, job_id):
         states.add(api.get(f"/api/trees/{tree_id}").json()["state"])
@@ -155,7 +153,7 @@ def follow(api: httpx.Client, tree_id: str, job_id: str) -> tuple[dict[str, str]
 
 
 def assert_compares(api: httpx.Client, tree: dict[str, Any], table: table_format.Table) -> None:
-    """A comparison runs, its tracks are what they say, and the drift-free method is near to the truth."""
+    """A comparison finishes, its tracks are valid, and the modal model is close to the reference solution."""
     place = {"x_m": 3.0, "z_m": -2.0, "yaw_rad": 0.7, "frames": 90}
     answer = api.post(f"/api/trees/{tree['id']}/comparisons", json={"wind": BREEZE, **place})
     assert answer.status_code == 202, answer.text
@@ -180,7 +178,7 @@ def assert_compares(api: httpx.Client, tree: dict[str, Any], table: table_format
 def assert_evaluates(
     api: httpx.Client, server: Server, tree: dict[str, Any], table: table_format.Table
 ) -> None:
-    """An evaluation finds what the finite elements say, from the sampled runs that are there already."""
+    """An evaluation finishes and reuses the existing training runs."""
     before = trajectories(server)
     answer = api.post(f"/api/trees/{tree['id']}/evaluations", json={"speed_m_s": 4.0, "frames": 60})
     assert answer.status_code == 202, answer.text
@@ -197,7 +195,7 @@ def assert_evaluates(
         assert shown["sway"] == figures["rest-pose"]["reference_sway"] > 0
         assert len(figures["modal"]["error_by_frame"]) == (60 if wind in ("step", "gust-then-still") else 90)
         assert shown["methods"]["modal"]["max_error"] == max(figures["modal"]["error_by_frame"])
-        # a tree that stays at rest errs by all its sway
+        # the error of a tree at rest is its full sway
         assert shown["methods"]["rest-pose"]["max_error"] == pytest.approx(shown["sway"], rel=1e-6)
         assert shown["methods"]["modal"]["max_error"] < 0.5 * shown["sway"]
     picture = api.get(found["plot"])
@@ -216,12 +214,12 @@ def assert_sways(server: Server, table_sha256: str) -> None:
         )
 
 
-def test_builtin_species_are_registered_and_computed_once(
+def test_builtin_trees_are_registered_and_computed_once(
     start_server: Callable[..., Server], tmp_path: Path
 ) -> None:
     folder = tmp_path / "species"
     folder.mkdir()
-    (folder / "small.obj").write_bytes(meshes.pole_obj(3.0))
+    (folder / "small.obj").write_bytes(sample_meshes.pole_obj(3.0))
     entry = {"id": "small", "name": "Small", "file": "small.obj", "species": "maple", "height_m": 3.0}
     (folder / "species.json").write_text(json.dumps([entry]))
     environment = {"GALEWOOD_BUILTIN_SPECIES": "true", "GALEWOOD_SPECIES_DIR": str(folder)}
@@ -237,7 +235,7 @@ def test_builtin_species_are_registered_and_computed_once(
     with again.client() as api:
         assert api.get("/api/trees/small").json()["job_id"] == first["job_id"]
     again.stop()
-    (folder / "small.obj").write_bytes(meshes.pole_obj(3.1))
+    (folder / "small.obj").write_bytes(sample_meshes.pole_obj(3.1))
     (tmp_path / "data" / "cache" / "steps-small.obj").unlink()
     changed = start_server(FAKE_STEP_S="0.01", **environment)
     with changed.client() as api:

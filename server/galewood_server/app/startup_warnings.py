@@ -1,4 +1,4 @@
-"""What an operator should know at the start, said once in the log."""
+"""Warnings about the configuration, logged at startup."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from galewood_server.settings import Settings
 log = logging.getLogger("galewood")
 
 
-def tell(settings: Settings) -> None:
-    """Warn of doors that stand open and of locks that this machine lacks."""
+def log_startup_warnings(settings: Settings) -> None:
+    """Log missing API keys and sandbox features that this machine does not support."""
     from galewood.sandbox import missing_here
 
     if not settings.api_keys and not _loopback(settings.host):
-        log.warning("no GALEWOOD_API_KEYS: others can look, but only this machine can change anything")
+        log.warning("GALEWOOD_API_KEYS is not set: remote clients have read access only")
     for line in missing_here():
-        log.warning("uploads are read with less protection: %s", line)
+        log.warning("meshes are imported with reduced sandboxing: %s", line)
 
 
 def _loopback(host: str) -> bool:

@@ -1,4 +1,4 @@
-"""The WebSocket against a real server process: both modes, and clients that misbehave."""
+"""The forest WebSocket of a real server: both modes, limits and misbehaving clients."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def forest(mode: Any = "stream", count: int = 30, **changes: Any) -> wire.Forest
 
 
 class Client:
-    """A socket that speaks the wire."""
+    """A WebSocket client of the wire protocol."""
 
     def __init__(self, server: Server, hello: bool = True, **options: Any) -> None:
         self.state: WindState | None = None
@@ -87,7 +87,7 @@ class Client:
         return wire.decode_reply(data)
 
     def frames(self) -> Iterator[tuple[wire.Frame, list[npt.NDArray[np.int32]]]]:
-        """Frames with the poses they add up to, in units of quantum × modes.scale."""
+        """Frames with the accumulated poses, in units of quantum × modes.scale."""
         while True:
             frame = self.receive()
             if isinstance(frame, wire.WindState):
@@ -106,8 +106,8 @@ class Client:
             else:
                 assert isinstance(frame, wire.Pong)
 
-    def refusal(self) -> tuple[wire.Failure, int, str]:
-        """What the server says before it closes, with the close code and reason."""
+    def session_error(self) -> tuple[wire.Failure, int, str]:
+        """The server's error message, close code and reason."""
         while True:
             reply = self.receive()
             if isinstance(reply, wire.Failure):
@@ -125,7 +125,7 @@ class Client:
 
 
 class LocalStepper:
-    """The same forest, walked here."""
+    """A local simulation of the same forest."""
 
     def __init__(self, request: wire.Forest) -> None:
         self.clock = ForestClock(parse_wind_or_state(request.wind), request.time_s)
@@ -147,7 +147,7 @@ class LocalStepper:
 local_stepper = LocalStepper
 
 
-def test_streamed_poses_are_those_of_a_walk_done_here(server: Server) -> None:
+def test_streamed_poses_match_a_local_simulation(server: Server) -> None:
     request = forest()
     stepper = local_stepper(request)
     with Client(server) as client:
@@ -166,7 +166,7 @@ def test_streamed_poses_are_those_of_a_walk_done_here(server: Server) -> None:
         assert moved
 
 
-def test_the_answer_to_a_new_wind_is_the_wind_that_blows(server: Server) -> None:
+def test_a_wind_change_is_answered_with_the_applied_wind(server: Server) -> None:
     request = forest()
     stepper = local_stepper(request)
     new = Wind(12.0, 300.0, 0.8, model="perlin", length_scale_m=15.0)
@@ -185,7 +185,7 @@ def test_the_answer_to_a_new_wind_is_the_wind_that_blows(server: Server) -> None
         assert client.state and client.state.wind == new
 
 
-def test_a_slow_client_misses_frames_but_never_a_change(server: Server) -> None:
+def test_a_slow_client_misses_frames_but_no_changes(server: Server) -> None:
     request = forest(count=2000)
     stepper = local_stepper(request)
     narrow = socket.socket()
@@ -220,7 +220,7 @@ def test_wind_changes_and_new_forests_take_effect(server: Server) -> None:
         assert [len(rows.values) for rows in frame.groups] == [3, 6]
 
 
-def test_tables_come_in_chunks_and_whole(server: Server) -> None:
+def test_tables_are_sent_in_chunks(server: Server) -> None:
     with Client(server) as client:
         client.send(forest("table"))
         data = bytearray()
@@ -238,19 +238,19 @@ def test_tables_come_in_chunks_and_whole(server: Server) -> None:
 
 
 @pytest.mark.parametrize("case", REFUSED, ids=lambda case: case["name"])
-def test_rubbish_is_closed_with_a_code_and_a_reason(server: Server, case: dict[str, Any]) -> None:
+def test_invalid_messages_are_closed_with_code_and_reason(server: Server, case: dict[str, Any]) -> None:
     with Client(server) as client:
         client.socket.send(bytes.fromhex(case["hex"]))
-        failure, code, reason = client.refusal()
+        failure, code, reason = client.session_error()
         assert code in (1007, 1008) and reason and failure.title.startswith(reason)
 
 
-def test_another_version_is_told_both(server: Server) -> None:
+def test_another_wire_version_is_rejected_with_both_versions(server: Server) -> None:
     with Client(server, hello=False) as client:
         data = bytearray(wire.encode_request(wire.Hello("new")))
         data[2] = 9
         client.socket.send(bytes(data))
-        failure, code, reason = client.refusal()
+        failure, code, reason = client.session_error()
         assert (failure.code, code) == ("unknown-version", 1008)
         assert "9" in reason and str(WIRE_VERSION) in reason
 
@@ -268,31 +268,31 @@ def test_another_version_is_told_both(server: Server) -> None:
         ([wire.Ping(0.5)] * 500, "too-many-messages"),
     ],
 )
-def test_requests_beyond_the_limits_are_refused(
+def test_requests_beyond_the_limits_are_rejected(
     server: Server, requests: list[wire.Request], code: str
 ) -> None:
     with Client(server) as client:
-        with contextlib.suppress(ConnectionClosed):  # the last of many may come too late
+        with contextlib.suppress(ConnectionClosed):  # the server may close before the last message
             for request in requests:
                 client.send(request)
-        failure, close, _ = client.refusal()
+        failure, close, _ = client.session_error()
         assert (failure.code, close) == (code, 1008)
 
 
-def test_hello_comes_first(server: Server) -> None:
+def test_hello_must_be_first(server: Server) -> None:
     with Client(server, hello=False) as client:
         client.send(wire.Ping(0.5))
-        failure, close, _ = client.refusal()
+        failure, close, _ = client.session_error()
         assert (failure.code, close) == ("no-hello", 1008)
 
 
-def test_text_is_refused(server: Server) -> None:
+def test_text_messages_are_rejected(server: Server) -> None:
     with Client(server) as client:
         client.socket.send("hello")
-        assert client.refusal()[1] == 1003
+        assert client.session_error()[1] == 1003
 
 
-def test_an_oversized_message_is_cut_short(server: Server) -> None:
+def test_an_oversized_message_closes_the_socket(server: Server) -> None:
     with Client(server) as client:
         client.socket.send(encode_message(wire.FOREST, {}, bytes(200_000)))
         with pytest.raises(ConnectionClosed) as closed:
@@ -300,7 +300,7 @@ def test_an_oversized_message_is_cut_short(server: Server) -> None:
         assert closed.value.rcvd is not None and closed.value.rcvd.code == 1009
 
 
-def test_pages_of_other_sites_are_turned_away(server: Server) -> None:
+def test_foreign_origins_are_rejected(server: Server) -> None:
     with pytest.raises(InvalidStatus) as refused:
         Client(server, origin="https://elsewhere.example")
     assert refused.value.response.status_code == 403
@@ -313,7 +313,7 @@ def sockets(server: Server) -> int:
         return int(api.get("/healthz").json()["sockets"])
 
 
-def test_too_many_sockets_are_turned_away(server: Server) -> None:
+def test_too_many_sockets_are_rejected(server: Server) -> None:
     wait_until(lambda: sockets(server) == 0)
     clients = [Client(server) for _ in range(4)]
     with pytest.raises(InvalidStatus) as refused:
@@ -326,7 +326,7 @@ def test_too_many_sockets_are_turned_away(server: Server) -> None:
         pass
 
 
-def test_a_client_that_never_reads_is_dropped_and_others_do_not_notice(server: Server) -> None:
+def test_a_client_that_never_reads_is_disconnected(server: Server) -> None:
     wait_until(lambda: sockets(server) == 0)
     stalled = Client(server, max_queue=1)
     raw = stalled.socket.socket
@@ -341,12 +341,12 @@ def test_a_client_that_never_reads_is_dropped_and_others_do_not_notice(server: S
     stalled.socket.close()
 
 
-def test_unknown_sockets_are_refused(server: Server) -> None:
+def test_unknown_socket_paths_are_rejected(server: Server) -> None:
     with pytest.raises(InvalidStatus):
         connect(f"ws://127.0.0.1:{server.port}/ws/other")
 
 
-def test_a_socket_that_vanishes_leaves_nothing(start_server: Callable[..., Server], server: Server) -> None:
+def test_a_lost_socket_leaves_no_state(start_server: Callable[..., Server], server: Server) -> None:
     wait_until(lambda: sockets(server) == 0)
     client = Client(server)
     client.send(forest())

@@ -1,4 +1,4 @@
-"""Bad winds are refused alike by REST and by the socket, with the path and what is allowed."""
+"""Invalid winds are rejected by REST and WebSocket with the path and the allowed values."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ CASES: list[dict[str, Any]] = json.loads(
 )["refused"]
 
 
-def test_good_winds_come_back_in_their_shortest_form(server: Server) -> None:
+def test_valid_winds_are_returned_in_their_shortest_form(server: Server) -> None:
     for wind in (Wind(), *PRESETS.values()):
         answer = httpx.post(f"{server.url}/api/winds/validate", json=wind.document())
         assert (answer.status_code, answer.json()) == (200, {"wind": wind.document()})
 
 
-def test_bad_winds_are_problems_with_path_and_range(server: Server) -> None:
+def test_invalid_winds_are_problems_with_path_and_range(server: Server) -> None:
     for case in CASES:
         answer = httpx.post(f"{server.url}/api/winds/validate", content=json.dumps(case["document"]))
         problem = answer.json()
@@ -49,12 +49,12 @@ def test_bad_winds_are_problems_with_path_and_range(server: Server) -> None:
 @pytest.mark.parametrize(
     "body", [b"", b"{", b"[" * 60_000, b'{"version": NaN}', b'{"version":1,"model":"cosine","seed":1e999}']
 )
-def test_rubbish_is_refused(server: Server, body: bytes) -> None:
+def test_malformed_bodies_are_rejected(server: Server, body: bytes) -> None:
     answer = httpx.post(f"{server.url}/api/winds/validate", content=body)
     assert (answer.status_code, answer.json()["code"]) == (422, "bad-wind")
 
 
-def test_no_more_is_read_than_a_wind_can_need(server: Server) -> None:
+def test_oversized_bodies_are_rejected(server: Server) -> None:
     answer = httpx.post(f"{server.url}/api/winds/validate", content=b" " * 100_000)
     assert (answer.status_code, answer.json()["code"]) == (413, "wind-too-large")
 
@@ -62,7 +62,7 @@ def test_no_more_is_read_than_a_wind_can_need(server: Server) -> None:
 @pytest.mark.parametrize(
     "case", [c for c in CASES if isinstance(c["document"], dict)], ids=lambda c: c["path"]
 )
-def test_the_socket_refuses_in_the_same_words(server: Server, case: dict[str, Any]) -> None:
+def test_the_socket_rejects_winds_with_the_same_message(server: Server, case: dict[str, Any]) -> None:
     with connect(server.socket_url, max_size=None) as socket:
         socket.send(wire.encode_request(wire.Hello("test")))
         socket.recv(timeout=10)

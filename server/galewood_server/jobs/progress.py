@@ -1,4 +1,4 @@
-"""A job process's only way to the database while it works: progress out, "stop" in."""
+"""Database access of a running job process: the job lease and progress reports."""
 
 from __future__ import annotations
 
@@ -14,61 +14,61 @@ from galewood_server.jobs.queue import end_job
 from galewood_server.storage import Job, Sessions
 
 REPORT_S = 0.25
-LEAST_DONE = 0.03
-"""Share of the work after which its pace is worth telling."""
+MIN_DONE = 0.03
+"""Fraction of the work after which the remaining time is estimated."""
 
 
 class JobFailedError(Exception):
-    """A job cannot be done; the words are for whoever asked for it."""
+    """A job failed; the message is shown to the user."""
 
 
 @dataclass(frozen=True)
 class JobLease:
-    """The job that this process may work on, and the word that says so (leases.py)."""
+    """A claimed job and the token of its lease (leases.py)."""
 
     sessions: Sessions
     job_id: str
     lease: str
 
     def check(self, session: Session) -> None:
-        """Raises Cancelled if the job is to be cancelled, was deleted, or is another server's by now."""
-        mine = select(Job.cancel_requested).where(Job.id == self.job_id, Job.lease == self.lease)
-        if session.scalar(mine) is not False:
+        """Raise Cancelled if the job was cancelled or deleted, or if another server has claimed it."""
+        query = select(Job.cancel_requested).where(Job.id == self.job_id, Job.lease == self.lease)
+        if session.scalar(query) is not False:
             raise Cancelled
 
     def write(self, **values: Any) -> None:
-        """Set columns of the job. Raises Cancelled."""
+        """Update columns of the job. Raises Cancelled."""
         with self.sessions.begin() as session:
             self.check(session)
-            ours = update(Job).where(Job.id == self.job_id, Job.lease == self.lease)
-            session.execute(ours.values(**values))
+            statement = update(Job).where(Job.id == self.job_id, Job.lease == self.lease)
+            session.execute(statement.values(**values))
 
     def end(self, state: str, message: str, error: str | None = None) -> None:
-        """Give the job its last state, if it is still ours."""
+        """Set the final state of the job if the lease is still valid."""
         with self.sessions.begin() as session:
             end_job(session, self.job_id, state, message=message, error=error, lease=self.lease)
 
 
-class Reporter:
-    """Writes progress a few times a second; stops the work on a job that is to be cancelled."""
+class ProgressReporter:
+    """Writes progress to the database at most every REPORT_S and raises Cancelled for cancelled jobs."""
 
     def __init__(self, job_lease: JobLease) -> None:
         self._job_lease = job_lease
-        # time and fraction of the first report: a resumed job leaps
+        # time and fraction of the first report, because a resumed job does not start at 0
         self._began: tuple[float, float] | None = None
-        self._written: tuple[float, str] = (-1.0, "")
+        self._last_report: tuple[float, str] = (-1.0, "")
         self._samples: tuple[int, int] | None = None
 
-    def samples(self, done: int, total: int) -> None:
-        """How many of the sampled runs there are by now; told with the next report."""
+    def set_samples(self, done: int, total: int) -> None:
+        """Set the number of finished training runs; written with the next report."""
         self._samples = (done, total)
 
     def report(self, stage: str, fraction: float, message: str) -> None:
-        """Raises Cancelled."""
+        """Report the stage, fraction in [0, 1] and message. Raises Cancelled."""
         now_s = time.monotonic()
-        if now_s - self._written[0] < REPORT_S and stage == self._written[1]:
+        if now_s - self._last_report[0] < REPORT_S and stage == self._last_report[1]:
             return
-        self._written = (now_s, stage)
+        self._last_report = (now_s, stage)
         values: dict[str, Any] = {"stage": stage, "fraction": fraction, "message": message}
         if self._samples:
             values["samples_done"], values["samples_total"] = self._samples
@@ -78,4 +78,4 @@ class Reporter:
         if self._began is None:
             self._began = (now_s, fraction)
         spent_s, done = now_s - self._began[0], fraction - self._began[1]
-        return spent_s / done * (1 - fraction) if done > LEAST_DONE else None
+        return spent_s / done * (1 - fraction) if done > MIN_DONE else None

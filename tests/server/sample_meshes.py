@@ -1,4 +1,4 @@
-"""Small meshes for uploads: a pole that builds fast, and files that are no trees."""
+"""Small meshes for uploads: a pole that builds fast, and invalid files."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def pole_obj(height_m: float = 4.0, radius_m: float = 0.12, rings: int = 12, sid
 
 
 def truncated_glb() -> bytes:
-    """A header that promises more than there is."""
+    """A GLB header without the declared data."""
     return struct.pack("<4sII", b"glTF", 2, 5000) + struct.pack("<I4s", 4000, b"JSON") + b'{"asset":{'
 
 
 def zip_file() -> bytes:
-    """A zip, whatever its name says."""
+    """A ZIP archive with any file name."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
         archive.writestr("tree.obj", pole_obj())
@@ -52,5 +52,5 @@ def greedy_ply() -> bytes:
 
 
 def nowhere_obj() -> bytes:
-    """Coordinates that are not numbers."""
+    """An OBJ with NaN coordinates."""
     return pole_obj().replace(b"v 0.120000", b"v nan", 1)

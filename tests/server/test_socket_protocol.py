@@ -1,4 +1,4 @@
-"""Whatever bytes a client sends, the socket answers with a documented close code and the server lives on."""
+"""Protocol errors: any bytes from a client lead to a documented close code and do not affect the server."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
 from tests.server.conftest import Server, wait_until
-from tests.server.test_stream import POLE, SHA256, Client, forest, sockets
+from tests.server.test_forest_stream import POLE, SHA256, Client, forest, sockets
 
 LONGEST_BYTES = 50_000
 HELLO = wire.encode_request(wire.Hello("raw"))
@@ -39,7 +39,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 
 def frame(opcode: int, payload: bytes, *, fin: bool = True, masked: bool = True, reserved: int = 0) -> bytes:
-    """A WebSocket frame as RFC 6455, section 5.2, has it."""
+    """A WebSocket frame (RFC 6455, section 5.2)."""
     head = bytes([fin << 7 | reserved << 4 | opcode])
     bit = masked << 7
     if len(payload) < 126:
@@ -55,7 +55,7 @@ def frame(opcode: int, payload: bytes, *, fin: bool = True, masked: bool = True,
 
 
 class Raw:
-    """A socket after the upgrade, without a library that would keep us from mistakes."""
+    """A raw socket after the WebSocket upgrade, to send invalid data."""
 
     def __init__(self, server: Server) -> None:
         self.link = socket.create_connection(("127.0.0.1", server.port), timeout=20)
@@ -70,11 +70,11 @@ class Raw:
             pass
 
     def send(self, data: bytes) -> None:
-        with contextlib.suppress(OSError):  # closed by the server before all was sent
+        with contextlib.suppress(OSError):  # the server may close earlier
             self.link.sendall(data)
 
     def receive(self) -> tuple[int, bytes]:
-        """Opcode and payload of the next frame; (8, b"") at the end without a close."""
+        """Opcode and payload of the next frame; (8, b"") at the end of the stream."""
         try:
             head = self.stream.read(2)
             if len(head) < 2:
@@ -87,7 +87,7 @@ class Raw:
             return 8, b""
 
     def close_code(self) -> int | None:
-        """The code that the server closes with; None if it just hangs up."""
+        """The server's close code; None without a closing handshake."""
         while True:
             opcode, payload = self.receive()
             if opcode == 8:
@@ -103,7 +103,7 @@ class Raw:
 
 @pytest.fixture(scope="module", autouse=True)
 def lives_on(server: Server) -> Iterator[None]:
-    """After all of it: nothing is left open, nothing was raised, and forests are still played."""
+    """After all tests, check for open sockets and errors, and that streaming still works."""
     yield
     wait_until(lambda: sockets(server) == 0)
     with Client(server) as client:
@@ -115,7 +115,7 @@ def lives_on(server: Server) -> Iterator[None]:
 @seed(21)
 @given(st.lists(st.integers(1, len(HELLO) - 1), max_size=6, unique=True), st.booleans())
 @quick
-def test_a_message_in_fragments_is_one_message(server: Server, cuts: list[int], pinged: bool) -> None:
+def test_fragmented_messages_are_reassembled(server: Server, cuts: list[int], pinged: bool) -> None:
     edges = [0, *sorted(cuts), len(HELLO)]
     pieces = [HELLO[a:b] for a, b in itertools.pairwise(edges)]
     with Raw(server) as raw:
@@ -131,7 +131,7 @@ def test_a_message_in_fragments_is_one_message(server: Server, cuts: list[int], 
 @seed(22)
 @given(st.integers(1, 200_000), st.booleans(), st.integers(1, 5))
 @quick
-def test_a_message_that_is_too_long_is_closed_with_1009(
+def test_an_oversized_message_is_closed_with_1009(
     server: Server, excess: int, welcome: bool, pieces: int
 ) -> None:
     data = bytes(LONGEST_BYTES + excess)
@@ -144,7 +144,7 @@ def test_a_message_that_is_too_long_is_closed_with_1009(
         assert raw.close_code() == 1009
 
 
-def test_a_length_that_never_comes_is_refused_at_once(server: Server) -> None:
+def test_an_oversized_declared_length_is_rejected_at_once(server: Server) -> None:
     for length in (LONGEST_BYTES + 1, 2**40, 2**63 - 1):
         with Raw(server) as raw:
             raw.send(b"\x82\xff" + length.to_bytes(8) + bytes(4))
@@ -154,7 +154,9 @@ def test_a_length_that_never_comes_is_refused_at_once(server: Server) -> None:
 @seed(23)
 @given(st.binary(min_size=1, max_size=80), st.booleans())
 @quick
-def test_text_is_closed_with_1003_and_no_utf8_with_1007(server: Server, data: bytes, welcome: bool) -> None:
+def test_text_is_closed_with_1003_and_invalid_utf8_with_1007(
+    server: Server, data: bytes, welcome: bool
+) -> None:
     try:
         data.decode()
         expected = {1003}
@@ -175,11 +177,11 @@ def test_text_is_closed_with_1003_and_no_utf8_with_1007(server: Server, data: by
     st.binary(max_size=60),
 )
 @quick
-def test_what_is_no_frame_is_closed_with_1002(
+def test_invalid_frames_are_closed_with_1002(
     server: Server, opcode: int | None, reserved: int, masked: bool, payload: bytes
 ) -> None:
     if opcode is None and not reserved and masked:
-        opcode = 0  # a continuation of nothing
+        opcode = 0  # a continuation without a first fragment
     with Raw(server) as raw:
         raw.send(frame(2 if opcode is None else opcode, payload, masked=masked, reserved=reserved))
         assert raw.close_code() == 1002
@@ -188,11 +190,11 @@ def test_what_is_no_frame_is_closed_with_1002(
 @seed(25)
 @given(st.integers(0, 400), st.booleans())
 @quick
-def test_a_client_that_breaks_off_anywhere_leaves_nothing(server: Server, length: int, rough: bool) -> None:
+def test_truncated_connections_leave_no_state(server: Server, length: int, rough: bool) -> None:
     said = frame(2, HELLO) + frame(2, wire.encode_request(forest(count=12, share="torn")))
     with Raw(server) as raw:
         raw.send(said[: min(length, len(said))])
-        if rough:  # a reset in place of an end
+        if rough:  # RST instead of FIN
             raw.link.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
 
 
@@ -209,21 +211,21 @@ names = st.sampled_from(
 @seed(26)
 @given(st.integers(0, 80), st.dictionaries(names, values, max_size=6), st.binary(max_size=64), st.booleans())
 @settings(max_examples=80, deadline=None)
-def test_random_messages_are_answered_or_refused(
+def test_random_messages_are_answered_or_rejected(
     server: Server, kind: int, header: dict[str, Any], payload: bytes, welcome: bool
 ) -> None:
     with Raw(server) as raw:
         if welcome:
             raw.send(frame(2, HELLO))
         raw.send(frame(2, encode_message(kind, header, payload)))
-        raw.send(frame(2, b"the end"))  # no message at all: closed here at the latest
+        raw.send(frame(2, b"the end"))  # not a message: closes the socket at the latest here
         assert raw.close_code() in CLOSED
 
 
 @seed(27)
 @given(st.binary(max_size=200))
 @settings(max_examples=60, deadline=None)
-def test_random_bytes_on_the_line_end_in_a_close(server: Server, data: bytes) -> None:
+def test_random_bytes_end_in_a_close(server: Server, data: bytes) -> None:
     with Raw(server) as raw:
         raw.send(frame(2, HELLO))
         raw.send(data)

@@ -1,4 +1,4 @@
-"""What a build hands out early, and what becomes of the files that it replaces."""
+"""Artefacts published by running builds, and garbage collection of replaced files."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ import pytest
 from galewood.pipeline.options import BuildOptions, BuildResult
 from galewood.table import format as table_format
 from galewood.util.cancelled import Cancelled
-from galewood_server.jobs.analysis_files import PLOT, finish
-from galewood_server.jobs.build_job import Order, publish_result
+from galewood_server.jobs.analysis_files import PLOT, store_result
+from galewood_server.jobs.artefact_publisher import ArtefactPublisher
+from galewood_server.jobs.build_job import BuildInputs, publish_result
 from galewood_server.jobs.leases import claim
-from galewood_server.jobs.publishing import Publisher
+from galewood_server.jobs.progress import JobLease
 from galewood_server.jobs.queue import add_job
-from galewood_server.jobs.reporting import JobLease
 from galewood_server.storage.database import Sessions, migrate, open_database
 from galewood_server.storage.files import FileStore
-from galewood_server.storage.garbage import collect_garbage, mark_garbage, referenced
+from galewood_server.storage.garbage import collect_garbage, mark_garbage, referenced_files
 from galewood_server.storage.models import Garbage, Job, JobKind, Tree, utc_now
 from galewood_server.storage.stores import Stores
 from sqlalchemy import select, update
@@ -30,7 +30,7 @@ MESH = b"glTF of the tree"
 
 
 class Build:
-    """A tree with a job that is under way, in a database and stores of its own."""
+    """A tree with a running job, in a separate database and stores."""
 
     def __init__(self, folder: Path) -> None:
         url = f"sqlite:///{folder / 'galewood.sqlite'}"
@@ -42,13 +42,13 @@ class Build:
         self.next()
 
     def next(self, kind: JobKind = "build") -> None:
-        """Another job, claimed."""
+        """Add and claim another job."""
         with self.sessions.begin() as session:
             add_job(session, session.get_one(Tree, "t"), kind, {})
             claimed = claim(session, "here", (kind,), 60)
         assert claimed
         self.job_lease = JobLease(self.sessions, *claimed)
-        self.publish = Publisher(self.job_lease, self.stores)
+        self.publish = ArtefactPublisher(self.job_lease, self.stores)
 
     def table(self, height_m: float) -> bytes:
         """A table of the mesh, different for each height."""
@@ -58,7 +58,7 @@ class Build:
         return table_format.encode(replace(pole, metadata=metadata))
 
     def finish(self, table: bytes) -> None:
-        order = Order("t", b"", "t.obj", BuildOptions(), "fingerprint")
+        order = BuildInputs("t", b"", "t.obj", BuildOptions(), "fingerprint")
         publish_result(self.job_lease, self.stores, order, BuildResult(table, MESH, {}), b"model")
 
     @property
@@ -77,7 +77,7 @@ def build(tmp_path: Path) -> Build:
     return Build(tmp_path)
 
 
-def test_the_early_table_plays_until_the_full_one_replaces_it(build: Build) -> None:
+def test_the_preliminary_table_is_replaced_by_the_complete_one(build: Build) -> None:
     early, full = build.table(3.0), build.table(4.0)
     build.publish("render.glb", MESH)
     assert build.tree.state == "building" and build.stores.meshes.get(build.tree.mesh_sha256) == MESH
@@ -88,13 +88,13 @@ def test_the_early_table_plays_until_the_full_one_replaces_it(build: Build) -> N
     build.finish(full)
     assert build.tree.state == "ready" and build.stores.tables.get(build.tree.table_sha256) == full
     assert build.stores.models.get(build.tree.model_sha256) == b"model"
-    assert build.stores.tables.has(old)  # somebody may be fetching it
+    assert build.stores.tables.has(old)  # clients may still fetch it
     assert build.collect_garbage(grace_s=600) == 0 and build.stores.tables.has(old)
     assert build.collect_garbage() == 1 and not build.stores.tables.has(old)
     assert build.stores.tables.has(build.tree.table_sha256)
 
 
-def test_an_early_table_does_not_take_the_place_of_a_full_one(build: Build) -> None:
+def test_a_preliminary_table_does_not_replace_a_complete_one(build: Build) -> None:
     build.finish(build.table(4.0))
     full = build.tree.table_sha256
     build.next()
@@ -104,7 +104,7 @@ def test_an_early_table_does_not_take_the_place_of_a_full_one(build: Build) -> N
     assert list(build.stores.tables.names()) == [full]
 
 
-def test_an_early_table_takes_the_place_of_one_that_no_reader_knows(build: Build) -> None:
+def test_a_preliminary_table_replaces_an_unreadable_one(build: Build) -> None:
     with build.sessions.begin() as session:
         session.execute(update(Tree).values(table_sha256=build.stores.tables.put(b"of another age")))
     early = build.table(3.0)
@@ -112,7 +112,7 @@ def test_an_early_table_takes_the_place_of_one_that_no_reader_knows(build: Build
     assert build.stores.tables.get(build.tree.table_sha256) == early
 
 
-def test_pictures_are_named_with_what_they_show(build: Build) -> None:
+def test_pictures_are_stored_by_name(build: Build) -> None:
     build.publish("skeleton.png", b"a picture")
     build.publish("skeleton.png", b"a better one")
     build.publish("tetrahedra.png", b"another")
@@ -123,7 +123,7 @@ def test_pictures_are_named_with_what_they_show(build: Build) -> None:
     }
 
 
-def test_a_build_whose_lease_is_gone_publishes_nothing(build: Build) -> None:
+def test_a_build_without_a_valid_lease_publishes_nothing(build: Build) -> None:
     with build.sessions.begin() as session:
         session.execute(update(Job).values(lease="another's"))
     build.publish("preliminary.table", build.table(3.0))
@@ -133,7 +133,7 @@ def test_a_build_whose_lease_is_gone_publishes_nothing(build: Build) -> None:
     assert build.tree.job.state == "running"
 
 
-def test_a_replaced_table_stays_while_a_comparison_needs_it(build: Build) -> None:
+def test_a_replaced_table_is_kept_while_a_comparison_uses_it(build: Build) -> None:
     build.finish(build.table(3.0))
     old = build.tree.table_sha256
     with build.sessions.begin() as session:
@@ -149,7 +149,7 @@ def test_a_replaced_table_stays_while_a_comparison_needs_it(build: Build) -> Non
     assert build.collect_garbage() == 1 and not build.stores.tables.has(old)
 
 
-def test_a_file_that_two_trees_name_stays_when_one_lets_go(build: Build) -> None:
+def test_a_file_of_two_trees_is_kept_when_one_drops_it(build: Build) -> None:
     build.finish(build.table(3.0))
     shared = build.tree.table_sha256
     with build.sessions.begin() as session:
@@ -159,16 +159,14 @@ def test_a_file_that_two_trees_name_stays_when_one_lets_go(build: Build) -> None
     build.collect_garbage()
     assert build.stores.tables.has(shared)
     with build.sessions() as session:
-        assert referenced(session)["tables"] == {shared, build.tree.table_sha256}
+        assert referenced_files(session)["tables"] == {shared, build.tree.table_sha256}
         late = utc_now() + timedelta(days=1)
         assert not session.scalars(select(Garbage).where(Garbage.garbage_since < late)).all()
 
 
 @pytest.fixture
 def collect_after_every_put(build: Build, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], None]]:
-    """Called, from then on: the worst moments for a sweep, a file is stored and not yet named, or is just
-    being named.
-    """
+    """A function that enables garbage collection after every stored file, the worst case for a race."""
     put, rivals = FileStore.put, list[threading.Thread]()
 
     def put_and_collect(store: FileStore, data: bytes) -> str:
@@ -176,7 +174,7 @@ def collect_after_every_put(build: Build, monkeypatch: pytest.MonkeyPatch) -> It
         rival = threading.Thread(target=build.collect_garbage)
         rivals.append(rival)
         rival.start()
-        rival.join(0.5)  # inside a transaction that holds the file, it waits for our end
+        rival.join(0.5)  # waits if the file is held by a transaction
         return sha256
 
     yield lambda: monkeypatch.setattr(FileStore, "put", put_and_collect)
@@ -184,12 +182,12 @@ def collect_after_every_put(build: Build, monkeypatch: pytest.MonkeyPatch) -> It
         rival.join()
 
 
-def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_study(
+def test_concurrent_garbage_collection_keeps_analysis_files(
     build: Build, collect_after_every_put: Callable[[], None]
 ) -> None:
     build.next("evaluation")
     collect_after_every_put()
-    finish(build.job_lease, build.stores, {"largest": 1.0}, b"a report", {PLOT: b"a picture"})
+    store_result(build.job_lease, build.stores, {"largest": 1.0}, b"a report", {PLOT: b"a picture"})
     analysis = build.tree.jobs[-1]
     assert analysis.state == "done" and analysis.result_sha256
     build.collect_garbage()
@@ -197,11 +195,11 @@ def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_study(
     assert build.stores.pictures.get(analysis.pictures[PLOT]) == b"a picture"
 
 
-def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_build(
+def test_concurrent_garbage_collection_keeps_build_files(
     build: Build, collect_after_every_put: Callable[[], None]
 ) -> None:
     table = build.table(3.0)
-    with build.sessions.begin() as session:  # the very files were an earlier build's, and are to be removed
+    with build.sessions.begin() as session:  # the same files are marked as garbage of an earlier build
         for kind, data in (("tables", table), ("meshes", MESH), ("models", b"model")):
             mark_garbage(session, kind, build.stores.named(kind).put(data))
     collect_after_every_put()
@@ -213,10 +211,10 @@ def test_a_sweep_between_storing_and_naming_takes_no_file_of_a_build(
     assert build.stores.models.get(tree.model_sha256) == b"model"
 
 
-def test_a_study_that_is_not_ours_any_more_leaves_no_file(build: Build) -> None:
+def test_an_analysis_without_a_valid_lease_leaves_no_file(build: Build) -> None:
     build.next("evaluation")
     kept = JobLease(build.sessions, build.job_lease.job_id, "another's")
     with pytest.raises(Cancelled):
-        finish(kept, build.stores, {}, b"a report")
+        store_result(kept, build.stores, {}, b"a report")
     build.collect_garbage()
     assert list(build.stores.results.names()) == [] and build.tree.jobs[-1].state == "running"

@@ -1,4 +1,4 @@
-"""Trees, jobs and tables as lists and as things that are the same when they come twice."""
+"""REST lists, pagination, ETags and idempotent uploads and jobs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import httpx
 import pytest
 import zstandard
-from galewood_server.http.etags import matches
+from galewood_server.http.etags import etag_matches
 from galewood_server.storage.encodings import coding_of
 
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
@@ -45,7 +45,7 @@ def built(api: httpx.Client, data: bytes) -> dict[str, Any]:
     return wait_until(lambda: (now := api.get(path).json())["state"] == "ready" and now, 120)
 
 
-def test_the_same_file_is_the_same_tree(api: httpx.Client) -> None:
+def test_the_same_file_gives_the_same_tree(api: httpx.Client) -> None:
     first = upload(api, b"once", name="One")
     again = upload(api, b"once", "other.obj", name="Two")
     assert (first.status_code, again.status_code) == (201, 200)
@@ -54,7 +54,7 @@ def test_the_same_file_is_the_same_tree(api: httpx.Client) -> None:
     assert other.status_code == 201 and other.json()["id"] != first.json()["id"]
 
 
-def test_the_same_file_at_the_same_moment_is_one_tree(api: httpx.Client, server: Server) -> None:
+def test_concurrent_uploads_of_one_file_give_one_tree(api: httpx.Client, server: Server) -> None:
     def send(_: int) -> tuple[int, str]:
         with server.client() as client:
             answer = upload(client, b"at once")
@@ -66,7 +66,7 @@ def test_the_same_file_at_the_same_moment_is_one_tree(api: httpx.Client, server:
     assert sorted(status for status, _ in answers) == [200] * 7 + [201]
 
 
-def test_assumptions_can_be_changed_until_there_is_a_table(api: httpx.Client) -> None:
+def test_import_options_can_be_changed_until_there_is_a_table(api: httpx.Client) -> None:
     tree = upload(api, b"assumed", species="maple").json()
     path = f"/api/trees/{tree['id']}"
     changed = api.patch(path, json={"species": "poplar", "height_m": 7}).json()
@@ -84,7 +84,7 @@ def test_assumptions_can_be_changed_until_there_is_a_table(api: httpx.Client) ->
         assert api.patch(path, json=wrong).status_code == 422
 
 
-def test_pages_hold_every_tree_once_while_others_come(api: httpx.Client) -> None:
+def test_pagination_is_stable_during_uploads(api: httpx.Client) -> None:
     names = {upload(api, f"page {k}".encode()).json()["id"] for k in range(7)}
     seen: list[str] = []
     page = api.get("/api/trees?limit=3").json()
@@ -101,13 +101,13 @@ def test_pages_hold_every_tree_once_while_others_come(api: httpx.Client) -> None
 
 
 @pytest.mark.parametrize("path", ["/api/trees", "/api/jobs", "/api/tables"])
-def test_bad_pages_are_problems(api: httpx.Client, path: str) -> None:
+def test_invalid_pages_are_problems(api: httpx.Client, path: str) -> None:
     for query in ("after=x", "after=WyJhIl0", "after=%00", "limit=0", "limit=9999", "after=" + "a" * 500):
         answer = api.get(f"{path}?{query}")
         assert answer.status_code == 422 and answer.json()["code"] in ("bad-cursor", "invalid-request"), query
 
 
-def test_jobs_are_listed_newest_first_and_can_be_repeated(api: httpx.Client) -> None:
+def test_jobs_are_listed_newest_first_and_can_be_retried(api: httpx.Client) -> None:
     tree = upload(api, b"fails", "fail.obj").json()
     job = api.post("/api/jobs", json={"tree_id": tree["id"], "settings": {"height_m": 6}}).json()
     wait_until(lambda: api.get(f"/api/jobs/{job['id']}").json()["state"] == "failed", 120)
@@ -123,7 +123,7 @@ def test_jobs_are_listed_newest_first_and_can_be_repeated(api: httpx.Client) -> 
     assert api.post("/api/jobs", json={"tree_id": "none"}).json()["code"] == "no-such-tree"
 
 
-def test_a_table_that_is_there_is_not_computed_again(api: httpx.Client) -> None:
+def test_an_existing_table_is_not_computed_again(api: httpx.Client) -> None:
     tree = built(api, b"twice asked")
     again = api.post("/api/jobs", json={"tree_id": tree["id"]})
     assert (again.status_code, again.json()["id"]) == (200, tree["job_id"])
@@ -132,7 +132,7 @@ def test_a_table_that_is_there_is_not_computed_again(api: httpx.Client) -> None:
     api.post(f"/api/jobs/{other.json()['id']}/cancel")
 
 
-def test_lists_and_trees_are_tagged(api: httpx.Client) -> None:
+def test_lists_and_trees_have_etags(api: httpx.Client) -> None:
     tree = upload(api, b"tagged").json()
     for path in ("/api/trees", f"/api/trees/{tree['id']}", "/api/jobs", "/api/tables", "/api/species"):
         whole = api.get(path)
@@ -143,13 +143,13 @@ def test_lists_and_trees_are_tagged(api: httpx.Client) -> None:
     assert api.get("/api/trees", headers={"If-None-Match": tag}).status_code == 200
 
 
-def test_tables_come_compressed_and_each_form_has_its_tag(api: httpx.Client, server: Server) -> None:
+def test_compressed_tables_have_their_own_etag(api: httpx.Client, server: Server) -> None:
     table = built(api, b"compressed")["table_sha256"]
     path = f"/api/tables/{table}"
     raw: dict[str, bytes] = {}
     tags: set[str] = set()
     for name in ("identity", "gzip", "zstd"):
-        # the first to ask is not kept waiting for the compressor
+        # the first request does not wait for the compression
         wait_until(lambda name=name: _coding(api, path, name) == name, 60)
         with api.stream("GET", path, headers={"Accept-Encoding": name}) as answer:
             raw[name] = b"".join(answer.iter_raw())
@@ -180,7 +180,7 @@ def test_tables_come_compressed_and_each_form_has_its_tag(api: httpx.Client, ser
     assert head.headers["content-length"] == str(len(raw["identity"])) and not head.content
 
 
-def test_who_holds_the_plain_bytes_is_told_so_after_they_were_compressed(api: httpx.Client) -> None:
+def test_the_etag_of_the_plain_bytes_matches_after_compression(api: httpx.Client) -> None:
     path = f"/api/tables/{built(api, b'held plain')['table_sha256']}"
     plain = api.get(path, headers={"Accept-Encoding": "identity"}).headers["etag"]
     wait_until(lambda: _coding(api, path, "gzip") == "gzip", 60)
@@ -199,16 +199,16 @@ def _coding(api: httpx.Client, path: str, accepted: str) -> str:
      ("zstd;q=0, gzip", "gzip"),
      ("gzip;q=0.5, zstd;q=0.1", "gzip"), ("identity, gzip;q=0.5", None), ("gzip;q=x", None), ("*;q=0", None)],
 )  # fmt: skip
-def test_the_coding_that_a_client_prefers(header: str, coding: str | None) -> None:
+def test_content_coding_negotiation(header: str, coding: str | None) -> None:
     assert coding_of(header) == coding
 
 
-def test_tags_are_compared_whole() -> None:
-    assert matches('"a"', '"a"') and matches('W/"a", "b"', '"a"') and matches("*", '"a"')
-    assert not matches('"ab"', '"a"') and not matches("", '"a"') and not matches("a", '"a"')
+def test_etags_are_compared_exactly() -> None:
+    assert etag_matches('"a"', '"a"') and etag_matches('W/"a", "b"', '"a"') and etag_matches("*", '"a"')
+    assert not etag_matches('"ab"', '"a"') and not etag_matches("", '"a"') and not etag_matches("a", '"a"')
 
 
-def test_tables_are_listed_and_unreadable_ones_say_so(api: httpx.Client) -> None:
+def test_tables_are_listed_and_unreadable_ones_are_problems(api: httpx.Client) -> None:
     tree = built(api, b"listed")
     listed = api.get("/api/tables?limit=500").json()["tables"]
     one = next(table for table in listed if table["tree_id"] == tree["id"])
@@ -217,13 +217,13 @@ def test_tables_are_listed_and_unreadable_ones_say_so(api: httpx.Client) -> None
     assert (said.status_code, said.json()["code"]) == (409, "unreadable-table")
 
 
-def test_species_say_where_their_numbers_come_from(api: httpx.Client) -> None:
+def test_wood_species_have_sources(api: httpx.Client) -> None:
     species = api.get("/api/species").json()["species"]
     assert {"maple", "poplar", "apricot"} <= {one["id"] for one in species}
     assert all(one["source"] and one["young_longitudinal_pa"] > 1e9 for one in species)
 
 
-def test_health_and_figures(api: httpx.Client) -> None:
+def test_health_and_metrics(api: httpx.Client) -> None:
     live, ready = api.get("/api/health"), api.get("/api/health/ready")
     assert live.json()["status"] == "ok" and live.json()["table_version"] >= 2
     assert ready.status_code == 200 and ready.json()["checks"]["database"] is True

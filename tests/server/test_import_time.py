@@ -1,0 +1,24 @@
+"""Startup: importing the application must not load the numerical packages of builds."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+from tests.server.conftest import REPOSITORY
+
+HEAVY = (
+    "dask", "distributed", "galewood.fem", "galewood.mesh", "galewood.model", "galewood.pipeline",
+    "galewood.reduction", "galewood.sampling", "scipy.sparse.linalg", "trimesh",
+)  # fmt: skip
+
+
+def test_importing_the_application_loads_no_build_packages() -> None:
+    program = "import json, sys; import galewood_server.app; print(json.dumps(sorted(sys.modules)))"
+    output = subprocess.run(
+        [sys.executable, "-c", program], cwd=REPOSITORY, capture_output=True, check=True, text=True
+    ).stdout
+    loaded = set(json.loads(output.splitlines()[-1]))
+    assert "galewood_server.app.main" in loaded
+    assert not loaded & set(HEAVY)
