@@ -17,7 +17,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check 
 PYTEST ?= $(BIN)/python -m pytest
 WEB_SOURCES := $(shell find web/src web/public -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json
 
-.PHONY: help run build test check test-python test-distributed test-web test-e2e browser bench format species golden clean
+.PHONY: help run build test check test-python test-species test-distributed test-web test-e2e browser bench format species golden clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -61,6 +61,9 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 
 test-python: $(VENV)/.dev ## the Python tests, two files at a time
 	$(PYTEST) -n 2 --dist loadfile
+
+test-species: $(VENV)/.dev ## the claimed accuracy of all three species, in every unseen wind (ten minutes and more)
+	$(PYTEST) -m species -rP tests/precompute/test_species_accuracy.py
 
 test-distributed: $(VENV)/.dev ## the service on PostgreSQL, an S3-compatible store and a Dask cluster elsewhere
 	$(BIN)/python scripts/test-distributed
