@@ -1,5 +1,6 @@
 # syntax=docker/dockerfile:1
-# The page is built with Node, the packages with pip; the last stage holds neither npm nor a compiler.
+# The page is built with Node and packed into the wheel; the last stage installs that wheel beside the locked
+# packages, and holds neither npm nor a compiler nor the sources.
 # One image serves as server, scheduler and worker.
 
 FROM node:20-bookworm-slim AS page
@@ -9,19 +10,20 @@ RUN npm ci --no-audit --no-fund
 COPY web ./
 RUN npm run build
 
-FROM python:3.11-slim-bookworm AS packages
+FROM python:3.11-slim-bookworm AS wheel
 ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
-RUN python -m venv /opt/galewood
-ENV PATH=/opt/galewood/bin:$PATH
 WORKDIR /app
-COPY requirements/base.txt requirements/base.txt
-RUN pip install --require-hashes --no-deps -r requirements/base.txt
-COPY pyproject.toml README.md ./
+COPY requirements/build.txt requirements/build.txt
+RUN pip install --require-hashes --no-deps -r requirements/build.txt
+COPY pyproject.toml setup.py README.md LICENSE NOTICE ./
+COPY assets assets
 COPY precompute precompute
 COPY server server
-RUN pip install --no-deps --no-build-isolation --editable .
+COPY --from=page /app/web/dist web/dist
+RUN pip wheel --no-deps --no-build-isolation --wheel-dir /wheel .
 
 FROM python:3.11-slim-bookworm
+ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
 # libraries that VTK (used by pytetwild through pyvista) and OpenMP need
 # hadolint ignore=DL3008
 RUN apt-get update \
@@ -29,14 +31,16 @@ RUN apt-get update \
     && rm -rf /var/lib/apt/lists/* \
     && useradd --no-create-home --uid 10001 galewood \
     && install --directory --owner=galewood /data
-WORKDIR /app
-COPY --from=packages /opt/galewood /opt/galewood
-COPY --from=packages /app /app
-COPY assets assets
-COPY --from=page /app/web/dist web/dist
+WORKDIR /opt/galewood
+RUN python -m venv /opt/galewood
+ENV PATH=/opt/galewood/bin:$PATH
+# the packages change less often than the wheel, so they are a layer of their own
+RUN --mount=type=bind,source=requirements/base.txt,target=/base.txt \
+    pip install --require-hashes --no-deps -r /base.txt
+RUN --mount=type=bind,from=wheel,source=/wheel,target=/wheel \
+    pip install --no-index --no-deps /wheel/*.whl && pip check
 USER 10001
-ENV PATH=/opt/galewood/bin:$PATH \
-    GALEWOOD_DATA_DIR=/data \
+ENV GALEWOOD_DATA_DIR=/data \
     HOST=0.0.0.0 \
     PORT=8000 \
     NUMBA_CACHE_DIR=/data/cache/numba \

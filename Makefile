@@ -15,15 +15,18 @@ export PORT HOST GALEWOOD_DATA_DIR
 export NUMBA_CACHE_DIR ?= $(CURDIR)/build/numba
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps
 PYTEST ?= $(BIN)/python -m pytest
+# All that a wheel is made of, beside the page.
+WHEEL_SOURCES := $(shell find precompute server assets -type f -not -path '*/__pycache__/*' 2>/dev/null) \
+	pyproject.toml setup.py README.md LICENSE NOTICE
 WEB_SOURCES := $(shell find web/src web/public -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json
 
-.PHONY: help run build test check test-python test-species test-distributed test-web test-e2e browser bench format species golden clean
+.PHONY: help run build wheel test check docs test-python test-species test-wheel test-distributed test-web test-e2e browser bench format species golden clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
 # ---- set-up: each stamp is newer than the lock file it was made from -------------------------------
-$(VENV)/.base: requirements/base.txt pyproject.toml
+$(VENV)/.base: requirements/base.txt pyproject.toml setup.py
 	@echo "Setting up Python packages (once)"
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	@$(PIP_INSTALL) -r requirements/base.txt
@@ -46,6 +49,13 @@ web/dist/index.html: web/node_modules/.stamp $(WEB_SOURCES)
 # ---- everyday --------------------------------------------------------------------------------------
 build: $(VENV)/.base web/dist/index.html ## set everything up and build the page
 
+wheel: build/wheel/.made ## one wheel with everything to install elsewhere, in build/wheel
+
+build/wheel/.made: $(VENV)/.base web/dist/index.html $(WHEEL_SOURCES)
+	@rm -rf build/wheel
+	@$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir build/wheel .
+	@touch $@
+
 run: build ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DATA_DIR change where)
 	@$(BIN)/galewood serve
 
@@ -59,11 +69,14 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml
 	$(BIN)/hadolint Dockerfile
 
-test-python: $(VENV)/.dev ## the Python tests, two files at a time
+test-python: $(VENV)/.dev wheel ## the Python tests, two files at a time; the installed wheel's among them
 	$(PYTEST) -n 2 --dist loadfile
 
 test-species: $(VENV)/.dev ## the claimed accuracy of all three species, in every unseen wind (ten minutes and more)
 	$(PYTEST) -m species -rP tests/precompute/test_species_accuracy.py
+
+test-wheel: $(VENV)/.dev wheel ## what is declared, and the wheel installed far from the repository
+	$(PYTEST) tests/package
 
 test-distributed: $(VENV)/.dev ## the service on PostgreSQL, an S3-compatible store and a Dask cluster elsewhere
 	$(BIN)/python scripts/test-distributed
@@ -82,6 +95,9 @@ bench: build browser ## speed and memory, as ratios to named rivals; writes buil
 	$(BIN)/galewood bench --json build/bench.json
 	@cd web && npm run --silent bench
 
+docs: $(VENV)/.dev ## build the documentation site into build/docs; fails on broken links
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+
 format: $(VENV)/.dev web/node_modules/.stamp ## rewrite the sources in the project's format
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
@@ -97,4 +113,4 @@ golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make_wire
 
 clean: ## remove what the targets above made (not the data directory)
-	rm -rf build web/dist web/node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report
+	rm -rf build dist web/dist web/node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report

@@ -3,6 +3,7 @@
 import pytest
 
 LONGEST = (
+    "test_wheel",
     "test_real_build", "test_accuracy", "test_jobs", "test_leases", "test_verify_species", "test_paper",
     "test_evaluations", "test_evaluate", "test_pipeline", "test_hostile", "test_determinism",
 )  # fmt: skip

@@ -1,1 +1,108 @@
-"""From a tree mesh to a lookup table of its motion in wind."""
+"""Galewood: how trees move in wind, from a mesh to a table to a forest.
+
+    import galewood
+
+    tree = galewood.read("oak.glb", height_m=12)
+    table = galewood.build(tree)
+    forest = galewood.Forest([table], galewood.grid(100), galewood.Wind(mean_speed_m_s=10))
+    forest.step(1 / 30)
+    forest.vertices_m(tree=0)
+
+Everything listed in ``__all__`` is the public API; the sub-packages may change between versions.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from galewood.api import (
+        Forest,
+        Model,
+        Motion,
+        MotionTable,
+        Placements,
+        Tree,
+        build,
+        evaluate,
+        grid,
+        load,
+        read,
+        save,
+    )
+    from galewood.evaluation import SourceError
+    from galewood.fem import FemSettings
+    from galewood.options import BuildRequest
+    from galewood.pipeline import Progress
+    from galewood.table import TableError
+    from galewood.util import Cancelled, MeshError
+    from galewood.wind import PRESETS, Wind, WindError
+    from galewood.wood import SPECIES, Wood, WoodError
+
+__all__ = [
+    "PRESETS",
+    "SPECIES",
+    "BuildRequest",
+    "Cancelled",
+    "FemSettings",
+    "Forest",
+    "MeshError",
+    "Model",
+    "Motion",
+    "MotionTable",
+    "Placements",
+    "Progress",
+    "SourceError",
+    "TableError",
+    "Tree",
+    "Wind",
+    "WindError",
+    "Wood",
+    "WoodError",
+    "build",
+    "evaluate",
+    "grid",
+    "load",
+    "read",
+    "save",
+]
+
+# Loaded on first use, so that importing a single sub-package stays fast.
+_HOMES = {
+    "Forest": "api",
+    "Model": "api",
+    "Motion": "api",
+    "MotionTable": "api",
+    "Placements": "api",
+    "Tree": "api",
+    "build": "api",
+    "evaluate": "api",
+    "grid": "api",
+    "load": "api",
+    "read": "api",
+    "save": "api",
+    "Progress": "pipeline",
+    "SourceError": "evaluation",
+    "FemSettings": "fem",
+    "BuildRequest": "options",
+    "TableError": "table",
+    "Cancelled": "util",
+    "MeshError": "util",
+    "PRESETS": "wind",
+    "Wind": "wind",
+    "WindError": "wind",
+    "SPECIES": "wood",
+    "Wood": "wood",
+    "WoodError": "wood",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'galewood' has no attribute {name!r}")
+    return getattr(import_module(f"galewood.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

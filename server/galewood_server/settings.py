@@ -10,8 +10,17 @@ from typing import Annotated, Literal
 from pydantic import AliasChoices, Field, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
-REPOSITORY = Path(__file__).resolve().parent.parent
+PACKAGE = Path(__file__).resolve().parent
+REPOSITORY = PACKAGE.parent.parent
 MEBIBYTE = 1024 * 1024
+
+
+def data_folder(packaged: str, checkout: str) -> Path:
+    """Where files that are no Python lie: in a wheel the copy below this package (setup.py), in a checkout of
+    the repository the folder that it is a copy of.
+    """
+    copy = PACKAGE / "data" / packaged
+    return copy if copy.is_dir() else REPOSITORY / checkout
 
 
 def default_workers() -> int:
@@ -35,8 +44,8 @@ class Settings(BaseSettings):
     database_url: str | None = None
     store_url: str | None = None
     scheduler_url: str | None = None
-    page_dir: Path = REPOSITORY / "web" / "dist"
-    species_dir: Path = REPOSITORY / "assets" / "species"
+    page_dir: Path = data_folder("page", "web/dist")
+    species_dir: Path = data_folder("species", "assets/species")
     builtin_species: bool = True
 
     workers: int = Field(default_factory=default_workers, ge=1, le=256)

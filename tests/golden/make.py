@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import scipy.sparse
-from galewood.build.assemble import RenderMesh, TableSettings, assemble_table
 from galewood.fem.model import FemSettings
+from galewood.pipeline.assemble import RenderMesh, TableSettings, assemble_table
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.reduction.training import ModalTraining, Size

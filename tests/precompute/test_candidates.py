@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from galewood.build.assemble import internal_states, spread_pa
+from galewood.pipeline.assemble import internal_states, spread_pa
 from galewood.player.paper_search import ANY, best_candidate, brute_force, nearest_pressure
 from galewood.search.candidates import Rule, Search, air_of, build_search, gain_bound
 from galewood.search.similarity import InternalStates, compared, mismatch_rows

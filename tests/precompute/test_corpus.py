@@ -9,8 +9,8 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from galewood.build.options import BuildOptions
-from galewood.build.pipeline import build_table
+from galewood.pipeline.build import build_table
+from galewood.pipeline.options import BuildOptions
 from galewood.sampling import plan as samples
 from galewood.sampling.training_winds import training_winds
 from galewood.table.format import decode

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.sparse
-from galewood.build.pipeline import BuildOptions, build_table
 from galewood.cli.commands import app
 from galewood.evaluation.evaluate import METHODS, compare, compare_methods, floor, nearest_sample, played
 from galewood.evaluation.long_run import beyond, long_run
@@ -24,6 +23,7 @@ from galewood.evaluation.source import Source, SourceError, distinct, find_model
 from galewood.evaluation.winds import long_gusts, noise, perlin, unseen_winds
 from galewood.fem.dynamics import Simulator
 from galewood.mesh.types import ImportOptions
+from galewood.pipeline.build import BuildOptions, build_table
 from galewood.sampling.runner import run_task
 from galewood.table.format import Table, decode
 from typer.testing import CliRunner

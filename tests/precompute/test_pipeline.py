@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.build.options import BuildOptions, BuildResult, Progress
-from galewood.build.pipeline import build_table
 from galewood.mesh.types import ImportOptions
+from galewood.pipeline.build import build_table
+from galewood.pipeline.options import BuildOptions, BuildResult, Progress
 from galewood.player.paper_search import PaperForest
 from galewood.sampling.runner import SampleTask, run_task
 from galewood.table.format import decode

@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from galewood.build.options import BuildOptions, BuildResult, Progress
+from galewood.pipeline.options import BuildOptions, BuildResult, Progress
 from galewood_server.jobs.analysis_files import PLOT, finish
 from galewood_server.jobs.job_process import main
 from galewood_server.jobs.reporting import JobLease, Reporter

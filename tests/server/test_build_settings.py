@@ -6,10 +6,10 @@ import json
 from typing import Any
 
 import pytest
-from galewood.build.options import BuildOptions
+from galewood.options import BuildRequest
+from galewood.pipeline.options import BuildOptions, build_options
 from galewood.wood.species import SPECIES
 from galewood_server.http.schemas import JobRequest
-from galewood_server.jobs.build_job import build_options
 from pydantic import ValidationError
 
 
@@ -17,20 +17,22 @@ def options_of(settings: dict[str, Any]) -> BuildOptions:
     """From the request's body, through the database's JSON, to the build."""
     body = json.dumps({"tree_id": "x", "settings": settings})
     request = JobRequest.model_validate(json.loads(body))
-    return build_options(json.loads(json.dumps(request.settings.model_dump(exclude_none=True))))
+    kept = json.loads(json.dumps(request.settings.model_dump(exclude_none=True)))
+    return build_options(BuildRequest.model_validate(kept))
 
 
 def test_everything_that_shapes_a_table_arrives() -> None:
     options = options_of(
         {"species": "maple", "height_m": 9, "up_axis": "z", "wood_materials": ["Bark", "Twig"], "seed": 7,
-         "target_tets": 3000, "sampled_elements": 135, "design_speed_m_s": 12.5, "frames": 90,
+         "target_tets": 3000, "sampled_elements": 135, "design_speed_m_s": 12.5, "frames": 90, "modes": 24,
          "wood": {"name": "Stiff", "based_on": "maple", "young_longitudinal_pa": 2e10}}
     )  # fmt: skip
-    importer = options.importer
-    assert (importer.species, importer.height_m, importer.up_axis) == ("maple", 9.0, "z")
-    assert importer.wood == ("Bark", "Twig") and options.seed == 7
+    mesh_import = options.mesh_import
+    assert (mesh_import.species, mesh_import.height_m, mesh_import.up_axis) == ("maple", 9.0, "z")
+    assert mesh_import.wood == ("Bark", "Twig") and options.seed == 7
     assert (options.target_tets, options.sampled_elements) == (3000, 135)
     assert (options.design_speed_m_s, options.frames) == (12.5, 90)
+    assert options.table.modes == 24
     assert options.wood is not None and options.wood.young_longitudinal_pa == 2e10
     assert options.wood.density_kg_m3 == SPECIES["maple"].density_kg_m3
 

@@ -13,8 +13,8 @@ from galewood.bench.fem import bench_fem
 from galewood.bench.samples import bench_samples, prepared
 from galewood.bench.tables import OnProgress, bench_build, bench_forest, bench_search
 from galewood.bench.wind import bench_wind
-from galewood.build import BuildOptions
 from galewood.mesh import ImportOptions
+from galewood.pipeline import BuildOptions
 from galewood.table import decode
 
 __all__ = ["PARTS", "chosen_parts", "run_bench"]

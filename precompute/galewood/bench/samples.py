@@ -9,14 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from galewood.build import BuildOptions
 from galewood.fem import FemModel, Simulator
 from galewood.mesh import import_mesh_sandboxed
-from galewood.model import bind_foliage, build_model, reference_model
+from galewood.model import reference_model, tree_model
+from galewood.pipeline import BuildOptions
 from galewood.sampling import SampleWind, design_wind, sample_trajectory, sample_winds
-from galewood.skeleton import extract_skeleton, sampled_elements, with_corrected_radii
-from galewood.tets import tetrahedralise
-from galewood.wood import species
+from galewood.skeleton import sampled_elements
 
 OnProgress = Callable[[float, str], None]
 REFERENCE_FRAMES, QUICK_REFERENCE_FRAMES = 180, 20
@@ -62,13 +60,10 @@ def bench_samples(
 def prepared(mesh: Path, options: BuildOptions, cache_dir: Path) -> tuple[FemModel, FemModel, Any]:
     """A tree's model with fast elements, that with quadratic elements, and the vertices to record (k,)."""
     tree, _ = import_mesh_sandboxed(mesh.read_bytes(), mesh.name, options.mesh_import)
-    tets = tetrahedralise(tree, options.target_tets, cache_dir / "tets")
-    skeleton, wood = extract_skeleton(tets), species(tree.species or "default")
-    tets = with_corrected_radii(tree, tets, skeleton)
-    lumped = bind_foliage(tree, tets, wood)
-    fast = build_model(tets, skeleton, wood, lumped, options.fem)
-    points = np.unique(tets.tets[sampled_elements(tets, skeleton, options.sampled_elements)])
-    return fast, reference_model(tets, skeleton, wood, lumped, options.fem), points
+    made = tree_model(tree, None, options.target_tets, cache_dir, options.fem)
+    points = np.unique(made.tets.tets[sampled_elements(made.tets, made.skeleton, options.sampled_elements)])
+    reference = reference_model(made.tets, made.skeleton, made.wood, made.lumped, options.fem)
+    return made.fem, reference, points
 
 
 def _height_m(model: FemModel) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import zstandard
 
-from galewood.build import BuildOptions, Progress, build_table
+from galewood.pipeline import BuildOptions, Progress, build_table
 from galewood.player import ModalForest, PaperForest, grid_placements
 from galewood.table import Table, decode
 from galewood.util import PeakMemory

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from galewood.cli.tools import console, progress_bar, progress_reporter, without_frames, write_figures, writer
+from galewood.cli.build_command import register as register_build
+from galewood.cli.tools import console, progress_bar, progress_reporter, without_frames, write_figures
 
 app = typer.Typer(
     no_args_is_help=True, add_completion=False, help="Tables of simulated tree motion, made and played."
@@ -16,76 +17,7 @@ JsonOut = Annotated[Path | None, typer.Option("--json", help="Write the figures 
 CacheDir = Annotated[Path, typer.Option(help="Where meshes and trajectories are kept for the next time.")]
 
 
-@app.command()
-def build(
-    mesh: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL.")],
-    out: Annotated[Path, typer.Option(help="Table file to write.")],
-    species: Annotated[str | None, typer.Option(help="Wood of this species.")] = None,
-    wood: Annotated[
-        Path | None, typer.Option(exists=True, dir_okay=False, help="A wood of your own (docs/physics.md).")
-    ] = None,
-    height_m: Annotated[float | None, typer.Option(help="Height of the tree, m.")] = None,
-    design_speed: Annotated[float, typer.Option(help="Strongest sampled wind, m/s.")] = 18.0,
-    elements: Annotated[int, typer.Option(min=1, help="Sampled elements of the paper's search.")] = 35,
-    tets: Annotated[int, typer.Option(help="Tetrahedra to aim at.")] = 5500,
-    wind_frames: Annotated[int, typer.Option(min=2, help="Frames of each of the 36 cosine winds.")] = 180,
-    seed: Annotated[int, typer.Option(help="Of the noise and gusts that the drift-free method learns.")] = 1,
-    reference: Annotated[
-        bool, typer.Option("--reference", help="Quadratic elements: the reference itself, ten times as long.")
-    ] = False,
-    compared_frames: Annotated[
-        int, typer.Option(min=0, help="Frames of the run compared with the reference; 0: no comparison.")
-    ] = 60,
-    pictures: Annotated[
-        Path | None,
-        typer.Option(file_okay=False, help="Folder for pictures and a first table, written on the way."),
-    ] = None,
-    cache_dir: CacheDir = Path("data/cache"),
-    json_out: JsonOut = None,
-) -> None:
-    """Simulate a tree mesh and write its table, and the mesh it moves beside it (FILE.glb)."""
-    from galewood.build import BuildOptions, build_table
-    from galewood.fem import FemSettings
-    from galewood.mesh import ImportOptions
-    from galewood.util import MeshError
-    from galewood.wood import WoodError, read_wood
-
-    try:
-        own_wood = read_wood(wood.read_bytes()) if wood else None
-    except WoodError as error:
-        console.print(f"[red]{wood} is no wood.[/red]", *(f"{name}: {what}" for name, what in error.problems))
-        raise typer.Exit(1) from None
-    options = BuildOptions(
-        mesh_import=ImportOptions(species=species, height_m=height_m),
-        wood=own_wood,
-        target_tets=tets,
-        sampled_elements=elements,
-        design_speed_m_s=design_speed,
-        frames=wind_frames,
-        seed=seed,
-        reference_frames=compared_frames,
-        fem=FemSettings(element="quadratic" if reference else "fitted"),
-    )
-    try:
-        with progress_bar() as bar:
-            report = progress_reporter(bar)
-            result = build_table(
-                mesh.read_bytes(),
-                mesh.name,
-                options,
-                progress=lambda p: report(p.fraction, p.message),
-                cache_dir=cache_dir,
-                publish=writer(pictures) if pictures else None,
-            )
-    except MeshError as error:
-        console.print(f"[red]{error.title}[/red] {error.hint}")
-        raise typer.Exit(1) from None
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_bytes(result.table)
-    out.with_suffix(".glb").write_bytes(result.render_glb)
-    write_figures(json_out, {**result.report, "table_bytes": len(result.table)})
-    seconds = sum(result.report["seconds"].values())
-    console.print(f"{out}: {len(result.table) / 1e6:.1f} MB in {seconds:.0f} s")
+register_build(app)
 
 
 @app.command()
@@ -95,7 +27,8 @@ def simulate(
     direction: Annotated[float, typer.Option(help="Direction the wind blows towards, degrees.")] = 30.0,
     gustiness: Annotated[float, typer.Option(help="0 steady … 1 wild.")] = 0.5,
     seconds: Annotated[float, typer.Option(help="How long to play.")] = 20.0,
-    trees: Annotated[int, typer.Option(help="How many trees, 10 m apart.")] = 16,
+    trees: Annotated[int, typer.Option(help="Number of trees, 10 m apart.")] = 16,
+    paper: Annotated[bool, typer.Option("--paper", help="Use the paper's state search.")] = False,
     json_out: JsonOut = None,
 ) -> None:
     """Play a table under a wind and tell how far its trees sway."""
@@ -104,7 +37,7 @@ def simulate(
     from galewood.wind import Wind
 
     wind = Wind(mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness)
-    figures = play(decode(table.read_bytes()), wind, seconds, trees)
+    figures = play(decode(table.read_bytes()), wind, seconds, trees, "paper" if paper else "modal")
     write_figures(json_out, figures)
     console.print_json(data=figures)
 

@@ -48,7 +48,7 @@ def progress_reporter(bar: Progress) -> OnProgress:
     return report
 
 
-def writer(folder: Path) -> Callable[[str, bytes], None]:
+def file_writer(folder: Path) -> Callable[[str, bytes], None]:
     """A callback that writes a file by name into ``folder``, which it creates when needed."""
 
     def write(name: str, content: bytes) -> None:

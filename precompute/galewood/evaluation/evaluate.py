@@ -7,7 +7,7 @@ of them share a node is then in it too). ``floor`` says what is left if the meth
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -71,13 +71,15 @@ def evaluate_table(
     sway: float | None = None,
     seed: int = 20_001,
     workers: int = 2,
+    winds: Mapping[str, Floats] | None = None,
 ) -> dict[str, Any]:
     """Figures per unseen wind and method, beside a tree at rest and the nearest sampled run played back.
 
     ``strength`` is the winds' peak over the design speed. With ``sway`` each wind is scaled until the finite
-    elements sway by that share of the height, or until it peaks at the design speed.
+    elements sway by that share of the height, or until it peaks at the design speed. ``winds`` are
+    names and pressures (T, 2) Pa in place of the default ones.
     """
-    winds = _winds(table, frames, strength if sway is None else 0.9, seed)
+    winds = winds or _winds(table, frames, strength if sway is None else 0.9, seed)
     tasks = reference_tasks(table, source, list(winds.values()), sway)
 
     def done(count: int) -> None:

@@ -21,7 +21,7 @@ DEFINITIONS = {
     "hausdorff": "symmetric Hausdorff distance of the wood's displaced vertices, by frame, over the height",
     "rendered": "the same figures for the render vertices as the viewer moves them, by nodes",
     "floor": "without the method's own error: truncation of the modes, and vertices that share a node",
-    "extrapolation_ratio": "sway or pressure over the largest sampled value; above 1 the motion is extrapolated",
+    "extrapolation_ratio": "sway or pressure over its largest sampled value; above 1 it is extrapolated",
 }
 
 
@@ -43,7 +43,8 @@ def run_evaluation(
 ) -> dict[str, Any]:
     """Everything asked for, as JSON-able figures.
 
-    The reference runs are kept in ``reference_dir``, else in the cache. Raises SourceError, MeshError, and FloatingPointError under a wind they do not bear.
+    The reference runs are kept in ``reference_dir``, else in the cache. Raises SourceError, MeshError, and
+    FloatingPointError under a wind that the finite elements cannot follow.
     """
     decoded = decode(table.read_bytes())
     source = source_of(

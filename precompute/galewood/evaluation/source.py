@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from galewood.build import BuildOptions, TableSettings
 from galewood.fem import FemModel, load_model
 from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
 from galewood.model import render_binding
-from galewood.reduction import ModalTraining, Subspace, oscillators_of, render_basis, size_of
+from galewood.pipeline import BuildOptions, TableSettings
+from galewood.reduction import ModalTraining, Subspace, oscillators_of, render_basis, size_of, sizes_for
 from galewood.reduction import shown_modes as reduction_modes
 from galewood.sampling import Samples, content_hash, planned, run_in_processes, simulate
 from galewood.skeleton import extract_skeleton, sampled_elements
@@ -172,8 +172,10 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
 def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
     """The table's modes on the wood's vertices, fitted as the build fits them."""
     samples = samples_of(table, model, mesh, cache_dir, workers)
-    training = ModalTraining(oscillators_of(model), model.settings, samples.training_runs())
     settings = TableSettings(**table.metadata["provenance"]["table_settings"])
+    training = ModalTraining(
+        oscillators_of(model), model.settings, samples.training_runs(), sizes_for(settings.modes)
+    )
     tolerance_m = settings.truncation_share * float(table.metadata["height_m"])
     mass_kg = model.mass_kg[: model.vertex_count]
     try:

@@ -5,6 +5,7 @@ from galewood.model.comparison import gusty_pressure, trajectory_difference
 from galewood.model.construction import GRAVITY_M_S2, LumpedMassesLike, MeshLike, SkeletonLike, build_model
 from galewood.model.foliage import LumpedMasses, bind_foliage
 from galewood.model.reference import compare_with_reference, reference_model
+from galewood.model.tree_model import tree_model
 
 __all__ = [
     "GRAVITY_M_S2",
@@ -19,4 +20,5 @@ __all__ = [
     "reference_model",
     "render_binding",
     "trajectory_difference",
+    "tree_model",
 ]

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from galewood.build import TableSettings, assemble_table, render_mesh
 from galewood.evaluation import (
     FRAMES_SHOWN,
     METHODS,
@@ -23,6 +22,7 @@ from galewood.evaluation import (
     samples_of,
 )
 from galewood.paper.plan import Plan
+from galewood.pipeline import TableSettings, assemble_table, render_mesh
 from galewood.player import PaperForest
 from galewood.reduction import ModalTraining, Subspace, oscillators_of, shown_modes, size_of
 from galewood.sampling import DIRECTIONS_DEG, SampledRun, sample_winds

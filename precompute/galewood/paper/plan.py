@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from galewood.build import BuildOptions, build_table
 from galewood.mesh import ImportOptions
+from galewood.pipeline import BuildOptions, build_table
 from galewood.table import Table, decode
 from galewood.util import write_whole
 

@@ -10,8 +10,8 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from galewood.build import internal_states
 from galewood.paper.plan import OnProgress, Plan
+from galewood.pipeline import internal_states
 from galewood.player import PaperForest, gaussian
 from galewood.sampling import SampledRun
 from galewood.search import compared, mismatch_rows

@@ -3,5 +3,6 @@
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest, gaussian
 from galewood.player.sway import grid_placements, play
+from galewood.player.wind_driven import Method, WindDrivenTrees
 
-__all__ = ["ModalForest", "PaperForest", "gaussian", "grid_placements", "play"]
+__all__ = ["Method", "ModalForest", "PaperForest", "WindDrivenTrees", "gaussian", "grid_placements", "play"]

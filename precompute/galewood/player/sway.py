@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from galewood.player.paper_search import PaperForest
+from galewood.player.wind_driven import Method, WindDrivenTrees
 from galewood.table import Table
 from galewood.util import Floats
-from galewood.wind import Wind, wind_pressure
+from galewood.wind import Wind, WindField
 
 SPACING_M = 10.0
 
@@ -23,18 +23,14 @@ def grid_placements(count: int, seed: int = 0) -> tuple[Floats, Floats, Floats, 
     return x, z, rng.uniform(-np.pi, np.pi, count), rng.uniform(0.8, 1.2, count)
 
 
-def play(table: Table, wind: Wind, seconds: float, trees: int) -> dict[str, Any]:
+def play(table: Table, wind: Wind, seconds: float, trees: int, method: Method = "modal") -> dict[str, Any]:
     """Sway of the highest node over the height, and its mean lean along the wind, over all trees."""
     x, z, yaw, scale = grid_placements(trees)
-    forest = PaperForest(table, trees)
-    forest.set_trees(x, z, yaw, scale)
-    top = int(np.argmax(table.node_rest_m[:, 1]))
-    pressure = np.zeros((2, trees), np.float32)
-    frames = round(seconds / table.metadata["dt_s"])
-    track = np.zeros((frames, trees, 3))
-    for frame in range(frames):
-        wind_pressure(wind, x, z, frame * table.metadata["dt_s"], pressure[0], pressure[1])
-        forest.advance(table.metadata["dt_s"], pressure[0], pressure[1])
+    forest = WindDrivenTrees(table, np.column_stack([x, z, yaw, scale]), method)
+    top, dt_s, field = int(np.argmax(table.node_rest_m[:, 1])), float(table.metadata["dt_s"]), WindField(wind)
+    track = np.zeros((round(seconds / dt_s), trees, 3))
+    for frame in range(len(track)):
+        forest.step(field, frame * dt_s, dt_s)
         track[frame] = forest.q @ table.node_basis[top].T
     return _figures(track, yaw, np.radians(wind.direction_deg), float(table.metadata["height_m"]))
 

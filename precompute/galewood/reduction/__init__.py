@@ -3,7 +3,7 @@
 from galewood.reduction.nodes import Nodes, largest_motion_m, make_nodes, render_basis
 from galewood.reduction.oscillators import Oscillators, oscillators_of
 from galewood.reduction.pod import QuantisedMotion, Subspace, quantise
-from galewood.reduction.training import Fitted, ModalTraining, fit_smallest, shown_modes, size_of
+from galewood.reduction.training import Fitted, ModalTraining, fit_smallest, shown_modes, size_of, sizes_for
 
 __all__ = [
     "Fitted",
@@ -20,4 +20,5 @@ __all__ = [
     "render_basis",
     "shown_modes",
     "size_of",
+    "sizes_for",
 ]

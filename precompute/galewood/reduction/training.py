@@ -36,6 +36,14 @@ SIZES = (Size(16, 4, 80), Size(48, 20, 120))
 """Smallest first; docs/design/0005-drift-free-motion.md."""
 
 
+def sizes_for(modes: int | None) -> tuple[Size, ...]:
+    """The sizes to try: the standard ones, or one of so many oscillators (2 to 64)."""
+    if modes is None:
+        return SIZES
+    like = SIZES[0] if modes <= SIZES[0].dynamic else SIZES[-1]
+    return (Size(modes, min(like.coupled, modes - 2), like.natural),)
+
+
 @dataclass(frozen=True)
 class ModalTraining:
     """What the drift-free method is made from: free oscillators of the body, its scheme, and true runs."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +11,7 @@ import typer
 from galewood.cli import JsonOut, app, console, write_figures
 from galewood.threads import SINGLE_THREADED
 
+from galewood_server.cli.extras import needs_extras
 from galewood_server.cli.operations import doctor, key, upload
 
 for command in (upload, doctor, key):
@@ -37,10 +39,13 @@ def serve(
     given = {"GALEWOOD_HOST": host, "GALEWOOD_PORT": port, "GALEWOOD_DATA_DIR": data_dir}
     # children read the same settings from the environment
     os.environ.update({name: str(value) for name, value in given.items() if value is not None})
-    from galewood_server.app import create_app, run
-    from galewood_server.settings import Settings
+    with needs_extras():
+        from galewood_server.app import create_app, run
+        from galewood_server.settings import Settings
 
-    settings = Settings()
+        settings = Settings()
+        if settings.database.startswith("postgres"):
+            import_module("psycopg")  # SQLAlchemy would look for its driver only once the server runs
     run(create_app(settings), settings)
 
 
@@ -61,7 +66,8 @@ def bench_serve(
     json_out: JsonOut = None,
 ) -> None:
     """Measure what one server process on one core carries: frame rate, age of frames, memory."""
-    from galewood_server.cli.bench_load import Load, run_load, table_files
+    with needs_extras():
+        from galewood_server.cli.bench_load import Load, run_load, table_files
 
     load = Load(
         clients=clients,

@@ -8,6 +8,8 @@ from typing import Annotated, Any
 import typer
 from galewood.cli import JsonOut, console, progress_bar, progress_reporter, write_figures
 
+from galewood_server.cli.extras import needs_extras
+
 
 def upload(
     mesh: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL.")],
@@ -23,9 +25,10 @@ def upload(
     json_out: JsonOut = None,
 ) -> None:
     """Send a mesh to a service, wait until its table is computed, and fetch it if a file is named."""
-    import httpx
+    with needs_extras():
+        import httpx
 
-    from galewood_server.cli.client import Client, ServiceError
+        from galewood_server.cli.client import Client, ServiceError
 
     given = {"species": species, "height_m": height_m, "up_axis": up_axis}
     assumptions = {name: value for name, value in given.items() if value is not None}
@@ -67,8 +70,9 @@ def doctor(
     json_out: JsonOut = None,
 ) -> None:
     """Hold the stores against the database; 1 if something needs to be done, 0 if all is well."""
-    from galewood_server.cli.doctor import examine
-    from galewood_server.settings import Settings
+    with needs_extras():
+        from galewood_server.cli.doctor import examine
+        from galewood_server.settings import Settings
 
     findings = examine(Settings(), repair=repair)
     for one in findings:
@@ -83,7 +87,8 @@ def doctor(
 
 def key() -> None:
     """Make a key: give the first line to whoever may write, put the second into GALEWOOD_API_KEYS."""
-    from galewood_server.access import new_key
+    with needs_extras():
+        from galewood_server.access import new_key
 
     secret, sha256 = new_key()
     typer.echo(f"key      {secret}\nSHA-256  {sha256}")

@@ -1,20 +1,16 @@
-"""What a user said about a mesh, kept with its tree under the names of the interface."""
+"""What a user said about a mesh; it is kept with the tree under the names of the REST interface."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from galewood.mesh import ImportOptions
+from galewood.options import ImportRequest
+from galewood.options import import_options as options_of_request
 
-NAMES = ("species", "height_m", "up_axis", "wood_materials")
+NAMES = tuple(ImportRequest.model_fields)
 
 
 def import_options(given: dict[str, Any]) -> ImportOptions:
-    """The options of intake; names that belong to a build are passed over."""
-    wood = given.get("wood_materials")
-    return ImportOptions(
-        species=given.get("species"),
-        height_m=given.get("height_m"),
-        up_axis=given.get("up_axis"),
-        wood=tuple(wood) if wood else None,
-    )
+    """The options of mesh import; names that belong to a build are ignored."""
+    return options_of_request(ImportRequest.model_validate({n: given[n] for n in NAMES if n in given}))

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
-from galewood.wood import SPECIES, WoodDocument
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator
+from galewood.options import BuildRequest, ImportRequest
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from galewood_server.storage import JobState, TreeState
 
 TreeName = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=200)]
-MaterialName = Annotated[str, StringConstraints(min_length=1, max_length=200)]
 
 
 class JobOut(BaseModel):
@@ -117,24 +116,8 @@ class Change(BaseModel):
     deleted: bool = False
 
 
-class Assumptions(BaseModel):
-    """What intake assumes of a mesh; everything left out is left to it, and told in the tree's report."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    species: str | None = Field(default=None, description="See GET /api/species.")
-    height_m: float | None = Field(default=None, gt=0.1, le=150)
-    up_axis: Literal["x", "y", "z"] | None = None
-    wood_materials: list[MaterialName] | None = Field(
-        default=None, min_length=1, max_length=64, description="Materials, nodes or meshes that are wood."
-    )
-
-    @field_validator("species")
-    @classmethod
-    def _known(cls, name: str | None) -> str | None:
-        if name is not None and name not in SPECIES:
-            raise ValueError(f"unknown species {name[:40]!r}; known: {', '.join(sorted(SPECIES))}")
-        return name
+class Assumptions(ImportRequest):
+    """What mesh import would otherwise assume; the tree's report says what it did assume."""
 
 
 class TreeChanges(Assumptions):
@@ -143,17 +126,8 @@ class TreeChanges(Assumptions):
     name: TreeName | None = None
 
 
-class BuildSettings(Assumptions):
-    """What a build may be told to do otherwise; everything left out keeps the tree's own or the default."""
-
-    target_tets: int | None = Field(default=None, ge=500, le=60_000)
-    sampled_elements: int | None = Field(default=None, ge=1, le=2000)
-    design_speed_m_s: float | None = Field(default=None, gt=0, le=60)
-    frames: int | None = Field(default=None, ge=30, le=1800)
-    seed: int | None = Field(default=None, ge=0, lt=2**31, description="Of the winds that are learnt from.")
-    wood: WoodDocument | None = Field(
-        default=None, description="A wood of one's own, before that of a species."
-    )
+class BuildSettings(BuildRequest):
+    """Options of a build; whatever is left out keeps the tree's own value or the default."""
 
 
 class PrecomputeRequest(BaseModel):

@@ -6,11 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from galewood.build import BuildOptions, BuildResult, Progress
-from galewood.wood import WoodDocument
+from galewood.options import BuildRequest
+from galewood.pipeline import BuildOptions, BuildResult, Progress, build_options
 from sqlalchemy import update
 
-from galewood_server.http import NAMES, import_options
 from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.dask_runner import DaskRunner
 from galewood_server.jobs.fingerprint import fingerprint
@@ -43,17 +42,9 @@ def read_order(sessions: Sessions, stores: Stores, job_id: str) -> Order:
             tree_id=tree.id,
             source=stores.sources.get(tree.source_sha256),
             filename=tree.filename,
-            options=build_options({**tree.options, **job.settings}),
+            options=build_options(BuildRequest.model_validate({**tree.options, **job.settings})),
             fingerprint=fingerprint(tree.source_sha256, tree.options, job.settings),
         )
-
-
-def build_options(given: dict[str, Any]) -> BuildOptions:
-    """The options of a build from names and values."""
-    rest = {key: value for key, value in given.items() if key not in NAMES}
-    if "wood" in rest:
-        rest["wood"] = WoodDocument.model_validate(rest["wood"]).wood()
-    return BuildOptions(mesh_import=import_options(given), **rest)
 
 
 def run_build(job_lease: JobLease, address: str, settings: Settings, stores: Stores, build: Build) -> None:

@@ -81,6 +81,6 @@ def main(build: Build, analysis: Analysis | None = None) -> None:
 
 
 if __name__ == "__main__":
-    from galewood.build import build_table
+    from galewood.pipeline import build_table
 
     main(build_table)

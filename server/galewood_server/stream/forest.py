@@ -9,17 +9,9 @@ from collections.abc import Sequence
 
 import numba
 import numpy as np
-from galewood.player import ModalForest, PaperForest
+from galewood.player import WindDrivenTrees
 from galewood.table import Table
-from galewood.wind import (
-    Wind,
-    WindField,
-    WindState,
-    change_wind,
-    height_factor,
-    limit_pressure,
-    sampled_peak_pa,
-)
+from galewood.wind import Wind, WindField, WindState, change_wind
 
 from galewood_server.stream.frames import Shape
 from galewood_server.stream.wire import TICK_HZ, Forest, Method, Poses
@@ -80,47 +72,22 @@ class ForestClock:
 
 
 class GroupStepper:
-    """Trees that share a table: where they stand and where in the table each is."""
+    """Trees of one table, and their poses as the stream sends them."""
 
     def __init__(self, table: Table, trees: Trees, pose_easing: float | None, method: Method) -> None:
         """trees (n, 4): x m, z m, yaw rad, scale."""
-        count = len(trees)
-        self._x_m, self._z_m = trees[:, 0].astype(np.float64), trees[:, 1].astype(np.float64)
-        self._pressure_x, self._pressure_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
-        self._height_m = float(table.metadata["height_m"]) * trees[:, 3].astype(np.float64)
-        self._sampled_peak_pa = sampled_peak_pa(table.pressure_pa)
-        self._profile: tuple[float, float] | None = None
-        self._height_factor = np.ones(count)
-        self._lookup = _lookup(table, count, pose_easing, method)
-        self._lookup.set_trees(trees[:, 0], trees[:, 1], trees[:, 2], trees[:, 3])
+        self._trees = WindDrivenTrees(table, trees, method, pose_easing)
         quantum = stream_quantum(table)
         self._unit = quantum * table.mode_scale.astype(np.float64)
-        self.shape: Shape = (count, len(table.mode_scale), quantum)
+        self.shape: Shape = (len(trees), len(table.mode_scale), quantum)
 
     def step(self, field: WindField, time_s: float, dt_s: float) -> None:
-        """Let dt_s pass, up to time_s, under the wind of that moment."""
-        wind = field.at(time_s).wind
-        self._set_profile(wind.height_exponent, wind.reference_height_m)
-        out = (self._pressure_x, self._pressure_z)
-        field.pressure(self._x_m, self._z_m, time_s, *out, self._height_factor)
-        limit_pressure(*out, self._sampled_peak_pa)
-        self._lookup.advance(dt_s, self._pressure_x, self._pressure_z)
-
-    def _set_profile(self, exponent: float, reference_height_m: float) -> None:
-        """Taller trees reach into faster air."""
-        if self._profile != (exponent, reference_height_m):
-            self._profile = (exponent, reference_height_m)
-            self._height_factor = height_factor(self._height_m, exponent, reference_height_m)
+        """Advance by dt_s, up to time_s, under the wind of that moment."""
+        self._trees.step(field, time_s, dt_s)
 
     def write_poses(self, out: Poses) -> None:
         """(n, r) poses in units of quantum × modes.scale."""
-        quantise(self._lookup.q, self._unit, out)
-
-
-def _lookup(table: Table, count: int, pose_easing: float | None, method: Method) -> PaperForest | ModalForest:
-    if method == "modal":
-        return ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, count)
-    return PaperForest(table, count, pose_easing=pose_easing)
+        quantise(self._trees.q, self._unit, out)
 
 
 class ForestStepper:

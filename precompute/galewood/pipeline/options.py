@@ -7,12 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from galewood.fem import (FemSettings)
-from galewood.mesh import (ImportOptions)
-from galewood.util import (cpu_seconds)
-from galewood.build.assemble import (TableSettings)
-from galewood.sampling import (SEED)
-from galewood.wood import (Wood)
+from galewood.fem import FemSettings
+from galewood.mesh import ImportOptions
+from galewood.options import BuildRequest, ImportRequest, import_options
+from galewood.pipeline.assemble import TableSettings
+from galewood.sampling import SEED
+from galewood.util import cpu_seconds
+from galewood.wood import Wood
 
 Stage = Literal["import", "meshing", "skeleton", "model", "sampling", "table", "done"]
 
@@ -68,6 +69,17 @@ class BuildOptions:
     """Frames of the run that compares the model with the quadratic reference; 0: no comparison."""
     fem: FemSettings = field(default_factory=FemSettings)
     table: TableSettings = field(default_factory=TableSettings)
+
+
+def build_options(request: BuildRequest) -> BuildOptions:
+    """The options of a build; whatever the request leaves out keeps its default."""
+    given = request.model_dump(exclude_none=True, exclude={"modes", "wood", *ImportRequest.model_fields})
+    return BuildOptions(
+        mesh_import=import_options(request),
+        wood=request.wood.wood() if request.wood else None,
+        table=TableSettings(modes=request.modes),
+        **given,
+    )
 
 
 @dataclass(frozen=True)

@@ -6,17 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from galewood.build.options import (BuildOptions)
-from galewood.sampling import (DesignWind)
-from galewood.mesh import (TreeMesh)
-from galewood.reduction import (ModalTraining)
-from galewood.fem import (FemModel)
-from galewood.build.report import (describe)
-from galewood.sampling import (Samples)
-from galewood.sampling import (SampledRun, SampleWind)
-from galewood.table import (Table)
-from galewood.build.assemble import (RenderMesh, assemble_table)
-from galewood.reduction import (Oscillators, oscillators_of)
+from galewood.fem import FemModel
+from galewood.mesh import TreeMesh
+from galewood.pipeline.assemble import RenderMesh, assemble_table
+from galewood.pipeline.options import BuildOptions
+from galewood.pipeline.report import describe
+from galewood.reduction import ModalTraining, Oscillators, oscillators_of, sizes_for
+from galewood.sampling import DesignWind, SampledRun, Samples, SampleWind
+from galewood.table import Table
 
 
 @dataclass(frozen=True)
@@ -56,10 +53,22 @@ class TableMaker:
             return runs
 
         description = describe(self.tree, self.model, self.wind, winds, self.options, self.render_glb)
-        training = ModalTraining(self.oscillators, self.options.fem, samples.training_runs(), further=ask)
+        training = ModalTraining(
+            self.oscillators,
+            self.options.fem,
+            samples.training_runs(),
+            sizes_for(self.options.table.modes),
+            ask,
+        )
         mass_kg = self.model.mass_kg[: self.model.vertex_count]
         table = assemble_table(
-            samples.recorded_runs(), mass_kg, self.surface, description, self.options.table, training, on_progress
+            samples.recorded_runs(),
+            mass_kg,
+            self.surface,
+            description,
+            self.options.table,
+            training,
+            on_progress,
         )
         provenance = table.metadata["provenance"]
         provenance["winds"] += [wind.name for wind in asked]

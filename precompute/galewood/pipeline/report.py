@@ -10,17 +10,15 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from galewood.build.options import (BuildOptions, Stages)
-from galewood.sampling import content_hash
-from galewood.sampling import (DesignWind)
-from galewood.model import (LumpedMasses)
-from galewood.mesh import (TreeMesh)
-from galewood.fem import (FemModel)
-from galewood.sampling import (SampleWind)
-from galewood.skeleton import (Skeleton)
-from galewood.table import (Metadata, Table)
-from galewood.build.assemble import (RenderMesh)
-from galewood.tets import (TetMesh)
+from galewood.fem import FemModel
+from galewood.mesh import TreeMesh
+from galewood.model import LumpedMasses
+from galewood.pipeline.assemble import RenderMesh
+from galewood.pipeline.options import BuildOptions, Stages
+from galewood.sampling import DesignWind, SampleWind, content_hash
+from galewood.skeleton import Skeleton
+from galewood.table import Metadata, Table
+from galewood.tets import TetMesh
 
 
 def render_mesh(tree: TreeMesh, binding: scipy.sparse.csr_matrix) -> RenderMesh:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from typing import ParamSpec
 
-from galewood.util import (WorkerPool)
+from galewood.util import WorkerPool
 
 log = logging.getLogger("galewood.build")
 Arguments = ParamSpec("Arguments")

@@ -9,21 +9,29 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from galewood.search import (Rule, air_of, build_search)
-from galewood.reduction import (Fitted, ModalTraining, fit_smallest)
-from galewood.reduction import (Nodes, largest_motion_m, make_nodes, render_basis)
-from galewood.sampling import (SampledRun)
-from galewood.search import (Compared, InternalStates, compared, typical_error)
-from galewood.reduction import (QuantisedMotion, quantise)
-from galewood.table import (FORMAT, VERSION, Metadata, Table, poses)
+from galewood.reduction import (
+    Fitted,
+    ModalTraining,
+    Nodes,
+    QuantisedMotion,
+    fit_smallest,
+    largest_motion_m,
+    make_nodes,
+    quantise,
+    render_basis,
+)
+from galewood.sampling import SampledRun
+from galewood.search import Compared, InternalStates, Rule, air_of, build_search, compared, typical_error
+from galewood.table import FORMAT, VERSION, Metadata, Table, poses
 from galewood.util import Array, Floats
-
 
 
 @dataclass(frozen=True)
 class TableSettings:
     """What a table is built to. docs/design/0002-pose-easing.md says how the numbers were chosen."""
 
+    modes: int | None = None
+    """Oscillators of the modal model; None: as few of the standard sizes as follow the training runs."""
     sigma_share: float = 0.3
     """σ of Eq. 16 over the RMS pressure of the records."""
     weight_leverage: float = 0.94

@@ -5,29 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-
-from galewood.build.options import (FURTHER, BuildOptions, BuildResult, Progress, Stages)
-from galewood.sampling import (design_wind)
-from galewood.skeleton import (with_corrected_radii)
-from galewood.fem import (Simulator)
-from galewood.model import build_model
-from galewood.model import (bind_foliage, render_binding)
-from galewood.build.artefacts import (ArtefactPublisher, Publish)
-from galewood.util import (WorkerPool)
-from galewood.mesh import (import_mesh_sandboxed)
-from galewood.pictures import (skeleton_png, tetrahedra_png)
-from galewood.build.report import (build_report, render_mesh)
-from galewood.model import (LumpedMassesLike, MeshLike, SkeletonLike, compare_with_reference)
-from galewood.fem import FemModel
-from galewood.wood import Wood
 from typing import Any
-from galewood.sampling import (TrajectoryRunner, run_in_processes)
-from galewood.sampling import (planned, simulate)
-from galewood.skeleton import (extract_skeleton, sampled_elements)
-from galewood.table import (encode)
-from galewood.build.table_builder import (TableMaker)
-from galewood.tets import (kept_tetrahedra, tetrahedralise)
-from galewood.wood import (species)
+
+from galewood.fem import FemModel, Simulator
+from galewood.mesh import TreeMesh, import_mesh_sandboxed
+from galewood.model import (
+    LumpedMassesLike,
+    MeshLike,
+    SkeletonLike,
+    bind_foliage,
+    build_model,
+    compare_with_reference,
+    render_binding,
+)
+from galewood.pictures import skeleton_png, tetrahedra_png
+from galewood.pipeline.artefacts import ArtefactPublisher, Publish
+from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
+from galewood.pipeline.report import build_report, render_mesh
+from galewood.pipeline.table_builder import TableMaker
+from galewood.sampling import TrajectoryRunner, design_wind, planned, run_in_processes, simulate
+from galewood.skeleton import extract_skeleton, sampled_elements, with_corrected_radii
+from galewood.table import encode
+from galewood.tets import kept_tetrahedra, tetrahedralise
+from galewood.util import WorkerPool
+from galewood.wood import Wood, species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Imported by the worker processes while the tree is read and meshed: they load the compiled kernels."""
@@ -44,13 +45,36 @@ def build_table(
 ) -> BuildResult:
     """The table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
-    ``publish`` is handed "render.glb", "tets-….npz" (as kept in the cache), "tetrahedra.png", "skeleton.png"
-    and "preliminary.table" as soon as they exist. ``runner`` simulates the winds; without one, processes of this
-    machine do.
+    ``publish`` receives "render.glb", "tets-….npz" (as kept in the cache), "tetrahedra.png", "skeleton.png"
+    and "preliminary.table" as soon as they exist. ``runner`` simulates the training runs; without one,
+    processes of this machine do.
     """
     stages = Stages(progress)
     stages.enter("import")
     tree, render_glb = import_mesh_sandboxed(source, filename, options.mesh_import)
+    return _build(tree, render_glb, options, stages, runner, cache_dir, publish)
+
+
+def build_tree(
+    tree: TreeMesh,
+    render_glb: bytes,
+    options: BuildOptions,
+    progress: Callable[[Progress], None] = lambda progress: None,
+    cache_dir: Path = Path("data/cache"),
+) -> BuildResult:
+    """The table of a tree that has been imported already; otherwise as ``build_table``."""
+    return _build(tree, render_glb, options, Stages(progress), None, cache_dir, None)
+
+
+def _build(
+    tree: TreeMesh,
+    render_glb: bytes,
+    options: BuildOptions,
+    stages: Stages,
+    runner: TrajectoryRunner | None,
+    cache_dir: Path,
+    publish: Publish | None,
+) -> BuildResult:
     wood = options.wood or species(tree.species or "default")
     with WorkerPool(1 if runner else None, warm=WARM_MODULES) as pool:
         artefacts = ArtefactPublisher(pool, publish)
@@ -76,7 +100,9 @@ def build_table(
             model, wind.speed_m_s, mesh.tets[elements], cache_dir, frames=options.frames, seed=options.seed
         )
         maker = TableMaker(tree, model, wind, surface, options, render_glb)
-        preliminary = partial(artefacts.publish, "preliminary.table", lambda: encode(maker.preliminary(samples)))
+        preliminary = partial(
+            artefacts.publish, "preliminary.table", lambda: encode(maker.preliminary(samples))
+        )
         run = runner or partial(run_in_processes, pool=pool)
         simulate(samples, run, stages.report, preliminary)
         stages.enter("table")

@@ -1,0 +1,50 @@
+"""MkDocs hook: pages whose text is a file outside docs/, named by `source:` in their front matter.
+
+Links in that file are relative to it. They are rewritten to the site's pages; links to source code, which the
+site does not contain, become plain text.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
+PAGES = {
+    "README.md": "index.md",
+    "ARCHITECTURE.md": "architecture.md",
+    "CHANGELOG.md": "changelog.md",
+    "web/README.md": "viewer.md",
+    "assets/species/README.md": "species.md",
+}
+
+
+def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
+    """The text of the page's `source`, if it has one."""
+    source = page.meta.get("source")
+    if not source:
+        return markdown
+    root = Path(config.config_file_path).parent
+    return resolved(root.joinpath(source).read_text(encoding="utf-8"), source, page.file.src_uri)
+
+
+def resolved(text: str, source: str, page: str) -> str:
+    """``text`` of the file ``source`` with its links as seen from ``page``."""
+
+    def link(match: re.Match[str]) -> str:
+        mark, label, target = match.groups()
+        if re.match(r"[a-z]+:|#", target):
+            return match[0]
+        path, hash_mark, anchor = target.partition("#")
+        path = os.path.normpath(PurePosixPath(source).parent / path)
+        if path in ("docs", "docs/design", "docs/formats"):
+            path = f"{path}/index.md"
+        where = PAGES.get(path) or (path[len("docs/") :] if path.startswith("docs/") else None)
+        if where is None:
+            return label
+        relative = os.path.relpath(where, PurePosixPath(page).parent)
+        return f"{mark}[{label}]({relative}{hash_mark}{anchor})"
+
+    return LINK.sub(link, text)

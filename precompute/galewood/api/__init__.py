@@ -1,0 +1,22 @@
+"""The public API of the library; ``import galewood`` gives its names."""
+
+from galewood.api.evaluation import evaluate
+from galewood.api.forests import Forest, Placements, grid
+from galewood.api.models import Model, Motion
+from galewood.api.tables import MotionTable, build, load, save
+from galewood.api.trees import Tree, read
+
+__all__ = [
+    "Forest",
+    "Model",
+    "Motion",
+    "MotionTable",
+    "Placements",
+    "Tree",
+    "build",
+    "evaluate",
+    "grid",
+    "load",
+    "read",
+    "save",
+]

@@ -1,0 +1,134 @@
+"""Motion tables: built from a tree, saved, loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from galewood.api.cache import default_cache_dir
+from galewood.api.trees import Tree
+from galewood.mesh import read_glb
+from galewood.options import BuildRequest
+from galewood.pipeline import Progress, build_options, build_tree
+from galewood.table import Table, decode
+from galewood.util import Floats, Ints, write_whole
+
+
+@dataclass(frozen=True)
+class MotionTable:
+    """A table of a tree's motion in wind, with the mesh that it moves."""
+
+    data: bytes = field(repr=False)
+    """The bytes of the table file (docs/formats/table.md)."""
+    render_glb: bytes | None = field(default=None, repr=False)
+    """The mesh to draw, as a binary glTF; None: not known."""
+    report: dict[str, Any] = field(default_factory=dict[str, Any], repr=False)
+    """What the build assumed and measured; empty for a loaded table."""
+
+    @cached_property
+    def table(self) -> Table:
+        """The decoded tensors. Raises TableError for bytes that are not a table."""
+        return decode(self.data)
+
+    @property
+    def metadata(self) -> dict[str, Any]:
+        """Species, height, frequencies, errors and provenance."""
+        return self.table.metadata
+
+    @property
+    def height_m(self) -> float:
+        """Height of the tree, m."""
+        return float(self.metadata["height_m"])
+
+    @property
+    def frequencies_hz(self) -> list[float]:
+        """The first natural frequencies of the finite-element model, Hz."""
+        return list(self.metadata["frequencies_hz"])
+
+    @cached_property
+    def rest_vertices_m(self) -> Floats:
+        """(v, 3) render vertices at rest, m, in the order of the GLB. ValueError without a mesh."""
+        parts = read_glb(self._glb())
+        return np.concatenate([np.asarray(part.positions, np.float64) for part in parts])
+
+    @cached_property
+    def faces(self) -> Ints:
+        """(f, 3) triangles of the render mesh. ValueError without a mesh."""
+        parts, start, found = read_glb(self._glb()), 0, list[Ints]()
+        for part in parts:
+            found.append(part.faces + start)
+            start += len(part.positions)
+        return np.concatenate(found)
+
+    def _glb(self) -> bytes:
+        if self.render_glb is None:
+            raise ValueError("this table has no mesh: load it with galewood.load(path, mesh=...)")
+        return self.render_glb
+
+    def save(self, path: str | Path) -> None:
+        """Write the table, and beside it the mesh that it moves (same name, .glb)."""
+        path = Path(path)
+        write_whole(path, self.data)
+        if self.render_glb is not None:
+            write_whole(path.with_suffix(".glb"), self.render_glb)
+
+
+def build(
+    tree: Tree,
+    *,
+    on_progress: Callable[[Progress], None] | None = None,
+    cache_dir: Path | None = None,
+    reference_frames: int = 0,
+    **options: Any,
+) -> MotionTable:
+    """Simulate a tree and build its motion table: a minute or two of processor time.
+
+    Args:
+        tree: The tree (``galewood.read``).
+        on_progress: Receives ``Progress(stage, fraction, message)``; whatever it raises stops the build.
+        cache_dir: Folder for meshes and training runs; by default the user's cache folder. A build that was
+            stopped continues from there.
+        reference_frames: Frames of a run that is compared with the quadratic reference elements.
+        **options: The fields of ``galewood.BuildRequest``, such as ``design_speed_m_s``, ``modes``, ``seed``.
+
+    Raises:
+        MeshError: The wood cannot be meshed.
+        pydantic.ValidationError: An option is unknown or out of range.
+    """
+    from dataclasses import replace
+
+    request = BuildRequest.model_validate(options)
+    chosen = replace(build_options(request), reference_frames=reference_frames)
+    result = build_tree(
+        tree.mesh,
+        tree.render_glb,
+        chosen,
+        on_progress or (lambda progress: None),
+        cache_dir or default_cache_dir(),
+    )
+    return MotionTable(result.table, result.render_glb, result.report)
+
+
+def load(path: str | Path, *, mesh: str | Path | None = None) -> MotionTable:
+    """Load a table file, and the mesh beside it (same name, .glb) or at ``mesh``.
+
+    Raises:
+        TableError: The file is not a table, or one of a version that is not read.
+        OSError: A file cannot be opened.
+    """
+    path = Path(path)
+    beside = Path(mesh) if mesh is not None else path.with_suffix(".glb")
+    glb = beside.read_bytes() if mesh is not None or beside.exists() else None
+    loaded = MotionTable(path.read_bytes(), glb)
+    _ = loaded.table  # raises here rather than later
+    return loaded
+
+
+def save(table: MotionTable, path: str | Path) -> None:
+    """Write a table, and beside it the mesh that it moves (same name, .glb)."""
+    table.save(path)

@@ -1,0 +1,78 @@
+"""Reading trees: a mesh file becomes a ``Tree``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from galewood.mesh import TreeMesh, import_mesh_sandboxed
+from galewood.options import ImportRequest, import_options
+from galewood.util import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A tree read from a mesh file: metres, y up, origin at the centre of the trunk's base.
+
+    ``report`` lists what was assumed (axis, unit, parts, repairs) and any warnings.
+    """
+
+    mesh: TreeMesh
+    render_glb: bytes = field(repr=False)
+    """The mesh to draw, as a binary glTF; its vertices are those that a motion table moves."""
+
+    @property
+    def height_m(self) -> float:
+        """Height of the whole tree, m."""
+        return self.mesh.height_m
+
+    @property
+    def species(self) -> str | None:
+        """Wood species, as given or as the file's names suggest; None: unknown."""
+        return self.mesh.species
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """What mesh import found and assumed; JSON-able."""
+        return self.mesh.report
+
+    @property
+    def wood_vertices_m(self) -> Floats:
+        """(n, 3) vertices of the closed wood surface, m."""
+        return self.mesh.wood_vertices_m
+
+    @property
+    def wood_faces(self) -> Ints:
+        """(m, 3) triangles of the closed wood surface."""
+        return self.mesh.wood_faces
+
+
+def read(
+    path: str | Path,
+    *,
+    species: str | None = None,
+    height_m: float | None = None,
+    up_axis: Literal["x", "y", "z"] | None = None,
+    wood_materials: list[str] | None = None,
+) -> Tree:
+    """Read a tree from a GLB, OBJ, PLY or STL file, in a sandboxed child process.
+
+    Args:
+        path: The mesh file.
+        species: Wood species (``galewood.SPECIES``); by default guessed from the names in the file.
+        height_m: Height of the tree; by default the file's unit is guessed.
+        up_axis: Axis that points up; by default guessed from the shape.
+        wood_materials: Names of the materials, nodes or meshes that are wood.
+
+    Raises:
+        MeshError: The file cannot be read or is not a tree; the error says what to do.
+        OSError: The file cannot be opened.
+        pydantic.ValidationError: An option is out of range.
+    """
+    request = ImportRequest(
+        species=species, height_m=height_m, up_axis=up_axis, wood_materials=wood_materials
+    )
+    path = Path(path)
+    mesh, render_glb = import_mesh_sandboxed(path.read_bytes(), path.name, import_options(request))
+    return Tree(mesh, render_glb)

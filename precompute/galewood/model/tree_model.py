@@ -1,0 +1,37 @@
+"""All steps from an imported tree to its finite-element model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from galewood.fem import FemModel, FemSettings
+from galewood.mesh import TreeMesh
+from galewood.model.construction import build_model
+from galewood.model.foliage import LumpedMasses, bind_foliage
+from galewood.skeleton import Skeleton, extract_skeleton, with_corrected_radii
+from galewood.tets import TetMesh, tetrahedralise
+from galewood.wood import Wood, species
+
+
+@dataclass(frozen=True)
+class TreeModel:
+    """A finite-element model with what it was made from."""
+
+    wood: Wood
+    tets: TetMesh
+    skeleton: Skeleton
+    lumped: LumpedMasses
+    fem: FemModel
+
+
+def tree_model(
+    tree: TreeMesh, wood: Wood | None, target_tets: int, cache_dir: Path, settings: FemSettings
+) -> TreeModel:
+    """Mesh the wood, extract the skeleton, attach the foliage and build the model. Raises MeshError."""
+    wood = wood or species(tree.species or "default")
+    tets = tetrahedralise(tree, target_tets, cache_dir / "tets")
+    skeleton = extract_skeleton(tets)
+    tets = with_corrected_radii(tree, tets, skeleton)
+    lumped = bind_foliage(tree, tets, wood)
+    return TreeModel(wood, tets, skeleton, lumped, build_model(tets, skeleton, wood, lumped, settings))

@@ -1,0 +1,68 @@
+"""What a user may choose about a build: one model, from which the command line and the REST interface follow.
+
+Everything left out keeps its default; docs/building.md describes the options.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator
+
+from galewood.mesh import ImportOptions
+from galewood.wood import SPECIES, WoodDocument
+
+MaterialName = Annotated[str, StringConstraints(min_length=1, max_length=200)]
+
+
+class ImportRequest(BaseModel):
+    """What mesh import would otherwise have to assume; the tree's report says what it did assume."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    species: str | None = Field(default=None, description="Wood species; default: guessed from the names.")
+    height_m: float | None = Field(default=None, gt=0.1, le=150, description="Height of the tree, m.")
+    up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="Axis that points up.")
+    wood_materials: list[MaterialName] | None = Field(
+        default=None, min_length=1, max_length=64, description="Materials, nodes or meshes that are wood."
+    )
+
+    @field_validator("species")
+    @classmethod
+    def _known(cls, name: str | None) -> str | None:
+        if name is not None and name not in SPECIES:
+            raise ValueError(f"unknown species {name[:40]!r}; known: {', '.join(sorted(SPECIES))}")
+        return name
+
+
+class BuildRequest(ImportRequest):
+    """Everything that can be chosen about a build."""
+
+    target_tets: int | None = Field(default=None, ge=500, le=60_000, description="Tetrahedra to aim at.")
+    sampled_elements: int | None = Field(
+        default=None, ge=1, le=2000, description="Elements sampled for the paper's state search."
+    )
+    design_speed_m_s: float | None = Field(
+        default=None, gt=0, le=60, description="Strongest wind of the training runs, m/s."
+    )
+    frames: int | None = Field(
+        default=None, ge=2, le=1800, description="Frames of each of the 36 cosine winds."
+    )
+    seed: int | None = Field(
+        default=None, ge=0, lt=2**31, description="Seed of the noise and gusts of the training runs."
+    )
+    modes: int | None = Field(
+        default=None,
+        ge=2,
+        le=64,
+        description="Oscillators of the modal model; default: 16, or 48 for a tree that bends far.",
+    )
+    wood: WoodDocument | None = Field(
+        default=None, description="Constants of a wood of your own; they take precedence over the species."
+    )
+
+
+def import_options(request: ImportRequest) -> ImportOptions:
+    """The options of mesh import."""
+    wood = tuple(request.wood_materials) if request.wood_materials else None
+    return ImportOptions(request.species, request.height_m, request.up_axis, wood)

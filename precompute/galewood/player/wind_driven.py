@@ -1,0 +1,79 @@
+"""Trees of one table that stand in a wind field: the wind at every tree, then a step of the chosen method."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from galewood.player.modal_forest import ModalForest
+from galewood.player.paper_search import PaperForest
+from galewood.table import Table
+from galewood.util import Singles
+from galewood.wind import WindField, height_factor, limit_pressure, sampled_peak_pa
+
+Method = Literal["modal", "paper"]
+"""The modal reduced-order model, or the paper's state search."""
+
+
+def forest_of(
+    table: Table, count: int, method: Method = "modal", pose_easing: float | None = None
+) -> ModalForest | PaperForest:
+    """``count`` trees of a table at rest. ``pose_easing`` (0..1, paper only) replaces the table's own."""
+    if method == "modal":
+        return ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, count)
+    return PaperForest(table, count, pose_easing=pose_easing)
+
+
+class WindDrivenTrees:
+    """Trees that share a table: where they stand, and how they move in a wind field."""
+
+    def __init__(
+        self,
+        table: Table,
+        trees: npt.ArrayLike,
+        method: Method = "modal",
+        pose_easing: float | None = None,
+    ) -> None:
+        """trees (n, 4): x m, z m, yaw rad, scale. All are at rest at first."""
+        rows = np.asarray(trees, np.float32).reshape(-1, 4)
+        count = len(rows)
+        self._x_m, self._z_m = rows[:, 0].astype(np.float64), rows[:, 1].astype(np.float64)
+        self._pressure_x, self._pressure_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
+        self._height_m = float(table.metadata["height_m"]) * rows[:, 3].astype(np.float64)
+        self._sampled_peak_pa = sampled_peak_pa(table.pressure_pa)
+        self._profile: tuple[float, float] | None = None
+        self._height_factor = np.ones(count)
+        self._forest = forest_of(table, count, method, pose_easing)
+        self._forest.set_trees(rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
+
+    @property
+    def q(self) -> Singles:
+        """(n, r) shown modal coordinates, m; overwritten by the next step."""
+        return self._forest.q
+
+    @property
+    def extrapolation_ratio(self) -> Singles:
+        """(n,) sway or pressure over the largest sampled value; 1 at most for the paper's state search."""
+        forest = self._forest
+        return (
+            forest.extrapolation_ratio
+            if isinstance(forest, ModalForest)
+            else np.ones(len(self._x_m), np.float32)
+        )
+
+    def step(self, field: WindField, time_s: float, dt_s: float) -> None:
+        """Advance by dt_s, up to time_s, under the wind of that moment."""
+        wind = field.at(time_s).wind
+        self._set_profile(wind.height_exponent, wind.reference_height_m)
+        out = (self._pressure_x, self._pressure_z)
+        field.pressure(self._x_m, self._z_m, time_s, *out, self._height_factor)
+        limit_pressure(*out, self._sampled_peak_pa)
+        self._forest.advance(dt_s, self._pressure_x, self._pressure_z)
+
+    def _set_profile(self, exponent: float, reference_height_m: float) -> None:
+        """Taller trees reach into faster air."""
+        if self._profile != (exponent, reference_height_m):
+            self._profile = (exponent, reference_height_m)
+            self._height_factor = height_factor(self._height_m, exponent, reference_height_m)

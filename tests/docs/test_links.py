@@ -1,0 +1,26 @@
+"""Links of the pages outside docs/ lead to files; those inside are checked by `make docs`."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+LINK = re.compile(r"\]\(([^)\s]+)\)|<img src=\"([^\"]+)\"")
+
+
+@pytest.mark.parametrize(
+    "page", ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "web/README.md", "assets/species/README.md"]
+)
+def test_relative_links_lead_to_files(page: str) -> None:
+    targets = [a or b for a, b in LINK.findall(ROOT.joinpath(page).read_text(encoding="utf-8"))]
+    local = [target.partition("#")[0] for target in targets if not re.match(r"[a-z]+:|#", target)]
+    assert [target for target in local if not (ROOT / page).parent.joinpath(target).exists()] == []
+
+
+def test_every_page_is_in_the_navigation() -> None:
+    nav = ROOT.joinpath("mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:")[2]
+    pages = {str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")}
+    assert {page for page in pages if page not in nav} == set()
