@@ -1,6 +1,6 @@
-"""A small exact system to make true though tiny tables of: a leafy pole as lumped masses on a bending spring.
+"""A small nonlinear system for tiny but valid tables: a pole as lumped masses on a bending spring.
 
-Strain energy W = e + ½ γ e², e = ½ uᵀKu: conservative, stiffening, with a tangent that changes with the pose.
+Strain energy W = e + ½ γ e² with e = ½ uᵀKu: conservative, stiffening, with a pose-dependent tangent.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from galewood.util import Array
 
 
 class Beam:
-    """n masses along a vertical pole of ``height_m``; stepped by backward Euler as the paper's Eq. 7."""
+    """n masses along a vertical pole of ``height_m``, stepped by backward Euler (paper, Eq. 7)."""
 
     def __init__(
         self, n: int = 6, height_m: float = 4.0, dt_s: float = 1 / 15, stiffening: float = 0.02
@@ -27,7 +27,7 @@ class Beam:
         self.reset()
 
     def oscillators(self) -> Oscillators:
-        """Its natural modes about rest."""
+        """Natural modes about the rest pose."""
         wind = np.zeros((self.n, 3, 2))
         wind[:, 0, 0] = wind[:, 2, 1] = self.area_m2
         squared, modes = scipy.linalg.eigh(self.stiffness, np.diag(self.mass))
@@ -48,11 +48,11 @@ class Beam:
         self._tangent = gain * self.stiffness + self.stiffening * np.outer(linear, linear)
 
     def recorded_force(self, vertices: Array) -> Array:
-        """(q, 3) internal force before the last step."""
+        """(q, 3) internal force before the last step, N."""
         return self._force.reshape(-1, 3)[vertices]
 
     def recorded_stiffness(self, vertices: Array) -> Array:
-        """(q, 3, 3) diagonal blocks of the tangent before the last step."""
+        """(q, 3, 3) diagonal blocks of the tangent before the last step, N/m."""
         blocks = self._tangent.reshape(self.n, 3, self.n, 3)
         return np.stack([blocks[i, :, i, :] for i in vertices])
 
@@ -68,7 +68,7 @@ class Beam:
 
 
 def _bending(n: int, spacing_m: float) -> Array:
-    """Clamped second differences squared: a pole a little stiffer along z, and very stiff along its axis."""
+    """Squared second differences, clamped: slightly stiffer along z, very stiff along the axis."""
     full = np.zeros((n + 2, n + 2))
     for i in range(n):
         curvature = np.zeros(n + 2)

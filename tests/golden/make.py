@@ -1,4 +1,4 @@
-"""Write the golden files that both languages' tests read: ``python -m tests.golden.make``."""
+"""Write the golden files for the Python and TypeScript tests: ``python -m tests.golden.make``."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SAVED_EVERY = 10
 
 
 def beam_runs(beam: Beam, frames: int = 60, design_speed_m_s: float = 12.0) -> list[Trajectory]:
-    """Every run a table needs, of the small system."""
+    """All recorded runs that a table of the small system needs."""
     points = np.arange(beam.n)
     winds: list[SampleWind] = sample_winds(design_speed_m_s, beam.dt_s, frames)
     chosen = [wind for wind in winds if wind.name.startswith((*KINDS, "still"))]
@@ -43,7 +43,7 @@ def beam_runs(beam: Beam, frames: int = 60, design_speed_m_s: float = 12.0) -> l
 
 
 def beam_mesh(beam: Beam) -> RenderMesh:
-    """Two render vertices to either side of each mass, and a leaf on the top one."""
+    """Two render vertices beside each mass, and a leaf at the top one."""
     sides = np.array([[0.1, 0.0, 0.0], [-0.1, 0.0, 0.0]])
     wood = (beam.rest_m[:, None, :] + sides).reshape(-1, 3)
     leaf = beam.rest_m[-1] + np.array([[0.0, 0.1, 0.0], [0.2, 0.1, 0.0], [0.0, 0.3, 0.1]])
@@ -59,7 +59,7 @@ def beam_mesh(beam: Beam) -> RenderMesh:
 
 
 def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
-    """A true, though tiny, table."""
+    """A small but valid table."""
     beam = Beam()
     description = {
         "species": "pole",
@@ -79,12 +79,12 @@ def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
 
 
 def scheme(beam: Beam) -> FemSettings:
-    """How the small system steps."""
+    """FEM settings with the time scheme of the small system."""
     return FemSettings(dt_s=beam.dt_s, scheme="backward-euler")
 
 
 def wind_vectors() -> list[dict[str, object]]:
-    """Pressures at a few places and times, for every wind."""
+    """Pressures at a few places and times in every wind."""
     rng = np.random.default_rng(20)
     x, z = rng.uniform(-300, 300, (2, 5)).astype(np.float32)
     out_x, out_z = np.zeros(5, np.float32), np.zeros(5, np.float32)
@@ -99,8 +99,8 @@ def wind_vectors() -> list[dict[str, object]]:
     return rows
 
 
-def forest_stepper(table: Table, easing: float) -> dict[str, object]:
-    """Records and poses of a few trees of all turns and sizes under a wind that changes and then stops."""
+def paper_steps(table: Table, easing: float) -> dict[str, object]:
+    """Records and poses of trees with different yaw and size in a wind that changes and then stops."""
     rng = np.random.default_rng(7)
     count = 6
     x, z = rng.uniform(-20, 20, (2, count)).astype(np.float32)
@@ -123,7 +123,7 @@ def forest_stepper(table: Table, easing: float) -> dict[str, object]:
 
 
 def sway_steps(table: Table) -> dict[str, object]:
-    """Poses and coverage of the drift-free method under every wind model, 10,000 frames, then still air."""
+    """Poses of the modal model over 10,000 frames: 9,000 in a varying wind, then still air."""
     rng = np.random.default_rng(8)
     count, frames = 4, 10_000
     x, z = rng.uniform(-20, 20, (2, count)).astype(np.float32)
@@ -134,7 +134,7 @@ def sway_steps(table: Table) -> dict[str, object]:
     poses: list[list[float]] = []
     for frame in range(frames):
         strength = 12.0 if frame < 9000 else 0.0
-        # Plain cosines that both languages compute alike; the winds have golden files of their own.
+        # Plain cosines, which both languages compute equally; the winds have their own golden files.
         out_x[:] = strength * (1 + np.cos(0.05 * frame + x)) * (1 + 0.5 * np.cos(0.013 * frame))
         out_z[:] = strength * np.cos(0.031 * frame + z)
         forest.advance(1 / 30, out_x, out_z)
@@ -147,10 +147,10 @@ def sway_steps(table: Table) -> dict[str, object]:
 def main() -> None:
     table = beam_table()
     (HERE / "pole.safetensors").write_bytes(encode(table))
-    walks = [forest_stepper(table, easing) for easing in (0.0, 0.1)]
+    steps = [paper_steps(table, easing) for easing in (0.0, 0.1)]
     for name, content in (
         ("wind.json", wind_vectors()),
-        ("walk.json", walks),
+        ("walk.json", steps),
         ("sway.json", sway_steps(table)),
     ):
         (HERE / name).write_text(json.dumps(content, separators=(",", ":")) + "\n")

@@ -1,6 +1,6 @@
-"""Writes the tetrahedra of the apricot that tests use: meshing needs minutes and never gives the same twice.
+"""Write the tetrahedra of the apricot for the tests: meshing takes minutes and is not deterministic.
 
-`python -m tests.golden.make_tets` meshes it three times (data/cache keeps what it made).
+`python -m tests.golden.make_tets` meshes it with three target counts (cached in data/cache).
 """
 
 from pathlib import Path

@@ -1,7 +1,7 @@
-"""Write the golden walks: ``python -m tests.golden.make_walks``.
+"""Write the golden steps of both methods: ``python -m tests.golden.make_walks``.
 
-Both methods over 10,000 frames under every model of the wind: the records of the paper's search, all of them,
-as a digest once a hundred frames, and as often the poses of the drift-free method.
+They cover 10,000 frames under every wind model. Every hundred frames hold a digest of all records that the
+paper's state search has found so far, and the poses of the modal model.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from galewood.wind.evaluation import Wind, WindField
 HERE = Path(__file__).parent
 FRAMES, EVERY, FRAME_S = 10_000, 100, 1.0 / 30.0
 STEPS_PER_PA = 4
-"""Pressures are rounded, so that the last bit of a velocity decides no record."""
+"""Pressures are rounded, so that the last bit of a velocity cannot change a record."""
 GUSTY: dict[str, Any] = {"mean_speed_m_s": 9.0, "direction_deg": 40.0, "gustiness": 0.8, "seed": 12}
 WINDS = (
     Wind(**GUSTY, model="cosine"),
@@ -40,8 +40,8 @@ def rounded(pressure_pa: np.ndarray) -> np.ndarray:
     return np.floor(pressure_pa * STEPS_PER_PA + 0.5) / STEPS_PER_PA
 
 
-def stepper(table: Table, wind: Wind) -> dict[str, Any]:
-    """Digests of the records and poses of the drift-free method under a wind."""
+def step_digests(table: Table, wind: Wind) -> dict[str, Any]:
+    """Digests of the records of the paper's search, and poses of the modal model, under a wind."""
     count = len(TREES["x_m"])
     field, x, z = WindField(wind), np.array(TREES["x_m"]), np.array(TREES["z_m"])
     paper = PaperForest(table, count)
@@ -68,7 +68,7 @@ def main() -> None:
     table = decode((HERE / "pole.safetensors").read_bytes())
     content = {
         "frames": FRAMES, "every": EVERY, "steps_per_pa": STEPS_PER_PA, "trees": TREES,
-        "walks": [stepper(table, wind) for wind in WINDS],
+        "walks": [step_digests(table, wind) for wind in WINDS],
     }  # fmt: skip
     (HERE / "walks.json").write_text(json.dumps(content, separators=(",", ":")) + "\n")
 

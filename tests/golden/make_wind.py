@@ -1,7 +1,7 @@
 """Write the golden winds: ``python -m tests.golden.make_wind``.
 
-Velocities of every model over 10,000 frames, sparsely; a wind that is changed as it blows; the bits of the
-eddies; and documents that must be refused, with the path and the words.
+They hold velocities of every model at some of 10,000 frames, a wind that changes over time, exact values of
+the eddies, and invalid documents with the path and text of their errors.
 """
 
 from __future__ import annotations
@@ -97,19 +97,19 @@ def models() -> list[dict[str, object]]:
 
 
 def changed() -> dict[str, object]:
-    """A wind that is changed as it blows, one row a tenth of a second."""
-    field, rows, waiting = WindField(Wind()), [], list(CHANGES)
+    """A wind that changes several times, one row per tenth of a second."""
+    field, rows, pending = WindField(Wind()), [], list(CHANGES)
     times = [k * 0.1 for k in range(60)]
     for time_s in times:
-        while waiting and waiting[0][0] <= time_s:
-            field.change(waiting.pop(0)[1], time_s)
+        while pending and pending[0][0] <= time_s:
+            field.change(pending.pop(0)[1], time_s)
         rows += velocities(field, [time_s])
     changes = [{"time_s": time_s, "wind": wind.document()} for time_s, wind in CHANGES]
     return {"start": Wind().document(), "changes": changes, "times_s": times, "velocity_m_s": rows}
 
 
 def eddies() -> list[dict[str, object]]:
-    """Sums over the grid and single cells, exact, after some steps."""
+    """Exact values of single cells after some steps."""
     solver, rows = Eddies(5), []
     for steps in EDDY_STEPS:
         while solver.steps < steps:
@@ -120,7 +120,7 @@ def eddies() -> list[dict[str, object]]:
 
 
 def refusals() -> list[dict[str, object]]:
-    """Bad documents with the path and the words of their refusal."""
+    """Invalid documents with the path and the text of their error."""
     rows: list[dict[str, object]] = []
     for document in BAD:
         try:

@@ -1,6 +1,6 @@
-"""Write the golden wire messages that both languages' tests read: ``python -m tests.golden.make_wire``.
+"""Write the golden wire messages for the Python and TypeScript tests: ``python -m tests.golden.make_wire``.
 
-One .bin file a message, messages.json with what each says, refused.json with bytes that nobody may accept.
+One .bin file per message, messages.json with their content, refused.json with invalid bytes.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ BREEZE = {
     "convection_speed_m_s": 7.5,
     "seed": 4294967295,
 }
-# Numbers that are not whole are written as float64 by every msgpack library, so that bytes can be compared.
+# All msgpack libraries encode non-integers as float64, so that the bytes can be compared.
 TREES = [1.5, -2.25, 0.5, 1.25, -1000.5, 0.125, 3.140625, 0.75, 0.0, 0.0, -6.25, 100.0]
 
 REQUESTS: dict[str, dict[str, Any]] = {
@@ -143,8 +143,8 @@ REPLY_KINDS: dict[str, Any] = {
 }
 
 
-def grid_placements(fields: dict[str, Any]) -> dict[str, Any]:
-    """Groups and trees as Python has them."""
+def with_trees(fields: dict[str, Any]) -> dict[str, Any]:
+    """Convert groups and trees from JSON to their Python types."""
     if "trees" not in fields:
         return fields
     groups = tuple(wire.Group(**group) for group in fields["groups"])
@@ -152,9 +152,9 @@ def grid_placements(fields: dict[str, Any]) -> dict[str, Any]:
 
 
 def request_of(message: dict[str, Any]) -> wire.Request:
-    """A request from its JSON form, which is that of web/src/wire.ts."""
+    """A request from its JSON form (web/src/core/wire)."""
     fields = {name: value for name, value in message.items() if name != "type"}
-    return REQUEST_KINDS[message["type"]](**grid_placements(fields))
+    return REQUEST_KINDS[message["type"]](**with_trees(fields))
 
 
 def reply_of(message: dict[str, Any]) -> wire.Reply:
@@ -164,7 +164,7 @@ def reply_of(message: dict[str, Any]) -> wire.Reply:
         return frame_of(fields)
     if message["type"] == "table":
         fields["data"] = bytes(fields["data"])
-    return REPLY_KINDS[message["type"]](**grid_placements(fields))
+    return REPLY_KINDS[message["type"]](**with_trees(fields))
 
 
 def frame_of(fields: dict[str, Any]) -> wire.Frame:
@@ -179,7 +179,7 @@ def frame_of(fields: dict[str, Any]) -> wire.Frame:
 
 
 def refused() -> dict[str, tuple[str, bytes]]:
-    """Bytes that are no message: who would have received them, and the bytes."""
+    """Invalid messages by name: the receiving side, and the bytes."""
     ping = encode_message(wire.PING, {"t": 0.5})
     row = {"count": 1, "modes": 1, "quantum": 1, "wide": 1}
     frame = {"tick": 0, "base": None, "time_s": 0.5, "made_s": 0.5, "groups": [row]}

@@ -1,4 +1,4 @@
-"""The frame of beams against closed forms, before anything is held to it."""
+"""The beam frame against closed-form solutions."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ RADIUS_M, LENGTH_M = 0.05, 4.0
 
 
 def pole(direction, tip_ratio=1.0, links=12):
-    """A clamped pole as a skeleton of one branch."""
+    """A clamped pole: a skeleton with a single branch."""
     share = np.linspace(0, 1, links + 1)
     points = share[:, None] * LENGTH_M * np.array(direction) / np.linalg.norm(direction)
     radius = RADIUS_M * (1 + (tip_ratio - 1) * share)
@@ -25,7 +25,7 @@ def pole(direction, tip_ratio=1.0, links=12):
 
 @pytest.mark.parametrize("direction", [(0, 1, 0), (1, 2, 3)])
 @pytest.mark.parametrize("tip_ratio", [1.0, 0.5])
-def test_a_pole_sways_as_beam_theory_has_it_whichever_way_it_leans(direction, tip_ratio):
+def test_the_frequencies_of_a_pole_match_beam_theory_in_any_direction(direction, tip_ratio):
     area, moment = np.pi * RADIUS_M**2, np.pi * RADIUS_M**4 / 4
     exact = pole_frequencies(
         LENGTH_M, WOOD.young_longitudinal_pa, WOOD.density_kg_m3, area, moment, tip_ratio
@@ -35,8 +35,8 @@ def test_a_pole_sways_as_beam_theory_has_it_whichever_way_it_leans(direction, ti
     np.testing.assert_allclose(found[[1, 3]], exact, rtol=2e-3)
 
 
-def test_a_bent_wire_s_tip_by_hand():
-    """An L of two equal legs, pushed at its end across its plane: both bend, the first twists."""
+def test_the_tip_deflection_of_an_l_shaped_wire():
+    """An L of two equal legs under a force normal to its plane at the tip: both bend, the first twists."""
     leg, links = 2.0, 10
     up = np.column_stack([np.zeros(links + 1), np.linspace(0, leg, links + 1), np.zeros(links + 1)])
     out = up[-1] + np.column_stack([np.linspace(0, leg, links + 1)[1:], np.zeros(links), np.zeros(links)])
@@ -56,7 +56,7 @@ def test_a_bent_wire_s_tip_by_hand():
     assert u[6 * tip + 2] == pytest.approx(bending + torsion, rel=1e-6)
 
 
-def test_what_lies_inside_a_limb_does_not_weigh():
+def test_links_inside_a_limb_have_no_mass():
     points = np.array([[0, 0, 0], [0, 1, 0], [0, 2, 0], [0, 1, 0], [1, 1, 0]], float)
     radius = np.array([0.1, 0.1, 0.1, 0.02, 0.02])
     tree = frame(points, radius, np.array([-1, 0, 1, 1, 3]), np.array([0, 0, 0, 1, 1]))
@@ -64,7 +64,7 @@ def test_what_lies_inside_a_limb_does_not_weigh():
     assert tree.volume_m3() == pytest.approx(exact, rel=5e-3)
 
 
-def test_smaller_pieces_change_little(monkeypatch):
+def test_frequencies_converge_with_smaller_pieces(monkeypatch):
     first = frame_frequencies(read_frame(SPECIES / "apricot.skeleton.json"), species("apricot"), 0.0, 10)
     monkeypatch.setattr(beam_frame_tree, "PIECES", 8)
     second = frame_frequencies(read_frame(SPECIES / "apricot.skeleton.json"), species("apricot"), 0.0, 10)

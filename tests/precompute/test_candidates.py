@@ -1,4 +1,4 @@
-"""The candidates against asking every record: the same answer under any pressure and allowed weight."""
+"""Candidate lists against a search of all records: equal results for any pressure and allowed weight."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from galewood.search.similarity import InternalStates, compared, mismatch_rows
 from tests.golden.make import SMALL, Beam, beam_runs
 
 
-def test_the_bound_of_the_gain_bounds_it() -> None:
+def test_the_gain_never_exceeds_its_bound() -> None:
     rng = np.random.default_rng(3)
     a, b = rng.normal(size=(2, 100000, 2)) * 3
     f = a + rng.normal(size=a.shape) * 2
@@ -24,7 +24,7 @@ def test_the_bound_of_the_gain_bounds_it() -> None:
 def differences(
     states: InternalStates, pressure: np.ndarray, starts: np.ndarray, rule: Rule, rng: np.random.Generator
 ) -> tuple[int, Search]:
-    """Random queries on which the candidates and the brute-force twin disagree."""
+    """Number of random queries on which the candidates and brute force disagree, and the candidates."""
     layout, air = compared(states), air_of(pressure, starts)
     search = build_search(layout, air, rule)
     error = search.mismatches / states.components
@@ -38,9 +38,9 @@ def differences(
             + rng.normal(size=2) * rng.choice([0, 0.03, 0.3, 3]) * rule.sigma_pa
         )
         row = mismatch_rows(layout, c, c + 1)[0] / states.components
-        for asked in (ANY, 0, 1):
-            if asked == 0 and air.calm[c]:
-                continue  # a first step again: no question for the candidates
+        for wanted in (ANY, 0, 1):
+            if wanted == 0 and air.calm[c]:
+                continue  # this is a first step, which does not use the candidates
             found = best_candidate(
                 search.offsets,
                 search.record,
@@ -50,16 +50,16 @@ def differences(
                 half,
                 c,
                 weight,
-                asked,
+                wanted,
                 f[0],
                 f[1],
             )
-            wrong += found != brute_force(c, row, air.pressure, air.barred, half, weight, f, asked)
+            wrong += found != brute_force(c, row, air.pressure, air.barred, half, weight, f, wanted)
     return wrong, search
 
 
 @pytest.mark.parametrize("seed", [4, 5])
-def test_candidates_of_a_swaying_beam_give_what_asking_every_record_gives(seed: int) -> None:
+def test_candidates_of_a_swaying_beam_match_brute_force(seed: int) -> None:
     print("seed", seed)
     runs = beam_runs(Beam(), 40)
     states = internal_states(runs)
@@ -74,15 +74,15 @@ def test_candidates_of_a_swaying_beam_give_what_asking_every_record_gives(seed: 
     ("seed", "initial", "maximum", "sigma_pa"),
     [(6, 0.36, 0.38, 2.0), (7, 0.05, 0.6, 1.0), (8, 0.3, 0.33, 9.0)],
 )
-def test_candidates_of_random_states_give_what_asking_every_record_gives(
+def test_candidates_of_random_states_match_brute_force(
     seed: int, initial: float, maximum: float, sigma_pa: float
 ) -> None:
     print("seed", seed)
     rng = np.random.default_rng(seed)
     z, q = 400, 6
-    stepper = np.cumsum(rng.normal(size=(z, q, 12)), axis=0) * 0.02 + rng.choice([-1, 1], size=(z, q, 12))
+    path = np.cumsum(rng.normal(size=(z, q, 12)), axis=0) * 0.02 + rng.choice([-1, 1], size=(z, q, 12))
     states = InternalStates(
-        *(part.astype(np.float32) for part in (stepper[..., :3], stepper[..., 3:6], stepper[..., 6:]))
+        *(part.astype(np.float32) for part in (path[..., :3], path[..., 3:6], path[..., 6:]))
     )
     pressure = (np.cumsum(rng.normal(size=(z, 2)), axis=0)).astype(np.float32)
     starts = np.array([0, 90, 200, 310, z])
@@ -91,12 +91,12 @@ def test_candidates_of_random_states_give_what_asking_every_record_gives(
     wrong, search = differences(
         states, pressure, starts, Rule(states.components, sigma_pa, initial, maximum), rng
     )
-    print("candidates a state", len(search.record) / z)
+    print("candidates per state", len(search.record) / z)
     assert wrong == 0
     assert len(search.record) < 0.9 * z * z
 
 
-def test_the_nearest_pressure_is_found_outwards_from_it() -> None:
+def test_nearest_pressure_matches_a_full_search() -> None:
     rng = np.random.default_rng(9)
     pressure = rng.integers(-6, 7, size=(300, 2)).astype(np.float64)  # many equal ones
     barred, calm = rng.random(300) < 0.3, ~pressure.any(axis=1)
@@ -104,7 +104,7 @@ def test_the_nearest_pressure_is_found_outwards_from_it() -> None:
     for _ in range(500):
         f = rng.choice([rng.normal(size=2) * 6, rng.integers(-8, 9, size=2).astype(float)])
         for air in (ANY, 0, 1):
-            asked = ~barred & ((calm == air) if air != ANY else True)
-            gaps = np.where(asked, ((f - pressure) ** 2).sum(axis=1), np.inf)
-            expected = int(np.argmin(gaps)) if asked.any() else -1
+            allowed = ~barred & ((calm == air) if air != ANY else True)
+            gaps = np.where(allowed, ((f - pressure) ** 2).sum(axis=1), np.inf)
+            expected = int(np.argmin(gaps)) if allowed.any() else -1
             assert nearest_pressure(pressure, by_x, barred, calm, air, f[0], f[1]) == expected

@@ -1,4 +1,4 @@
-"""The same tetrahedra, settings and seed give the same samples bit for bit, here and in another process."""
+"""The same tetrahedra, settings and seed give bit-identical samples in every process."""
 
 import hashlib
 import subprocess
@@ -19,7 +19,7 @@ FRAMES = 12
 
 
 def digest() -> str:
-    """Hash of a model of the apricot and of what is recorded of it under two winds."""
+    """Hash of a model of the apricot and of its runs under two winds."""
     one = apricot()
     model = build_model(one.mesh, one.skeleton, one.wood, one.lumped, FemSettings())
     simulator = Simulator(model)
@@ -36,7 +36,7 @@ def digest() -> str:
     return found.hexdigest()
 
 
-def test_samples_are_the_same_bits_in_every_process():
+def test_samples_are_bit_identical_in_every_process():
     command = [sys.executable, "-c", "from tests.precompute.test_determinism import digest; print(digest())"]
     other = subprocess.Popen(
         command, cwd=Path(__file__).parents[2], stdout=subprocess.PIPE, text=True, env=None

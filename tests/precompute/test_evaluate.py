@@ -1,4 +1,4 @@
-"""Figures of an evaluation against what they must be."""
+"""Figures of an evaluation against independent computations."""
 
 import json
 from pathlib import Path
@@ -34,7 +34,7 @@ from tests.precompute.test_table import FILE
 TABLE = decode(FILE)
 
 
-def test_a_perfect_track_has_no_error_and_a_resting_one_errs_by_the_sway() -> None:
+def test_an_exact_track_has_no_error_and_the_error_of_a_resting_one_is_the_sway() -> None:
     rng = np.random.default_rng(601)
     reference = 0.1 * rng.normal(size=(80, 30, 3))
     perfect, resting = errors(reference, reference), errors(np.zeros_like(reference), reference)
@@ -46,7 +46,7 @@ def test_a_perfect_track_has_no_error_and_a_resting_one_errs_by_the_sway() -> No
     assert set(figures(resting, 2.0)["frames"]) == {"20", "22", "40", "60"}
 
 
-def test_pieces_of_a_run_are_the_run() -> None:
+def test_joined_pieces_give_the_figures_of_the_whole_run() -> None:
     rng = np.random.default_rng(603)
     track, reference = rng.normal(size=(2, 70, 9, 3))
     weight = rng.integers(1, 9, 9)
@@ -54,7 +54,7 @@ def test_pieces_of_a_run_are_the_run() -> None:
     assert figures(joined(pieces), 3.0) == figures(errors(track, reference, weight), 3.0)
 
 
-def test_a_weight_is_how_many_vertices_a_row_stands_for() -> None:
+def test_a_weight_is_the_number_of_vertices_that_a_row_represents() -> None:
     rng = np.random.default_rng(604)
     track, reference = rng.normal(size=(2, 12, 5, 3))
     count = np.array([1, 4, 2, 1, 3])
@@ -62,7 +62,7 @@ def test_a_weight_is_how_many_vertices_a_row_stands_for() -> None:
     assert np.allclose(errors(track, reference, count).mean_square_m2, many.mean_square_m2)
 
 
-def test_growth_is_that_of_the_error_and_its_relative_form_follows_the_sway() -> None:
+def test_growth_is_plain_and_relative_to_the_sway() -> None:
     reference = np.zeros((40, 1, 3))
     reference[:20, 0, 0], reference[20:, 0, 0] = 1.0, 3.0
     found = growth(errors(1.1 * reference, reference), 2.0)
@@ -72,14 +72,14 @@ def test_growth_is_that_of_the_error_and_its_relative_form_follows_the_sway() ->
     assert growth(errors(reference + 0.1, reference), 2.0)["growth_of_sway"] is None
 
 
-def test_windows_are_whole_and_in_order() -> None:
+def test_windows_are_complete_and_in_order() -> None:
     reference = np.ones((25, 2, 3))
     track = reference + np.repeat([0.0, 0.2, 9.9], [10, 10, 5])[:, None, None]
     found = windows(errors(track, reference), 10, 1.0)
     assert [round(window["max_error"], 9) for window in found] == [0.0, round(0.2 * 3**0.5, 9)]
 
 
-def test_hausdorff_distance_is_that_of_brute_force() -> None:
+def test_hausdorff_distance_matches_brute_force() -> None:
     rng = np.random.default_rng(602)
     a, b = rng.normal(size=(40, 3)), rng.normal(size=(25, 3))
     gaps = np.linalg.norm(a[:, None] - b[None], axis=2)
@@ -92,7 +92,7 @@ def test_a_sampled_wind_is_its_own_nearest_sample() -> None:
     assert np.allclose(track, TABLE.pose()[start:end] * TABLE.mode_scale, atol=1e-6)
 
 
-def test_poses_of_the_drift_free_method_follow_a_sampled_run() -> None:
+def test_poses_of_the_modal_model_follow_a_sampled_run() -> None:
     start, end = TABLE.trajectory[1:3].astype(int)
     track, extrapolation_ratio = played(
         TABLE, TABLE.pressure_pa[start:end].astype(np.float64), METHODS["modal"]
@@ -102,7 +102,7 @@ def test_poses_of_the_drift_free_method_follow_a_sampled_run() -> None:
     assert 0 < extrapolation_ratio < 1.3
 
 
-def test_winds_keep_to_their_strength_and_change_with_the_seed() -> None:
+def test_winds_have_the_given_strength_and_depend_on_the_seed() -> None:
     first, second = unseen_winds(10.0, 300, 1 / 30, seed=1), unseen_winds(10.0, 300, 1 / 30, seed=2)
     top = 15.0 * (6.5 / 5.0) ** 1.3
     for name, pressure in first.items():
@@ -112,7 +112,7 @@ def test_winds_keep_to_their_strength_and_change_with_the_seed() -> None:
 
 
 @pytest.mark.parametrize("name", ["new-period-and-amplitude", "between-directions", "perlin", "one-over-f"])
-def test_winds_that_go_on_come_three_times_without_a_seam(name: str) -> None:
+def test_continuing_winds_repeat_three_times_without_a_seam(name: str) -> None:
     wind = unseen_winds(12.0, 600, 1 / 30, seed=605)[name]
     assert len(wind) == 900
     assert np.allclose(wind[300:], wind[:-300], atol=1e-9)
@@ -120,7 +120,7 @@ def test_winds_that_go_on_come_three_times_without_a_seam(name: str) -> None:
     assert steps[299] <= 1.5 * np.delete(steps, 299).max()
 
 
-def test_growth_leaves_out_the_lead_in() -> None:
+def test_growth_excludes_the_lead_in() -> None:
     reference = np.ones((90, 2, 3))
     error = np.repeat([0.01, 0.3, 0.3], 30)
     run = errors(reference + error[:, None, None], reference)
@@ -139,7 +139,7 @@ def test_noise_has_unit_variance_and_no_seam() -> None:
         assert steps[-1] <= 1.5 * steps[:-1].max()
 
 
-def test_long_gusts_are_alike_in_every_window() -> None:
+def test_long_gusts_are_equal_in_every_window() -> None:
     wind = long_gusts(607, 3000, 500, 1 / 30, 15.0)
     strength = np.linalg.norm(wind, axis=1).reshape(6, 500)
     assert np.allclose(strength, strength[0])
@@ -154,7 +154,7 @@ def test_the_plot_is_written(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A small tree's table with its mesh beside it, and the cache of its build."""
+    """Table of a small tree with its mesh beside it, and the cache of its build."""
     path = tmp_path_factory.mktemp("evaluate")
     options = BuildOptions(
         mesh_import=ImportOptions(species="maple"),
@@ -192,9 +192,7 @@ def reference(source: Source) -> ReferenceRun:
     return follow(Simulator(source.model), np.abs(rng.normal(size=(40, 2))) * 20.0)
 
 
-def test_what_a_table_was_made_from_is_found_again(
-    table: Table, source: Source, reference: ReferenceRun
-) -> None:
+def test_the_source_of_a_table_is_recovered(table: Table, source: Source, reference: ReferenceRun) -> None:
     assert source.model.report["frequencies_hz"] == table.metadata["frequencies_hz"]
     assert source.rendered.count.sum() == len(table.vertex_node)
     left = floor(table, source, reference.displacement_m)
@@ -202,7 +200,7 @@ def test_what_a_table_was_made_from_is_found_again(
     assert left["truncation"] <= left["truncation_and_nodes"] < 0.02
 
 
-def test_the_true_motion_in_modes_errs_by_the_truncation_alone(
+def test_the_error_of_the_projected_reference_solution_is_the_truncation(
     table: Table, source: Source, reference: ReferenceRun
 ) -> None:
     q = source.subspace.project(reference.displacement_m)
@@ -213,7 +211,7 @@ def test_the_true_motion_in_modes_errs_by_the_truncation_alone(
     )
 
 
-def test_a_tree_at_rest_errs_by_its_sway_on_the_wood(
+def test_the_error_of_a_tree_at_rest_is_the_sway(
     table: Table, source: Source, reference: ReferenceRun
 ) -> None:
     found = compare_methods(table, source, reference)
@@ -222,7 +220,7 @@ def test_a_tree_at_rest_errs_by_its_sway_on_the_wood(
     assert found["modal"]["max_error"] < 0.2 * rest["max_error"]
 
 
-def test_distinct_vertices_are_all_vertices() -> None:
+def test_distinct_vertices_represent_all_vertices() -> None:
     rng = np.random.default_rng(609)
     rows = scipy.sparse.random(6, 5, 0.6, format="csr", rng=rng)
     twice = scipy.sparse.csr_matrix(scipy.sparse.vstack([rows, rows]))
@@ -231,7 +229,7 @@ def test_distinct_vertices_are_all_vertices() -> None:
     assert (rendered.count == 2).all()
 
 
-def test_a_wind_is_scaled_until_the_tree_sways_as_asked(source: Source, tmp_path: Path) -> None:
+def test_a_wind_is_scaled_to_the_requested_sway(source: Source, tmp_path: Path) -> None:
     wind = np.tile([[10.0, 0.0]], (60, 1))
     task = ReferenceTask(source.model_path, wind, 0.02)
     ran = read_reference_run(run_references([task], tmp_path, lambda done: None)[0])
@@ -243,7 +241,7 @@ def test_a_wind_is_scaled_until_the_tree_sways_as_asked(source: Source, tmp_path
     assert np.isclose(np.linalg.norm(weak.pressure_pa, axis=1).max(), 12.0)
 
 
-def test_a_long_run_is_kept_and_bounded_beyond_its_samples(
+def test_a_long_run_is_cached_and_motion_is_bounded_beyond_the_sampled_range(
     table: Table, source: Source, tmp_path: Path
 ) -> None:
     first = long_run(table, source, tmp_path, lambda f, m: None, frames=1500, sway=0.005, seed=610)
@@ -257,23 +255,21 @@ def test_a_long_run_is_kept_and_bounded_beyond_its_samples(
     assert far["left_at_rest_m"] == 0
 
 
-def test_the_command_needs_the_table_alone_and_says_when_the_model_is_gone(
-    folder: Path, tmp_path: Path
-) -> None:
+def test_the_command_needs_only_the_table_and_fails_without_its_model(folder: Path, tmp_path: Path) -> None:
     out, picture = tmp_path / "figures.json", tmp_path / "errors.svg"
-    told = CliRunner().invoke(app, [
+    result = CliRunner().invoke(app, [
         "evaluate", str(folder / "tree.gwt"), "--cache-dir", str(folder / "cache"), "--frames", "60",
         "--workers", "1", "--json", str(out), "--plot", str(picture),
     ])  # fmt: skip
-    assert told.exit_code == 0, told.output
+    assert result.exit_code == 0, result.output
     found = json.loads(out.read_text())
     assert set(found["winds"]["step"]) >= {"modal", "paper", "paper-literal", "rest-pose", "floor"}
     assert found["winds"]["perlin"]["modal"]["max_error"] < 0.01
     assert picture.stat().st_size > 1000
-    lost = CliRunner().invoke(app, ["evaluate", str(folder / "tree.gwt"), "--cache-dir", str(tmp_path)])
-    assert lost.exit_code == 1
+    missing = CliRunner().invoke(app, ["evaluate", str(folder / "tree.gwt"), "--cache-dir", str(tmp_path)])
+    assert missing.exit_code == 1
 
 
-def test_another_tables_model_is_not_taken(folder: Path) -> None:
+def test_the_model_of_another_table_is_refused(folder: Path) -> None:
     with pytest.raises(SourceError):
         find_model({"provenance": {"model_sha256": "0" * 64}}, folder / "cache")

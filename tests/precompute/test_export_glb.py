@@ -1,4 +1,4 @@
-"""A table's motion in a GLB, evaluated as any glTF viewer does it, against the table itself."""
+"""The motion of an exported GLB, evaluated as in a glTF viewer, against the table."""
 
 import json
 from dataclasses import replace
@@ -24,7 +24,7 @@ def table() -> Table:
 
 @pytest.fixture(scope="module")
 def mesh(table: Table) -> bytes:
-    """Vertices at their nodes, joined somehow: only their number and order matter here."""
+    """A mesh with vertices at their nodes; its faces are arbitrary."""
     primitives: list[RenderPrimitive] = []
     for described, nodes in zip(table.metadata["primitives"], nodes_by_mesh(table), strict=True):
         first = np.arange(len(nodes) - 2, dtype=np.int32)
@@ -41,7 +41,7 @@ def nodes_by_mesh(table: Table) -> list[Any]:
 
 
 def read(glb: bytes) -> tuple[dict[str, Any], Any]:
-    """The document and a reader of its accessors, written from the glTF 2.0 specification."""
+    """The JSON document and a reader of its accessors, according to the glTF 2.0 specification."""
     assert glb[:4] == b"glTF"
     assert int.from_bytes(glb[8:12], "little") == len(glb)
     size = int.from_bytes(glb[12:16], "little")
@@ -63,7 +63,7 @@ def read(glb: bytes) -> tuple[dict[str, Any], Any]:
     return document, accessor
 
 
-def test_every_frame_of_the_animation_is_the_tables_own_pose(table: Table, mesh: bytes) -> None:
+def test_every_frame_of_the_animation_matches_the_table(table: Table, mesh: bytes) -> None:
     q = blown(table, Wind(mean_speed_m_s=9.0, gustiness=0.8), 3.0)
     document, accessor = read(animated_glb(table, mesh, q))
     animation = document["animations"][0]
@@ -78,9 +78,9 @@ def test_every_frame_of_the_animation_is_the_tables_own_pose(table: Table, mesh:
         targets = np.stack([accessor(target["POSITION"]) for target in primitive["targets"]])
         for frame in range(0, len(q), 7):
             shown = np.tensordot(weights[frame], targets, 1)
-            true = table.node_basis[node] @ q[frame]
-            largest = max(largest, float(np.abs(true).max()))
-            assert np.abs(shown - true).max() < 1e-3 * largest + 1e-3
+            exact = table.node_basis[node] @ q[frame]
+            largest = max(largest, float(np.abs(exact).max()))
+            assert np.abs(shown - exact).max() < 1e-3 * largest + 1e-3
     assert largest > 0.01
 
 
@@ -92,7 +92,7 @@ def test_a_loop_has_no_seam(table: Table) -> None:
     assert np.abs(np.diff(q[[-2, -1]], axis=0)).max() < 2 * steps
 
 
-def test_a_sampled_run_is_the_tables_own(table: Table) -> None:
+def test_a_sampled_run_has_the_poses_of_the_table(table: Table) -> None:
     named = {**table.metadata, "provenance": {"winds": ["still", "breeze"]}}
     table = replace(table, metadata=named)
     q = sampled(table, "breeze")
@@ -102,7 +102,7 @@ def test_a_sampled_run_is_the_tables_own(table: Table) -> None:
         sampled(table, "hurricane")
 
 
-def test_a_mesh_of_another_tree_is_refused(table: Table, mesh: bytes) -> None:
+def test_the_mesh_of_another_tree_is_refused(table: Table, mesh: bytes) -> None:
     other = decode(GOLDEN.read_bytes())
     other.metadata["primitives"][0]["vertices"] += 1
     with pytest.raises(ExportError, match="other vertices"):

@@ -1,4 +1,4 @@
-"""The drift-free method is as large as its runs ask for, and replaying is what a lone tree does."""
+"""Training: the smallest sufficient size is chosen, and the training error is that of a single tree."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def training_runs(beam: Beam, design_speed_m_s: float) -> list[SampledRun]:
 
 
 @pytest.mark.parametrize(("share", "expected"), [(1e-3, FEW), (1e-6, MORE), (0.0, MORE)])
-def test_more_oscillators_are_taken_only_where_few_miss_the_runs(
+def test_a_larger_size_is_chosen_only_if_the_smallest_misses_the_training_runs(
     monkeypatch: pytest.MonkeyPatch, share: float, expected: Size
 ) -> None:
     monkeypatch.setattr(training_module, "TRAINING_ERROR_SHARE", share)
@@ -36,27 +36,27 @@ def test_more_oscillators_are_taken_only_where_few_miss_the_runs(
     assert again == fitted.training_error_m
 
 
-@pytest.mark.parametrize(("share", "asked"), [(1.0, 0), (0.0, 1)])
-def test_further_runs_are_asked_for_once_and_only_where_the_smallest_does_not_do(
-    monkeypatch: pytest.MonkeyPatch, share: float, asked: int
+@pytest.mark.parametrize(("share", "requests"), [(1.0, 0), (0.0, 1)])
+def test_further_runs_are_requested_once_and_only_if_the_smallest_size_is_insufficient(
+    monkeypatch: pytest.MonkeyPatch, share: float, requests: int
 ) -> None:
     monkeypatch.setattr(training_module, "TRAINING_ERROR_SHARE", share)
     beam = Beam()
     runs, more = training_runs(beam, 2.0), training_runs(beam, 3.0)
-    times: list[int] = []
+    calls: list[int] = []
 
     def further() -> list[SampledRun]:
-        times.append(1)
+        calls.append(1)
         return more
 
     given = ModalTraining(beam.oscillators(), scheme(beam), runs, [FEW, Size(4, 2, 6), MORE], further)
     modal = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4, given).modal
-    assert len(times) == asked
-    strongest_pa = max(np.linalg.norm(run.pressure_pa, axis=1).max() for run in (runs, more)[asked])
+    assert len(calls) == requests
+    strongest_pa = max(np.linalg.norm(run.pressure_pa, axis=1).max() for run in (runs, more)[requests])
     assert modal.limits[2] == pytest.approx(strongest_pa)
 
 
-def test_the_oscillators_that_move_the_tree_most_stand_first() -> None:
+def test_oscillators_are_sorted_by_how_far_they_move_the_tree() -> None:
     beam = Beam()
     winds = [np.asarray(run.pressure_pa) for run in training_runs(beam, 8.0)]
     ritz = reduced(beam.oscillators(), winds, scheme(beam), 5)
@@ -71,7 +71,7 @@ def test_the_oscillators_that_move_the_tree_most_stand_first() -> None:
     assert sway[0] > 3 * sway[-1]
 
 
-def test_a_replay_is_the_motion_of_a_lone_tree() -> None:
+def test_simulated_training_runs_match_a_single_tree() -> None:
     rng = np.random.default_rng(901)
     beam = Beam()
     runs = training_runs(beam, 8.0)
@@ -79,14 +79,14 @@ def test_a_replay_is_the_motion_of_a_lone_tree() -> None:
     modal = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4, given).modal
     winds = [rng.normal(size=(frames, 2)) * 10.0 for frames in (30, 47)]
     for wind, track in zip(winds, simulated_q(modal, winds, beam.dt_s), strict=True):
-        lone = ModalForest(modal, beam.dt_s, np.ones(modal.modes, np.float32), 1)
+        single = ModalForest(modal, beam.dt_s, np.ones(modal.modes, np.float32), 1)
         assert len(track) == len(wind) + 1 and not track[0].any()
         for frame, (x, z) in enumerate(np.concatenate([wind, [[0.0, 0.0]]])):
-            lone.advance(beam.dt_s, [x], [z])
-            assert np.array_equal(lone.q[0], track[frame].astype(lone.q.dtype))
+            single.advance(beam.dt_s, [x], [z])
+            assert np.array_equal(single.q[0], track[frame].astype(single.q.dtype))
 
 
-def test_the_size_is_told_by_its_oscillators_on_a_small_body_too() -> None:
+def test_the_size_is_identified_by_its_number_of_oscillators_also_for_a_small_body() -> None:
     beam = Beam()
     count = len(beam.oscillators().omega)
     given = ModalTraining(beam.oscillators(), scheme(beam), [], sizes=[FEW, Size(count + 7, 3, count + 9)])

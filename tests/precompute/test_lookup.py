@@ -1,4 +1,4 @@
-"""The walk through a table: against the golden walk, towards rest, and one step against the book."""
+"""The paper's state search: golden steps, return to rest, and single steps against the paper."""
 
 import json
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 from galewood.player.paper_search import PaperForest, gaussian
 from galewood.table.format import decode
 
-from tests.golden.make import forest_stepper
+from tests.golden.make import paper_steps
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 TABLE = decode((GOLDEN / "pole.safetensors").read_bytes())
@@ -25,27 +25,27 @@ def blown(forest: PaperForest, pressure: tuple[float, float], steps: int) -> np.
     return np.array(track)
 
 
-def test_walks_the_golden_walk() -> None:
+def test_matches_the_golden_steps() -> None:
     for golden in json.loads((GOLDEN / "walk.json").read_text()):
-        stepper = forest_stepper(TABLE, golden["pose_easing"])
-        assert stepper["records"] == golden["records"]
-        assert np.array_equal(stepper["poses"], golden["poses"])
+        found = paper_steps(TABLE, golden["pose_easing"])
+        assert found["records"] == golden["records"]
+        assert np.array_equal(found["poses"], golden["poses"])
 
 
-def test_the_gaussian_is_the_exponential() -> None:
+def test_the_gaussian_matches_the_exponential() -> None:
     x = np.linspace(0, 49, 5001)
     assert np.abs([gaussian(v) + np.expm1(-v) for v in x]).max() < 2e-14
     assert gaussian(0.0) == 0.0
 
 
 @pytest.mark.parametrize("easing", [0.0, 0.08])
-def test_in_still_air_a_resting_tree_stays_exactly_at_rest(easing: float) -> None:
+def test_a_tree_at_rest_stays_exactly_at_rest_in_still_air(easing: float) -> None:
     track = blown(PaperForest(TABLE, 2, pose_easing=easing), (0.0, 0.0), 300)
     assert not track.any()
 
 
 def test_comes_to_exact_rest_within_twelve_seconds_of_calm() -> None:
-    # This table's step is 1/15 s; a tree's is 1/30 s, where easing is twice as fast in seconds.
+    # The step of this table is 1/15 s; at the usual 1/30 s easing is twice as fast in seconds.
     forest = PaperForest(TABLE, 3, pose_easing=0.15)
     forest.set_trees(np.zeros(3), np.zeros(3), [0.0, 1.0, -2.0], [1.0, 1.0, 1.0])
     blown(forest, (STRONG, 0.3 * STRONG), 200)
@@ -62,11 +62,11 @@ def test_leans_downwind() -> None:
         forest = PaperForest(TABLE, 1)
         wind = STRONG * np.array([np.cos(heading), np.sin(heading)])
         lean = (blown(forest, tuple(wind), 300)[60:, 0] @ TABLE.node_basis[top].T).mean(axis=0)
-        # This table knows three directions only: up to 60° beside the wind is all that can be asked.
+        # This table has only three directions, so the lean may deviate from the wind by up to 60°.
         assert lean[[0, 2]] @ wind > 0.45 * np.linalg.norm(lean) * np.linalg.norm(wind)
 
 
-def test_a_turned_tree_moves_as_if_the_wind_had_turned() -> None:
+def test_turning_a_tree_is_equivalent_to_turning_the_wind() -> None:
     # Yaw ψ turns the tree by ψ about y: in its own frame the wind comes from −ψ.
     straight, turned = PaperForest(TABLE, 1), PaperForest(TABLE, 1)
     turned.set_trees([0.0], [0.0], [np.pi / 2], [1.0])
@@ -74,7 +74,7 @@ def test_a_turned_tree_moves_as_if_the_wind_had_turned() -> None:
     assert straight.record.tolist() == turned.record.tolist()
 
 
-def test_the_literal_method_adds_up_what_it_finds() -> None:
+def test_the_literal_method_sums_the_increments_of_its_records() -> None:
     forest = PaperForest(TABLE, 1, pose_easing=0.0, still_air=False)
     total = np.zeros(len(TABLE.mode_scale))
     for step in range(200):
@@ -84,7 +84,7 @@ def test_the_literal_method_adds_up_what_it_finds() -> None:
         assert np.allclose(forest.q[0], (total - TABLE.dq[forest.record[0]]) * TABLE.mode_scale, atol=1e-6)
 
 
-def test_easing_keeps_steps_smooth_and_stays_near_the_poses() -> None:
+def test_eased_motion_is_smooth_and_stays_near_the_recorded_poses() -> None:
     forest = PaperForest(TABLE, 1)
     calm = blown(forest, (STRONG, 0.0), 100)
     track = np.concatenate([calm, blown(forest, (-STRONG, 0.0), 100), blown(forest, (0.0, STRONG), 200)])[
@@ -97,7 +97,7 @@ def test_easing_keeps_steps_smooth_and_stays_near_the_poses() -> None:
     assert bends < 3 * recorded
 
 
-def test_a_large_tree_walks_slower_and_pauses_are_not_caught_up() -> None:
+def test_a_large_tree_steps_slower_and_long_pauses_are_skipped() -> None:
     forest = PaperForest(TABLE, 2)
     forest.set_trees([0, 0], [0, 0], [0, 0], [1.0, 2.0])
     for _ in range(8):

@@ -1,4 +1,4 @@
-"""The drift-free method: true to the body it was made from, bounded, at rest when the air is."""
+"""The modal model follows its reference solution, stays bounded, and comes to rest in still air."""
 
 import numpy as np
 import pytest
@@ -23,13 +23,13 @@ def forest(count: int = 1, modal: ModalTensors | None = None) -> ModalForest:
 
 
 def masses(q: np.ndarray) -> np.ndarray:
-    """(n, 3) displacement of the pole's masses: each has two render vertices."""
+    """(n, 3) displacement of the pole's masses, each of which has two render vertices."""
     moved = np.einsum("nik,k->ni", TABLE.node_basis.astype(np.float64), q)
     return moved[TABLE.vertex_node][:12:2]
 
 
 def sway_error(seed: int, frames: int, calm_from: int) -> tuple[np.ndarray, np.ndarray]:
-    """Largest error and true displacement of each frame, over the height, in noise that then stops."""
+    """Largest error and displacement of each frame, over the height, in noise that ends at ``calm_from``."""
     rng = np.random.default_rng(seed)
     wind = noise_wind(rng, "unseen", 7.0, DT_S, frames, most_m_s=12.0).pressure_pa
     wind[calm_from:] = 0
@@ -46,7 +46,7 @@ def sway_error(seed: int, frames: int, calm_from: int) -> tuple[np.ndarray, np.n
 
 
 @pytest.mark.parametrize("seed", [501, 502, 503])
-def test_follows_the_body_on_unseen_winds_and_returns_to_rest(seed: int) -> None:
+def test_follows_the_reference_solution_in_unseen_winds_and_returns_to_rest(seed: int) -> None:
     error, sway = sway_error(seed, 900, 600)
     assert sway.max() > 0.1
     assert error.max() < 0.05 * sway.max()
@@ -58,7 +58,7 @@ def test_the_error_does_not_grow_with_time() -> None:
     assert error[3000:].max() < 1.5 * error[:3000].max()
 
 
-def test_far_beyond_the_sampled_wind_it_stays_bounded_and_says_so() -> None:
+def test_stays_bounded_and_reports_extrapolation_far_beyond_the_sampled_wind() -> None:
     trees = forest()
     storm = 10 * float(TABLE.modal.limits[2])
     for frame in range(4000):
@@ -70,7 +70,7 @@ def test_far_beyond_the_sampled_wind_it_stays_bounded_and_says_so() -> None:
     assert not trees.q.any()
 
 
-def test_still_air_moves_nothing() -> None:
+def test_trees_stay_at_rest_in_still_air() -> None:
     trees = forest(3)
     for _ in range(100):
         trees.advance(DT_S / 2, np.zeros(3), np.zeros(3))
@@ -78,7 +78,7 @@ def test_still_air_moves_nothing() -> None:
     assert not trees.extrapolation_ratio.any()
 
 
-def test_trees_do_not_disturb_each_other() -> None:
+def test_trees_are_independent_of_each_other() -> None:
     rng = np.random.default_rng(505)
     both, alone = forest(2), forest(1)
     for _ in range(200):
@@ -88,7 +88,7 @@ def test_trees_do_not_disturb_each_other() -> None:
         assert np.array_equal(both.q[1], alone.q[0])
 
 
-def test_a_turned_tree_feels_the_wind_in_its_own_frame() -> None:
+def test_the_wind_is_turned_into_the_frame_of_the_tree() -> None:
     turned, straight = forest(), forest()
     turned.set_trees([0.0], [0.0], [0.3], [1.0])
     c, s = np.float32(np.cos(np.float32(0.3))), np.float32(np.sin(np.float32(0.3)))
@@ -99,7 +99,7 @@ def test_a_turned_tree_feels_the_wind_in_its_own_frame() -> None:
 
 
 @pytest.mark.parametrize(("scheme", "substeps"), [("tr-bdf2", 1), ("tr-bdf2", 3), ("backward-euler", 2)])
-def test_propagators_are_the_schemes_own_and_near_the_exact_solution(scheme: str, substeps: int) -> None:
+def test_propagators_follow_the_time_scheme_and_the_exact_solution(scheme: str, substeps: int) -> None:
     settings = FemSettings(dt_s=1 / 400, substeps=substeps, scheme=scheme)  # pyright: ignore[reportArgumentType]
     omega, damping = 2 * np.pi * 0.7, 0.25
     step = propagators(np.array([omega]), np.array([damping]), settings)
@@ -110,14 +110,14 @@ def test_propagators_are_the_schemes_own_and_near_the_exact_solution(scheme: str
     assert np.abs(moved - exact).max() < (1e-4 if scheme == "tr-bdf2" else 5e-2)
 
 
-def test_ridge_fit_finds_what_made_the_data() -> None:
+def test_ridge_fit_recovers_the_coefficients_of_the_data() -> None:
     rng = np.random.default_rng(506)
     terms = rng.normal(size=(500, 6)) * 10.0 ** np.arange(-3, 3)
     truth = rng.normal(size=(6, 2))
     assert np.allclose(ridge_fit(terms, terms @ truth, 1e-12), truth, rtol=1e-6)
 
 
-def test_training_winds_are_the_same_every_time_and_within_the_design_speed() -> None:
+def test_training_winds_are_deterministic_and_within_the_design_speed() -> None:
     first, second = training_winds(10.0, 1 / 30), training_winds(10.0, 1 / 30)
     top = training_winds(10.0, 1 / 30, seed=2)
     assert [wind.name for wind in first] == [wind.name for wind in second]

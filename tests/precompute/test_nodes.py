@@ -1,4 +1,4 @@
-"""Nodes: vertices that move alike share one, and none strays further than it may."""
+"""Nodes: vertices that move alike share a node, and none deviates from it beyond the tolerance."""
 
 import numpy as np
 import scipy.sparse
@@ -14,7 +14,7 @@ def bending(v: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return basis, np.stack([0 * height, height, 0 * height], axis=1)
 
 
-def test_no_vertex_strays_further_than_the_tolerance() -> None:
+def test_no_vertex_deviates_beyond_the_tolerance() -> None:
     basis, vertices = bending(3000, 1)
     nodes = make_nodes(basis, vertices, np.array([0.5, 0.2]), 0.005)
     rows = (nodes.basis[nodes.vertex_node] - basis) * np.array([0.5, 0.2])
@@ -23,12 +23,12 @@ def test_no_vertex_strays_further_than_the_tolerance() -> None:
     assert nodes.vertex_node.max() < len(nodes.rest_m)
 
 
-def test_the_number_of_nodes_is_capped() -> None:
+def test_the_number_of_nodes_is_limited() -> None:
     basis, vertices = bending(3000, 2)
     assert len(make_nodes(basis, vertices, np.ones(2), 1e-9, max_nodes=50).rest_m) <= 50
 
 
-def test_a_stout_pole_that_hardly_moves_still_bends() -> None:
+def test_a_stiff_pole_that_hardly_moves_still_bends() -> None:
     basis, vertices = bending(2000, 4)
     q_rms = np.array([1e-4, 0.5e-4])
     sway_m = largest_motion_m(basis, q_rms)
@@ -40,14 +40,14 @@ def test_a_stout_pole_that_hardly_moves_still_bends() -> None:
     assert moved[vertices[:, 1] < 1].max() < 0.05 < 0.9 < moved[vertices[:, 1] > 9.9].min()
 
 
-def test_vertices_with_one_motion_share_a_node() -> None:
+def test_vertices_with_equal_motion_share_a_node() -> None:
     basis, vertices = bending(50, 3)
     twice = make_nodes(np.repeat(basis, 4, axis=0), np.repeat(vertices, 4, axis=0), np.ones(2), 1e-6)
     assert (twice.vertex_node.reshape(50, 4) == twice.vertex_node.reshape(50, 4)[:, :1]).all()
     assert twice.max_error_m < 1e-6
 
 
-def test_render_basis_is_the_weighted_mean_of_its_holders() -> None:
+def test_render_basis_is_the_weighted_mean_of_its_vertices() -> None:
     rng = np.random.default_rng(4)
     basis, weights = rng.normal(size=(6, 3, 2)), rng.dirichlet(np.ones(4), 10)
     holders = np.array([rng.choice(6, 4, replace=False) for _ in range(10)])

@@ -1,4 +1,4 @@
-"""The whole way on a small tree: from bytes of a mesh to a table that moves, and how it is stopped."""
+"""The build pipeline on a small tree: from a mesh file to a table, artefacts, cancellation and resumption."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -29,12 +29,12 @@ OPTIONS = BuildOptions(
 
 @dataclass
 class Built:
-    """A build and everything that it told on the way."""
+    """A build with all its progress reports and artefacts."""
 
     cache: Path
-    told: list[Progress] = field(default_factory=list[Progress])
+    progress: list[Progress] = field(default_factory=list[Progress])
     out: dict[str, bytes] = field(default_factory=dict[str, bytes])
-    left_at_early: int = 0
+    left_at_preliminary: int = 0
     result: BuildResult | None = None
 
     def sampled(self, tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
@@ -42,7 +42,7 @@ class Built:
             run_task(task)
             done(count)
             if "preliminary.table" not in self.out:
-                self.left_at_early = len(tasks) - count
+                self.left_at_preliminary = len(tasks) - count
         return [task.path for task in tasks]
 
 
@@ -56,7 +56,7 @@ def built(mesh: bytes, tmp_path_factory: pytest.TempPathFactory) -> Built:
     build = Built(cache_with_tets(tmp_path_factory.mktemp("built") / "cache", tmp_path_factory))
     publish = build.out.__setitem__
     build.result = build_table(
-        mesh, "tree.glb", OPTIONS, build.sampled, build.told.append, build.cache, publish
+        mesh, "tree.glb", OPTIONS, build.sampled, build.progress.append, build.cache, publish
     )
     return build
 
@@ -69,11 +69,11 @@ def in_this_process(tasks: Sequence[SampleTask], done: Callable[[int], None]) ->
 
 def test_a_mesh_becomes_a_table_that_moves(built: Built) -> None:
     assert built.result
-    table, told = decode(built.result.table), built.told
-    assert told[0].stage == "import"
-    assert told[-1].stage == "done"
-    assert told[-1].fraction == 1.0
-    assert all(a.fraction <= b.fraction + 1e-9 for a, b in pairwise(told))
+    table, reports = decode(built.result.table), built.progress
+    assert reports[0].stage == "import"
+    assert reports[-1].stage == "done"
+    assert reports[-1].fraction == 1.0
+    assert all(a.fraction <= b.fraction + 1e-9 for a, b in pairwise(reports))
     assert table.metadata["species"] == "maple"
     assert sum(p["vertices"] for p in table.metadata["primitives"]) == len(table.vertex_node)
     forest = PaperForest(table, 1)
@@ -82,7 +82,7 @@ def test_a_mesh_becomes_a_table_that_moves(built: Built) -> None:
     assert 0 < np.abs(forest.q).max() < 5.0
 
 
-def test_the_report_tells_of_every_stage_and_of_the_reference(built: Built) -> None:
+def test_the_report_covers_every_stage_and_the_reference_model(built: Built) -> None:
     assert built.result
     report = built.result.report
     assert set(report["seconds"]) >= {"import", "meshing", "sampling", "table"}
@@ -93,39 +93,39 @@ def test_the_report_tells_of_every_stage_and_of_the_reference(built: Built) -> N
     assert reference["trajectory_error"] < 0.2
 
 
-def test_pictures_and_an_early_table_are_handed_out_on_the_way(built: Built) -> None:
+def test_pictures_and_a_preliminary_table_are_published_during_the_build(built: Built) -> None:
     assert set(built.out) >= {"tetrahedra.png", "skeleton.png", "preliminary.table"}
     for name in ("tetrahedra.png", "skeleton.png"):
         assert built.out[name].startswith(b"\x89PNG")
         assert len(built.out[name]) <= 200_000
     assert built.result
     preliminary, whole = decode(built.out["preliminary.table"]), decode(built.result.table)
-    assert built.left_at_early > 30
+    assert built.left_at_preliminary > 30
     assert preliminary.metadata["provenance"]["preliminary"] is True
     assert "preliminary" not in whole.metadata["provenance"]
     assert 0 < len(preliminary.dq) < len(whole.dq) / 2
     assert preliminary.metadata["mesh_sha256"] == whole.metadata["mesh_sha256"]
 
 
-def test_a_stopped_build_goes_on_from_what_is_stored(mesh: bytes, built: Built) -> None:
-    """One run was torn by the stop, one was not made, all others are there: only these two are made."""
-    made: list[str] = []
+def test_an_interrupted_build_continues_from_the_cache(mesh: bytes, built: Built) -> None:
+    """One cached run is truncated and one is missing: only these two are simulated."""
+    simulated: list[str] = []
 
-    def told(tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
-        made.extend(task.wind.name for task in tasks if not task.path.exists())
+    def run(tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
+        simulated.extend(task.wind.name for task in tasks if not task.path.exists())
         return in_this_process(tasks, done)
 
     runs = sorted((built.cache / "trajectories").glob("*.npz"))
     runs[3].unlink()
     runs[7].write_bytes(runs[7].read_bytes()[:-100])
-    again = build_table(mesh, "tree.glb", OPTIONS, told, cache_dir=built.cache)
-    assert len(made) == 2
+    again = build_table(mesh, "tree.glb", OPTIONS, run, cache_dir=built.cache)
+    assert len(simulated) == 2
     assert built.result
     assert again.table == built.result.table
 
 
 @pytest.mark.parametrize("stage", ["skeleton", "table"])
-def test_what_the_progress_raises_stops_the_build(mesh: bytes, built: Built, stage: str) -> None:
+def test_an_exception_in_the_progress_cancels_the_build(mesh: bytes, built: Built, stage: str) -> None:
     def stop(progress: Progress) -> None:
         if progress.stage == stage:
             raise Cancelled
@@ -134,6 +134,6 @@ def test_what_the_progress_raises_stops_the_build(mesh: bytes, built: Built, sta
         build_table(mesh, "tree.glb", OPTIONS, in_this_process, stop, built.cache)
 
 
-def test_what_is_no_tree_is_refused(tmp_path: Path) -> None:
+def test_a_file_that_is_not_a_mesh_is_refused(tmp_path: Path) -> None:
     with pytest.raises(MeshError):
         build_table(b"not a mesh at all", "tree.glb", OPTIONS, in_this_process, cache_dir=tmp_path)

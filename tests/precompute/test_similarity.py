@@ -1,4 +1,4 @@
-"""E_int against its definition, and the candidates against asking every record."""
+"""E_int against its definition in the paper (Eq. 12–14)."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from galewood.search.similarity import InternalStates, compared, mismatch_rows
 
 
 def naive_mismatches(states: InternalStates, c: int, j: int, rms: np.ndarray) -> int:
-    """Eq. 12–14 word by word: all nine entries of the block, ranges from record j."""
+    """Eq. 12–14 literally: all nine entries of the block, ranges from record j."""
     full = [[0, 3, 4], [3, 1, 5], [4, 5, 2]]
     count = 0
     for m in range(states.velocity.shape[1]):
@@ -26,7 +26,7 @@ def random_states(rng: np.random.Generator, z: int, q: int) -> InternalStates:
     return InternalStates(parts[..., :3], parts[..., 3:6], parts[..., 6:])
 
 
-def test_mismatches_are_those_of_the_definition() -> None:
+def test_mismatches_match_the_definition() -> None:
     rng = np.random.default_rng(1)
     states = random_states(rng, 30, 7)
     rms = [np.sqrt(np.mean(np.square(p, dtype=np.float64), axis=0)) for p in vars(states).values()]

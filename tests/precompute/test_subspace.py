@@ -1,4 +1,4 @@
-"""Reduced coordinates: exact where the motion is, optimal where it is not, and integers that do not drift."""
+"""Reduced coordinates: exact for low-rank motion, otherwise optimal; quantised without drift."""
 
 import numpy as np
 from galewood.reduction.pod import fit_subspace, quantise, thinned
@@ -10,7 +10,7 @@ def motion(seed: int, frames: int = 60, n: int = 40, rank: int = 5) -> tuple[np.
     return rng.normal(size=(frames, rank)) @ shapes, rng.uniform(0.5, 2.0, n)
 
 
-def test_finds_the_whole_motion_when_it_has_few_modes() -> None:
+def test_low_rank_motion_is_reproduced_exactly() -> None:
     snapshots, mass = motion(1)
     space = fit_subspace(snapshots, mass, 1e-9, least=1)
     assert space.modes == 5
@@ -19,7 +19,7 @@ def test_finds_the_whole_motion_when_it_has_few_modes() -> None:
     assert np.isclose(np.linalg.norm(space.basis, axis=1).max(axis=0), 1.0).all()
 
 
-def test_modes_are_orthogonal_in_mass_and_the_error_is_the_stated_one() -> None:
+def test_modes_are_mass_orthogonal_and_the_reported_error_is_correct() -> None:
     snapshots, mass = motion(2)
     space = fit_subspace(snapshots, mass, 0.3, least=1)
     gram = np.einsum("nik,n,nil->kl", space.basis, mass, space.basis)
@@ -30,7 +30,7 @@ def test_modes_are_orthogonal_in_mass_and_the_error_is_the_stated_one() -> None:
     assert error <= 0.3 or space.modes == 5
 
 
-def test_no_other_basis_of_the_size_leaves_less_energy() -> None:
+def test_the_basis_is_optimal_for_its_size() -> None:
     snapshots, mass = motion(3)
     space = fit_subspace(snapshots, mass, 1e9, least=2)
     weighted = snapshots * np.sqrt(np.repeat(mass, 3))
@@ -38,7 +38,7 @@ def test_no_other_basis_of_the_size_leaves_less_energy() -> None:
     assert np.isclose(space.energy_left, (singular[2:] ** 2).sum() / (singular**2).sum())
 
 
-def test_integers_add_up_without_drift() -> None:
+def test_quantised_increments_add_up_without_drift() -> None:
     rng = np.random.default_rng(4)
     tracks = [np.cumsum(rng.normal(size=(80, 4)), axis=0) * 0.01 for _ in range(3)]
     tracks = [track - track[0] for track in tracks]
@@ -49,6 +49,6 @@ def test_integers_add_up_without_drift() -> None:
         assert np.abs(sums - track[1:]).max() <= 0.5001 * scale
 
 
-def test_thins_evenly() -> None:
+def test_snapshots_are_thinned_evenly() -> None:
     runs = [np.zeros((181, 4, 3)), np.ones((4000, 4, 3))]
     assert 1300 < len(thinned(runs)) <= 1502

@@ -1,4 +1,4 @@
-"""The table file: back as it went, and refused when it cannot be trusted."""
+"""The table file: lossless round trip, and refusal of invalid files."""
 
 import json
 from dataclasses import replace
@@ -25,7 +25,7 @@ def rewritten(metadata: dict[str, object] | None = None, **tensors: np.ndarray |
     return save({name: value for name, value in content.items() if value is not None}, {"galewood": text})
 
 
-def test_comes_back_bit_for_bit() -> None:
+def test_the_round_trip_is_bit_identical() -> None:
     assert encode(TABLE) == FILE
     again = decode(encode(TABLE))
     for field, dtype, _ in TENSORS.values():
@@ -33,7 +33,7 @@ def test_comes_back_bit_for_bit() -> None:
         assert np.array_equal(getattr(again, field), getattr(TABLE, field))
 
 
-def test_poses_are_sums_inside_each_trajectory() -> None:
+def test_poses_are_prefix_sums_within_each_trajectory() -> None:
     pose = TABLE.pose()
     for start, end in zip(TABLE.trajectory[:-1], TABLE.trajectory[1:], strict=True):
         assert not pose[start].any()
@@ -65,12 +65,12 @@ def test_refuses_another_version_naming_both() -> None:
         {"pose_easing": True},
     ],
 )
-def test_refuses_metadata(metadata: dict[str, object]) -> None:
+def test_refuses_invalid_metadata(metadata: dict[str, object]) -> None:
     with pytest.raises(TableError):
         decode(rewritten(metadata))
 
 
-def test_refuses_tensors_missing_extra_and_of_another_type() -> None:
+def test_refuses_missing_unknown_and_mistyped_tensors() -> None:
     with pytest.raises(TableError, match=r"missing tensor samples\.dq"):
         decode(rewritten(samples__dq=None))
     with pytest.raises(TableError, match=r"unknown tensor samples\.more"):
@@ -80,14 +80,14 @@ def test_refuses_tensors_missing_extra_and_of_another_type() -> None:
 
 
 @pytest.mark.parametrize("name", ["modes.scale", "nodes.basis", "nodes.rest_m", "samples.pressure_pa"])
-def test_refuses_numbers_that_are_not_finite(name: str) -> None:
+def test_refuses_non_finite_numbers(name: str) -> None:
     values = getattr(TABLE, TENSORS[name][0]).copy()
     values.flat[0] = np.inf
     with pytest.raises(TableError, match=name):
         encode(changed(name, values))
 
 
-def test_refuses_a_sampled_range_that_lacks_a_coupled_speed() -> None:
+def test_refuses_a_sampled_range_without_all_coupled_speeds() -> None:
     limits = TABLE.modal_limits[:-1].copy()
     with pytest.raises(TableError, match=r"modal\.limits: expected 3, 5, … 9 numbers"):
         encode(changed("modal.limits", limits))

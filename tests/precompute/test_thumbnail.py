@@ -1,4 +1,4 @@
-"""The small picture of a tree: what is drawn where, and in which colours."""
+"""Thumbnails: positions, colours and depth order of what is drawn."""
 
 import io
 
@@ -12,7 +12,7 @@ FACES = np.array([[0, 1, 2], [0, 2, 3]])
 
 
 def part(label: str, low, high, z: float = 0.0) -> RawPart:
-    """A rectangle that faces the viewer."""
+    """A rectangle facing the viewer."""
     flat = np.array(low) + SQUARE * (np.array(high) - np.array(low))
     return RawPart((label,), np.column_stack([flat, np.full(4, z)]), FACES)
 
@@ -21,7 +21,7 @@ def pixels(*parts: RawPart) -> np.ndarray:
     return np.asarray(Image.open(io.BytesIO(draw(list(parts)))).convert("RGBA"), dtype=int)
 
 
-def test_a_trunk_and_a_crown_are_where_they_stand():
+def test_trunk_and_crown_are_drawn_in_place():
     picture = pixels(part("wood_0", (-0.1, 0), (0.1, 2)), part("leaves_0", (-1, 2), (1, 4)))
     assert picture.shape == (SIDE_PX, SIDE_PX, 4)
     trunk, crown, beside = picture[200, 128], picture[64, 128], picture[200, 20]
@@ -29,7 +29,7 @@ def test_a_trunk_and_a_crown_are_where_they_stand():
     assert trunk[0] > trunk[1] > trunk[2] and crown[1] > crown[0] > crown[2]
 
 
-def test_what_is_nearer_hides_what_is_behind():
+def test_near_parts_hide_far_parts():
     wood, leaves = part("wood_0", (0, 0), (1, 1), z=1.0), part("leaves_0", (0, 0), (1, 1), z=-1.0)
     for order in ((wood, leaves), (leaves, wood)):
         middle = pixels(*order)[128, 128]

@@ -1,4 +1,4 @@
-"""A real tree against beams, its generator, its own eigenvalues and the reference; the table of checks."""
+"""The checks of a whole tree, and the table of checks."""
 
 import pytest
 from galewood.verify.checks import absolute, relative, skipped
@@ -9,7 +9,7 @@ from galewood.verify.specimens import TARGETS
 from tests.precompute.apricot import apricot
 
 
-def test_every_check_of_a_whole_tree_passes():
+def test_all_checks_of_a_whole_tree_pass():
     checks = list(of_specimen(apricot(), frames=45))
     assert len(checks) >= 10
     assert not [check.line() for check in checks if not check.passed]
@@ -20,8 +20,8 @@ def test_the_first_frequency_hardly_depends_on_the_mesh():
     assert not [check.line() for check in checks if not check.passed]
 
 
-def test_a_tree_that_is_wrong_fails():
-    """The checks can fail: the same tree with twigs as heavy and stiff as the mesh has them."""
+def test_a_wrong_tree_fails():
+    """The checks can fail: without radius correction, without damping, and with linear elements."""
     from dataclasses import replace
 
     import numpy as np
@@ -38,7 +38,7 @@ def test_a_tree_that_is_wrong_fails():
     assert not any(check.passed for check in against_reference(linear, 20))
 
 
-def test_the_table_replaces_what_stood_between_its_markers():
+def test_the_table_replaces_the_text_between_its_markers():
     table = markdown([relative("a", 2.0, 2.1, "m", 0.1), absolute("b", 0.5, 0.1), skipped("c", "no reason")])
     assert [line.split(" | ")[-1] for line in table.splitlines()[2:]] == [
         "passed |",

@@ -1,4 +1,4 @@
-"""The golden walks are what Python does (the twin's test is tests/web/walks.test.ts)."""
+"""The golden steps match this implementation (the twin's test is tests/web/walks.test.ts)."""
 
 import json
 from pathlib import Path
@@ -6,16 +6,16 @@ from pathlib import Path
 import pytest
 from galewood.table.format import decode
 
-from tests.golden.make_walks import WINDS, stepper
+from tests.golden.make_walks import WINDS, step_digests
 
 GOLDEN = Path(__file__).parent.parent / "golden"
 
 
 @pytest.mark.parametrize("index", range(len(WINDS)))
-def test_walks_the_golden_records_under_every_wind(index: int) -> None:
+def test_matches_the_golden_records_and_poses_under_every_wind(index: int) -> None:
     table = decode((GOLDEN / "pole.safetensors").read_bytes())
     golden = json.loads((GOLDEN / "walks.json").read_text())["walks"][index]
-    found = stepper(table, WINDS[index])
+    found = step_digests(table, WINDS[index])
     assert found["records"] == golden["records"]
     for row, expected in zip(found["poses"], golden["poses"], strict=True):
         assert row == pytest.approx(expected, abs=1e-5 * float(table.metadata["height_m"]))

@@ -1,8 +1,8 @@
-"""A table beside the finite elements it was made from, on winds that were not sampled.
+"""Errors of a table's methods against the reference solution (FEM), on winds that were not sampled.
 
-Two sets of vertices are judged: the wood's own (the table's modes at the tetrahedra's vertices: what the
-method errs by, and what the modes leave out), and the render vertices as the viewer moves them (that many
-of them share a node is then in it too). ``floor`` says what is left if the method made no error at all.
+They are measured at two sets of vertices: the vertices of the wood's tetrahedra (error of the method and of
+the truncated basis), and the render vertices as the viewer moves them (also the error of vertices that share
+a node). ``floor`` is the error that would remain if the method itself were exact.
 """
 
 from __future__ import annotations
@@ -35,10 +35,11 @@ METHODS: dict[str, Make] = {
 
 
 def played(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, float]:
-    """(T, r) shown pose after each step of one tree of the table, and its largest coverage (1 if not told).
+    """Play one tree of the table under ``pressure_pa`` (T, 2).
 
-    A shown pose lies between two steps, and right after a step it is the older one: the track is taken a
-    frame later.
+    Returns its pose q (T, r) after each step and the largest extrapolation ratio (1 for methods without one).
+    A displayed pose lies between the last two steps and right after a step is the older of them, so the track
+    is recorded one frame later.
     """
     forest, dt_s = make(table), float(table.metadata["dt_s"])
     poses, extrapolation_ratio = [], 0.0
@@ -53,7 +54,7 @@ def played(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, float
 
 
 def nearest_sample(table: Table, pressure_pa: Floats) -> Floats:
-    """(T, r) the sampled run whose wind is nearest to this one, played over and over."""
+    """(T, r) q of the sampled run whose wind is nearest to this one (mean square), repeated."""
     starts = table.trajectory.astype(np.int64)
     places = [np.resize(np.arange(a, b), len(pressure_pa)) for a, b in pairwise(starts.tolist())]
     gaps = [float(np.mean((table.pressure_pa[place] - pressure_pa) ** 2)) for place in places]
@@ -73,11 +74,11 @@ def evaluate_table(
     workers: int = 2,
     winds: Mapping[str, Floats] | None = None,
 ) -> dict[str, Any]:
-    """Figures per unseen wind and method, beside a tree at rest and the nearest sampled run played back.
+    """Error figures per unseen wind and method, with a tree at rest and the nearest sampled run as baselines.
 
-    ``strength`` is the winds' peak over the design speed. With ``sway`` each wind is scaled until the finite
-    elements sway by that share of the height, or until it peaks at the design speed. ``winds`` are
-    names and pressures (T, 2) Pa in place of the default ones.
+    ``strength`` is the peak speed over the design speed. With ``sway`` each wind is instead scaled until the
+    reference solution sways by that share of the height, or until the wind peaks at the design speed. ``winds``
+    (pressures (T, 2) Pa by name) replace the default ones.
     """
     winds = winds or _winds(table, frames, strength if sway is None else 0.9, seed)
     tasks = reference_tasks(table, source, list(winds.values()), sway)
@@ -103,7 +104,7 @@ def _winds(table: Table, frames: int, strength: float, seed: int) -> dict[str, F
 def reference_tasks(
     table: Table, source: Source, winds: list[Floats], sway: float | None
 ) -> list[ReferenceTask]:
-    """What the finite elements have to run."""
+    """Reference runs of the winds (T, 2) Pa; ``sway`` as in ``evaluate_table``."""
     if sway is None:
         return [ReferenceTask(source.model_path, wind) for wind in winds]
     most_pa = float(dynamic_pressure(float(table.metadata["design_speed_m_s"])))
@@ -112,7 +113,7 @@ def reference_tasks(
 
 
 def compare_methods(table: Table, source: Source, reference: ReferenceRun, lead: int = 0) -> dict[str, Any]:
-    """Every method and both baselines on one wind, whose first frames are a lead-in."""
+    """Error figures of all methods and both baselines on one wind; ``lead`` frames of it are a lead-in."""
     pressure = reference.pressure_pa
     tracks = {method: played(table, pressure, make) for method, make in METHODS.items()}
     tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
@@ -129,15 +130,15 @@ def compare_methods(table: Table, source: Source, reference: ReferenceRun, lead:
 
 
 def compare(table: Table, source: Source, q: Floats, reference_m: Array, lead: int = 0) -> dict[str, Any]:
-    """Figures of poses (T, r) on the wood's vertices, and under ``seen`` on the render vertices."""
+    """Error figures of q (T, r) at the wood's vertices, and under ``rendered`` at the render vertices."""
     height_m = float(table.metadata["height_m"])
     wood, rendered = [], []
     for a in range(0, len(q), CHUNK):
-        pose, true = q[a : a + CHUNK], reference_m[a : a + CHUNK]
-        wood.append(errors(source.subspace.expand(pose), true))
+        pose, exact = q[a : a + CHUNK], reference_m[a : a + CHUNK]
+        wood.append(errors(source.subspace.expand(pose), exact))
         rendered.append(
             errors(
-                rendered_track(table, source, pose), rendered_reference(source, true), source.rendered.count
+                rendered_track(table, source, pose), rendered_reference(source, exact), source.rendered.count
             )
         )
     first = slice(0, 60)
@@ -151,29 +152,27 @@ def compare(table: Table, source: Source, q: Floats, reference_m: Array, lead: i
 
 
 def rendered_track(table: Table, source: Source, q: Floats) -> Floats:
-    """(T, s, 3) distinct render vertices, each as its node goes."""
+    """(T, s, 3) displacement of the distinct render vertices with their nodes, m."""
     nodes = np.einsum("nik,tk->tni", table.node_basis.astype(np.float64), q)
     return nodes[:, source.rendered.node]
 
 
 def rendered_reference(source: Source, reference_m: Array) -> Floats:
-    """(T, s, 3) distinct render vertices on the true wood."""
+    """(T, s, 3) displacement of the distinct render vertices with the reference solution (T, n, 3), m."""
     frames, n, _ = reference_m.shape
     flat = reference_m.astype(np.float64).transpose(1, 0, 2).reshape(n, -1)
     return np.asarray(source.rendered.binding @ flat).reshape(-1, frames, 3).transpose(1, 0, 2)
 
 
 def floor(table: Table, source: Source, reference_m: Array) -> dict[str, float]:
-    """What no method can mend: the modes' truncation, and render vertices that share a node, over the
-    height.
-    """
+    """Unavoidable errors over the height: truncated modes, and render vertices that share a node."""
     height_m, truncation, nodes = float(table.metadata["height_m"]), [], []
     for a in range(0, len(reference_m), CHUNK):
-        true = reference_m[a : a + CHUNK].astype(np.float64)
-        q = source.subspace.project(true)
-        truncation.append(errors(source.subspace.expand(q), true))
+        exact = reference_m[a : a + CHUNK].astype(np.float64)
+        q = source.subspace.project(exact)
+        truncation.append(errors(source.subspace.expand(q), exact))
         nodes.append(
-            errors(rendered_track(table, source, q), rendered_reference(source, true), source.rendered.count)
+            errors(rendered_track(table, source, q), rendered_reference(source, exact), source.rendered.count)
         )
     return {
         "truncation": float(joined(truncation).largest_m.max() / height_m),

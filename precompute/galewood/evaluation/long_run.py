@@ -1,13 +1,15 @@
-"""Ten minutes of gusts beside the finite elements, window by window; and winds far beyond what was sampled.
+"""Errors over ten minutes of gusts, window by window, and behaviour far beyond the sampled winds.
 
-The gusts of every window are the same and only their heading turns, once around over the whole run: an
-error that grows from window to window is drift, and not a stronger wind.
+The gusts of all windows are the same; only their heading turns, once around over the whole run. An error that
+grows from window to window is therefore drift and not an effect of a stronger wind.
 """
 
 from __future__ import annotations
 
 import hashlib
+import importlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,15 +23,19 @@ from galewood.evaluation.winds import long_gusts
 from galewood.fem import Simulator
 from galewood.player import ModalForest
 from galewood.sampling import content_hash
-from galewood.table import Table
+from galewood.table import Table, encode
 from galewood.util import Floats
 from galewood.wind import dynamic_pressure
 
-LONG_VERSION = 1
+METHOD_PACKAGES = tuple(
+    f"galewood.{name}" for name in ("modal", "player", "search", "fem", "wind", "evaluation")
+)
+"""Packages whose code decides the result of a long run: both methods, the reference solution, the errors."""
 WINDOW = 1500
 PIECE = 100
+"""Frames of a window, and of the pieces that are held in memory."""
 BEYOND = 2.0
-"""Times the strongest sampled pressure."""
+"""Pressure of `beyond` over the pressure of the design speed."""
 METHODS_SHOWN = ("modal", "paper")
 
 
@@ -43,14 +49,12 @@ def long_run(
     sway: float,
     seed: int,
 ) -> dict[str, Any]:
-    """Errors over windows of 1,500 frames of gusts that sway the tree by that share of its height.
+    """Errors in windows of 1,500 frames under gusts that sway the tree by ``sway`` times its height.
 
-    Kept in the cache by the content of the table, of the model and of the wind.
+    The result is cached under ``cache_dir``/evaluations by ``long_run_key``.
     """
-    digest = hashlib.sha256(f"{LONG_VERSION} {content_hash(source.model)} {frames} {sway} {seed}".encode())
-    for tensor in (*vars(table.modal).values(), table.node_basis, table.candidate):
-        digest.update(np.ascontiguousarray(tensor).tobytes())
-    kept = cache_dir / "evaluations" / f"{digest.hexdigest()}.json"
+    key = long_run_key(table, source, frames=frames, sway=sway, seed=seed)
+    kept = cache_dir / "evaluations" / f"{key}.json"
     if kept.exists():
         return json.loads(kept.read_text())
     found = _run(table, source, _wind(table, source, cache_dir, frames, sway, seed), on_progress)
@@ -59,8 +63,29 @@ def long_run(
     return found
 
 
+def long_run_key(table: Table, source: Source, *, frames: int, sway: float, seed: int) -> str:
+    """SHA-256 of everything that decides a long run: its settings, the model, table, modes and code."""
+    digest = hashlib.sha256(f"{content_hash(source.model)} {frames} {sway} {seed}".encode())
+    digest.update(encode(table))
+    digest.update(np.ascontiguousarray(source.subspace.basis).tobytes())
+    digest.update(source_hash(METHOD_PACKAGES).encode())
+    return digest.hexdigest()
+
+
+def source_hash(packages: Sequence[str]) -> str:
+    """SHA-256 of the Python sources of the named packages. Raises ImportError for an unknown package."""
+    digest = hashlib.sha256()
+    for name in packages:
+        for folder in map(Path, importlib.import_module(name).__path__):
+            for path in sorted(folder.rglob("*.py")):
+                content = path.read_bytes()
+                digest.update(f"{name} {path.relative_to(folder).as_posix()} {len(content)}\n".encode())
+                digest.update(content)
+    return digest.hexdigest()
+
+
 def _wind(table: Table, source: Source, cache_dir: Path, frames: int, sway: float, seed: int) -> Floats:
-    """The gusts, scaled until their first window sways the tree as asked."""
+    """(frames, 2) Pa: the gusts, scaled so that their first window sways the tree as requested."""
     speed_m_s, dt_s = float(table.metadata["design_speed_m_s"]), float(table.metadata["dt_s"])
     wind = long_gusts(seed, frames, min(WINDOW, frames), dt_s, 0.8 * speed_m_s)
     first = wind[: min(WINDOW, frames)]
@@ -79,7 +104,7 @@ def _run(table: Table, source: Source, wind: Floats, on_progress: OnProgress) ->
     forests = {name: METHODS[name](table) for name in METHODS_SHOWN}
     dt_s, height_m = float(table.metadata["dt_s"]), float(table.metadata["height_m"])
     parts: dict[str, list[ErrorByFrame]] = {name: [] for name in forests}
-    late: dict[str, Floats] = {}  # what is shown right after a step is the pose before it
+    late: dict[str, Floats] = {}  # right after a step, q is the pose before that step
     for start in range(0, len(wind), PIECE):
         on_progress(start / len(wind), f"Frame {start:,} of {len(wind):,}")
         piece = wind[start : start + PIECE]
@@ -92,7 +117,7 @@ def _run(table: Table, source: Source, wind: Floats, on_progress: OnProgress) ->
                 forest.advance(dt_s, [pressure[0]], [pressure[1]])
                 tracks[name][k] = forest.q[0]
         for name, track in tracks.items():
-            # a pose behind: compared with the truth a frame earlier
+            # The poses lag by one frame: compare them with the reference solution one frame earlier.
             shifted = np.concatenate(
                 [late.get(f"reference-{name}", np.zeros((1, *reference.shape[1:]))), reference[:-1]]
             )
@@ -107,11 +132,11 @@ def _run(table: Table, source: Source, wind: Floats, on_progress: OnProgress) ->
 
 
 def beyond(table: Table, source: Source, *, times: float = BEYOND, frames: int = 1800) -> dict[str, float]:
-    """The drift-free method under so many times the strongest sampled pressure, back and forth, then still
-    air.
+    """Play the modal model far beyond the sampled winds, then in still air.
 
-    The largest displacement of any of the wood's vertices over the height, the largest coverage, and what
-    is left after 4 minutes of still air.
+    The pressure is ``times`` that of the design speed and changes sign every 45 frames. Returns the largest
+    displacement of a vertex of the wood over the height, the largest extrapolation ratio, and the largest
+    coordinate q left after 4 minutes of still air, m.
     """
     forest = METHODS["modal"](table)
     assert isinstance(forest, ModalForest)

@@ -1,7 +1,7 @@
-"""How far one motion of vertices is from the true one: every figure of an evaluation, by its definition.
+"""Error figures of an evaluation: distances between a motion of vertices and the reference solution.
 
-All lengths are over the tree's height unless said otherwise; ``sway`` is the farthest that any vertex of
-the true motion goes from rest.
+Lengths are over the tree's height unless their name ends in a unit; ``sway`` is the largest displacement of
+any vertex of the reference solution from rest.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from scipy.spatial import KDTree
 from galewood.util import Array, Floats
 
 FRAMES_SHOWN = (20, 22, 40, 60)
-"""The paper's own frames (its Fig. 3), from 1."""
+"""Frames of the paper's Fig. 3, counted from 1."""
 CHUNK = 64
 STILL = 1e-3
-"""A half in which the tree sways less than this share of its height has no growth to speak of."""
+"""Growth relative to the sway is undefined if a half sways by less than this share of the height."""
 
 
 @dataclass(frozen=True)
 class ErrorByFrame:
-    """Per frame: the largest error and the mean of its square, and the true motion's largest displacement."""
+    """Per frame (T,): largest error, mean squared error, and largest displacement of the reference."""
 
     largest_m: Floats
     mean_square_m2: Floats
@@ -31,26 +31,26 @@ class ErrorByFrame:
 
 
 def errors(track: Array, reference: Array, weight: Array | None = None) -> ErrorByFrame:
-    """Of two motions (T, n, 3); ``weight`` (n,) is how many vertices each stands for, in the mean."""
+    """Errors between two motions (T, n, 3), m; ``weight`` (n,) is how many vertices each one represents."""
     gap = np.sqrt(np.square(track.astype(np.float64) - reference).sum(axis=2))
     sway = np.sqrt(np.square(reference, dtype=np.float64).sum(axis=2).max(axis=1))
     return ErrorByFrame(gap.max(axis=1), np.average(gap**2, axis=1, weights=weight), sway)
 
 
 def joined(parts: list[ErrorByFrame]) -> ErrorByFrame:
-    """One run from its pieces."""
+    """Concatenate the pieces of a run."""
     names = ErrorByFrame.__dataclass_fields__
     return ErrorByFrame(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
 
 
 def after(error: ErrorByFrame, lead: int) -> ErrorByFrame:
-    """A run without its first frames."""
+    """Drop the first ``lead`` frames of a run."""
     names = ErrorByFrame.__dataclass_fields__
     return ErrorByFrame(**{name: getattr(error, name)[lead:] for name in names})
 
 
 def figures(error: ErrorByFrame, height_m: float, lead: int = 0) -> dict[str, Any]:
-    """Figures of one motion of one set of vertices; growth is that after so many frames of lead-in."""
+    """Figures of one motion of one set of vertices; growth is measured after ``lead`` frames."""
     largest, sway = error.largest_m, max(float(error.sway_m.max()), 1e-12)
     rms = float(np.sqrt(error.mean_square_m2.mean()))
     shown = [frame for frame in FRAMES_SHOWN if frame <= len(largest)]
@@ -68,8 +68,9 @@ def figures(error: ErrorByFrame, height_m: float, lead: int = 0) -> dict[str, An
 
 
 def growth(error: ErrorByFrame, height_m: float) -> dict[str, float | None]:
-    """Largest error of the second half over that of the first; and the same of each half's error over its
-    sway.
+    """Largest error of the second half over that of the first, plain and relative to each half's sway.
+
+    None where the first half has no error, or where a half hardly moves (``STILL``).
     """
     half = len(error.largest_m) // 2
     first, second = error.largest_m[:half].max(), error.largest_m[half:].max()
@@ -82,12 +83,12 @@ def growth(error: ErrorByFrame, height_m: float) -> dict[str, float | None]:
 
 
 def hausdorff(a: Floats, b: Floats) -> float:
-    """The farthest that a point of either set (n, 3) is from the other set, m."""
+    """Symmetric Hausdorff distance of two point sets (n, 3) and (m, 3), m."""
     return float(max(KDTree(a).query(b)[0].max(), KDTree(b).query(a)[0].max()))
 
 
 def hausdorff_by_frame(rest_m: Floats, track: Array, reference: Array, height_m: float) -> dict[str, float]:
-    """Of the displaced vertices at the paper's frames."""
+    """Hausdorff distance over the height of the displaced vertices, at the frames of the paper."""
     shown = [frame for frame in FRAMES_SHOWN if frame <= len(track)]
     return {
         str(frame): hausdorff(rest_m + track[frame - 1], rest_m + reference[frame - 1]) / height_m
@@ -96,7 +97,7 @@ def hausdorff_by_frame(rest_m: Floats, track: Array, reference: Array, height_m:
 
 
 def windows(error: ErrorByFrame, frames: int, height_m: float) -> list[dict[str, float]]:
-    """Error and sway of every full window of so many frames."""
+    """Errors and sway of every complete window of ``frames`` frames."""
     whole = len(error.largest_m) // frames
     split = (slice(k * frames, (k + 1) * frames) for k in range(whole))
     return [

@@ -1,4 +1,4 @@
-"""The errors of an evaluation over time, one panel a wind, in the style of the paper's Fig. 3."""
+"""Plots the errors of an evaluation over time, one panel per wind, in the style of the paper's Fig. 3."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 FLOOR = 1e-6
-"""Errors below this share of the height are drawn at it."""
+"""Errors are drawn no smaller than this share of the height."""
 STYLES = {
     "modal": ("#1b7f5c", 1.4, "-"),
     "paper": ("#c2571a", 1.0, "-"),
@@ -18,13 +18,13 @@ MARKED = (20, 40, 60)
 
 
 def plot_errors(figures: dict[str, Any], path: Path) -> None:
-    """Write a picture (PNG, SVG or PDF by its name) of what ``evaluate_table`` found."""
+    """Plot the figures of ``evaluate_table`` to a file (PNG, SVG or PDF by its suffix)."""
     path.parent.mkdir(parents=True, exist_ok=True)
     error_figure(figures).savefig(path, dpi=110)
 
 
 def error_figure(figures: dict[str, Any]) -> Any:
-    """The figure itself, for who wants to save it otherwise."""
+    """Create the figure without saving it."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.0, 1.5 * len(figures) + 0.8), layout="constrained")

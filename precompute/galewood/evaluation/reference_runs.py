@@ -1,6 +1,4 @@
-"""The finite elements' own motion under given winds: in processes, kept by content, so that nothing runs
-twice.
-"""
+"""Reference solutions (FEM) under given winds, computed in worker processes and cached by content."""
 
 from __future__ import annotations
 
@@ -19,16 +17,18 @@ from galewood.fem import Simulator, load_model
 from galewood.util import Floats, write_arrays
 
 REFERENCE_VERSION = 1
-"""Part of every run's hash: raise it when the simulation or this file changes what is recorded."""
+"""Part of every cache key: increase it when a change of the simulation or this file changes the result."""
 ROUNDS = 6
+"""Largest number of runs to find the scale of a wind."""
 WITHIN = 0.02
-"""A wind is scaled until the sway is this near to what was asked, relatively."""
+"""Relative tolerance of the sway that a wind is scaled to."""
 
 
 @dataclass(frozen=True)
 class ReferenceTask:
-    """A wind (T, 2) Pa to run. With ``sway_m``, it is scaled until the tree just sways so far, or until its
-    peak is ``most_pa``.
+    """A wind (T, 2) Pa to run on a model file.
+
+    With ``sway_m`` the wind is scaled until the tree sways that far, or until its peak is ``most_pa``.
     """
 
     model: Path
@@ -39,14 +39,14 @@ class ReferenceTask:
 
 @dataclass(frozen=True)
 class ReferenceRun:
-    """What ran: the wind as scaled (T, 2) Pa and the vertices' displacement after each step, m."""
+    """The wind after scaling (T, 2), Pa, and the displacement of the vertices after each step, m."""
 
     pressure_pa: Floats
     displacement_m: npt.NDArray[np.float32]  # (T, n, 3)
 
 
 def reference_path(task: ReferenceTask, cache_dir: Path) -> Path:
-    """Where a run is kept. The model's file name is its content's hash."""
+    """Cache file of a run. The name of the model file is the hash of its content."""
     digest = hashlib.sha256(f"{REFERENCE_VERSION} {task.model.stem} {task.sway_m} {task.most_pa}".encode())
     digest.update(np.ascontiguousarray(task.pressure_pa, np.float64).tobytes())
     return cache_dir / "references" / f"{digest.hexdigest()}.npz"
@@ -55,7 +55,10 @@ def reference_path(task: ReferenceTask, cache_dir: Path) -> Path:
 def run_references(
     tasks: Sequence[ReferenceTask], cache_dir: Path, done: Callable[[int], None], workers: int = 2
 ) -> list[Path]:
-    """Run what is missing, telling after each how many are done; the files, in the tasks' order."""
+    """Simulate the runs that are not cached and return all files in the order of the tasks.
+
+    ``done`` is called with the number of finished tasks. Raises FloatingPointError for a diverging run.
+    """
     paths = [reference_path(task, cache_dir) for task in tasks]
     missing = [(task, path) for task, path in zip(tasks, paths, strict=True) if not path.exists()]
     ready = len(tasks) - len(missing)
@@ -83,7 +86,7 @@ def _run_in_processes(
 
 
 def run_reference(task: ReferenceTask, path: Path) -> None:
-    """Run one wind and write it, atomically."""
+    """Simulate one wind and write the result atomically."""
     simulator = _simulator(task.model)
     reference = follow(simulator, task.pressure_pa)
     if task.sway_m is not None:
@@ -92,13 +95,13 @@ def run_reference(task: ReferenceTask, path: Path) -> None:
 
 
 def read_reference_run(path: Path) -> ReferenceRun:
-    """Read what ``run_truth`` wrote."""
+    """Read a file that ``run_reference`` wrote."""
     with np.load(path, allow_pickle=False) as arrays:
         return ReferenceRun(arrays["pressure_pa"], arrays["displacement_m"])
 
 
 def follow(simulator: Simulator, pressure_pa: Floats) -> ReferenceRun:
-    """Run a wind from gravity rest."""
+    """Simulate a wind (T, 2) Pa from gravity rest."""
     simulator.reset()
     track = np.empty((len(pressure_pa), simulator.model.vertex_count, 3), np.float32)
     for frame, pressure in enumerate(pressure_pa):
@@ -108,12 +111,12 @@ def follow(simulator: Simulator, pressure_pa: Floats) -> ReferenceRun:
 
 
 def sway_of(reference: ReferenceRun) -> float:
-    """The farthest that any vertex goes from rest, m."""
+    """Largest displacement of any vertex from rest, m."""
     return float(np.sqrt(np.square(reference.displacement_m).sum(axis=2).max()))
 
 
 def _scaled(simulator: Simulator, reference: ReferenceRun, sway_m: float, most_pa: float) -> ReferenceRun:
-    """The wind times the factor that brings the sway asked for: sway grows a little less than the wind."""
+    """Scale the wind to reach ``sway_m`` by fixed-point iteration; sway grows slightly less than the wind."""
     for _ in range(ROUNDS):
         gap, peak = (
             sway_m / max(sway_of(reference), 1e-9),
@@ -122,18 +125,20 @@ def _scaled(simulator: Simulator, reference: ReferenceRun, sway_m: float, most_p
         factor = min(gap, 3.0, most_pa / max(float(peak), 1e-9))
         if abs(gap - 1.0) <= WITHIN or abs(factor - 1.0) <= 1e-3:
             break
-        reference = _followed_if_it_can(simulator, reference.pressure_pa, factor)
+        reference = _follow_scaled(simulator, reference.pressure_pa, factor)
     return reference
 
 
-def _followed_if_it_can(simulator: Simulator, pressure_pa: Floats, factor: float) -> ReferenceRun:
-    """A wind beyond what the finite elements bear is tried nearer to the last."""
+def _follow_scaled(simulator: Simulator, pressure_pa: Floats, factor: float) -> ReferenceRun:
+    """Simulate the wind times ``factor``; if the simulation diverges, retry with a factor nearer to 1."""
     for _ in range(4):
         try:
             return follow(simulator, pressure_pa * factor)
         except FloatingPointError:
             factor = 1.0 + 0.5 * (factor - 1.0)
-    raise FloatingPointError("the finite elements do not bear the sway that was asked for")
+    raise FloatingPointError(
+        "the simulation diverges before it reaches the requested sway: request a smaller sway"
+    )
 
 
 @lru_cache(maxsize=1)

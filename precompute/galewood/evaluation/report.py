@@ -1,4 +1,4 @@
-"""What ``galewood evaluate`` does, from files to figures."""
+"""Implements ``galewood evaluate``: reads the files, runs the evaluation and collects its figures."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from galewood.evaluation.source import SourceError, source_of
 from galewood.table import decode
 
 DEFINITIONS = {
-    "max_error": "largest distance of a vertex from where the finite elements have it, over the height",
+    "max_error": "largest distance of a vertex from the reference solution, over the height",
     "rms_error": "root mean square of that distance over all vertices and frames, over the height",
-    "max_error_of_sway": "the same over the largest displacement in this run (reference_sway × height)",
+    "max_error_of_sway": "largest error over the largest displacement of the run (reference_sway × height)",
     "late_error": "largest error in the last sixth of the run, over the height",
-    "growth": "largest error of the second half over the first's, after the lead-in of winds that repeat",
-    "growth_of_sway": "the same with each half's error over its own sway; none where a half hardly moves",
-    "hausdorff": "symmetric Hausdorff distance of the wood's displaced vertices, by frame, over the height",
-    "rendered": "the same figures for the render vertices as the viewer moves them, by nodes",
-    "floor": "without the method's own error: truncation of the modes, and vertices that share a node",
-    "extrapolation_ratio": "sway or pressure over its largest sampled value; above 1 it is extrapolated",
+    "growth": "largest error of the second half over that of the first, after the lead-in of repeating winds",
+    "growth_of_sway": "growth with each half's error divided by its sway; null where a half hardly moves",
+    "hausdorff": "symmetric Hausdorff distance of the wood's displaced vertices over the height, by frame",
+    "rendered": "the same figures at the render vertices, which the viewer moves with their nodes",
+    "floor": "error without that of the method: truncation of the modes, and vertices that share a node",
+    "extrapolation_ratio": "sway or pressure over the largest sampled value; above 1: extrapolation",
 }
 
 
@@ -41,10 +41,11 @@ def run_evaluation(
     workers: int,
     reference_dir: Path | None = None,
 ) -> dict[str, Any]:
-    """Everything asked for, as JSON-able figures.
+    """Evaluate a table file and return JSON-able figures.
 
-    The reference runs are kept in ``reference_dir``, else in the cache. Raises SourceError, MeshError, and
-    FloatingPointError under a wind that the finite elements cannot follow.
+    Reference runs are cached in ``reference_dir``, by default in ``cache_dir``. ``plot`` is a picture to
+    write, ``long`` the number of frames of the long run (0: none). Raises TableError, SourceError, MeshError,
+    and FloatingPointError if a reference simulation diverges.
     """
     decoded = decode(table.read_bytes())
     source = source_of(
@@ -76,13 +77,13 @@ def run_evaluation(
 
 
 def mesh_of(table: Path) -> Path:
-    """The render mesh that ``galewood build`` writes beside a table."""
+    """The render mesh that ``galewood build`` writes beside a table. Raises SourceError."""
     beside = table.with_suffix(".glb")
     if not beside.exists():
-        raise SourceError(f"{beside} is not there: name the mesh of the table (--mesh)")
+        raise SourceError(f"{beside} does not exist: give the mesh of the table with --mesh")
     return beside
 
 
 def share(on_progress: OnProgress, first: float, last: float) -> OnProgress:
-    """A tick that moves through a part of the whole."""
+    """Map progress 0..1 to ``first``..``last`` of the whole."""
     return lambda fraction, message: on_progress(first + (last - first) * fraction, message)

@@ -1,8 +1,8 @@
-"""What a table was built from: its finite-element model, its modes on the wood, its rendered vertices.
+"""Recovers what a table was built from: its finite-element model, its modes on the wood, its render vertices.
 
-The table file does not hold them. The model is in the build's cache under the hash that the table's
-provenance names, the mesh is beside the table or where the user says, and the modes follow from the same
-training runs as in the build. Each of them is checked against the table.
+The table file does not contain them. The model is in the cache of the build, under the hash in the table's
+provenance; the mesh is beside the table or given by the user; the modes are computed again from the training
+runs of the build. Each is checked against the table.
 """
 
 from __future__ import annotations
@@ -33,33 +33,33 @@ OnProgress = Callable[[float, str], None]
 
 
 class SourceError(ValueError):
-    """The model or the mesh of a table is not to be found, or is not the table's."""
+    """The model or the mesh of a table is missing or belongs to another table."""
 
 
 @dataclass(frozen=True)
 class RenderedVertices:
-    """The render vertices, those that move alike taken once: s distinct ones stand for v."""
+    """The s distinct render vertices that represent all v: vertices with equal motion are counted once."""
 
-    binding: scipy.sparse.csr_matrix  # (s, n) on the tet vertices
+    binding: scipy.sparse.csr_matrix  # (s, n) weights on the tet vertices
     node: Int64s  # (s,)
-    count: Int64s  # (s,) render vertices that each stands for
+    count: Int64s  # (s,) render vertices that each one represents
 
 
 @dataclass(frozen=True)
 class Source:
-    """The finite-element model of a table and the table's modes on it."""
+    """The finite-element model of a table and the table's modes on its vertices."""
 
     model: FemModel
     model_path: Path
     mesh: TetMesh
     tree: TreeMesh
-    binding: scipy.sparse.csr_matrix  # (v, n) render vertices on the wood's
+    binding: scipy.sparse.csr_matrix  # (v, n) weights of the render vertices on the tet vertices
     subspace: Subspace
     rendered: RenderedVertices
 
     @property
     def rest_m(self) -> Floats:
-        """(n, 3) the wood's vertices at gravity rest."""
+        """(n, 3) vertices of the wood at gravity rest, m."""
         n = self.model.vertex_count
         return self.model.nodes_m[:n] + self.model.u_rest[:n]
 
@@ -73,8 +73,10 @@ def source_of(
     model: Path | None = None,
     workers: int = 2,
 ) -> Source:
-    """Find everything again. Raises SourceError with what to do, MeshError for a mesh that cannot be
-    read.
+    """Recover the source of a table from its mesh and the cache of its build.
+
+    ``model`` is the model file if the cache lacks it. Raises SourceError if something is missing or does not
+    match the table, and MeshError for an unreadable mesh.
     """
     on_progress(0.0, "Finding the model")
     metadata = table.metadata
@@ -84,30 +86,32 @@ def source_of(
     on_progress(0.1, "Reading the mesh")
     tree = read_mesh(table, mesh)
     binding = render_binding(tree, tets)
-    on_progress(0.3, "Reading the sampled motion")
+    on_progress(0.3, "Reading the simulated runs")
     subspace = shown_modes(table, fem, tets, cache_dir, workers)
     check_basis(table, binding, subspace)
-    on_progress(1.0, "Found the model")
+    on_progress(1.0, "Done")
     rendered = distinct(binding, table.vertex_node.astype(np.int64))
     return Source(fem, model_path, tets, tree, binding, subspace, rendered)
 
 
 def find_model(metadata: Metadata, cache_dir: Path) -> Path:
-    """The table's model in the cache of its build. Raises SourceError."""
+    """Model file of a table in the cache of its build. Raises SourceError."""
     path = cache_dir / "models" / f"{_model_sha256(metadata)}.npz"
     if path.exists():
         return path
     raise SourceError(
-        f"{cache_dir} does not hold this table's model: name the folder it was built with (--cache-dir), "
-        "the model's own file (--model), or build the table again"
+        f"{cache_dir} does not contain the model of this table: give the cache of its build (--cache-dir) or "
+        "the model file (--model), or build the table again"
     )
 
 
 def kept_model(path: Path, metadata: Metadata, cache_dir: Path) -> Path:
-    """The model in a file, put into the cache under its hash; SourceError if it is another table's."""
+    """Copy a model file into the cache under its hash. Raises SourceError if it is not the table's model."""
     sha256 = content_hash(load_model(path))
     if sha256 != _model_sha256(metadata):
-        raise SourceError(f"{path} is the model of another table")
+        raise SourceError(
+            f"{path} is the model of another table: give the model of this one or build the table again"
+        )
     kept = cache_dir / "models" / f"{sha256}.npz"
     if not kept.exists():
         write_whole(kept, path.read_bytes())
@@ -117,35 +121,35 @@ def kept_model(path: Path, metadata: Metadata, cache_dir: Path) -> Path:
 def _model_sha256(metadata: Metadata) -> str:
     sha256 = metadata["provenance"].get("model_sha256")
     if not isinstance(sha256, str):
-        raise SourceError(
-            "this table was built by an older version, which did not note its model: build it again"
-        )
+        raise SourceError("this table does not name its model, as an older version built it: build it again")
     return sha256
 
 
 def tets_of(model: FemModel) -> TetMesh:
-    """The tetrahedra of a model as a mesh again (what it was thickened by has gone into the stiffness)."""
+    """The tetrahedra of a model as a mesh (the radius correction is already part of the stiffness)."""
     n = model.vertex_count
     tets = np.ascontiguousarray(model.elements[:, :4])
     return TetMesh(model.nodes_m[:n], tets, np.ones(len(tets)), {})
 
 
 def read_mesh(table: Table, mesh: Path) -> TreeMesh:
-    """The tree in a mesh file, which must have the table's render vertices."""
+    """Read the tree of a table. Raises SourceError for another mesh, MeshError for an unreadable one."""
     metadata, data = table.metadata, mesh.read_bytes()
     options = ImportOptions(species=metadata.get("species"), height_m=float(metadata["height_m"]))
     tree, render_glb = import_mesh_sandboxed(data, mesh.name, options)
     counts = [len(primitive.positions_m) for primitive in tree.primitives]
     if counts != [int(primitive["vertices"]) for primitive in metadata["primitives"]]:
-        raise SourceError(f"{mesh} has other vertices than the mesh of the table")
+        raise SourceError(
+            f"{mesh} has different vertices from the mesh of the table: give the mesh that it was built from"
+        )
     known = {hashlib.sha256(data).hexdigest(), hashlib.sha256(render_glb).hexdigest()}
     if metadata.get("mesh_sha256") not in known and not _same_nodes(table, tree):
-        raise SourceError(f"{mesh} is not the mesh of the table")
+        raise SourceError(f"{mesh} is not the mesh of the table: give the mesh that it was built from")
     return tree
 
 
 def _same_nodes(table: Table, tree: TreeMesh) -> bool:
-    """Whether every node rests in the middle of its vertices."""
+    """Whether every node of the table rests at the centroid of its vertices in the tree."""
     positions = np.concatenate([primitive.positions_m for primitive in tree.primitives])
     label = table.vertex_node.astype(np.int64)
     total = np.zeros((len(table.node_rest_m), 3))
@@ -155,7 +159,7 @@ def _same_nodes(table: Table, tree: TreeMesh) -> bool:
 
 
 def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int = 2) -> Samples:
-    """The runs that a table was made from, in the cache or simulated again."""
+    """The runs that a table was built from, read from the cache or simulated again."""
     provenance = table.metadata["provenance"]
     by_name = zip(provenance["winds"], provenance["frames"], strict=True)
     frames = next((count for name, count in by_name if name.startswith("cosine")), BuildOptions.frames)
@@ -170,7 +174,7 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
 
 
 def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
-    """The table's modes on the wood's vertices, fitted as the build fits them."""
+    """The table's modes on the vertices of the wood, computed as in the build. Raises SourceError."""
     samples = samples_of(table, model, mesh, cache_dir, workers)
     settings = TableSettings(**table.metadata["provenance"]["table_settings"])
     training = ModalTraining(
@@ -186,10 +190,12 @@ def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
 
 
 def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:
-    """A node's row of the basis is the mean of its vertices' rows, or these modes are not the table's."""
+    """Raise SourceError unless each node's basis row is the mean of the rows of its vertices."""
     rows = render_basis(binding, subspace.basis).reshape(len(table.vertex_node), -1)
     if rows.shape[1] != table.node_basis[0].size:
-        raise SourceError("the modes of the sampled motion are not the table's: build the table again")
+        raise SourceError(
+            "the modes computed from the simulated runs are not those of the table: build the table again"
+        )
     label = table.vertex_node.astype(np.int64)
     count = np.bincount(label, minlength=len(table.node_basis))
     entries = (np.ones(len(label)), (label, np.arange(len(label))))
@@ -197,11 +203,13 @@ def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:
     mean = np.asarray(gather @ rows) / np.maximum(count, 1)[:, None]
     gap = np.abs(mean - table.node_basis.reshape(len(count), -1))[count > 0].max()
     if gap > 2e-3:
-        raise SourceError(f"the modes differ from the table's by {gap:.1g}: build the table again")
+        raise SourceError(
+            f"the computed modes differ from those of the table by {gap:.1g}: build the table again"
+        )
 
 
 def distinct(binding: Any, node: Int64s) -> RenderedVertices:
-    """Render vertices that hang alike and have the same node, once each."""
+    """Merge render vertices that have the same weights (v, n) and the same node (v,)."""
     matrix = scipy.sparse.csr_matrix(binding)
     matrix.sort_indices()
     keys: dict[bytes, int] = {}

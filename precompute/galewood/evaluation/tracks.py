@@ -1,7 +1,7 @@
-"""One tree's motion three ways under one wind: by the finite elements and by both methods of its table.
+"""Motion of one tree under one wind: the reference solution and both methods of its table.
 
-What the page's comparison shows. All tracks are modal coordinates q of the table, so that one renderer draws
-them: a node's displacement is basis (n, 3, r) times q (r).
+The comparison of the web page shows it. All tracks are modal coordinates q of the table, so that one renderer
+draws them: the displacement of the nodes is basis (n, 3, r) times q (r).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ COMPARED = ("modal", "paper")
 
 @dataclass(frozen=True)
 class Place:
-    """Where the tree stands, and the moment at which its comparison begins."""
+    """Position and yaw of the tree, and the time at which the comparison starts."""
 
     x_m: float = 0.0
     z_m: float = 0.0
@@ -39,7 +39,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Errors:
-    """Per frame, over the tree's height: the farthest node, and the Hausdorff distance of the nodes."""
+    """Per frame, over the tree's height: largest node error, and Hausdorff distance of the nodes."""
 
     max: Floats  # (frames,)
     hausdorff: Floats  # (frames,)
@@ -47,20 +47,19 @@ class Errors:
 
 @dataclass(frozen=True)
 class Comparison:
-    """frames × r coordinates by each way, the pressure they had in common, and how far they are apart."""
+    """Coordinates of all three motions, their common pressure, and their errors."""
 
     pressure_pa: Floats  # (frames, 2) in the tree's own frame
-    q: dict[str, Floats]  # fem, tangent, paper: (frames, r)
-    sway: Floats  # (frames,) farthest node of the finite elements from rest, over the height
-    errors: dict[str, Errors]  # tangent, paper
-    left_out: Floats  # (frames,) of the true motion, what no q of this table can show, over the height
+    q: dict[str, Floats]  # fem, modal, paper: (frames, r)
+    sway: Floats  # (frames,) largest node displacement of the reference solution, over the height
+    errors: dict[str, Errors]  # modal, paper
+    left_out: Floats  # (frames,) largest part of the reference outside the basis, over the height
 
 
 def nodes_on_wood(table: Table, model: FemModel, tree: TreeMesh) -> scipy.sparse.csr_matrix:
-    """(n, N) weights that make the table's nodes of the model's vertices.
+    """(n, N) weights of the table's nodes on the vertices of the model.
 
-    A node is the mean of the render vertices that it stands for, which hang on the wood as they did when the
-    table was built.
+    A node is the mean of its render vertices, which are bound to the wood as in the build.
     """
     label = table.vertex_node.astype(np.int64)
     count = np.bincount(label, minlength=len(table.node_rest_m))
@@ -79,31 +78,32 @@ def comparison_tracks(
     frames: int,
     on_progress: OnProgress,
 ) -> Comparison:
-    """Play a wind at a place, ``nodes`` as from ``nodes_on_wood``.
+    """Compute the motions of a tree at a place in a wind; ``nodes`` comes from ``nodes_on_wood``.
 
-    ``tick`` hears the share done and may raise to stop.
+    ``on_progress`` gets the fraction 0..1 and a message; it may raise to cancel. Raises FloatingPointError if
+    the reference simulation diverges.
     """
     pressure_pa = pressure_at(table, wind, place, frames)
     rest_m, height_m = table.node_rest_m.astype(np.float64), float(table.metadata["height_m"])
     reference = _simulate(model, nodes, pressure_pa, lambda share: on_progress(0.8 * share, "Simulating"))
     basis = table.node_basis.astype(np.float64).reshape(-1, len(table.mode_scale))
-    rendered = np.asarray(
+    projected = np.asarray(
         np.linalg.lstsq(basis, reference.reshape(frames, -1).T, rcond=None)[0].T, np.float64
     )
-    q, errors = {"fem": rendered}, {}
+    q, errors = {"fem": projected}, {}
     for k, name in enumerate(COMPARED):
         on_progress(0.8 + 0.1 * k, "Comparing")
         q[name], _ = played(table, pressure_pa, METHODS[name])
         errors[name] = _errors((q[name] @ basis.T).reshape(reference.shape), reference, rest_m, height_m)
-    left_out = _farthest((rendered @ basis.T).reshape(reference.shape) - reference, height_m)
+    left_out = _farthest((projected @ basis.T).reshape(reference.shape) - reference, height_m)
     on_progress(1.0, "Done")
     return Comparison(pressure_pa, q, _farthest(reference, height_m), errors, left_out)
 
 
 def pressure_at(table: Table, wind: WindState, place: Place, frames: int) -> Floats:
-    """(frames, 2) Pa in the tree's own frame, frame i at start + (i + 1) steps, exactly as a forest feels it.
+    """(frames, 2) Pa in the tree's frame, frame i at start + (i + 1) steps, exactly as in a forest.
 
-    That is: with the height of the tree in the wind's profile, and no stronger than the table has sampled.
+    The tree's height enters the wind profile, and the pressure is limited to the sampled peak.
     """
     field, dt_s = WindField(wind), float(table.metadata["dt_s"])
     peak_pa, height_m = sampled_peak_pa(table.pressure_pa), np.array([float(table.metadata["height_m"])])
@@ -122,7 +122,7 @@ def pressure_at(table: Table, wind: WindState, place: Place, frames: int) -> Flo
 def _simulate(
     model: FemModel, nodes: scipy.sparse.csr_matrix, pressure_pa: Floats, on_progress: Callable[[float], None]
 ) -> Floats:
-    """(frames, n, 3) displacements of the nodes (n, N) of the model's vertices."""
+    """(frames, n, 3) displacement of the nodes, m; ``nodes`` (n, N) are their weights on the model."""
     simulator, frames = Simulator(model), len(pressure_pa)
     at_rest = nodes @ simulator.u[: model.vertex_count]
     track = np.empty((frames, len(at_rest), 3))
@@ -134,11 +134,11 @@ def _simulate(
 
 
 def _errors(track: Floats, reference: Floats, rest_m: Floats, height_m: float) -> Errors:
-    apart = [hausdorff(rest_m + one, rest_m + other) for one, other in zip(track, reference, strict=True)]
-    return Errors(_farthest(track - reference, height_m), np.array(apart) / height_m)
+    distances = [hausdorff(rest_m + one, rest_m + other) for one, other in zip(track, reference, strict=True)]
+    return Errors(_farthest(track - reference, height_m), np.array(distances) / height_m)
 
 
 def _farthest(displacement_m: Floats, height_m: float) -> Floats:
-    """(frames,) longest of (frames, n, 3) vectors, over the height."""
+    """(frames,) length of the longest of the vectors (frames, n, 3), over the height."""
     longest: Floats = np.linalg.norm(displacement_m, axis=2).max(axis=1) / height_m
     return longest

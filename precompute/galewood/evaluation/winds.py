@@ -1,8 +1,8 @@
-"""Winds that no sample has, to judge a table by.
+"""Unseen winds to evaluate a table with.
 
-A motion that drifts is told by errors that grow, and that only where the wind does not: every wind that
-goes on comes back twice without a seam, every half run, and the first pass, which begins with a tree at rest,
-is a lead-in. The step goes on alike, and the gust leaves its second half still.
+Drift shows as errors that grow while the wind does not. Every continuing wind therefore repeats seamlessly
+after half a run, and its first pass, which starts with a tree at rest, is a lead-in. The step stays constant,
+and the gust ends in still air.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ GUST_END_S = 3.0
 def unseen_winds(
     design_speed_m_s: float, frames: int, dt_s: float, *, strength: float = 0.65, seed: int = 20_001
 ) -> dict[str, Floats]:
-    """Pressures (frames, 2) Pa that peak at ``strength`` of the design speed; the seed sets their turns.
+    """Winds by name: pressures (frames, 2) Pa that peak at ``strength`` times the design speed.
 
-    Those that go on are half a run longer, by their lead-in.
+    Continuing winds are longer by their lead-in of half a run. The seed sets phases, periods and headings.
     """
     rng = np.random.default_rng(seed)
     half = max(frames // 2, 2)
@@ -48,7 +48,7 @@ def unseen_winds(
 
 
 def one_over_f(rng: np.random.Generator, frames: int, period: int, dt_s: float, peak_m_s: float) -> Floats:
-    """(frames, 2) Pa: speed with a −5/3 power spectrum about 0.7 of its peak, a heading that wanders."""
+    """(frames, 2) Pa: speed with a −5/3 power spectrum around 0.7 of its peak, and a wandering heading."""
     series = _repeated(noise(rng, period, dt_s, 5 / 3), frames)
     wander = _repeated(noise(rng, period, dt_s, 2.0), frames)
     speed = np.clip(0.7 * peak_m_s * (1.0 + NOISE_INTENSITY * series), 0.0, peak_m_s)
@@ -56,7 +56,7 @@ def one_over_f(rng: np.random.Generator, frames: int, period: int, dt_s: float, 
 
 
 def long_gusts(seed: int, frames: int, window: int, dt_s: float, peak_m_s: float) -> Floats:
-    """(frames, 2) Pa: the same gusts in every window, their heading turning once around over the run."""
+    """(frames, 2) Pa: the same gusts in every window; the heading turns once around over the run."""
     rng = np.random.default_rng(seed)
     series, wander = (_repeated(noise(rng, window, dt_s, beta), frames) for beta in (5 / 3, 2.0))
     speed = np.clip(0.55 * peak_m_s * (1.0 + 0.45 * series), 0.0, peak_m_s)
@@ -64,13 +64,13 @@ def long_gusts(seed: int, frames: int, window: int, dt_s: float, peak_m_s: float
 
 
 def along(speed_m_s: npt.NDArray[np.floating[Any]], heading_rad: Floats | float) -> Floats:
-    """Pressure vectors of a speed and a heading."""
+    """(frames, 2) Pa: pressure vectors of speeds (frames,) and a heading, one or (frames,)."""
     heading = np.broadcast_to(heading_rad, speed_m_s.shape)
     return dynamic_pressure(speed_m_s)[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
 
 
 def noise(rng: np.random.Generator, period: int, dt_s: float, beta: float) -> Floats:
-    """(period,) random series of unit variance, power ∝ f^−beta inside the band, that repeats seamlessly."""
+    """(period,) periodic random series of unit variance with power ∝ f^−beta inside the band."""
     low, high = NOISE_BAND_HZ
     frequency = np.fft.rfftfreq(period, dt_s)
     inside = (frequency >= low) & (frequency <= high)
@@ -80,7 +80,7 @@ def noise(rng: np.random.Generator, period: int, dt_s: float, beta: float) -> Fl
 
 
 def perlin(rng: np.random.Generator, period: int, dt_s: float) -> Floats:
-    """(period,) two octaves of gradient noise over time (Perlin 2002), about unit amplitude, seamless."""
+    """(period,) periodic gradient noise of two octaves (Perlin 2002), of about unit amplitude."""
     share, total = np.arange(period) / period, np.zeros(period)
     for cell_s, amplitude in ((4.0, 2.0), (1.5, 1.0)):
         cells = max(2, round(period * dt_s / cell_s))
@@ -95,7 +95,7 @@ def perlin(rng: np.random.Generator, period: int, dt_s: float) -> Floats:
 
 
 def _cosine(time_s: Floats, whole_s: float, period_s: float) -> Floats:
-    """A cosine wave from its low, of the period next to the given one that fits a whole number of times."""
+    """Cosine wave from its minimum, with the period adjusted to divide ``whole_s``."""
     times = max(1, round(whole_s / period_s))
     return np.cos(2 * np.pi * (time_s * times / whole_s + 0.5))
 

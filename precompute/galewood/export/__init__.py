@@ -1,4 +1,4 @@
-"""Animated GLB files for other programs."""
+"""Exports the motion of a tree as an animated GLB."""
 
 from galewood.export.glb import ExportError, animated_glb, blown, sampled
 

@@ -1,8 +1,8 @@
-"""A tree's motion as an animated GLB, for programs that know nothing of tables.
+"""Exports a tree's motion as an animated GLB, for programs that cannot read tables.
 
-The table's modes become morph targets and the motion their weights: a vertex is displaced by Σ basis_k q_k,
-which is just what a morph does. So the file is exact to the table's own float, and a few megabytes large
-whatever the length.
+The table's modes become morph targets and the motion their weights: a morph displaces a vertex by
+Σ basis_k q_k, exactly as the viewer does. The file has the precision of the table and a few megabytes,
+whatever the length of the motion.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ Json = dict[str, Any]
 
 FLOAT = 5126
 SETTLE_S = 8.0
-"""A tree sways for so long before the motion that is kept begins."""
+"""Duration that is played from rest before the exported motion starts."""
 LEAST_M = 2e-4
-"""A mode that moves nothing farther than this in the whole motion is left out."""
+"""Modes that displace no vertex farther than this in the whole motion are left out."""
 LOOP_S = 2.0
-"""Over this time the end of a loop passes into what came before its start."""
+"""Duration over which the end of a loop blends into the motion before its start."""
 
 
 class ExportError(ValueError):
-    """The mesh is not the table's."""
+    """The mesh is not a valid GLB, or not the mesh of the table."""
 
 
 def blown(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Floats:
-    """(T + 1, r) coordinates of one tree in a wind by the drift-free method, a frame each table step.
+    """(T + 1, r) coordinates q of one tree in a wind by the modal model, one frame per table step.
 
-    A ``loop`` ends as it begins: the last frame is the first.
+    In a ``loop`` the last frame equals the first.
     """
     dt_s, field = float(table.metadata["dt_s"]), WindField(wind)
     forest = ModalForest(table.modal, dt_s, table.mode_scale, 1)
@@ -52,7 +52,7 @@ def blown(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Fl
 
 
 def _step(table: Table, forest: ModalForest, field: WindField, time_s: float) -> Floats:
-    """(r,) after one table step in the wind as it is at a place in the forest."""
+    """(r,) coordinates after one table step in the wind at the origin."""
     wind, place, pressure = field.at(time_s).wind, np.zeros(1), np.zeros((2, 1), np.float32)
     height_m = np.array([float(table.metadata["height_m"])])
     factor = height_factor(height_m, wind.height_exponent, wind.reference_height_m)
@@ -63,20 +63,20 @@ def _step(table: Table, forest: ModalForest, field: WindField, time_s: float) ->
 
 
 def sampled(table: Table, name: str) -> Floats:
-    """(T, r) coordinates of one of the table's own runs, as the finite elements made it; KeyError."""
+    """(T, r) coordinates q of a recorded run of the table (FEM). Raises KeyError for an unknown name."""
     names = table.metadata["provenance"].get("winds", [])[: len(table.trajectory) - 1]
     if name not in names:
-        raise KeyError(f"no run {name!r} in this table; there are {', '.join(names)}")
+        raise KeyError(f"no run {name!r} in this table; it has {', '.join(names)}")
     first, last = table.trajectory[names.index(name) : names.index(name) + 2]
     return table.pose()[int(first) : int(last)] * table.mode_scale.astype(np.float64)
 
 
 def animated_glb(table: Table, glb: bytes, q: Floats) -> bytes:
-    """The table's render mesh with the motion q (T, r), a frame each table step. Raises ExportError."""
+    """Return the render mesh ``glb`` animated by q (T, r), one frame per table step. Raises ExportError."""
     document, binary = _read(glb)
     counts = [int(primitive["vertices"]) for primitive in table.metadata["primitives"]]
     if [_vertices(document, mesh) for mesh in document["meshes"]] != counts:
-        raise ExportError("the mesh has other vertices than the mesh of the table")
+        raise ExportError("the mesh has other vertices than the mesh of the table: use the GLB of its build")
     file = _File(document, binary)
     reach = np.abs(q).max(axis=0)
     farthest_m = np.linalg.norm(table.node_basis, axis=1).max(axis=0) * reach
@@ -97,13 +97,13 @@ def _vertices(document: Json, mesh: Json) -> int:
 
 
 class _File:
-    """A GLB that is added to."""
+    """A GLB under construction."""
 
     def __init__(self, document: Json, binary: bytes) -> None:
         self._document, self._binary = document, bytearray(binary)
 
     def add_targets(self, mesh: Json, shapes: npt.NDArray[np.float32]) -> None:
-        """Morph targets from displacements (v, 3, k), all at weight zero."""
+        """Add morph targets of displacements (v, 3, k), all at weight zero."""
         count = shapes.shape[2]
         targets = [{"POSITION": self._floats(shapes[:, :, k], "VEC3")} for k in range(count)]
         mesh["primitives"][0]["targets"] = targets
@@ -111,7 +111,7 @@ class _File:
         mesh["extras"] = {"targetNames": [f"mode {k}" for k in range(count)]}
 
     def animate(self, weights: Floats, dt_s: float) -> None:
-        """Weights (T, k) of all meshes, dt_s apart."""
+        """Animate the weights (T, k) of all meshes with frames dt_s apart."""
         time = self._floats(np.arange(len(weights), dtype=np.float32)[:, None] * np.float32(dt_s), "SCALAR")
         sampler = {"input": time, "output": self._floats(weights.reshape(-1, 1), "SCALAR")}
         channels = [
@@ -150,13 +150,13 @@ class _File:
 
 
 def _read(glb: bytes) -> tuple[Json, bytes]:
-    """JSON and binary of a GLB that ``galewood build`` wrote."""
+    """Split a GLB into its JSON and its binary chunk. Raises ExportError."""
     if len(glb) < 20 or glb[:4] != b"glTF":
-        raise ExportError("the mesh is no GLB")
+        raise ExportError("the mesh is not a GLB file")
     size = int.from_bytes(glb[12:16], "little")
     try:
         document = json.loads(glb[20 : 20 + size])
     except ValueError as error:
-        raise ExportError("the mesh is damaged") from error
+        raise ExportError("the mesh file is damaged: its JSON cannot be read") from error
     binary = glb[20 + size + 8 :]
     return document, binary[: int(document["buffers"][0]["byteLength"])]

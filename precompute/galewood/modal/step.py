@@ -1,4 +1,4 @@
-"""One step of many trees by the modal model, LANES trees at a time (docs/design/0010-kernel.md)."""
+"""Steps many trees by the modal model, a batch of trees at a time (docs/design/0010-kernel.md)."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
@@ -13,23 +13,23 @@ from galewood.modal.terms import write_force_terms, write_pose_terms, write_sway
 from galewood.util import Array, Floats
 
 MAX_STEPS_PER_ADVANCE = 8
-"""After a long pause a tree resumes instead of catching up."""
-LANES = 32
-"""Trees whose terms are multiplied at once, by BLAS: few enough that it does so on one core."""
+"""Most steps of one call: after a long pause a tree resumes instead of catching up."""
+BATCH = 32
+"""Trees per matrix product: few enough that BLAS stays on one core."""
 REST = 1e-7
-"""In still air a motion below this share of the sampled range ends, exactly."""
+"""In still air a motion below this share of the sampled range is set to exactly zero."""
 
 
 @numba.njit(cache=True, nogil=True)
-def _step(tensors, half_s, lanes):  # pragma: no cover  (compiled)
-    """Advance the trees in the lanes by the table's step."""
+def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
+    """Advance all trees of a batch by one table step: linear step plus polynomial force."""
     step, load, sway, force, _, _, limits = tensors
-    e, v, pressure, ahead, pairs, terms, total, _ = lanes
+    e, v, pressure, ahead, pairs, terms, total, _ = batch
     write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, terms)
     np.dot(force, terms[: force.shape[1]], total[: len(e)])
     for k in range(len(e)):
         a, b, c, d, s0, s1 = step[k]
-        for lane in range(LANES):
+        for lane in range(BATCH):
             pushed = load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
             x, y, f = e[k, lane], v[k, lane], total[k, lane] + pushed
             e[k, lane] = x + (a * x + b * y + s0 * f)
@@ -37,12 +37,12 @@ def _step(tensors, half_s, lanes):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def _settle(sway, limits, lanes):  # pragma: no cover  (compiled)
-    """Bring trees to rest that move too little to matter in still air. Leaves the sway of e in pairs[0]."""
-    e, v, pressure, _, pairs, _, _, _ = lanes
+def _settle(sway, limits, batch):  # pragma: no cover  (compiled)
+    """Set trees that hardly move in still air to rest. Writes the sway of e to pairs[0]."""
+    e, v, pressure, _, pairs, _, _, _ = batch
     write_sway(sway, e, pairs[0])
     small, reach = REST * limits[0], max(abs(sway[0, 0]), abs(sway[1, 0]))
-    for lane in range(LANES):
+    for lane in range(BATCH):
         if pressure[0, lane] != 0.0 or pressure[1, lane] != 0.0:
             continue
         if max(abs(pairs[0, 0, lane]), abs(pairs[0, 1, lane])) > small:
@@ -59,10 +59,12 @@ def _settle(sway, limits, lanes):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def _show(tensors, lanes, tree, count, now, before, extrapolation_ratio):  # pragma: no cover  (compiled)
-    """The poses of the states now, those before kept; and how far into the sampled range the trees are."""
+def _write_poses(
+    tensors, batch, tree, count, now, before, extrapolation_ratio
+):  # pragma: no cover  (compiled)
+    """Move ``now`` to ``before``, write the new poses to ``now``, and the extrapolation ratios."""
     _, _, _, _, shown, pose, limits = tensors
-    e, _, pressure, _, pairs, terms, total, _ = lanes
+    e, _, pressure, _, pairs, terms, total, _ = batch
     d = len(e)
     for lane in range(count):
         x, y = pairs[0, 0, lane], pairs[0, 1, lane]
@@ -84,22 +86,22 @@ def _show(tensors, lanes, tree, count, now, before, extrapolation_ratio):  # pra
 
 @numba.njit(cache=True, nogil=True)
 def _step_trees(
-    tensors, half_s, lanes, count, turned, e, v, now, before, extrapolation_ratio
+    tensors, half_s, batch, count, turned, e, v, now, before, extrapolation_ratio
 ):  # pragma: no cover
-    """Step the ``count`` trees named in the lanes."""
-    own_e, own_v, pressure, _, _, _, _, tree = lanes
+    """Step the ``count`` trees whose indices are in the batch."""
+    own_e, own_v, pressure, _, _, _, _, tree = batch
     for lane in range(count):
         i = tree[lane]
         pressure[0, lane], pressure[1, lane] = turned[i, 0], turned[i, 1]
         for k in range(len(own_e)):
             own_e[k, lane], own_v[k, lane] = e[i, k], v[i, k]
-    _step(tensors, half_s, lanes)
-    _settle(tensors[2], tensors[6], lanes)
+    _step(tensors, half_s, batch)
+    _settle(tensors[2], tensors[6], batch)
     for lane in range(count):
         i = tree[lane]
         for k in range(len(own_e)):
             e[i, k], v[i, k] = own_e[k, lane], own_v[k, lane]
-    _show(tensors, lanes, tree, count, now, before, extrapolation_ratio)
+    _write_poses(tensors, batch, tree, count, now, before, extrapolation_ratio)
 
 
 @numba.njit(cache=True, nogil=True)
@@ -118,13 +120,19 @@ def advance_trees(
     before,
     q,
     extrapolation_ratio,
-    lanes,
+    batch,
 ):  # pragma: no cover  (compiled)
+    """Advance all trees by ``rate`` steps each (count,) and write the interpolated poses to q (count, r).
+
+    ``tensors`` is from ``widened``, ``batch`` from ``working_room``; ``half_s`` is half a step, s. ``turn``
+    holds cosine and sine of the yaw, the pressures (count,) are in Pa. Updates e, v (count, d), phase,
+    turned, now, before (count, r) and extrapolation_ratio in place.
+    """
     for i in range(len(phase)):
         turned[i, 0] = turn[i, 0] * pressure_x[i] - turn[i, 1] * pressure_z[i]
         turned[i, 1] = turn[i, 1] * pressure_x[i] + turn[i, 0] * pressure_z[i]
         phase[i] += rate[i]
-    tree = lanes[7]
+    tree = batch[7]
     for _ in range(MAX_STEPS_PER_ADVANCE):
         count = stepped = 0
         for i in range(len(phase)):
@@ -132,8 +140,8 @@ def advance_trees(
                 phase[i] -= 1.0
                 tree[count] = i
                 count += 1
-            if count == LANES or (count > 0 and i == len(phase) - 1):
-                _step_trees(tensors, half_s, lanes, count, turned, e, v, now, before, extrapolation_ratio)
+            if count == BATCH or (count > 0 and i == len(phase) - 1):
+                _step_trees(tensors, half_s, batch, count, turned, e, v, now, before, extrapolation_ratio)
                 stepped += count
                 count = 0
         if stepped == 0:
@@ -145,17 +153,17 @@ def advance_trees(
 
 
 def widened(modal: ModalTensors) -> tuple[Floats, ...]:
-    """The tensors in the type that steps are computed in; force (d, F) and pose (r − d, terms) turned."""
+    """The tensors in float64, as the step uses them; force (d, F) and pose (r − d, terms) are transposed."""
     t = modal
     tensors = (t.step, t.load, t.sway, t.force.T, t.shown, t.pose.T, t.limits)
     return tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
 
 
 def working_room(modal: ModalTensors) -> tuple[Array, ...]:
-    """Lanes for e, v, pressure, e ahead, three pairs, terms, sums, and the trees that are in them."""
+    """Work arrays of a batch: e, v, pressure, predicted e, three pairs, terms, sums, and the tree indices."""
     d = len(modal.step)
     terms = max(len(modal.force), len(modal.pose))
     heights = (d, d, 2, d)
-    rooms = [np.zeros((height, LANES)) for height in heights]
-    total = np.zeros((max(d, modal.pose.shape[1]), LANES))
-    return (*rooms, np.zeros((3, 2, LANES)), np.zeros((terms, LANES)), total, np.zeros(LANES, np.int64))
+    rooms = [np.zeros((height, BATCH)) for height in heights]
+    total = np.zeros((max(d, modal.pose.shape[1]), BATCH))
+    return (*rooms, np.zeros((3, 2, BATCH)), np.zeros((terms, BATCH)), total, np.zeros(BATCH, np.int64))

@@ -1,4 +1,4 @@
-"""Tensors of the modal reduced-order model and how many terms its polynomials have."""
+"""Tensors of the modal reduced-order model, and the number of terms of its polynomials."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
@@ -13,38 +13,42 @@ from galewood.util import Singles
 
 @dataclass(frozen=True)
 class ModalTensors:
-    """Tensors of the method: d dynamic coordinates, c coupled ones, r ≥ d shown modes, F = 44 + 6c terms.
+    """Tensors of the model: d dynamic coordinates, c coupled ones, r ≥ d output modes, F = 44 + 6c force
+    terms.
 
-    A step of an oscillator under a force f is e' = r00 e + r01 v + s0 f, v' = r10 e + r11 v + s1 f.
+    An oscillator steps under a force f by e' = r00 e + r01 v + s0 f, v' = r10 e + r11 v + s1 f.
     """
 
     step: Singles  # (d, 6) r00 − 1, r01, r10, r11 − 1, s0, s1
-    load: Singles  # (d, 2) modal force per Pa of pressure along x and z
-    sway: Singles  # (2, d) the two sway coordinates, 1 at the edge of the sampled range
-    force: Singles  # (F, d)
+    load: Singles  # (d, 2) modal force per Pa along x and z
+    sway: Singles  # (2, d) sway coordinates, 1 at the edge of the sampled range
+    force: Singles  # (F, d) modal force per unit of each term
     shown: Singles  # (d,) m of q_k per unit of e_k
-    pose: Singles  # (d + 2 + 7 + 2c, r − d) m of the further q per unit
+    pose: Singles  # (d + 2 + 7 + 2c, r − d) m of the other q per unit of each term
     limits: Singles  # (3 + 2c,) sampled range: sway, its speed 1/s, pressure Pa; coupled coordinates, speeds
 
     @property
     def coupled(self) -> int:
-        """c: products of the coordinates numbered 2 to 2 + c with the sway and the pressure are kept."""
+        """c: coordinates 2 to 2 + c whose products with sway and pressure are terms of the model."""
         return coupled_of(self.limits)
 
     @property
     def modes(self) -> int:
+        """r: output modes."""
         return len(self.shown) + self.pose.shape[1]
 
 
 @numba.njit(cache=True, nogil=True)
 def coupled_of(limits):  # pragma: no cover  (compiled)
-    """c, of the sampled range (3 + 2c,)."""
+    """c, from the sampled range (3 + 2c,)."""
     return (len(limits) - 3) // 2
 
 
 def shape_terms(coupled: int) -> int:
+    """Number of terms in the pose alone."""
     return 7 + 2 * coupled
 
 
 def force_terms(coupled: int) -> int:
+    """F: number of terms of the force."""
     return shape_terms(coupled) + 37 + 4 * coupled

@@ -1,6 +1,6 @@
 """Polynomial terms of the modal model's force and pose.
 
-The last axis of every array runs over trees side by side, or over the frames of a run.
+The last axis of every array runs over the trees of a batch, or over the frames of a run.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -13,13 +13,13 @@ import numpy as np
 from galewood.modal.tensors import coupled_of
 
 REACH = 1.25
-"""The polynomials are held where they are beyond this multiple of the sampled range: their force stays
-bounded, and the linear step that it drives is contracting, so any bounded wind gives a bounded motion."""
+"""The arguments of the polynomials are clamped to this multiple of the sampled range. The force stays
+bounded, and as the linear step contracts, any bounded wind gives a bounded motion."""
 
 
 @numba.njit(cache=True, nogil=True)
 def write_shape(pair, e, limits, out):  # pragma: no cover  (compiled)
-    """Terms in the pose alone: sway of degree 2 and 3, then each coupled coordinate times the sway."""
+    """Terms in the pose: sway products of degree 2 and 3, then each coupled coordinate times the sway."""
     for lane in range(pair.shape[1]):
         x, y = pair[0, lane], pair[1, lane]
         xx, xy, yy = x * x, x * y, y * y
@@ -35,10 +35,10 @@ def write_shape(pair, e, limits, out):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def write_motion(pair, speed, pressure, out, at):  # pragma: no cover  (compiled)
-    """Terms with the sway's speed and with the pressure.
+    """Terms with the speed of the sway and with the pressure.
 
-    A bent tree has centrifugal forces, damps otherwise (β acts on its elements as they stand) and is pushed
-    otherwise.
+    In a bent tree there are centrifugal forces, and damping (β acts on the current elements) and wind load
+    change with the pose.
     """
     for lane in range(pair.shape[1]):
         x, y, u, v = pair[0, lane], pair[1, lane], speed[0, lane], speed[1, lane]
@@ -61,9 +61,9 @@ def write_motion(pair, speed, pressure, out, at):  # pragma: no cover  (compiled
 
 @numba.njit(cache=True, nogil=True)
 def write_coupled(pair, pressure, e, v, limits, out, at):  # pragma: no cover  (compiled)
-    """Each coupled coordinate's speed times the sway, and the coordinate times the pressure.
+    """Terms of the speed of each coupled coordinate times the sway, and of the coordinate times the pressure.
 
-    A bough of a bent tree damps otherwise, and one that is bent itself is pushed otherwise.
+    The damping of a bough changes as the tree bends, and its wind load as the bough itself bends.
     """
     count = coupled_of(limits)
     for j in range(count):
@@ -79,7 +79,7 @@ def write_coupled(pair, pressure, e, v, limits, out, at):  # pragma: no cover  (
 
 @numba.njit(cache=True, nogil=True)
 def hold(pair, far):  # pragma: no cover  (compiled)
-    """Draw every (x, y) back to length ``far`` where it is longer."""
+    """Shorten every (x, y) to length ``far`` where it is longer."""
     for lane in range(pair.shape[1]):
         size = np.sqrt(pair[0, lane] * pair[0, lane] + pair[1, lane] * pair[1, lane])
         back = far / size if size > far else 1.0
@@ -89,7 +89,7 @@ def hold(pair, far):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def write_sway(sway, values, out):  # pragma: no cover  (compiled)
-    """The two sway coordinates (2, lanes) of values (d, lanes)."""
+    """Sway coordinates (2, lanes) of values (d, lanes)."""
     out[:] = 0.0
     for k in range(len(values)):
         for lane in range(values.shape[1]):
@@ -99,9 +99,9 @@ def write_sway(sway, values, out):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, out):  # pragma: no cover
-    """All terms of the force at the middle of the coming step, as far as the state now tells.
+    """All force terms at the middle of the next step, predicted from e and v.
 
-    ahead (d, lanes) and pairs (3, 2, lanes) are room to work in.
+    ahead (d, lanes) and pairs (3, 2, lanes) are work arrays.
     """
     for k in range(len(e)):
         for lane in range(e.shape[1]):
@@ -119,7 +119,7 @@ def write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, out): 
 
 @numba.njit(cache=True, nogil=True)
 def write_pose_terms(limits, e, pressure, pair, out):  # pragma: no cover  (compiled)
-    """e, the pressure, and the terms in the pose; pair: the sway of e, which is held in place."""
+    """Terms of the pose: e, the pressure, and products; pair is the sway of e and is clamped in place."""
     d = len(e)
     out[:d] = e
     out[d : d + 2] = pressure

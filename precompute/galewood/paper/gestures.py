@@ -1,4 +1,4 @@
-"""The paper's Fig. 3 and 5: gestures at single frames, by the finite elements and by the table's methods."""
+"""The paper's Fig. 3 and 5: poses at single frames, by the reference solution and by the table's methods."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from galewood.util import Floats
 
 TARGET_DIRECTION_DEG = 60.0
 TARGET = (0.62, 0.45, 4.3)
-"""Of the wind that the paper's Fig. 3a shows without numbers: peak over the design speed, depth, period s."""
+"""Wind of the paper's Fig. 3a, which has no numbers: peak over the design speed, depth, period in s."""
 DIRECTION_FRAME = 20
 OWN = "paper-own-table"
 
 
 @dataclass(frozen=True)
 class Fig3:
-    """One target wind: figures by method, and the shown poses at the paper's frames for the pictures."""
+    """One target wind: figures by method, and poses at the paper's frames for the pictures."""
 
     figures: dict[str, Any]
     reference_m: dict[int, Floats]  # frame: (n, 3)
@@ -47,7 +47,7 @@ class Fig3:
 
 @dataclass(frozen=True)
 class Fig5:
-    """Six winds of one strength: figures by direction, poses at frame 20."""
+    """Six winds of equal strength: figures by direction, and poses at frame 20."""
 
     figures: dict[str, Any]
     reference_m: list[Floats]
@@ -55,7 +55,7 @@ class Fig5:
 
 
 def target_wind(table: Table, frames: int) -> Floats:
-    """(frames, 2) Pa: a cosine wind at 60° of an amplitude and a period that no sample has."""
+    """(frames, 2) Pa: a cosine wind at 60° with an amplitude and a period that no sampled wind has."""
     peak, depth, period_s = TARGET
     t = np.arange(frames) * float(table.metadata["dt_s"])
     wave = (1 + depth * np.cos(2 * np.pi * (t / period_s + 0.5))) / (1 + depth)
@@ -63,9 +63,7 @@ def target_wind(table: Table, frames: int) -> Floats:
 
 
 def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
-    """Fig. 3 by every method: also the literal one on a table of the six winds at 60° alone, as in the
-    paper.
-    """
+    """Fig. 3 by every method, and by the literal search on a table of six winds at 60° (Sec. 6.1)."""
     wind = target_wind(table, max(FRAMES_SHOWN))
     task = ReferenceTask(source.model_path, wind)
     reference = read_reference_run(
@@ -84,7 +82,7 @@ def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
         "sway": {str(f): float(sway[f - 1] / height_m) for f in FRAMES_SHOWN},
         "hausdorff": {
             name: {
-                str(f): _apart(source, modes, q[f - 1], reference[f - 1]) / height_m
+                str(f): _hausdorff(source, modes, q[f - 1], reference[f - 1]) / height_m
                 for f in (*FRAMES_SHOWN, first_maximum(sway))
             }
             for name, (modes, q) in shapes.items()
@@ -96,18 +94,19 @@ def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
 
 
 def first_maximum(sway_m: Floats) -> int:
-    """The frame, from 1, at which the tree first turns back."""
+    """Frame, counted from 1, of the first maximum of the sway (frames,)."""
     falls = np.flatnonzero(np.diff(sway_m) < 0)
     return int(falls[0]) + 1 if len(falls) else len(sway_m)
 
 
-def _apart(source: Source, modes: Subspace, q: Floats, reference_m: Floats) -> float:
+def _hausdorff(source: Source, modes: Subspace, q: Floats, reference_m: Floats) -> float:
+    """Hausdorff distance, m, between the pose q (r,) and the reference displacement (n, 3)."""
     shown = modes.expand(q[None])[0]
     return hausdorff(source.rest_m + shown, source.rest_m + reference_m)
 
 
 def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace]:
-    """The paper's table of its Sec. 6.1: six winds in one direction, 180 frames each, and its modes."""
+    """The table of the paper's Sec. 6.1, six winds in one direction, and its modes on the wood."""
     samples = samples_of(table, source.model, source.mesh, plan.cache_dir, plan.workers)
     chosen = [
         run
@@ -127,7 +126,7 @@ def _training(source: Source, runs: Sequence[SampledRun]) -> ModalTraining:
 
 
 def small_table(table: Table, source: Source, runs: Sequence[SampledRun]) -> Table:
-    """A table of other runs of the same tree."""
+    """Build a table of the same tree from other runs."""
     mass_kg = source.model.mass_kg[: source.model.vertex_count]
     surface = render_mesh(source.tree, source.binding)
     return assemble_table(
@@ -136,7 +135,7 @@ def small_table(table: Table, source: Source, runs: Sequence[SampledRun]) -> Tab
 
 
 def paper_directions(plan: Plan, table: Table, source: Source) -> Fig5:
-    """Fig. 5: the strongest sampled wind from six directions, at frame 20."""
+    """Fig. 5: the strongest cosine wind from six directions, at frame 20."""
     metadata = table.metadata
     winds = sample_winds(float(metadata["design_speed_m_s"]), float(metadata["dt_s"]), DIRECTION_FRAME)
     strongest = [wind for wind in winds if wind.name.startswith("cosine-5")]
@@ -150,7 +149,8 @@ def paper_directions(plan: Plan, table: Table, source: Source) -> Fig5:
         figures[f"{direction:.0f}"] = {
             "sway": float(np.linalg.norm(reference, axis=1).max() / height_m),
             "hausdorff": {
-                name: _apart(source, source.subspace, q, reference) / height_m for name, q in poses.items()
+                name: _hausdorff(source, source.subspace, q, reference) / height_m
+                for name, q in poses.items()
             },
         }
     return Fig5(figures, references, shown)

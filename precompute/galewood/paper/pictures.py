@@ -1,4 +1,4 @@
-"""The pictures of docs/paper.md."""
+"""Draws the pictures of docs/paper.md."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ WOOD, INK, MODAL, PAPER = "#4a3526", "#333333", "#1b7f5c", "#c2571a"
 LEAVES = {"poplar": "#c9a227", "maple": "#b5432a", "apricot": "#d08a3c"}
 LIGHT_COLOURS = 96
 DRAWN_SWAY = 0.1
-"""Of the height: smaller motions are drawn larger, and the picture says by how much."""
+"""Sway over the height that the pictures aim at: smaller motions are magnified, by a stated factor."""
 
 
 def save_small(figure: Any, path: Path, dpi: int = 100) -> None:
-    """SVG as it is; PNG with few colours, a third of the size."""
+    """Save a figure as SVG, or as PNG with a small palette to reduce its size."""
     from PIL import Image
 
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -44,7 +44,7 @@ def save_small(figure: Any, path: Path, dpi: int = 100) -> None:
 
 
 def new_figure(width: float, height: float) -> Any:
-    """An empty figure in inches that needs no screen."""
+    """Create an empty figure of this size in inches, without a display."""
     from matplotlib import rcParams
     from matplotlib.figure import Figure
 
@@ -53,7 +53,7 @@ def new_figure(width: float, height: float) -> Any:
 
 
 def draw_winds(table: Table, plan: Plan, path: Path) -> None:
-    """Fig. 2: the six cosine winds of the samples."""
+    """Fig. 2: the six cosine winds of the table."""
     speed_m_s, dt_s = float(table.metadata["design_speed_m_s"]), float(table.metadata["dt_s"])
     winds = sample_winds(speed_m_s, dt_s, plan.record_frames)
     chosen = [wind for wind in winds if wind.name.startswith("cosine") and wind.direction_deg == 60.0]
@@ -70,9 +70,9 @@ def draw_winds(table: Table, plan: Plan, path: Path) -> None:
 
 
 def draw_gestures(fig: Fig3, table: Table, source: Source, path: Path) -> None:
-    """Fig. 3b: frames 20, 40 and 60 by the finite elements and both methods, over the true outline."""
+    """Fig. 3b: frames 20, 40 and 60 by the reference solution and, over it in grey, by both methods."""
     rows: list[tuple[str, Callable[[int], Floats], str | None]] = [
-        ("finite elements", lambda f: true_motion(source, fig.reference_m[f]), None),
+        ("finite elements", lambda f: reference_motion(source, fig.reference_m[f]), None),
         ("modal", lambda f: table_motion(table, fig.pose["modal"][f]), "modal"),
         ("paper's search", lambda f: table_motion(table, fig.pose["paper-literal"][f]), "paper-literal"),
     ]
@@ -81,25 +81,25 @@ def draw_gestures(fig: Fig3, table: Table, source: Source, path: Path) -> None:
     panels = figure.subplots(len(rows), len(fig.reference_m), squeeze=False)
     for line, (name, moved, method) in zip(panels, rows, strict=True):
         for panel, frame in zip(line, fig.reference_m, strict=True):
-            ghost = times * true_motion(source, fig.reference_m[frame]) if method else None
+            ghost = times * reference_motion(source, fig.reference_m[frame]) if method else None
             draw_tree(panel, table, source, times * moved(frame), TARGET_DIRECTION_DEG, ghost)
-            sub_progress = f"frame {frame}"
+            title = f"frame {frame}"
             if method:
-                sub_progress += f"   HD {fig.figures['hausdorff'][method][str(frame)]:.4f}"
-            panel.set_title(sub_progress, fontsize=8)
+                title += f"   HD {fig.figures['hausdorff'][method][str(frame)]:.4f}"
+            panel.set_title(title, fontsize=8)
         line[0].set_ylabel(name, fontsize=9)
     figure.supxlabel(f"motion drawn {times:g} times as large", fontsize=7)
     save_small(figure, path, dpi=90)
 
 
 def draw_directions(fig: Fig5, table: Table, source: Source, path: Path) -> None:
-    """Fig. 5: six directions of one wind at frame 20, by the finite elements and the drift-free method."""
+    """Fig. 5: one wind from six directions at frame 20, by the reference solution and the modal model."""
     times = magnified(fig.reference_m, table)
     figure = new_figure(7.6, 3.5)
     panels = figure.subplots(2, len(DIRECTIONS_DEG))
     for k, direction in enumerate(DIRECTIONS_DEG):
-        reference, shown = true_motion(source, fig.reference_m[k]), table_motion(table, fig.pose[k])
-        # Seen from the side of 90°, so that winds of 0° and 180° bend the tree right and left.
+        reference, shown = reference_motion(source, fig.reference_m[k]), table_motion(table, fig.pose[k])
+        # Viewed along 90°, so that winds of 0° and 180° bend the tree to the right and to the left.
         draw_tree(panels[0, k], table, source, times * reference, 0.0, None, direction)
         draw_tree(panels[1, k], table, source, times * shown, 0.0, times * reference, direction)
         panels[0, k].set_title(f"{direction:.0f}°", fontsize=8)
@@ -110,18 +110,18 @@ def draw_directions(fig: Fig5, table: Table, source: Source, path: Path) -> None
 
 
 def magnified(references_m: Sequence[Floats], table: Table) -> float:
-    """How many times as large motions have to be drawn to be seen; a whole number."""
+    """Integer factor by which motions are magnified to be visible."""
     largest = max(float(np.linalg.norm(reference, axis=1).max()) for reference in references_m)
     return float(max(1, round(DRAWN_SWAY * float(table.metadata["height_m"]) / max(largest, 1e-9))))
 
 
-def true_motion(source: Source, reference_m: Floats) -> Floats:
-    """(v, 3) displacement of the render vertices on the true wood."""
+def reference_motion(source: Source, reference_m: Floats) -> Floats:
+    """(v, 3) displacement of the render vertices, m, from the reference solution on the wood (n, 3)."""
     return np.asarray(source.binding @ reference_m)
 
 
 def table_motion(table: Table, q: Floats) -> Floats:
-    """(v, 3) displacement of the render vertices as the viewer moves them."""
+    """(v, 3) displacement of the render vertices, m, as the viewer computes it from q (r,)."""
     nodes = table.node_basis.astype(np.float64) @ q
     return nodes[table.vertex_node.astype(np.int64)]
 
@@ -135,7 +135,7 @@ def draw_tree(
     ghost_m: Floats | None,
     arrow_deg: float | None = None,
 ) -> None:
-    """A tree from the side, the wind to the right; behind it, in grey, where the finite elements have it."""
+    """Draw a tree from the side, the wind to the right; ``ghost_m`` is the reference, in grey behind it."""
     positions = np.concatenate([p.positions_m for p in source.tree.primitives])
     heading, height = np.radians(heading_deg), float(table.metadata["height_m"])
     across = np.array([np.cos(heading), 0.0, np.sin(heading)])
@@ -145,11 +145,11 @@ def draw_tree(
         _patches(panel, source, (positions + ghost_m) @ view, "#a8a8a8", "#cfcfcf")
     colour = LEAVES.get(str(table.metadata.get("species")), "#a8842c")
     _patches(panel, source, (positions + moved_m) @ view, WOOD, colour)
-    rendered = 1.0 if arrow_deg is None else np.cos(np.radians(arrow_deg))
-    if abs(rendered) > 0.1:
+    visible = 1.0 if arrow_deg is None else np.cos(np.radians(arrow_deg))
+    if abs(visible) > 0.1:
         low = -0.07 * height
         panel.annotate(
-            "", (0.22 * height * rendered, low), (-0.22 * height * rendered, low),
+            "", (0.22 * height * visible, low), (-0.22 * height * visible, low),
             arrowprops={"arrowstyle": "-|>", "color": "#e0a800", "linewidth": 1.4},
         )  # fmt: skip
     panel.set_xlim(-0.45 * height, 0.45 * height)
@@ -161,7 +161,7 @@ def draw_tree(
 
 
 def _patches(panel: Any, source: Source, points: Floats, wood: str, leaves: str) -> None:
-    """All faces of points (v, 3) as (right, up, towards the eye), the farthest first."""
+    """Draw all faces of points (v, 3), given as (right, up, towards the eye), back to front."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgb
 

@@ -1,4 +1,8 @@
-"""What ``galewood paper`` measures, and what it keeps so that a stopped run goes on."""
+"""The extent of ``galewood paper`` and its cache, which lets an interrupted run continue.
+
+The cache holds results that the same code and plan always reproduce: simulated runs, tables and their
+errors. It never holds timings; they depend on the machine and are measured in every run.
+"""
 
 from __future__ import annotations
 
@@ -11,18 +15,28 @@ from typing import Any
 
 from galewood.mesh import ImportOptions
 from galewood.pipeline import BuildOptions, build_table
-from galewood.table import Table, decode
+from galewood.table import Table, decode, encode
 from galewood.util import write_whole
 
 OnProgress = Callable[[float, str], None]
 
-PAPER_VERSION = 1
+PAPER_VERSION = 2
+UNRELATED = (
+    "bench/",
+    "cli/",
+    "pictures/",
+    "verify/",
+    "evaluation/plot.py",
+    "paper/pictures.py",
+    "paper/text.py",
+)
+"""Sources that cannot change a cached result."""
 SPECIES = ("poplar", "maple", "apricot")
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The extent of every experiment."""
+    """The extent of every experiment; ``meshes`` maps a species to its mesh file."""
 
     meshes: dict[str, Path]
     cache_dir: Path
@@ -40,7 +54,7 @@ class Plan:
     quick: bool = False
 
     def options(self, species: str) -> BuildOptions:
-        """How a species' table is built."""
+        """Build options of a species' table."""
         return BuildOptions(
             mesh_import=ImportOptions(species=species, height_m=self.height_m),
             target_tets=self.target_tets,
@@ -50,12 +64,12 @@ class Plan:
 
 
 def full_plan(meshes: Path, cache_dir: Path, workers: int = 2) -> Plan:
-    """The paper's experiments as the paper has them."""
+    """The experiments at the extent of the paper, on the three species in the folder ``meshes``."""
     return Plan({name: meshes / f"{name}.glb" for name in SPECIES}, cache_dir, workers=workers)
 
 
 def quick_plan(meshes: dict[str, Path], cache_dir: Path) -> Plan:
-    """The same at the smallest extent that still goes through everything."""
+    """The smallest extent that still runs every experiment."""
     return Plan(
         meshes, cache_dir, target_tets=800, record_frames=60, frames=60, elements=(6, 12),
         element_frames=20, trees=(20, 50), steps=10, queries=200, workers=1, quick=True,
@@ -64,34 +78,46 @@ def quick_plan(meshes: dict[str, Path], cache_dir: Path) -> Plan:
 
 @dataclass
 class Notes:
-    """Figures of one run, kept by what they depend on."""
+    """Cache of reproducible results, keyed by the code, the plan and what else they depend on.
+
+    Never pass a timing through it: a cached timing would be that of another run.
+    """
 
     plan: Plan
     code: str = field(default_factory=lambda: code_hash())
 
     def kept(self, name: str, depends: str, make: Callable[[], Any]) -> Any:
-        """The JSON-able result of ``make``, from the cache if code, plan and ``depends`` are the same."""
-        digest = hashlib.sha256(f"{PAPER_VERSION} {self.code} {self.plan} {depends}".encode()).hexdigest()
-        path = self.plan.cache_dir / "paper" / f"{name}-{digest[:24]}.json"
+        """Return the JSON-able result of ``make``, cached while code, plan and ``depends`` stay the same."""
+        path = self._path(f"{name}-", depends, ".json")
         if not path.exists():
             write_whole(path, json.dumps(make(), default=float).encode())
         return json.loads(path.read_text())
 
+    def table(self, name: str, depends: str, make: Callable[[], Table]) -> Table:
+        """Return the table that ``make`` builds, cached like the results of ``kept``."""
+        path = self._path(f"{name}-", depends, ".gwt")
+        if not path.exists():
+            write_whole(path, encode(make()))
+        return decode(path.read_bytes())
+
+    def _path(self, prefix: str, depends: str, suffix: str) -> Path:
+        digest = hashlib.sha256(f"{PAPER_VERSION} {self.code} {self.plan} {depends}".encode()).hexdigest()
+        return self.plan.cache_dir / "paper" / f"{prefix}{digest[:24]}{suffix}"
+
 
 def code_hash() -> str:
-    """Hash of every module that can change a figure."""
-    here = Path(__file__).parent
+    """SHA-256 of the sources of all galewood modules that can change a cached result."""
+    root = Path(__file__).parents[1]
     digest = hashlib.sha256()
-    for path in sorted(here.rglob("*.py")):
-        if not path.name.startswith(
-            ("paper_text", "paper_pictures", "evaluate_plot", "cli", "bench", "verify")
-        ):
-            digest.update(path.name.encode() + path.read_bytes())
+    for path in sorted(root.rglob("*.py")):
+        name = path.relative_to(root).as_posix()
+        if not name.startswith(UNRELATED):
+            digest.update(name.encode() + path.read_bytes())
     return digest.hexdigest()
 
 
 def built(plan: Plan, notes: Notes, species: str, on_progress: OnProgress) -> tuple[Table, Path, Path]:
-    """A species' table, its file, and the render mesh beside it; built unless it is there."""
+    """Build a species' table unless it is cached; return it, its file and the render mesh beside it."""
     source, options = plan.meshes[species].read_bytes(), plan.options(species)
     key = hashlib.sha256(f"{notes.code} {options}".encode() + source).hexdigest()[:24]
     path = plan.cache_dir / "paper" / f"{species}-{key}.gwt"

@@ -1,4 +1,4 @@
-"""``galewood paper``: every experiment of the paper again, on real trees, beside the paper's own figures."""
+"""``galewood paper``: repeats the experiments of the paper and sets the results beside its figures."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from galewood.paper.text import write_text
 from galewood.table import Table
 
 STRENGTH = 0.65
-"""Of the design speed, the peak of the unseen winds."""
+"""Peak speed of the unseen winds over the design speed."""
 
 
 @dataclass(frozen=True)
 class Tree:
-    """A species made ready: its table, and what it was made from."""
+    """A species' table and its source; ``content`` identifies the table in the cache."""
 
     table: Table
     table_bytes: int
@@ -30,7 +30,11 @@ class Tree:
 
 
 def run_paper(plan: Plan, out: Path, on_progress: OnProgress) -> dict[str, Any]:
-    """Measure everything, write ``out`` (Markdown) and its pictures beside it; the figures, JSON-able."""
+    """Run all experiments and write ``out`` (Markdown) with its pictures beside it.
+
+    Returns the figures, JSON-able. Timings are measured anew in every run; the other figures may come from
+    the cache.
+    """
     notes = Notes(plan)
     trees: dict[str, Tree] = {}
     figures: dict[str, Any] = {"species": {}, "plan": _plan_figures(plan)}
@@ -42,9 +46,8 @@ def run_paper(plan: Plan, out: Path, on_progress: OnProgress) -> dict[str, Any]:
             plan, notes, name, trees[name], out, _part(sub_progress, 0.3, 1.0)
         )
     on_progress(0.9, "Forests of many trees")
-    content = " ".join(tree.content for tree in trees.values())
     tables = {name: tree.table for name, tree in trees.items()}
-    figures["forests"] = notes.kept("forests", content, lambda: forests(plan, tables))
+    figures["forests"] = forests(plan, tables)
     folder = out.with_suffix("")
     draw_winds(next(iter(tables.values())), plan, folder / "winds.svg")
     elements = {name: found["elements"] for name, found in figures["species"].items()}
@@ -86,10 +89,10 @@ def _measure(
         draw_directions(directions, table, source, folder / f"directions-{name}.png")
     winds = notes.kept("winds", tree.content, lambda: _unseen(plan, tree, _part(on_progress, 0.1, 0.5)))
     save_small(error_figure(winds), folder / f"errors-{name}.png")
-    elements = notes.kept(
-        "elements", tree.content, lambda: by_elements(plan, table, source, _part(on_progress, 0.5, 0.8))
+    elements = by_elements(notes, table, source, tree.content, _part(on_progress, 0.5, 0.8))
+    search = notes.kept(
+        "search", tree.content, lambda: _search_differences(plan, tree, _part(on_progress, 0.8, 1.0))
     )
-    search = notes.kept("search", tree.content, lambda: _asked(plan, tree, _part(on_progress, 0.8, 1.0)))
     return {
         "height_m": table.metadata["height_m"],
         "design_speed_m_s": table.metadata["design_speed_m_s"],
@@ -112,14 +115,14 @@ def _unseen(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:
     )  # fmt: skip
 
 
-def _asked(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, int]:
+def _search_differences(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, int]:
     source = tree.source
     samples = samples_of(tree.table, source.model, source.mesh, plan.cache_dir, plan.workers)
     return against_brute_force(plan, tree.table, samples.recorded_runs(), on_progress)
 
 
 def _part(on_progress: OnProgress, first: float, last: float, name: str = "") -> OnProgress:
-    """A tick that moves through a part of the whole, its messages under a name."""
+    """Map progress 0..1 to ``first``..``last`` of the whole and prefix its messages with a name."""
     prefix = f"{name}: " if name else ""
     return lambda fraction, message: on_progress(
         first + (last - first) * fraction,

@@ -1,4 +1,4 @@
-"""The table's search held against Algorithm 1 as printed, which compares every state with every record."""
+"""Comparison of the table's search with Algorithm 1 as printed, which compares states with all records."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
@@ -24,7 +24,7 @@ CHUNK = 64
 
 @numba.njit(cache=True, nogil=True)
 def _least(row, components, pressure, barred, half_precision, weight, state, fx, fz):  # pragma: no cover
-    """The record of least total error (Eq. 16); the successor wins ties, then the lowest."""
+    """Record of least total error (Eq. 16); ties go to the successor, then to the lowest index."""
     best, found = np.inf, -1
     for j in range(len(row)):
         if barred[j]:
@@ -39,7 +39,7 @@ def _least(row, components, pressure, barred, half_precision, weight, state, fx,
 
 @numba.njit(cache=True, nogil=True)
 def _nearest(pressure, barred, fx, fz):  # pragma: no cover  (compiled)
-    """The first step (line 2 of Algorithm 1): the lowest record of the nearest wind."""
+    """First step (Algorithm 1, line 2): the lowest-numbered record with the nearest pressure."""
     best, found = np.inf, -1
     for j in range(len(pressure)):
         dx, dz = fx - pressure[j, 0], fz - pressure[j, 1]
@@ -50,7 +50,10 @@ def _nearest(pressure, barred, fx, fz):  # pragma: no cover  (compiled)
 
 
 class Literal:
-    """Algorithm 1 with nothing made beforehand: every state is compared with every record at every step."""
+    """Algorithm 1 without precomputation: at every step the state is compared with every record.
+
+    ``least``, ``most`` and ``growth`` are the weight rule of the table.
+    """
 
     def __init__(self, table: Table, runs: Sequence[SampledRun]) -> None:
         states = internal_states(runs)
@@ -66,7 +69,7 @@ class Literal:
         self.growth = float(weight["growth"])
 
     def compare_all(self) -> None:
-        """Compare all states with all records once, for many queries: the very same counts, only sooner."""
+        """Precompute all comparisons, for many queries; the counts are the same."""
         z = len(self._pressure)
         self._rows = np.empty((z, z), np.uint16)
         for first in range(0, z, CHUNK):
@@ -79,7 +82,10 @@ class Literal:
         return mismatch_rows(self._layout, state, state + 1)[0]
 
     def find(self, record: int, weight: float, f: tuple[float, float]) -> int:
-        """The record for the next step of a tree that found ``record`` last (−1 at rest)."""
+        """Return the record for the next step.
+
+        ``record`` is the last one found (−1 at rest), f the pressure (x, z) in Pa.
+        """
         if record < 0:
             return int(_nearest(self._pressure, self._barred, *f))
         state = record + 1
@@ -100,10 +106,10 @@ class Literal:
 def against_brute_force(
     plan: Plan, table: Table, runs: Sequence[SampledRun], on_progress: OnProgress
 ) -> dict[str, int]:
-    """Random queries to both: trees that walk the table under winds that jump at every step.
+    """Count random queries that the table's search and Algorithm 1 answer differently.
 
-    A third of the winds are records' own, a third anything up to 1.3 times the strongest, a third nearly
-    calm.
+    The trees step through the table under pressures that jump at every step: a third are those of records, a
+    third anything up to 1.3 times the strongest, and a third nearly calm.
     """
     literal, rng = Literal(table, runs), np.random.default_rng(plan.seed)
     literal.compare_all()
@@ -126,12 +132,12 @@ def against_brute_force(
                 weight[i] = min(literal.most, weight[i] + literal.growth) if follows else literal.least
             states.update(before.tolist())
             asked += TREES
-            on_progress(min(asked / plan.queries, 1.0), f"Asking {asked:,} of {plan.queries:,} queries twice")
+            on_progress(min(asked / plan.queries, 1.0), f"Compared {asked:,} of {plan.queries:,} queries")
     return {"queries": asked, "differences": differences, "states": len(states), "seed": plan.seed}
 
 
 def _winds(rng: np.random.Generator, table: Table, peak: float) -> npt.NDArray[np.float32]:
-    """(TREES, 2) Pa, single precision: both searches are asked the very same."""
+    """(TREES, 2) Pa in single precision, so that both searches get exactly the same pressures."""
     own = table.pressure_pa[rng.integers(0, len(table.pressure_pa), TREES)].astype(np.float64)
     angle, size = rng.uniform(0, 2 * np.pi, TREES), peak * np.sqrt(rng.uniform(0, 1.69, TREES))
     size[2 * TREES // 3 :] *= 0.02

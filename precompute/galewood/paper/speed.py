@@ -1,13 +1,14 @@
-"""The paper's Table 1 and its frame rates of forests, timed in this process; and the memory of a table.
+"""The paper's Table 1 and its forest frame rates, timed in this process, and the memory of a table.
 
-Times are processor time of this one thread, the best of several repeats, so that a busy machine counts
-little.
+Times are process CPU time, the best of several repeats, so that other load on the machine matters little.
+They are measured in every run and never cached.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -16,7 +17,7 @@ import numpy.typing as npt
 
 from galewood.evaluation import Forest, Source
 from galewood.paper.gestures import small_table
-from galewood.paper.plan import OnProgress, Plan
+from galewood.paper.plan import Notes, OnProgress, Plan
 from galewood.paper.search import Literal
 from galewood.player import ModalForest, PaperForest, grid_placements
 from galewood.sampling import (
@@ -42,17 +43,23 @@ FORESTS: dict[str, Callable[[Table, int], Forest]] = {
 }
 
 
-def by_elements(plan: Plan, table: Table, source: Source, on_progress: OnProgress) -> dict[str, Any]:
-    """Table 1: time per tree and step at every number of sampled elements, of six winds in one direction.
+def by_elements(
+    notes: Notes, table: Table, source: Source, content: str, on_progress: OnProgress
+) -> dict[str, Any]:
+    """Table 1: µs per tree and step for each number of sampled elements, with six winds in one direction.
 
-    ``exhaustive`` is Algorithm 1 as printed: at every step every record's whole state is compared.
+    ``exhaustive`` is Algorithm 1 as printed, which compares every record's whole state at every step. The
+    runs and the tables, identified by ``content``, may come from the cache; the times never do.
     """
+    plan = notes.plan
     runs, counts, vertices = _runs_of_most(plan, table, source, on_progress)
     found: dict[str, Any] = {}
     for k, count in enumerate(plan.elements):
         on_progress(0.4 + 0.6 * k / len(plan.elements), f"Table 1: {count} elements")
         kept = [_at_points(run, vertices, counts[count]) for run in runs]
-        small = small_table(table, source, kept)
+        small = notes.table(
+            f"elements-{count}", f"{content} {count}", partial(small_table, table, source, kept)
+        )
         found[str(count)] = {
             "records": len(small.dq),
             "points": len(counts[count]),
@@ -67,7 +74,10 @@ def by_elements(plan: Plan, table: Table, source: Source, on_progress: OnProgres
 def _runs_of_most(
     plan: Plan, table: Table, source: Source, on_progress: OnProgress
 ) -> tuple[list[Trajectory], dict[int, npt.NDArray[np.int64]], npt.NDArray[np.int64]]:
-    """Runs recorded at the vertices of the most elements, and which of them each smaller number has."""
+    """Runs recorded at the vertices of the most elements.
+
+    Returns the runs, the vertices of each number of elements, and all recorded vertices (sorted).
+    """
     skeleton = extract_skeleton(source.mesh)
     most = source.mesh.tets[sampled_elements(source.mesh, skeleton, plan.elements[-1])]
     counts = {count: np.unique(most[:count]).astype(np.int64) for count in plan.elements}
@@ -86,6 +96,7 @@ def _runs_of_most(
 
 
 def _at_points(run: Trajectory, vertices: npt.NDArray[np.int64], kept: npt.NDArray[np.int64]) -> Trajectory:
+    """Reduce a run recorded at ``vertices`` (sorted) to the vertices ``kept``."""
     where = np.searchsorted(vertices, kept)
     return Trajectory(
         run.displacement_m, run.pressure_pa, run.velocity[:, where], run.force[:, where],
@@ -94,7 +105,7 @@ def _at_points(run: Trajectory, vertices: npt.NDArray[np.int64], kept: npt.NDArr
 
 
 def step_us(table: Table, method: str, plan: Plan, trees: int = TREES) -> float:
-    """Processor µs of one step of one tree under a gusty wind."""
+    """CPU time, µs, of one step of one tree under a gusty wind."""
     forest, dt_s = FORESTS[method](table, trees), float(table.metadata["dt_s"])
     x, z, yaw, _ = grid_placements(trees)
     forest.set_trees(x, z, yaw, np.ones(trees))
@@ -114,7 +125,7 @@ def step_us(table: Table, method: str, plan: Plan, trees: int = TREES) -> float:
 
 
 def exhaustive_us(runs: Sequence[SampledRun], table: Table, plan: Plan) -> float:
-    """Processor µs of one step of one tree when every state is compared with every record, as printed."""
+    """CPU time, µs, of one step of one tree if its state is compared with every record, as printed."""
     literal, rng = Literal(table, runs), np.random.default_rng(plan.seed)
     peak = float(np.abs(table.pressure_pa).max())
     state = literal.find(-1, 0.0, (peak, 0.0))
@@ -129,7 +140,7 @@ def exhaustive_us(runs: Sequence[SampledRun], table: Table, plan: Plan) -> float
 
 
 def forests(plan: Plan, tables: dict[str, Table]) -> dict[str, Any]:
-    """Milliseconds of one step of a mixed forest of so many trees, by both methods, and of its wind."""
+    """CPU time, ms, of one step of mixed forests: of both methods and of the wind, by number of trees."""
     found: dict[str, Any] = {}
     for count in plan.trees:
         shares = [len(part) for part in np.array_split(np.arange(count), len(tables))]
@@ -144,7 +155,7 @@ def forests(plan: Plan, tables: dict[str, Table]) -> dict[str, Any]:
 def _forest_ms(
     plan: Plan, tables: Sequence[Table], shares: Sequence[int], method: str
 ) -> tuple[float, float]:
-    """Processor ms of a step's wind and of its trees."""
+    """CPU time, ms, of the wind and of the trees of one step."""
     parts = [FORESTS[method](table, count) for table, count in zip(tables, shares, strict=True)]
     x, z, yaw, _ = grid_placements(sum(shares))
     bounds = np.cumsum([0, *shares])
@@ -168,11 +179,11 @@ def _forest_ms(
 
 
 def memory(table: Table, table_bytes: int, source: Source) -> dict[str, float]:
-    """Bytes of a table beside what the paper's tuples would take, in single precision.
+    """Size of a table and of the paper's tuples in single precision, bytes.
 
-    ``raw``: every K (3n × 3n, dense as Eq. 5 has it), v, f_int, f_ext and Δu. ``reduced``: K̃ (3q × 3q), ṽ,
-    f̃ of the sampled elements, and Δu of every vertex. ``reduced_blocks``: of K̃ only the compared 3 × 3
-    blocks.
+    ``raw``: every K (3n × 3n, dense as in Eq. 5), v, f_int, f_ext and Δu. ``reduced``: K̃ (3q × 3q), ṽ and f̃
+    of the sampled elements and Δu of every vertex. ``reduced_blocks``: the same with only the compared 3 × 3
+    blocks of K̃.
     """
     z, n, q = len(table.dq), source.model.vertex_count, int(table.metadata["points"])
     return {

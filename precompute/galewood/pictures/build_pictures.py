@@ -1,4 +1,4 @@
-"""Pictures of what was made of a tree: its tetrahedra, and the skeleton with the sampled elements."""
+"""Pictures of a build: the tetrahedra, and the skeleton with the sampled elements."""
 
 from __future__ import annotations
 
@@ -29,16 +29,17 @@ SAMPLE = "#ffd36b"
 ORDERS = LinearSegmentedColormap.from_list("orders", ["#f2ad3f", "#e0664f", "#b0568f", "#6f6fc4", "#58a6d6"])
 MOST_ORDERS = 5
 CLOSE_UP_SHARE = 0.06
-"""Half the width of what the close-up shows, of the height."""
+"""Half the width of the close-up's view over the height of the wood."""
 TALL = 1.35
-"""Its height over its width."""
+"""Aspect ratio of the close-up: height over width."""
 CUT_SHARE = 0.04
-"""How far before the wood's middle it is cut, of half that width."""
+"""Distance of the cut in front of the middle of the wood, over half the width of the close-up."""
 SHRUNK = 0.84
+"""Scale of the tetrahedra in the close-up, so that gaps separate them."""
 
 
 def tetrahedra_png(mesh: TetMesh) -> bytes:
-    """PNG: the wood's surface, and from near the tetrahedra inside the first fork, drawn apart."""
+    """PNG of the wood's surface, with a close-up of the tetrahedra inside the first fork."""
     figure, camera = empty_page(), Camera()
     whole = bare_axes(figure, (0.02, 0.02, 0.70, 0.87))
     _draw_wood(whole, mesh, camera)
@@ -54,14 +55,14 @@ def tetrahedra_png(mesh: TetMesh) -> bytes:
 
 
 def _draw_wood(plot: Axes, mesh: TetMesh, camera: Camera) -> None:
-    seen = camera.view(mesh.vertices_m)
-    faces = seen[boundary_faces(mesh.tets)]
+    view = camera.view(mesh.vertices_m)
+    faces = view[boundary_faces(mesh.tets)]
     add_faces(plot, faces, lit(faces, BARK), edge=0.72, width=0.35)
-    frame_points(plot, seen[:, :2])
+    frame_points(plot, view[:, :2])
 
 
 def first_fork(mesh: TetMesh) -> Floats:
-    """(3,) the middle of the wood at the height where it first spreads to thrice its width at the foot."""
+    """(3,) m: middle of the wood where it first spreads to three times its width at the base."""
     centre = mesh.vertices_m[mesh.tets].mean(axis=1)
     low, high = centre[:, 1].min(), centre[:, 1].max()
     slab = np.minimum((40 * (centre[:, 1] - low) / (high - low)).astype(int), 39)
@@ -74,9 +75,9 @@ def first_fork(mesh: TetMesh) -> Floats:
 
 
 def _draw_inside(plot: Axes, mesh: TetMesh, camera: Camera, at_m: Floats, half_m: float) -> None:
-    """The tetrahedra behind a cut through a point, each drawn smaller than it is."""
-    seen, middle = camera.view(mesh.vertices_m), camera.view(at_m[None])[0]
-    corners = seen[mesh.tets]
+    """Draw the tetrahedra behind a cut through a point, each shrunk towards its centre."""
+    view, middle = camera.view(mesh.vertices_m), camera.view(at_m[None])[0]
+    corners = view[mesh.tets]
     centre = corners.mean(axis=1)
     near = np.abs(centre[:, :2] - middle[:2]) < half_m * np.array([1.3, TALL + 0.4])
     shown = near.all(axis=1) & (centre[:, 2] < middle[2] + CUT_SHARE * half_m)
@@ -90,7 +91,7 @@ def _draw_inside(plot: Axes, mesh: TetMesh, camera: Camera, at_m: Floats, half_m
 
 
 def _mark(whole: Axes, near: Axes, middle: Floats, half_m: float) -> None:
-    """A frame around the close-up, and where it is in the whole."""
+    """Frame the close-up and mark its place in the whole picture."""
     x, y = half_m * np.array([-1, 1, 1, -1, -1]), TALL * half_m * np.array([-1, -1, 1, 1, -1])
     whole.plot(middle[0] + x, middle[1] + y, color=SOFT_INK, linewidth=0.8)
     x, y = [0, 1, 1, 0, 0], [0, 0, 1, 1, 0]
@@ -98,8 +99,9 @@ def _mark(whole: Axes, near: Axes, middle: Floats, half_m: float) -> None:
 
 
 def skeleton_png(mesh: TetMesh, skeleton: Skeleton, sampled: Ints) -> bytes:
-    """PNG: the skeleton inside the wood from two sides, coloured by branching order, with the sampled
-    elements."""
+    """PNG of the skeleton inside the wood from two sides, coloured by branching order, with the sampled
+    elements.
+    """
     figure = empty_page()
     for box, turn_deg in (((0.01, 0.02, 0.49, 0.87), 35.0), ((0.50, 0.02, 0.49, 0.87), 125.0)):
         camera, plot = Camera(turn_deg, 0.0), bare_axes(figure, box)
@@ -114,14 +116,14 @@ def skeleton_png(mesh: TetMesh, skeleton: Skeleton, sampled: Ints) -> bytes:
 
 
 def _draw_ghost(plot: Axes, mesh: TetMesh, camera: Camera) -> None:
-    seen = camera.view(mesh.vertices_m)
-    faces = seen[boundary_faces(mesh.tets)]
+    view = camera.view(mesh.vertices_m)
+    faces = view[boundary_faces(mesh.tets)]
     colour = np.full((len(faces), 3), 0.185) * np.array([0.85, 1.0, 1.12])
     add_faces(plot, faces, colour, edge=1.0, width=0.6)
 
 
 def branch_order(skeleton: Skeleton) -> Ints:
-    """(branches,) how many forks lie between each branch and the trunk, which is 0."""
+    """(branches,) number of forks between each branch and the trunk (0 for the trunk)."""
     _, first = np.unique(skeleton.branch, return_index=True)
     bearer = skeleton.branch[np.maximum(skeleton.parent[first], 0)]
     order = np.zeros(len(first), np.int64)

@@ -1,4 +1,4 @@
-"""What the pictures of a build have in common: a dark page, a camera, a light, small files."""
+"""Common parts of the pictures of a build: page, camera, lighting and PNG output."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from galewood.util import Floats
 
 PAGE, INK, SOFT_INK = "#141b20", "#f4efe6", "#a9b1b3"
 COLOURS = 255
-"""A palette of so many keeps a picture under 200 kB."""
+"""Palette size; keeps a picture below 200 kB."""
 SIZE_INCHES, DOTS_PER_INCH = (9.6, 9.6), 100
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Looks at a tree from afar: turned about the vertical, and from a little above; degrees."""
+    """Orthographic camera: rotation about the vertical and elevation, degrees."""
 
     turn_deg: float = 35.0
     above_deg: float = 7.0
 
     def view(self, points_m: Floats) -> Floats:
-        """(n, 3) right, up and towards the eye."""
+        """(n, 3) points in camera coordinates: right, up and towards the eye, m."""
         turn, above = np.radians([self.turn_deg, self.above_deg])
         right = np.array([np.cos(turn), 0.0, -np.sin(turn)])
         eye = np.array([np.sin(turn) * np.cos(above), np.sin(above), np.cos(turn) * np.cos(above)])
@@ -40,7 +40,7 @@ RIM_LIGHT = np.array([0.85, 0.25, -0.3])
 
 
 def lit(faces: Floats, wood: Floats) -> Floats:
-    """Colours (k, 3) of triangles (k, 3, 3) seen by a camera, of wood colours (k, 3) or (3,)."""
+    """Shaded colours (k, 3) of triangles (k, 3, 3) in camera coordinates with base colours (k, 3) or (3,)."""
     normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     key = np.maximum(normal @ KEY_LIGHT, 0.0)[:, None]
@@ -51,7 +51,7 @@ def lit(faces: Floats, wood: Floats) -> Floats:
 
 
 def add_faces(plot: Axes, faces: Floats, colour: Floats, *, edge: float, width: float) -> None:
-    """Draw triangles (k, 3, 3) seen by a camera, the far ones first; edges are ``edge`` times as bright."""
+    """Draw triangles (k, 3, 3) in camera coordinates back to front; edges are ``edge`` times as bright."""
     towards = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])[:, 2] > 0
     faces, colour = faces[towards], colour[towards]
     order = np.argsort(faces[:, :, 2].mean(axis=1))
@@ -63,14 +63,14 @@ def add_faces(plot: Axes, faces: Floats, colour: Floats, *, edge: float, width: 
 
 
 def empty_page() -> Figure:
-    """A figure of the page's colour."""
+    """Create a figure with the background colour of the page."""
     figure = Figure(figsize=SIZE_INCHES, dpi=DOTS_PER_INCH, facecolor=PAGE)
     FigureCanvasAgg(figure)
     return figure
 
 
 def bare_axes(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
-    """A place for a picture, without frame or numbers."""
+    """Add axes without frame and ticks."""
     plot: Axes = figure.add_axes(box)
     plot.set_aspect("equal")
     plot.set_axis_off()
@@ -78,7 +78,7 @@ def bare_axes(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
 
 
 def frame_points(plot: Axes, flat_m: Floats, margin: float = 0.03) -> None:
-    """Show all of some points (n, 2)."""
+    """Set the limits of the axes to show all points (n, 2)."""
     low, high = flat_m.min(axis=0), flat_m.max(axis=0)
     room = margin * float((high - low).max())
     plot.set_xlim(low[0] - room, high[0] + room)
@@ -86,13 +86,13 @@ def frame_points(plot: Axes, flat_m: Floats, margin: float = 0.03) -> None:
 
 
 def write_title(figure: Figure, title: str, facts: str) -> None:
-    """A title and a line of facts at the top left."""
+    """Write a title and a line of facts at the top left."""
     figure.text(0.04, 0.955, title, color=INK, fontsize=17, va="center")
     figure.text(0.04, 0.922, facts, color=SOFT_INK, fontsize=11, va="center")
 
 
 def png(figure: Figure) -> bytes:
-    """The picture's file, with a palette."""
+    """Encode a figure as PNG with a palette."""
     stream = io.BytesIO()
     figure.savefig(stream, format="raw")
     width, height = figure.canvas.get_width_height()

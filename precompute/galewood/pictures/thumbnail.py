@@ -1,4 +1,4 @@
-"""A small picture of a tree from its render mesh: triangles from back to front, shaded by their slope."""
+"""Thumbnail of a render mesh: triangles drawn back to front with flat shading."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LIMITS = Limits(memory_bytes=3 << 30, cpu_s=20, wall_s=30.0)
 
 
 def draw_limited(glb: bytes) -> bytes:
-    """PNG of a render mesh, drawn in a child process. MeshError."""
+    """Draw a render mesh as PNG in a child process with limits. Raises MeshError."""
     arguments = {"glb": np.frombuffer(glb, np.uint8)}
     return run_limited(
         "galewood.pictures.thumbnail:draw_in_child", arguments, LIMITS, what="Drawing the tree"
@@ -28,15 +28,15 @@ def draw_limited(glb: bytes) -> bytes:
 
 
 def draw_in_child(arguments: Arrays) -> Arrays:
-    """The child's side of draw_limited."""
+    """Entry point of the child process of ``draw_limited``."""
     return {"png": np.frombuffer(draw(read_glb(arguments["glb"].tobytes())), np.uint8)}
 
 
 def draw(parts: list[RawPart]) -> bytes:
-    """PNG, 256 pixels square, transparent around the tree, seen along −z."""
+    """Draw parts as PNG of 256 × 256 pixels with a transparent background, viewed along −z."""
     triangles = np.concatenate([part.positions[part.faces] for part in parts])
     colours = np.concatenate([_colours(part) for part in parts])
-    # a card covered in part by its leaf is drawn as a smaller card that is covered wholly
+    # A partly transparent leaf card is drawn as a smaller opaque card of the same covered area.
     centres = triangles.mean(axis=1, keepdims=True)
     triangles = centres + (triangles - centres) * np.sqrt(colours[:, 3])[:, None, None]
     shaded = colours[:, :3] * _light(triangles)[:, None]
@@ -54,7 +54,7 @@ def draw(parts: list[RawPart]) -> bytes:
 
 
 def _to_pixels(triangles: Floats, side: int) -> Floats:
-    """x and y of the corners in pixels, the tree centred and as large as fits."""
+    """(k, 3, 2) corners in pixels; the tree is centred and fills the picture."""
     flat = triangles[:, :, :2]
     low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
     pixels = side * (1 - 2 * MARGIN) / max(float((high - low).max()), 1e-9)
@@ -63,14 +63,14 @@ def _to_pixels(triangles: Floats, side: int) -> Floats:
 
 
 def _light(triangles: Floats) -> Floats:
-    """Both sides of a face alike: ambient light and the slope towards the sun."""
+    """(k,) brightness of triangles (k, 3, 3): ambient plus diffuse light, equal on both sides."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     lengths = np.maximum(np.linalg.norm(normals, axis=1), 1e-30)
     return 0.55 + 0.6 * np.abs(normals @ LIGHT) / lengths
 
 
 def _colours(part: RawPart) -> Floats:
-    """Colour and coverage of each face, from its material; leaves differ a little, as in the light."""
+    """(k, 4) colour and opacity of each face from its material; leaves vary slightly in brightness."""
     is_leaf = any(label.startswith("leaves") for label in part.labels)
     base = np.array([*(LEAVES if is_leaf else WOOD), 1.0])
     if part.material is not None:
@@ -84,7 +84,7 @@ def _colours(part: RawPart) -> Floats:
 
 def _material_colour(material: Material, base: Floats) -> Floats:
     surface = material.json.get("pbrMetallicRoughness", {})
-    # factors are linear light; screens are not
+    # Material factors are linear; the picture uses a display gamma.
     factor = np.array(surface.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), dtype=float)[:3] ** (1 / 2.2)
     image = base_image(material)
     if image is None:

@@ -1,4 +1,4 @@
-"""What a build hands out before it is done: pictures drawn beside it, and a first table."""
+"""Artefacts that a build publishes before it is done: pictures and the preliminary table."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from galewood.util import WorkerPool
 log = logging.getLogger("galewood.build")
 Arguments = ParamSpec("Arguments")
 Publish = Callable[[str, bytes], None]
-"""Takes a name ("tetrahedra.png") and the content. Called by one thread at a time, not always the build's."""
+"""Receives a name ("tetrahedra.png") and the content. Called by one thread at a time, not always the same."""
 
 
 class ArtefactPublisher:
-    """Draws in helpers and publishes each picture as soon as it is there; does nothing where nobody looks.
+    """Draws pictures in the worker pool and publishes each when it is done; does nothing without ``publish``.
 
-    A picture that fails is logged: a build does not fail for it.
+    A picture that fails is logged and does not fail the build.
     """
 
     def __init__(self, pool: WorkerPool, publish: Publish | None) -> None:
@@ -34,21 +34,21 @@ class ArtefactPublisher:
         *args: Arguments.args,
         **kwargs: Arguments.kwargs,
     ) -> None:
-        """Start a picture; it is published when it is done."""
+        """Start drawing a picture in the worker pool; it is published when it is done."""
         if self._publish:
-            drawn = self._pool.start(picture, *args, **kwargs)
-            drawn.add_done_callback(lambda drawn: self._drawn(name, drawn))
+            future = self._pool.start(picture, *args, **kwargs)
+            future.add_done_callback(lambda drawn: self._drawn(name, drawn))
 
     def _drawn(self, name: str, drawn: Future[bytes]) -> None:
         try:
             self.publish(name, drawn.result)
         except CancelledError:
-            pass  # the build was stopped
+            pass  # the build was cancelled
         except Exception:
-            log.exception("%s was not handed out", name)
+            log.exception("could not publish %s", name)
 
     def publish(self, name: str, make: Callable[[], bytes]) -> None:
-        """Publish what a function makes, if anybody looks."""
+        """Publish the result of ``make``; without ``publish`` it is not called."""
         if self._publish:
             content = make()
             with self._lock:

@@ -1,4 +1,4 @@
-"""From recorded trajectories to a table: reduced motion, search, nodes, and the figures that go with them."""
+"""Assembles a table from recorded trajectories: reduced motion, modal model, search, nodes and metadata."""
 
 from __future__ import annotations
 
@@ -28,31 +28,31 @@ from galewood.util import Array, Floats
 
 @dataclass(frozen=True)
 class TableSettings:
-    """What a table is built to. docs/design/0002-pose-easing.md says how the numbers were chosen."""
+    """Parameters and tolerances of a table (docs/design/0002-pose-easing.md explains the defaults)."""
 
     modes: int | None = None
     """Oscillators of the modal model; None: as few of the standard sizes as follow the training runs."""
     sigma_share: float = 0.3
     """σ of Eq. 16 over the RMS pressure of the records."""
     weight_leverage: float = 0.94
-    """w / (1 − w) at the largest weight, over the median E_int: a stiff tree's states differ less."""
+    """w / (1 − w) at the largest weight, over the median E_int; relative, as stiff trees differ less."""
     weight_initial: float | None = None
-    """Where w starts; None is a twentieth below the largest."""
+    """Initial weight; None: 5 % below the largest weight."""
     weight_maximum: float | None = None
-    """None follows from ``weight_leverage``."""
+    """Largest weight; None: derived from ``weight_leverage``."""
     weight_growth: float = 0.01
     pose_easing: float = 0.08
     truncation_share: float = 6e-4
     """Largest vertex error of the reduced basis over the height."""
     node_share: float = 5e-4
-    """Largest error of a vertex against its node, at RMS motion, over the height."""
+    """Largest deviation of a vertex from its node at RMS motion, over the height."""
     node_sway_share: float = 0.03
-    """The same over the tree's own largest RMS motion: a stout tree must bend, not slide."""
+    """The same over the largest RMS motion of the tree, so that stiff trees also bend smoothly."""
 
 
 @dataclass(frozen=True)
 class RenderMesh:
-    """What the viewer will move: vertices in file order and how they hang on the tet vertices."""
+    """The mesh that the viewer moves: vertices in file order and their weights on the tet vertices."""
 
     vertices_m: Floats  # (v, 3)
     binding: scipy.sparse.csr_matrix  # (v, n)
@@ -60,7 +60,7 @@ class RenderMesh:
 
 
 def internal_states(runs: Sequence[SampledRun]) -> InternalStates:
-    """The records of all runs, one after another."""
+    """Internal states of the records of all runs, concatenated."""
     velocity, force, stiffness = (
         np.concatenate([getattr(run, name) for run in runs]) for name in ("velocity", "force", "stiffness")
     )
@@ -68,7 +68,7 @@ def internal_states(runs: Sequence[SampledRun]) -> InternalStates:
 
 
 def weights(layout: Compared, components: int, settings: TableSettings) -> dict[str, float]:
-    """The weight rule's numbers for these states."""
+    """Parameters of the weight w of Eq. 16 for these states: initial, maximum, growth."""
     leverage = settings.weight_leverage * typical_error(layout, components)
     maximum = settings.weight_maximum or leverage / (1.0 + leverage)
     initial = settings.weight_initial or 0.95 * maximum
@@ -76,7 +76,7 @@ def weights(layout: Compared, components: int, settings: TableSettings) -> dict[
 
 
 def spread_pa(pressure_pa: Array) -> float:
-    """RMS length of the pressure vectors (z, 2) of the records on which the wind acts."""
+    """RMS length of the pressure vectors (z, 2) of the records with wind, Pa; 1 if there are none."""
     squared = np.square(pressure_pa, dtype=np.float64).sum(axis=1)
     return float(np.sqrt(squared[squared > 0].mean())) if squared.any() else 1.0
 
@@ -90,7 +90,11 @@ def assemble_table(
     training: ModalTraining,
     on_progress: Callable[[float], None] = lambda fraction: None,
 ) -> Table:
-    """The table of all runs. ``description`` adds species, height, winds, provenance to the metadata."""
+    """Assemble the table of the recorded ``runs``.
+
+    ``mass_kg`` (n,) are the masses of the tet vertices. ``description`` adds species, height, winds and
+    provenance to the metadata. ``on_progress`` gets the fraction done and may raise to cancel.
+    """
     height_m = float(description["height_m"])
     fitted = fit_smallest(runs, mass_kg, height_m, settings.truncation_share * height_m, training)
     modal, subspace = fitted.modal, fitted.subspace

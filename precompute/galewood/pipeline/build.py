@@ -1,4 +1,4 @@
-"""From a mesh file to a table: every stage by its name."""
+"""The build pipeline: from a mesh file to a table, stage by stage."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from galewood.pictures import skeleton_png, tetrahedra_png
 from galewood.pipeline.artefacts import ArtefactPublisher, Publish
 from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
 from galewood.pipeline.report import build_report, render_mesh
-from galewood.pipeline.table_builder import TableMaker
+from galewood.pipeline.table_builder import TableBuilder
 from galewood.sampling import TrajectoryRunner, design_wind, planned, run_in_processes, simulate
 from galewood.skeleton import extract_skeleton, sampled_elements, with_corrected_radii
 from galewood.table import encode
@@ -31,7 +31,7 @@ from galewood.util import WorkerPool
 from galewood.wood import Wood, species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
-"""Imported by the worker processes while the tree is read and meshed: they load the compiled kernels."""
+"""Modules that the worker processes import during meshing, so that compiled kernels load early."""
 
 
 def build_table(
@@ -43,11 +43,11 @@ def build_table(
     cache_dir: Path = Path("data/cache"),
     publish: Publish | None = None,
 ) -> BuildResult:
-    """The table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
+    """Build the table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
-    ``publish`` receives "render.glb", "tets-….npz" (as kept in the cache), "tetrahedra.png", "skeleton.png"
-    and "preliminary.table" as soon as they exist. ``runner`` simulates the training runs; without one,
-    processes of this machine do.
+    ``publish`` receives "render.glb", "tets-….npz" (the file in the cache), "tetrahedra.png", "skeleton.png"
+    and "preliminary.table" as soon as they exist. ``runner`` simulates the winds, by default in worker
+    processes on this machine.
     """
     stages = Stages(progress)
     stages.enter("import")
@@ -99,15 +99,15 @@ def _build(
         samples = planned(
             model, wind.speed_m_s, mesh.tets[elements], cache_dir, frames=options.frames, seed=options.seed
         )
-        maker = TableMaker(tree, model, wind, surface, options, render_glb)
+        builder = TableBuilder(tree, model, wind, surface, options, render_glb)
         preliminary = partial(
-            artefacts.publish, "preliminary.table", lambda: encode(maker.preliminary(samples))
+            artefacts.publish, "preliminary.table", lambda: encode(builder.preliminary(samples))
         )
         run = runner or partial(run_in_processes, pool=pool)
         simulate(samples, run, stages.report, preliminary)
         stages.enter("table")
         further = partial(samples.further_runs, run, lambda share: stages.report(0.15 * share, FURTHER))
-        table = maker.make(samples, stages.report, further)
+        table = builder.build(samples, stages.report, further)
         stages.enter("done")
         report = build_report(tree, mesh, skeleton, lumped, model, wind, table, reference(), stages)
         return BuildResult(encode(table), render_glb, report)
@@ -122,9 +122,9 @@ def _start_comparison(
     lumped: LumpedMassesLike,
     frames: int,
 ) -> Callable[[], dict[str, Any] | None]:
-    """Start the comparison with the reference model; the function returned waits for its figures.
+    """Start the comparison with the reference model; the returned function waits for the result.
 
-    They are None if ``frames`` is 0, or if the model is the reference itself.
+    The result is None if ``frames`` is 0, or if the model is the reference itself.
     """
     if fast.settings.element != "fitted" or not frames:
         return lambda: None

@@ -1,4 +1,4 @@
-"""What a build is asked for, what it tells on the way and what it hands back."""
+"""Options, progress and result of a build."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ SHARES: dict[Stage, float] = {
     "table": 0.14,
     "done": 0.0,
 }
-"""Share of each stage in a usual build's time."""
+"""Share of each stage in the duration of a typical build."""
 MESSAGES: dict[Stage, str] = {
     "import": "Reading the mesh",
-    "meshing": "Filling the wood with tetrahedra",
-    "skeleton": "Finding the skeleton and hanging the leaves on it",
-    "model": "Fitting stiffness, mass and damping",
-    "sampling": "Simulating the sample winds",
-    "table": "Comparing all states with each other",
+    "meshing": "Meshing the wood",
+    "skeleton": "Extracting the skeleton and attaching the foliage",
+    "model": "Assigning material",
+    "sampling": "Computing the training runs",
+    "table": "Building the search and the modal model",
     "done": "Done",
 }
-FURTHER = "Simulating more winds: this tree bends far"
-"""In place of the table's message while it is so."""
+FURTHER = "Computing additional training runs for large bending"
+"""Message of the table stage while additional training runs are simulated."""
 
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a build is: fraction 0..1 of the whole."""
+    """Progress of a build: current stage, completed fraction 0..1, and a message for the user."""
 
     stage: Stage
     fraction: float
@@ -51,22 +51,22 @@ class Progress:
 
 @dataclass(frozen=True)
 class BuildOptions:
-    """Everything that shapes a table besides the mesh.
+    """All inputs of a build besides the mesh.
 
-    ``frames`` is the length of each of the paper's cosine winds, ``seed`` that of the noise and gusts which
-    the drift-free method learns from. ``fem.element`` "quadratic" makes the table from the reference itself.
+    ``frames`` is the length of each of the paper's cosine winds, ``seed`` the seed of the training winds of
+    the modal model. With ``fem.element`` "quadratic" the table is built from the reference model itself.
     """
 
     mesh_import: ImportOptions = field(default_factory=ImportOptions)
     wood: Wood | None = None
-    """What the tree is made of; None: the wood of its species."""
+    """Wood of the tree; None: the wood of its species."""
     target_tets: int = 5500
     sampled_elements: int = 35
     design_speed_m_s: float = 18.0
     frames: int = 180
     seed: int = SEED
     reference_frames: int = 60
-    """Frames of the run that compares the model with the quadratic reference; 0: no comparison."""
+    """Frames of the run that compares the model with the quadratic reference model; 0: no comparison."""
     fem: FemSettings = field(default_factory=FemSettings)
     table: TableSettings = field(default_factory=TableSettings)
 
@@ -84,7 +84,7 @@ def build_options(request: BuildRequest) -> BuildOptions:
 
 @dataclass(frozen=True)
 class BuildResult:
-    """The table file, the render mesh it moves (a GLB), and everything assumed and measured (JSON-able)."""
+    """The table file, its render mesh (GLB), and a JSON-able report of all assumptions and measurements."""
 
     table: bytes
     render_glb: bytes
@@ -92,29 +92,29 @@ class BuildResult:
 
 
 class Stages:
-    """Tells a callback where a build is, and notes the seconds of each stage: of the clock, and of all cores.
+    """Reports the progress of a build and records the duration of each stage.
 
-    The second counts the build's own processes, not a cluster's.
+    ``seconds`` is wall-clock time; ``cpu_seconds`` is CPU time of the build's processes on this machine.
     """
 
     def __init__(self, progress: Callable[[Progress], None]) -> None:
         self._progress = progress
-        self._begun = self._spent = 0.0
+        self._started_s = self._started_cpu_s = 0.0
         self._stage: Stage | None = None
         self.seconds: dict[str, float] = {}
         self.cpu_seconds: dict[str, float] = {}
 
     def enter(self, stage: Stage) -> None:
-        """The stage begins (and the one before is over)."""
-        now_s, spent_s = time.perf_counter(), cpu_seconds()
+        """End the previous stage and start this one."""
+        now_s, cpu_s = time.perf_counter(), cpu_seconds()
         if self._stage is not None:
-            self.seconds[self._stage] = round(now_s - self._begun, 3)
-            self.cpu_seconds[self._stage] = round(spent_s - self._spent, 3)
-        self._stage, self._begun, self._spent = stage, now_s, spent_s
+            self.seconds[self._stage] = round(now_s - self._started_s, 3)
+            self.cpu_seconds[self._stage] = round(cpu_s - self._started_cpu_s, 3)
+        self._stage, self._started_s, self._started_cpu_s = stage, now_s, cpu_s
         self.report(0.0)
 
     def report(self, fraction: float, message: str = "") -> None:
-        """``fraction`` of the present stage is done. Raises what the callback raises."""
+        """Report that ``fraction`` of the current stage is done. Raises what the callback raises."""
         stage = self._stage or "import"
         order = list(SHARES)
         before = sum(SHARES[other] for other in order[: order.index(stage)])

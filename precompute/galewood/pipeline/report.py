@@ -1,4 +1,4 @@
-"""What a build writes down: the table's description of itself, and everything assumed and measured."""
+"""Metadata of a table, and the report of a build."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from galewood.tets import TetMesh
 
 
 def render_mesh(tree: TreeMesh, binding: scipy.sparse.csr_matrix) -> RenderMesh:
-    """The render vertices of all primitives in the GLB's order, with how they hang on the tet vertices."""
+    """Render vertices of all primitives in the order of the GLB, with their weights on the tet vertices."""
     primitives = [{"name": p.name, "kind": p.kind, "vertices": len(p.positions_m)} for p in tree.primitives]
     return RenderMesh(np.concatenate([p.positions_m for p in tree.primitives]), binding, primitives)
 
@@ -35,7 +35,7 @@ def describe(
     options: BuildOptions,
     render_glb: bytes,
 ) -> Metadata:
-    """The part of a table's metadata that is known before its motion is."""
+    """Metadata of a table that is known before its motion."""
     return {
         "species": tree.species or "default",
         "height_m": tree.height_m,
@@ -69,7 +69,7 @@ def build_report(
     reference: dict[str, Any] | None,
     stages: Stages,
 ) -> dict[str, Any]:
-    """Everything assumed and measured on the way, by stage; JSON-able."""
+    """JSON-able report of all assumptions and measurements of a build, by stage."""
     candidates = np.diff(table.offsets.astype(np.int64))
     return {
         "import": tree.report,

@@ -1,4 +1,4 @@
-"""Tables of one tree from its runs: an early one from the first of them, and the whole one."""
+"""Builds the tables of one tree from its runs: the preliminary and the final one."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from galewood.table import Table
 
 
 @dataclass(frozen=True)
-class TableMaker:
-    """All that a table says and shows besides its motion."""
+class TableBuilder:
+    """Everything that a table contains besides its motion."""
 
     tree: TreeMesh
     model: FemModel
@@ -29,27 +29,30 @@ class TableMaker:
 
     @cached_property
     def oscillators(self) -> Oscillators:
-        """The tree's own free motion, which every table of it builds on."""
+        """Natural modes of the tree; computed once for all its tables."""
         return oscillators_of(self.model)
 
     def preliminary(self, samples: Samples) -> Table:
-        """A small table of the first runs alone, marked as preliminary."""
-        table = self.make(samples.first())
+        """Build a small table from the first runs only, marked as preliminary."""
+        table = self.build(samples.first())
         table.metadata["provenance"]["preliminary"] = True
         return table
 
-    def make(
+    def build(
         self,
         samples: Samples,
         on_progress: Callable[[float], None] = lambda fraction: None,
         further: Callable[[], Sequence[SampledRun]] = tuple,
     ) -> Table:
-        """The table of these runs, and of the ``further`` ones if the tree asks for them."""
-        winds, asked = samples.winds, list[SampleWind]()
+        """Build the table of these runs.
 
-        def ask() -> Sequence[SampledRun]:
+        ``further`` returns additional training runs; it is called only if the first ones do not suffice.
+        """
+        winds, further_winds = samples.winds, list[SampleWind]()
+
+        def further_runs() -> Sequence[SampledRun]:
             runs = further()
-            asked.extend(task.wind for task in samples.further[: len(runs)])
+            further_winds.extend(task.wind for task in samples.further[: len(runs)])
             return runs
 
         description = describe(self.tree, self.model, self.wind, winds, self.options, self.render_glb)
@@ -58,7 +61,7 @@ class TableMaker:
             self.options.fem,
             samples.training_runs(),
             sizes_for(self.options.table.modes),
-            ask,
+            further_runs,
         )
         mass_kg = self.model.mass_kg[: self.model.vertex_count]
         table = assemble_table(
@@ -71,6 +74,6 @@ class TableMaker:
             on_progress,
         )
         provenance = table.metadata["provenance"]
-        provenance["winds"] += [wind.name for wind in asked]
-        provenance["frames"] += [len(wind.pressure_pa) for wind in asked]
+        provenance["winds"] += [wind.name for wind in further_winds]
+        provenance["frames"] += [len(wind.pressure_pa) for wind in further_winds]
         return table

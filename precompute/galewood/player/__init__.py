@@ -1,4 +1,4 @@
-"""Steps a forest of one table's trees; in: pressure per tree; out: modal coordinates per tree. No I/O."""
+"""Steps the trees of one table; in: pressure per tree; out: modal coordinates per tree. No I/O."""
 
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest, gaussian

@@ -1,4 +1,4 @@
-"""Trees that stand side by side: where, turned how, how large, and so at which pace each goes on."""
+"""Tree instances of one table: position, yaw, size, and the time step that follows from the size."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from galewood.util import Floats
 
 
 class TreeInstances:
-    """What both methods keep of their trees; twin of web/src/pacedTrees.ts."""
+    """State of the trees that both methods share. Twin: web/src/core/motion/treeInstances.ts."""
 
     def __init__(self, count: int, mode_scale: npt.NDArray[np.float32], dt_s: float) -> None:
-        """``count`` trees at rest; mode_scale (r,) is the stream's unit of q, dt_s the table's step."""
+        """Create ``count`` trees at rest; dt_s: table step, s; mode_scale (r,): unit of streamed q."""
         modes = len(mode_scale)
         self._scale, self._dt_s = mode_scale.astype(np.float64), dt_s
         self._now, self._before = np.zeros((count, modes)), np.zeros((count, modes))
@@ -20,26 +20,26 @@ class TreeInstances:
         self._turn = np.tile(np.array([1.0, 0.0]), (count, 1))
         self.x_m, self.z_m = np.zeros(count, np.float32), np.zeros(count, np.float32)
         self.q = np.zeros((count, modes), np.float32)
-        """(count, r) shown pose, between the last two steps."""
+        """(count, r) pose, interpolated between the last two steps."""
 
     def set_trees(
         self, x_m: npt.ArrayLike, z_m: npt.ArrayLike, yaw_rad: npt.ArrayLike, scale: npt.ArrayLike
     ) -> None:
-        """Place, turn and size of each tree (count,); their state goes on."""
+        """Set position, yaw and size of each tree (count,); the state of motion is unchanged."""
         self.x_m[:], self.z_m[:] = x_m, z_m
         yaw = np.asarray(yaw_rad, np.float32).astype(np.float64)
-        # Rounded: the last bit of a cosine is nobody's promise.
+        # Rounded, as the last bits of a cosine differ between libraries.
         self._turn[:, 0] = np.cos(yaw).astype(np.float32)
         self._turn[:, 1] = np.sin(yaw).astype(np.float32)
         self._size[:] = np.asarray(scale, np.float32)
 
-    def _passing(
+    def _begin(
         self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike
     ) -> tuple[Floats, Floats]:
-        """Sets how many steps each tree goes in dt_s (large ones sway slower); the pressures as numbers."""
+        """Set the steps of each tree in dt_s (large trees sway slower); return the pressures as float64."""
         np.divide(dt_s / self._dt_s, self._size, out=self._rate)
         return np.asarray(pressure_x, np.float64), np.asarray(pressure_z, np.float64)
 
     def poses(self) -> npt.NDArray[np.int32]:
-        """(count, r) shown pose in units of the table's mode scale, as the stream sends it."""
+        """(count, r) poses in units of the table's mode scale, as the stream sends them."""
         return np.rint(self.q / self._scale).astype(np.int32)

@@ -1,11 +1,10 @@
-"""The drift-free method: a few oscillators of the tree's own, stepped exactly, bent by a small force.
+"""The modal reduced-order model of many trees: a few oscillators with a small nonlinear force.
 
 State of a tree: d modal coordinates e (m·√kg) about its gravity rest pose and their velocities v. A step is
-the finite elements' own linear step, diagonal in e, under the wind's load and a force that is polynomial in
-the two sway coordinates (docs/design/0005-drift-free-motion.md). The shown pose is e itself, and a few modes
-more that follow e and the pressure at once, bending included. Trees are stepped side by side, LANES at a
-time, so that the compiler can use the whole width of the machine and BLAS sums the terms. web/src/tangent.ts
-is the same arithmetic.
+the time step of the FEM, linear and diagonal in e, under the wind load and a force that is polynomial in the
+two sway coordinates (docs/design/0005-drift-free-motion.md). The pose consists of e and a few more modes that
+follow e and the pressure quasi-statically. Trees are stepped in batches, so that BLAS sums the terms and the
+compiler can use the full SIMD width. Twin: web/src/core/modal.
 """
 
 from __future__ import annotations
@@ -19,22 +18,22 @@ from galewood.util import Singles
 
 
 class ModalForest(TreeInstances):
-    """Trees of one table, each with its own state, in its own frame and at its own pace."""
+    """Trees of one table stepped by the modal model, each with its own state, yaw and time scale."""
 
     def __init__(self, modal: ModalTensors, dt_s: float, mode_scale: Singles, count: int) -> None:
-        """``count`` trees at rest; dt_s is the table's step, mode_scale (r,) the stream's unit of q."""
+        """Create ``count`` trees at rest; dt_s: table step, s; mode_scale (r,): unit of streamed q."""
         super().__init__(count, mode_scale, dt_s)
-        self._tensors, self._lanes = widened(modal), working_room(modal)
+        self._tensors, self._batch = widened(modal), working_room(modal)
         d = len(modal.step)
         self._e, self._v = np.zeros((count, d)), np.zeros((count, d))
         self._turned = np.zeros((count, 2))
         self.extrapolation_ratio = np.zeros(count, np.float32)
-        """(count,) how far into the sampled range of sway and pressure a tree is: above 1 it is beyond it."""
+        """(count,) sway or pressure over the largest sampled value; above 1 the motion is extrapolated."""
 
     def advance(self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike) -> None:
-        """Let dt_s seconds pass under world pressures (count,) in Pa; large trees sway slower."""
-        px, pz = self._passing(dt_s, pressure_x, pressure_z)
+        """Advance by dt_s seconds under world pressures (count,) in Pa. Large trees sway slower."""
+        px, pz = self._begin(dt_s, pressure_x, pressure_z)
         advance_trees(
             self._tensors, self._dt_s / 2, self._rate, self._turn, px, pz, self._e, self._v, self._phase,
-            self._turned, self._now, self._before, self.q, self.extrapolation_ratio, self._lanes,
+            self._turned, self._now, self._before, self.q, self.extrapolation_ratio, self._batch,
         )  # fmt: skip

@@ -1,7 +1,7 @@
-"""Algorithm 1 of the paper, for many trees at once: which record comes next, and where that leaves the tree.
+"""The paper's state search (Algorithm 1) for many trees: finds the next record and the resulting pose.
 
-web/src/lookup.ts is the same arithmetic, operation for operation: both find the same records and, in units of
-the table's mode scale, the same poses bit for bit. No fused multiply-add, no fast maths.
+web/src/core/motion/paperSearch.ts performs the same operations in the same order. Both find the same records
+and, in units of the table's mode scale, bit-identical poses: no fused multiply-add, no fast math.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -24,7 +24,7 @@ from galewood.table import Table
 from galewood.util import Array, Floats
 
 SNAP = 0.5
-"""Pose easing ends exactly on the record's pose once offset and its speed are within half an integer step."""
+"""Pose easing snaps to the record's pose once the offset and its speed are below half an integer step."""
 
 ANY = -1
 _REDUCTIONS = 8
@@ -33,7 +33,7 @@ _TERMS = np.array([(-1.0) ** n / math.factorial(n) for n in range(12)])
 
 @numba.njit(cache=True, nogil=True)
 def gaussian(exponent):
-    """1 − exp(−exponent) for exponent ≥ 0 by plain sums and products, so that every language agrees."""
+    """1 − exp(−exponent) for exponent ≥ 0, by sums and products only: the same bits in all languages."""
     t = min(exponent, 50.0) / 256.0
     p = _TERMS[11]
     for n in range(10, -1, -1):
@@ -45,10 +45,11 @@ def gaussian(exponent):
 
 @numba.njit(cache=True, nogil=True)
 def nearest_pressure(pressure, by_x, barred, calm, air, fx, fz):
-    """The first step (line 2): the lowest record with a successor whose pressure is nearest.
+    """First step (Algorithm 1, line 2): the record with a successor and the nearest pressure to (fx, fz), Pa.
 
-    ``by_x`` are the records in the order of their pressure along x: asked outwards from fx, until that part
-    of the distance alone is too much. ``air`` as in ``best_candidate``. −1 if there is none.
+    Ties go to the lowest record. ``by_x`` are the records sorted by pressure along x; they are visited
+    outwards from fx until that component alone exceeds the best distance. ``air`` as in ``best_candidate``.
+    Returns −1 if there is no such record.
     """
     below, above = 0, len(by_x)
     while below < above:
@@ -80,12 +81,11 @@ def nearest_pressure(pressure, by_x, barred, calm, air, fx, fz):
 
 @numba.njit(cache=True, nogil=True)
 def best_candidate(offsets, candidate, error, pressure, calm, half_precision, state, weight, air, fx, fz):
-    """Every later step (lines 7–9): the candidate of least total error (Eq. 16).
+    """Later steps (Algorithm 1, lines 7–9): the candidate of least total error (Eq. 16).
 
-    Of equals the successor of the record found before wins, then the lowest record.
-
-    Candidates come sorted by their internal error, so the search stops where that alone is already too much.
-    ``air`` asks records of moving air (0) or of still air (1) only, or all (ANY). −1 if there is none.
+    Ties go to the successor of the last record, then to the lowest record. Candidates are sorted by internal
+    error, so the search stops once that alone exceeds the best total. ``air`` restricts the search to records
+    of moving air (0) or still air (1); ANY allows all. Returns −1 if there is no such record.
     """
     best, found = np.inf, -1
     for s in range(offsets[state], offsets[state + 1]):
@@ -112,22 +112,22 @@ def brute_force(
     f: Floats,
     air: int = -1,
 ) -> int:
-    """The twin of ``best_candidate`` that asks every record: E_int of one state to all (z,), f (2,) Pa."""
+    """Reference for ``best_candidate`` that compares all records; ``error_row`` (z,): E_int, f (2,): Pa."""
     best, found = np.inf, -1
     for j in range(len(error_row)):
         dx, dz = f[0] - pressure[j, 0], f[1] - pressure[j, 1]
         external = gaussian((dx * dx + dz * dz) * half_precision)
         total = (1.0 - weight) * error_row[j] + weight * external
-        asked = air == ANY or bool(air) == (not pressure[j].any())
+        allowed = air == ANY or bool(air) == (not pressure[j].any())
         better = total < best or (total == best and j == state)
-        if better and asked and not barred[j]:
+        if better and allowed and not barred[j]:
             best, found = total, j
     return found
 
 
 @dataclass(frozen=True)
 class SearchArrays:
-    """What the search reads, in the types it computes with."""
+    """Search tensors of a table in the types of the computation."""
 
     offsets: npt.NDArray[np.int64]
     candidate: npt.NDArray[np.int64]
@@ -135,12 +135,12 @@ class SearchArrays:
     pressure: Floats  # (z, 2) Pa
     calm: npt.NDArray[np.bool_]  # (z,) no wind acts
     barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory
-    by_x: npt.NDArray[np.int64]  # (z,) records in the order of their pressure along x
+    by_x: npt.NDArray[np.int64]  # (z,) records sorted by pressure along x
     half_precision: float  # 1 / (2 σ²), Pa⁻²
 
 
 def search_arrays(table: Table) -> SearchArrays:
-    """Widen a table's search tensors once."""
+    """Convert the search tensors of a table."""
     sigma = float(table.metadata["sigma_pa"])
     return SearchArrays(
         table.offsets.astype(np.int64),
@@ -156,10 +156,10 @@ def search_arrays(table: Table) -> SearchArrays:
 
 @numba.njit(cache=True, nogil=True)
 def _ease(poses, dq, first, found, easing, now, before):
-    """Follow the record's own path, letting the offset from it die away as a critically damped spring does.
+    """Follow the path of the record while the offset from it decays like a critically damped spring.
 
-    The offset starts with the speed that keeps the tree's motion smooth where the search jumps. Both roots of
-    the recurrence are 1 − easing: docs/design/0002-pose-easing.md.
+    The initial speed of the offset keeps the motion smooth where the search jumps. Both roots of the
+    recurrence are 1 − easing (docs/design/0002-pose-easing.md).
     """
     keep = (1.0 - easing) * (1.0 - easing)
     pull = easing * easing
@@ -178,13 +178,13 @@ def _ease(poses, dq, first, found, easing, now, before):
 
 @numba.njit(cache=True, nogil=True)
 def _step(search, dq, poses, starts, rule, i, fx, fz, record, weight, now, before):
-    """One step of tree i: find the record, adopt its successor's state, accumulate its Δq (Alg. 1)."""
+    """Step tree i: find the record, take over the state of its successor and add its Δq (Algorithm 1)."""
     initial, maximum, growth, easing, separate_still_air = rule
     air = ANY
     if separate_still_air:
         air = 1 if fx == 0.0 and fz == 0.0 else 0
     found = _find(search, record[i] + 1, weight[i], air, fx, fz)
-    if found < 0:  # a table without records of such air: ask all
+    if found < 0:  # no record of such air in the table: search all
         found = _find(search, record[i] + 1, weight[i], ANY, fx, fz)
     follows = found == record[i] + 1 and record[i] >= 0
     weight[i] = min(maximum, weight[i] + growth) if follows else initial
@@ -199,9 +199,9 @@ def _step(search, dq, poses, starts, rule, i, fx, fz, record, weight, now, befor
 
 @numba.njit(cache=True, nogil=True)
 def _find(search, state, weight, air, fx, fz):
-    """The record for the next step from a record's state (0: the first step).
+    """Find the record for the next step from a state (0: first step).
 
-    When the air begins to move about a tree in still air, that is a first step again.
+    If wind sets in on a tree in still air, the search starts again with a first step.
     """
     offsets, candidate, error, pressure, calm, barred, by_x, half_precision = search
     if state == 0 or (air == 0 and calm[state]):
@@ -215,6 +215,7 @@ def _find(search, state, weight, air, fx, fz):
 def _advance(
     search, dq, poses, starts, scale, rule, rate, turn, px, pz, record, weight, phase, now, before, q
 ):
+    """Advance all trees by ``rate`` steps each and write the interpolated poses to q (count, r)."""
     for i in range(len(record)):
         fx = turn[i, 0] * px[i] - turn[i, 1] * pz[i]
         fz = turn[i, 1] * px[i] + turn[i, 0] * pz[i]
@@ -231,9 +232,9 @@ def _advance(
 
 @dataclass(frozen=True)
 class LookupArrays:
-    """What every forest of a table reads and none writes to."""
+    """Read-only arrays that all forests of a table share."""
 
-    search: tuple[Any, ...]  # SearchArrays, as the kernels take them
+    search: tuple[Any, ...]  # fields of SearchArrays, in order
     dq: Floats  # (z, r) in units of mode_scale
     poses: Floats  # (z, r)
     starts: npt.NDArray[np.bool_]  # (z,) first of a trajectory
@@ -243,7 +244,7 @@ _arrays: dict[int, LookupArrays] = {}
 
 
 def lookup_arrays(table: Table) -> LookupArrays:
-    """The table in the types that steps are computed in: made once, and kept as long as the table is."""
+    """Arrays of a table in the types of the computation; created once and kept as long as the table."""
     found = _arrays.get(id(table))
     if found is None:
         found = _arrays[id(table)] = _widened(table)
@@ -260,15 +261,15 @@ def _widened(table: Table) -> LookupArrays:
 
 
 class PaperForest(TreeInstances):
-    """Trees of one table, each with its own state, in its own frame and at its own pace."""
+    """Trees of one table stepped by the paper's state search, each with its own state, yaw and time scale."""
 
     def __init__(
         self, table: Table, count: int, *, pose_easing: float | None = None, still_air: bool = True
     ) -> None:
-        """``count`` trees at rest. ``pose_easing`` 0 and ``still_air`` False are the literal method.
+        """Create ``count`` trees at rest. ``pose_easing`` 0 with ``still_air`` False is the literal method.
 
-        pose_easing: 0..1, None takes the table's: how fast the pose is drawn to that of the record found.
-        still_air: ask records of still air when the air is exactly still, and no others; and vice versa.
+        pose_easing: 0..1, how fast the pose approaches that of the record found; None: the table's value.
+        still_air: in still air search only records of still air, otherwise only records of moving air.
         """
         metadata = table.metadata
         super().__init__(count, table.mode_scale, float(metadata["dt_s"]))
@@ -287,11 +288,11 @@ class PaperForest(TreeInstances):
         )
         self._weight = np.zeros(count)
         self.record = np.full(count, -1, np.int32)
-        """(count,) record found last, −1 before the first step; the tree is in its successor's state."""
+        """(count,) last record found, −1 before the first step; a tree is in the state of its successor."""
 
     def advance(self, dt_s: float, pressure_x: npt.ArrayLike, pressure_z: npt.ArrayLike) -> None:
-        """Let dt_s seconds pass under world pressures (count,) in Pa; large trees walk their table slower."""
-        px, pz = self._passing(dt_s, pressure_x, pressure_z)
+        """Advance by dt_s seconds under world pressures (count,) in Pa. Large trees step slower."""
+        px, pz = self._begin(dt_s, pressure_x, pressure_z)
         _advance(
             self._search, self._dq, self._poses, self._starts, self._scale, self._rule, self._rate,
             self._turn, px, pz, self.record, self._weight, self._phase, self._now, self._before, self.q,

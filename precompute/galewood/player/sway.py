@@ -1,4 +1,4 @@
-"""Plays a table under a wind without a screen, and measures the sway."""
+"""Plays a table under a wind without rendering and measures the sway."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SPACING_M = 10.0
 
 
 def grid_placements(count: int, seed: int = 0) -> tuple[Floats, Floats, Floats, Floats]:
-    """x, z, yaw and scale of trees on a jittered grid; the same for the same seed."""
+    """x, z (m), yaw (rad) and scale (count,) of trees on a jittered grid; deterministic for a seed."""
     rng = np.random.default_rng(seed)
     side = int(np.ceil(np.sqrt(count)))
     cell = np.stack(np.divmod(np.arange(count), side))
@@ -24,7 +24,7 @@ def grid_placements(count: int, seed: int = 0) -> tuple[Floats, Floats, Floats, 
 
 
 def play(table: Table, wind: Wind, seconds: float, trees: int, method: Method = "modal") -> dict[str, Any]:
-    """Sway of the highest node over the height, and its mean lean along the wind, over all trees."""
+    """Play ``trees`` trees and return sway and downwind lean of the top node, over the height."""
     x, z, yaw, scale = grid_placements(trees)
     forest = WindDrivenTrees(table, np.column_stack([x, z, yaw, scale]), method)
     top, dt_s, field = int(np.argmax(table.node_rest_m[:, 1])), float(table.metadata["dt_s"]), WindField(wind)

@@ -1,8 +1,8 @@
-"""Fits the drift-free method to finite-element runs: its small bending force and the pose that it shows.
+"""Fits the modal model to training runs (FEM): its nonlinear force and its pose.
 
-The force is found by linear least squares on motions, not on one-step residuals: each term, taken along the
-true run, is sent through its oscillator, and the responses together must make up what the linear step misses.
-What a term does to the frequency and the damping of a mode thus weighs by what it does to the sway.
+The force is a linear least-squares fit of motions, not of one-step residuals: each term, evaluated along the
+reference solution, drives its oscillator, and the sum of the responses must equal the error of the linear
+step. The effect of a term on the frequency and damping of a mode is thus weighted by its effect on the sway.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from galewood.util import Array, Floats
 
 FORCE_RIDGE = 1e-5
 POSE_RIDGE = 1e-7
-"""Ridges relative to each term's own mean square."""
+"""Ridge parameters, relative to the mean square of each term."""
 LIGHT_SHARE = 0.05
-"""Runs that sway by less than this share of the farthest are not weighted more than that."""
+"""Lower bound of a run's sway in its weight, over the largest sway of all runs."""
 
 
 class RunLike(Protocol):
-    """A run of the finite elements from rest: displacement (T + 1, n, 3) m under pressure (T, 2) Pa.
+    """A training run from rest: displacement (T + 1, n, 3), m, under the pressure (T, 2), Pa.
 
-    Asked for one after the other, each array once: they need not all be in memory.
+    Runs are read one after the other, each array once, so that they need not all be in memory.
     """
 
     @property
@@ -55,7 +55,7 @@ class Run:
 
 @dataclass(frozen=True)
 class ModalRun:
-    """The same in modal coordinates (T + 1, d), and the shown modes q (T + 1, r)."""
+    """A run in modal coordinates: e, v (T + 1, d), pressure (T, 2), Pa, and output modes q (T + 1, r)."""
 
     pressure: Floats
     e: Floats
@@ -73,10 +73,10 @@ def fit_modal_model(
     coupled: int = 4,
     force_ridge: float = FORCE_RIDGE,
 ) -> ModalTensors:
-    """The method's tensors from a tree's oscillators (``leading_oscillators``) and its runs.
+    """Fit the tensors of the modal model to the oscillators of a tree (``leading_oscillators``) and its runs.
 
-    The shown modes are the subspace's, which begins with the oscillators' own shapes. ``coupled`` coordinates
-    beside the first two, or as many as there are, bend with the sway.
+    The output modes are those of ``subspace``, which begins with the shapes of the oscillators. ``coupled``
+    coordinates after the first two (at most all) interact with the sway.
     """
     modal = [modal_run(run, ritz, mass_kg, subspace, settings.dt_s) for run in runs]
     step = propagators(ritz.omega, np.diag(ritz.damping), settings)
@@ -93,12 +93,12 @@ def fit_modal_model(
 def leading_oscillators(
     body: Oscillators, runs: Sequence[RunLike], settings: FemSettings, dynamic: int
 ) -> Oscillators:
-    """The oscillators that the method steps: the best ``dynamic`` of a body's motion in the runs' winds."""
+    """The ``dynamic`` oscillators that best represent the motion of a body in the winds of the runs."""
     return reduced(body, [np.asarray(run.pressure_pa, np.float64) for run in runs], settings, dynamic)
 
 
 def modal_run(run: RunLike, ritz: Oscillators, mass_kg: Floats, subspace: Subspace, dt_s: float) -> ModalRun:
-    """A run by its mass-weighted projection; velocities by central differences."""
+    """Project a run on the oscillators, mass-weighted; velocities by central differences."""
     u = np.asarray(run.displacement_m, np.float64)
     u = u.reshape(len(u), -1)
     weighted = ritz.shapes * np.repeat(mass_kg, 3)
@@ -110,7 +110,7 @@ def modal_run(run: RunLike, ritz: Oscillators, mass_kg: Floats, subspace: Subspa
 
 
 def sway_coordinates(ritz: Oscillators, runs: Sequence[ModalRun]) -> Floats:
-    """(2, d) the two directions of largest motion, in metres, scaled to 1 at the farthest sample."""
+    """(2, d) the two directions of largest motion, m, scaled to 1 at the largest sampled sway."""
     reach = np.sqrt((ritz.shapes.reshape(len(ritz.omega), -1, 3) ** 2).sum(axis=2).max(axis=1))
     motion = np.concatenate([run.e for run in runs])
     _, vectors = np.linalg.eigh((motion * reach).T @ (motion * reach))
@@ -120,7 +120,7 @@ def sway_coordinates(ritz: Oscillators, runs: Sequence[ModalRun]) -> Floats:
 
 
 def sampled_range(sway: Floats, runs: Sequence[ModalRun], coupled: int) -> Floats:
-    """(3 + 2c,) largest sway, its speed, pressure, coupled coordinates and their speeds (never zero)."""
+    """(3 + 2c,) largest sway, sway speed, pressure, coupled coordinates and their speeds; never zero."""
     e = np.concatenate([run.e for run in runs])
     v = np.concatenate([run.v for run in runs])
     pressure = np.concatenate([run.pressure for run in runs])
@@ -130,10 +130,10 @@ def sampled_range(sway: Floats, runs: Sequence[ModalRun], coupled: int) -> Float
 
 
 def run_weights(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
-    """(R,) what each run's rows weigh: 1 / (its farthest sway)², mean 1.
+    """(R,) weight of the rows of each run: 1 / (largest sway)², mean 1.
 
-    What bending does grows with the sway's square and cube: unweighted, the strongest runs alone would
-    decide, with what in them no term of the method can follow.
+    Nonlinear effects grow with the square and cube of the sway. Without weights the strongest runs would
+    dominate, with effects that no term of the model can represent.
     """
     farthest = [np.linalg.norm(run.e @ sway.T, axis=1).max() for run in runs]
     weights = np.maximum(farthest, LIGHT_SHARE) ** -2.0
@@ -141,7 +141,7 @@ def run_weights(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
 
 
 def _force_table(run: ModalRun, sway: Floats, limits: Floats, half_s: float) -> Floats:
-    """(T, F) terms of the force at the beginning of every step: the frames stand in the lanes."""
+    """(T, F) force terms at the start of every step; the frames of the run take the place of the trees."""
     frames = len(run.pressure)
     e, v, pressure = (np.ascontiguousarray(rows[:frames].T) for rows in (run.e, run.v, run.pressure))
     terms = np.empty((force_terms(coupled_of(limits)), frames))
@@ -150,7 +150,7 @@ def _force_table(run: ModalRun, sway: Floats, limits: Floats, half_s: float) -> 
 
 
 def _pose_table(run: ModalRun, sway: Floats, limits: Floats) -> Floats:
-    """(T + 1, terms) terms of the pose at every state, under the pressure of the step that led to it."""
+    """(T + 1, terms) pose terms of every state, with the pressure of the step that led to it."""
     e = np.ascontiguousarray(run.e.T)
     pressure = np.concatenate([np.zeros((1, 2)), run.pressure]).T.copy()
     terms, pair = np.empty((len(e) + 2 + shape_terms(coupled_of(limits)), e.shape[1])), sway @ e
@@ -168,6 +168,7 @@ def _fit_force(
     dt_s: float,
     ridge: float,
 ) -> Floats:
+    """(F, d) coefficients of the force, fitted to the error of the linear step of each oscillator."""
     terms = [_force_table(run, sway, limits, dt_s / 2) for run in runs]
     force = np.empty((terms[0].shape[1], len(step)))
     for k, oscillator in enumerate(step):
@@ -181,14 +182,14 @@ def _fit_force(
 
 
 def _fit_pose(runs: Sequence[ModalRun], weights: Floats, sway: Floats, limits: Floats) -> Floats:
-    """(terms, r − d) of the modes shown beside the oscillators' own."""
+    """(terms, r − d) coefficients of the output modes that are not shapes of oscillators."""
     terms = np.concatenate([w * _pose_table(run, sway, limits) for w, run in zip(weights, runs, strict=True)])
     further = np.concatenate([w * run.q[:, sway.shape[1] :] for w, run in zip(weights, runs, strict=True)])
     return ridge_fit(terms, further, POSE_RIDGE)
 
 
 def ridge_fit(terms: Floats, target: Floats, ridge: float) -> Floats:
-    """(F, m) coefficients of terms (T, F) for targets (T, m), each term scaled by its root mean square."""
+    """(F, m) ridge regression of targets (T, m) on terms (T, F), each term scaled by its root mean square."""
     size = np.sqrt(np.mean(terms**2, axis=0))
     size[size == 0] = 1.0
     scaled = terms / size

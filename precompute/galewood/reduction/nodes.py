@@ -1,7 +1,7 @@
-"""Render vertices to nodes: vertices that move alike share one row of the basis, so the viewer moves nodes.
+"""Groups render vertices that move alike into nodes with one row of the basis; the viewer moves nodes.
 
-Vector quantisation of the vertices' basis rows, weighted by how far each mode really goes, so that distances
-between rows are metres. Clusters are split where they err most, until the error or their number says stop.
+Vector quantisation of the basis rows, weighted by the RMS of each mode, so that distances between rows are in
+metres. The cluster with the largest error is split until the error or the number of nodes reaches its limit.
 """
 
 from __future__ import annotations
@@ -25,25 +25,25 @@ class Nodes:
     basis: npt.NDArray[np.float32]  # (n, 3, r) m per unit of q
     rest_m: npt.NDArray[np.float32]  # (n, 3) centroid of the node's vertices
     vertex_node: npt.NDArray[np.uint16]  # (v,)
-    rms_error_m: float  # vertices against their nodes, at the RMS of the sampled motion
-    max_error_m: float  # the same, the worst vertex
+    rms_error_m: float  # RMS distance of vertices from their nodes, at the RMS of the sampled motion
+    max_error_m: float  # the same for the worst vertex
 
 
 def render_basis(binding: scipy.sparse.csr_matrix, basis: Floats) -> Floats:
-    """(v, 3, r) basis on the render vertices from the one on the tet vertices (n, 3, r)."""
+    """(v, 3, r) basis at the render vertices, from the basis at the tet vertices (n, 3, r)."""
     n, _, r = basis.shape
     return np.asarray(binding @ basis.reshape(n, 3 * r)).reshape(-1, 3, r)
 
 
 def largest_motion_m(vertex_basis: Floats, q_rms: Floats) -> float:
-    """How far the vertex that moves most goes when every mode stands at its RMS q_rms (r,)."""
+    """RMS displacement of the vertex that moves most, m, for modes with RMS q_rms (r,)."""
     return float(np.sqrt(np.square(vertex_basis * q_rms).sum(axis=(1, 2)).max()))
 
 
 def make_nodes(
     vertex_basis: Floats, vertices_m: Floats, q_rms: Floats, tolerance_m: float, max_nodes: int = MAX_NODES
 ) -> Nodes:
-    """Group vertices so that none strays from its node by more than tolerance_m at the RMS motion q_rms."""
+    """Group vertices so that none is farther than tolerance_m from its node at RMS motion q_rms (r,)."""
     v, _, r = vertex_basis.shape
     rows = (vertex_basis * q_rms).reshape(v, 3 * r)
     distinct, inverse = np.unique(np.round(rows, 9), axis=0, return_inverse=True)
@@ -61,7 +61,7 @@ def make_nodes(
 
 
 def _means(values: Floats, label: Array) -> Floats:
-    """Mean of the values (v, m) of each label."""
+    """(labels, m) mean of the values (v, m) of each label (v,)."""
     count = int(label.max()) + 1
     gather = scipy.sparse.csr_matrix(
         (np.ones(len(label)), (label, np.arange(len(label)))), shape=(count, len(label))
@@ -70,7 +70,7 @@ def _means(values: Floats, label: Array) -> Floats:
 
 
 def _split(rows: Floats, tolerance: float, max_nodes: int) -> Array:
-    """Halve the worst cluster across its longest axis until every row is within tolerance of its mean."""
+    """Split the worst cluster across its longest axis until every row is within tolerance of its mean."""
     label = np.zeros(len(rows), np.int64)
     members = [np.arange(len(rows))]
     worst = [_spread(rows)]
@@ -92,10 +92,10 @@ def _spread(rows: Floats) -> float:
 
 
 def _halves(rows: Floats, members: Array) -> tuple[Array, Array]:
-    """Members on either side of the mean along the direction to the row that errs most."""
+    """Members on either side of the mean along the longest axis of the cluster."""
     offset = rows[members] - rows[members].mean(axis=0)
     axis = offset[int(np.argmax(np.square(offset).sum(axis=1)))]
-    for _ in range(3):  # power iterations towards the longest axis
+    for _ in range(3):  # power iterations, starting from the row farthest from the mean
         axis = offset.T @ (offset @ axis)
         axis /= np.linalg.norm(axis)
     side = offset @ axis > 0
@@ -103,7 +103,7 @@ def _halves(rows: Floats, members: Array) -> tuple[Array, Array]:
 
 
 def _refine(rows: Floats, label: Array) -> Array:
-    """Lloyd's iterations: every row to its nearest mean; empty nodes vanish."""
+    """Lloyd's iterations: assign every row to its nearest mean; drop empty nodes."""
     for _ in range(REFINEMENTS):
         centre = _means(rows, label)
         near = np.square(centre).sum(axis=1)[None, :] - 2.0 * rows @ centre.T

@@ -1,8 +1,8 @@
-"""The oscillators of the drift-free method: what a tree does in a light wind, in few coordinates.
+"""The oscillators of the modal model: the linear motion of a tree in few coordinates.
 
-Natural modes of the finite-element model are many and close together; the wind pushes only along two given
-fields. So the responses of many natural modes to the sampled winds are reduced by proper orthogonal
-decomposition, and the model projected on the result and made diagonal again (Ritz).
+The natural modes of the finite-element model are many and closely spaced, while the wind loads only two
+spatial fields. The responses of many natural modes to the sampled winds are therefore reduced by proper
+orthogonal decomposition (POD); the model is projected on the result and diagonalised (Rayleigh–Ritz).
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from galewood.util import Floats
 
 NATURAL_MODES = 120
 TRAPEZIUM = 1 - np.sqrt(0.5)
-"""TR-BDF2's implicit coefficient."""
+"""Implicit coefficient of TR-BDF2."""
 
 
 @dataclass(frozen=True)
 class Oscillators:
-    """Mass-normalised modes of a body about rest: ë + C ė + ω² e = load p, u = Σ e_k shape_k."""
+    """Mass-normalised modes of a body about its rest pose: ë + C ė + ω² e = load p, u = Σ e_k shape_k."""
 
     omega: Floats  # (k,) 1/s
     damping: Floats  # (k, k) 1/s
@@ -32,25 +32,25 @@ class Oscillators:
 
 
 def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
-    """The first natural modes of a finite-element model, damped by α and by β on the elements' tangent."""
+    """The first natural modes of a finite-element model and their damping (α, β on the element tangent)."""
     free = 3 * (len(model.nodes_m) - len(model.fixed))
     modes = natural_modes(model, min(count, free // 2))
     shapes = modes.shapes
     damping = model.alpha * np.eye(len(shapes)) + model.beta * _elastic(model, shapes)
     load = np.einsum("kni,n->ki", shapes[:, :, [0, 2]], model.drag_area_m2)
-    seen = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
-    return Oscillators(2 * np.pi * modes.frequencies_hz, damping, seen, load)
+    of_vertices = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
+    return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load)
 
 
 def first_of(body: Oscillators, count: int) -> Oscillators:
-    """The same with its first ``count`` modes alone."""
+    """The same body with only its first ``count`` modes."""
     return Oscillators(
         body.omega[:count], body.damping[:count, :count], body.shapes[:count], body.load[:count]
     )
 
 
 def _elastic(model: FemModel, shapes: Floats) -> Floats:
-    """(k,k) elements' tangent at rest between shapes (k,N,3), as β sees it: without the weight's share."""
+    """(k, k) tangent of the elements at rest in the shapes (k, N, 3), without the contribution of gravity."""
     system = model.system()
     u, nothing = model.u_rest[system.order], np.zeros(len(model.nodes_m))
     still = np.zeros_like(u)
@@ -60,7 +60,7 @@ def _elastic(model: FemModel, shapes: Floats) -> Floats:
 
 
 def propagators(omega: Floats, damping: Floats, settings: FemSettings) -> Floats:
-    """(k,6) one step of the finite elements' scheme for each oscillator: r00, r01, r10, r11, s0, s1."""
+    """(k, 6) one table step of the FEM's time scheme for each oscillator: r00, r01, r10, r11, s0, s1."""
     h, eye = settings.dt_s / settings.substeps, np.eye(2)
     rows = np.empty((len(omega), 6))
     for k, (w, c) in enumerate(zip(omega, damping, strict=True)):
@@ -76,7 +76,7 @@ def propagators(omega: Floats, damping: Floats, settings: FemSettings) -> Floats
 
 
 def response(step: Floats, force: Floats) -> Floats:
-    """(T + 1, m) motion from rest of one oscillator (6,) under forces (T, m), each held through its step."""
+    """(T + 1, m) motion from rest of one oscillator (6,) under stepwise constant forces (T, m)."""
     r00, r01, r10, r11, s0, s1 = step
     poles = [1.0, -(r00 + r11), r00 * r11 - r01 * r10]
     moved = lfilter([s0, r01 * s1 - r11 * s0], poles, force, axis=0)
@@ -84,13 +84,13 @@ def response(step: Floats, force: Floats) -> Floats:
 
 
 def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, dynamic: int) -> Oscillators:
-    """The ``dynamic`` Ritz oscillators that follow the body best, in metres, under the winds (T, 2).
+    """The ``dynamic`` Ritz oscillators that best represent the motion of the body under the winds (T, 2) Pa.
 
-    Those that move the tree most stand first.
+    They are sorted by how far they move the tree, the largest first.
     """
     dynamic = min(dynamic, len(body.omega))
     step = propagators(body.omega, np.diag(body.damping), settings)
-    motion = np.concatenate([_light_motion(body, step, wind) for wind in winds])
+    motion = np.concatenate([_linear_motion(body, step, wind) for wind in winds])
     root = np.linalg.cholesky(body.shapes @ body.shapes.T)
     _, vectors = np.linalg.eigh(root.T @ (motion.T @ motion) @ root)
     kept, _ = np.linalg.qr(np.linalg.solve(root.T, vectors[:, ::-1][:, :dynamic]))
@@ -103,7 +103,7 @@ def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, d
     return Oscillators(np.sqrt(squared), mix @ body.damping @ mix.T, mix @ body.shapes, mix @ body.load)
 
 
-def _light_motion(body: Oscillators, step: Floats, wind: Floats) -> Floats:
-    """(T / 3, k) every third frame of the oscillators' motion under a wind (T, 2)."""
+def _linear_motion(body: Oscillators, step: Floats, wind: Floats) -> Floats:
+    """(T / 3, k) every third frame of the linear motion of the oscillators under a wind (T, 2) Pa."""
     moved = [response(step[k], (wind @ body.load[k])[:, None])[::3] for k in range(len(body.omega))]
     return np.concatenate(moved, axis=1)

@@ -1,7 +1,6 @@
-"""Reduced coordinates of the sampled motion: mass-weighted proper orthogonal decomposition.
+"""Reduced coordinates of the sampled motion by mass-weighted proper orthogonal decomposition (POD).
 
-The motion is low-rank: a tree's pose is a handful of numbers q, and
-u = Σ_k basis_k q_k relative to gravity rest.
+The motion is low-rank: u = Σ_k basis_k q_k relative to gravity rest, with few coordinates q.
 """
 
 from __future__ import annotations
@@ -16,36 +15,37 @@ import scipy.linalg
 from galewood.util import Array, Floats
 
 MAX_SNAPSHOTS = 1500
-"""Snapshots that shape the basis; every sample is still projected on it and counted in the error."""
+"""Largest number of snapshots that determine the basis and its error."""
 
 
 @dataclass(frozen=True)
 class Subspace:
-    """A basis scaled so that a mode's largest vertex moves 1 m per unit: q is in metres."""
+    """A basis scaled so that the farthest vertex of each mode moves 1 m per unit: q is in metres."""
 
     basis: Floats  # (n, 3, r) m per unit of q
     dual: Floats  # (r, 3n): q = dual @ u.ravel(), the mass-weighted projection
-    scale: Floats  # (r,) how far the farthest vertex moved in each mode as it was given, before scaling
-    max_error_m: float  # largest vertex error of the truncation over the snapshots
+    scale: Floats  # (r,) displacement of the farthest vertex in each mode before scaling
+    max_error_m: float  # largest vertex error of the truncation over the snapshots, m
     energy_left: float  # share of the mass-weighted variance outside the basis
 
     @property
     def modes(self) -> int:
+        """r: modes of the basis."""
         return self.basis.shape[2]
 
     def project(self, displacement_m: Array) -> Floats:
-        """(T, r) coordinates of displacements (T, n, 3)."""
+        """(T, r) coordinates q of displacements (T, n, 3), both in m."""
         return displacement_m.reshape(len(displacement_m), -1) @ self.dual.T
 
     def expand(self, q: Array) -> Floats:
-        """(T, n, 3) displacements of coordinates (T, r)."""
+        """(T, n, 3) displacements of coordinates q (T, r), both in m."""
         return np.einsum("nik,tk->tni", self.basis, q)
 
 
 def thinned(displacements: Iterable[Array], total: int | None = None) -> Floats:
-    """At most about MAX_SNAPSHOTS evenly chosen snapshots (s, 3n), float64.
+    """(s, 3n) about MAX_SNAPSHOTS snapshots at most, evenly spaced, float64.
 
-    With the ``total`` number of them known, displacements are taken one run at a time.
+    If the ``total`` number of frames is given, only one run (T, n, 3) is in memory at a time.
     """
     if total is None:
         displacements = list(displacements)
@@ -65,9 +65,9 @@ def fit_subspace(
 ) -> Subspace:
     """The fewest modes (least..most) that reproduce all snapshots (s, 3n) within tolerance_m at every vertex.
 
-    ``leading`` (d, 3n) are shapes that come first as they are; ``least`` and ``most`` count those that proper
-    orthogonal decomposition adds to them. Method of snapshots (Sirovich 1987). The Gram matrix and everything
-    after it stay in float64: in float32 the modes beyond some twenty would be noise.
+    ``leading`` (d, 3n) are given shapes that come first; ``least`` and ``most`` count the POD modes that
+    follow them. Method of snapshots (Sirovich 1987). The Gram matrix and all that follows use float64: in
+    float32 modes beyond about twenty would be noise.
     """
     root_mass = np.sqrt(np.repeat(np.maximum(mass_kg, 1e-9 * mass_kg.max()), 3))
     given = np.empty((0, snapshots.shape[1])) if leading is None else leading
@@ -86,7 +86,7 @@ def fit_subspace(
 
 
 def _without(weighted: Floats, given: Floats) -> Floats:
-    """Rows (s, 3n) less their part in the span of the columns (3n, d)."""
+    """Rows (s, 3n) minus their projection on the span of the columns (3n, d)."""
     if not given.shape[1]:
         return weighted
     span, _ = np.linalg.qr(given)
@@ -94,13 +94,13 @@ def _without(weighted: Floats, given: Floats) -> Floats:
 
 
 def _first_positive(modes: Floats) -> Floats:
-    """Fix each mode's sign by its largest entry, so that equal samples give equal bases."""
+    """Make the largest entry of each mode positive, so that the sign is deterministic."""
     largest = np.argmax(np.abs(modes), axis=0)
     return modes * np.sign(modes[largest, np.arange(modes.shape[1])])
 
 
 def _max_errors(weighted: Floats, modes: Floats, root_mass: Floats) -> list[float]:
-    """Largest vertex error over all mass-weighted snapshots with the first 0, 1, 2, … modes."""
+    """Largest vertex error, m, of the mass-weighted snapshots with the first 0, 1, 2, … modes."""
     coordinates = weighted @ modes
     residual = weighted / root_mass
     errors = [_largest(residual)]
@@ -116,7 +116,7 @@ def _largest(residual: Floats) -> float:
 
 
 def _scaled(shapes: Floats, root_mass: Floats, max_error_m: float, energy_left: float) -> Subspace:
-    """Modes (r, 3n), each scaled so that its farthest vertex moves 1 m; coordinates by least squares."""
+    """Scale shapes (r, 3n) so that the farthest vertex moves 1 m, and compute their dual basis."""
     points = shapes.reshape(len(shapes), -1, 3)
     scale = np.sqrt(np.square(points).sum(axis=2).max(axis=1))
     modes = shapes / scale[:, None]
@@ -128,18 +128,18 @@ def _scaled(shapes: Floats, root_mass: Floats, max_error_m: float, energy_left: 
 
 @dataclass(frozen=True)
 class QuantisedMotion:
-    """Coordinates as integers × scale; prefix sums of dq inside a trajectory give the pose without drift."""
+    """Coordinates as integers times scale: prefix sums of dq in a trajectory give the exact pose."""
 
     scale: npt.NDArray[np.float32]  # (r,)
     dq: npt.NDArray[np.int16]  # (z, r)
 
 
 STEPS_PER_LARGEST = 8191
-"""The largest recorded increment in integer steps: a quarter of int16, room for what pose easing adds."""
+"""Largest increment in integer steps: a quarter of the int16 range, to leave room for pose easing."""
 
 
 def quantise(coordinates: Iterable[Floats]) -> QuantisedMotion:
-    """Integers for each trajectory's coordinates (T + 1, r): poses are rounded, dq are their differences."""
+    """Quantise trajectories of coordinates (T + 1, r): the poses are rounded, dq are their differences."""
     tracks = list(coordinates)
     largest = max(float(np.abs(np.diff(track, axis=0)).max()) for track in tracks)
     step = np.float32(largest / STEPS_PER_LARGEST) if largest > 0 else np.float32(1e-6)

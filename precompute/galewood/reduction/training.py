@@ -1,4 +1,4 @@
-"""The drift-free method of a tree, learnt from its runs and as large as they ask for."""
+"""Training of the modal model of a tree: chooses the smallest size that fits the training runs."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from galewood.sampling import SampledRun
 from galewood.util import Floats
 
 LEAST_FURTHER, MOST_FURTHER = 4, 8
-"""Shown modes beside the oscillators' own."""
+"""Fewest and most POD modes in addition to the shapes of the oscillators."""
 TRAINING_ERROR_SHARE = 2e-3
-"""More oscillators are tried where the method misses its own runs by more than this share of the height."""
+"""A larger size is tried if the training error exceeds this share of the height."""
 
 
 @dataclass(frozen=True)
 class Size:
-    """How large the drift-free method is."""
+    """Size of the modal model."""
 
     dynamic: int
-    """Oscillators that are stepped."""
+    """Oscillators with state."""
     coupled: int
-    """Those that bend with the sway, beside the first two."""
+    """Oscillators after the first two that interact with the sway."""
     natural: int
-    """Natural modes that the oscillators are made of."""
+    """Natural modes that the oscillators are combined from."""
 
 
 SIZES = (Size(16, 4, 80), Size(48, 20, 120))
-"""Smallest first; docs/design/0005-drift-free-motion.md."""
+"""Sizes to try, smallest first (docs/design/0005-drift-free-motion.md)."""
 
 
 def sizes_for(modes: int | None) -> tuple[Size, ...]:
@@ -46,19 +46,19 @@ def sizes_for(modes: int | None) -> tuple[Size, ...]:
 
 @dataclass(frozen=True)
 class ModalTraining:
-    """What the drift-free method is made from: free oscillators of the body, its scheme, and true runs."""
+    """Input of the training: natural modes of the body, the FEM settings, and the training runs."""
 
     body: Oscillators
     scheme: FemSettings
     runs: Sequence[SampledRun]
     sizes: Sequence[Size] = SIZES
     further: Callable[[], Sequence[SampledRun]] = tuple
-    """More runs, asked for once if the smallest size does not do: the larger ones have more to find out."""
+    """Returns additional training runs; called once, if the smallest size does not fit well enough."""
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """The drift-free method, the modes that it shows, and how far it is from its own runs."""
+    """A fitted modal model, its output modes, and its training error, m."""
 
     modal: ModalTensors
     subspace: Subspace
@@ -68,9 +68,9 @@ class Fitted:
 def shown_modes(
     runs: Sequence[SampledRun], mass_kg: Floats, tolerance_m: float, training: ModalTraining, size: Size
 ) -> tuple[Oscillators, Subspace]:
-    """The oscillators that are stepped, and the modes that are shown: their own shapes and a few more."""
-    seen = (*runs, *training.runs)
-    snapshots = thinned((run.displacement_m for run in seen), sum(len(run.pressure_pa) + 1 for run in seen))
+    """The oscillators of a size, and the output modes: their shapes and a few POD modes."""
+    every = (*runs, *training.runs)
+    snapshots = thinned((run.displacement_m for run in every), sum(len(run.pressure_pa) + 1 for run in every))
     body = first_of(training.body, size.natural)
     own = leading_oscillators(body, training.runs, training.scheme, size.dynamic)
     return own, fit_subspace(
@@ -81,7 +81,11 @@ def shown_modes(
 def fit_smallest(
     runs: Sequence[SampledRun], mass_kg: Floats, height_m: float, tolerance_m: float, training: ModalTraining
 ) -> Fitted:
-    """The method with the fewest oscillators that follow the runs closely enough, or else the nearest."""
+    """Fit the smallest modal model whose training error is small enough, or else the most accurate.
+
+    ``runs`` are the recorded runs; with the training runs they determine the output modes, up to the vertex
+    error ``tolerance_m``.
+    """
     tried: list[Fitted] = []
     further: Sequence[SampledRun] = ()
     for size in training.sizes:
@@ -94,12 +98,12 @@ def fit_smallest(
 
 
 def size_of(training: ModalTraining, dynamic: int) -> Size:
-    """The size that gives so many oscillators (a small body has fewer than asked for). Raises ValueError."""
+    """The size with this number of oscillators; a small body has fewer than requested. Raises ValueError."""
     most = len(training.body.omega)
     for size in training.sizes:
         if min(size.dynamic, size.natural, most) == dynamic:
             return size
-    raise ValueError(f"no size of the drift-free method has {dynamic} oscillators: build the table again")
+    raise ValueError(f"no size of the modal model has {dynamic} oscillators: build the table again")
 
 
 def _fit(
@@ -110,7 +114,7 @@ def _fit(
     size: Size,
     further: Sequence[SampledRun],
 ) -> Fitted:
-    """The shown modes do not depend on the ``further`` runs: they can be found again without them."""
+    """Fit one size. The ``further`` runs do not change the output modes."""
     own, subspace = shown_modes(runs, mass_kg, tolerance_m, training, size)
     modal = fit_modal_model(
         own, mass_kg, (*training.runs, *further), subspace, training.scheme, coupled=size.coupled

@@ -1,4 +1,4 @@
-"""What the drift-free method makes of the very runs that it was fitted to: a check of every build."""
+"""Training error of the modal model: a check in every build."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from galewood.util import Floats
 
 
 def training_error_m(modal: ModalTensors, subspace: Subspace, runs: Sequence[RunLike], dt_s: float) -> float:
-    """Mean over the runs of a run's largest vertex error, in metres, the method stepped from rest on its own.
+    """Mean over the training runs of the largest vertex error of each run, m, simulated from rest.
 
-    Not the largest of all: the one run that bends the tree farthest would decide alone.
+    The mean and not the maximum, as the single run that bends the tree farthest would decide otherwise.
     """
     shown = simulated_q(modal, [np.asarray(run.pressure_pa, np.float64) for run in runs], dt_s)
     gaps = [_largest_gap_m(subspace, q, run.displacement_m) for q, run in zip(shown, runs, strict=True)]
@@ -25,7 +25,7 @@ def training_error_m(modal: ModalTensors, subspace: Subspace, runs: Sequence[Run
 
 
 def simulated_q(modal: ModalTensors, pressures_pa: Sequence[Floats], dt_s: float) -> list[Floats]:
-    """The shown modes (T + 1, r) of the states from rest on, under each pressure (T, 2), side by side."""
+    """Output modes (T + 1, r), starting at rest, under each of the pressures (T, 2), Pa."""
     count, frames = len(pressures_pa), max(len(pressure) for pressure in pressures_pa)
     winds = np.zeros((frames + 1, 2, count))
     for i, pressure in enumerate(pressures_pa):
@@ -33,7 +33,7 @@ def simulated_q(modal: ModalTensors, pressures_pa: Sequence[Floats], dt_s: float
     forest = ModalForest(modal, dt_s, np.ones(modal.modes, np.float32), count)
     q = np.empty((frames + 1, count, modal.modes))
     for frame, (x, z) in enumerate(winds):
-        forest.advance(dt_s, x, z)  # a forest shows the state before the step that it has just made
+        forest.advance(dt_s, x, z)  # right after a step, q is the pose before that step
         q[frame] = forest.q
     return [q[: len(pressure) + 1, i] for i, pressure in enumerate(pressures_pa)]
 

@@ -1,4 +1,4 @@
-"""The paper's state search; in: the internal states of all records; out: exact candidate lists."""
+"""Candidate lists of the paper's state search; in: internal states of all records; out: exact candidates."""
 
 from galewood.search.candidates import Rule, air_of, build_search, last_records, still_records
 from galewood.search.similarity import Compared, InternalStates, compared, mismatch_rows, typical_error

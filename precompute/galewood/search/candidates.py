@@ -1,6 +1,6 @@
-"""The candidates that suffice for an exact search: most pairs of records can never win.
+"""Candidate lists for an exact search: most records can never be found from a given state.
 
-docs/design/0001-exact-search.md proves it; ``_pairs`` is its first rule and ``envelope`` its second.
+The proof is in docs/design/0001-exact-search.md; ``_pairs`` is its first rule and ``envelope`` its second.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -22,19 +22,20 @@ from galewood.search.similarity import Compared, mismatch_rows
 from galewood.util import Array
 
 MARGIN = 1e-9
-"""A candidate is dropped only if it loses by more than rounding could ever give back."""
+"""A candidate is dropped only if it loses by more than any rounding error."""
 CHUNK = 48
+"""States per task of the thread pool."""
 GRID = 64
-"""Cells a side of the grid of pressures, one σ each; what lies beyond is put into the last."""
+"""Cells per side of the pressure grid, each one σ wide; pressures beyond it go to the last cell."""
 AROUND = (0, 1, -1, GRID, -GRID, GRID + 1, GRID - 1, 1 - GRID, -1 - GRID)
-"""A cell's own place and its neighbours'."""
+"""Index offsets of a cell and its neighbours."""
 GAIN_STEPS_PER_SIGMA = 256
 GAIN_SPAN_SIGMA = 12
 
 
 @dataclass(frozen=True)
 class Search:
-    """Per record c its candidates j, sorted by (mismatches, j), as CSR."""
+    """Candidates j of every state c, sorted by (mismatches, j), in CSR form."""
 
     offsets: npt.NDArray[np.uint32]  # (z + 1,)
     record: npt.NDArray[np.uint16]  # (nnz,)
@@ -43,7 +44,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Rule:
-    """Eq. 16 and the range that the weight moves in: the candidates suffice for any weight of it."""
+    """Parameters of Eq. 16 and the range of its weight w; the candidates are exact for all w in the range."""
 
     components: int
     sigma_pa: float
@@ -52,22 +53,22 @@ class Rule:
 
     @property
     def leverage(self) -> tuple[float, float]:
-        """w / (1 − w) at either end of the range."""
+        """w / (1 − w) at both ends of the range."""
         w0, w1 = self.weight_initial, self.weight_maximum
         return w0 / (1.0 - w0), w1 / (1.0 - w1)
 
 
 @dataclass(frozen=True)
 class Air:
-    """What acts in the records, and which of them the search may find."""
+    """Pressures of the records, and which records the search may find."""
 
     pressure: npt.NDArray[np.float64]  # (z, 2) Pa
     calm: npt.NDArray[np.bool_]  # (z,) no wind acts
-    barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory: it has no successor and is never found
+    barred: npt.NDArray[np.bool_]  # (z,) last of a trajectory: never found, as it has no successor
 
 
 def air_of(pressure_pa: Array, trajectory: Array) -> Air:
-    """Air of the records with pressures (z, 2), runs beginning at ``trajectory``."""
+    """Air of records with pressures (z, 2), Pa; ``trajectory`` holds the first record of each run, and z."""
     barred = last_records(trajectory)
     return Air(pressure_pa.astype(np.float64), still_records(pressure_pa), barred)
 
@@ -75,17 +76,17 @@ def air_of(pressure_pa: Array, trajectory: Array) -> Air:
 def gain_bound() -> npt.NDArray[np.float64]:
     """Upper bound of G(d) = max_b [exp(−b²/2) − exp(−(b+d)²/2)] at d = i / GAIN_STEPS_PER_SIGMA (d in σ).
 
-    G is how much better than its rival at distance d a pressure can ever make a record look.
+    G(d) is the largest advantage in external error over a rival at distance d, under any pressure.
     """
     d = np.arange(GAIN_SPAN_SIGMA * GAIN_STEPS_PER_SIGMA + 1)[:, None] / GAIN_STEPS_PER_SIGMA
-    b = np.arange(0.0, 3.0, 2e-3)[None, :]  # the best b lies in [0, 1]; the grid errs by less than 1e-6
+    b = np.arange(0.0, 3.0, 2e-3)[None, :]  # the maximum lies in [0, 1]; the grid error is below 1e-6
     gain = np.exp(-0.5 * b * b) - np.exp(-0.5 * (b + d) ** 2)
     return np.minimum(gain.max(axis=1) + 2e-6, 1.0)
 
 
 @numba.njit(cache=True, nogil=True)
 def still_records(pressure):  # pragma: no cover  (compiled)
-    """(z,) true for records on which no wind acts: the pressure (z, 2) is exactly zero."""
+    """(z,) true for records without wind: the pressure (z, 2) is exactly zero."""
     calm = np.empty(len(pressure), np.bool_)
     for j in range(len(pressure)):
         calm[j] = pressure[j, 0] == 0.0 and pressure[j, 1] == 0.0
@@ -93,7 +94,7 @@ def still_records(pressure):  # pragma: no cover  (compiled)
 
 
 def last_records(trajectory: Array) -> npt.NDArray[np.bool_]:
-    """(z,) true for the last record of each trajectory: it has no successor and is never chosen."""
+    """(z,) true for the last record of each trajectory, which is never found as it has no successor."""
     last = np.zeros(int(trajectory[-1]), np.bool_)
     last[trajectory[1:].astype(np.int64) - 1] = True
     return last
@@ -101,7 +102,7 @@ def last_records(trajectory: Array) -> npt.NDArray[np.bool_]:
 
 @numba.njit(cache=True, nogil=True)
 def _ordered(row, components, order):  # pragma: no cover  (compiled)
-    """Records by (mismatches, number), by counting."""
+    """Sort the records by (mismatches, index), by counting sort."""
     bucket = np.zeros(components + 2, np.int32)
     for j in range(len(row)):
         bucket[row[j] + 1] += 1
@@ -114,7 +115,7 @@ def _ordered(row, components, order):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def cells_of(pressure, sigma, lowest):  # pragma: no cover  (compiled)
-    """(z,) cell of a square grid of σ that each pressure (z, 2) lies in, borders left and right."""
+    """(z,) grid cell of each pressure (z, 2); the outermost cells stay empty as a border."""
     cells = np.empty(len(pressure), np.int32)
     for j in range(len(pressure)):
         x = 1 + min(int((pressure[j, 0] - lowest[0]) / sigma), GRID - 3)
@@ -125,7 +126,7 @@ def cells_of(pressure, sigma, lowest):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def _beats(k, j, error, row, pressure, scale, leverage, gain, components):  # pragma: no cover  (compiled)
-    """Whether record k, asked before j, is better than j under any pressure."""
+    """Whether record k, which precedes j, beats j under every pressure."""
     slack = error - row[k] / components
     dx = pressure[j, 0] - pressure[k, 0]
     dz = pressure[j, 1] - pressure[k, 1]
@@ -139,18 +140,18 @@ def _beats(k, j, error, row, pressure, scale, leverage, gain, components):  # pr
 def _pairs(
     c, row, pressure, cells, calm, barred, scale, leverage, gain, components, order, kept, head, after
 ):
-    """Write the candidates of state c that no near one of the others beats to ``kept``; return how many.
+    """Write the candidates of state c that no nearby candidate beats to ``kept``; return their number.
 
-    Sorted by (mismatches, j), but for the successor, record c itself, which wins every tie and comes first.
-    Only a record of the same air, still or moving, may beat another, as either may be asked alone; but a
-    state of still air is never asked for records of moving air alone. Still records share one pressure, so
-    the first of them is the only one.
+    They are sorted by (mismatches, j), except for the successor, record c itself, which wins every tie and
+    comes first. A record may beat only records of the same air (still or moving), as a query may be
+    restricted to either; but a state of still air is never queried for moving air only. All still records
+    have the same pressure, so only the first of them is kept.
     """  # pragma: no cover  (compiled)
     _ordered(row, components, order)
     across = calm[c] and not barred[c]
-    head[:] = -1  # newest of the kept moving records of each cell; ``after`` the one kept before it
+    head[:] = -1  # last kept moving record of each cell; ``after`` links to the one kept before it
     count, still_kept = 0, False
-    hopeless = np.full(2, np.inf)  # for either air: an error that nothing can make up for
+    hopeless = np.full(2, np.inf)  # per air: an error that no pressure can compensate
     if not barred[c]:
         kept[0] = c
         count = 1
@@ -170,8 +171,8 @@ def _pairs(
             beaten = still_kept
             still_kept = True
         else:
-            asks_successor = count > 0 and kept[0] == c and (across or not calm[c])
-            beaten = asks_successor and _beats(c, j, error, row, pressure, scale, leverage, gain, components)
+            use_successor = count > 0 and kept[0] == c and (across or not calm[c])
+            beaten = use_successor and _beats(c, j, error, row, pressure, scale, leverage, gain, components)
             for side in AROUND:
                 if beaten:
                     break
@@ -189,7 +190,8 @@ def _pairs(
 
 
 @numba.njit(cache=True, nogil=True)
-def _successor_to_its_place(c, row, kept, count):  # pragma: no cover  (compiled)
+def _sort_successor(c, row, kept, count):  # pragma: no cover  (compiled)
+    """Move the successor from the front to its place in the order of (mismatches, j)."""
     if kept[0] != c:
         return
     s = 1
@@ -230,7 +232,7 @@ def _prune_rows(
         )
         if not barred[c]:
             count = keep_winners(c, row, pressure, calm, sigma, leverage, components, MARGIN, kept, count)
-        _successor_to_its_place(c, row, kept, count)
+        _sort_successor(c, row, kept, count)
         counts[i] = count
         for s in range(count):
             record[i, s] = kept[s]
@@ -238,7 +240,10 @@ def _prune_rows(
 
 
 def prune(first: int, rows: Array, air: Air, rule: Rule) -> tuple[Array, Array, Array]:
-    """Candidates of states first, first + 1 … by their mismatches: counts (n,), records, mismatches."""
+    """Candidates of the states first, first + 1, …, given their mismatches ``rows`` (n, z).
+
+    Returns the number of candidates of each state (n,), and all records and mismatches, concatenated.
+    """
     counts = np.empty(len(rows), np.int64)
     record, mismatches = np.empty_like(rows), np.empty_like(rows)
     cells = cells_of(air.pressure, rule.sigma_pa, air.pressure.min(axis=0))
@@ -253,14 +258,14 @@ def prune(first: int, rows: Array, air: Air, rule: Rule) -> tuple[Array, Array, 
 def build_search(
     layout: Compared, air: Air, rule: Rule, on_progress: Callable[[float], None] = lambda fraction: None
 ) -> Search:
-    """Compare every record with every other and keep the candidates. ``tick`` hears the fraction done."""
+    """Compare all pairs of records and keep the candidates; ``on_progress`` gets the fraction done."""
     z = len(layout.rank)
 
     def chunk(first: int) -> tuple[Array, Array, Array]:
         return prune(first, mismatch_rows(layout, first, min(first + CHUNK, z)), air, rule)
 
     parts: list[tuple[Array, Array, Array]] = []
-    # Threads, not numba's own parallel loops: the kernels hold no lock, and builds may run side by side.
+    # Threads instead of numba's parallel loops: the kernels release the GIL, and builds may run concurrently.
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for part in pool.map(chunk, range(0, z, CHUNK)):
             parts.append(part)

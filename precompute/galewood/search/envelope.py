@@ -1,8 +1,9 @@
-"""Candidates that win under no pressure at all are dropped: the lower envelope of the costs, made safe.
+"""Drops candidates that win under no pressure: a conservative lower envelope of the costs.
 
-A candidate j of state c costs E_j + λ g(f − f_j) under the pressure f (Eq. 16 over 1 − w, λ = w / (1 − w)).
-It can win only near f_j, as the successor costs λ at most. That square is covered by boxes, halved where need
-be, each with a rival that is cheaper in the whole box: then j may go (docs/design/0001-exact-search.md).
+Candidate j of state c costs E_j + λ g(f − f_j) under the pressure f (Eq. 16 over 1 − w, λ = w / (1 − w)). It
+can win only near f_j, as the successor costs at most λ. That square is covered by boxes, subdivided as
+needed. If each box has a rival that is cheaper everywhere in it, j is dropped
+(docs/design/0001-exact-search.md).
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -15,18 +16,21 @@ import numba
 import numpy as np
 
 STEEPEST = 2.0 * math.exp(-0.5)
-"""How fast g_j − g_k can change, per σ: each Gaussian's slope is exp(−1/2) / σ at most …"""
+"""Largest slope of g_j − g_k per σ: that of each Gaussian is at most exp(−1/2) / σ."""
 SMALLEST_BOX = 1.0 / 12.0
-"""… and the least half-width of a box, in σ: where even that leaves doubt the candidate stays."""
+"""Smallest half-width of a box, in σ: if that is not decisive, the candidate stays."""
 NEAR = 1.4
-"""Rivals within this many σ of the candidate are asked, and the successor."""
+"""Rivals are the successor and the candidates within this distance, in σ."""
 DEPTH = 64
+"""Capacity of the stack of boxes."""
 
 
 @numba.njit(cache=True, nogil=True)
 def _beats(gap, near_j, k_at, apart, x, z, reach, leverage):  # pragma: no cover  (compiled)
-    """1 if rival k is cheaper than j in the whole box (centre x, z, half-diagonal ``reach``, in σ), 2 if only
-    at its centre, 0 if not even there. gap: E_j − E_k; near_j: 1 − g_j at the centre.
+    """Compare rival k with j in a box (centre x, z, half-diagonal ``reach``, in σ).
+
+    Returns 1 if k is cheaper in the whole box, 2 if only at its centre, 0 if not even there. gap: E_j − E_k;
+    near_j: 1 − g_j at the centre.
     """
     kx, kz = x - k_at[0], z - k_at[1]
     better = math.exp(-0.5 * (kx * kx + kz * kz)) - near_j
@@ -52,7 +56,7 @@ def _may_win(error, j_at, errors, at, apart, count, radius, leverage, margin):  
         near_j = math.exp(-0.5 * (jx * jx + jz * jz))
         centre_beaten = beaten = False
         for i in range(count):
-            k = (last + i) % count  # the rival that beat it nearby is asked first
+            k = (last + i) % count  # start with the rival that won the last box
             gap = error - errors[k] - margin
             found = _beats(gap, near_j, at[k], apart[k], x, z, reach, leverage)
             if found == 1:
@@ -73,11 +77,11 @@ def _may_win(error, j_at, errors, at, apart, count, radius, leverage, margin):  
 
 @numba.njit(cache=True, nogil=True)
 def keep_winners(c, row, pressure, calm, sigma, leverage, components, margin, kept, count):
-    """Drop from ``kept`` those that win nowhere; return how many remain.
+    """Drop candidates from ``kept`` that win nowhere; return the number that remains.
 
-    c: the state, whose successor is kept[0] and no end of a trajectory; row (z,): mismatches; leverage:
-    w / (1 − w) at both ends of the weight's range. Candidates of another air than the state's own are asked
-    in questions of their own and stay, but those of moving air for a state of still air.
+    c: the state, whose successor is kept[0] and not the end of a trajectory; row (z,): mismatches; leverage:
+    w / (1 − w) at both ends of the range of w. Candidates of the other air than that of the state belong to
+    separate queries and stay, except those of moving air for a state of still air.
     """  # pragma: no cover  (compiled)
     errors, at = np.empty(count), np.empty((count, 2))
     for s in range(count):
@@ -90,7 +94,7 @@ def keep_winners(c, row, pressure, calm, sigma, leverage, components, margin, ke
         if calm[kept[s]] and not calm[c]:
             continue
         if errors[s] <= margin:
-            continue  # it may win at any distance
+            continue  # may win at any distance
         room = (errors[s] - margin) / leverage[1]
         if room >= 1.0:
             stays[s] = False

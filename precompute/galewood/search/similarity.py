@@ -1,8 +1,8 @@
-"""The state-to-state error E_int between records (paper, Eq. 12–15), exactly and fast.
+"""Exact and fast state-to-state error E_int between records (paper, Eq. 12–15).
 
-After the first step a tree's internal state is always that of a record, so E_int between records is all that
-a search needs (candidates.py says which of them). Whether a value lies in a record's range depends on the
-order of values alone, so both are replaced by ranks: sixteen bits a component, compared in one go.
+After the first step the internal state of a tree is always that of a record, so the search needs E_int only
+between records (candidates.py selects which). Whether a value lies in a range depends only on the order of
+the values, so values and ranges are replaced by 16-bit ranks.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -18,35 +18,35 @@ import numpy as np
 import numpy.typing as npt
 
 RELATIVE_RANGE = 1.0 / 20.0
-"""Eq. 12: a component matches within a twentieth of its own value …"""
+"""Eq. 12: half-width of a component's range over its value."""
 RANGE_FLOOR = 1e-3
-"""… but never tighter than this share of the component's RMS, or one that rests would match nothing."""
+"""Smallest half-width over the component's RMS: without it, a component at rest would match nothing."""
 MOST_RECORDS = 65535
 MOST_COMPONENTS = 65535
-"""Ranks and counts have sixteen bits."""
+"""Limits of the 16-bit ranks and counts."""
 
 Ranks = npt.NDArray[np.uint16]
 
 
 @dataclass(frozen=True)
 class InternalStates:
-    """Internal state of every record at q sampled points."""
+    """Internal state of z records at q sampled vertices."""
 
     velocity: npt.NDArray[np.float32]  # (z, q, 3) m/s
     force: npt.NDArray[np.float32]  # (z, q, 3) N
-    stiffness: npt.NDArray[np.float32]  # (z, q, 6) N/m: xx yy zz xy xz yz of the point's 3×3 diagonal block
+    stiffness: npt.NDArray[np.float32]  # (z, q, 6) N/m: xx yy zz xy xz yz of the 3×3 diagonal block
 
     @property
     def components(self) -> int:
-        """Compared components of a record: 3 + 3 + 9 a point (the block is symmetric, all nine count)."""
+        """Compared components of a record: 3 + 3 + 9 per vertex (all nine of the symmetric block count)."""
         return 15 * self.velocity.shape[1]
 
 
 @dataclass(frozen=True)
 class Compared:
-    """Ranks laid out for comparison: 9q components that count once, then 3q that count twice.
+    """Ranks in the layout of the comparison: 9q components that count once, then 3q that count twice.
 
-    Component k of state c lies in the range of record j where rank[c, k] − low[j, k] ≤ span[j, k], unsigned.
+    Component k of state c is in the range of record j if rank[c, k] − low[j, k] ≤ span[j, k], unsigned.
     """
 
     rank: Ranks  # (z, 12q)
@@ -55,13 +55,15 @@ class Compared:
 
 
 def compared(states: InternalStates) -> Compared:
-    """Ranks of every record's components and of their ranges (Eq. 12 with the floor).
+    """Ranks of the components of all records and of their ranges (Eq. 12 with a lower bound).
 
-    Raises ValueError for more records or components than sixteen bits can count.
+    Raises ValueError if records or components exceed 16 bits.
     """
     z = len(states.velocity)
     if z > MOST_RECORDS or states.components > MOST_COMPONENTS:
-        raise ValueError(f"{z} records of {states.components} components are more than a table can hold")
+        raise ValueError(
+            f"{z} records of {states.components} components exceed the limit of 65535 each: record less"
+        )
     parts = (states.velocity, states.force, states.stiffness[..., :3], states.stiffness[..., 3:])
     value = np.concatenate([part.reshape(z, -1) for part in parts], axis=1).astype(np.float32)
     rms = np.sqrt(np.mean(np.square(value, dtype=np.float64), axis=0))
@@ -80,7 +82,7 @@ def compared(states: InternalStates) -> Compared:
 
 @numba.njit(cache=True, nogil=True)
 def _write_ranks(order, ordered, lowest, highest, rank, low, span):  # pragma: no cover  (compiled)
-    """Rank of every value and of its range's ends, which ascend with the values, by walking along them."""
+    """Ranks of the values and of the ends of their ranges, in one pass, as all three ascend together."""
     first, begin, end = 0, 0, 0
     for i in range(len(ordered)):
         if ordered[i] != ordered[first]:
@@ -94,9 +96,9 @@ def _write_ranks(order, ordered, lowest, highest, rank, low, span):  # pragma: n
 
 @numba.njit(cache=True, nogil=True)
 def _outside_four(x0, x1, x2, x3, low, span):  # pragma: no cover  (compiled)
-    """Components outside their range of four states that share one load of the ranges."""
+    """Number of components out of range for four states, which share one load of the ranges."""
     n0, n1, n2, n3 = np.uint16(0), np.uint16(0), np.uint16(0), np.uint16(0)
-    for k in range(len(low)):  # in sixteen bits throughout, or the loop takes four times as long
+    for k in range(len(low)):  # 16 bits throughout: anything wider makes the loop four times slower
         lo, size = low[k], span[k]
         n0 = np.uint16(n0 + np.uint16(np.uint16(x0[k] - lo) > size))
         n1 = np.uint16(n1 + np.uint16(np.uint16(x1[k] - lo) > size))
@@ -107,7 +109,7 @@ def _outside_four(x0, x1, x2, x3, low, span):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def _count_outside(rank, low, span, first, last, out):  # pragma: no cover  (compiled)
-    """out[c − first, j] = mismatches of record j against state c (Eq. 13), for c in [first, last)."""
+    """out[c − first, j] = number of mismatches of state c with record j (Eq. 13), for c in [first, last)."""
     z, width = rank.shape
     once = width // 4 * 3
     for j in range(z):
@@ -136,14 +138,14 @@ def _count_outside(rank, low, span, first, last, out):  # pragma: no cover  (com
 
 
 def mismatch_rows(states: Compared, first: int, last: int) -> npt.NDArray[np.uint16]:
-    """(last − first, z) E_int · components between states first..last and every record."""
+    """(last − first, z) mismatches (E_int times components) of states [first, last) with every record."""
     out = np.empty((last - first, len(states.rank)), np.uint16)
     _count_outside(states.rank, states.low, states.span, first, last, out)
     return out
 
 
 def typical_error(layout: Compared, components: int, sample: int = 48) -> float:
-    """Median E_int between a sample of the records and all."""
+    """Median E_int between ``sample`` evenly spaced records and all records."""
     chosen = np.unique(np.linspace(0, len(layout.rank) - 1, sample).astype(np.int64))
     rows = [mismatch_rows(layout, int(c), int(c) + 1) for c in chosen]
     return float(np.median(np.concatenate(rows))) / components

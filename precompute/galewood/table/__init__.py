@@ -1,4 +1,4 @@
-"""The table file format; in: a Table; out: bytes, and back."""
+"""The table file format: encodes a Table to bytes and decodes it again."""
 
 from galewood.table.format import (
     FORMAT,

@@ -1,7 +1,8 @@
-"""THE table format: one safetensors file a species (docs/formats/table.md), twin of web/src/table.ts.
+"""The table format: one safetensors file per species (docs/formats/table.md).
+Twin: web/src/core/table/table.ts.
 
-Everything a reader relies on is checked on the way in: a table that decodes can be searched without
-bounds checks.
+``decode`` checks everything that readers rely on, so that a decoded table can be searched without bounds
+checks.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from galewood.util import Array
 FORMAT = "galewood-table"
 VERSION = 6
 READABLE = (5, 6)
-"""Version 5 names the tensors of the modal model tangent.*; otherwise it is the same."""
+"""Version 5 differs only in names: its modal tensors are tangent.*, its training error is errors.replay_m."""
 MAX_HEADER_BYTES = 1 << 20
 MAX_DYNAMIC = 64
 
@@ -30,7 +31,7 @@ Metadata = dict[str, Any]
 
 
 class TableError(ValueError):
-    """A file that is not a table this reader can trust; the message says what is wrong."""
+    """The file is not a valid table; the message says what is wrong."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Table:
     offsets: npt.NDArray[np.uint32]  # (z + 1,)
     candidate: npt.NDArray[np.uint16]  # (nnz,)
     mismatches: npt.NDArray[np.uint16]  # (nnz,)
-    modal_step: npt.NDArray[np.float32]  # (d, 6), as the rest below: galewood.player.modal_forest.Tangent
+    modal_step: npt.NDArray[np.float32]  # (d, 6); modal_*: see galewood.modal.ModalTensors
     modal_load: npt.NDArray[np.float32]  # (d, 2)
     modal_sway: npt.NDArray[np.float32]  # (2, d)
     modal_force: npt.NDArray[np.float32]  # (44 + 6c, d)
@@ -58,14 +59,14 @@ class Table:
 
     @property
     def modal(self) -> ModalTensors:
-        """The drift-free method's own tensors."""
+        """Tensors of the modal model."""
         return ModalTensors(
             self.modal_step, self.modal_load, self.modal_sway,
             self.modal_force, self.modal_shown, self.modal_pose, self.modal_limits,
         )  # fmt: skip
 
     def pose(self) -> npt.NDArray[np.int32]:
-        """(z, r) pose of every record's own state, in units of mode_scale; every trajectory starts at 0."""
+        """(z, r) pose of every record, in units of mode_scale; every trajectory starts at 0."""
         return poses(self.dq, self.trajectory)
 
 
@@ -88,11 +89,11 @@ TENSORS: dict[str, tuple[str, Any, int]] = {
     "modal.pose": ("modal_pose", np.float32, 2),
     "modal.limits": ("modal_limits", np.float32, 1),
 }
-"""Name in the file → (field, type, rank)."""
+"""Name in the file → (field of Table, type, rank)."""
 
 
 def poses(dq: Array, trajectory: Array) -> npt.NDArray[np.int32]:
-    """(z, r) prefix sums of dq (z, r) inside each trajectory, starting at 0."""
+    """(z, r) exclusive prefix sums of dq (z, r) within each trajectory."""
     before = np.cumsum(dq, axis=0, dtype=np.int64) - dq
     starts = trajectory[:-1].astype(np.int64)
     before -= np.repeat(before[starts], np.diff(trajectory.astype(np.int64)), axis=0)
@@ -100,18 +101,18 @@ def poses(dq: Array, trajectory: Array) -> npt.NDArray[np.int32]:
 
 
 def encode(table: Table) -> bytes:
-    """The bytes of a table file. Raises TableError for a table no reader would accept."""
+    """Encode a table. Raises TableError for a table that ``decode`` would refuse."""
     check(table)
     tensors = {
         name: np.ascontiguousarray(getattr(table, field), dtype)
         for name, (field, dtype, _) in TENSORS.items()
     }
-    tensors["search.mismatch_steps"] = _steps(table.mismatches, table.offsets)
+    tensors["search.mismatch_steps"] = _differences(table.mismatches, table.offsets)
     return save(tensors, {"galewood": json.dumps(table.metadata, allow_nan=False, separators=(",", ":"))})
 
 
 def decode(data: bytes) -> Table:
-    """The table in a file's bytes. Raises TableError."""
+    """Decode the bytes of a table file. Raises TableError."""
     metadata = read_metadata(data)
     try:
         tensors = load(data)
@@ -134,7 +135,7 @@ def decode(data: bytes) -> Table:
 
 
 def _from_version_5(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Metadata, dict[str, Array]]:
-    """A table of version 5 under the names of this version."""
+    """Rename the metadata and tensors of version 5 to those of this version."""
     errors = metadata.get("errors")
     if isinstance(errors, dict) and "replay_m" in errors:
         kept = {name: value for name, value in errors.items() if name != "replay_m"}
@@ -143,8 +144,8 @@ def _from_version_5(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Meta
     return {**metadata, "version": VERSION}, renamed
 
 
-def _steps(mismatches: Array, offsets: Array) -> npt.NDArray[np.uint16]:
-    """Each candidate's mismatches less those of the one before it; the first of a row stands as it is."""
+def _differences(mismatches: Array, offsets: Array) -> npt.NDArray[np.uint16]:
+    """Differences of the mismatches within each row of candidates; the first of a row is kept."""
     steps = np.diff(mismatches, prepend=np.uint16(0))
     first = offsets[:-1].astype(np.int64)
     steps[first] = mismatches[first]
@@ -152,7 +153,7 @@ def _steps(mismatches: Array, offsets: Array) -> npt.NDArray[np.uint16]:
 
 
 def _sums(steps: Array, offsets: Array) -> npt.NDArray[np.uint16]:
-    """The other way. What overflows is not in order, and is refused for that."""
+    """Inverse of ``_differences``. An overflow means unsorted candidates: raises TableError."""
     sums = np.cumsum(steps, dtype=np.int64)
     first = offsets[:-1].astype(np.int64)
     sums -= np.repeat(sums[first] - steps[first], np.diff(offsets.astype(np.int64)))
@@ -161,7 +162,7 @@ def _sums(steps: Array, offsets: Array) -> npt.NDArray[np.uint16]:
 
 
 def read_metadata(data: bytes) -> Metadata:
-    """What a file says of itself, unchecked, so that other versions can be read too. Raises TableError."""
+    """Read the metadata of a file without checking it, for any version. Raises TableError."""
     if len(data) < 8:
         raise TableError("truncated table file: no header")
     length = int.from_bytes(data[:8], "little")
@@ -188,7 +189,7 @@ def _tensor(tensors: dict[str, Array], name: str) -> Array:
 
 
 def check(table: Table) -> None:
-    """Raise TableError unless every promise of the format holds."""
+    """Raise TableError unless the table conforms to the format."""
     check_metadata(table.metadata)
     _check_shapes(table)
     _check_numbers(table)
@@ -203,7 +204,7 @@ def _need(holds: bool, complaint: str) -> None:
 
 
 def check_metadata(metadata: Metadata) -> None:
-    """Format, version, and every figure a reader computes with."""
+    """Check format, version and all numbers that readers use. Raises TableError."""
     _need(metadata.get("format") == FORMAT, f"not a {FORMAT}: format {metadata.get('format')!r:.40}")
     version = metadata.get("version")
     _need(version == VERSION, f"table version {version!r:.40}; this reader knows versions 5 and 6")
@@ -277,7 +278,7 @@ def _check_trajectories(table: Table) -> None:
     starts = table.trajectory.astype(np.int64)
     ends = len(starts) >= 2 and starts[0] == 0 and starts[-1] == len(table.dq)
     _need(bool(ends), "tensor samples.trajectory: must run from 0 to the number of records")
-    # A trajectory of one record could never be chosen: its only record has no successor.
+    # A trajectory of one record is never found: its only record has no successor.
     _need(bool((np.diff(starts) >= 2).all()), "tensor samples.trajectory: every trajectory needs two records")
     worst = math.prod([int(np.diff(starts).max()), 32768])
     _need(worst < 2**31, "tensor samples.trajectory: a trajectory is too long")
@@ -309,7 +310,7 @@ def _check_search(table: Table) -> None:
 
 
 def _check_modal(table: Table) -> None:
-    """Every oscillator's step must contract: a bounded wind then gives a bounded motion."""
+    """Check that every oscillator step contracts, so that a bounded wind gives a bounded motion."""
     _need(bool((table.modal_limits > 0).all()), "tensor modal.limits: not positive")
     step = table.modal_step.astype(np.float64)
     r00, r01, r10, r11 = 1.0 + step[:, 0], step[:, 1], step[:, 2], 1.0 + step[:, 3]

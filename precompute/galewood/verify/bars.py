@@ -1,4 +1,4 @@
-"""Structured bars and poles of tetrahedra with exact cross-sections, for checks against beam theory."""
+"""Structured tetrahedral meshes of bars and poles with exact cross-sections, for beam-theory checks."""
 
 from dataclasses import dataclass, replace
 from itertools import permutations
@@ -11,10 +11,10 @@ from galewood.util import Floats, Int32s
 
 @dataclass(frozen=True, kw_only=True)
 class Bar:
-    """A bar along +y, clamped at y = 0, with everything `build_model` needs.
+    """A bar along +y, clamped at y = 0, with all inputs of `build_model`.
 
-    `area_m2` and `second_moment_m4` (bending in x) are those of the base polygon; `tip` lists the end's
-    vertices.
+    `area_m2` and `second_moment_m4` (bending in x) belong to the base polygon; `tip` lists the vertices at
+    the free end.
     """
 
     vertices_m: Floats
@@ -38,10 +38,9 @@ def polygon_bar(
     rings: int = 1,
     tip_radius_m: float | None = None,
 ) -> Bar:
-    """A pole with a regular polygon as its section; `rings` = 1 has vertices only on its rim (and no centre
-    for 3, 4).
+    """A pole with a regular polygon as its section; with `tip_radius_m` it tapers linearly.
 
-    With `tip_radius_m` the pole tapers linearly.
+    `rings` = 1 has vertices only on the rim and, for more than four sides, at the centre.
     """
     section, triangles = _polygon(sides, rings)
     tip = radius_m if tip_radius_m is None else tip_radius_m
@@ -57,7 +56,7 @@ def polygon_bar(
 
 
 def _polygon(sides: int, rings: int) -> tuple[Floats, Int32s]:
-    """Unit polygon: points (k,2) and triangles; a fan about the centre, with more rings outside if asked."""
+    """Unit polygon: points (k, 2) and triangles, a fan around the centre and `rings` − 1 rings around it."""
     angle = 2 * np.pi * np.arange(sides) / sides
     rim = np.column_stack([np.cos(angle), np.sin(angle)])
     if rings == 1 and sides <= 4:
@@ -73,7 +72,7 @@ def _polygon(sides: int, rings: int) -> tuple[Floats, Int32s]:
 
 
 def _extrude(triangles: Int32s, points: int, layers: int) -> Int32s:
-    """Three tets per triangle and layer; diagonals go by vertex number, so neighbours agree."""
+    """Three tets per triangle and layer; the diagonals follow vertex numbers, so that neighbours match."""
     tets: list[list[int]] = []
     for layer in range(layers):
         for triangle in triangles:
@@ -84,7 +83,7 @@ def _extrude(triangles: Int32s, points: int, layers: int) -> Int32s:
 
 
 def box_bar(*, size_m: tuple[float, float, float], cells: tuple[int, int, int]) -> Bar:
-    """A box along +y, six tets per cell (Kuhn's subdivision)."""
+    """A box along +y with six tets per cell (Kuhn subdivision)."""
     axes = [np.linspace(-s / 2, s / 2, n + 1) for s, n in zip(size_m, cells, strict=True)]
     axes[1] = axes[1] + size_m[1] / 2
     y, x, z = np.meshgrid(axes[1], axes[0], axes[2], indexing="ij")
@@ -132,7 +131,7 @@ def _bar(
 
 
 def _section_moments(points: Floats, triangles: Int32s) -> tuple[float, float]:
-    """Area and ∫x² about the centroid, exact (edge midpoints integrate quadratics)."""
+    """Area, m², and ∫x² about the centroid, m⁴; exact, as edge midpoints integrate quadratics exactly."""
     if not len(triangles):
         return 0.0, 0.0
     p = points[triangles]

@@ -1,4 +1,4 @@
-"""Checks of whole bars and poles against beam theory: tip, convergence, sag, frequencies."""
+"""Checks of bars and poles against beam theory: tip deflection, convergence, sag, frequencies."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -33,7 +33,7 @@ NAMES: dict[Element, str] = {"quadratic": "reference", "fitted": "fast"}
 
 
 def checks() -> Iterator[Check]:
-    """The lines of the table."""
+    """All checks of this module."""
     for label, sides, rings, fast_limit in SECTIONS:
         bar = polygon_bar(sides=sides, rings=rings, radius_m=RADIUS_M, length_m=LENGTH_M, layers=40)
         exact = tip_deflection(1.0, LENGTH_M, WOOD.young_longitudinal_pa, bar.second_moment_m4)
@@ -48,13 +48,13 @@ def checks() -> Iterator[Check]:
 
 
 def weightless(bar: Bar, element: Element) -> FemModel:
-    """The bar of poplar without gravity."""
+    """Model of the bar in poplar wood without gravity."""
     settings = FemSettings(element=element, gravity=False)
     return build_model(bar, bar, WOOD, bar, settings)
 
 
 def tip_under_force(model: FemModel, bar: Bar, axis: int = 0) -> float:
-    """Mean displacement of the tip along an axis under 1 N spread over it, m."""
+    """Mean displacement of the tip along an axis, m, under 1 N distributed over the tip."""
     load = np.zeros_like(model.nodes_m)
     load[bar.tip, axis] = 1.0 / len(bar.tip)
     u, _, _ = solve_static(model.system(), load)
@@ -62,9 +62,7 @@ def tip_under_force(model: FemModel, bar: Bar, axis: int = 0) -> float:
 
 
 def _convergence() -> Iterator[Check]:
-    """Rate at which the plain linear element's tip error falls with the mesh size: second order, from far
-    off.
-    """
+    """Order of convergence of the tip of a cantilever of plain linear elements; theory: second order."""
     size = (0.2, 1.0, 0.2)
     errors: list[float] = []
     for k in (2, 4, 8):
@@ -79,14 +77,14 @@ def _convergence() -> Iterator[Check]:
 
 
 def _sagging() -> Check:
-    """A horizontal bar under its own weight, by the gravity rest pose of `build_model`."""
+    """Sag of a horizontal bar under its own weight."""
     standing = polygon_bar(sides=6, radius_m=RADIUS_M, length_m=2.0, layers=24)
     lying = replace(
         standing,
         vertices_m=np.ascontiguousarray(standing.vertices_m[:, [1, 2, 0]]),
         tet_fibre=np.ascontiguousarray(standing.tet_fibre[:, [1, 2, 0]]),
     )
-    # Solved directly: a lying bar is so low that its sag would count as a collapse.
+    # Solved directly: `build_model` would take the sag of so low a tree for a collapse.
     model = weightless(lying, "quadratic")
     load = np.zeros_like(model.nodes_m)
     load[:, 1] = -GRAVITY_M_S2 * model.mass_kg
@@ -111,7 +109,7 @@ def _pole_frequencies() -> Iterator[Check]:
         )
         for element in NAMES:
             found = weightless(bar, element).report["frequencies_hz"]
-            # Bending modes come in pairs, one for each axis of the section.
+            # Bending modes come in pairs, one per axis of the section.
             for mode, index in (("first", 0), ("second", 2)):
                 name = f"{label} pole, {mode} frequency, {NAMES[element]}"
                 yield relative(
@@ -120,7 +118,7 @@ def _pole_frequencies() -> Iterator[Check]:
 
 
 def _softened() -> Check:
-    """A pole that carries a third of its buckling load: its weight slows the sway."""
+    """Frequency of a pole under its own weight relative to the weightless pole."""
     length, radius = 12.0, 0.055
     bar = polygon_bar(sides=6, radius_m=radius, length_m=length, layers=60)
     light = weightless(bar, "quadratic").report["frequencies_hz"][0]

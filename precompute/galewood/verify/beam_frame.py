@@ -1,7 +1,7 @@
-"""A tree as a frame of round Euler–Bernoulli beams in space: an independent answer to hold the tetrahedra to.
+"""A tree as a space frame of round Euler–Bernoulli beams: an independent model to verify the tetrahedra with.
 
-Nothing is shared with the finite elements but the wood's constants: no tetrahedra, no extracted skeleton, no
-thickening. The points come from a skeleton with true radii, such as a tree generator writes
+It shares only the material constants with the FEM: no tetrahedra, no extracted skeleton, no radius
+correction. Its points come from a skeleton with exact radii, as written by a tree generator
 (`beam_frame_tree.py`).
 """
 
@@ -18,12 +18,12 @@ from galewood.util import Floats, Int64s
 from galewood.wood import Wood
 
 STIFF = 100.0
-"""How much stiffer a branch is taken to be inside the limb that bears it."""
+"""Stiffness factor of the part of a branch inside its parent limb."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """points_m (n,3), links (k,2), radius_m (k,) of each link, hidden (k,): it lies inside its bearer."""
+    """points_m (n, 3), links (k, 2), radius_m (k,) of each link, hidden (k,): link inside its parent."""
 
     points_m: Floats
     links: Int64s
@@ -32,20 +32,20 @@ class Frame:
 
     @property
     def length_m(self) -> Floats:
-        """(k,) length of each link."""
+        """(k,) length of each link, m."""
         return np.linalg.norm(self.points_m[self.links[:, 1]] - self.points_m[self.links[:, 0]], axis=1)
 
     def volume_m3(self) -> float:
-        """Volume of the wood, what is hidden inside other wood not counted."""
+        """Volume of the wood, m³, without hidden links."""
         return float((np.pi * self.radius_m**2 * self.length_m)[~self.hidden].sum())
 
 
 def frame_frequencies(
     tree: Frame, wood: Wood, clamped_m: float, count: int, point_mass_kg: Floats | None = None
 ) -> Floats:
-    """The first `count` frequencies, Hz, without gravity; points not above `clamped_m` are held.
+    """(count,) lowest frequencies, Hz, without gravity; points not above `clamped_m` are clamped.
 
-    `point_mass_kg` (n,) is what hangs on the points.
+    `point_mass_kg` (n,) is additional mass at the points, such as foliage.
     """
     stiffness, mass = frame_matrices(tree, wood)
     if point_mass_kg is not None:
@@ -63,7 +63,7 @@ def _lumped(mass_kg: Floats) -> csc_array:
 
 
 def frame_matrices(tree: Frame, wood: Wood) -> tuple[csc_array, csc_array]:
-    """Stiffness and consistent mass (6n,6n): three displacements and three rotations to a point."""
+    """Stiffness and consistent mass (6n, 6n), with three displacements and three rotations per point."""
     rows: list[Int64s] = []
     columns: list[Int64s] = []
     stiff: list[Floats] = []
@@ -88,7 +88,7 @@ def frame_matrices(tree: Frame, wood: Wood) -> tuple[csc_array, csc_array]:
 
 
 def _axes(along: Floats) -> Floats:
-    """(3,3) rows: the beam's own axis and two across it."""
+    """(3, 3) rows: axis of the beam and two unit vectors across it."""
     x = along / float(np.linalg.norm(along))
     y = np.cross(x, np.eye(3)[int(np.argmin(np.abs(x)))])
     y = y / float(np.linalg.norm(y))
@@ -96,7 +96,7 @@ def _axes(along: Floats) -> Floats:
 
 
 def beam_matrices(radius_m: float, length_m: float, wood: Wood) -> tuple[Floats, Floats]:
-    """Stiffness and consistent mass (12,12) of a round beam along its first axis.
+    """Stiffness and consistent mass (12, 12) of a round beam along its first axis.
 
     Source: Przemieniecki 1968, "Theory of Matrix Structural Analysis", chapters 5 and 11, without shear and
     without rotary inertia in bending.
@@ -121,6 +121,7 @@ def beam_matrices(radius_m: float, length_m: float, wood: Wood) -> tuple[Floats,
 
 
 def _bending(length_m: float) -> tuple[Floats, Floats]:
+    """(4, 4) bending stiffness over E I / L³, and consistent mass over m / 420."""
     s = length_m
     stiffness = [
         [12, 6 * s, -12, 6 * s],

@@ -1,4 +1,4 @@
-"""The frame of beams of a tree, from a skeleton with true radii: branches joined to their bearers."""
+"""Builds the beam frame of a tree from a skeleton with exact radii: branches joined to their parents."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from galewood.util import Floats, Int64s
 from galewood.verify.beam_frame import Frame
 
 PIECES = 4
-"""Beam elements to each link of the skeleton."""
+"""Beam elements per link of the skeleton."""
 SNAP = 0.02
-"""Of a link: a branch that starts so near to one of its ends starts there."""
+"""Share of a link: a branch that starts this close to an end of it starts at that end."""
 
 
 def read_frame(path: Path) -> Frame:
-    """The frame of a generator's skeleton file (columns points_m, radius_m, parent, branch)."""
+    """Read the frame from a generator's skeleton file (columns points_m, radius_m, parent, branch)."""
     columns = json.loads(path.read_text())
     points, radius = np.array(columns["points_m"], float), np.array(columns["radius_m"], float)
     return frame(points, radius, np.array(columns["parent"]), np.array(columns["branch"]))
 
 
 def frame(points_m: Floats, radius_m: Floats, parent: Int64s, branch: Int64s) -> Frame:
-    """Links cut into pieces; each branch starts at the point of its parent branch's axis nearest to it."""
+    """Subdivide the links; each branch starts at the nearest point of the axis of its parent branch."""
     builder = _Builder(points_m, radius_m)
     order = [np.flatnonzero(branch == number) for number in range(int(branch.max()) + 1)]
     order.sort(key=lambda own: int(own[0]))
     for own in order:
-        bearer = int(branch[parent[own[0]]]) if parent[own[0]] >= 0 else -1
-        builder.add_branch(own, int(branch[own[0]]), bearer)
+        parent_branch = int(branch[parent[own[0]]]) if parent[own[0]] >= 0 else -1
+        builder.add_branch(own, int(branch[own[0]]), parent_branch)
     return builder.frame()
 
 
 class _Builder:
-    """Grows the frame branch by branch, parents first."""
+    """Builds the frame branch by branch, parents first."""
 
     def __init__(self, points_m: Floats, radius_m: Floats) -> None:
         self._points, self._radius = points_m, radius_m
@@ -47,14 +47,14 @@ class _Builder:
         self._hidden: dict[int, list[bool]] = {}
         self._joints: list[tuple[int, int]] = []
 
-    def add_branch(self, own: Int64s, number: int, bearer: int) -> None:
-        """A branch through the given points; `bearer` is the branch that it grows from (−1: the ground)."""
+    def add_branch(self, own: Int64s, number: int, parent: int) -> None:
+        """Add a branch through the points `own`; `parent` is its parent branch (−1: the ground)."""
         places, girth = _resampled(self._points[own], self._radius[own])
         hidden = np.zeros(len(places) - 1, bool)
         joint = -1
-        if bearer >= 0:
-            joint = self._node_on(bearer, places[0])
-            limb = self._of_branch[bearer]
+        if parent >= 0:
+            joint = self._node_on(parent, places[0])
+            limb = self._of_branch[parent]
             axis, thick = np.array([self._nodes[n] for n in limb]), np.array([self._girth[n] for n in limb])
             places, girth, hidden = _cut_at_bark(places, girth, axis, thick)
         self._of_branch[number] = [self._node(p, g) for p, g in zip(places, girth, strict=True)]
@@ -68,7 +68,7 @@ class _Builder:
         return len(self._nodes) - 1
 
     def _node_on(self, branch: int, place: Floats) -> int:
-        """A node at the point of a branch's axis nearest to a place, put in between two others."""
+        """Return a node at the point of a branch's axis nearest to a place, inserting one if necessary."""
         nodes = self._of_branch[branch]
         line = np.array([self._nodes[n] for n in nodes])
         along = np.diff(line, axis=0)
@@ -85,7 +85,7 @@ class _Builder:
         return nodes[k + 1]
 
     def frame(self) -> Frame:
-        """What has been grown; nodes at one place become one."""
+        """Return the frame; coincident nodes are merged."""
         points, girth = np.array(self._nodes), np.array(self._girth)
         stands = np.arange(len(points))
         links: list[tuple[int, int, bool]] = []
@@ -113,8 +113,9 @@ def _resampled(points_m: Floats, radius_m: Floats) -> tuple[Floats, Floats]:
 def _cut_at_bark(
     places: Floats, radii: Floats, axis: Floats, girth: Floats
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """The branch with a point put in where it leaves the limb (axis (a,3), girth (a,) m) that bears it, and
-    which of its links lie inside.
+    """Insert a point where the branch leaves its parent limb (axis (a, 3), girth (a,), m).
+
+    Returns the points (k, 3), the radii (k,), and which links (k − 1,) are inside the limb.
     """
     knots = np.arange(len(places))
     fine = np.linspace(0, len(places) - 1, 20 * (len(places) - 1) + 1)

@@ -1,4 +1,4 @@
-"""Exact and one-dimensional answers for bars and poles, to check the tetrahedra against."""
+"""Exact and one-dimensional solutions for bars and poles."""
 
 import numpy as np
 from scipy.linalg import eigh
@@ -7,17 +7,17 @@ from galewood.util import Floats
 
 
 def tip_deflection(force_n: float, length_m: float, young_pa: float, second_moment_m4: float) -> float:
-    """Euler–Bernoulli cantilever under a force at its tip, m."""
+    """Tip deflection of an Euler–Bernoulli cantilever under a force at its tip, m."""
     return force_n * length_m**3 / (3 * young_pa * second_moment_m4)
 
 
 def sag(weight_n_m: float, length_m: float, young_pa: float, second_moment_m4: float) -> float:
-    """Tip of a horizontal cantilever under its own weight per length, m."""
+    """Tip deflection of a horizontal cantilever under its weight per length, m."""
     return weight_n_m * length_m**4 / (8 * young_pa * second_moment_m4)
 
 
 def shear_tip(force_n: float, length_m: float, shear_pa: float, area_m2: float) -> float:
-    """What shear adds to the tip of a rectangular cantilever (Timoshenko, factor 5/6), m."""
+    """Shear contribution to the tip deflection of a rectangular cantilever (Timoshenko, factor 5/6), m."""
     return force_n * length_m / (5 / 6 * shear_pa * area_m2)
 
 
@@ -30,11 +30,11 @@ def pole_frequencies(
     tip_ratio: float = 1.0,
     elements: int = 60,
 ) -> Floats:
-    """First two bending frequencies of a clamped pole whose radius falls linearly to tip_ratio of the base's,
-    Hz.
+    """(2,) lowest bending frequencies, Hz, of a clamped pole that tapers linearly to `tip_ratio` of its
+    radius.
 
-    Hermite beam elements, sections taken at four Gauss points: 60 of them agree with the closed form of the
-    uniform pole (1.8751², 4.6941²) to six digits.
+    Hermite beam elements with four Gauss points. 60 of them agree with the closed form of the uniform pole
+    (1.8751², 4.6941²) to six digits.
     """
     h = length_m / elements
     size = 2 * (elements + 1)
@@ -55,9 +55,9 @@ def pole_frequencies(
 
 
 def softening(weight_n: float, length_m: float, young_pa: float, second_moment_m4: float) -> float:
-    """Ratio of a standing pole's first frequency to its weightless one: √(1 − W / W_c), W_c Greenhill's 7.837
-    E I/L².
+    """First frequency of a standing pole over that of the weightless pole: √(1 − W / W_c).
 
-    Exact where the sway keeps its shape; within 1 % up to half the buckling load.
+    W_c = 7.837 E I / L² (Greenhill). Exact if the mode shape does not change; within 1 % up to half the
+    buckling load.
     """
     return float(np.sqrt(1 - weight_n * length_m**2 / (7.8373 * young_pa * second_moment_m4)))

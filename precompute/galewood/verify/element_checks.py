@@ -1,4 +1,4 @@
-"""Checks of the elements alone: patch test, rigid motions, stiffness against another program."""
+"""Checks of the elements: patch test, rigid motions, stiffness against scikit-fem."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -17,7 +17,7 @@ SEED = 7
 
 
 def checks() -> Iterator[Check]:
-    """The lines of the table."""
+    """All checks of this module."""
     bar = shaken_box()
     for element in ("linear", "quadratic"):
         system = element_system(bar, element)
@@ -30,7 +30,7 @@ def checks() -> Iterator[Check]:
 
 
 def shaken_box() -> Bar:
-    """A 3 × 3 × 3 box of tets whose inner vertices are moved about."""
+    """A box of 3 × 3 × 3 cells of tets whose inner vertices are randomly displaced."""
     bar = box_bar(size_m=(1.0, 1.0, 1.0), cells=(3, 3, 3))
     inside = _inside(bar.vertices_m)
     moved = bar.vertices_m.copy()
@@ -44,7 +44,7 @@ def _inside(points: Floats) -> NDArray[np.bool_]:
 
 
 def element_system(bar: Bar, element: str) -> ElementSystem:
-    """The bar's elements of poplar with a slanting fibre, one node fixed."""
+    """Elements of the bar in poplar wood with an oblique fibre direction; one node is fixed."""
     grad, volume = gradients(bar.vertices_m[bar.tets])
     fibre = np.tile([0.48, 0.6, 0.64], (len(bar.tets), 1))
     axial, shear = stiffness_blocks(grad, volume, fibre, moduli(species("poplar")))
@@ -55,7 +55,7 @@ def element_system(bar: Bar, element: str) -> ElementSystem:
 
 
 def patch_error(system: ElementSystem) -> float:
-    """Largest force on an inner node under a linear displacement field, over the largest on the surface."""
+    """Largest force on inner nodes under a linear displacement field, over the largest on the surface."""
     gradient = np.array([[0.010, -0.004, 0.003], [0.002, -0.006, 0.005], [-0.001, 0.007, 0.004]])
     field, still, force = system.rest @ gradient.T, np.zeros_like(system.rest), np.zeros_like(system.rest)
     system.force(still, field, force)
@@ -64,7 +64,7 @@ def patch_error(system: ElementSystem) -> float:
 
 
 def rigid_error(system: ElementSystem, turn: float) -> float:
-    """Largest force after a rigid motion (turn in rad), over the stiffness times the size of the body."""
+    """Largest force after a rigid motion (rotation `turn` in rad), over stiffness times size of the body."""
     axis = np.array([1.0, -2.0, 0.5]) / np.linalg.norm([1.0, -2.0, 0.5])
     cross = np.cross(np.eye(3), axis)
     rotation = np.eye(3) + np.sin(turn) * cross + (1 - np.cos(turn)) * cross @ cross
@@ -75,7 +75,7 @@ def rigid_error(system: ElementSystem, turn: float) -> float:
 
 
 def elasticity_tensor(wood: Wood, fibre: Floats) -> Floats:
-    """(3,3,3,3) stiffness tensor of a wood, Pa, written out index by index (a twin of the block formulas)."""
+    """(3, 3, 3, 3) elasticity tensor of a wood, Pa, derived independently of the block formulas."""
     m, eye, aa = moduli(wood), np.eye(3), np.outer(fibre, fibre)
 
     def both(a: Floats, b: Floats) -> Floats:
@@ -104,7 +104,7 @@ def _against_scikit_fem() -> Iterator[Check]:
 
 
 def stiffness_eigenvalues(element: str) -> tuple[Floats, Floats]:
-    """Eigenvalues of the stiffness of a shaken box of poplar, ours and scikit-fem's (ImportError)."""
+    """Eigenvalues of the stiffness of the distorted box: ours and scikit-fem's. Raises ImportError."""
     import skfem
 
     bar = shaken_box()
@@ -125,7 +125,7 @@ def stiffness_eigenvalues(element: str) -> tuple[Floats, Floats]:
 
 
 def dense_stiffness(system: ElementSystem, nodes: NDArray[np.integer[Any]]) -> Floats:
-    """Stiffness of the rest pose at some inner nodes, column by column from the forces."""
+    """(3k, 3k) stiffness in the rest pose at k nodes, from the forces of unit displacements."""
     still, force = np.zeros_like(system.rest), np.zeros_like(system.rest)
     columns: list[Floats] = []
     for node in nodes:

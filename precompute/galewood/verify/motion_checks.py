@@ -1,4 +1,4 @@
-"""Checks of the motion: ring-down against the eigenvalue and the wood's damping, energy in still air."""
+"""Checks of the motion: ring-down frequency and damping, energy in still air."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -20,7 +20,7 @@ FREQUENCY_LIMITS: dict[Scheme, float] = {"tr-bdf2": 0.003, "backward-euler": 0.0
 
 
 def checks() -> Iterator[Check]:
-    """The lines of the table."""
+    """All checks of this module."""
     model = laden_pole()
     frequency = float(model.report["frequencies_hz"][0])
     for scheme, label in SCHEMES:
@@ -41,7 +41,7 @@ def checks() -> Iterator[Check]:
 
 
 def laden_pole() -> FemModel:
-    """A tapered pole with a crown's mass along its upper half, fast elements, standing under gravity."""
+    """A tapered pole of fast elements under gravity, with the mass of a crown on its upper half."""
     bar = polygon_bar(sides=6, radius_m=0.09, length_m=8.0, layers=50, tip_radius_m=0.03)
     crown = bar.vertices_m[:, 1] > 4.0
     laden = replace(bar, mass_kg=np.where(crown, 25.0 / crown.sum(), 0.0))
@@ -49,10 +49,10 @@ def laden_pole() -> FemModel:
 
 
 def ring_down(model: FemModel, mode: int, amplitude_m: float = 0.02) -> tuple[float, float]:
-    """Frequency (Hz) and damping ratio of the free sway that starts in a mode's shape, from about eight
-    periods.
+    """Frequency (Hz) and damping ratio of the free vibration that starts in the shape of a mode.
 
-    The mode's coordinate obeys q(k+2) = a q(k+1) + b q(k); a and b by least squares give the pair of poles.
+    The modal coordinate of about eight periods is fitted by q(k+2) = a q(k+1) + b q(k); a and b (least
+    squares) give the pair of poles.
     """
     modes = natural_modes(model, mode + 1)
     shape = modes.shapes[mode]
@@ -71,9 +71,7 @@ def ring_down(model: FemModel, mode: int, amplitude_m: float = 0.02) -> tuple[fl
 
 
 def energy_rise(model: FemModel, frames: int) -> float:
-    """Largest rise of the mechanical energy from one frame to the next in still air, over the energy at the
-    start.
-    """
+    """Largest rise of the mechanical energy between frames in still air, over the initial energy."""
     simulator = Simulator(model)
     shape = natural_modes(model, 1).shapes[0]
     simulator.displace(shape * 0.2 / float(np.abs(shape).max()))
@@ -87,9 +85,7 @@ def energy_rise(model: FemModel, frames: int) -> float:
 
 
 def _potential(model: FemModel, u: Floats) -> float:
-    """Elastic energy and height energy of linear elements, J, with the rotations from a singular value
-    decomposition.
-    """
+    """Elastic and gravitational energy of linear elements, J; rotations by singular value decomposition."""
     total = model.u_rest + u
     local = total[model.elements]
     gradient = np.eye(3) + np.einsum("eai,eaj->eij", local, model.grad)

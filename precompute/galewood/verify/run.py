@@ -1,4 +1,4 @@
-"""The physics checks that `galewood verify` runs: exact value, computed value, deviation, limit."""
+"""Runs the checks of `galewood verify` and formats their results."""
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -14,8 +14,9 @@ from galewood.verify.specimens import cached_mesher
 
 @dataclass(frozen=True, kw_only=True)
 class Scope:
-    """What to check: without `species_dir` only bars, poles and elements; with it the grown trees as well, on
-    meshes kept in `cache_dir`.
+    """Scope of the verification: elements, bars and poles; with `species_dir` also the trees in that folder.
+
+    Their tetrahedral meshes are cached in `cache_dir`.
     """
 
     species_dir: Path | None = None
@@ -23,7 +24,7 @@ class Scope:
 
 
 def verify_table(scope: Scope, report: Callable[[Check], None] = lambda check: None) -> list[Check]:
-    """Run every check of the scope; `tell` hears of each as it ends."""
+    """Run all checks of the scope; `report` is called with each check when it is done."""
     groups = [element_checks.checks(), beam_checks.checks(), motion_checks.checks()]
     if scope.species_dir is not None:
         groups.append(species_checks.checks(scope.species_dir, cached_mesher(scope.cache_dir)))
@@ -35,7 +36,7 @@ def verify_table(scope: Scope, report: Callable[[Check], None] = lambda check: N
 
 
 def run_checks(scope: Scope, report: Callable[[Check], None] = lambda check: None) -> dict[str, Any]:
-    """All checks as JSON-able figures: whether all passed, seconds, the lines, and the same as Markdown."""
+    """Run all checks and return JSON-able results: passed, seconds, checks, and a Markdown table."""
     begin = perf_counter()
     checks = verify_table(scope, report)
     return {
@@ -50,7 +51,7 @@ MARKERS = ("<!-- checks: written by `galewood verify --docs` -->", "<!-- end of 
 
 
 def written_into(page: str, table: str) -> str:
-    """The page with the table between its markers; ValueError where it has none."""
+    """Return the page with the table inserted between its markers. Raises ValueError if there are none."""
     begin, end = (page.find(marker) for marker in MARKERS)
     if not 0 <= begin < end:
         raise ValueError(f"the page has no lines {MARKERS[0]!r} and {MARKERS[1]!r}")
@@ -58,7 +59,7 @@ def written_into(page: str, table: str) -> str:
 
 
 def markdown(checks: list[Check]) -> str:
-    """The table as docs/physics.md shows it."""
+    """Format the checks as the Markdown table of docs/physics.md."""
     lines = ["| check | exact | computed | deviation | limit | |", "|---|---|---|---|---|---|"]
     for check in checks:
         exact, computed = (_figure(value, check.unit) for value in (check.exact, check.computed))

@@ -1,4 +1,4 @@
-"""How well an extracted skeleton agrees with a known one: branches found, directions of the fibre."""
+"""Compares an extracted skeleton with a known one: branches found, fibre directions."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from galewood.util import Floats, Ints
 SPACING_M = 0.02
 NEIGHBOURS = 40
 TIP_SHARE = 0.02
-"""Of the height: an extracted tip so near to a known branch's end is that end."""
+"""Over the height: an extracted tip within this distance of the end of a known branch matches it."""
 
 
 class Found(NamedTuple):
-    """Known branches, how many of them were found, and extracted ones that are none of them (their tips)."""
+    """Numbers of known and found branches, indices missed, and tips of unmatched extracted branches."""
 
     true: int
     found: int
@@ -28,7 +28,7 @@ class Found(NamedTuple):
 
 
 def branches_found(skeleton: Skeleton, points_m: Floats, branch: Ints) -> Found:
-    """Tips of the extracted branches matched one to one to the ends of the known ones."""
+    """Match the tips of the extracted branches one to one with the ends of the known ones."""
     ends = np.array([points_m[np.flatnonzero(branch == k)[-1]] for k in range(int(branch.max()) + 1)])
     inner = np.unique(skeleton.parent)
     tips = skeleton.points_m[np.setdiff1d(np.arange(len(skeleton.parent)), inner)]
@@ -44,9 +44,9 @@ def branches_found(skeleton: Skeleton, points_m: Floats, branch: Ints) -> Found:
 def fibre_errors(
     mesh: TetMesh, skeleton: Skeleton, points_m: Floats, radius_m: Floats, branch: Ints
 ) -> Floats:
-    """Angle (m,) rad between each tet's fibre and the axis of the known branch that it lies in.
+    """(m,) angle, rad, between the fibre of each tet and the axis of the known branch that contains it.
 
-    That is the branch whose axis is nearest in radii: near a fork, axes of both are.
+    That is the branch whose axis is nearest in units of its radius, as near a fork several axes are close.
     """
     place, along, girth = (np.concatenate(v) for v in zip(*_lines(points_m, radius_m, branch), strict=True))
     centre = mesh.vertices_m[mesh.tets].mean(axis=1)
@@ -58,7 +58,7 @@ def fibre_errors(
 
 
 def _lines(points_m: Floats, radius_m: Floats, branch: Ints) -> list[tuple[Floats, Floats, Floats]]:
-    """Closely spaced points (k,3), unit tangents (k,3) and radii (k,) along each known branch."""
+    """Closely spaced points (k, 3), unit tangents (k, 3) and radii (k,) along each known branch."""
     lines: list[tuple[Floats, Floats, Floats]] = []
     for number in range(int(branch.max()) + 1):
         own = branch == number

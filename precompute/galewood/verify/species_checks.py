@@ -1,6 +1,4 @@
-"""Checks of whole trees: against a frame of beams, the generator's skeleton, their own eigenvalues, the
-reference element, and trees in nature.
-"""
+"""Checks of whole trees: beam frame, generator's skeleton, eigenvalues, reference element, measured trees."""
 
 from __future__ import annotations
 
@@ -28,7 +26,7 @@ As quoted from memory, no copy of the paper at hand to check the two numbers by:
 
 
 def checks(folder: Path, mesher: Mesher) -> Iterator[Check]:
-    """All lines of all species; the first species also on three meshes."""
+    """All checks of all species; the last species also on three meshes."""
     for name in NAMES:
         tree = read_tree(folder, name)
         one = specimen(folder, name, tree, mesher(name, tree, TARGETS[1]))
@@ -39,7 +37,7 @@ def checks(folder: Path, mesher: Mesher) -> Iterator[Check]:
 
 
 def of_specimen(one: Specimen, frames: int = FRAMES) -> Iterator[Check]:
-    """The lines of one species."""
+    """All checks of one species."""
     yield wood_mass(one)
     yield from against_beams(one)
     yield from against_reference(one, frames)
@@ -49,13 +47,13 @@ def of_specimen(one: Specimen, frames: int = FRAMES) -> Iterator[Check]:
 
 
 def wood_mass(one: Specimen) -> Check:
-    """Mass of the wood in the model against the drawing's tubes, hidden ends not counted."""
+    """Mass of the wood in the model against the beam frame without hidden links."""
     exact = one.frame.volume_m3() * one.wood.density_kg_m3
     return relative(f"{one.name}: mass of the wood", exact, one.fast.report["wood_mass_kg"], "kg", 0.015)
 
 
 def against_beams(one: Specimen) -> Iterator[Check]:
-    """First ten frequencies without gravity, bare and in leaf, of the reference element against the beams."""
+    """Ten lowest frequencies without gravity, bare and in leaf: reference element against the beam frame."""
     hung = np.bincount(
         KDTree(one.frame.points_m).query(one.mesh.vertices_m)[1], one.lumped.mass_kg, len(one.frame.points_m)
     ).astype(np.float64)
@@ -68,7 +66,7 @@ def against_beams(one: Specimen) -> Iterator[Check]:
 
 
 def against_reference(one: Specimen, frames: int) -> Iterator[Check]:
-    """Fast against quadratic: ten frequencies, and a gusty run."""
+    """Fast against reference element: ten frequencies, and a run in gusts."""
     fast, slow = (np.array(m.report["frequencies_hz"]) for m in (one.fast, one.reference))
     yield absolute(f"{one.name}: worst of ten frequencies, fast against reference", _worst(fast, slow), 0.02)
     apart = trajectory_difference(one.fast, one.reference, gusty_pressure(one.fast, frames))
@@ -77,7 +75,7 @@ def against_reference(one: Specimen, frames: int) -> Iterator[Check]:
 
 
 def ringing(one: Specimen) -> Iterator[Check]:
-    """Ring-down of the whole tree in its first mode against its eigenvalue and the damping it was given."""
+    """Ring-down in the first mode against the eigenvalue and the damping ratio of the wood."""
     frequency = float(one.fast.report["frequencies_hz"][0])
     found_hz, ratio = ring_down(one.fast, 0)
     yield relative(
@@ -88,7 +86,7 @@ def ringing(one: Specimen) -> Iterator[Check]:
 
 
 def against_generator(one: Specimen) -> Iterator[Check]:
-    """The extracted skeleton against the generator's."""
+    """Extracted skeleton against that of the generator."""
     points, radius = one.reference_of("points_m"), one.reference_of("radius_m")
     branch = one.reference_of("branch").astype(np.int32)
     error = np.degrees(fibre_errors(one.mesh, one.skeleton, points, radius, branch))
@@ -104,7 +102,7 @@ def against_generator(one: Specimen) -> Iterator[Check]:
 
 
 def on_meshes(specimens: list[Specimen]) -> Iterator[Check]:
-    """The first frequency on meshes of different density: how far apart."""
+    """Spread of the first frequency over meshes of different density."""
     counts = ", ".join(str(len(one.mesh.tets)) for one in specimens)
     for label, limit in (("fast", 0.025), ("reference", 0.015)):
         models = [one.fast if label == "fast" else one.reference for one in specimens]
@@ -115,7 +113,7 @@ def on_meshes(specimens: list[Specimen]) -> Iterator[Check]:
 
 
 def against_nature(one: Specimen) -> Check:
-    """First frequency in leaf, under gravity, within a factor of two of conifers of this height and girth."""
+    """First frequency in leaf under gravity, within a factor of two of the conifer regression."""
     height_m, girth_cm = one.tree.height_m, 200 * breast_radius_m(one)
     conifer = CONIFER_OFFSET_HZ + CONIFER_SLOPE * girth_cm / height_m**2
     note = f"deviation is log2 of the ratio: 1 is a factor of two; DBH {girth_cm:.0f} cm, {height_m:.1f} m"
@@ -132,7 +130,7 @@ def against_nature(one: Specimen) -> Check:
 
 
 def breast_radius_m(one: Specimen) -> float:
-    """Radius of the trunk at 1.3 m, or at a ninth of a small tree's height."""
+    """Radius of the trunk at 1.3 m, or at a ninth of the height of a small tree, m."""
     trunk = one.reference_of("branch") == 0
     at_m = min(1.3, one.tree.height_m / 9)
     return float(np.interp(at_m, one.reference_of("points_m")[trunk, 1], one.reference_of("radius_m")[trunk]))

@@ -1,4 +1,4 @@
-"""The grown species as specimens for the checks: mesh, skeleton, foliage, and their generator's truth."""
+"""The generated species as specimens for the checks, with the skeleton of their generator."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from galewood.wood import Wood, species
 NAMES = ("poplar", "maple", "apricot")
 TARGETS = (3000, 5500, 8000)
 Mesher = Callable[[str, TreeMesh, int], TetMesh]
-"""Tetrahedra of a species' wood, so many asked for: meshed, or from a store."""
+"""Returns the tetrahedra of a species' wood, given its name, tree and target count."""
 
 
 @dataclass(frozen=True)
 class Specimen:
-    """One species on one mesh, ready for models."""
+    """One species on one tetrahedral mesh, with all inputs of its models."""
 
     name: str
     tree: TreeMesh
@@ -37,19 +37,19 @@ class Specimen:
     skeleton: Skeleton
     lumped: LumpedMasses
     wood: Wood
-    truth: dict[str, Any]
-    """Columns of the generator's skeleton, moved to the tree's own origin."""
+    generated: dict[str, Any]
+    """Columns of the generator's skeleton, relative to the origin of the tree."""
     frame: Frame
 
     def model(self, element: Element = "fitted", gravity: bool = True, leaves: bool = True) -> FemModel:
-        """A model of the tree, without the comparison that a build makes."""
+        """Build a model of the tree; ``leaves`` False omits the mass of the foliage."""
         lumped = self.lumped if leaves else replace(self.lumped, mass_kg=np.zeros_like(self.lumped.mass_kg))
         settings = FemSettings(element=element, gravity=gravity)
         return build_model(self.mesh, self.skeleton, self.wood, lumped, settings)
 
     @cached_property
     def fast(self) -> FemModel:
-        """The default model, as a build makes it."""
+        """The default model of a build."""
         return self.model()
 
     @cached_property
@@ -58,30 +58,30 @@ class Specimen:
         return self.model("quadratic")
 
     def reference_of(self, name: str) -> Floats:
-        """A column of the generator's skeleton."""
-        return np.array(self.truth[name])
+        """Column of the generator's skeleton as an array."""
+        return np.array(self.generated[name])
 
 
 def read_tree(folder: Path, name: str) -> TreeMesh:
-    """A species' tree as the intake hands it on."""
+    """Import the mesh of a species."""
     path = folder / f"{name}.glb"
     tree, _ = import_mesh_sandboxed(path.read_bytes(), path.name, ImportOptions(species=name))
     return tree
 
 
 def specimen(folder: Path, name: str, tree: TreeMesh, mesh: TetMesh) -> Specimen:
-    """Skeleton, true thickness and foliage on a mesh of the tree."""
+    """Skeleton, radius correction and foliage on a tetrahedral mesh of the tree."""
     skeleton = extract_skeleton(mesh)
     mesh = with_corrected_radii(tree, mesh, skeleton)
     wood = species(name)
     path = folder / f"{name}.skeleton.json"
-    truth, frame = json.loads(path.read_text()), read_frame(path)
+    generated, frame = json.loads(path.read_text()), read_frame(path)
     origin = np.array(tree.report["roots"]["origin_in_file"])
-    truth["points_m"] = np.array(truth["points_m"]) - origin
+    generated["points_m"] = np.array(generated["points_m"]) - origin
     frame = replace(frame, points_m=frame.points_m - origin)
-    return Specimen(name, tree, mesh, skeleton, bind_foliage(tree, mesh, wood), wood, truth, frame)
+    return Specimen(name, tree, mesh, skeleton, bind_foliage(tree, mesh, wood), wood, generated, frame)
 
 
 def cached_mesher(cache_dir: Path) -> Mesher:
-    """Meshes as a build does, kept in the same cache."""
+    """A mesher with the cache of the builds."""
     return lambda name, tree, target: tetrahedralise(tree, target, cache_dir / "tets")
