@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from galewood.build.options import BuildOptions
-from galewood.build.pipeline import build_table
 from galewood.evaluation.evaluate import METHODS, compare, played, reference_tasks
 from galewood.evaluation.measures import errors, windows
 from galewood.evaluation.reference_runs import read_reference_run, run_references
 from galewood.evaluation.source import Source, source_of
 from galewood.evaluation.winds import unseen_winds
 from galewood.mesh.types import ImportOptions
+from galewood.pipeline.build import build_table
+from galewood.pipeline.options import BuildOptions
 from galewood.table.format import Table, decode
 
 SPECIES = Path(__file__).parents[2] / "assets" / "species"
