@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy.sparse
@@ -100,7 +101,7 @@ def wind_vectors() -> list[dict[str, object]]:
     return rows
 
 
-def paper_steps(table: Table, easing: float) -> dict[str, object]:
+def paper_steps(table: Table, easing: float) -> dict[str, Any]:
     """Records and poses of trees with different yaw and size in a wind that changes and then stops."""
     rng = np.random.default_rng(7)
     count = 6
@@ -123,7 +124,7 @@ def paper_steps(table: Table, easing: float) -> dict[str, object]:
     return {"pose_easing": easing, "trees": trees, "records": records, "poses": poses}
 
 
-def sway_steps(table: Table) -> dict[str, object]:
+def sway_steps(table: Table) -> dict[str, Any]:
     """Poses of the modal model over 10,000 frames: 9,000 in a varying wind, then still air."""
     rng = np.random.default_rng(8)
     count, frames = 4, 10_000

@@ -74,7 +74,7 @@ def test_a_needle_keeps_its_true_weight_but_not_a_thread_s_stiffness(thick_y):
     lumped = type("Lumps", (), {"mass_kg": 0, "drag_area_m2": 0, "fixed": np.arange(9)})
     made = [
         wood_elements(replace(mesh, radius_ratio=np.full(len(mesh.tets), ratio)), skeleton,
-                      species("maple"), lumped)
+                      species("maple"), lumped)  # pyright: ignore[reportArgumentType]
         for ratio in (1.0, STIFFNESS_FLOOR, 0.02)
     ]  # fmt: skip
     assert np.allclose(made[1].axial, STIFFNESS_FLOOR**4 * made[0].axial)
@@ -91,7 +91,7 @@ def test_a_tree_of_needles_stands_and_weathers_a_storm():
     lumped = LumpedMasses(
         np.full(count, 5.0 / count),
         np.full(count, 4.0 / count),
-        root_vertices(mesh.vertices_m, mesh.tets),
+        root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32),
         {},
     )
     model = build_model(mesh, extract_skeleton(mesh), species("maple"), lumped, FemSettings(element="linear"))

@@ -75,14 +75,14 @@ def test_the_regenerated_table_sways_as_the_golden_motion_does() -> None:
     golden = json.loads((GOLDEN / "sway.json").read_text())
     expected = nodes(stored(), golden["poses"])
     assert np.abs(expected).max() > 0.3
-    found = nodes(regenerated(), sway_steps(regenerated())["poses"])  # type: ignore[arg-type]
+    found = nodes(regenerated(), sway_steps(regenerated())["poses"])
     assert np.abs(found - expected).max() < 1e-5 * np.abs(expected).max()
 
 
 def test_a_wrong_coefficient_is_found_by_these_comparisons() -> None:
     wrong = replace(stored(), modal_load=np.float32(1.001) * stored().modal_load)
     golden = nodes(stored(), json.loads((GOLDEN / "sway.json").read_text())["poses"])
-    found = nodes(wrong, sway_steps(wrong)["poses"])  # type: ignore[arg-type]
+    found = nodes(wrong, sway_steps(wrong)["poses"])
     assert np.abs(found - golden).max() > 1e-4 * np.abs(golden).max()
 
 

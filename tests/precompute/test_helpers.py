@@ -31,10 +31,12 @@ def test_what_a_helper_returns_and_raises_comes_back() -> None:
 
 
 def test_an_exception_ends_what_is_still_being_done() -> None:
+    process: psutil.Process | None = None
     with pytest.raises(KeyError), WorkerPool(1) as pool:
         process = psutil.Process(pool.start(os.getpid).result())
         pool.start(time.sleep, 600)
         raise KeyError
+    assert process is not None
     process.wait(60)
 
 

@@ -83,7 +83,7 @@ def walk_by_brute_force(pressure_pa: np.ndarray, still_air: bool) -> np.ndarray:
     metadata = TABLE.metadata
     initial, maximum, growth = (metadata["weight"][name] for name in ("initial", "maximum", "growth"))
     air = TABLE.pressure_pa.astype(np.float64)
-    calm, last = ~air.any(axis=1), TABLE.trajectory[1:].astype(int) - 1
+    calm, last = np.asarray(~air.any(axis=1)), TABLE.trajectory[1:].astype(int) - 1
     record, weight, found = -1, 0.0, []
     for f in pressure_pa:
         moving, state = bool(f.any()), record + 1

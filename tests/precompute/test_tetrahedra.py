@@ -1,5 +1,7 @@
 """Thickening, wrapping and meshing against shapes whose radius and volume are known."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from galewood.mesh.repair import Surface, face_components, open_edges, volume
@@ -111,7 +113,7 @@ def test_volume_is_restored_by_one_even_layer(meshed):
 
 
 def test_what_crashes_the_mesher_is_an_error():
-    bad = {"vertices": np.zeros((4, 3)), "faces": np.array([[0, 1, 2], [1, 2, 3]], dtype=np.int32)}
+    bad: Any = {"vertices": np.zeros((4, 3)), "faces": np.array([[0, 1, 2], [1, 2, 3]], dtype=np.int32)}
     settings = {"epsilon": np.float64(1e-3), "edge_length": np.float64(0.05), "stop_energy": np.float64(30.0)}
     with pytest.raises(MeshError) as caught:
         run_limited(

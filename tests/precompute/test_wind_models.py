@@ -290,6 +290,6 @@ def test_a_wind_on_its_way_can_always_be_sent() -> None:
             if "spectral" in rule.models and not rule.whole
         }
         state = transition.change_wind(
-            state, Wind(model="spectral", seed=int(rng.integers(3)), **wild), 0.17 * k
+            state, Wind(model="spectral", seed=int(rng.integers(3)), **cast(Any, wild)), 0.17 * k
         )
         assert parse_state(json.loads(json.dumps(state.document()))) == state
