@@ -247,7 +247,7 @@ def test_a_long_run_is_cached_and_motion_is_bounded_beyond_the_sampled_range(
 ) -> None:
     monkeypatch.setattr(sys.modules[long_run.__module__], "WINDOW", 400)
     first = long_run(table, source, tmp_path, lambda f, m: None, frames=2000, sway=0.005, seed=610)
-    # The stub is stiff: it sways by less than a thousandth of its height, so errors are compared with the sway.
+    # The stub is stiff and sways by less than a thousandth of its height: errors are compared with the sway.
     share = [window["max_error"] / window["sway"] for window in first["methods"]["modal"]]
     assert len(share) == 5
     assert max(share) < 4.5e-4
