@@ -64,6 +64,7 @@ test: check test-python test-web test-e2e ## set everything up and run every tes
 check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports --no-cache
 	web/node_modules/.bin/pyright
 	cd web && npm run --silent lint && npm run --silent typecheck
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml

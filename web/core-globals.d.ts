@@ -1,6 +1,6 @@
 /**
- * What src/core may use beyond ECMAScript: globals that pages, workers and Node all have. tsconfig.core.json reads
- * this instead of the DOM library, so that core compiles without a document.
+ * Globals besides ECMAScript that src/core may use: those that pages, workers and Node have in common.
+ * tsconfig.core.json uses this file instead of the DOM library, so that core cannot depend on the DOM.
  */
 declare function atob(data: string): string;
 

@@ -3,7 +3,7 @@ import { defineConfig } from "vitest/config";
 
 const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
 
-/** The tests live in ../tests/web, outside the folder that holds node_modules: packages are found here. */
+/** The tests are in ../tests/web, outside the folder of node_modules, so packages are resolved from here. */
 export default defineConfig({
   root: here(".."),
   resolve: { alias: { vitest: here("node_modules/vitest"), three: here("node_modules/three") } },

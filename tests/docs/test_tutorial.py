@@ -32,9 +32,12 @@ def test_the_code_of_the_tutorial_runs(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    cache_with_tets(tmp_path / "data" / "cache", tmp_path_factory)
+    cache_with_tets(tmp_path / "cache", tmp_path_factory)
+    monkeypatch.setenv("GALEWOOD_CACHE_DIR", str(tmp_path / "cache"))
     Path("mytree.glb").write_bytes(small_tree_glb())
-    monkeypatch.setattr(galewood, "build", partial(galewood.build, **QUICK))
+    monkeypatch.setattr(galewood, "build", partial(galewood.build, **QUICK), raising=False)
+    model = partial(galewood.Model, target_tets=TARGET_TETS)
+    monkeypatch.setattr(galewood, "Model", model, raising=False)
     page = TUTORIAL.read_text(encoding="utf-8")
     blocks = python_blocks(page)
     assert len(blocks) >= 6

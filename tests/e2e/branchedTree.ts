@@ -1,4 +1,4 @@
-/** A small branched tree as an OBJ file: a tapering trunk and six limbs, each a closed tube of its own. */
+/** A small branched tree as an OBJ file: a tapering trunk and six branches, each a separate closed tube. */
 
 type Point = readonly [number, number, number];
 
@@ -51,7 +51,7 @@ class Obj {
   }
 }
 
-/** Two unit vectors across the axis, turned so that the tube's faces look outward. */
+/** Two unit vectors perpendicular to the axis, oriented so that the faces of the tube point outwards. */
 function frame(from: Point, to: Point): [Point, Point] {
   const length = Math.hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
   const d: Point = [(to[0] - from[0]) / length, (to[1] - from[1]) / length, (to[2] - from[2]) / length];

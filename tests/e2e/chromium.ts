@@ -1,4 +1,4 @@
-/** How a Chromium is started where no graphics card draws. */
+/** Launch options of Chromium with software rendering. */
 import { existsSync } from "node:fs";
 
 const CHROMIUM = "/usr/bin/chromium";

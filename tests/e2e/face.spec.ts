@@ -31,17 +31,17 @@ test("every season and the evening look different", async ({ page }) => {
   const [eveningRed, , eveningBlue] = skyColour(evening);
   expect(blue).toBeGreaterThan(1.2 * red);
   expect(eveningRed / eveningBlue).toBeGreaterThan((1.2 * red) / blue);
-  // Back in the first light, to the last pixel.
+  // The first scene again: no pixel differs.
   expect(share(noon, await scene("summer", 0.5), 0)).toBe(0);
 });
 
-test("a shared link brings the picture back", async ({ page, context }) => {
+test("a shared link restores the picture", async ({ page, context }) => {
   await page.setViewportSize({ width: 480, height: 270 });
   await context.grantPermissions(["clipboard-read", "clipboard-write"]);
   await open(page, `${panelled}&season=winter&time=0.8&forest=11`);
   await forest(page);
   await page.evaluate(() => window.galewood!.look({ x: -6, above: 5, z: 12 }, { x: 2, above: 5, z: -20 }));
-  await page.evaluate(() => document.querySelector<HTMLButtonElement>("[aria-label^='Copy a link']")?.click());
+  await page.evaluate(() => document.querySelector<HTMLButtonElement>("[aria-label='Copy link']")?.click());
   await expect(page.getByRole("alert")).toContainText("Link copied");
   const link = await page.evaluate(() => navigator.clipboard.readText());
   const bare = async () => {
@@ -54,11 +54,11 @@ test("a shared link brings the picture back", async ({ page, context }) => {
   await page.goto(link);
   await forest(page);
   const after = await bare();
-  // Damping of the camera may leave a hair's breadth.
+  // Camera damping may leave a tiny difference.
   expect(share(before, after, 24)).toBeLessThan(0.01);
 });
 
-test("settings stay from one visit to the next", async ({ page }) => {
+test("settings persist between visits", async ({ page }) => {
   await open(page, "quality=low&trees=5&speed=0");
   await forest(page);
   await page.getByRole("button", { name: "Summer" }).click();
@@ -69,15 +69,15 @@ test("settings stay from one visit to the next", async ({ page }) => {
 });
 
 test.describe("on a wide page", () => {
-  // Its picture is drawn in fewer pixels, in software.
+  // Low resolution because of software rendering.
   test.use({ deviceScaleFactor: 0.5 });
 
   for (const [name, width, height] of [["a desk", 1100, 640], ["a phone", 390, 760]] as const) {
-    test(`no serious fault of access on ${name}`, async ({ page }) => {
+    test(`no serious accessibility violation on ${name}`, async ({ page }) => {
       await page.setViewportSize({ width, height });
       await open(page, "quality=low&trees=2&speed=0");
       await forest(page);
-      // The picture has been seen: the audit needs only the controls, and the processor.
+      // Stop drawing: the audit needs only the controls, and the processor.
       await page.evaluate(() => window.galewood!.sleep(true));
       const faults = async () => {
         const { violations } = await new AxeBuilder({ page }).analyze();
@@ -90,15 +90,15 @@ test.describe("on a wide page", () => {
       expect(await faults()).toEqual([]);
       await page.getByRole("button", { name: "Settings" }).click();
       if (width < 760) await page.getByRole("button", { name: "Tools" }).click();
-      await page.getByRole("button", { name: "About the trees" }).click();
-      await expect(page.getByRole("dialog")).toContainText("times a second");
+      await page.getByRole("button", { name: "Tree physics" }).click();
+      await expect(page.getByRole("dialog")).toContainText("First natural frequency");
       expect(await faults()).toEqual([]);
       await page.keyboard.press("Escape");
       await expect(page.getByRole("dialog")).toBeHidden();
     });
   }
 
-  test("tools: a view, a flight, a photo, a film", async ({ page }) => {
+  test("tools: view, fly-through, photo, video", async ({ page }) => {
     await page.setViewportSize({ width: 800, height: 300 });
     await open(page, "quality=low&trees=3&speed=5");
     await forest(page);
@@ -114,9 +114,9 @@ test.describe("on a wide page", () => {
     await fly.click();
     await expect(fly).toHaveAttribute("aria-pressed", "false");
     const photo = page.waitForEvent("download");
-    await page.getByRole("button", { name: "Save a photo" }).click();
+    await page.getByRole("button", { name: "Save photo" }).click();
     expect((await photo).suggestedFilename()).toMatch(/^galewood-.*\.png$/);
-    const film = page.getByRole("button", { name: "Film" });
+    const film = page.getByRole("button", { name: "Record video" });
     await film.click();
     await expect(film).toHaveAttribute("aria-pressed", "true");
     await frames(page, 6);

@@ -1,4 +1,4 @@
-/** What every test of the page needs: open it, wait for trees, compare pictures. */
+/** Helpers of the page tests: open the page, wait for trees, compare pictures. */
 import { test as base, expect, type Page } from "@playwright/test";
 import { PNG } from "pngjs";
 
@@ -6,7 +6,7 @@ export { expect };
 
 export const SMALL = "panel=0&quality=low&trees=6&flutter=0";
 
-/** A page whose console must stay free of errors and warnings. */
+/** Tests fail if the console of the page shows errors or warnings. */
 export const test = base.extend<{ quiet: string[] }>({
   quiet: [
     async ({ page }, use) => {
@@ -16,7 +16,7 @@ export const test = base.extend<{ quiet: string[] }>({
       });
       page.on("pageerror", (error) => complaints.push(error.message));
       await use(complaints);
-      // Chromium's own remarks on reading pixels back from a software canvas are not the page's.
+      // Ignore Chromium's remark about reading pixels from a software canvas.
       expect(complaints.filter((text) => !/GPU stall due to ReadPixels/.test(text))).toEqual([]);
     },
     { auto: true },
@@ -25,14 +25,36 @@ export const test = base.extend<{ quiet: string[] }>({
 
 export const open = (page: Page, query: string) => page.goto(`${process.env.BASE_URL}/?${query}`);
 
-/** Waits until trees move on screen. */
+/** Waits until moving trees are displayed. */
 export async function forest(page: Page): Promise<void> {
   await page.waitForFunction(() => (window.galewood?.trees.moving ?? 0) > 0 && window.galewood!.time_s > 0.2);
 }
 
 export const sway_m = (page: Page) => page.evaluate(() => Math.hypot(...window.galewood!.crownDisplacement_m));
 
-/** Lets the page draw more frames. */
+/**
+ * Waits until the crowns stand still in a steady wind: over 3 s of the forest's time their mean horizontal
+ * displacement varies by less than 5 %. Returns it (x, z).
+ */
+export async function steadyDisplacement_m(page: Page): Promise<[number, number]> {
+  const samples = await page.evaluateHandle(() => [] as [number, number, number][]);
+  await page.waitForFunction(
+    (kept) => {
+      const { time_s, crownDisplacement_m } = window.galewood!;
+      if (kept.at(-1)?.[0] !== time_s) kept.push([time_s, crownDisplacement_m[0], crownDisplacement_m[2]]);
+      while (kept.length > 1 && kept[1][0] <= time_s - 3) kept.shift();
+      if (kept[0][0] > time_s - 3) return false;
+      const range = (k: 1 | 2) => Math.max(...kept.map((at) => at[k])) - Math.min(...kept.map((at) => at[k]));
+      return Math.hypot(range(1), range(2)) < 0.05 * Math.hypot(crownDisplacement_m[0], crownDisplacement_m[2]);
+    },
+    samples,
+    { timeout: 180_000 },
+  );
+  const [, x, z] = (await samples.jsonValue()).at(-1)!;
+  return [x, z];
+}
+
+/** Waits for more frames. */
 export async function frames(page: Page, count: number): Promise<void> {
   const from = await page.evaluate(() => window.galewood!.frame);
   await page.waitForFunction((until) => window.galewood!.frame >= until, from + count);

@@ -1,14 +1,14 @@
 import { expect, forest, frames, open, SMALL, test } from "./forest";
 
-// A wide page for the cards; the picture behind them is drawn in fewer pixels, in software.
+// A wide page for the cards, at a low resolution because of software rendering.
 test.use({ deviceScaleFactor: 0.5 });
 
-test("a click picks the tree under it; its figures follow its motion, the camera follows the tree", async ({ page }) => {
-  // Wide enough for the card of the picked tree to stand beside the middle.
+test("a click selects a tree; its figures follow its motion, and the camera can follow the tree", async ({ page }) => {
+  // Wide enough that the card of the selected tree does not cover the centre.
   await page.setViewportSize({ width: 760, height: 428 });
   await open(page, `${SMALL.replace("trees=6", "trees=20")}&speed=14`);
   await forest(page);
-  // Some tree of the first view, then a close look at it.
+  // Find a tree in the initial view, then move close to it.
   const found = await page.evaluate(() => {
     for (let x = 10; x < innerWidth; x += 15) {
       const picked = window.galewood!.pick(x, innerHeight * 0.4);
@@ -30,13 +30,13 @@ test("a click picks the tree under it; its figures follow its motion, the camera
   expect(picked!.distance_m).toBeLessThan(12);
   await expect.poll(() => page.evaluate(() => window.galewood!.picked!.coverage)).toBeGreaterThan(0);
   await expect.poll(() => page.evaluate(() => window.galewood!.picked!.tip_m)).toBeGreaterThan(0.02);
-  // Dragging the view is no click.
+  // Dragging the view is not a click.
   await page.mouse.move(420, 214);
   await page.mouse.down();
   await page.mouse.move(480, 214, { steps: 3 });
   await page.mouse.up();
   expect(await page.evaluate(() => window.galewood!.picked!.id)).toBe(found.id);
-  // Followed, the tree comes to the middle from wherever the camera looks.
+  // Following moves the tree to the centre of the view.
   await page.evaluate(({ position: { x, z } }) => {
     window.galewood!.look({ x: x + 3, above: 6, z: z + 14 }, { x: x + 6, above: 4, z });
     window.galewood!.follow(true);
@@ -48,7 +48,7 @@ test("a click picks the tree under it; its figures follow its motion, the camera
   expect(await page.evaluate(() => window.galewood!.picked)).toBeNull();
 });
 
-test("the paper's search tells the picked tree's record", async ({ page }) => {
+test("the paper's state search shows the record of the selected tree", async ({ page }) => {
   await open(page, `${SMALL.replace("panel=0", "panel=1")}&speed=12&method=paper`);
   await forest(page);
   const id = await page.evaluate(() => {

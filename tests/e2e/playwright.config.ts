@@ -1,7 +1,7 @@
 import { defineConfig } from "@playwright/test";
 import { LAUNCH } from "./chromium";
 
-/** Software graphics draw slowly: a small picture, few trees, one page at a time. */
+/** Software rendering is slow: small viewport, few trees, one page at a time. */
 export default defineConfig({
   testDir: ".",
   testMatch: "*.spec.ts",

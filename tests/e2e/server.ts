@@ -1,13 +1,13 @@
-/** A real server for the tests: started, waited for, stopped. */
+/** Starts and stops a real server for the tests. */
 import { type ChildProcess, spawn } from "node:child_process";
 import { existsSync } from "node:fs";
 import { createServer } from "node:net";
 import { join, resolve } from "node:path";
 
-/** The bench, which is no test, runs in the folder of the page. */
+/** The benchmark, which also uses this module, runs in web/. */
 const REPOSITORY = typeof __dirname === "undefined" ? resolve(process.cwd(), "..") : resolve(__dirname, "../..");
 export const STARTS_WITHIN_MS = 90_000;
-/** On whatever this machine has. */
+/** Generous, because it depends on the machine. */
 const TABLES_WITHIN_MS = 20 * 60_000;
 
 const pause = (ms: number) => new Promise((done) => setTimeout(done, ms));
@@ -51,9 +51,9 @@ export async function stop(server: ChildProcess): Promise<void> {
   server.kill("SIGTERM");
   await Promise.race([ended, pause(15_000)]);
   try {
-    process.kill(-server.pid, "SIGKILL"); // whatever the group still holds
+    process.kill(-server.pid, "SIGKILL"); // remaining processes of the group
   } catch {
-    // nothing was left
+    // all processes have ended
   }
 }
 
@@ -61,16 +61,16 @@ interface Listed {
   trees: { state: string; builtin: boolean; name: string }[];
 }
 
-/** Whether every species of our own has its table. */
+/** Whether every built-in species has its table. */
 async function allReady(base: string): Promise<boolean> {
   const { trees } = (await (await fetch(`${base}/api/trees`)).json()) as Listed;
   const own = trees.filter((tree) => tree.builtin);
   return own.length > 0 && own.every((tree) => tree.state === "ready");
 }
 
-/** Waits until a server answers and its species are computed. */
+/** Waits until a server responds and its species are computed. */
 export async function untilReady(base: string): Promise<void> {
   await until("the server", STARTS_WITHIN_MS, async () => (await fetch(`${base}/healthz`)).ok);
-  // All of them: one that joined in the middle of a test would change its pictures.
+  // All of them, because a species that is added during a test would change its pictures.
   await until("the species", TABLES_WITHIN_MS, () => allReady(base));
 }

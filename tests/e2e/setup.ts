@@ -1,5 +1,5 @@
-/** Starts the real server on a free port with a data folder of its own, unless BASE_URL names one,
- * and waits until its species are computed: one of ours; an uploaded tree makes the forest a mixed one. */
+/** Starts a server on a free port with its own data folder, unless BASE_URL is set, and waits until its species are
+ * computed. It has only one built-in species, to save time; an uploaded tree makes the forest a mixed one. */
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -8,7 +8,7 @@ import { freePort, serve, stop, untilReady } from "./server";
 const OURS = resolve(__dirname, "../../assets/species");
 const ENOUGH = ["poplar"];
 
-/** A folder of species with few of ours, under `data`. */
+/** Creates a species folder under `data` with a subset of the built-in species. */
 function fewSpecies(data: string): string {
   const folder = join(data, "few-species");
   mkdirSync(folder, { recursive: true });

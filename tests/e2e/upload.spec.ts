@@ -8,7 +8,7 @@ test.use({ deviceScaleFactor: 0.5 });
 
 const file = { name: "tree.glb", mimeType: "model/gltf-binary", buffer: Buffer.from("this is no tree") };
 
-test("a file that is chosen before the page's script has come is not lost", async ({ page, quiet }) => {
+test("a file chosen before the script is loaded is not lost", async ({ page, quiet }) => {
   await page.setViewportSize({ width: 640, height: 480 });
   let release = () => {};
   const chosen = new Promise<void>((resolve) => {
@@ -25,7 +25,7 @@ test("a file that is chosen before the page's script has come is not lost", asyn
   expect(quiet.splice(0).length).toBeGreaterThan(0); // the browser logs the refused request
 });
 
-test("a broken file is refused in words", async ({ page, quiet }) => {
+test("an invalid file is rejected with an explanation", async ({ page, quiet }) => {
   await page.setViewportSize({ width: 640, height: 480 });
   await open(page, `${panelled}&speed=5`);
   await page.setInputFiles("#file", file);
@@ -39,18 +39,18 @@ test("a broken file is refused in words", async ({ page, quiet }) => {
   await expect(alert).toBeEmpty();
 });
 
-test("a tree of one's own joins the moving forest", async ({ page }) => {
+test("an uploaded tree joins the moving forest", async ({ page }) => {
   test.setTimeout(20 * 60_000);
   await open(page, `${panelled.replace("trees=6", "trees=12")}&speed=12`);
   await forest(page);
   const buffer = Buffer.from(branchedTree());
   await page.setInputFiles("#file", { name: "garden-tree.obj", mimeType: "model/obj", buffer });
   const dialog = page.getByRole("dialog", { name: /garden/i });
-  await expect(dialog.getByLabel("Height, m")).toHaveValue(/\d/);
-  await dialog.getByRole("button", { name: "Let it sway" }).click();
-  await expect(page.getByRole("alert")).toContainText("on its way");
+  await expect(dialog.getByLabel("Height (m)")).toHaveValue(/\d/);
+  await dialog.getByRole("button", { name: "Add to the forest" }).click();
+  await expect(page.getByRole("alert")).toContainText("Computing");
   await expect(page.getByRole("progressbar", { name: /garden/i })).toBeVisible();
-  // Software graphics would take the processor that computes the table: a stamp of a picture meanwhile.
+  // Use a tiny viewport meanwhile: software rendering would slow down the computation of the table.
   await page.setViewportSize({ width: 64, height: 36 });
   await page.waitForFunction(
     () => window.galewood!.readySpecies.some((name) => /garden/i.test(name)),
@@ -59,7 +59,7 @@ test("a tree of one's own joins the moving forest", async ({ page }) => {
   );
   await page.setViewportSize({ width: 320, height: 180 });
   await expect.poll(() => sway_m(page)).toBeGreaterThan(0.005);
-  await cancelBuilds(page); // it moves by its first small table; the full one would take the next tests' processor
+  await cancelBuilds(page); // the preliminary table is sufficient; the full one would slow down the next tests
 });
 
 async function cancelBuilds(page: Page): Promise<void> {

@@ -3,12 +3,12 @@ import { CALM_BREEZE } from "../../web/src/core/wind/presets";
 import { expect, forest, open, SMALL, test } from "./forest";
 
 const panelled = SMALL.replace("panel=0", "panel=1");
-/** Room for the instruments; the picture behind them is drawn in a sixth of its pixels, in software. */
+/** Large enough for the instruments, at a low resolution because of software rendering. */
 const wide = { viewport: { width: 800, height: 600 }, deviceScaleFactor: 0.4 };
 const link = (wind: unknown) => `wind=${encodeURIComponent(JSON.stringify(wind))}`;
 const steady = { ...CALM_BREEZE, mean_speed_m_s: 5, gustiness: 0 };
 
-/** How far the crowns lean along a heading, and across it, over their whole lean. */
+/** Share of the mean crown displacement that is along a heading. */
 const lean = (heading_deg: number) => {
   const [x, , z] = window.galewood!.crownDisplacement_m;
   const c = Math.cos((heading_deg * Math.PI) / 180);
@@ -16,11 +16,11 @@ const lean = (heading_deg: number) => {
   return (c * x + s * z) / Math.max(1e-9, Math.hypot(x, z));
 };
 
-/** Presses on the middle of the dial: where it is, and how far 4 m/s or more are. */
+/** Presses the mouse at the centre of the dial; returns the centre, and a distance (px) that gives more than 4 m/s. */
 async function takeArrow(page: Page) {
   const rose = page.locator(".rose");
   let box = await rose.boundingBox();
-  // again if it moved meanwhile: words and pictures of a tree that is being computed come above it
+  // repeat if the layout has shifted meanwhile, for example because of a progress card
   await expect(async () => {
     await page.mouse.up();
     box = await rose.boundingBox();
@@ -35,7 +35,7 @@ async function takeArrow(page: Page) {
 test.describe("the rose", () => {
   test.use(wide);
 
-  for (const lookup of ["worker", "server"]) test(`trees lean where the arrow is dragged to (${lookup})`, async ({ page }) => {
+  for (const lookup of ["worker", "server"]) test(`trees bend in the direction of the dragged arrow (${lookup})`, async ({ page }) => {
     await open(page, `${panelled}&lookup=${lookup}&${link(steady)}`);
     await forest(page);
     const directions: number[] = [];
@@ -53,7 +53,7 @@ test.describe("the rose", () => {
     expect(Math.abs(turned - 135)).toBeLessThan(4);
   });
 
-  test("what appears above the dial while it is dragged does not move the wind", async ({ page }) => {
+  test("a layout shift during a drag does not change the wind", async ({ page }) => {
     await open(page, `${panelled}&${link(steady)}`);
     await forest(page);
     const rose = page.locator(".rose");
@@ -76,7 +76,7 @@ test.describe("the rose", () => {
     expect(Math.abs(after.mean_speed_m_s - before.mean_speed_m_s)).toBeLessThan(0.5);
   });
 
-  test("the arrow obeys the keyboard and says what blows", async ({ page }) => {
+  test("the arrow can be moved with the keyboard and describes the wind", async ({ page }) => {
     await open(page, `${panelled}&${link(steady)}`);
     await forest(page);
     const arrow = page.getByRole("slider", { name: "Wind", exact: true });
@@ -88,7 +88,7 @@ test.describe("the rose", () => {
   });
 });
 
-test("a wind of the link blows; one that cannot be used is refused with path and range", async ({ page }) => {
+test("the wind of a link is used; an invalid one is rejected with path and range", async ({ page }) => {
   const wind = { ...steady, model: "perlin", length_scale_m: 33, seed: 5 };
   await open(page, `${SMALL}&${link(wind)}`);
   await forest(page);
@@ -97,7 +97,7 @@ test("a wind of the link blows; one that cannot be used is refused with path and
   await expect(page.getByRole("alert")).toContainText("wind.length_scale_m: expected a number in 5..200, not 3");
 });
 
-test("a bad wind is refused in the page and in REST in the same words", async ({ page, request }) => {
+test("page and REST reject an invalid wind with the same message", async ({ page, request }) => {
   await open(page, `${panelled}&${link(steady)}`);
   await forest(page);
   const bad = { ...steady, gustiness: 7 };
@@ -125,7 +125,7 @@ test("a bad wind is refused in the page and in REST in the same words", async ({
 test.describe("the anemometer", () => {
   test.use(wide);
 
-  test("stands where the ground is clicked and measures there", async ({ page }) => {
+  test("is placed by a click on the ground and measures there", async ({ page }) => {
     await open(page, `${panelled}&${link({ ...steady, gustiness: 0.5 })}`);
     await forest(page);
     await page.getByRole("button", { name: "Anemometer" }).click();

@@ -175,7 +175,8 @@ def frame_of(fields: dict[str, Any]) -> wire.Frame:
         )
         for group in fields["groups"]
     )
-    return wire.Frame(**{**fields, "groups": rows})
+    values: dict[str, Any] = {**fields, "groups": rows}
+    return wire.Frame(**values)
 
 
 def refused() -> dict[str, tuple[str, bytes]]:

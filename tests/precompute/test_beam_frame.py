@@ -8,9 +8,9 @@ from galewood.verify import beam_frame_tree
 from galewood.verify.beam_frame import frame_frequencies, frame_matrices
 from galewood.verify.beam_frame_tree import frame, read_frame
 from galewood.verify.beams import pole_frequencies
-from galewood.wood.species import species
+from galewood.wood.species import wood_of_species
 
-WOOD = species("maple")
+WOOD = wood_of_species("maple")
 SPECIES = Path(__file__).parents[2] / "assets" / "species"
 RADIUS_M, LENGTH_M = 0.05, 4.0
 
@@ -65,7 +65,11 @@ def test_links_inside_a_limb_have_no_mass():
 
 
 def test_frequencies_converge_with_smaller_pieces(monkeypatch):
-    first = frame_frequencies(read_frame(SPECIES / "apricot.skeleton.json"), species("apricot"), 0.0, 10)
+    first = frame_frequencies(
+        read_frame(SPECIES / "apricot.skeleton.json"), wood_of_species("apricot"), 0.0, 10
+    )
     monkeypatch.setattr(beam_frame_tree, "PIECES", 8)
-    second = frame_frequencies(read_frame(SPECIES / "apricot.skeleton.json"), species("apricot"), 0.0, 10)
+    second = frame_frequencies(
+        read_frame(SPECIES / "apricot.skeleton.json"), wood_of_species("apricot"), 0.0, 10
+    )
     np.testing.assert_allclose(first, second, rtol=0.01)

@@ -17,7 +17,7 @@ from galewood.model.construction import build_model
 from galewood.table.format import decode
 from galewood.util import Floats
 from galewood.verify.bars import polygon_bar
-from galewood.wood.species import species
+from galewood.wood.species import wood_of_species
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "pole.safetensors"
 
@@ -53,7 +53,7 @@ def test_every_part_has_its_sentences() -> None:
 
 def small_model() -> FemModel:
     bar = polygon_bar(sides=5, radius_m=0.05, length_m=3.0, layers=12, tip_radius_m=0.02)
-    return build_model(bar, bar, species("maple"), bar, FemSettings(element="linear"))
+    return build_model(bar, bar, wood_of_species("maple"), bar, FemSettings(element="linear"))
 
 
 def test_every_rival_solves_the_same_system_as_the_own_solver() -> None:

@@ -1,4 +1,4 @@
-"""The fitted linear mesh against the quadratic one it was fitted to."""
+"""The fitted linear mesh compared with the quadratic mesh it was fitted to."""
 
 from dataclasses import replace
 from functools import cache
@@ -29,7 +29,7 @@ def model(sides: int, element: Element) -> FemModel:
 
 @pytest.mark.parametrize(("element", "limit"), [("quadratic", 0.01), ("fitted", 0.05)])
 @pytest.mark.parametrize("sides", SIDES)
-def test_cantilevers_bend_as_euler_and_bernoulli_have_it(sides: int, element: Element, limit: float) -> None:
+def test_cantilever_agrees_with_euler_bernoulli_theory(sides: int, element: Element, limit: float) -> None:
     exact = tip_deflection(1.0, 4.0, WOOD.young_longitudinal_pa, bar(sides).second_moment_m4)
     assert tip_under_force(model(sides, element), bar(sides)) == pytest.approx(exact, rel=limit)
 
@@ -39,14 +39,14 @@ def test_plain_linear_tets_lock() -> None:
     assert tip_under_force(model(3, "linear"), bar(3)) < 0.4 * exact
 
 
-def test_fitted_frequencies_are_the_references() -> None:
+def test_fitted_frequencies_agree_with_the_reference() -> None:
     fast, reference = (np.array(model(6, e).report["frequencies_hz"]) for e in ("fitted", "quadratic"))
-    # The pole's four bending modes; torsion, which a pole's layered mesh twists by, is looser than in trees.
+    # The pole's four bending modes only: torsion agrees less well in its layered mesh than in trees.
     np.testing.assert_allclose(fast[:4], reference[:4], rtol=0.05)
     np.testing.assert_allclose(fast, reference, rtol=0.15)
 
 
-def test_the_fit_says_how_it_went_and_is_repeatable() -> None:
+def test_fit_has_a_report_and_is_reproducible() -> None:
     report = model(4, "fitted").report["fit"]
     assert report["displacement_error_rms"] < 0.2
     one = bar(4)
@@ -54,7 +54,7 @@ def test_the_fit_says_how_it_went_and_is_repeatable() -> None:
     assert again.blocks.tobytes() == model(4, "fitted").blocks.tobytes()
 
 
-def test_the_build_compares_with_the_reference() -> None:
+def test_build_reports_the_comparison_with_the_reference() -> None:
     one = replace(bar(6), drag_area_m2=np.full(len(bar(6).vertices_m), 1e-3))
     fast = build_model(one, one, WOOD, one, FemSettings())
     figures = compare_with_reference(fast, one, one, WOOD, one, 20)
@@ -62,12 +62,12 @@ def test_the_build_compares_with_the_reference() -> None:
     assert figures["trajectory_error"] < 0.06
 
 
-def test_couples_have_no_resultant() -> None:
+def test_couples_have_zero_resultant() -> None:
     load = random_couples(bar(6).vertices_m, 5, seed=2)
     np.testing.assert_allclose(load.sum(axis=1), 0, atol=1e-12 * np.abs(load).sum())
 
 
-def test_the_beam_theory_is_right_itself() -> None:
+def test_beam_theory_itself() -> None:
     young, density, area, moment = 7e9, 800.0, 0.01, 8e-6
     found = pole_frequencies(5.0, young, density, area, moment)
     exact = (

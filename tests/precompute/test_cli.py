@@ -1,6 +1,9 @@
 """The commands: what they write, and how they fail."""
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 from galewood.cli.commands import app
@@ -59,3 +62,14 @@ def test_a_wood_that_is_none_is_refused_field_by_field(tmp_path: Path) -> None:
     )
     assert result.exit_code == 1
     assert "density_kg_m3" in result.output
+
+
+def test_the_program_limits_the_libraries_threads_before_they_are_loaded() -> None:
+    code = (
+        "import sys; from galewood_server.cli import main; assert 'numpy' not in sys.modules;"
+        "sys.argv = ['galewood', '--help']\n"
+        "try: main.main()\nexcept SystemExit: pass\n"
+        "import os, numpy; assert os.environ['OPENBLAS_NUM_THREADS'] == '1'"
+    )
+    bare = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    subprocess.run([sys.executable, "-c", code], env=bare, check=True, capture_output=True)

@@ -1,4 +1,4 @@
-"""What a child that reads a stranger's mesh can no longer do, on machines that can lock it in."""
+"""Operations that are denied to a child that parses untrusted input, where the kernel supports this."""
 
 import os
 import socket
@@ -13,7 +13,7 @@ HERE = "tests.precompute.test_confinement"
 
 
 def try_everything(arguments: Arrays) -> Arrays:
-    """Which of these a child manages: 1, or 0 where it is refused."""
+    """Attempt each operation: 1 if it succeeds, 0 if it is denied."""
     outside = Path(arguments["outside"].tobytes().decode())
     attempts = {
         "write_own": lambda: Path("own").write_text("x"),
@@ -27,10 +27,10 @@ def try_everything(arguments: Arrays) -> Arrays:
         "udp": lambda: socket.socket(socket.AF_INET, socket.SOCK_DGRAM),
         "unix": lambda: socket.socket(socket.AF_UNIX),
     }
-    return {name: np.array(_managed(attempt)) for name, attempt in attempts.items()}
+    return {name: np.array(_succeeds(attempt)) for name, attempt in attempts.items()}
 
 
-def _managed(attempt) -> int:
+def _succeeds(attempt) -> int:
     try:
         attempt()
     except OSError:
@@ -39,14 +39,14 @@ def _managed(attempt) -> int:
 
 
 @pytest.mark.skipif(bool(missing_here()), reason="this kernel has no Landlock or no seccomp")
-def test_a_child_keeps_to_its_folder_and_has_no_network(tmp_path):
+def test_child_is_limited_to_its_folder_and_has_no_network(tmp_path):
     (tmp_path / "secret").write_text("another's tree")
     arguments = {"outside": np.frombuffer(str(tmp_path).encode(), np.uint8)}
     found = run_limited(f"{HERE}:try_everything", arguments, Limits(), what="The test")
-    managed = {name for name, value in found.items() if int(value)}
-    assert managed == {"write_own", "read_system"}
+    succeeded = {name for name, value in found.items() if int(value)}
+    assert succeeded == {"write_own", "read_system"}
     assert sorted(path.name for path in tmp_path.iterdir()) == ["secret"]
 
 
-def test_what_is_missing_is_told_in_words():
+def test_missing_restrictions_are_described():
     assert all(isinstance(line, str) and line for line in missing_here())

@@ -1,6 +1,6 @@
-"""Real trees, where CORPUS names a folder of them: every one with wood becomes a table that plays.
+"""Builds of real trees in the folder CORPUS: every tree with wood must give a valid table.
 
-CORPUS_REPORT=FILE collects one line of figures for each; CORPUS_CACHE=FOLDER keeps their tetrahedra.
+CORPUS_REPORT=FILE receives one line of results per tree; CORPUS_CACHE=FOLDER caches the tetrahedra.
 """
 
 import os
@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from galewood.pipeline.build import build_table
 from galewood.pipeline.options import BuildOptions
-from galewood.sampling import plan as samples
+from galewood.sampling import plan
 from galewood.sampling.training_winds import training_winds
 from galewood.table.format import decode
 from galewood.util import MeshError
@@ -21,23 +21,23 @@ REPORT = os.environ.get("CORPUS_REPORT")
 CACHE = Path(os.environ["CORPUS_CACHE"]) if os.environ.get("CORPUS_CACHE") else None
 TYPES = (".glb", ".gltf", ".obj", ".ply", ".stl")
 FILES = sorted(p for p in FOLDER.rglob("*") if p.suffix in TYPES) if os.environ.get("CORPUS") else []
-REFUSED = ("draco-compressed", "meshopt-compressed", "external-buffers")
+UNSUPPORTED = ("draco-compressed", "meshopt-compressed", "external-buffers")
 QUICK = BuildOptions(frames=24, reference_frames=0)
-"""Every stage of a build, with short winds, …"""
-LEARNT = slice(0, None, 4)
-"""… and so many of those that the drift-free method learns from."""
+"""All stages of a build, with short winds."""
+TRAINING_SUBSET = slice(0, None, 4)
+"""A subset of the training winds of the modal model."""
 
 
-@pytest.mark.skipif(not FILES, reason="CORPUS names no folder with trees")
+@pytest.mark.skipif(not FILES, reason="CORPUS is not set to a folder with trees")
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
 def test_real_tree(path, tmp_path, monkeypatch):
-    monkeypatch.setattr(samples, "training_winds", lambda *a, **k: training_winds(*a, **k)[LEARNT])
+    monkeypatch.setattr(plan, "training_winds", lambda *a, **k: training_winds(*a, **k)[TRAINING_SUBSET])
     begin = perf_counter()
     try:
         built = build_table(path.read_bytes(), path.name, QUICK, cache_dir=CACHE or tmp_path)
     except MeshError as error:
-        assert error.code in REFUSED  # told by name, never decoded wrongly
-        tell(path.name, error.code)
+        assert error.code in UNSUPPORTED  # rejected with a specific error rather than misread
+        report_row(path.name, error.code)
         return
     report, table = built.report, decode(built.table)
     meshing, model = report["meshing"], report["model"]
@@ -45,7 +45,7 @@ def test_real_tree(path, tmp_path, monkeypatch):
     wood_faces = sum(part["faces"] for part in report["import"]["parts"] if part["kind"] == "wood")
     warnings = [*report["import"]["warnings"], *meshing["warnings"]]
     warnings += [model["rest_pose"]["warning"]] if "warning" in model["rest_pose"] else []
-    tell(path.name, wood_faces, meshing["tets"], meshing["components"], f"{meshing['lost_extent']:.1%}",
+    report_row(path.name, wood_faces, meshing["tets"], meshing["components"], f"{meshing['lost_extent']:.1%}",
          f"{first_hz:.2f} Hz", f"{model['wood_mass_kg']:.0f} kg", f"{perf_counter() - begin:.0f} s",
          "; ".join(warnings))  # fmt: skip
     assert 1.0 < report["import"]["height_m"] < 60.0
@@ -57,8 +57,8 @@ def test_real_tree(path, tmp_path, monkeypatch):
     assert len(table.dq) == table.metadata["records"] > 500
 
 
-def tell(*cells):
-    """One line of a Markdown table."""
+def report_row(*cells):
+    """Report one row of a Markdown table."""
     line = "| " + " | ".join(str(cell) for cell in cells) + " |"
     print(line)
     if REPORT:

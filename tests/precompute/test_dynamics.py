@@ -1,4 +1,4 @@
-"""The moving tree: rest, damping, energy, determinism, what is recorded, what is stored."""
+"""Time integration: rest, damping, energy, determinism, recorded quantities, storage."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -14,7 +14,7 @@ from galewood.model.comparison import trajectory_difference
 from galewood.model.construction import build_model
 from galewood.verify.bars import polygon_bar
 from galewood.verify.motion_checks import energy_rise, laden_pole, ring_down
-from galewood.wood.species import species
+from galewood.wood.species import wood_of_species
 
 
 @cache
@@ -26,10 +26,10 @@ def pole() -> FemModel:
 def small() -> FemModel:
     bar = polygon_bar(sides=5, radius_m=0.05, length_m=3.0, layers=12, tip_radius_m=0.02)
     windy = replace(bar, drag_area_m2=np.where(bar.vertices_m[:, 1] > 1.5, 0.01, 0.0))
-    return build_model(windy, windy, species("maple"), windy, FemSettings(element="linear"))
+    return build_model(windy, windy, wood_of_species("maple"), windy, FemSettings(element="linear"))
 
 
-def test_a_tree_at_rest_stays_at_rest() -> None:
+def test_tree_at_rest_stays_at_rest() -> None:
     simulator = Simulator(pole())
     for _ in range(30):
         simulator.step(np.zeros(2))
@@ -37,10 +37,10 @@ def test_a_tree_at_rest_stays_at_rest() -> None:
     assert np.abs(simulator.internal_force).max() < 1e-4
 
 
-def test_ring_down_is_the_eigenvalue_with_the_woods_damping() -> None:
+def test_free_vibration_has_the_eigenfrequency_and_the_damping_of_the_wood() -> None:
     hertz, ratio = ring_down(pole(), 0)
     assert hertz == pytest.approx(float(frequencies(pole(), 1)[0]), rel=0.02)
-    assert ratio == pytest.approx(species("poplar").damping_ratio, rel=0.1)
+    assert ratio == pytest.approx(wood_of_species("poplar").damping_ratio, rel=0.1)
 
 
 @pytest.mark.parametrize("scheme", ["tr-bdf2", "backward-euler"])
@@ -49,7 +49,7 @@ def test_energy_never_grows_in_still_air(scheme: Scheme) -> None:
     assert energy_rise(replace(model, settings=replace(model.settings, scheme=scheme)), 90) < 1e-9
 
 
-def test_more_newton_rounds_and_smaller_steps_change_little() -> None:
+def test_more_newton_iterations_and_smaller_steps_change_little() -> None:
     crown = pole().nodes_m[:, 1] > 4.0
     model = replace(pole(), drag_area_m2=np.where(crown, 2.0 / crown.sum(), 0.0))
     gust = np.column_stack([40 * np.sin(np.linspace(0, 6, 60)) ** 2, np.full(60, 10.0)])
@@ -59,14 +59,14 @@ def test_more_newton_rounds_and_smaller_steps_change_little() -> None:
     assert trajectory_difference(model, fine, gust) < 0.05
 
 
-def test_a_storm_far_beyond_the_design_wind_stays_finite() -> None:
+def test_solution_stays_finite_far_above_the_design_wind() -> None:
     simulator = Simulator(small())
     for k in range(60):
         simulator.step(np.array([3000.0 * (-1) ** (k // 10), 0.0]))
     assert np.isfinite(simulator.u).all()
 
 
-def test_the_same_run_gives_the_same_bits() -> None:
+def test_simulation_is_deterministic() -> None:
     runs = []
     for _ in range(2):
         simulator = Simulator(small())
@@ -76,7 +76,7 @@ def test_the_same_run_gives_the_same_bits() -> None:
     assert runs[0] == runs[1]
 
 
-def test_the_record_is_of_the_state_before_the_step() -> None:
+def test_record_refers_to_the_state_before_the_step() -> None:
     model = small()
     simulator = Simulator(model)
     stiffness = simulator.stiffness_diagonal
@@ -93,7 +93,7 @@ def test_the_record_is_of_the_state_before_the_step() -> None:
     np.testing.assert_array_equal(simulator.recorded_stiffness(some), simulator.stiffness_diagonal[some])
 
 
-def test_wind_pushes_along_itself_and_linearly_when_weak() -> None:
+def test_weak_wind_causes_a_linear_response_along_its_direction() -> None:
     model = small()
     ends = []
     for pressure in (1e-3, 2e-3):
@@ -106,7 +106,7 @@ def test_wind_pushes_along_itself_and_linearly_when_weak() -> None:
     np.testing.assert_allclose(ends[1], 2 * ends[0], atol=1e-4 * np.abs(ends[1]).max())
 
 
-def test_a_model_survives_its_file_bit_for_bit(tmp_path: Path) -> None:
+def test_model_file_round_trip_is_exact(tmp_path: Path) -> None:
     save_model(small(), tmp_path / "model.npz")
     again = load_model(tmp_path / "model.npz")
     assert again.settings == small().settings
@@ -118,9 +118,9 @@ def test_a_model_survives_its_file_bit_for_bit(tmp_path: Path) -> None:
     assert runs[0].u.tobytes() == runs[1].u.tobytes()
 
 
-def test_a_tree_that_cannot_stand_keeps_its_shape_and_says_so() -> None:
+def test_tree_that_cannot_stand_keeps_its_shape_with_a_warning() -> None:
     bar = polygon_bar(sides=5, radius_m=0.004, length_m=6.0, layers=30)
-    model = build_model(bar, bar, species("poplar"), bar, FemSettings(element="quadratic"))
+    model = build_model(bar, bar, wood_of_species("poplar"), bar, FemSettings(element="quadratic"))
     assert model.report["rest_pose"]["kind"] == "balanced"
     assert "cannot carry" in model.report["rest_pose"]["warning"]
     simulator = Simulator(model)
@@ -131,19 +131,19 @@ def test_a_tree_that_cannot_stand_keeps_its_shape_and_says_so() -> None:
 @pytest.mark.parametrize(
     "bad", [{"dt_s": 0.0}, {"substeps": 0}, {"j_max": 0}, {"scheme": "euler"}, {"element": "hex"}]
 )
-def test_impossible_settings_are_refused(bad: dict[str, object]) -> None:
+def test_impossible_settings_are_rejected(bad: dict[str, object]) -> None:
     with pytest.raises(ValueError):
         FemSettings(**bad)  # pyright: ignore[reportArgumentType]
 
 
-def test_a_mesh_that_is_inside_out_is_refused() -> None:
+def test_inverted_mesh_is_rejected() -> None:
     bar = polygon_bar(sides=4, radius_m=0.05, length_m=1.0, layers=3)
-    with pytest.raises(ValueError, match="inside out"):
-        build_model(replace(bar, tets=bar.tets[:, [1, 0, 2, 3]]), bar, species("maple"), bar)
+    with pytest.raises(ValueError, match="inverted"):
+        build_model(replace(bar, tets=bar.tets[:, [1, 0, 2, 3]]), bar, wood_of_species("maple"), bar)
 
 
-def test_a_model_that_many_write_at_once_is_whole(tmp_path: Path) -> None:
-    """Two builds of one tree once took the same name for their unfinished file, and one of them failed."""
+def test_concurrent_writes_leave_a_complete_model_file(tmp_path: Path) -> None:
+    """Regression: two builds of one tree used the same temporary name, and one of them failed."""
     model, path = small(), tmp_path / "model.npz"
     with ThreadPoolExecutor(8) as pool:
         for written in [pool.submit(save_model, model, path) for _ in range(40)]:

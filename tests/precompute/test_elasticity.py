@@ -1,4 +1,4 @@
-"""Element stiffness against its tensor form, scikit-fem, and exact integrals."""
+"""Element stiffness compared with its tensor form, scikit-fem and exact integrals."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from galewood.verify.element_checks import (
     shaken_box,
     stiffness_eigenvalues,
 )
-from galewood.wood.species import species
+from galewood.wood.species import wood_of_species
 
 SEED = 11
 
@@ -27,8 +27,8 @@ def test_blocks_are_the_tensor_contracted_with_the_gradients() -> None:
     corners = _random_tet()
     fibre = np.array([[0.0, 0.6, 0.8]])
     grad, volume = gradients(corners)
-    axial, shear = stiffness_blocks(grad, volume, fibre, moduli(species("apricot")))
-    tensor = elasticity_tensor(species("apricot"), fibre[0])
+    axial, shear = stiffness_blocks(grad, volume, fibre, moduli(wood_of_species("apricot")))
+    tensor = elasticity_tensor(wood_of_species("apricot"), fibre[0])
     for p, (i, j) in enumerate(PAIRS):
         expected = volume[0] * np.einsum("ijkl,j,l->ik", tensor, grad[0, i], grad[0, j])
         np.testing.assert_allclose(
@@ -36,8 +36,8 @@ def test_blocks_are_the_tensor_contracted_with_the_gradients() -> None:
         )
 
 
-def test_the_tensor_gives_back_the_engineering_constants() -> None:
-    wood, fibre = species("maple"), np.array([0.0, 0.0, 1.0])
+def test_engineering_constants_are_recovered_from_the_tensor() -> None:
+    wood, fibre = wood_of_species("maple"), np.array([0.0, 0.0, 1.0])
     tensor = elasticity_tensor(wood, fibre)
     voigt = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
     stiffness = np.array([[tensor[*a, *b] for b in voigt] for a in voigt])
@@ -50,9 +50,11 @@ def test_the_tensor_gives_back_the_engineering_constants() -> None:
     assert np.isclose(-compliance[0, 1] / compliance[0, 0], wood.poisson_transverse)
 
 
-def test_both_parts_of_the_stiffness_are_positive() -> None:
+def test_both_parts_of_the_stiffness_are_positive_semidefinite() -> None:
     grad, volume = gradients(_random_tet())
-    for part in stiffness_blocks(grad, volume, np.array([[0.6, 0.0, 0.8]]), moduli(species("poplar"))):
+    for part in stiffness_blocks(
+        grad, volume, np.array([[0.6, 0.0, 0.8]]), moduli(wood_of_species("poplar"))
+    ):
         full = np.zeros((4, 3, 4, 3))
         for p, (i, j) in enumerate(PAIRS):
             full[i, :, j], full[j, :, i] = part[0, p], part[0, p].T
@@ -74,7 +76,7 @@ def test_stiffness_agrees_with_scikit_fem(element: str) -> None:
     np.testing.assert_allclose(ours, theirs, atol=1e-12 * theirs.max())
 
 
-def test_quadratic_combination_is_whole_and_masses_sum_to_one() -> None:
+def test_quadratic_combination_is_complete_and_mass_shares_sum_to_one() -> None:
     c = combination()
     assert (len(c.rows), int(c.start[-1])) == (55, len(c.coefficient))
     assert np.isclose(node_mass_shares().sum(), 1)

@@ -1,4 +1,4 @@
-"""Silhouettes with a known area; foliage that keeps its weight, its area and its shape."""
+"""Silhouettes of known area; foliage keeps its mass, area and shape."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -33,14 +33,16 @@ def leaf_cards(count=60, seed=11) -> Surface:
     return make.cards(random.uniform((-1, 3, -0.5), (1.5, 5, 0.5), (count, 3)), size=0.2)
 
 
-def test_silhouette_of_a_ball_and_of_a_half_clear_ball():
+def test_silhouette_of_an_opaque_and_a_half_transparent_ball():
     from trimesh.creation import icosphere
 
     ball = icosphere(subdivisions=4, radius=1.5)
     triangles = np.array(ball.triangles)
     exact = np.pi * 1.5**2
     assert silhouette_area(triangles, np.ones(len(triangles))) == pytest.approx(exact, rel=0.01)
-    half = silhouette_area(triangles, np.full(len(triangles), 0.5))  # front and back let a quarter through
+    half = silhouette_area(
+        triangles, np.full(len(triangles), 0.5)
+    )  # front and back together transmit a quarter
     assert half == pytest.approx(0.75 * exact, rel=0.02)
 
 
@@ -56,7 +58,7 @@ def test_frontal_area_and_leaf_mass_are_conserved(mesh):
     lumped = bind_foliage(tree(leaves), mesh, WOOD)
     assert lumped.mass_kg.sum() == pytest.approx(LEAF_MASS_KG_M2 * 60 * 0.04)
     top = lumped.report["silhouette_m2"] * WOOD.drag_coefficient
-    assert 0.7 * top < lumped.drag_area_m2.sum() < top  # the height profile takes a part
+    assert 0.7 * top < lumped.drag_area_m2.sum() < top  # reduced by the height profile
     assert (lumped.mass_kg >= 0).all()
     assert (lumped.drag_area_m2 >= 0).all()
     assert mesh.vertices_m[lumped.fixed][:, 1].max() < 0.11
@@ -84,7 +86,7 @@ def test_wood_follows_exactly_and_each_leaf_card_rigidly(mesh):
     assert np.allclose(leaves, leaves[:, :1]), f"seed {seed}"
 
 
-def test_a_leaf_hangs_where_it_is_nearest_to_the_wood(mesh):
+def test_leaf_is_bound_where_it_is_nearest_to_the_wood(mesh):
     leaves = make.cards([(0.22, 1.0, 0), (0.15, 4.1, 0.1)], size=0.1)
     weights = render_binding(tree(leaves), mesh)[-8:]
     at = weights @ mesh.vertices_m
@@ -92,11 +94,11 @@ def test_a_leaf_hangs_where_it_is_nearest_to_the_wood(mesh):
     for k in range(2):
         card = slice(4 * k, 4 * k + 4)
         gap = np.linalg.norm(at[card] - leaves.vertices[card], axis=1).min()
-        assert gap == pytest.approx(nearest.distance_m[card].min(), abs=1e-6)  # kept in 32 bits
+        assert gap == pytest.approx(nearest.distance_m[card].min(), abs=1e-6)  # stored with 32 bits
 
 
-def test_a_leaf_between_two_twigs_hangs_on_the_same_when_its_mesh_is_read_again(mesh):
-    """Read again, the mesh has 32 bits of every number; evaluations refused such a tree: the modes differ."""
+def test_leaf_between_two_twigs_has_the_same_binding_after_reloading(mesh):
+    """A reloaded mesh has 32-bit positions. Evaluations rejected such trees: their modes differed."""
     x, y = 0.35, 3.6
     whole = tree(make.cards([(x, y, 0.0), (-x, y, 0.0), (0.0, y, 0.0)] * 8, size=0.3))
     rounded = [
@@ -106,7 +108,7 @@ def test_a_leaf_between_two_twigs_hangs_on_the_same_when_its_mesh_is_read_again(
     assert abs(render_binding(whole, mesh) - render_binding(again, mesh)).max() == 0
 
 
-def test_a_crown_as_large_as_the_tree_is_not_rigid(mesh):
+def test_crown_as_large_as_the_tree_is_not_rigid(mesh):
     from trimesh.creation import icosphere
 
     ball = icosphere(subdivisions=2, radius=1.4)

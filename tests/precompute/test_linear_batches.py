@@ -1,10 +1,10 @@
-"""Linear elements, eight at a time, against the textbook written out with numpy, one element at a time."""
+"""Batched linear elements compared with a plain numpy implementation, one element at a time."""
 
 import numpy as np
 import pytest
 from galewood.fem.assembly import ElementSystem
 from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
-from galewood.wood.species import species
+from galewood.wood.species import wood_of_species
 
 from tests.precompute.tet_meshes import grid_mesh
 
@@ -13,7 +13,7 @@ COUNTS = (1, 7, 8, 9, 43)
 
 
 def loose_system(count: int, rng: np.random.Generator) -> ElementSystem:
-    """The first elements of a grid, softened at random, pre-stressed at random, a few nodes fixed."""
+    """The first elements of a grid with random stiffness factors and prestress and a few fixed nodes."""
     mesh = grid_mesh(lambda points: points[:, 0] > -9, (0, 0, 0), (2, 2, 2), 1.0)
     tets = mesh.tets[:count].astype(np.int32)
     vertices = mesh.vertices_m + rng.uniform(-0.1, 0.1, mesh.vertices_m.shape)
@@ -22,7 +22,7 @@ def loose_system(count: int, rng: np.random.Generator) -> ElementSystem:
     grad, volume = gradients(vertices[tets])
     fibre = rng.normal(size=(count, 3))
     fibre /= np.linalg.norm(fibre, axis=1)[:, None]
-    axial, shear = stiffness_blocks(grad, volume, fibre, moduli(species("maple")))
+    axial, shear = stiffness_blocks(grad, volume, fibre, moduli(wood_of_species("maple")))
     blocks = axial * rng.uniform(0.2, 1, (count, 1, 1, 1)) + shear * rng.uniform(0.2, 1, (count, 1, 1, 1))
     stress = rng.normal(size=(count, 3, 3)) * 1e7
     stress += stress.transpose(0, 2, 1)
@@ -33,7 +33,7 @@ def loose_system(count: int, rng: np.random.Generator) -> ElementSystem:
     return ElementSystem(vertices, tets, grad, blocks, fixed, prestress)
 
 
-def textbook(system: ElementSystem, u: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def plain_assembly(system: ElementSystem, u: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Force (N,3) and stiffness (3N,3N) by polar decomposition with an SVD."""
     size = len(system.rest)
     force, matrix = np.zeros((size, 3)), np.zeros((size, 3, size, 3))
@@ -51,7 +51,7 @@ def textbook(system: ElementSystem, u: np.ndarray, w: np.ndarray) -> tuple[np.nd
 
 
 @pytest.mark.parametrize("count", COUNTS)
-def test_force_and_matrix_are_the_textbooks(count: int) -> None:
+def test_force_and_matrix_agree_with_plain_numpy(count: int) -> None:
     print(f"seed {SEED}")
     rng = np.random.default_rng(SEED)
     system = loose_system(count, rng)
@@ -61,7 +61,7 @@ def test_force_and_matrix_are_the_textbooks(count: int) -> None:
     u = (system.rest + u) @ turn.T - system.rest
     mass, out = rng.uniform(1, 2, len(u)), np.empty_like(u)
     system.assemble(u, w, 0.7, mass, out)
-    force, matrix = textbook(system, u, w)
+    force, matrix = plain_assembly(system, u, w)
     np.testing.assert_allclose(out, force, atol=1e-12 * np.abs(force).max())
     inner = 3 * system.free
     expected = 0.7 * matrix[:inner, :inner] + np.diag(np.repeat(mass[: system.free], 3))
@@ -69,7 +69,7 @@ def test_force_and_matrix_are_the_textbooks(count: int) -> None:
     np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
 
 
-def test_a_flat_or_inverted_element_does_not_disturb_its_batch() -> None:
+def test_flat_or_inverted_element_does_not_affect_its_batch() -> None:
     print(f"seed {SEED}")
     rng = np.random.default_rng(SEED)
     system = loose_system(43, rng)
@@ -81,7 +81,7 @@ def test_a_flat_or_inverted_element_does_not_disturb_its_batch() -> None:
     normal = np.cross(*(system.rest[others[1:]] - system.rest[others[0]]))
     normal /= np.linalg.norm(normal)
     height = (system.rest[corner] - system.rest[others[0]]) @ normal
-    for share in (1.0, 1.7):  # flat, then inside out
+    for share in (1.0, 1.7):  # flat, then inverted
         u[corner] = -share * height * normal
         out = np.empty_like(u)
         system.force(u, still, out)
@@ -92,7 +92,7 @@ def test_a_flat_or_inverted_element_does_not_disturb_its_batch() -> None:
         assert np.abs(out.sum(axis=0)).max() <= 1e-9 * np.abs(out).max()
 
 
-def test_other_stiffness_and_prestress_replace_the_first() -> None:
+def test_stiffness_and_prestress_can_be_replaced() -> None:
     print(f"seed {SEED}")
     rng = np.random.default_rng(SEED)
     one, other = loose_system(9, np.random.default_rng(SEED)), loose_system(9, rng)
@@ -101,20 +101,20 @@ def test_other_stiffness_and_prestress_replace_the_first() -> None:
     other.set_prestress(prestress)
     u, w = (rng.uniform(-0.05, 0.05, one.rest.shape) for _ in range(2))
     one.blocks, one.prestress = blocks, prestress
-    force, _ = textbook(one, u, w)
+    force, _ = plain_assembly(one, u, w)
     found = np.empty_like(u)
     other.force(u, w, found)
     np.testing.assert_allclose(found, force, atol=1e-12 * np.abs(force).max())
 
 
-def test_the_forces_around_no_node_are_none() -> None:
+def test_forces_around_no_nodes_are_empty() -> None:
     system = loose_system(9, np.random.default_rng(SEED))
     out = np.ones_like(system.rest)
     system.around(np.zeros(0, np.int32)).force(out, out, out)
     assert not out.any()
 
 
-def test_the_forces_around_a_node_are_the_whole_meshs() -> None:
+def test_forces_around_a_node_agree_with_the_full_assembly() -> None:
     print(f"seed {SEED}")
     rng = np.random.default_rng(SEED)
     system = loose_system(43, rng)

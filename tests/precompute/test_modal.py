@@ -118,8 +118,8 @@ def test_propagators_follow_the_time_scheme_and_the_exact_solution(scheme: str, 
 def test_ridge_fit_recovers_the_coefficients_of_the_data() -> None:
     rng = np.random.default_rng(506)
     terms = rng.normal(size=(500, 6)) * 10.0 ** np.arange(-3, 3)
-    truth = rng.normal(size=(6, 2))
-    assert np.allclose(ridge_fit(terms, terms @ truth, 1e-12), truth, rtol=1e-6)
+    exact = rng.normal(size=(6, 2))
+    assert np.allclose(ridge_fit(terms, terms @ exact, 1e-12), exact, rtol=1e-6)
 
 
 def test_training_winds_are_deterministic_and_within_the_design_speed() -> None:

@@ -1,4 +1,4 @@
-"""A limb keeps its own stiffness where twigs grow out of its axis."""
+"""A limb keeps its stiffness where twigs grow out of its axis."""
 
 import numpy as np
 from galewood.tets.radius_ratio import radius_ratio
@@ -11,8 +11,8 @@ FLOOR_M = 0.03
 TRUNK_M, TWIG_M = 0.12, 0.012
 
 
-def bearing_trunk():
-    """A trunk with twelve twigs that begin on its axis, as tree generators make them."""
+def trunk_with_twigs():
+    """A trunk with twelve twigs that begin on its axis, as produced by tree generators."""
     heights, turns = np.linspace(0.8, 3.6, 12), np.arange(12) * 2.4
     twigs = [
         make.tube((0, h, 0), (0.9 * np.cos(t), h + 0.5, 0.9 * np.sin(t)), TWIG_M, TWIG_M, sides=5)
@@ -21,14 +21,14 @@ def bearing_trunk():
     return make.joined(make.tube((0, 0, 0), (0, 4, 0), TRUNK_M, TRUNK_M, sides=12), *twigs)
 
 
-def test_twigs_that_begin_inside_a_trunk_do_not_soften_it():
+def test_twigs_that_begin_inside_a_trunk_do_not_reduce_its_stiffness():
     solid = polygon_bar(sides=12, radius_m=TRUNK_M, length_m=4.0, layers=30, rings=2)
-    ratio = radius_ratio(thicken(bearing_trunk(), FLOOR_M), solid.vertices_m, solid.tets, FLOOR_M)
+    ratio = radius_ratio(thicken(trunk_with_twigs(), FLOOR_M), solid.vertices_m, solid.tets, FLOOR_M)
     assert np.median(ratio) > 0.99
     assert np.mean(ratio > 0.9) > 0.9
 
 
-def test_a_twig_s_own_solid_knows_how_much_it_was_thickened():
+def test_tets_of_a_twig_have_its_radius_ratio():
     twig = make.tube((0, 0, 0), (0, 1, 0), TWIG_M, TWIG_M, sides=8)
     solid = polygon_bar(sides=8, radius_m=FLOOR_M, length_m=1.0, layers=20, rings=1)
     ratio = radius_ratio(thicken(twig, FLOOR_M), solid.vertices_m, solid.tets, FLOOR_M)

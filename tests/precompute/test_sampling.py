@@ -1,4 +1,4 @@
-"""Sampled winds and trajectories: what is recorded, how it ends, how it is kept."""
+"""Sampled winds and trajectories: recorded data, fading, storage."""
 
 from pathlib import Path
 
@@ -29,7 +29,7 @@ def run(name: str) -> tuple[Beam, Trajectory]:
     return beam, sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s)
 
 
-def test_the_papers_winds_are_among_them() -> None:
+def test_paper_winds_are_included() -> None:
     cosine = [wind for wind in WINDS if wind.name.startswith("cosine")]
     assert len(cosine) == 36
     assert {len(wind.pressure_pa) for wind in cosine} == {180}
@@ -42,7 +42,7 @@ def test_the_papers_winds_are_among_them() -> None:
         assert np.abs(wind.pressure_pa @ across).max() < 1e-12
 
 
-def test_records_hold_the_state_before_the_step_that_they_answer() -> None:
+def test_records_contain_the_state_before_the_step() -> None:
     beam, trajectory = run("cosine-3-060")
     wind = next(wind for wind in WINDS if wind.name == "cosine-3-060")
     beam.reset()
@@ -54,37 +54,37 @@ def test_records_hold_the_state_before_the_step_that_they_answer() -> None:
     assert not trajectory.displacement_m[0].any()
 
 
-def test_a_gust_ends_exactly_at_rest_and_fades_smoothly() -> None:
+def test_gust_fades_smoothly_to_exact_rest() -> None:
     beam, trajectory = run("gust-120")
     assert not trajectory.displacement_m[-2:].any()
     assert not trajectory.velocity[-1].any()
     assert np.array_equal(trajectory.stiffness[-1], trajectory.stiffness[0])
     steps = np.diff(trajectory.displacement_m, axis=0)
-    # The faded velocity is that of the faded motion (backward Euler: v_i = (u_i − u_{i−1}) / Δt).
+    # The faded velocity is the derivative of the faded motion (backward Euler: v_i = (u_i − u_{i−1}) / Δt).
     assert np.allclose(trajectory.velocity[1:], steps[:-1] / beam.dt_s, atol=2e-3)
     assert np.abs(np.diff(steps, axis=0)).max() < 0.05 * np.abs(trajectory.displacement_m).max()
 
 
-def test_still_air_moves_nothing() -> None:
+def test_still_air_causes_no_motion() -> None:
     _, trajectory = run("still-000")
     assert not trajectory.displacement_m.any()
     assert not trajectory.pressure_pa.any()
 
 
-def test_ticks_between_frames_can_stop() -> None:
-    class StopNowError(Exception):
+def test_progress_callback_can_cancel_between_frames() -> None:
+    class StopError(Exception):
         pass
 
     def on_progress(fraction: float) -> None:
         if fraction > 0.1:
-            raise StopNowError
+            raise StopError
 
     beam = Beam(dt_s=1 / 30)
-    with pytest.raises(StopNowError):
+    with pytest.raises(StopError):
         sample_trajectory(beam, WINDS[5], np.arange(2), beam.dt_s, on_progress)
 
 
-def test_kept_whole_under_a_hash_of_all_that_matters(tmp_path: Path) -> None:
+def test_trajectory_is_stored_completely_under_a_hash_of_its_inputs(tmp_path: Path) -> None:
     _, trajectory = run("cosine-0-000")
     path = tmp_path / "deep" / "run.npz"
     write_trajectory(path, trajectory)
@@ -98,22 +98,22 @@ def test_kept_whole_under_a_hash_of_all_that_matters(tmp_path: Path) -> None:
     assert len(keys) == 36
 
 
-def test_symmetric_blocks_in_six_numbers() -> None:
+def test_symmetric_blocks_are_packed_into_six_numbers() -> None:
     block = np.array([[[1.0, 4, 5], [4, 2, 6], [5, 6, 3]]])
     assert symmetric(block).tolist() == [[1, 2, 3, 4, 5, 6]]
 
 
-def test_the_design_wind_is_lowered_until_the_sway_is_allowed() -> None:
+def test_design_wind_is_reduced_until_the_sway_is_acceptable() -> None:
     beam = Beam(dt_s=1 / 30)
     gentle = design_wind(beam, 5.0, beam.height_m, beam.dt_s)
     assert gentle.speed_m_s == 5.0
     assert gentle.sway_share < 0.2
-    strong = design_wind(beam, 60.0, 0.5, beam.dt_s)  # as if it were half a metre high
+    strong = design_wind(beam, 60.0, 0.5, beam.dt_s)  # with an assumed height of half a metre
     assert strong.speed_m_s < 60.0
     assert strong.sway_share <= 0.2
 
 
-def test_a_torn_file_is_not_taken_for_a_run(tmp_path: Path) -> None:
+def test_truncated_file_is_not_accepted_as_a_run(tmp_path: Path) -> None:
     _, trajectory = run("still-000")
     path = tmp_path / "run.npz"
     write_trajectory(path, trajectory)

@@ -1,4 +1,4 @@
-"""The skeleton of shapes whose axes, radii and branches are known."""
+"""Skeletons of shapes with known axes, radii and branches."""
 
 import numpy as np
 import pytest
@@ -33,19 +33,19 @@ def test_geodesic_distance_is_between_straight_and_edge_lengths():
     distance = geodesic_distance(bar.vertices_m, bar.tets, roots, inner_faces(bar.tets))
     height = bar.vertices_m[:, 1]
     assert (distance >= height - 1e-12).all()
-    assert (distance <= height + 1e-9).all()  # the grid has vertical edges
+    assert (distance <= height + 1e-9).all()  # attained, as the grid has vertical edges
 
 
 def test_y_has_three_limbs_with_their_directions_and_radii(y_tree):
     mesh, skeleton = y_tree
-    assert skeleton.branch.max() + 1 == 2  # the trunk goes on into its longer limb
+    assert skeleton.branch.max() + 1 == 2  # the trunk continues into its longer limb
     assert (skeleton.parent[1:] < np.arange(1, len(skeleton.parent))).all()
     centre = mesh.vertices_m[mesh.tets].mean(axis=1)
     away = np.linalg.norm(centre - (0, 2.7, 0), axis=1) > 0.7
     for start, end, radius in Y_SEGMENTS:
         along = (np.array(end) - start) / np.linalg.norm(np.array(end) - start)
         own = near_segment(centre, start, end, 0.6 * radius) & away
-        own &= np.linalg.norm(centre - end, axis=1) > 0.35  # a grid rounds its ends off in steps
+        own &= np.linalg.norm(centre - end, axis=1) > 0.35  # the grid resolves rounded ends in steps
         angle = np.degrees(np.arccos(np.clip(skeleton.tet_fibre[own] @ along, -1, 1)))
         assert np.median(angle) < 3
         assert np.percentile(angle, 90) < 8
@@ -73,11 +73,11 @@ def test_sampled_elements_are_nested_distinct_and_free(y_tree):
         assert (sampled_elements(mesh, skeleton, count) == many[:count]).all()
     fixed = root_vertices(mesh.vertices_m, mesh.tets)
     assert not np.isin(mesh.tets[many[:135]], fixed).any()
-    with pytest.raises(ValueError, match="sampled elements"):
+    with pytest.raises(ValueError, match="cannot sample"):
         sampled_elements(mesh, skeleton, len(mesh.tets) + 1)
 
 
-def test_a_twig_that_hangs_to_the_ground_is_not_a_root():
+def test_twig_hanging_to_the_ground_is_not_a_root():
     def holds(points):
         trunk = near_segment(points, (0, 0, 0), (0, 3, 0), 0.25)
         bough = near_segment(points, (0, 2.6, 0), (1.2, 2.6, 0), 0.1)
@@ -94,8 +94,8 @@ def test_a_twig_that_hangs_to_the_ground_is_not_a_root():
 
 
 @pytest.mark.parametrize("touching", [False, True])
-def test_limbs_that_touch_are_told(touching):
-    """Two limbs of one trunk whose ends grow together in the solid: two ways out meet there."""
+def test_fused_limbs_are_reported(touching):
+    """Two limbs of one trunk whose ends fuse in the solid form one loop."""
     ends = ((0.03, 3.4, 0) if touching else (0.6, 3.4, 0), (-0.03, 3.4, 0) if touching else (-0.6, 3.4, 0))
 
     def holds(points):
@@ -116,16 +116,16 @@ def test_branches_follow_the_longest_reach():
     assert branches(points, parent).tolist() == [0, 0, 1, 0, 0, 0]
 
 
-def test_the_picture_is_a_png_that_shows_the_tree(y_tree):
+def test_skeleton_image_shows_the_tree(y_tree):
     import io
 
     from PIL import Image
 
     mesh, skeleton = y_tree
-    picture = Image.open(io.BytesIO(skeleton_png(mesh, skeleton, sampled_elements(mesh, skeleton, 35))))
-    pixels = np.asarray(picture.convert("RGB")).astype(int)
-    trunk = np.abs(pixels - (242, 173, 63)).max(axis=2) < 12  # the main line's own colour
+    image = Image.open(io.BytesIO(skeleton_png(mesh, skeleton, sampled_elements(mesh, skeleton, 35))))
+    pixels = np.asarray(image.convert("RGB")).astype(int)
+    trunk = np.abs(pixels - (242, 173, 63)).max(axis=2) < 12  # the colour of the trunk line
     rows, columns = np.nonzero(trunk)
     assert len(rows) > 500
-    assert np.ptp(rows) > picture.height / 3  # it runs from the foot to the top
+    assert np.ptp(rows) > image.height / 3  # the trunk line extends over the height of the tree
     assert np.ptp(columns) > 0

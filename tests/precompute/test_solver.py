@@ -1,4 +1,4 @@
-"""Block Cholesky against dense algebra."""
+"""Block Cholesky compared with dense linear algebra."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def _problem(n: int, seed: int) -> tuple[BlockCholesky, np.ndarray]:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_solves_as_dense_algebra_does(seed: int) -> None:
+def test_solution_agrees_with_dense_algebra(seed: int) -> None:
     solver, values = _problem(60, seed)
     matrix = solver.to_scipy(values).toarray()
     np.testing.assert_allclose(matrix, matrix.T)
@@ -33,7 +33,7 @@ def test_solves_as_dense_algebra_does(seed: int) -> None:
     np.testing.assert_allclose(matrix @ x.ravel(), b.ravel(), atol=1e-10)
 
 
-def test_the_same_matrix_gives_the_same_bits() -> None:
+def test_factorisation_is_deterministic() -> None:
     answers = []
     for _ in range(2):
         solver, values = _problem(80, 3)
@@ -44,28 +44,28 @@ def test_the_same_matrix_gives_the_same_bits() -> None:
     assert answers[0] == answers[1]
 
 
-def test_an_indefinite_matrix_is_refused() -> None:
+def test_indefinite_matrix_is_rejected() -> None:
     solver, values = _problem(20, 0)
     values[solver.pointer[7], 4] = -1.0
     with pytest.raises(NotPositiveDefinite):
         solver.factorise(values)
 
 
-def test_not_a_number_is_refused() -> None:
+def test_nan_is_rejected() -> None:
     solver, values = _problem(20, 0)
     values[solver.pointer[3], 0] = np.nan
     with pytest.raises(NotPositiveDefinite):
         solver.factorise(values)
 
 
-def test_a_block_outside_the_pattern_is_refused() -> None:
+def test_block_outside_the_pattern_is_rejected() -> None:
     solver = BlockCholesky(3, np.array([[0, 1]], np.int32))
     apart = np.sort(solver.rank[[0, 2]])
     with pytest.raises(KeyError):
         solver.slots(apart[1:], apart[:1])
 
 
-def test_a_chain_has_no_fill() -> None:
+def test_chain_has_no_fill_in() -> None:
     n = 200
     solver = BlockCholesky(n, np.column_stack([np.arange(n - 1), np.arange(1, n)]).astype(np.int32))
     assert solver.blocks == 2 * n - 1

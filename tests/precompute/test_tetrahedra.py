@@ -1,4 +1,4 @@
-"""Thickening, wrapping and meshing against shapes whose radius and volume are known."""
+"""Thickening, wrapping and meshing of shapes with known radius and volume."""
 
 from typing import Any
 
@@ -32,7 +32,7 @@ def test_inscribed_radius_of_a_tube_and_of_a_triangular_prism():
 
 
 @pytest.mark.parametrize("sides", [3, 4, 12])
-def test_thin_tubes_are_raised_to_the_floor_and_thick_ones_left(sides):
+def test_thin_tubes_are_thickened_to_the_floor_and_thick_ones_unchanged(sides):
     thin, thick = (
         make.tube((0, 0, 0), (0, 3, 0), 0.01, 0.01, sides=sides),
         make.tube((1, 0, 0), (1, 3, 0), 0.2, 0.2, sides=32),
@@ -63,7 +63,7 @@ def test_inside_agrees_with_the_exact_union_of_two_balls():
     got = inside(both.vertices[both.faces], (24, 20, 20))
     points = random.integers(0, (24, 20, 20), (2000, 3))
     gap = np.linalg.norm(points[:, None] - centres, axis=2).min(axis=1)
-    clear = np.abs(gap - 6.0) > 0.15  # the icosphere lies a little inside the ball
+    clear = np.abs(gap - 6.0) > 0.15  # the icosphere lies slightly inside the ball
     assert (got[tuple(points[clear].T)] == (gap[clear] < 6.0)).all(), f"seed {seed}"
 
 
@@ -72,7 +72,7 @@ def test_wrap_of_overlapping_tubes_is_one_closed_solid_of_the_right_volume():
         make.tube((0, -1, 0), (0, 1, 0), 0.2, 0.2, 32), make.tube((-1, 0, 0), (1, 0, 0), 0.2, 0.2, 32)
     )
     area = 32 / 2 * 0.2**2 * np.sin(2 * np.pi / 32)
-    union = 2 * area * 2.0 - 16 / 3 * 0.2**3  # two tubes less their shared part (Steinmetz solid)
+    union = 2 * area * 2.0 - 16 / 3 * 0.2**3  # two tubes minus their intersection (Steinmetz solid)
     solid = wrap(cross, 0.03)
     assert face_components(solid.faces, len(solid.vertices))[0] == 1
     assert not len(open_edges(solid.faces))
@@ -82,7 +82,7 @@ def test_wrap_of_overlapping_tubes_is_one_closed_solid_of_the_right_volume():
     assert volume(coarse) == pytest.approx(union, rel=0.05)
 
 
-def test_mesh_of_a_tree_is_one_positive_piece_and_loses_nothing(meshed):
+def test_tree_mesh_is_connected_positive_and_complete(meshed):
     tree, mesh, _ = meshed
     assert 0.5 * 1500 < len(mesh.tets) < 1.5 * 1500
     assert (tet_volumes(mesh.vertices_m, mesh.tets) > 0).all()
@@ -94,7 +94,7 @@ def test_mesh_of_a_tree_is_one_positive_piece_and_loses_nothing(meshed):
     assert not len(open_edges(boundary_faces(mesh.tets)))
 
 
-def test_mesh_is_kept_under_the_hash_of_its_input(meshed):
+def test_mesh_is_cached_under_the_hash_of_its_input(meshed):
     tree, mesh, folder = meshed
     again = tetrahedralise(tree, target_tets=1500, cache_dir=folder)
     assert (again.vertices_m == mesh.vertices_m).all()
@@ -103,7 +103,7 @@ def test_mesh_is_kept_under_the_hash_of_its_input(meshed):
     assert len(list(folder.iterdir())) == 1
 
 
-def test_volume_is_restored_by_one_even_layer(meshed):
+def test_volume_is_restored_by_a_uniform_offset(meshed):
     _, mesh, _ = meshed
     before = tet_volumes(mesh.vertices_m, mesh.tets).sum()
     grown = restore_volume(mesh.vertices_m, mesh.tets, 1.05 * before)
@@ -112,7 +112,7 @@ def test_volume_is_restored_by_one_even_layer(meshed):
     assert (after > 0).all()
 
 
-def test_what_crashes_the_mesher_is_an_error():
+def test_mesher_crash_raises_mesh_error():
     bad: Any = {"vertices": np.zeros((4, 3)), "faces": np.array([[0, 1, 2], [1, 2, 3]], dtype=np.int32)}
     settings = {"epsilon": np.float64(1e-3), "edge_length": np.float64(0.05), "stop_energy": np.float64(30.0)}
     with pytest.raises(MeshError) as caught:
@@ -126,6 +126,6 @@ def test_what_crashes_the_mesher_is_an_error():
 
 
 @pytest.mark.parametrize("target", [10, 10**7])
-def test_absurd_targets_are_refused(target):
-    with pytest.raises(MeshError, match="not offered"):
+def test_targets_out_of_range_are_rejected(target):
+    with pytest.raises(MeshError, match="out of range"):
         tetrahedralise(make.as_tree(make.y_tree()), target_tets=target)

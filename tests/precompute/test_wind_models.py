@@ -1,4 +1,4 @@
-"""The wind's documents, clock, pressure and arithmetic, against exact answers and other libraries."""
+"""Wind documents, transitions, pressure and arithmetic against exact values and other libraries."""
 
 from __future__ import annotations
 
@@ -59,26 +59,26 @@ def test_golden_velocities_over_ten_thousand_frames(k: int) -> None:
     np.testing.assert_allclose(found, GOLDEN["models"][k]["velocity_m_s"], rtol=1e-9, atol=1e-12)
 
 
-def test_golden_glides_and_eddies() -> None:
+def test_golden_transitions_and_eddies() -> None:
     np.testing.assert_allclose(
         make_wind.changed()["velocity_m_s"], GOLDEN["changed"]["velocity_m_s"], rtol=1e-9, atol=1e-9
     )
     assert make_wind.eddies() == GOLDEN["eddies"]
 
 
-def test_golden_refusals_and_schema_are_current() -> None:
+def test_golden_errors_and_schema_are_current() -> None:
     assert make_wind.refusals() == GOLDEN["refused"]
     assert wind_schema() == json.loads(make_wind.SCHEMA.read_text())
 
 
 @pytest.mark.parametrize("wind", [*make_wind.WINDS, *PRESETS.values(), Wind()])
-def test_documents_come_back(wind: Wind) -> None:
+def test_documents_survive_a_round_trip(wind: Wind) -> None:
     assert parse_wind(json.loads(json.dumps(wind.document()))) == wind
 
 
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "8", None, True, [], 1e300])
-def test_every_number_is_checked_and_named(model: str, value: object) -> None:
+def test_every_number_is_validated_by_name(model: str, value: object) -> None:
     for name, rule in FIELDS.items():
         if model in rule.models:
             with pytest.raises(WindError) as error:
@@ -87,7 +87,7 @@ def test_every_number_is_checked_and_named(model: str, value: object) -> None:
             assert f"{rule.low:.10g}..{rule.high:.10g}" in error.value.expected
 
 
-def test_both_ends_of_every_range_are_allowed() -> None:
+def test_range_limits_are_inclusive() -> None:
     for model in MODELS:
         own: dict[str, Field] = {name: rule for name, rule in FIELDS.items() if model in rule.models}
         for end in ("low", "high"):
@@ -95,7 +95,7 @@ def test_both_ends_of_every_range_are_allowed() -> None:
             parse_wind({"version": 1, "model": model, **numbers})
 
 
-def test_states_are_checked() -> None:
+def test_states_are_validated() -> None:
     state = transition.change_wind(transition.steady(Wind()), Wind(model="perlin"), 3.0)
     assert parse_state(json.loads(json.dumps(state.document()))) == state
     for bad in (None, {}, {**state.document(), "travel": math.nan}, {**state.document(), "wind": 3}):
@@ -103,7 +103,7 @@ def test_states_are_checked() -> None:
             parse_state(bad)
 
 
-def test_transform_is_that_of_numpy() -> None:
+def test_transform_agrees_with_numpy() -> None:
     rng = np.random.default_rng(4)
     wave = rng.normal(size=(16, 64)) + 1j * rng.normal(size=(16, 64))
     re, im = wave.real.ravel().copy(), wave.imag.ravel().copy()
@@ -113,13 +113,13 @@ def test_transform_is_that_of_numpy() -> None:
     np.testing.assert_allclose((re + 1j * im).reshape(16, 64), np.fft.fft2(wave), atol=1e-12)
 
 
-def test_fast_cosine_is_the_cosine() -> None:
+def test_fast_cosine_is_accurate() -> None:
     turns = np.random.default_rng(5).uniform(-50.0, 50.0, 5000)
     found = [cos_turns(t) for t in turns]
     np.testing.assert_allclose(found, np.cos(2.0 * np.pi * (turns - np.round(turns))), atol=1e-15)
 
 
-def test_noise_vanishes_on_its_lattice_and_is_smooth_there() -> None:
+def test_noise_is_zero_and_smooth_at_lattice_points() -> None:
     order = permutation(9)
     assert sorted(order[:256]) == list(range(256))
     assert noise(order, SLOPES, 3.0, -7.0, 11.0) == 0.0
@@ -129,7 +129,7 @@ def test_noise_vanishes_on_its_lattice_and_is_smooth_there() -> None:
     assert after - at == pytest.approx(at - before, abs=1e-8)
 
 
-def test_noise_variance_is_the_integral() -> None:
+def test_noise_variance_equals_its_integral() -> None:
     fade = {0: 1, 3: -10, 4: 15, 5: -6}
     square: dict[int, int] = {}
     for i, a in fade.items():
@@ -141,13 +141,13 @@ def test_noise_variance_is_the_integral() -> None:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_still_air_presses_on_nothing(model: str) -> None:
+def test_still_air_has_zero_pressure(model: str) -> None:
     out = np.ones((2, len(X)), np.float32)
     wind_pressure(Wind(mean_speed_m_s=0.0, model=model), X, Z, 77.0, out[0], out[1])
     assert not out.any()
 
 
-def test_pressure_is_that_of_the_speed_along_the_heading() -> None:
+def test_pressure_is_the_dynamic_pressure_along_the_heading() -> None:
     wind = Wind(14.0, 200.0, 0.8, model="spectral")
     speed, heading = wind_speed(wind, X, Z, 9.0)
     out = np.zeros((2, len(X)))
@@ -156,7 +156,7 @@ def test_pressure_is_that_of_the_speed_along_the_heading() -> None:
     np.testing.assert_allclose(out, [pressure * np.cos(heading), pressure * np.sin(heading)], rtol=1e-12)
 
 
-def test_streamlining_sets_in_without_a_jump() -> None:
+def test_streamlining_starts_continuously() -> None:
     below, above = dynamic_pressure([5.0 - 1e-9, 5.0 + 1e-9])
     assert below == pytest.approx(15.0, abs=1e-7)
     assert above == pytest.approx(15.0, abs=1e-7)
@@ -164,7 +164,7 @@ def test_streamlining_sets_in_without_a_jump() -> None:
     assert ratio == pytest.approx(2.0**1.3)
 
 
-def test_height_turn_and_coverage() -> None:
+def test_height_factor_tree_frame_and_coverage() -> None:
     assert height_factor(12.0, 0.2, 12.0) == 1.0
     assert height_factor(24.0, 0.2, 12.0) == pytest.approx(2.0**0.2)
     east, south = to_tree_frame(np.array([1.0]), np.array([0.0]), math.pi / 2)
@@ -174,7 +174,7 @@ def test_height_turn_and_coverage() -> None:
     assert coverage(np.array([3.0, 5.1, 0.0, 0.0]), np.array([4.0, 0.0, 5.1, 0.0]), peak) == 0.5
 
 
-def test_the_papers_winds_are_single_cosines_that_keep_their_direction() -> None:
+def test_paper_winds_are_single_cosines_of_constant_direction() -> None:
     for k, (peak, depth, period_s, turns) in enumerate(PAPER_WAVES):
         for time_s in np.linspace(0.0, 12.0, 25):
             wave = (1.0 + depth * math.cos(2.0 * math.pi * (time_s / period_s + turns))) / (1.0 + depth)
@@ -194,11 +194,13 @@ DRAGS: list[tuple[str, float, float]] = [
 
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(("name", "start", "end"), DRAGS)
-def test_dragging_never_jumps_even_after_an_hour(model: str, name: str, start: float, end: float) -> None:
+def test_dragging_a_slider_causes_no_jumps_even_after_an_hour(
+    model: str, name: str, start: float, end: float
+) -> None:
     wind = replace(Wind(model=model), **{name: start})
     field, now = WindField(wind), 3600.0
     last, worst = velocity(field, now), 0.0
-    for k in range(1, 241):  # dragged back and forth for a second, watched in steps of 5 ms
+    for k in range(1, 241):  # dragged back and forth for a second, sampled every 5 ms
         now += 0.005
         way = (end - start + (-360.0 if name == "direction_deg" and end < start else 0.0)) % 360.0
         goal = start + way * 0.5 * (1.0 - math.cos(k / 20.0))
@@ -210,7 +212,7 @@ def test_dragging_never_jumps_even_after_an_hour(model: str, name: str, start: f
     assert worst < 0.4, f"{model} {name}: {worst:.3f} m/s in 5 ms"
 
 
-def test_another_model_fades_in() -> None:
+def test_change_of_model_is_continuous() -> None:
     field = WindField(Wind(model="perlin"))
     last, worst = velocity(field, 50.0), 0.0
     field.change(Wind(model="spectral", beta=1.0, seed=9), 50.0)
@@ -221,7 +223,7 @@ def test_another_model_fades_in() -> None:
     np.testing.assert_allclose(last, velocity(WindField(field.state), 50.0 + 0.005 * 199), rtol=1e-12)
 
 
-def test_travel_is_the_integral_of_the_gliding_rate() -> None:
+def test_travel_is_the_integral_of_the_changing_rate() -> None:
     state = transition.steady(Wind(model="perlin", convection_speed_m_s=8.0))
     state = transition.change_wind(state, Wind(model="perlin", convection_speed_m_s=3.0), 10.0)
     share = [min(max((t - 10.0) / transition.TRANSITION_S, 0.0), 1.0) for t in np.arange(0.0005, 12.0, 0.001)]
@@ -229,7 +231,7 @@ def test_travel_is_the_integral_of_the_gliding_rate() -> None:
     assert transition.at(state, 12.0).travel == pytest.approx(sum(rate) * 0.001, rel=1e-6)
 
 
-def test_whoever_shares_the_state_agrees() -> None:
+def test_fields_with_the_same_state_agree() -> None:
     field = WindField(Wind(model="navier-stokes"))
     velocity(field, 30.0)
     field.change(Wind(model="navier-stokes", direction_deg=90.0, mean_speed_m_s=12.0), 31.0)
@@ -238,26 +240,26 @@ def test_whoever_shares_the_state_agrees() -> None:
     np.testing.assert_array_equal(velocity(field, 700.0), velocity(late, 700.0))
 
 
-def test_eddies_go_back_in_time_when_asked() -> None:
+def test_eddies_can_go_back_in_time() -> None:
     field = WindField(Wind(model="navier-stokes"))
-    preliminary = velocity(field, 3.0)
+    before = velocity(field, 3.0)
     velocity(field, 90.0)
-    np.testing.assert_array_equal(velocity(field, 3.0), preliminary)
+    np.testing.assert_array_equal(velocity(field, 3.0), before)
 
 
-def test_a_single_wave_is_the_cosine() -> None:
+def test_single_wave_is_a_cosine() -> None:
     wind = Wind(10.0, 0.0, 0.5, 5.0, heading_swing_deg=0.0, waves=(Wave(0.25, 1.0, 0.0, 0.1),))
     speed, _ = wind_speed(wind, [0.0, 20.0], [0.0, 0.0], 1.7)
     assert speed[0] == pytest.approx(10.0 * (1.0 + 0.5 * math.cos(2.0 * math.pi * (0.25 * 1.7 + 0.1))))
     assert speed[1] == pytest.approx(speed[0]), "20 m at 5 m/s are a whole period"
 
 
-def test_bench_names_every_model() -> None:
+def test_benchmark_covers_every_model() -> None:
     figures = bench_wind(trees=50, frames=3)
     assert set(figures) == {"trees", *MODELS}
 
 
-def test_groups_of_trees_share_a_field() -> None:
+def test_groups_of_trees_can_be_evaluated_separately() -> None:
     field = WindField(Wind(model="perlin", direction_deg=20.0))
     whole, parts = np.zeros((2, 41)), np.zeros((2, 41))
     field.pressure(X, Z, 4.0, whole[0], whole[1])
@@ -266,7 +268,7 @@ def test_groups_of_trees_share_a_field() -> None:
     np.testing.assert_array_equal(whole, parts)
 
 
-def test_a_document_or_a_state_may_be_sent() -> None:
+def test_a_document_or_a_state_is_accepted() -> None:
     state = transition.change_wind(transition.steady(Wind()), Wind(model="perlin"), 3.0)
     assert parse_wind_or_state(state.document()) == state
     assert parse_wind_or_state(Wind().document()) == transition.steady(Wind())
@@ -274,13 +276,13 @@ def test_a_document_or_a_state_may_be_sent() -> None:
         parse_wind_or_state({"version": 1})
 
 
-def test_pressures_beyond_the_table_keep_their_direction() -> None:
+def test_limited_pressures_keep_their_direction() -> None:
     x, z = np.array([3.0, 30.0, 0.0], np.float32), np.array([4.0, -40.0, 0.0], np.float32)
     limit_pressure(x, z, 10.0)
     np.testing.assert_allclose(np.stack([x, z]), [[3.0, 6.0, 0.0], [4.0, -8.0, 0.0]], rtol=1e-6)
 
 
-def test_a_wind_on_its_way_can_always_be_sent() -> None:
+def test_states_in_transition_are_always_valid() -> None:
     rng = np.random.default_rng(8)
     state = transition.steady(Wind(model="spectral"))
     for k in range(300):

@@ -1,4 +1,4 @@
-"""The winds' statistics are those that their documents ask for."""
+"""The statistics of the winds agree with their documents."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def wind_of(model: str, seed: int, **more: Any) -> Wind:
 
 
 def gusts(wind: Wind, x_m: np.ndarray, z_m: np.ndarray, times_s: np.ndarray) -> np.ndarray:
-    """(times, places) velocity along the wind, which blows along x."""
+    """(times, places) velocity along the wind, which blows along x, m/s."""
     field, out = WindField(wind), np.zeros((2, len(x_m)))
     rows = np.empty((len(times_s), len(x_m)))
     for row, time_s in zip(rows, times_s, strict=True):
@@ -39,7 +39,7 @@ def scattered(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def slope(frequency: np.ndarray, power: np.ndarray, low: float, high: float) -> float:
-    """Of power over frequency, both logarithmic, every octave counting alike."""
+    """Slope of power over frequency, both logarithmic, with equal weight for every octave."""
     edges = np.geomspace(low, high, 13)
     bins = [(frequency >= a) & (frequency < b) for a, b in itertools.pairwise(edges)]
     points = [(np.log(frequency[b]).mean(), np.log(power[b].mean())) for b in bins if b.any()]
@@ -47,7 +47,7 @@ def slope(frequency: np.ndarray, power: np.ndarray, low: float, high: float) -> 
 
 
 def spectrum(seed: int, beta: float) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies in gusts a length scale (n = f L / c) and the mean power at a hundred trees."""
+    """Reduced frequencies (n = f L / c) and the mean power over a hundred trees."""
     x, z = scattered(100, seed)
     dt_s = 0.125
     series = gusts(wind_of("spectral", seed, beta=beta), x, z, np.arange(2048) * dt_s)
@@ -72,7 +72,7 @@ def test_spectral_power_is_flat_at_low_frequency() -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("model", MODELS)
-def test_mean_and_variance_are_as_set(model: str, seed: int) -> None:
+def test_mean_and_variance_agree_with_the_document(model: str, seed: int) -> None:
     x, z = scattered(2000, seed)
     series = gusts(wind_of(model, seed), x, z, np.arange(0.0, 1600.0, 5.0))
     intensity = 0.5 * TURBULENCE_PER_GUSTINESS
@@ -87,7 +87,7 @@ def test_mean_and_variance_are_as_set(model: str, seed: int) -> None:
 def test_gusts_arrive_downwind_after_distance_over_convection_speed(
     model: str, seed: int, distance_m: float
 ) -> None:
-    """Over 120 pairs: a single eddy swims with or against the wind, on average they are carried by it."""
+    """Averaged over 120 pairs, because single eddies move relative to the wind."""
     frame_s = 1.0 / 30.0
     x, z = scattered(120, seed)
     both_x, both_z = np.concatenate([x, x + distance_m]), np.concatenate([z, z])
@@ -97,7 +97,7 @@ def test_gusts_arrive_downwind_after_distance_over_convection_speed(
     length = len(series) - lags[-1]
     match = [agreement(series[:length:3, :120], series[lag : lag + length : 3, 120:]) for lag in lags]
     found = lags[int(np.argmax(match))]
-    print(f"{model}, seed {seed}: {found} frames for {expected:.1f}")
+    print(f"{model}, seed {seed}: {found} frames, expected {expected:.1f}")
     assert abs(found - expected) <= 1.0
 
 
@@ -106,7 +106,7 @@ def agreement(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def correlation(model: str, seed: int, along_m: float, across_m: float) -> float:
-    """Between trees so far apart, over many pairs and moments."""
+    """Correlation between trees at this distance, over many pairs and times."""
     x, z = scattered(200, seed)
     both_x, both_z = np.concatenate([x, x + along_m]), np.concatenate([z, z + across_m])
     series = gusts(wind_of(model, seed), both_x, both_z, np.arange(0.0, 900.0, 3.0)) - MEAN_M_S
@@ -117,7 +117,7 @@ def correlation(model: str, seed: int, along_m: float, across_m: float) -> float
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("model", TRAVELLING)
 @pytest.mark.parametrize(("along", "across"), [(1.0, 0.0), (0.0, 1.0)])
-def test_neighbours_move_alike_and_distant_trees_do_not(
+def test_neighbours_are_correlated_and_distant_trees_are_not(
     model: str, seed: int, along: float, across: float
 ) -> None:
     near = correlation(model, seed, 0.1 * LENGTH_M * along, 0.1 * LENGTH_M * across)
@@ -141,7 +141,7 @@ def test_eddies_stay_bounded_and_divergence_free_for_ten_thousand_steps() -> Non
 
 
 def divergence_share(eddies: Eddies) -> float:
-    """Mean |∂u/∂x + ∂v/∂y| over the mean size of the gradient, by central differences."""
+    """Mean |∂u/∂x + ∂v/∂y| relative to the mean magnitude of the gradient, by central differences."""
     u, v = eddies.velocity.reshape(2, GRID, GRID)
 
     def d(a: np.ndarray, axis: int) -> np.ndarray:
@@ -152,7 +152,7 @@ def divergence_share(eddies: Eddies) -> float:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_another_seed_is_another_wind_of_the_same_kind(model: str) -> None:
+def test_another_seed_changes_the_wind_but_not_its_statistics(model: str) -> None:
     x, z = scattered(500, 1)
     one, other = (
         gusts(replace(wind_of(model, 1), seed=seed), x, z, np.arange(0.0, 300.0, 5.0)) for seed in (1, 2)

@@ -1,15 +1,15 @@
-"""Wood: what a species is made of, and what is refused."""
+"""Built-in species, and rejection of invalid wood."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.wood.species import SPECIES, species
+from galewood.wood.species import SPECIES, wood_of_species
 
 
 @pytest.mark.parametrize("name", sorted(SPECIES))
 def test_every_species_is_stable_green_wood(name: str) -> None:
-    wood = species(name)
+    wood = wood_of_species(name)
     assert wood.is_stable()
     assert 5e9 < wood.young_longitudinal_pa < 15e9
     assert wood.young_transverse_pa < 0.2 * wood.young_longitudinal_pa
@@ -18,13 +18,13 @@ def test_every_species_is_stable_green_wood(name: str) -> None:
     assert wood.source
 
 
-def test_aliases_and_case_are_understood() -> None:
-    assert species(" Aspen ") is SPECIES["poplar"]
+def test_aliases_are_accepted_in_any_case() -> None:
+    assert wood_of_species(" Aspen ") is SPECIES["poplar"]
 
 
-def test_an_unknown_species_names_the_known_ones() -> None:
+def test_unknown_species_error_lists_the_known_ones() -> None:
     with pytest.raises(KeyError, match=r"apricot.*maple.*poplar"):
-        species("triffid")
+        wood_of_species("triffid")
 
 
 @pytest.mark.parametrize(
@@ -36,11 +36,11 @@ def test_an_unknown_species_names_the_known_ones() -> None:
         {"poisson_transverse": 1.2},
     ],
 )
-def test_impossible_wood_is_refused(change: dict[str, float]) -> None:
+def test_impossible_wood_is_rejected(change: dict[str, float]) -> None:
     with pytest.raises(ValueError):
-        replace(species("maple"), **change)
+        replace(wood_of_species("maple"), **change)
 
 
 def test_transverse_shear_follows_from_isotropy_across_the_fibre() -> None:
-    wood = species("maple")
+    wood = wood_of_species("maple")
     assert np.isclose(wood.shear_transverse_pa * 2 * (1 + wood.poisson_transverse), wood.young_transverse_pa)

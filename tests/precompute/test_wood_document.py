@@ -1,4 +1,4 @@
-"""A user's own wood: what is taken, what is refused and how it is told."""
+"""User-defined wood: accepted documents, rejected documents and their messages."""
 
 import json
 
@@ -7,13 +7,13 @@ from galewood.fem.model import FemSettings
 from galewood.model.construction import build_model
 from galewood.verify.bars import polygon_bar
 from galewood.wood.document import WoodDocument, WoodError, read_wood
-from galewood.wood.species import species
+from galewood.wood.species import wood_of_species
 
 
-def test_what_is_left_out_comes_from_the_species_it_is_based_on():
+def test_omitted_fields_come_from_the_base_species():
     wood = read_wood(json.dumps({"name": "my oak", "based_on": "maple", "density_kg_m3": 1000.0}))
     assert (wood.name, wood.density_kg_m3) == ("my oak", 1000.0)
-    assert wood.young_longitudinal_pa == species("maple").young_longitudinal_pa
+    assert wood.young_longitudinal_pa == wood_of_species("maple").young_longitudinal_pa
     assert wood.source == "the user"
 
 
@@ -29,13 +29,13 @@ def test_what_is_left_out_comes_from_the_species_it_is_based_on():
         ("name", "", "character"),
     ],
 )
-def test_a_wrong_field_is_named(field, value, word):
+def test_error_names_the_invalid_field(field, value, word):
     with pytest.raises(WoodError, match=word) as caught:
         read_wood(json.dumps({"name": "x", field: value}))
     assert [name for name, _ in caught.value.problems] == [field]
 
 
-def test_every_wrong_field_is_named_at_once():
+def test_error_names_all_invalid_fields():
     with pytest.raises(WoodError) as caught:
         read_wood('{"name": "x", "density_kg_m3": 1.0, "drag_coefficient": 9.0}')
     assert {name for name, _ in caught.value.problems} == {"density_kg_m3", "drag_coefficient"}
@@ -51,18 +51,18 @@ def test_every_wrong_field_is_named_at_once():
         ('{"name": "x", "poisson_transverse": 0.95, "poisson_longitudinal": 0.6}', "unstable"),
     ],
 )
-def test_what_is_no_wood_is_refused_with_a_reason(text, word):
+def test_invalid_documents_are_rejected_with_a_reason(text, word):
     with pytest.raises(WoodError, match=word):
         read_wood(text)
 
 
-def test_the_schema_states_ranges_and_units():
+def test_schema_has_ranges_and_units():
     properties = WoodDocument.model_json_schema()["properties"]
     assert properties["density_kg_m3"]["anyOf"][0]["maximum"] == 1500
     assert "kg/m³" in properties["density_kg_m3"]["description"]
 
 
-def test_a_stiffer_wood_sways_faster():
+def test_stiffer_wood_has_higher_frequencies():
     bar = polygon_bar(sides=5, radius_m=0.05, length_m=3.0, layers=10)
     settings = FemSettings(element="quadratic", gravity=False)
     soft, stiff = (

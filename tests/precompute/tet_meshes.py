@@ -1,15 +1,15 @@
-"""Tetrahedral meshes of known shape, without any mesher: a bar, and a Y that is cut from a grid of cubes."""
+"""Tetrahedral meshes of known shape that need no mesher: a bar and a Y, cut from a grid of cubes."""
 
 import numpy as np
 from galewood.tets.meshing import TetMesh
 from galewood.tets.quality import largest_component
 
-# A cube as six tets around its diagonal (Kuhn), corners numbered by bits x, y, z.
+# A cube as six tets around its diagonal (Kuhn); corners are numbered by the bits x, y, z.
 KUHN = np.array([[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]])
 
 
 def grid_mesh(holds, low, high, cell) -> TetMesh:
-    """All tets of a cubic grid whose centre satisfies `holds` (k, 3) -> (k,), the largest piece."""
+    """The largest component of all tets of a cubic grid whose centre satisfies `holds` (k, 3) -> (k,)."""
     counts = np.round((np.array(high) - low) / cell).astype(int)
     corner = np.stack(np.meshgrid(*(np.arange(n + 1) for n in counts), indexing="ij"), axis=-1).reshape(-1, 3)
     base = np.stack(np.meshgrid(*(np.arange(n) for n in counts), indexing="ij"), axis=-1).reshape(-1, 3)
@@ -36,7 +36,7 @@ Y_SEGMENTS = (
 
 
 def y_mesh(cell=0.07) -> TetMesh:
-    """A Y of three round limbs along Y_SEGMENTS, the trunk's foot cut flat at y = 0."""
+    """A Y of three round limbs along Y_SEGMENTS; the base of the trunk is cut flat at y = 0."""
 
     def holds(points):
         return (points[:, 1] > 0) & np.any([near_segment(points, *s) for s in Y_SEGMENTS], axis=0)

@@ -1,4 +1,4 @@
-"""Small meshes with known dimensions, and writers for the formats, made here so that no test needs a file."""
+"""Small meshes of known dimensions and writers for each format, so that no test needs a file."""
 
 import base64
 import json
@@ -12,7 +12,7 @@ from galewood.mesh.types import RenderPrimitive, TreeMesh
 
 
 def tube(start, end, radius_start, radius_end, sides=10, rings=6, closed=True) -> Surface:
-    """A straight round tube; closed by fans, outward windings."""
+    """A straight round tube with outward faces; closed by fans."""
     start, end = np.array(start, dtype=float), np.array(end, dtype=float)
     axis = (end - start) / np.linalg.norm(end - start)
     side = np.cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 else (1.0, 0.0, 0.0))
@@ -51,13 +51,13 @@ BRANCHES = (((0, FORK_M, 0), (1.6, 4.6, 0)), ((0, FORK_M, 0), (-1.5, 4.9, 0.4)))
 
 
 def y_tree(closed=True) -> Surface:
-    """A trunk of 0.15 m radius and two branches, overlapping tubes; 4.9 m tall, y up."""
+    """A trunk of radius 0.15 m and two branches, as overlapping tubes; 4.9 m tall, y up."""
     trunk = tube((0, 0, 0), (0, FORK_M + 0.1, 0), 0.15, 0.12, closed=closed)
     return joined(trunk, *(tube(a, b, 0.09, 0.04, closed=closed) for a, b in BRANCHES))
 
 
 def cards(centres, size=0.3) -> Surface:
-    """A square leaf card of two triangles at each centre, its lower edge there."""
+    """A square leaf card of two triangles above each given point."""
     square = np.array([[-0.5, 0, 0], [0.5, 0, 0], [0.5, 1, 0], [-0.5, 1, 0]]) * size
     vertices = (np.asarray(centres)[:, None] + square).reshape(-1, 3)
     corner = 4 * np.arange(len(centres))[:, None, None]
@@ -65,7 +65,7 @@ def cards(centres, size=0.3) -> Surface:
 
 
 def as_tree(wood: Surface, leaves: Surface | None = None) -> TreeMesh:
-    """A TreeMesh straight from surfaces, without intake."""
+    """A TreeMesh created directly from surfaces, without the mesh import."""
     primitives = [RenderPrimitive("wood_0", "wood", wood.vertices, wood.faces)]
     if leaves is not None:
         primitives.append(RenderPrimitive("leaves_0", "leaves", leaves.vertices, leaves.faces))
@@ -100,13 +100,15 @@ def ply_bytes(surface: Surface, vertices=None) -> bytes:
 
 
 def gltf_document(surface: Surface, uri: str | None = None, quantised=False) -> dict[str, Any]:
-    """A glTF with one mesh; its buffer a data URI unless another is given; 16-bit normalised on wish."""
+    """A glTF with one mesh; its buffer is a data URI unless `uri` is given; optionally 16-bit normalised."""
     positions = surface.vertices.astype("<f4")
     node: dict[str, Any] = {"mesh": 0}
     component, normalised = 5126, False
     if quantised:
         scale = float(np.abs(surface.vertices).max())
-        positions = np.zeros((len(surface.vertices), 4), dtype="<i2")  # rows padded to four bytes
+        positions = np.zeros(
+            (len(surface.vertices), 4), dtype="<i2"
+        )  # rows are padded to a multiple of four bytes
         positions[:, :3] = np.round(surface.vertices / scale * 32767)
         node["scale"] = [scale] * 3
         component, normalised = 5122, True

@@ -17,8 +17,8 @@ from galewood_server.jobs.analysis_files import PLOT, finish
 from galewood_server.jobs.job_process import main
 from galewood_server.jobs.reporting import JobLease, Reporter
 from galewood_server.settings import Settings
-from galewood_server.storage.files import Stores
 from galewood_server.storage.models import JobKind
+from galewood_server.storage.stores import Stores
 
 STEPS = 20
 

@@ -216,7 +216,7 @@ class Soak:
         return [str(path) for kind in kinds for path in (folder / kind).rglob("*") if path.is_file()]
 
     def _doctor(self) -> list[str]:
-        command = [sys.executable, "-m", "galewood_server.cli.commands", "doctor"]
+        command = [sys.executable, "-m", "galewood_server.cli.main", "doctor"]
         answer = subprocess.run(command, env=self.server.variables(), capture_output=True, text=True)
         return [] if answer.returncode == 0 else [f"doctor: {answer.stdout} {answer.stderr}"]
 
@@ -252,7 +252,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="galewood-soak-") as folder:
         data_dir = Path(folder) / "data"
         data_dir.mkdir()
-        server = Server(data_dir, "galewood_server.cli.commands", LIMITS).start("serve")
+        server = Server(data_dir, "galewood_server.cli.main", LIMITS).start("serve")
         try:
             soak = Soak(server, options.seed)
             soak.begin()

@@ -44,7 +44,7 @@ def worker() -> psutil.Process:
 
 def start(folder: Path, environment: dict[str, str]) -> Server:
     folder.mkdir(parents=True)
-    return Server(folder, "galewood_server.cli.commands", environment).start("serve")
+    return Server(folder, "galewood_server.cli.main", environment).start("serve")
 
 
 def test_a_build_outlives_worker_and_server_without_a_shared_disk(tmp_path: Path) -> None:

@@ -11,8 +11,8 @@ from galewood_server.cli.commands import app
 from galewood_server.cli.doctor import examine
 from galewood_server.settings import Settings
 from galewood_server.storage.database import migrate, open_database
-from galewood_server.storage.files import Stores
 from galewood_server.storage.models import Job, Tree
+from galewood_server.storage.stores import Stores
 from typer.testing import CliRunner
 
 OLD_S = 1_000_000_000

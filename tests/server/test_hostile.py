@@ -34,7 +34,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
         "GALEWOOD_STORED_BYTES": str(100 * MEGABYTE),
         "TMPDIR": str(folder / "tmp"),
     }
-    server = Server(folder / "data", "galewood_server.cli.commands", environment).start("serve")
+    server = Server(folder / "data", "galewood_server.cli.main", environment).start("serve")
     yield server
     server.stop()
 

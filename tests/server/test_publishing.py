@@ -19,9 +19,10 @@ from galewood_server.jobs.publishing import Publisher
 from galewood_server.jobs.queue import add_job
 from galewood_server.jobs.reporting import JobLease
 from galewood_server.storage.database import Sessions, migrate, open_database
-from galewood_server.storage.files import FileStore, Stores
+from galewood_server.storage.files import FileStore
 from galewood_server.storage.garbage import collect_garbage, mark_garbage, referenced
 from galewood_server.storage.models import Garbage, Job, JobKind, Tree, utc_now
+from galewood_server.storage.stores import Stores
 from sqlalchemy import select, update
 
 POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()

@@ -38,7 +38,7 @@ BAD: dict[str, tuple[bytes, str, set[int]]] = {
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     data_dir = tmp_path_factory.mktemp("real") / "data"
     data_dir.mkdir()
-    server = Server(data_dir, "galewood_server.cli.commands").start("serve")
+    server = Server(data_dir, "galewood_server.cli.main").start("serve")
     yield server
     server.stop()
 

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { addRows } from "../../web/src/core/modal/addRows";
 import { seededRandom } from "./seeded";
 
-test("sums of rows of any width are those of one column after the other", () => {
+test("sums of rows of any width equal those computed column by column", () => {
   const next = seededRandom(17);
   const some = (length: number) => Float64Array.from({ length }, () => next() - 0.5);
   for (let width = 0; width <= 40; width++) {

@@ -1,4 +1,4 @@
-/** Trees that outlive a new plan: a species that joins, a table that replaces a smaller one. */
+/** Trees that stay in a new plan: when a species is added, or a table replaces another one. */
 import { describe, expect, test } from "vitest";
 import { poseStride } from "../../web/src/core/motion/poseStride";
 import { decodeTable, type Table } from "../../web/src/core/table/table";
@@ -28,9 +28,9 @@ function groupOf(ids: number[], of: Table = table) {
 
 const bufferFor = (count: number) => new Float32Array(count * poseStride(table.metadata.modes));
 
-describe("a species that joins", () => {
+describe("an added species", () => {
   for (const method of ["modal", "paper"] as const) {
-    test(`does not restart the trees that stay (${method})`, () => {
+    test(`does not restart the existing trees (${method})`, () => {
       const before = groupOf([1, 2, 3, 4, 5, 6]);
       const after = groupOf([6, 2, 9, 4]);
       const options = { method, poseEasing: null };
@@ -56,12 +56,12 @@ describe("a species that joins", () => {
   }
 });
 
-test("rows before: where each tree was, or nowhere", () => {
+test("previous rows: the index of each tree, or −1", () => {
   expect([...rowsBefore([4, 8, 15], [15, 16, 4])]).toEqual([2, -1, 0]);
 });
 
 describe("a table that replaces another of the same mesh", () => {
-  /** The same tree with its coordinates mixed and doubled: every motion of the old is one of the new. */
+  /** The same tree with mixed and doubled coordinates, which can represent every motion of the old one. */
   function mixed(): Table {
     const { modes } = table.metadata;
     const nodeBasis = table.nodeBasis.slice();
@@ -72,7 +72,7 @@ describe("a table that replaces another of the same mesh", () => {
     return { ...table, nodeBasis };
   }
 
-  test("takes the shape of the tree over", () => {
+  test("keeps the shape of the tree", () => {
     const full = mixed();
     const { modes } = table.metadata;
     const stride = poseStride(modes);
@@ -96,7 +96,7 @@ describe("a table that replaces another of the same mesh", () => {
     expect(carried?.poses[stride + modes]).toBe(7);
   });
 
-  test("a table of another mesh takes nothing over", () => {
+  test("a table of another mesh does not take over any pose", () => {
     const other = { ...table, vertexNode: table.vertexNode.slice(1) };
     expect(poseTransfer(table, other)).toBeNull();
     expect(carryGroup(groupOf([1], other), [groupOf([1])], [bufferFor(1)])).toBeNull();
@@ -104,8 +104,8 @@ describe("a table that replaces another of the same mesh", () => {
   });
 });
 
-describe("nodes for the distance", () => {
-  test("groups grow finer, each is the nearest centre's, and the error falls", () => {
+describe("nodes of the levels of detail", () => {
+  test("groups get finer, each row belongs to the nearest centre, and the error decreases", () => {
     const random = seededRandom(4);
     const rows = Float32Array.from({ length: 300 * 4 }, () => random());
     const [few, more] = groupRows(rows, 4, [5, 40]);
@@ -127,11 +127,11 @@ describe("nodes for the distance", () => {
     expect(spread(more)).toBeLessThan(0.5 * spread(few));
   });
 
-  test("rows that are alike need no more groups", () => {
+  test("equal rows need no further groups", () => {
     expect([...groupRows(Float32Array.of(1, 1, 2, 2, 1, 1), 2, [2, 9])[1]]).toEqual([0, 1, 0]);
   });
 
-  test("every level of a table covers all its nodes, with modes and wind in the quads it says", () => {
+  test("every level covers all nodes, and its quads hold the modes and the wind", () => {
     const motion = tableMotion("", table, 0);
     expect(motion.levels).toHaveLength(5);
     for (const level of [...coarserNodes(table), motion.levels[0]]) {

@@ -1,4 +1,4 @@
-/** Trees, meshes and tables as they come in, also out of order. */
+/** Loading of trees, meshes and tables, also out of order. */
 import { afterEach, expect, test, vi } from "vitest";
 import type { Tree } from "../../web/src/page/server/api";
 import { Catalogue } from "../../web/src/page/server/catalogue";
@@ -21,7 +21,7 @@ const tree = (table: string | null): Tree =>
 const motionOf = (sha256: string, vertices = 3) =>
   ({ sha256, vertexNode: new Uint16Array(vertices) }) as unknown as TableMotion;
 
-/** A catalogue whose tables arrive when the test says so. */
+/** A catalogue whose tables are delivered by the test. */
 function started() {
   const arriving = new Map<string, { resolve(motion: TableMotion): void; reject(error: Error): void }>();
   const grown: (string | null)[] = [];
@@ -41,7 +41,7 @@ function started() {
 
 afterEach(() => vi.clearAllMocks());
 
-test("a tree stands until its table is there, and is placed once with it if both are on their way", async () => {
+test("a tree is static until its table is loaded, and is placed only once if both are loading", async () => {
   const { arriving, grown, settle } = started();
   handlers.change({ tree: tree(null), job: null });
   await settle();
@@ -51,7 +51,7 @@ test("a tree stands until its table is there, and is placed once with it if both
   expect(grown).toEqual([null, "full"]);
 });
 
-test("a full table replaces an early one, which never comes back however late it arrives", async () => {
+test("a full table replaces a preliminary one, even if that one arrives later", async () => {
   const { arriving, grown, settle, catalogue } = started();
   handlers.change({ tree: tree("early"), job: null });
   handlers.change({ tree: tree("full"), job: null });
@@ -63,7 +63,7 @@ test("a full table replaces an early one, which never comes back however late it
   expect(catalogue.assets[0].motion?.sha256).toBe("full");
 });
 
-test("an early table that is gone by now is no problem; a table that cannot be read is one", async () => {
+test("a failed load is reported for a current table but not for a superseded one", async () => {
   const { arriving, problems, settle } = started();
   handlers.change({ tree: tree("early"), job: null });
   handlers.change({ tree: tree("full"), job: null });
@@ -75,7 +75,7 @@ test("an early table that is gone by now is no problem; a table that cannot be r
   expect(problems).toHaveLength(1);
 });
 
-test("a table of another mesh moves nothing", async () => {
+test("a table of another mesh is not used", async () => {
   const { arriving, settle, catalogue } = started();
   handlers.change({ tree: tree("other"), job: null });
   arriving.get("other")?.resolve(motionOf("other", 7));

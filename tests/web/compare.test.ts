@@ -21,13 +21,13 @@ const good = {
 };
 
 describe("the tracks of a comparison", () => {
-  test("are read", () => {
+  test("are decoded", () => {
     const tracks = decodeTracks(encode(good));
     expect([...tracks.q.fem]).toEqual([1, 2, 3, 4, 5, 6]);
     expect(tracks.error.paper.max).toEqual([0.001, 0.002]);
   });
 
-  test("are read under the modal method's former id too", () => {
+  test("are accepted under the former id of the modal method", () => {
     const { modal, ...tracks } = good.tracks;
     const former = { ...good, tracks: { ...tracks, tangent: modal }, error: { tangent: errors, paper: errors } };
     expect(decodeTracks(encode(former))).toEqual(decodeTracks(encode(good)));
@@ -40,11 +40,11 @@ describe("the tracks of a comparison", () => {
     ["a track of another length", { modes: 4 }],
     ["no errors", { error: {} }],
     ["a sway of another length", { sway: [0.1] }],
-  ])("with %s are refused in words", (_, change) => {
+  ])("with %s are rejected with a message", (_, change) => {
     expect(() => decodeTracks(encode({ ...good, ...change }))).toThrow("The comparison could not be read");
   });
 
-  test("are met between two frames, and stay at their ends", () => {
+  test("are interpolated between frames and clamped at the ends", () => {
     const q = Float32Array.from([1, 2, 3, 3, 6, 9]);
     const out = new Float32Array(3);
     for (const [place, expected] of [
@@ -58,7 +58,7 @@ describe("the tracks of a comparison", () => {
   });
 });
 
-describe("what was assumed of an upload", () => {
+describe("detected properties of an upload", () => {
   const intake = {
     up_axis: { value: "z", reason: "the base is flat in z" },
     unit: { reason: "a height of 70 fits no unit" },
@@ -72,8 +72,8 @@ describe("what was assumed of an upload", () => {
     warnings: ["The unit is assumed."],
   };
 
-  test("is read from an intake report, or from that inside a build's", () => {
-    for (const report of [intake, { intake, meshing: {} }]) {
+  test("are read from an import report, or from the one inside a build report", () => {
+    for (const report of [intake, { intake, meshing: {} }, { import: intake, meshing: {} }]) {
       const assumed = assumedOf(report);
       expect(assumed.axis.value).toBe("z");
       expect(assumed.parts.map(({ name, faces, wood }) => [name, faces, wood])).toEqual([
@@ -84,24 +84,24 @@ describe("what was assumed of an upload", () => {
     }
   });
 
-  test("a report that says nothing gives nothing, not an error", () => {
+  test("an empty or invalid report gives the defaults", () => {
     for (const report of [null, {}, [], "x", { parts: [null] }]) expect(assumedOf(report).axis.value).toBe("y");
   });
 });
 
-test("the picked tree's figures in words", () => {
+test("figures of the selected tree", () => {
   const tree = { id: 1, treeId: "maple", species: "maple", position: { x: 0, y: 0, z: 0 }, radius_m: 3, distance_m: 9 };
   const words = figuresInWords({ ...tree, height_m: 10, moves: true, tip_m: 0.5, extrapolationRatio: 1.2, record: 4321 });
   expect(Object.fromEntries(words)).toEqual({
     Height: "10.0 m",
-    "Tip is off by": "0.50 m",
-    "Share of its height": "5.0 %",
-    "Of the sampled range": "120 %, beyond what was sampled",
-    "Record in use": "4,321",
+    "Tip displacement": "0.50 m",
+    "Relative to height": "5.0 %",
+    "Extrapolation ratio": "1.20 (extrapolated)",
+    "Current record": "4,321",
   });
   const still = figuresInWords({ ...tree, height_m: 10, moves: false, tip_m: 0, extrapolationRatio: null, record: null });
   expect(still).toEqual([
     ["Height", "10.0 m"],
-    ["Motion", "still to be computed"],
+    ["Motion", "not computed yet"],
   ]);
 });

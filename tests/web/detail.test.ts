@@ -16,7 +16,7 @@ import {
 import { seededRandom } from "./seeded";
 import { leafReach, openness, roundNormals } from "../../web/src/scene/trees/mesh/foliage";
 
-/** `count` separate quads, the k-th of side 1 + k/count, standing at x = 10 k. */
+/** `count` separate quads; the k-th has side 1 + k/count and stands at x = 10 k. */
 function quads(count: number) {
   const positions = new Float32Array(count * 12);
   const index: number[] = [];
@@ -36,7 +36,7 @@ describe("levels of detail", () => {
     expect(componentCentres(pieces, positions)[3]).toBeCloseTo(10 + 1.02 / 2, 4);
   });
 
-  test("a level's triangles are a prefix that holds every piece of any size at its share", () => {
+  test("the triangles of a level are a prefix that contains every visible piece at its share", () => {
     const { pieces, index } = quads(2000);
     const ranks = leafRanks(pieces);
     const ranked = rankedIndex(index, (v) => ranks[pieces.ofVertex[v]]);
@@ -48,7 +48,7 @@ describe("levels of detail", () => {
     });
   });
 
-  test("no piece pops: sizes follow the distance without steps, across every change of level", () => {
+  test("no popping: sizes change continuously with distance, also where the level changes", () => {
     const first_m = 50;
     let level = 255;
     let before = new Float64Array(100).fill(1);
@@ -68,14 +68,14 @@ describe("levels of detail", () => {
     expect(level).toBe(LEVEL_SHARES.length - 1);
   });
 
-  test("the crown's area stays while leaves go, as long as they may grow", () => {
+  test("the crown area is preserved up to the growth limit", () => {
     for (const share of [1, 0.7, 0.45, 0.25, 0.18]) {
       const area = Array.from({ length: 5000 }, (_, k) => (pieceSize(k / 5000, share) * leafGrowth(share)) ** 2);
       expect(area.reduce((a, b) => a + b) / 5000).toBeCloseTo(1, 0);
     }
   });
 
-  test("leaves that stay grow about their own middle, evenly, and by no more than they may", () => {
+  test("remaining leaves grow uniformly about their centre, up to the limit", () => {
     const random = seededRandom(5);
     for (let k = 0; k < 300; k++) {
       const point = () => [random() - 0.5, random() - 0.5, random() - 0.5];
@@ -97,14 +97,14 @@ describe("levels of detail", () => {
     expect(MOST_GROWTH).toBeLessThanOrEqual(2.5);
   });
 
-  test("a card hangs on one node; leaves that are one large piece keep a node for each vertex", () => {
+  test("a card is bound to one node; a large piece keeps one node per vertex", () => {
     const { pieces } = quads(3);
     expect([...holders(pieces)]).toEqual([0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8]);
     const sheet = connectedComponents(Array.from({ length: 60 }, (_, i) => Math.floor(i / 3) + (i % 3)), 22);
     expect([...holders(sheet)]).toEqual(Array.from({ length: 22 }, (_, v) => v));
   });
 
-  test("the level does not flicker where two meet", () => {
+  test("the level does not flicker at a boundary", () => {
     const levels: number[] = [];
     let level = 255;
     for (let k = 0; k < 40; k++) {
@@ -114,14 +114,14 @@ describe("levels of detail", () => {
     expect(new Set(levels.slice(1)).size).toBe(1);
   });
 
-  test("a branch that a seam cuts is one branch", () => {
+  test("a branch with a texture seam is one piece", () => {
     const positions = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 5, 5, 5, 6, 5, 5, 5, 6, 5];
     const pieces = weldedComponents([0, 1, 2, 3, 4, 5, 6, 7, 8], positions);
     expect(pieces.count).toBe(2);
     expect([...pieces.ofVertex]).toEqual([0, 0, 0, 0, 0, 0, 1, 1, 1]);
   });
 
-  test("the longest branches rank first; wood in few pieces stays whole", () => {
+  test("the longest branches rank first; wood of few pieces stays complete", () => {
     const { pieces, positions } = quads(100);
     const ranks = woodRanks(pieces, positions);
     expect(ranks[99]).toBe(0);
@@ -130,7 +130,7 @@ describe("levels of detail", () => {
     expect([...woodRanks(one, new Float32Array(9))]).toEqual([0]);
   });
 
-  test("a branch shrinks to its end at the trunk", () => {
+  test("a branch shrinks to its base at the trunk", () => {
     const { pieces, positions } = quads(3);
     expect([...branchBases(pieces, positions)]).toEqual([0, 0, 0, 10, 0, 0, 20, 0, 0]);
   });
@@ -140,7 +140,7 @@ describe("light in the crown", () => {
   const centre = { x: 0, y: 5, z: 0 };
   const positions = Float32Array.of(3, 5, 0, 0.1, 5, 0, 0, 9, 0);
 
-  test("normals point outward and have length one", () => {
+  test("normals point outwards and have unit length", () => {
     const normals = roundNormals(positions, Float32Array.of(-1, 0, 0, 0, 0, 1, 0, -1, 0), centre);
     expect(normals[0]).toBeGreaterThan(0.9);
     expect(normals[7]).toBeGreaterThan(0.9);
@@ -153,7 +153,7 @@ describe("light in the crown", () => {
     expect(top).toBeGreaterThan(outside);
   });
 
-  test("a leaf's first vertex holds still, its farthest is free", () => {
+  test("the flutter weight is 0 at the first vertex of a leaf and 1 at the farthest", () => {
     const { pieces, positions: leaf } = quads(2);
     const reach = leafReach(pieces, leaf);
     expect([reach[0], reach[2], reach[4], reach[6]]).toEqual([0, 1, 0, 1]);

@@ -14,7 +14,7 @@ const everywhere: View = {
   levelFrom_m: [30, 60],
   shadow_m: 100,
 };
-/** Sees only what lies at x > 10. */
+/** A plane that shows only x > 10. */
 const halfSpace: View = { ...everywhere, planes: [{ normal: { x: 1, y: 0, z: 0 }, constant: -10 }] };
 
 const instances = createInstanceData(placeTrees(400, 7), () => 0, () => [1, 1, 1, 0]);
@@ -36,7 +36,7 @@ const casterTrees = (list: DrawList) =>
   ).flat();
 
 describe("selection of trees", () => {
-  test("without planes every tree is drawn once, the near ones in full", () => {
+  test("without planes every tree is drawn once, near ones in full detail", () => {
     const list = select(everywhere);
     expect(list.drawn).toBe(instances.count);
     expect(new Set(list.order).size).toBe(instances.count);
@@ -47,7 +47,7 @@ describe("selection of trees", () => {
     }
   });
 
-  test("what cannot be seen is left out unless its shadow may be", () => {
+  test("trees out of view are omitted unless their shadow may be visible", () => {
     const list = select(halfSpace);
     const seen = seenTrees(list);
     expect(seen.length).toBeGreaterThan(0);
@@ -58,7 +58,7 @@ describe("selection of trees", () => {
     expect(new Set([...seen, ...casterTrees(list)]).size).toBe(list.drawn);
   });
 
-  test("the ranges of the levels tile the order", () => {
+  test("the ranges of the levels partition the order", () => {
     const list = select(halfSpace);
     let at = 0;
     for (let level = 0; level < LEVEL_COUNT; level++) {
@@ -75,12 +75,12 @@ describe("selection of trees", () => {
     expect(select(night, { ...BOUNDS, reach_m: 3.5 }, new DrawList(edge)).drawn).toBe(1);
   });
 
-  test("casters of the near cascade are those whose shadow may fall near, and come first", () => {
+  test("casters whose shadow may fall near come first and are used by the near cascade", () => {
     const list = select(everywhere);
     const near = Array.from({ length: LEVEL_COUNT }, (_, level) => list.castersWithin(level, 20));
     const all = Array.from({ length: LEVEL_COUNT }, (_, level) => list.castersWithin(level, Infinity));
     expect(near.reduce((a, b) => a + b)).toBeLessThan(all.reduce((a, b) => a + b));
-    // Brute force: a point of the shadow of a caster within 20 m of the eye.
+    // Brute force: casters with a shadow point within 20 m of the eye.
     const { sun, eye } = everywhere;
     for (let tree = 0; tree < instances.count; tree++) {
       const [x, y, z, , , , scale] = dataOf(tree);
@@ -95,10 +95,10 @@ describe("selection of trees", () => {
     }
   });
 
-  test("a level is kept while it serves", () => {
+  test("a level is kept within the hysteresis", () => {
     const list = select(everywhere);
     const before = list.level.slice();
-    // A little farther away, then a little nearer.
+    // Slightly farther away, then slightly nearer.
     for (const z of [20.4, 20, 19.6]) select({ ...everywhere, eye: { x: 0, y: 5, z } }, BOUNDS, list);
     list.level.forEach((level, tree) => {
       expect(LEVEL_SHARES[level]).toBeGreaterThanOrEqual(list.share[tree]);
@@ -107,7 +107,7 @@ describe("selection of trees", () => {
   });
 });
 
-test("a cylinder is seen wherever one of its points is", () => {
+test("a cylinder is visible if one of its points is", () => {
   const random = seededRandom(5);
   for (let round = 0; round < 300; round++) {
     const planes = Array.from({ length: 4 }, () => {

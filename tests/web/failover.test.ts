@@ -4,7 +4,7 @@ import type { LocalMotion } from "../../web/src/worker/motion/localMotion";
 import type { ConnectionState } from "../../web/src/worker/protocol";
 import type { StreamMotion } from "../../web/src/worker/motion/streamMotion";
 
-/** A source whose poses are its clock; only what the failover uses of the real ones. */
+/** A source whose poses equal its clock, with only the members that the failover uses. */
 class Source {
   state: ConnectionState = "live";
   disposed = false;
@@ -48,8 +48,8 @@ function setUp() {
   return { stream, locals, switches, motion, out: [new Float32Array(1)] };
 }
 
-describe("when the server's stream is lost", () => {
-  it("local tables go on from the time reached, and the stream takes over again from theirs", () => {
+describe("when the stream of the server is lost", () => {
+  it("the local tables continue at the current time, and the stream resumes from theirs", () => {
     const { stream, locals, switches, motion, out } = setUp();
     motion.advance(1, out);
     expect([out[0][0], locals.length]).toEqual([11, 0]);
@@ -60,13 +60,13 @@ describe("when the server's stream is lost", () => {
     stream.state = "live";
     motion.advance(1, out);
     expect([out[0][0], locals[0].disposed, switches.length]).toEqual([14, true, 2]);
-    // A second loss begins anew.
+    // The same after a second loss.
     stream.state = "lost";
     motion.advance(1, out);
     expect([locals.length, out[0][0]]).toEqual([2, 15]);
   });
 
-  it("both hear of another wind, and both end", () => {
+  it("both receive wind changes, and both are disposed", () => {
     const { stream, locals, motion, out } = setUp();
     stream.state = "lost";
     motion.advance(1, out);

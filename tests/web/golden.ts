@@ -1,7 +1,7 @@
 import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 
-/** A file that Python wrote (python -m tests.golden.make). */
+/** A file written by Python (python -m tests.golden.make). */
 export function golden(name: string): Uint8Array {
   return new Uint8Array(readFileSync(fileURLToPath(new URL(`../golden/${name}`, import.meta.url))));
 }
@@ -10,7 +10,7 @@ export function goldenJson<T>(name: string): T {
   return JSON.parse(new TextDecoder().decode(golden(name))) as T;
 }
 
-/** Small seeded generator (mulberry32) for tests that print their seed. */
+/** Small seeded generator (mulberry32). */
 export function random(seed: number): () => number {
   let state = seed >>> 0;
   return () => {

@@ -19,7 +19,7 @@ describe("Beaufort", () => {
     [60, 12, "hurricane"],
   ])("%f m/s is force %i, %s", (speed, force, name) => expect(beaufort(speed)).toEqual({ force, name }));
 
-  test("names where the wind goes", () => {
+  test("names the direction the wind blows towards", () => {
     expect(compassPoint(0)).toBe("east");
     expect(compassPoint(-90)).toBe("north");
     expect(compassPoint(359)).toBe("east");
@@ -28,7 +28,7 @@ describe("Beaufort", () => {
 });
 
 describe("the dial", () => {
-  test("what lies ahead of the camera is at the top", () => {
+  test("the viewing direction is at the top", () => {
     for (const [x, z] of [[0, -1], [1, 0], [-0.6, 0.8]]) {
       const ahead_deg = (Math.atan2(z, x) * 180) / Math.PI;
       const { right, down } = placeOfWind({ direction_deg: ahead_deg, mean_speed_m_s: 25 }, dialTurn_deg({ x, z }));
@@ -37,7 +37,7 @@ describe("the dial", () => {
     }
   });
 
-  test("a place and its wind are each other's, for random turns (seed 3)", () => {
+  test("position and wind are inverse functions, for random rotations (seed 3)", () => {
     const next = random(3);
     for (let k = 0; k < 200; k++) {
       const turn = 720 * next() - 360;
@@ -47,12 +47,12 @@ describe("the dial", () => {
     }
   });
 
-  test("the middle is still air that keeps its direction", () => {
+  test("the centre gives still air and keeps the direction", () => {
     const before = { direction_deg: 77, mean_speed_m_s: 3 };
     expect(windAtPlace({ right: 0, down: 0.01 }, 5, before)).toEqual({ direction_deg: 77, mean_speed_m_s: 0 });
   });
 
-  test("keys turn and strengthen within the range", () => {
+  test("keys change direction and speed within the range", () => {
     const wind = { direction_deg: 2, mean_speed_m_s: 24.8 };
     expect(windAfterKey("ArrowLeft", wind)?.direction_deg).toBe(357);
     expect(windAfterKey("ArrowUp", wind)?.mean_speed_m_s).toBe(25);
@@ -62,7 +62,7 @@ describe("the dial", () => {
 });
 
 describe("editing", () => {
-  test("every model of every preset is a wind, there and back", () => {
+  test("every model of every preset is a valid wind, also after a round trip", () => {
     for (const name of Object.keys(PRESETS) as PresetName[]) {
       for (const model of MODELS) {
         const wind = withModel(presetAt(name, 200), model);
@@ -74,7 +74,7 @@ describe("editing", () => {
     expect(presetOf(CALM_BREEZE)).toBeNull();
   });
 
-  test("a file that is no wind is refused with the path", () => {
+  test("an invalid wind file is rejected with the path", () => {
     expect(windFromText(JSON.stringify(CALM_BREEZE))).toEqual(CALM_BREEZE);
     expect(() => windFromText("{")).toThrow(WindError);
     expect(() => windFromText('{"version":1,"model":"cosine"}')).toThrow(/wind\.mean_speed_m_s: missing/);
@@ -82,7 +82,7 @@ describe("editing", () => {
 });
 
 describe("the anemometer", () => {
-  test("samples at even steps, forgets the oldest, starts anew after a jump", () => {
+  test("samples at equal steps, drops the oldest and restarts after a jump", () => {
     const recorder = new Recorder();
     const measure = (time_s: number) => ({ speed_m_s: time_s, tip_m: 2 * time_s });
     for (let k = 0; k < 4000; k++) recorder.advance(k * 0.02, measure);
@@ -95,7 +95,7 @@ describe("the anemometer", () => {
     expect(recorder.count).toBe(1);
   });
 
-  test("a sine's power is half its square, at its frequency", () => {
+  test("the power of a sine is half its squared amplitude, at its frequency", () => {
     const values = Float64Array.from({ length: 2048 }, (_, k) => 5 + 3 * Math.sin((2 * Math.PI * 1.2 * k) / 30));
     const spectrum = powerSpectrum(values, 2048, 30);
     if (!spectrum) throw new Error("no spectrum");
@@ -105,7 +105,7 @@ describe("the anemometer", () => {
     expect(powerSpectrum(values, 100, 30)).toBeNull();
   });
 
-  test("the line has slope −5/3 and the spectrum's strength", () => {
+  test("the fitted line has slope −5/3 and the level of the spectrum", () => {
     const frequency_hz = Float64Array.from({ length: 100 }, (_, k) => 0.1 * (k + 1));
     const power = frequency_hz.map((f) => 7 * f ** (-5 / 3));
     const line = kolmogorovLine({ frequency_hz, power }, 0.3, 2);
@@ -115,7 +115,7 @@ describe("the anemometer", () => {
   });
 });
 
-test("the tip is the node that moves most, and its distance is that of its displacement", () => {
+test("the tip is the node that moves most, and its displacement is a distance", () => {
   const basis = new Float32Array(2 * 3 * 4);
   basis[0] = 1; // node 0, x, mode 0
   basis[12 + 8] = 3; // node 1, z, mode 0
@@ -125,14 +125,14 @@ test("the tip is the node that moves most, and its distance is that of its displ
   expect(tipDisplacement_m(motion, 1, [1, 1, 0, 0], 2)).toBeCloseTo(10, 6);
 });
 
-test("the nearest tree is found among all groups", () => {
+test("finds the nearest tree among all groups", () => {
   const placements = [new Float32Array([0, 0, 0, 1, 10, 0, 0, 1]), new Float32Array([4, 4, 0, 1])];
   expect(nearestTree(placements, 5, 3)).toEqual({ group: 1, tree: 0 });
   expect(nearestTree(placements, 9, 0)).toEqual({ group: 0, tree: 1 });
   expect(nearestTree([], 0, 0)).toBeNull();
 });
 
-test("a ray meets the ground where the ground is", () => {
+test("a ray intersects the ground at its height", () => {
   const height = (x: number, z: number) => 2 * Math.sin(x / 20) + z / 50;
   const ray = { from: { x: 0, y: 15, z: 0 }, to: { x: 0.6, y: -0.36, z: 0.71 } };
   const place = groundUnder(ray, height);

@@ -7,8 +7,8 @@ import { promisify } from "node:util";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 
 /**
- * The import rules of web/biome.json and the compilers of core and worker, shown to fail: each violation below is
- * planted in a folder of its own that has the project's configuration.
+ * Import rules of web/biome.json and compiler configurations of core and worker: each violation below is created in a
+ * temporary folder with the configuration of the project and must be rejected.
  */
 const WEB = fileURLToPath(new URL("../../web", import.meta.url));
 const run = promisify(execFile);
@@ -26,7 +26,7 @@ function plant(folder: string, files: Record<string, string>): void {
   }
 }
 
-/** What a program says, and whether it found nothing wrong. */
+/** Output of a program, and whether it succeeded. */
 async function check(command: string, args: string[], cwd: string): Promise<{ passes: boolean; text: string }> {
   try {
     const { stdout, stderr } = await run(join(WEB, "node_modules/.bin", command), args, { cwd });
@@ -49,7 +49,7 @@ async function lint(files: Record<string, string>) {
 const importing = (specifier: string) => `import { thing } from "${specifier}";\nexport const other = thing;\n`;
 const importingType = (specifier: string) => `import type { Thing } from "${specifier}";\nexport type Other = Thing;\n`;
 
-describe("biome refuses", () => {
+describe("biome rejects", () => {
   test.each([
     ["src/core/wind/planted.ts", "three", "core draws nothing"],
     ["src/core/wind/planted.ts", "three/addons/controls/OrbitControls.js", "core draws nothing"],
@@ -89,7 +89,7 @@ describe("biome refuses", () => {
   });
 });
 
-test("biome lets the allowed imports pass", async () => {
+test("biome accepts the allowed imports", async () => {
   const { passes, text } = await lint({
     "src/core/math/planted.ts": importing("../wind/document"),
     "src/worker/motion/planted.ts": importing("../../core/table/table") + "export * from '../protocol';\n",
@@ -101,7 +101,7 @@ test("biome lets the allowed imports pass", async () => {
   expect(passes, text).toBe(true);
 });
 
-describe("the compiler refuses", () => {
+describe("the compiler rejects", () => {
   test.each([
     ["core", "document.title", "document"],
     ["core", "window.innerWidth", "window"],

@@ -7,16 +7,16 @@ const DEG = Math.PI / 180;
 const sum = (light: readonly number[]) => light[0] + light[1] + light[2];
 
 describe("light of the sky", () => {
-  it("lets a sun overhead through as the scale heights say", () => {
+  it("transmits an overhead sun as given by the scale heights", () => {
     const [r, g, b] = sunlight(0, 1, 1);
-    // Vertical depth of an exponential layer is its coefficient times its scale height; ozone a triangle of 15 km.
+    // The vertical depth of an exponential layer is its coefficient times its scale height; ozone is a triangle of 15 km.
     const depth = (rayleigh: number, ozone: number) => rayleigh * 8000 + 4.436e-6 * 1200 + ozone * 15_000;
     expect(r).toBeCloseTo(Math.exp(-depth(5.802e-6, 0.65e-6)), 2);
     expect(g).toBeCloseTo(Math.exp(-depth(13.558e-6, 1.881e-6)), 2);
     expect(b).toBeCloseTo(Math.exp(-depth(33.1e-6, 0.085e-6)), 2);
   });
 
-  it("reddens the sun towards the horizon, and puts it out below", () => {
+  it("reddens the sun towards the horizon and blocks it below", () => {
     const ratio = (elevation_deg: number) => {
       const [r, , b] = sunlight(0, Math.sin(elevation_deg * DEG), 1.5);
       return b / r;
@@ -26,7 +26,7 @@ describe("light of the sky", () => {
     expect(sum(sunlight(0, Math.sin(-4 * DEG), 1))).toBe(0);
   });
 
-  it("is blue overhead at noon and no brighter than the sun that it comes from", () => {
+  it("is blue overhead at noon and no brighter than the sun", () => {
     const table = skyTable(60 * DEG, 1.5);
     const zenith = (table.elevations - 1) * table.azimuths * 3;
     expect(table.light[zenith + 2]).toBeGreaterThan(2 * table.light[zenith]);
@@ -37,7 +37,7 @@ describe("light of the sky", () => {
     }
   });
 
-  it("has an aerosol phase that scatters all light somewhere", () => {
+  it("has a normalized aerosol phase function", () => {
     let total = 0;
     const steps = 20_000;
     for (let k = 0; k < steps; k++) total += (aerosolPhase(-1 + (2 * (k + 0.5)) / steps) * 4 * Math.PI) / steps;
@@ -47,7 +47,7 @@ describe("light of the sky", () => {
 });
 
 describe("time of day", () => {
-  it("puts the noon sun in the south, as high as latitude and declination say", () => {
+  it("puts the noon sun in the south at the elevation given by latitude and declination", () => {
     for (const season of SEASONS) {
       const { azimuth_deg, elevation_deg } = sunPlace(0.5, season);
       expect(azimuth_deg).toBeCloseTo(90, 6);
@@ -55,7 +55,7 @@ describe("time of day", () => {
     }
   });
 
-  it("has twelve hours of day at the equinox and the sun on the horizon when half of it is over", () => {
+  it("has twelve hours of daylight at the equinox and the sun on the horizon six hours after noon", () => {
     expect(halfDay_h(0)).toBeCloseTo(6, 9);
     const half = halfDay_h(SEASON_LOOKS.winter.declination_deg);
     expect(half).toBeLessThan(5);
@@ -64,7 +64,7 @@ describe("time of day", () => {
     expect(sunPlace(sunset, "winter").azimuth_deg).toBeGreaterThan(90); // in the west, which is 180
   });
 
-  it("rises in the east, passes the whole day, and says so", () => {
+  it("runs from sunrise in the east to sunset, and the clock follows", () => {
     expect(sunPlace(0.1, "summer").azimuth_deg).toBeLessThan(45);
     expect(clockOf(0.5, "autumn")).toBe("12:00");
     for (let t = 0; t <= 1; t += 0.05) {
@@ -75,7 +75,7 @@ describe("time of day", () => {
     }
   });
 
-  it("exposes dusk longer than noon, but leaves it darker", () => {
+  it("exposes dusk more than noon, but keeps it darker", () => {
     const noon = atmosphereAt(0.5, "summer");
     const dusk = atmosphereAt(0.98, "summer");
     expect(dusk.exposure).toBeGreaterThan(noon.exposure);

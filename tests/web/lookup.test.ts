@@ -34,13 +34,13 @@ function walk({ pose_easing, trees, records, poses }: Walk): void {
   }
 }
 
-describe("walks the golden forest", () => {
+describe("reproduces the golden forest", () => {
   for (const golden of goldenJson<Walk[]>("walk.json")) {
-    test(`record for record and bit for bit, pose easing ${golden.pose_easing}`, () => walk(golden));
+    test(`same records and bit-identical poses, pose easing ${golden.pose_easing}`, () => walk(golden));
   }
 });
 
-test("the Gaussian is the exponential's", () => {
+test("the Gaussian agrees with Math.exp", () => {
   for (let exponent = 0; exponent < 60; exponent += 0.013) {
     expect(gaussian(exponent)).toBeCloseTo(-Math.expm1(-exponent), 13);
   }
@@ -54,7 +54,7 @@ test("a forest in still air never moves", () => {
   expect(forest.q.every((value) => value === 0)).toBe(true);
 });
 
-test("a tree scaled by two walks its table at half the pace", () => {
+test("a tree of scale 2 steps through its table at half the rate", () => {
   const forest = new PaperForest(TABLE, 2);
   forest.setTrees([0, 0], [0, 0], [0, 0], [1, 2]);
   const wind = new Float32Array(2).fill(20);

@@ -21,7 +21,7 @@ describe.each([
   ["in the kernel", false],
   ["in plain TypeScript", true],
 ])("%s", (_, plain) => {
-  test("sways as Python's does, to 1e-5 of the height over 10,000 frames", () => {
+  test("agrees with Python to 1e-5 of the height over 10,000 frames", () => {
     const { frames, every, trees, poses } = goldenJson<Sway>("sway.json");
     const count = trees.x_m.length;
     const forest = new ModalForest(TABLE, count, plain);
@@ -38,13 +38,13 @@ describe.each([
       forest.advance(1 / 30, px, pz);
       if (frame % every !== every - 1) continue;
       const expected = poses[(frame + 1) / every - 1];
-      // A unit of q moves the farthest vertex by 1 m.
+      // One unit of q moves the farthest vertex by 1 m.
       const worst = expected.reduce((most, value, k) => Math.max(most, Math.abs(value - forest.q[k])), 0);
       expect(worst / TABLE.metadata.height_m, `frame ${frame}`).toBeLessThan(1e-5);
     }
   });
 
-  test("still air: a forest at rest never moves, a moved one comes to rest exactly", () => {
+  test("still air: a forest at rest never moves, a displaced one comes to rest exactly", () => {
     const forest = new ModalForest(TABLE, 2, plain);
     still(forest, 50);
     expect(forest.q.every((value) => value === 0)).toBe(true);
@@ -55,7 +55,7 @@ describe.each([
     expect(forest.q.every((value) => value === 0)).toBe(true);
   });
 
-  test("far beyond the sampled wind it stays bounded and says so", () => {
+  test("far beyond the sampled wind the motion stays bounded and the extrapolation ratio exceeds 1", () => {
     const forest = new ModalForest(TABLE, 1, plain);
     const storm = new Float32Array([10 * TABLE.modal.limits[2]]);
     for (let frame = 0; frame < 3000; frame++) {
@@ -68,7 +68,7 @@ describe.each([
     expect(forest.q.every((value) => value === 0)).toBe(true);
   });
 
-  test("a tree scaled by two sways at half the pace", () => {
+  test("a tree of scale 2 sways at half the frequency", () => {
     const wind = [15, 15];
     const small = new ModalForest(TABLE, 1, plain);
     const large = new ModalForest(TABLE, 1, plain);

@@ -9,16 +9,16 @@ import { seededRandom } from "./seeded";
 
 const POLE = decodeTable(golden("pole.safetensors"));
 
-test("is what its source compiles to", { timeout: 60_000 }, async () => {
+test("the committed kernel equals its compiled source", { timeout: 60_000 }, async () => {
   expect(Buffer.from(await compileKernel()).toString("base64"), "run: npm run kernel").toBe(MODAL_KERNEL);
 });
 
-/** A table of d oscillators, c coupled coordinates and r modes, with a force that stays far below their springs. */
+/** A table of d oscillators, c coupled coordinates and r modes, with a polynomial force much weaker than the springs. */
 function madeUp(d: number, c: number, r: number, next: () => number): Table {
   const some = (length: number, size: number) => Float32Array.from({ length }, () => size * (2 * next() - 1));
   const step = new Float32Array(6 * d);
   for (let k = 0; k < d; k++) {
-    // Implicit Euler's step of x″ + 2ζω x′ + ω² x = f.
+    // Implicit Euler step of x″ + 2ζω x′ + ω² x = f.
     const omega = 2 + 3 * k;
     const dt = POLE.metadata.dt_s;
     const gain = 1 / (1 + 0.2 * omega * dt + (omega * dt) ** 2);
@@ -45,7 +45,7 @@ function madeUp(d: number, c: number, r: number, next: () => number): Table {
 
 const SIZES = [[16, 4, 24], [48, 12, 60], [5, 3, 5], [17, 2, 26], [8, 0, 9]] as const;
 
-test.each(SIZES)("%i oscillators, %i of them coupled, %i modes: sways as plain TypeScript does", (d, c, r) => {
+test.each(SIZES)("%i oscillators, %i of them coupled, %i modes: agrees with the TypeScript implementation", (d, c, r) => {
   const next = seededRandom(d);
   const table = madeUp(d, c, r, next);
   expect(contracts(table.modal.step)).toBe(true);
@@ -72,7 +72,7 @@ test.each(SIZES)("%i oscillators, %i of them coupled, %i modes: sways as plain T
   expect(largest).toBeGreaterThan(0.1);
 });
 
-test("a forest goes on where another of its table was", () => {
+test("a forest continues from the state of another one of the same table", () => {
   const table = madeUp(17, 2, 26, seededRandom(5));
   const before = new ModalForest(table, 3);
   const wind = [20, 10, 5];
@@ -88,7 +88,7 @@ test("a forest goes on where another of its table was", () => {
   expect(poses(after, 1)).not.toEqual(poses(before, 2));
 });
 
-test("trees do not go on from a forest whose rows are laid out otherwise: they begin at rest", () => {
+test("trees start at rest if the state layout of the previous forest differs", () => {
   const table = madeUp(16, 2, 21, seededRandom(6));
   const before = new ModalForest(table, 2, true);
   for (let frame = 0; frame < 60; frame++) before.advance(1 / 30, [20, 10], [20, 10]);

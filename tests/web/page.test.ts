@@ -8,23 +8,23 @@ import { plainWind } from "../../web/src/core/wind/edit";
 import { parseWind } from "../../web/src/core/wind/wind";
 import { DEFAULTS } from "../../web/src/page/settings/settings";
 
-describe("what the page says", () => {
-  test("progress in plain words", () => {
-    expect(progressLine({ state: "queued", stage: "intake", seconds_left: null })).toBe("Waiting for its turn");
+describe("texts of the page", () => {
+  test("progress line", () => {
+    expect(progressLine({ state: "queued", stage: "import", seconds_left: null })).toBe("Waiting in the queue");
     expect(progressLine({ state: "running", stage: "sampling", seconds_left: 33 })).toBe(
-      "Letting winds blow on it, about 35 s left",
+      "Simulating winds, about 35 s left",
     );
     expect(timeLeft(240)).toBe("about 4 min left");
     expect(timeLeft(null)).toBe("");
   });
 
-  test("the summary owns up to trees that stand still", () => {
-    expect(summary({ moving: 1, still: 0 }, 0)).toMatch(/^1 tree sways/);
-    expect(summary({ moving: 300, still: 100 }, 1)).toMatch(/100 grey ones stand still/);
+  test("the summary counts moving and static trees", () => {
+    expect(summary({ moving: 1, still: 0 }, 0)).toBe("1 tree, moving");
+    expect(summary({ moving: 300, still: 100 }, 1)).toMatch(/^300 trees moving, 100 grey trees not computed yet$/);
     expect(summary({ moving: 0, still: 0 }, 3)).toBe("The first trees are being computed");
   });
 
-  test("the status names what is wrong", () => {
+  test("the status line shows connection problems", () => {
     const connection = { state: "lost", latency_ms: null, frameAge_ms: null, kB_s: 0 } as const;
     expect(statusLine({ events: false, lookup: "worker", connection }).state).toBe("lost");
     expect(statusLine({ events: true, lookup: "worker", connection }).state).toBe("live");
@@ -33,7 +33,7 @@ describe("what the page says", () => {
     expect(statusLine({ events: true, lookup: "server", connection: live }).text).toMatch(/3 ms/);
   });
 
-  test("a problem of the server keeps its title and hint; an HTML page becomes a sentence", async () => {
+  test("a problem of the server keeps its title and hint; an HTML page gives a generic message", async () => {
     const body = JSON.stringify({ title: "This is no tree.", hint: "Send a GLB.", code: "not-a-mesh" });
     const problem = await problemFrom(new Response(body, { status: 415 }));
     expect([problem.title, problem.hint, problem.status]).toEqual(["This is no tree.", "Send a GLB.", 415]);
@@ -42,14 +42,14 @@ describe("what the page says", () => {
   });
 });
 
-test("every setting of the panel makes a wind that the reader accepts", () => {
+test("every setting of the panel gives a valid wind document", () => {
   for (const mean_speed_m_s of [0, 0.1, 25]) {
     expect(() => parseWind(plainWind({ ...DEFAULTS.wind, mean_speed_m_s }))).not.toThrow();
   }
 });
 
 describe("seeded noise", () => {
-  test("stays in range and joins smoothly across cells", () => {
+  test("stays in range and is continuous across cells", () => {
     for (let i = 0; i < 500; i++) {
       const x = 40 * (hashUnit(1, i) - 0.5);
       const z = 40 * (hashUnit(2, i) - 0.5);
@@ -59,14 +59,14 @@ describe("seeded noise", () => {
     }
   });
 
-  test("hashes are even: ten bins of 10,000 draws hold 1,000 each, within 15 %", () => {
+  test("hashes are uniform: each of ten bins holds 10 % of 10,000 draws, within 15 %", () => {
     const bins = new Array<number>(10).fill(0);
     for (let i = 0; i < 10_000; i++) bins[Math.floor(10 * hashUnit(77, i))]++;
     for (const bin of bins) expect(Math.abs(bin - 1000)).toBeLessThan(150);
   });
 });
 
-test("each tree has its own autumn colour, always the same", () => {
+test("each tree has its own autumn colour, which is reproducible", () => {
   const colours = new Set(Array.from({ length: 40 }, (_, id) => leafTint("maple", id).join()));
   expect(colours.size).toBeGreaterThan(20);
   expect(leafTint("maple", 5)).toEqual(leafTint("maple", 5));

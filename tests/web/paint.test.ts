@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { hashUnit } from "../../web/src/core/math/random";
 import { paintGrass, paintLitter, paintNoise } from "../../web/src/scene/textures/paint";
 
-/** The same noise written out: every corner hashed anew. */
+/** Reference implementation of the noise, which hashes every corner. */
 function noise(x: number, y: number, coarsest: number, seed: number): number {
   const smooth = (t: number) => t * t * (3 - 2 * t);
   let sum = 0;
@@ -17,8 +17,8 @@ function noise(x: number, y: number, coarsest: number, seed: number): number {
   return Math.min(1, Math.max(0, (sum / 1.875 - 0.5) * 1.5 + 0.5));
 }
 
-describe("painted pictures", () => {
-  it("hold the noise that hashing every corner gives", () => {
+describe("procedural pictures", () => {
+  it("use the noise of the reference implementation", () => {
     const side = 96;
     const { pixels } = paintNoise(side);
     for (let i = 0; i < side * side; i += 7) {
@@ -30,7 +30,7 @@ describe("painted pictures", () => {
     }
   });
 
-  it("have no seam: neighbours over the edge differ no more than others", () => {
+  it("have no seam: neighbours across the edge differ no more than others", () => {
     const side = 128;
     const { pixels } = paintNoise(side);
     const step = (from: number, to: number) => Math.abs(pixels[4 * from] - pixels[4 * to]);
@@ -43,7 +43,7 @@ describe("painted pictures", () => {
     expect(seam).toBeLessThanOrEqual(largest);
   });
 
-  it("cover every pixel, and are the same at every visit", () => {
+  it("cover every pixel and are reproducible", () => {
     for (const paint of [paintLitter, paintGrass]) {
       const { pixels } = paint(64);
       expect(pixels.every((byte, i) => i % 4 !== 3 || byte === 255)).toBe(true);

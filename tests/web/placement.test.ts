@@ -3,19 +3,19 @@ import { glade, groundHeight_m } from "../../web/src/scene/ground/landscape";
 import { chooseSpecies, placeTrees } from "../../web/src/scene/placement";
 
 describe("placement", () => {
-  test.each([1, 60, 400, 10_000])("gives exactly %i places, none in the glade, none twice", (count) => {
+  test.each([1, 60, 400, 10_000])("gives exactly %i distinct places, none in the glade", (count) => {
     const places = placeTrees(count, 7);
     expect(places).toHaveLength(count);
     expect(new Set(places.map((place) => place.id)).size).toBe(count);
     expect(places.every((place) => glade(place.x_m, place.z_m) < 0.5)).toBe(true);
   });
 
-  test("a larger forest keeps the trees of the smaller one where they are", () => {
+  test("a larger forest keeps the places of the smaller one", () => {
     const few = placeTrees(100, 3);
     expect(placeTrees(1000, 3).slice(0, 100)).toEqual(few);
   });
 
-  test("trees keep their distance", () => {
+  test("trees keep a minimum distance", () => {
     const places = placeTrees(300, 11);
     let nearest_m = Infinity;
     for (const a of places) {
@@ -26,7 +26,7 @@ describe("placement", () => {
     expect(nearest_m).toBeGreaterThan(0.7);
   });
 
-  test("a new species takes places of its own and moves no other tree", () => {
+  test("a new species takes over some places and moves no other tree", () => {
     const places = placeTrees(400, 7);
     const before = chooseSpecies(places, ["poplar", "maple"]);
     const after = chooseSpecies(places, ["poplar", "maple", "mine"]);

@@ -16,14 +16,14 @@ describe("node target", () => {
     [3000 * 1000, 2048],
     [1, 2048],
     [0, 2048],
-  ])("%i texels fit a side of %i", (texels, side) => {
+  ])("%i texels fit into a side of %i", (texels, side) => {
     const layout = nodeLayout(texels, 5, side);
     expect(layout.width).toBe(2 ** layout.shift);
     expect(Math.max(layout.width, layout.height)).toBeLessThanOrEqual(side);
     expect(layout.width * (layout.height - 5)).toBeGreaterThanOrEqual(texels);
   });
 
-  test("every level has rows of its own; the farthest trees are left out where there is no room", () => {
+  test("every level has its own rows; the farthest trees are omitted if there is no space", () => {
     const layout = { width: 256, shift: 8, height: 20 };
     const rows = levelRows(layout, [100, 30, 8], [20, 30, 1000]);
     expect(rows[0]).toEqual({ row: 0, rows: 8, trees: 20 });
@@ -33,7 +33,7 @@ describe("node target", () => {
     expect(rows[2].row + rows[2].rows).toBe(20);
   });
 
-  test("a row has room for the modes and the wind", () => {
+  test("a row holds the modes and the wind", () => {
     expect([1, 3, 4, 11, 12].map(poseStride)).toEqual([4, 4, 8, 12, 16]);
   });
 });
@@ -55,7 +55,7 @@ describe("stream of poses", () => {
     ],
   });
 
-  test("deltas add to the tick they were taken from; any other is refused", () => {
+  test("deltas apply only to their base tick; others are rejected", () => {
     const sum = new PoseSum([{ count: 2, scale: Float32Array.of(0.5, 2) }]);
     expect(sum.add(frame(8, 7, [1, 1, 1, 1]))).toBe(false);
     expect(sum.add(frame(9, null, [100_000, 2, 3, 4]))).toBe(true);
@@ -66,7 +66,7 @@ describe("stream of poses", () => {
     expect([out[0], out[1], out[4], out[5]]).toEqual([49_999, 6, 1.5, 0]);
   });
 
-  test("poses count in quanta of the table's scale", () => {
+  test("poses are quantized in units of the table's scale", () => {
     const sum = new PoseSum([{ count: 2, scale: Float32Array.of(0.5, 2) }]);
     sum.add(frame(0, null, [1, 2, 3, 4], 8));
     const out = new Float32Array(2 * poseStride(2));
@@ -74,12 +74,12 @@ describe("stream of poses", () => {
     expect([out[0], out[1], out[4], out[5]]).toEqual([4, 32, 12, 64]);
   });
 
-  test("a frame of another forest is refused", () => {
+  test("a frame of another forest is rejected", () => {
     const sum = new PoseSum([{ count: 3, scale: Float32Array.of(1, 1) }]);
     expect(sum.add(frame(0, null, [1, 2, 3, 4]))).toBe(false);
   });
 
-  test("shown poses lie between the frames, run evenly and never ahead", () => {
+  test("displayed poses are interpolated, run evenly and never ahead of the stream", () => {
     const timeline = new PoseTimeline([1]);
     const out = [new Float32Array(1)];
     expect(timeline.sample(out)).toBe(false);
@@ -117,7 +117,7 @@ describe("stream of poses", () => {
     shown.slice(1).forEach((value, i) => expect(value).toBeLessThanOrEqual(shown[i]));
   });
 
-  test("trees that were not there start as they come", () => {
+  test("new trees are not blended", () => {
     const blend = new JumpBlend();
     blend.start([{ poses: Float32Array.of(10, 10), known: Uint8Array.of(1, 0) }, null]);
     const buffers = [Float32Array.of(4, 4), Float32Array.of(3)];
@@ -126,7 +126,7 @@ describe("stream of poses", () => {
   });
 });
 
-test("a group's wind: speed at each tree's height, held pressure, and how many are beyond the table", () => {
+test("wind of a group: speed at each tree's height, clamped pressure, share within the sampled range", () => {
   const placement = Float32Array.of(0, 0, 0, 1, 5, 3, 1, 1.3);
   const field = new WindField({ ...CALM_BREEZE, mean_speed_m_s: 8, gustiness: 0 });
   const peak_pa = dynamicPressure(7);
@@ -151,7 +151,7 @@ test("a group's wind: speed at each tree's height, held pressure, and how many a
   expect(wind.coverage).toBe([0, 1].filter((tree) => wind.extrapolationRatioAt(tree) <= 1).length / 2);
 });
 
-test("crown displacement turns with the tree: a quarter turn sends own x to world -z", () => {
+test("crown displacement rotates with the tree: a quarter turn maps tree x to world -z", () => {
   const group = {
     count: 1,
     stride: 4,

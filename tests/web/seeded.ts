@@ -1,6 +1,6 @@
 import { random } from "./golden";
 
-/** A seeded stream of numbers in [0, 1); prints its seed, so that a failure can be repeated. */
+/** Seeded random numbers in [0, 1); prints the seed, so that a failure can be reproduced. */
 export function seededRandom(seed: number): () => number {
   console.log(`seed ${seed}`);
   return random(seed);

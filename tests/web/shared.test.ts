@@ -17,13 +17,13 @@ describe("a shared forest in the address", () => {
     expect(sharedFrom(query)).toBe(id);
   });
 
-  test("it stays in links", () => {
+  test("is kept in links", () => {
     expect(withShared("trees=5", "meadow")).toBe("trees=5&share=meadow");
     expect(withShared("trees=5", null)).toBe("trees=5");
   });
 });
 
-test("clients exchange what determines the placement, and nothing else", () => {
+test("clients exchange only the settings that determine the placement", () => {
   const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, method: "paper" as const, wind: PRESETS.still };
   const yours = { ...DEFAULTS, trees: 5, wind: PRESETS["storm-front"] };
   expect(adoptPlacement(yours, placementOf(mine))).toBe(true);
@@ -35,7 +35,7 @@ test("clients exchange what determines the placement, and nothing else", () => {
   expect([plain.trees, plain.forestSeed, plain.method]).toEqual([DEFAULTS.trees, DEFAULTS.forestSeed, "modal"]);
 });
 
-/** A server whose clock is ahead, answering pings over a network of random delays. */
+/** A server whose clock is ahead, and which answers pings after random network delays. */
 function network(seed: number) {
   const next = random(seed);
   const ahead_ms = 1e6 * next();
@@ -47,7 +47,7 @@ function network(seed: number) {
   return { clock, ping, server_s: (now_ms: number) => (now_ms + ahead_ms) / 1000 };
 }
 
-test("the server's clock is known to within half the quickest round trip (seeds 1 to 20)", () => {
+test("the server clock is estimated to within half the shortest round trip (seeds 1 to 20)", () => {
   for (let seed = 1; seed <= 20; seed++) {
     const { clock, ping, server_s } = network(seed);
     expect(clock.age_ms(0, 0)).toBeNull();
@@ -57,7 +57,7 @@ test("the server's clock is known to within half the quickest round trip (seeds 
 });
 
 describe("displays of a shared forest", () => {
-  test("come to the same time, and never go back (seeds 3 and 4)", () => {
+  test("converge to the same time and never go back (seeds 3 and 4)", () => {
     const displays = [3, 4].map((seed) => {
       const net = network(seed);
       return { net, shared: new SharedClock(net.clock), time_s: seed * 10, next: random(seed + 100) };
@@ -78,7 +78,7 @@ describe("displays of a shared forest", () => {
     for (const { time_s } of displays) expect(Math.abs(time_s - 520)).toBeLessThan(0.06);
   });
 
-  test("stop where a pause stops all", () => {
+  test("stop at the time of a pause", () => {
     const net = network(5);
     const shared = new SharedClock(net.clock);
     net.ping(0);

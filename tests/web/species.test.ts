@@ -64,7 +64,7 @@ function smallestTriangle_m2(positions: ArrayLike<number>, indices: ArrayLike<nu
   return smallest;
 }
 
-/** Directed edges of the welded surface that have no partner running the other way. */
+/** Directed edges of the welded surface without an opposite edge. */
 function openEdges(positions: ArrayLike<number>, indices: ArrayLike<number>): number {
   const key = (v: number): string => point(positions, v).join();
   const open = new Set<string>();
@@ -115,7 +115,7 @@ describe.each(SPECIES)("$id", (species) => {
     expect(leaves.material?.getDoubleSided()).toBe(true);
   });
 
-  it("stands on the ground at the origin and has its species' height", () => {
+  it("stands on the ground at the origin and has the height of the species", () => {
     const { positions } = part(committed, "wood");
     const heights = Array.from({ length: positions.length / 3 }, (_, v) => positions[3 * v + 1]);
     expect(Math.min(...heights)).toBeCloseTo(0, 4);
@@ -123,19 +123,19 @@ describe.each(SPECIES)("$id", (species) => {
     expect(Math.hypot(...skeleton.points_m[0])).toBeLessThan(1e-6);
   });
 
-  it.each(["wood", "leaves"])("has no broken number and no flat triangle in the %s", (name) => {
+  it.each(["wood", "leaves"])("has only finite numbers and no degenerate triangle in the %s", (name) => {
     const { positions, normals, uvs, indices } = part(committed, name);
     for (const values of [positions, normals, uvs])
       expect(Array.from(values).every(Number.isFinite)).toBe(true);
     expect(smallestTriangle_m2(positions, indices)).toBeGreaterThan(1e-6);
   });
 
-  it("has wood of closed tubes", () => {
+  it("has closed wood tubes", () => {
     const { positions, indices } = part(committed, "wood");
     expect(openEdges(positions, indices)).toBe(0);
   });
 
-  it("has a rooted skeleton whose branches begin on the axis of their parents", () => {
+  it("has a rooted skeleton whose branches start on the axis of their parents", () => {
     const { points_m, parent, branch, level } = skeleton;
     expect(parent.flatMap((p, i) => (p < 0 ? [i] : []))).toEqual([0]);
     expect(parent.every((p, i) => p < i)).toBe(true);
@@ -147,7 +147,7 @@ describe.each(SPECIES)("$id", (species) => {
     });
   });
 
-  it("has wood as thick as a tree of its size, and no thicker", () => {
+  it("has a stem radius typical of its size", () => {
     const { points_m, radius_m, parent, level } = skeleton;
     expect(Math.min(...radius_m)).toBeGreaterThanOrEqual(0.008);
     expect(parent.every((below, i) => below < 0 || radius_m[i] <= radius_m[below] + 1e-4)).toBe(true);
@@ -156,7 +156,7 @@ describe.each(SPECIES)("$id", (species) => {
     for (const radius of trunk) expect(radius).toBeLessThan(0.018 * species.height_m);
   });
 
-  it("keeps every card of leaves near the wood", () => {
+  it("keeps every leaf card near the wood", () => {
     const { positions } = part(committed, "leaves");
     const { points_m, parent } = skeleton;
     const limit_m = species.foliage.reach_m + species.foliage.size_m;
@@ -169,7 +169,7 @@ describe.each(SPECIES)("$id", (species) => {
     }
   });
 
-  it("leaves no fringe: clear texels beside leaves have the leaves' colours", () => {
+  it("has no fringe: transparent texels beside leaves have the colours of the leaves", () => {
     const texture = committed
       .getRoot()
       .listTextures()
@@ -184,7 +184,7 @@ describe.each(SPECIES)("$id", (species) => {
     expect(differences.reduce((sum, d) => sum + d, 0) / differences.length).toBeLessThan(25);
   });
 
-  it("grows again to what is committed", () => {
+  it("reproduces the committed files", () => {
     expect(grown.skeleton).toBe(readFileSync(path(`${species.id}.skeleton.json`), "utf8"));
     for (const name of ["wood", "leaves"]) {
       const [old, now] = [part(committed, name), part(regrown, name)];
@@ -192,7 +192,7 @@ describe.each(SPECIES)("$id", (species) => {
       expect(now.indices).toEqual(old.indices);
       expect(now.uvs).toEqual(old.uvs);
     }
-    // Pixels, not bytes: another zlib may pack the same picture otherwise.
+    // Compare pixels, because another zlib may compress the same picture differently.
     const pictures = (document: GltfDocument) =>
       document
         .getRoot()
@@ -203,7 +203,7 @@ describe.each(SPECIES)("$id", (species) => {
   });
 });
 
-it("gives the same bytes twice", async () => {
+it("is deterministic", async () => {
   const species = SPECIES[SPECIES.length - 1];
   const [first, second] = [await growSpecies(species), await growSpecies(species)];
   expect(Buffer.compare(first.glb, second.glb)).toBe(0);

@@ -19,7 +19,7 @@ function tampered(change: (header: Record<string, never>, metadata: Record<strin
   return out;
 }
 
-test("reads the table that Python wrote", () => {
+test("reads a table written by Python", () => {
   const table = decodeTable(FILE);
   expect(table.metadata.species).toBe("pole");
   expect(table.dq.length).toBe(table.metadata.records * table.metadata.modes);
@@ -28,13 +28,13 @@ test("reads the table that Python wrote", () => {
   for (const start of table.trajectory.subarray(0, -1)) expect(pose[start * table.metadata.modes]).toBe(0);
 });
 
-test("reads the same table from an ArrayBuffer and at an odd place in a larger one", () => {
+test("reads the same table from an ArrayBuffer and at an odd offset in a larger one", () => {
   const shifted = new Uint8Array(FILE.length + 3);
   shifted.set(FILE, 3);
   expect(decodeTable(shifted.subarray(3)).dq).toEqual(decodeTable(FILE.slice().buffer).dq);
 });
 
-test("reads the same table from a Buffer of Node", () => {
+test("reads the same table from a Node Buffer", () => {
   expect(decodeTable(Buffer.from(FILE)).modal).toEqual(decodeTable(FILE).modal);
 });
 
@@ -43,7 +43,7 @@ describe("versions 5 and 6", () => {
   const PRESENT = { prefix: "modal.", error: "training_m" };
   const TRAINING_M = [0.01, 0.02];
 
-  /** The golden file, whichever version it has, as one of this version. */
+  /** The golden file, converted to this version. */
   const asVersion = (version: 5 | 6, names = version === 5 ? FORMER : PRESENT) =>
     tampered((header, metadata) => {
       for (const [name, entry] of Object.entries(header)) {
@@ -62,13 +62,13 @@ describe("versions 5 and 6", () => {
     expect(present.metadata.errors).toEqual({ training_m: TRAINING_M });
   });
 
-  test("do not take each other's names", () => {
+  test("do not accept names of the other version", () => {
     expect(() => decodeTable(asVersion(6, FORMER))).toThrow("missing tensor modal.step");
     expect(() => decodeTable(asVersion(5, PRESENT))).toThrow("missing tensor modal.step");
   });
 });
 
-describe("refuses", () => {
+describe("rejects", () => {
   test("a truncated file, wherever it is cut", () => {
     for (const share of [0, 1e-5, 0.001, 0.1, 0.5, 0.99]) {
       expect(() => decodeTable(FILE.subarray(0, Math.floor(share * FILE.length)))).toThrow(TableError);
@@ -76,11 +76,11 @@ describe("refuses", () => {
     expect(() => decodeTable(FILE.subarray(0, FILE.length - 1))).toThrow(TableError);
   });
 
-  test("another version, naming both", () => {
+  test("another version, with both versions in the message", () => {
     const file = tampered((_, metadata) => {
       metadata.version = 2;
     });
-    expect(() => decodeTable(file)).toThrow("table version 2, this reader knows versions 5 and 6");
+    expect(() => decodeTable(file)).toThrow("table version 2; this reader supports versions 5 and 6");
   });
 
   test("another format, no metadata, metadata out of range", () => {
@@ -104,7 +104,7 @@ describe("refuses", () => {
     expect(() => decodeTable(typed)).toThrow("tensor samples.dq: expected I16 of rank 2");
   });
 
-  test("a sampled range that lacks a coupled speed", () => {
+  test("a sampled range without the limit of a coupled speed", () => {
     const lacking = tampered((header) => {
       const name = Object.keys(header).find((key) => key.endsWith(".limits")) as string;
       const limits = header[name] as unknown as { shape: number[] };
@@ -113,7 +113,7 @@ describe("refuses", () => {
     expect(() => decodeTable(lacking)).toThrow(TableError);
   });
 
-  test("random bytes and flipped bytes never decode to indices out of range (seed 11)", () => {
+  test("files with flipped bits, unless they decode to indices within range (seed 11)", () => {
     const next = random(11);
     for (let round = 0; round < 300; round++) {
       const file = FILE.slice();

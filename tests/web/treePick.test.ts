@@ -6,7 +6,7 @@ import { seededRandom } from "./seeded";
 
 const BOUNDS = { height_m: 10, radius_m: 3, reach_m: 1 };
 
-/** Three nodes up a trunk; the one mode moves the uppermost along the tree's own x. */
+/** Three nodes along a trunk; the only mode moves the top node along the tree's x axis. */
 const motion = {
   modes: 1,
   stride: 4,
@@ -35,27 +35,27 @@ const ray = (x: number, y: number, z: number, dx: number, dy: number, dz: number
   return { from: { x, y, z }, to: { x: dx / length, y: dy / length, z: dz / length } };
 };
 
-test("the entry into a ball is the first root of |o + t d| = r", () => {
+test("the entry into a sphere is the first root of |o + t d| = r", () => {
   expect(ballEntry(-10, 0, 0, 1, 0, 0, 2)).toBe(8);
   expect(ballEntry(-10, 3, 0, 1, 0, 0, 2)).toBe(Number.POSITIVE_INFINITY);
   expect(ballEntry(10, 0, 0, 1, 0, 0, 2)).toBe(Number.POSITIVE_INFINITY);
   expect(ballEntry(1, 0, 0, 1, 0, 0, 2)).toBe(0);
 });
 
-test("of two trees in line the nearer is picked", () => {
+test("the nearer of two trees in line is picked", () => {
   const found = pickTree([group([{ x_m: 20, z_m: 0 }, { x_m: 10, z_m: 0 }])], ray(0, 5, 0, 1, 0, 0));
   expect(found).toMatchObject({ group: 0, tree: 1 });
   expect(found?.distance_m).toBeCloseTo(9, 2);
 });
 
-test("a ray through a gap of the nearer tree picks the one behind", () => {
+test("a ray through a gap in the nearer tree picks the one behind", () => {
   const found = pickTree([group([{ x_m: 20, z_m: 0, scale: 1.5 }, { x_m: 10, z_m: 0 }])], ray(0, 7.5, 0, 1, 0, 0));
   expect(found?.tree).toBe(0);
 });
 
-test("a tree is picked where the wind has bent it, turned and scaled as it stands", () => {
+test("a tree is picked at its displaced position, with its rotation and scale", () => {
   const one = group([{ x_m: 0, z_m: 0, yaw_rad: Math.PI / 2, scale: 2 }]);
-  const down = ray(0, 40, -6, 0, -1, 0); // a quarter turn sends own x to world -z: 3 m times 2
+  const down = ray(0, 40, -6, 0, -1, 0); // a quarter turn maps tree x to world -z: 3 m times 2
   expect(pickTree([one], down)).toBeNull();
   const bounds = { ...BOUNDS, reach_m: 4 };
   (one.poses as Float32Array)[0] = 3;
@@ -64,13 +64,13 @@ test("a tree is picked where the wind has bent it, turned and scaled as it stand
   expect(found?.distance_m).toBeCloseTo(40 - (18 - 0.12) - 2, 1);
 });
 
-test("a tree that stands still is picked by its crown", () => {
+test("a static tree is picked by its crown", () => {
   const still = [group([{ x_m: 10, z_m: 0 }], false)];
   expect(pickTree(still, ray(0, 5, 0, 1, 0, 0))?.distance_m).toBeCloseTo(7, 1);
   expect(pickTree(still, ray(0, 9.5, 2.5, 1, 0, 0))).toBeNull();
 });
 
-test("among many trees the pick is the nearest of all single picks", () => {
+test("the pick among many trees equals the nearest of the single picks", () => {
   const random = seededRandom(11);
   const places = Array.from({ length: 60 }, () => ({
     x_m: 80 * random(),

@@ -24,14 +24,14 @@ const MOMENT = {
 } as const;
 
 describe("a shared link", () => {
-  it("brings settings and moment back, whatever the receiver's defaults", () => {
+  it("restores settings, camera and time, whatever the defaults of the receiver", () => {
     const query = shareQuery(SETTINGS, MOMENT);
     const phone = defaultsFor({ width_px: 390, touch: true, software: false });
     expect(settingsFromQuery(query, phone)).toEqual({ ...SETTINGS, quality: phone.quality });
     expect(momentFrom(query)).toEqual(MOMENT);
   });
 
-  it("takes nothing from an address that makes no sense", () => {
+  it("ignores invalid values", () => {
     const none = { eye: null, target: null, time_s: null, clouds: null };
     for (const query of ["", "view=1,2,3", "view=a,b,c,d,e,f&at=soon&clouds=1", "view=1,1,1,1,1,1e9&at=&clouds=,"]) {
       expect(momentFrom(query)).toEqual(none);
@@ -47,7 +47,7 @@ describe("a shared link", () => {
 describe("settings from the last visit", () => {
   const shelfWith = (text: string | null) => () => ({ getItem: () => text, setItem: () => {} });
 
-  it("come back", () => {
+  it("are restored", () => {
     let text: string | null = null;
     const shelf = () => ({
       getItem: () => text,
@@ -59,7 +59,7 @@ describe("settings from the last visit", () => {
     expect(remembered(DEFAULTS, shelf)).toEqual(SETTINGS);
   });
 
-  it("are the defaults where rubbish, another version or nothing is kept, or storage is forbidden", () => {
+  it("fall back to the defaults for invalid, missing or other-version data, or blocked storage", () => {
     const refuse = () => {
       throw new DOMException("forbidden", "SecurityError");
     };
@@ -78,7 +78,7 @@ describe("views", () => {
     { x: 30, z: -10, height_m: 9 },
   ];
 
-  it("look from above the ground at something", () => {
+  it("look at something from above the ground", () => {
     for (const name of Object.keys(VIEWS) as ViewName[]) {
       for (const subjects of [trees, []]) {
         const { eye, target } = viewpoint(name, subjects, { x: 0.5, z: 0.5 });
@@ -89,7 +89,7 @@ describe("views", () => {
     expect(loneliest(trees)).toBe(trees[2]);
   });
 
-  it("the flight is one smooth round above the ground", () => {
+  it("the flight is one smooth loop above the ground", () => {
     let before = flightAt(-0.1).eye;
     for (let t = 0; t <= FLIGHT_S; t += 0.1) {
       const { eye } = flightAt(t);
@@ -110,7 +110,7 @@ describe("the mix of species", () => {
     return [0, 1, 2].map((k) => choice.filter((pick) => pick === k).length);
   };
 
-  it("leaves out a share of nothing, and makes fewer of a small one", () => {
+  it("excludes a share of 0, and reduces a small one", () => {
     const even = count({});
     for (const trees of even) expect(trees).toBeGreaterThan(900);
     const [poplar, maple, apricot] = count({ poplar: 0, maple: 0.25 });
@@ -119,7 +119,7 @@ describe("the mix of species", () => {
     expect(count({ poplar: 0, maple: 0, apricot: 0 })).toEqual([0, 0, 0]);
   });
 
-  it("density moves trees closer and keeps their number", () => {
+  it("a higher density moves trees closer and keeps their number", () => {
     const reach = (density: number) =>
       Math.max(...placeTrees(500, 7, density).map(({ x_m, z_m }) => Math.hypot(x_m, z_m + 26)));
     expect(placeTrees(500, 7, 2)).toHaveLength(500);
@@ -138,7 +138,7 @@ describe("the mix of species", () => {
 });
 
 describe("the physics card", () => {
-  it("says what the report has and leaves out what it has not", () => {
+  it("shows the values of the report and omits missing ones", () => {
     expect(factsOf({ height_m: null, report: null }, null)).toEqual([]);
     const report = {
       model: { frequencies_hz: [0.7129, 0.728, 0.8], damping: { shown: 0.0299 } },
@@ -149,13 +149,13 @@ describe("the physics card", () => {
     const said = Object.fromEntries(factsOf({ height_m: 13.16, report }, 7_813_436).map((f) => [f.name, f.value]));
     expect(said).toMatchObject({
       Height: "13.2 m",
-      Sways: "0.71 times a second",
-      Damping: "3.0 %",
+      "First natural frequency": "0.71 Hz",
+      "Damping ratio": "3.0 %",
       "Finite elements": "4,150",
-      Samples: "7,568",
-      Table: "7.8 MB",
-      "Computed in": "61 s",
-      "Left out by the modes": "0.06 % of its height",
+      Records: "7,568",
+      "Table size": "7.8 MB",
+      "Computation time": "61 s",
+      "Truncation error": "0.06 % of height",
     });
     expect(said.Modes).toBeUndefined();
     expect([sizeInWords(1234), timeInWords(3.21), timeInWords(200)]).toEqual(["1 kB", "3.2 s", "3.3 min"]);

@@ -18,7 +18,7 @@ const TABLE = decodeTable(golden("pole.safetensors"));
 const { frames, every, steps_per_pa, trees, walks } = goldenJson<Walks>("walks.json");
 const count = trees.x_m.length;
 
-/** Where the forests stand after every hundred frames: what was found so far, and the poses. */
+/** State of the forests after every hundred frames: records found so far, and poses. */
 function* walk(wind: WindDocument): Generator<[string, Float32Array]> {
   const field = new WindField(parseWind(wind));
   const paper = new PaperForest(TABLE, count);
@@ -29,7 +29,7 @@ function* walk(wind: WindDocument): Generator<[string, Float32Array]> {
   const records = createHash("sha256");
   for (let frame = 0; frame < frames; frame++) {
     field.pressure(trees.x_m, trees.z_m, frame / 30, px, pz);
-    // As Python rounds them: the last bit of a velocity decides no record.
+    // Rounded as in Python, so that the last bit of a velocity does not change a record.
     for (const p of [px, pz]) p.forEach((pa, i) => p.fill(Math.floor(pa * steps_per_pa + 0.5) / steps_per_pa, i, i + 1));
     paper.advance(1 / 30, px, pz);
     modal.advance(1 / 30, px, pz);
@@ -38,7 +38,7 @@ function* walk(wind: WindDocument): Generator<[string, Float32Array]> {
   }
 }
 
-describe("walks as Python does over 10,000 frames: every record, and poses to 1e-5 of the height", () => {
+describe("agrees with Python over 10,000 frames: all records, and poses to 1e-5 of the height", () => {
   for (const golden of walks) {
     test(golden.wind.model, { timeout: 60_000 }, () => {
       let row = 0;

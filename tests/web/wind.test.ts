@@ -11,7 +11,7 @@ interface Vector {
   pressure_z_pa: number[];
 }
 
-test("gives the pressures that Python gives", () => {
+test("gives the same pressures as Python", () => {
   for (const row of goldenJson<Vector[]>("wind.json")) {
     const outX = new Float32Array(row.x_m.length);
     const outZ = new Float32Array(row.x_m.length);
@@ -23,7 +23,7 @@ test("gives the pressures that Python gives", () => {
   }
 });
 
-test("still air presses on nothing, exactly", () => {
+test("the pressure of still air is exactly zero", () => {
   const out = new Float32Array(3).fill(1);
   windPressure({ ...CALM_BREEZE, mean_speed_m_s: 0 }, [0, 9, 99], [1, 2, 3], 12, out, out);
   expect(out.every((value) => value === 0)).toBe(true);
@@ -44,7 +44,7 @@ test("the drag law is continuous where streamlining sets in", () => {
   expect(dynamicPressure(5 + 1e-9)).toBeCloseTo(15, 6);
 });
 
-describe("refuses", () => {
+describe("rejects", () => {
   for (const [field, [low, high]] of Object.entries(WIND_RANGES)) {
     for (const value of [low - 1, high + 1, Number.NaN, Number.POSITIVE_INFINITY, "8", null, undefined]) {
       test(`${field} = ${String(value)}`, () => {

@@ -17,7 +17,7 @@ import { gustSpeed_m_s, plainWind, withMean, withPlain } from "../../web/src/cor
 
 const WINDS: readonly WindDocument[] = [CALM_BREEZE, ...Object.values(PRESETS), paperWind(2, 11, 200)];
 
-test("every wind comes back from the page's link", () => {
+test("every wind is restored from the link", () => {
   for (const wind of WINDS) {
     const query = `?${queryFromSettings({ ...DEFAULTS, trees: 9, wind })}`;
     expect(settingsFromQuery(query)).toEqual({ ...DEFAULTS, trees: 9, wind });
@@ -25,13 +25,13 @@ test("every wind comes back from the page's link", () => {
   expect(windFromQuery("?trees=9")).toBeNull();
 });
 
-test("a link's bad wind is refused with its path", () => {
+test("an invalid wind in a link is rejected with its path", () => {
   expect(() => windFromQuery("?wind=gale")).toThrow(WindError);
   const bad = encodeURIComponent(JSON.stringify({ ...PRESETS.breeze, length_scale_m: 500 }));
   expect(() => windFromQuery(`?wind=${bad}`)).toThrow(/wind\.length_scale_m: expected a number in 5\.\.200, not 500/);
 });
 
-test("a plain wind is four numbers in a link, any other a document", () => {
+test("a link holds a plain wind as four numbers and any other wind as a document", () => {
   const queryOf = (wind: WindDocument) => queryFromSettings({ ...DEFAULTS, wind });
   expect(queryOf(withPlain(DEFAULTS.wind, { mean_speed_m_s: 12, direction_deg: 271 }))).toBe("speed=12&direction=271");
   expect(windFromQuery(queryOf({ ...DEFAULTS.wind, direction_deg: 30.5 }))).toMatchObject({ direction_deg: 30.5 });
@@ -39,7 +39,7 @@ test("a plain wind is four numbers in a link, any other a document", () => {
   expect(settingsFromQuery(queryOf({ ...DEFAULTS.wind, direction_deg: -30 })).wind).toMatchObject({ direction_deg: 330 });
 });
 
-test("a link's plain numbers change the wind that was remembered, and nothing else of it", () => {
+test("plain numbers in a link change only these fields of the stored wind", () => {
   const before = { ...DEFAULTS, wind: PRESETS["storm-front"] };
   const { wind } = settingsFromQuery("?gust=0.1", before);
   expect(wind).toEqual({ ...PRESETS["storm-front"], gustiness: 0.1 });
@@ -47,19 +47,19 @@ test("a link's plain numbers change the wind that was remembered, and nothing el
   expect(plainWind(DEFAULTS.wind)).toEqual(DEFAULTS.wind);
 });
 
-test("the panel's sliders change the wind that an instrument chose, and nothing else of it", () => {
+test("the sliders of the panel change only their fields of the wind", () => {
   const wind = withPlain(PRESETS["storm-front"], { gustiness: 0.1, direction_deg: 300 });
   expect(parseWind(wind)).toEqual({ ...PRESETS["storm-front"], gustiness: 0.1, direction_deg: 300 });
 });
 
-test("gusts that went with the mean still do after a drag, others keep their speed", () => {
+test("gusts that travel with the mean wind follow its changes, others keep their speed", () => {
   const together = { ...CALM_BREEZE, convection_speed_m_s: gustSpeed_m_s(CALM_BREEZE.mean_speed_m_s) };
   expect(withMean(together, 13, 5)).toMatchObject({ convection_speed_m_s: 13, direction_deg: 5 });
   expect(withMean(together, 0, 5).convection_speed_m_s).toBeGreaterThan(0.5);
   expect(withMean(PRESETS["autumn-gusts"], 3, 5).convection_speed_m_s).toBe(10);
 });
 
-test("a wind on its way can always be sent (seed 8)", () => {
+test("a wind in transition is always a valid document (seed 8)", () => {
   const next = random(8);
   let state = steady(PRESETS["autumn-gusts"]);
   for (let k = 0; k < 300; k++) {

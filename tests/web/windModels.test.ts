@@ -23,7 +23,7 @@ const golden = goldenJson<Golden>("wind_models.json");
 const RELATIVE = 1e-9;
 const count = golden.x_m.length;
 
-/** Largest difference of a frame over the frame's own size. */
+/** Largest difference in a frame relative to the frame's magnitude. */
 function difference(field: WindField, time_s: number, wanted: number[]): number {
   const x = new Float64Array(count);
   const z = new Float64Array(count);
@@ -32,7 +32,7 @@ function difference(field: WindField, time_s: number, wanted: number[]): number 
   return Math.max(...[...x, ...z].map((value, i) => Math.abs(value - wanted[i]))) / size;
 }
 
-describe("the velocities that Python gives, over 10,000 frames", () => {
+describe("agrees with the velocities of Python over 10,000 frames", () => {
   golden.models.forEach(({ wind, velocity_m_s }, k) => {
     test(`${wind.model} (${k}), seed ${wind.seed}`, () => {
       const field = new WindField(parseWind(wind));
@@ -43,7 +43,7 @@ describe("the velocities that Python gives, over 10,000 frames", () => {
   });
 });
 
-test("a wind that is changed as it blows glides the same", () => {
+test("a change of the wind gives the same transition", () => {
   const { start, changes, times_s, velocity_m_s } = golden.changed;
   const field = new WindField(parseWind(start));
   const waiting = [...changes];
@@ -56,7 +56,7 @@ test("a wind that is changed as it blows glides the same", () => {
   });
 });
 
-test("the eddies are the same to the last bit", () => {
+test("the eddies are bit-identical", () => {
   const eddies = new Eddies(5);
   for (const { steps, cells } of golden.eddies) {
     while (eddies.steps < steps) eddies.finish();
@@ -65,7 +65,7 @@ test("the eddies are the same to the last bit", () => {
   }
 });
 
-describe("refuses with the path and the words of Python", () => {
+describe("rejects with the same path and message as Python", () => {
   golden.refused.forEach(({ document, path, expected }, k) => {
     test(`${k}: ${path}`, () => {
       expect(() => parseWind(document)).toThrow(expect.objectContaining({ path, expected }));

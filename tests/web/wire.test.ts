@@ -17,11 +17,11 @@ const refused = goldenJson<{ name: string; at: "server" | "client"; hex: string 
 const file = (name: string) => golden(`wire/${name}.bin`).slice();
 const fromHex = (hex: string) => Uint8Array.from(hex.match(/../g) ?? [], (byte) => Number.parseInt(byte, 16));
 
-/** A message as JSON has it: typed arrays become lists. */
+/** A message in the form of the JSON file: typed arrays become lists. */
 const plain = (message: Request | Reply): unknown =>
   JSON.parse(JSON.stringify(message, (_, value) => (ArrayBuffer.isView(value) ? [...(value as Int8Array)] : value)));
 
-/** The modal method's former id is read, but no longer written. */
+/** The former id of the modal method is accepted, but never written. */
 const hasFormerId = ({ method }: Plain) => method === "tangent";
 const withPresentId = (message: Plain) => (hasFormerId(message) ? { ...message, method: "modal" } : message);
 
@@ -39,7 +39,7 @@ function replyOf(message: Plain): Reply {
   return { ...message, groups } as unknown as Reply;
 }
 
-describe("golden messages that Python wrote", () => {
+describe("golden messages written by Python", () => {
   test.each(Object.entries(said.requests))("request %s", (name, message) => {
     expect(plain(decodeRequest(file(name).buffer))).toEqual(withPresentId(message));
     if (!hasFormerId(message)) expect(encodeRequest(requestOf(message))).toEqual(file(name));
@@ -51,7 +51,7 @@ describe("golden messages that Python wrote", () => {
   });
 });
 
-test("a shared forest's method is read under its former id, and written under the present one", () => {
+test("the method of a shared forest is accepted under its former id and written under the current one", () => {
   const reply = replyOf(said.replies.shared);
   if (reply.type !== "shared") throw new Error("not a shared forest");
   const encode = (method: string) => encodeReply({ ...reply, method: method as "modal" }).slice();
@@ -60,12 +60,12 @@ test("a shared forest's method is read under its former id, and written under th
   expect(() => decodeReply(encode("drift").buffer)).toThrow(WireError);
 });
 
-test.each(refused)("$name is refused", ({ at, hex }) => {
+test.each(refused)("$name is rejected", ({ at, hex }) => {
   const decode = at === "server" ? decodeRequest : decodeReply;
   expect(() => decode(fromHex(hex).buffer)).toThrow(WireError);
 });
 
-test("another version is refused naming both", () => {
+test("another version is rejected with both versions in the message", () => {
   const data = file("pong");
   data[2] = 7;
   expect(() => decodeReply(data.buffer)).toThrow(/7.*only version 2/);
@@ -78,7 +78,7 @@ test("rows of a key frame are views into the message", () => {
   expect(frame.groups.every((group) => group.values.buffer === data.buffer)).toBe(true);
 });
 
-test("damaged messages are refused or decoded, never worse (seed 5)", () => {
+test("damaged messages are either rejected or decoded (seed 5)", () => {
   const next = random(5);
   const names = Object.keys(said.replies);
   const files = names.map(file);

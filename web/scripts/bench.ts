@@ -1,11 +1,11 @@
 /**
- * What the page costs, in a real (headless) Chromium on the software rasteriser; see README, "Bench".
+ * Benchmark of the page in headless Chromium with software rendering; see README, "Benchmark".
  *
  *   npm run bench -- [--base URL | --data DIR] [--minutes 0.5] [--json build/bench-web.json]
  *   npm run bench -- --only worker        # one part: start, worker, 1000, 10000, memory
- *   npm run bench -- --soak-minutes 10    # only the heap, for so long
+ *   npm run bench -- --soak-minutes 10    # only the heap, for this time
  *
- * Paths are relative to the repository. Without --base a server is started over the data folder.
+ * Paths are relative to the repository. Without --base a server is started on the data folder.
  */
 import { mkdirSync, writeFileSync } from "node:fs";
 import { cpus, loadavg } from "node:os";

@@ -1,14 +1,14 @@
-/** Compiles kernel/modal.ts, AssemblyScript, to WebAssembly with vectors. */
+/** Compiles kernel/modal.ts (AssemblyScript) to WebAssembly with SIMD. */
 import { readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import asc from "assemblyscript/asc";
 
 const FOLDER = join(dirname(fileURLToPath(import.meta.url)), "../kernel");
-/** Memory is the caller's; nothing is allocated, so nothing need be collected. */
+/** The caller provides the memory; nothing is allocated, so no garbage collector is needed. */
 const OPTIONS = ["--runtime", "stub", "-O3", "--noAssert", "--enable", "simd", "--importMemory"];
 
-/** Throws what the compiler says of a source that it refuses. */
+/** Compiles the source; throws the compiler's messages on failure. */
 export async function compileKernel(): Promise<Uint8Array> {
   let made: Uint8Array | null = null;
   const { error, stderr } = await asc.main(["modal.ts", ...OPTIONS, "--outFile", "modal.wasm"], {
@@ -28,7 +28,7 @@ export async function compileKernel(): Promise<Uint8Array> {
   return made;
 }
 
-/** The module that holds the compiled kernel. */
+/** Source of the module that contains the compiled kernel. */
 export async function kernelModule(): Promise<string> {
   const text = Buffer.from(await compileKernel()).toString("base64");
   return `// Written by \`npm run kernel\` from ../kernel/modal.ts.\nexport const MODAL_KERNEL =\n  "${text}";\n`;

@@ -1,6 +1,6 @@
 /**
  * Takes the pictures of docs/images from a running server: `BASE_URL=http://127.0.0.1:8000 npm run pictures [name …]`;
- * "film" is the short film. Needs some minutes where no graphics card draws (GPU=1 uses one).
+ * "film" is the short film. Takes several minutes without a GPU (GPU=1 uses one).
  */
 import { chromium } from "@playwright/test";
 import { LAUNCH } from "../../tests/e2e/chromium";

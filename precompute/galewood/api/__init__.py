@@ -1,4 +1,6 @@
 """The public API of the library; ``import galewood`` gives its names."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from galewood.api.evaluation import evaluate
 from galewood.api.forests import Forest, Placements, grid

@@ -1,4 +1,6 @@
 """Where the library keeps meshes and training runs between builds."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
 """The error of a motion table against the finite-element reference solution."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
 """The finite-element model of a tree and its motion in wind: the reference solution."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from __future__ import annotations
 

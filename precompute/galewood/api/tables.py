@@ -1,4 +1,6 @@
 """Motion tables: built from a tree, saved, loaded."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from __future__ import annotations
 

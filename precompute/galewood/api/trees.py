@@ -1,4 +1,6 @@
 """Reading trees: a mesh file becomes a ``Tree``."""
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from __future__ import annotations
 

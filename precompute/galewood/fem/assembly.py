@@ -1,13 +1,13 @@
-"""Corotational assembly: internal forces and the blocks of the stiffness of a pose, element by element.
+"""Corotational assembly of internal forces and stiffness blocks.
 
-Each element's deformation gradient F is split into a rotation R and a stretch (polar decomposition); the
-element's force is R K (Rᵀ x − X) and its tangent R K Rᵀ, K the small-strain stiffness of `elasticity.py`. A
-quadratic element takes R from its four corners.
+Each element's deformation gradient F is decomposed into a rotation R and a stretch (polar decomposition). The
+element force is R K (Rᵀ x − X) and its tangent R K Rᵀ, where K is the small-strain stiffness of
+`elasticity.py`. A quadratic element takes R from its four corners.
 
-Linear elements go eight at a time (`linear_batches.py`), quadratic ones one by one (here).
+Linear elements are processed in batches of eight (`linear_batches.py`), quadratic ones one by one (here).
 
-Everything runs in the elimination order of the solver, so that the assembled blocks fall straight into the
-pattern of the factor. Blocks that touch a fixed node fall into one spare block at the end.
+All arrays are in the elimination order of the solver, so that the assembled blocks map directly to the
+pattern of the factor. Blocks that involve a fixed node are written to one unused block at the end.
 """
 
 from copy import copy
@@ -28,9 +28,9 @@ _COMBINATION = combination()
 class ElementSystem:
     """The elements of a mesh, renumbered for its solver.
 
-    rest_m (N,3), elements (m, 4|10), grad (m,4,3), blocks (m,10,3,3), fixed (k,): nodes that never move.
-    prestress (m,10) N/m: what the stress of the rest pose adds to the blocks' diagonals in the tangent.
-    `order` gives the outer number of each inner node: free nodes in elimination order, then the fixed ones.
+    rest_m (N,3), elements (m, 4|10), grad (m,4,3), blocks (m,10,3,3), fixed (k,): clamped nodes. prestress
+    (m,10) N/m: contribution of the rest-pose stress to the diagonals of the tangent's blocks. `order` maps
+    internal to mesh node numbers: free nodes in elimination order, then the fixed ones.
     """
 
     def __init__(
@@ -62,8 +62,9 @@ class ElementSystem:
         self.diagonal = self.solver.pointer[:-1]
 
     def around(self, nodes: Int32s) -> "ElementSystem":
-        """The elements that touch some inner nodes, for the forces on those alone (it shares everything
-        else).
+        """The elements that touch the given internal nodes, to compute forces on those nodes only.
+
+        The result shares all other data with this system.
         """
         wanted = np.zeros(len(self.rest), np.bool_)
         wanted[nodes] = True
@@ -75,13 +76,13 @@ class ElementSystem:
         return part
 
     def set_blocks(self, blocks: Floats) -> None:
-        """Replace the elements' stiffness (m,10,3,3)."""
+        """Replace the element stiffness (m,10,3,3), N/m."""
         self.blocks = np.ascontiguousarray(blocks.reshape(len(blocks), 10, 9))
         if self._linear:
             self._linear = self._linear.with_blocks(self.blocks)
 
     def set_prestress(self, prestress: Floats) -> None:
-        """Replace what the stress of the rest pose adds (m,10), N/m."""
+        """Replace the rest-pose stress contribution (m,10), N/m."""
         self.prestress = np.ascontiguousarray(prestress)
         if self._linear:
             self._linear = self._linear.with_prestress(self.prestress)
@@ -92,29 +93,28 @@ class ElementSystem:
         )
 
     def _scatter_map(self) -> tuple[Int32s, NDArray[np.bool_]]:
-        """Where each element block goes in the factor's pattern, and whether it goes there transposed."""
+        """Destination of each element block in the factor's pattern, and whether it is transposed."""
         width = self.elements.shape[1]
         pairs = [(a, b) for a in range(width) for b in range(a, width)]
         first, second = (self.elements[:, [pair[k] for pair in pairs]] for k in (0, 1))
         return self._lower_slots(np.maximum(first, second), np.minimum(first, second)), first < second
 
     def _lower_slots(self, high: Int32s, low: Int32s) -> Int32s:
-        """Slots of blocks below the diagonal, rows `high` and columns `low`; fixed ones go to the spare."""
+        """Slots of lower-triangle blocks (rows `high`, columns `low`); the unused slot for fixed nodes."""
         slots = np.full(low.shape, self.solver.blocks, np.int32)
         inside = high < self.free
         slots[inside] = self.solver.slots(high[inside], low[inside])
         return slots
 
     def force(self, u: Floats, w: Floats, out: Floats) -> None:
-        """Internal force (N,3) at displacement u; to that w is added with the rotations held.
+        """Internal force (N,3), N, at displacement u (m), plus the linear response to w with rotations fixed.
 
-        Σ R K (Rᵀ (x + w) − X) + K_σ w: with w the force linearised at u, what the rest pose's stress adds
-        included.
+        Σ R K (Rᵀ (x + w) − X) + K_σ w, that is, the force linearised at u, including the rest-pose stress.
         """
         self._run(u, w, 0.0, False, out)
 
     def assemble(self, u: Floats, w: Floats, scale: float, mass: Floats, out: Floats) -> None:
-        """`force`, and `values` = scale · stiffness(u) + diag(mass), lower blocks in the factor's pattern."""
+        """`force` and `values` = scale · stiffness(u) + diag(mass), lower blocks in the factor's pattern."""
         self.values[:] = 0.0
         for k in (0, 4, 8):
             self.values[self.diagonal, k] = mass[: self.free]
@@ -131,7 +131,7 @@ class ElementSystem:
         _assemble10(*terms, *mesh, u, w, scale, matrix, self.values, out)
 
     def diagonal_blocks(self, nodes: Int32s) -> Floats:
-        """(q,3,3) diagonal blocks of the last assembled matrix at inner nodes (zero at fixed ones)."""
+        """(q,3,3) diagonal blocks of the last assembled matrix at internal nodes (zero at fixed ones)."""
         found = np.zeros((len(nodes), 9))
         free = nodes < self.free
         found[free] = self.values[self.diagonal[nodes[free]]]
@@ -149,10 +149,10 @@ def _node_pairs(elements: NDArray[np.int64]) -> Int32s:
 
 @numba.njit(**JIT)
 def _pose(rest: Floats, u: Floats, w: Floats, elements: Int32s, grad: Floats, e: int, d: Floats) -> Nine:
-    """Rotation of element e; d (k,3) ← its nodes' displacement beyond that rotation, in the world's axes.
+    """Rotation of element e; d (k,3) ← nodal displacements relative to that rotation, in world axes.
 
-    All differences are taken from the element's first node, and from displacements rather than places, so
-    that rounding stays that of the deformation and not that of the tree's size.
+    All differences are relative to the element's first node and computed from displacements rather than
+    positions, so that rounding errors scale with the deformation and not with the size of the tree.
     """
     n0 = elements[e, 0]
     h0 = h1 = h2 = h3 = h4 = h5 = h6 = h7 = h8 = 0.0
@@ -226,7 +226,7 @@ def _apply(k: Nine, d: Floats, f: Floats, a: int, b: int) -> None:
 
 @numba.njit(**JIT)
 def _add_block(v: Floats, slot: int, scale: float, k: Nine, flip: bool) -> None:
-    """v[slot] += scale · k, transposed when `flip`."""
+    """v[slot] += scale · k, transposed if `flip`."""
     k1, k2, k3, k5, k6, k7 = k[1], k[2], k[3], k[5], k[6], k[7]
     if flip:
         k1, k2, k3, k5, k6, k7 = k3, k6, k1, k7, k2, k5
@@ -242,14 +242,14 @@ def _add_block(v: Floats, slot: int, scale: float, k: Nine, flip: bool) -> None:
 
 
 @numba.njit(**JIT)
-def _raised(k: Nine, s: float) -> Nine:
+def _shifted(k: Nine, s: float) -> Nine:
     """K + s I."""
     return k[0] + s, k[1], k[2], k[3], k[4] + s, k[5], k[6], k[7], k[8] + s
 
 
 @numba.njit(**JIT)
 def _add_scaled(out: Floats, w: Floats, na: int, nb: int, s: float) -> None:
-    """out[na] += s w[nb] and the other way round."""
+    """out[na] += s w[nb] and vice versa."""
     for i in range(3):
         out[na, i] += s * w[nb, i]
     if na != nb:
@@ -279,12 +279,12 @@ def _assemble10(
     values: Floats,
     out: Floats,
 ) -> None:
-    """Forces and, if asked, the matrix of quadratic tets.
+    """Forces and, if `matrix`, the stiffness of quadratic tets.
 
-    Each block is a constant combination of the ten turned linear ones.
+    Each block is a constant combination of the ten rotated linear blocks.
     """
     d, f = np.empty((10, 3)), np.empty((10, 3))
-    turned = np.empty((20, 9))
+    rotated = np.empty((20, 9))
     for e in range(len(elements)):
         r = _pose(rest, u, w, elements, grad, e, d)
         f[:] = 0.0
@@ -292,22 +292,22 @@ def _assemble10(
             k = _rotated(r, blocks, e, p)
             for i in range(3):
                 for j in range(3):
-                    turned[p, 3 * i + j] = k[3 * i + j]
-                    turned[10 + p, 3 * j + i] = k[3 * i + j]
+                    rotated[p, 3 * i + j] = k[3 * i + j]
+                    rotated[10 + p, 3 * j + i] = k[3 * i + j]
         for p in range(len(rows)):
             k0 = k1 = k2 = k3 = k4 = k5 = k6 = k7 = k8 = 0.0
             for t in range(start[p], start[p + 1]):
                 s = block[t] + 10 * transposed[t]
                 c = coefficient[t]
-                k0 += c * turned[s, 0]
-                k1 += c * turned[s, 1]
-                k2 += c * turned[s, 2]
-                k3 += c * turned[s, 3]
-                k4 += c * turned[s, 4]
-                k5 += c * turned[s, 5]
-                k6 += c * turned[s, 6]
-                k7 += c * turned[s, 7]
-                k8 += c * turned[s, 8]
+                k0 += c * rotated[s, 0]
+                k1 += c * rotated[s, 1]
+                k2 += c * rotated[s, 2]
+                k3 += c * rotated[s, 3]
+                k4 += c * rotated[s, 4]
+                k5 += c * rotated[s, 5]
+                k6 += c * rotated[s, 6]
+                k7 += c * rotated[s, 7]
+                k8 += c * rotated[s, 8]
             k = (k0, k1, k2, k3, k4, k5, k6, k7, k8)
             _apply(k, d, f, rows[p], columns[p])
             more = 0.0
@@ -315,7 +315,7 @@ def _assemble10(
                 more += coefficient[t] * prestress[e, block[t]]
             _add_scaled(out, w, elements[e, rows[p]], elements[e, columns[p]], more)
             if matrix:
-                _add_block(values, slots[e, p], scale, _raised(k, more), flips[e, p])
+                _add_block(values, slots[e, p], scale, _shifted(k, more), flips[e, p])
         for a in range(10):
             for i in range(3):
                 out[elements[e, a], i] += f[a, i]

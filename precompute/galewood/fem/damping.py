@@ -1,4 +1,4 @@
-"""What damping a tree shows: Rayleigh's two coefficients and what the time step adds."""
+"""Rayleigh damping coefficients, and the numerical damping added by time integration."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from galewood.fem.model import FemSettings
 
 
 def rayleigh(ratio: float, first_hz: float, frequency_ratio: float) -> tuple[float, float]:
-    """α (1/s) and β (s) that give the damping ratio at the first frequency and at a multiple of it."""
+    """α (1/s) and β (s) that give the damping ratio at the first frequency (Hz) and at a multiple of it."""
     first = 2 * np.pi * first_hz
     second = frequency_ratio * first
     return 2 * ratio * first * second / (first + second), 2 * ratio / (first + second)
@@ -18,8 +18,9 @@ def rayleigh_ratio(alpha: float, beta: float, omega: float) -> float:
 
 
 def shown_ratio(settings: FemSettings, omega: float, ratio: float) -> float:
-    """Damping ratio that the time-stepping scheme shows for a linear mode of this ratio and angular
-    frequency, 1/s.
+    """Effective damping ratio, including the time-stepping scheme, of a linear mode.
+
+    `omega` is its angular frequency, 1/s, and `ratio` its physical damping ratio.
     """
     z = settings.dt_s / settings.substeps * omega * complex(-ratio, np.sqrt(1 - ratio**2))
     if settings.scheme == "backward-euler":
@@ -34,7 +35,7 @@ def shown_ratio(settings: FemSettings, omega: float, ratio: float) -> float:
 def damping_report(
     settings: FemSettings, alpha: float, beta: float, first_hz: float, target: float
 ) -> dict[str, float]:
-    """Damping ratio of the first mode: as given, by Rayleigh, by the time step, and as shown."""
+    """Damping ratio of the first mode: specified, by Rayleigh, by time integration, and effective."""
     omega = 2 * np.pi * first_hz
     by_rayleigh = rayleigh_ratio(alpha, beta, omega)
     return {

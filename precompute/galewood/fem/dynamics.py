@@ -1,4 +1,4 @@
-"""A tree moving in the wind: one implicit step after the other."""
+"""Implicit time integration of a tree in the wind."""
 
 import numpy as np
 
@@ -9,14 +9,14 @@ from galewood.util import Floats, Int32s
 _D = 1 - np.sqrt(0.5)
 """TR-BDF2's implicit coefficient: both stages solve with M + d h C + (d h)² K (γ = 2 − √2, L-stable)."""
 _BDF2 = 1 / (2 * _D * (2 - 2 * _D))
-"""BDF2's known part over the unequal pieces γ h, (1 − γ) h: start + _BDF2 · (middle − start)."""
+"""Explicit part of BDF2 with unequal steps γ h, (1 − γ) h: start + _BDF2 · (middle − start)."""
 
 
 class Simulator:
-    """Steps a model from its gravity rest pose under a wind pressure.
+    """Integrates a model from its gravity rest pose under wind pressure.
 
-    `u` and `v` (n,3) are the displacement from the gravity rest pose, m, and the velocity, m/s, of the mesh's
-    vertices. After a step, `internal_force` and `stiffness_diagonal` belong to the state *before* it.
+    `u` and `v` (n,3) are the displacement, m, from the gravity rest pose and the velocity, m/s, of the mesh's
+    vertices. After a step, `internal_force` and `stiffness_diagonal` refer to the state *before* it.
     """
 
     def __init__(self, model: FemModel) -> None:
@@ -30,19 +30,19 @@ class Simulator:
         self._vertices = self._system.rank[: model.vertex_count]
         self._dt = model.settings.dt_s / model.settings.substeps
         self._force = np.empty_like(self._start)
-        self._still = np.zeros_like(self._start)
+        self._zero = np.zeros_like(self._start)
         self._near: tuple[bytes, ElementSystem] | None = None
         self.reset()
 
     def reset(self) -> None:
-        """Back to the gravity rest pose, at rest."""
+        """Return to the gravity rest pose with zero velocity."""
         self._u = self._start.copy()
         self._velocity = np.zeros_like(self._u)
         self._before = self._u.copy()
         self._recorded: Floats | None = None
 
     def displace(self, u_m: Floats) -> None:
-        """Start at rest from a displacement (N,3), m, of all the model's nodes from the gravity rest pose."""
+        """Start at rest from a displacement (N,3), m, of all nodes relative to the gravity rest pose."""
         self.reset()
         self._u += u_m[self._system.order]
         self._u[self._system.free :] = self._start[self._system.free :]
@@ -60,18 +60,19 @@ class Simulator:
 
     @property
     def internal_force(self) -> Floats:
-        """(n,3) internal force before the last step less the gravity it carries, N: zero at rest and at fixed
-        vertices.
+        """(n,3) internal force before the last step minus the gravity it balances, N.
+
+        It is zero at rest and at fixed vertices.
         """
         return self._internal(self._system)[self._vertices]
 
     @property
     def stiffness_diagonal(self) -> Floats:
-        """(n,3,3) diagonal blocks of the stiffness before the last step, N/m (zero at fixed vertices)."""
+        """(n,3,3) diagonal stiffness blocks before the last step, N/m (zero at fixed vertices)."""
         return self._stiffness(self._vertices)
 
     def recorded_force(self, vertices: Int32s) -> Floats:
-        """`internal_force` of some vertices (q,3)."""
+        """`internal_force` of the given vertices, (q,3) N."""
         nodes = self._vertices[vertices]
         key = nodes.tobytes()
         if self._near is None or self._near[0] != key:
@@ -79,11 +80,14 @@ class Simulator:
         return self._internal(self._near[1])[nodes]
 
     def recorded_stiffness(self, vertices: Int32s) -> Floats:
-        """`stiffness_diagonal` of some vertices (q,3,3)."""
+        """`stiffness_diagonal` of the given vertices, (q,3,3) N/m."""
         return self._stiffness(self._vertices[vertices])
 
     def step(self, pressure_pa: Floats) -> None:
-        """Advance by the table's step under a pressure (2,) = (p_x, p_z) Pa that acts all through it."""
+        """Advance by the table's time step under a constant pressure (2,) = (p_x, p_z), Pa.
+
+        Raises FloatingPointError if the solution diverges.
+        """
         load = self._gravity.copy()
         load[:, 0] += self._area * pressure_pa[0]
         load[:, 2] += self._area * pressure_pa[1]
@@ -95,12 +99,10 @@ class Simulator:
             else:
                 self._tr_bdf2(load)
         if not np.isfinite(self._u).all():
-            raise FloatingPointError(
-                "the simulation left the finite numbers: the wind is far beyond the design wind"
-            )
+            raise FloatingPointError("the simulation diverged: the wind is far stronger than the design wind")
 
     def _backward_euler(self, load: Floats) -> None:
-        """One step of Algorithm 2: Newton's method from the last velocity, `j_max` times at most."""
+        """One step of the paper's Algorithm 2: at most `j_max` Newton steps from the last velocity."""
         h, u, v = self._dt, self._u, self._velocity
         residual = self._linearised(load, h)
         first = float(np.linalg.norm(residual))
@@ -108,14 +110,14 @@ class Simulator:
         self._u, self._velocity = u + h * new, new
 
     def _tr_bdf2(self, load: Floats) -> None:
-        """One step of TR-BDF2 (Bank et al. 1985): trapezium to γ h, then BDF2 to h, both with the same
+        """One step of TR-BDF2 (Bank et al. 1985): trapezoidal rule to γ h, then BDF2 to h, with the same
         matrix.
 
-        Newton rounds beyond the first refine the second stage only (in the trapezium they feed stretch back
-        and diverge). Both stages see the forces linearised at the step's start, rotations held: forces at
-        extrapolated poses would hold the stretch that a straight path of a turning branch brings, and blow
-        up. So the second needs no further forces, only K Δv, which the first solve leaves behind: A Δv = (1 +
-        d α) M Δv + d (d + β) K Δv.
+        Newton iterations after the first refine only the second stage; in the trapezoidal stage they feed
+        back stretch and diverge. Both stages use the forces linearised at the start of the step with fixed
+        rotations: forces at extrapolated poses would include the stretch caused by moving a rotating branch
+        along a straight line, and become unstable. The second stage therefore needs no new forces, only K Δv,
+        which follows from the first solve: A Δv = (1 + d α) M Δv + d (d + β) K Δv.
         """
         d, u, v = _D * self._dt, self._u, self._velocity
         alpha, beta, mass = self.model.alpha, self.model.beta, self._mass[:, None]
@@ -135,9 +137,7 @@ class Simulator:
         self._u, self._velocity = u_known + d * new, new
 
     def _linearised(self, load: Floats, d: float) -> Floats:
-        """d (f_ext − f_int − (d K + C) v) at the state now, with A = M + d C + d² K made there and
-        factorised.
-        """
+        """d (f_ext − f_int − (d K + C) v) at the current state; also factorises A = M + d C + d² K there."""
         self._assemble(self._u, (d + self.model.beta) * self._velocity, d)
         if self._recorded is None:
             self._recorded = self._system.values[self._system.diagonal].copy()
@@ -148,16 +148,17 @@ class Simulator:
         return residual
 
     def _assemble(self, u: Floats, w: Floats, d: float) -> None:
-        """A = M + d C + d² K at u, not yet factorised, and the force there."""
+        """Assemble A = M + d C + d² K at u (not factorised) and the force there."""
         alpha, beta = self.model.alpha, self.model.beta
         self._system.assemble(u, w, d * (d + beta), (1 + d * alpha) * self._mass, self._force)
 
     def _refined(
         self, load: Floats, d: float, u_known: Floats, v_known: Floats, guess: Floats, first: float
     ) -> Floats:
-        """The other `j_max` − 1 Newton rounds on M (v − v_known) = d (f_ext − f_int(u_known + d v) − C v).
+        """The other `j_max` − 1 Newton iterations on M (v − v_known) = d (f_ext − f_int(u_known + d v) − C
+        v).
 
-        A round that leaves a larger residual than it found is not taken.
+        An iteration that increases the residual is rejected.
         """
         v = accepted = guess
         size = np.inf
@@ -181,15 +182,15 @@ class Simulator:
         return residual
 
     def _internal(self, system: ElementSystem) -> Floats:
-        system.force(self._before, self._still, self._force)
+        system.force(self._before, self._zero, self._force)
         relative = self._force - self._gravity
         relative[self._system.free :] = 0
         return relative
 
     def _stiffness(self, nodes: Int32s) -> Floats:
-        """Diagonal blocks of K at inner nodes, taken back out of the matrix of the step's first solve."""
+        """Diagonal blocks of K at internal nodes, recovered from the matrix of the step's first solve."""
         if self._recorded is None:
-            self._assemble(self._before, self._still, 1.0)
+            self._assemble(self._before, self._zero, 1.0)
             self._recorded = self._system.values[self._system.diagonal].copy()
             self._recorded_step = 1.0
         d = self._recorded_step

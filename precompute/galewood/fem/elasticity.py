@@ -1,9 +1,10 @@
-"""Element stiffness of straight tetrahedra of transversely isotropic wood.
+"""Element stiffness of straight-sided tetrahedra of transversely isotropic wood.
 
-The tangent of a linear tetrahedron is kept as its ten distinct 3 × 3 blocks K_ij, i ≤ j (order `PAIRS`),
-split in two: the *axial* part (stretch along and across the fibre) and the *shear* part (shear between fibre
-and cross-section, the energy of torsion). A quadratic tetrahedron's blocks are constant combinations of the
-same ten (`quadratic.py`), and the fitted linear element scales the two parts (`calibration.py`).
+The tangent of a linear tetrahedron is stored as its ten distinct 3 × 3 blocks K_ij, i ≤ j (in the order of
+`PAIRS`), split into the *axial* part (strain along and across the fibre) and the *shear* part (shear between
+fibre and cross-section, the energy of torsion). The blocks of a quadratic tetrahedron are constant
+combinations of the same ten (`quadratic.py`), and the fitted linear element scales the two parts
+(`calibration.py`).
 """
 
 from typing import NamedTuple
@@ -17,7 +18,7 @@ PAIRS: tuple[tuple[int, int], ...] = tuple((i, j) for i in range(4) for j in ran
 
 
 class Moduli(NamedTuple):
-    """The five invariants' coefficients of a transversely isotropic solid (Spencer 1984), Pa."""
+    """Coefficients, Pa, of the five invariants of a transversely isotropic solid (Spencer 1984)."""
 
     lam: float
     mu_t: float
@@ -27,7 +28,7 @@ class Moduli(NamedTuple):
 
 
 def moduli(wood: Wood) -> Moduli:
-    """Spencer's coefficients of a wood from its engineering constants."""
+    """Spencer's coefficients of a wood, from its engineering constants."""
     e_l, e_t = wood.young_longitudinal_pa, wood.young_transverse_pa
     nu_l, nu_t = wood.poisson_longitudinal, wood.poisson_transverse
     compliance = np.array(
@@ -45,7 +46,7 @@ def moduli(wood: Wood) -> Moduli:
 
 
 def gradients(corners_m: Floats) -> tuple[Floats, Floats]:
-    """Gradients of the barycentric coordinates (m,4,3), 1/m, and signed volumes (m,) of tets (m,4,3), m³."""
+    """Gradients of the barycentric coordinates (m,4,3), 1/m, and signed volumes (m,), m³, of tets (m,4,3)."""
     edges = corners_m[:, 1:] - corners_m[:, :1]
     volume: Floats = np.linalg.det(edges) / 6
     inner = np.asarray(np.linalg.inv(edges), np.float64).transpose(0, 2, 1)
@@ -53,7 +54,7 @@ def gradients(corners_m: Floats) -> tuple[Floats, Floats]:
 
 
 def stiffness_blocks(grad: Floats, volume_m3: Floats, fibre: Floats, m: Moduli) -> tuple[Floats, Floats]:
-    """Axial and shear stiffness blocks, each (elements, 10, 3, 3) in N/m, of linear tets at rest."""
+    """Axial and shear stiffness blocks, each (elements, 10, 3, 3) in N/m, of undeformed linear tets."""
     axial = np.empty((len(grad), 10, 3, 3))
     shear = np.empty_like(axial)
     for block, (i, j) in enumerate(PAIRS):

@@ -1,12 +1,12 @@
-"""Corotational assembly of linear tetrahedra, eight at a time: one in each lane of the processor's registers.
+"""Corotational assembly of linear tetrahedra in batches of eight, the SIMD width.
 
-Each number of an element stands in a row of eight, one for each element of its batch, all in flat arrays:
-row k of batch e begins at 8 (e · rows + k). A loop over the lanes does the same to all eight; its count is
-not known to the compiler, which else would unroll it before it thinks of registers.
+Each scalar of an element is stored in a row of eight, one for each element of its batch, in flat arrays: row
+k of batch e starts at 8 (e · rows + k). Each inner loop applies one operation to all eight elements. Its trip
+count is passed as an argument, because the compiler would unroll a constant loop before vectorising it.
 
-Corners are sorted by number, the last to be eliminated first, so that every block falls below the diagonal.
-Shape functions sum to one, so each row of an element's blocks sums to zero: the six blocks of the last three
-corners are turned, the first corner's four follow from them.
+Corners are sorted by descending number in the elimination order, so that every block falls below the
+diagonal. Shape functions sum to one, so each row of an element's blocks sums to zero: only the six blocks of
+the last three corners are rotated, and the four blocks of the first corner follow from them.
 """
 
 from __future__ import annotations
@@ -25,22 +25,23 @@ from galewood.fem.rotation import gram_schmidt, nearest_rotation
 from galewood.fem.solver import JIT
 from galewood.util import Floats, Int32s
 
-LANES = 8
+SIMD_WIDTH = 8
 INLINED: dict[str, Any] = {**JIT, "inline": "always"}
-"""A call that is handed arrays counts references to them: with a dozen calls a batch, half of the time."""
+"""Passing arrays to a function counts references; with a dozen calls per batch this took half of the time."""
 SlotsOf = Callable[[Int32s, Int32s], Int32s]
-"""Slots (k,) of the blocks in rows (k,) and columns (k,), rows ≥ columns; outside the matrix the spare."""
+"""Slots (k,) of the blocks in rows (k,) and columns (k,), rows ≥ columns; the unused slot outside the matrix.
+"""
 INNER = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))
-"""Pairs of corners whose blocks are kept; the rows below name them K11 … K33."""
+"""Corner pairs whose blocks are stored, in the order K11 … K33."""
 
 
 @dataclass(frozen=True)
 class LinearBatches:
-    """Linear elements ready for the kernel, batch after batch, row after row, eight lanes each.
+    """Linear elements in kernel layout: batch after batch, row after row, eight elements wide.
 
-    Rows a batch: corners 4, slots 10, gradients 9, edges from the first corner 9, blocks 54, prestress 6.
-    What is missing in the last batch has no stiffness and falls into the spare slot. `pick` and `flat` say
-    which numbers of an element's ten blocks and ten prestress numbers are kept.
+    Rows per batch: corners 4, slots 10, gradients 9, edges from the first corner 9, blocks 54, prestress 6.
+    The last batch is padded with elements of zero stiffness that map to the unused slot. `pick` and `flat`
+    index the stored values among an element's ten blocks and ten prestress values.
     """
 
     corners: Int32s
@@ -53,41 +54,41 @@ class LinearBatches:
     flat: NDArray[np.int64]
 
     def with_blocks(self, blocks: Floats) -> LinearBatches:
-        """The same elements of other stiffness (m,10,9)."""
+        """The same elements with other stiffness (m,10,9)."""
         kept = np.take_along_axis(blocks.reshape(len(blocks), 90), self.pick, axis=1)
-        return replace(self, blocks=_in_lanes(kept))
+        return replace(self, blocks=_batched(kept))
 
     def with_prestress(self, prestress: Floats) -> LinearBatches:
         """The same elements with other prestress (m,10)."""
-        return replace(self, prestress=_in_lanes(np.take_along_axis(prestress, self.flat, axis=1)))
+        return replace(self, prestress=_batched(np.take_along_axis(prestress, self.flat, axis=1)))
 
     def run(self, u: Floats, w: Floats, scale: float, matrix: bool, values: Floats, out: Floats) -> None:
-        """Add forces (N,3) to `out` and, if asked, scale · stiffness to `values` (s,9)."""
+        """Add forces (N,3) to `out` and, if `matrix`, scale · stiffness to `values` (s,9)."""
         arrays = (self.corners, self.slots, self.gradients, self.edges, self.blocks, self.prestress)
-        _assemble(LANES, *arrays, u, w, scale, matrix, values, out)
+        _assemble(SIMD_WIDTH, *arrays, u, w, scale, matrix, values, out)
 
 
 def linear_batches(
     rest_m: Floats, elements: Int32s, grad: Floats, blocks: Floats, prestress: Floats, slots_of: SlotsOf
 ) -> LinearBatches:
-    """Batches of elements (m,4), blocks (m,10,9), prestress (m,10), nodes in elimination order."""
+    """Batches of elements (m,4), blocks (m,10,9), prestress (m,10), with nodes in elimination order."""
     order = np.argsort(-elements, axis=1, kind="stable")
     corners = np.take_along_axis(elements, order, axis=1)
     slots = np.stack([slots_of(corners[:, a], corners[:, b]) for a, b in PAIRS], axis=1)
     spare = int(slots_of(np.full(1, len(rest_m), np.int32), np.zeros(1, np.int32))[0])
     edges = rest_m[corners[:, 1:]] - rest_m[corners[:, :1]]
     gradients = np.take_along_axis(grad, order[:, 1:, None], axis=1)
-    pick, flat = _kept(order)
+    pick, flat = _stored_indices(order)
     none: Floats = np.zeros(0)
     batches = LinearBatches(
-        _in_lanes(corners), _in_lanes(slots, spare), _in_lanes(gradients), _in_lanes(edges),
+        _batched(corners), _batched(slots, spare), _batched(gradients), _batched(edges),
         none, none, pick, flat,
     )  # fmt: skip
     return batches.with_blocks(blocks).with_prestress(prestress)
 
 
-def _kept(order: NDArray[np.intp]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Where the kept numbers stand in an element's ten blocks (m,54) and in its ten of prestress (m,6)."""
+def _stored_indices(order: NDArray[np.intp]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Indices of the stored values among an element's ten blocks (m,54) and ten prestress values (m,6)."""
     number = np.zeros((4, 4), np.int64)
     for p, (a, b) in enumerate(PAIRS):
         number[a, b] = number[b, a] = p
@@ -101,18 +102,18 @@ def _kept(order: NDArray[np.intp]) -> tuple[NDArray[np.int64], NDArray[np.int64]
     return np.concatenate(pick, axis=1), np.stack(flat, axis=1)
 
 
-def _in_lanes(rows: NDArray[Any], fill: float = 0) -> NDArray[Any]:
-    """Rows (m, …) as a flat array of batches, the last filled up."""
-    width, batches = math.prod(rows.shape[1:]), -(-len(rows) // LANES)
-    wide = np.full((batches * LANES, width), fill, rows.dtype)
+def _batched(rows: NDArray[Any], fill: float = 0) -> NDArray[Any]:
+    """Rows (m, …) as a flat array of batches, with the last one padded."""
+    width, batches = math.prod(rows.shape[1:]), -(-len(rows) // SIMD_WIDTH)
+    wide = np.full((batches * SIMD_WIDTH, width), fill, rows.dtype)
     wide[: len(rows)] = rows.reshape(len(rows), width)
-    return np.ascontiguousarray(wide.reshape(batches, LANES, width).transpose(0, 2, 1)).ravel()
+    return np.ascontiguousarray(wide.reshape(batches, SIMD_WIDTH, width).transpose(0, 2, 1)).ravel()
 
 
 @numba.njit(**INLINED)
-def _gather(lanes: int, corners: Int32s, c: int, field: Floats, d: Floats) -> None:
+def _gather(simd_width: int, corners: Int32s, c: int, field: Floats, d: Floats) -> None:
     """d (9 rows) ← differences of a field (N,3) from the first corner."""
-    for lane in range(lanes):
+    for lane in range(simd_width):
         n0 = corners[c + lane]
         for a in range(3):
             n = corners[c + 8 * (a + 1) + lane]
@@ -121,20 +122,20 @@ def _gather(lanes: int, corners: Int32s, c: int, field: Floats, d: Floats) -> No
 
 
 @numba.njit(**INLINED)
-def _deformation(lanes: int, d: Floats, grad: Floats, g: int, f: Floats, det: Floats) -> None:
+def _deformation(simd_width: int, d: Floats, grad: Floats, g: int, f: Floats, det: Floats) -> None:
     """f (9 rows) ← F = I + Σ d_a ∇λ_aᵀ, and its determinant."""
     for i in range(3):
         o = 24 * i
-        for lane in range(lanes):
+        for lane in range(simd_width):
             x, y, z = d[8 * i + lane], d[8 * i + 24 + lane], d[8 * i + 48 + lane]
             q = g + lane
             f[o + lane] = x * grad[q] + y * grad[q + 24] + z * grad[q + 48]
             f[o + 8 + lane] = x * grad[q + 8] + y * grad[q + 32] + z * grad[q + 56]
             f[o + 16 + lane] = x * grad[q + 16] + y * grad[q + 40] + z * grad[q + 64]
     for k in (0, 32, 64):
-        for lane in range(lanes):
+        for lane in range(simd_width):
             f[k + lane] += 1.0
-    for lane in range(lanes):
+    for lane in range(simd_width):
         det[lane] = (
             f[lane] * (f[lane + 32] * f[lane + 64] - f[lane + 40] * f[lane + 56])
             + f[lane + 8] * (f[lane + 40] * f[lane + 48] - f[lane + 24] * f[lane + 64])
@@ -143,9 +144,9 @@ def _deformation(lanes: int, d: Floats, grad: Floats, g: int, f: Floats, det: Fl
 
 
 @numba.njit(**INLINED)
-def _newton(lanes: int, r: Floats, step: Floats) -> None:
-    """One round of Higham's iteration R ← (R + R⁻ᵀ) / 2, and the squared length of its step."""
-    for i in range(lanes):
+def _newton(simd_width: int, r: Floats, step: Floats) -> None:
+    """One iteration of Higham's R ← (R + R⁻ᵀ) / 2, and the squared norm of the update."""
+    for i in range(simd_width):
         r0, r1, r2 = r[i], r[i + 8], r[i + 16]
         r3, r4, r5 = r[i + 24], r[i + 32], r[i + 40]
         r6, r7, r8 = r[i + 48], r[i + 56], r[i + 64]
@@ -165,23 +166,23 @@ def _newton(lanes: int, r: Floats, step: Floats) -> None:
 
 
 @numba.njit(**INLINED)
-def _rotations(lanes: int, f: Floats, det: Floats, r: Floats, step: Floats) -> None:
-    """r (9 rows) ← the rotations nearest to F; flat and inverted elements go one by one."""
+def _rotations(simd_width: int, f: Floats, det: Floats, r: Floats, step: Floats) -> None:
+    """r (9 rows) ← the rotations nearest to F; flat and inverted elements are handled individually."""
     for k in range(72):
         r[k] = f[k]
-    for lane in range(lanes):
+    for lane in range(simd_width):
         if not det[lane] > 1e-9:
             for k in range(9):
                 r[8 * k + lane] = 1.0 if k % 4 == 0 else 0.0
     far = True
     rounds = 0
     while far and rounds < 20:
-        _newton(lanes, r, step)
+        _newton(simd_width, r, step)
         rounds += 1
         far = False
-        for lane in range(lanes):
+        for lane in range(simd_width):
             far = far or step[lane] > 1e-17
-    for lane in range(lanes):
+    for lane in range(simd_width):
         i = lane
         if not det[lane] > 1e-9:
             one = nearest_rotation((f[i] - 1.0, f[i + 8], f[i + 16], f[i + 24], f[i + 32] - 1.0, f[i + 40],
@@ -195,11 +196,13 @@ def _rotations(lanes: int, f: Floats, det: Floats, r: Floats, step: Floats) -> N
 
 
 @numba.njit(**INLINED)
-def _beyond(lanes: int, r: Floats, d: Floats, w: Floats, edges: Floats, x: int, out: Floats) -> None:
-    """out (9 rows) ← d + w + (I − R) X: the corners' displacement beyond the rotation."""
+def _relative_displacement(
+    simd_width: int, r: Floats, d: Floats, w: Floats, edges: Floats, x: int, out: Floats
+) -> None:
+    """out (9 rows) ← d + w + (I − R) X: the corners' displacement relative to the rotation."""
     for a in range(3):
         o, e = 24 * a, x + 24 * a
-        for i in range(lanes):
+        for i in range(simd_width):
             x0, x1, x2 = edges[e + i], edges[e + 8 + i], edges[e + 16 + i]
             out[o + i] = d[o + i] + w[o + i] + ((1.0 - r[i]) * x0 - r[i + 8] * x1 - r[i + 16] * x2)
             out[o + 8 + i] = (
@@ -211,9 +214,9 @@ def _beyond(lanes: int, r: Floats, d: Floats, w: Floats, edges: Floats, x: int, 
 
 
 @numba.njit(**INLINED)
-def _turn(lanes: int, r: Floats, blocks: Floats, b: int, k: Floats, o: int) -> None:
+def _rotate_block(simd_width: int, r: Floats, blocks: Floats, b: int, k: Floats, o: int) -> None:
     """k[o …] (9 rows) ← R K Rᵀ of one block."""
-    for i in range(lanes):
+    for i in range(simd_width):
         r0, r1, r2 = r[i], r[i + 8], r[i + 16]
         r3, r4, r5 = r[i + 24], r[i + 32], r[i + 40]
         r6, r7, r8 = r[i + 48], r[i + 56], r[i + 64]
@@ -235,12 +238,12 @@ def _turn(lanes: int, r: Floats, blocks: Floats, b: int, k: Floats, o: int) -> N
 
 
 @numba.njit(**INLINED)
-def _apply(lanes: int, k: Floats, o: int, flip: bool, d: Floats, b: int, f: Floats, a: int) -> None:
-    """f_a += K d_b, or Kᵀ d_b when `flip`; K at k[o …], corners a, b counted from 1."""
+def _apply(simd_width: int, k: Floats, o: int, flip: bool, d: Floats, b: int, f: Floats, a: int) -> None:
+    """f_a += K d_b, or Kᵀ d_b if `flip`; K at k[o …], corners a, b counted from 1."""
     along, across = (8, 24) if flip else (24, 8)
     for i in range(3):
         t, q = 8 * (3 * a + i), o + along * i
-        for lane in range(lanes):
+        for lane in range(simd_width):
             f[t + lane] += (
                 k[q + lane] * d[24 * b - 24 + lane]
                 + k[q + across + lane] * d[24 * b - 16 + lane]
@@ -249,11 +252,11 @@ def _apply(lanes: int, k: Floats, o: int, flip: bool, d: Floats, b: int, f: Floa
 
 
 @numba.njit(**INLINED)
-def _stress(lanes: int, prestress: Floats, s: int, w: Floats, f: Floats) -> None:
-    """f (12 rows) ← K_σ w of the last three corners: rows of K_σ sum to zero, so differences of w will do."""
+def _stress(simd_width: int, prestress: Floats, s: int, w: Floats, f: Floats) -> None:
+    """f (12 rows) ← K_σ w of the last three corners; rows of K_σ sum to zero, so differences of w suffice."""
     for i in range(3):
         o = 8 * i
-        for lane in range(lanes):
+        for lane in range(simd_width):
             x, y, z = w[o + lane], w[o + 24 + lane], w[o + 48 + lane]
             q = s + lane
             f[o + 24 + lane] = prestress[q] * x + prestress[q + 8] * y + prestress[q + 16] * z
@@ -262,46 +265,46 @@ def _stress(lanes: int, prestress: Floats, s: int, w: Floats, f: Floats) -> None
 
 
 @numba.njit(**INLINED)
-def _forces(lanes: int, k: Floats, d: Floats, f: Floats) -> None:
-    """f (12 rows) += K d, the first corner's the others' counterpart."""
-    _apply(lanes, k, 288, False, d, 1, f, 1)
-    _apply(lanes, k, 360, False, d, 2, f, 1)
-    _apply(lanes, k, 432, False, d, 3, f, 1)
-    _apply(lanes, k, 360, True, d, 1, f, 2)
-    _apply(lanes, k, 504, False, d, 2, f, 2)
-    _apply(lanes, k, 576, False, d, 3, f, 2)
-    _apply(lanes, k, 432, True, d, 1, f, 3)
-    _apply(lanes, k, 576, True, d, 2, f, 3)
-    _apply(lanes, k, 648, False, d, 3, f, 3)
+def _forces(simd_width: int, k: Floats, d: Floats, f: Floats) -> None:
+    """f (12 rows) += K d; the first corner balances the others."""
+    _apply(simd_width, k, 288, False, d, 1, f, 1)
+    _apply(simd_width, k, 360, False, d, 2, f, 1)
+    _apply(simd_width, k, 432, False, d, 3, f, 1)
+    _apply(simd_width, k, 360, True, d, 1, f, 2)
+    _apply(simd_width, k, 504, False, d, 2, f, 2)
+    _apply(simd_width, k, 576, False, d, 3, f, 2)
+    _apply(simd_width, k, 432, True, d, 1, f, 3)
+    _apply(simd_width, k, 576, True, d, 2, f, 3)
+    _apply(simd_width, k, 648, False, d, 3, f, 3)
     for i in range(0, 24, 8):
-        for lane in range(lanes):
+        for lane in range(simd_width):
             f[i + lane] = -f[i + 24 + lane] - f[i + 48 + lane] - f[i + 72 + lane]
 
 
 @numba.njit(**INLINED)
-def _complete(lanes: int, k: Floats, prestress: Floats, s: int, scale: float) -> None:
-    """All ten blocks in k (90 rows), 00 01 02 03 11 12 13 22 23 33, from the last six: raised and scaled."""
+def _complete(simd_width: int, k: Floats, prestress: Floats, s: int, scale: float) -> None:
+    """All ten blocks in k (90 rows), 00 01 02 03 11 12 13 22 23 33, from the last six: shifted and scaled."""
     for p in range(6):
         o = 288 + 72 * p
         for c in range(0, 72, 8):
             raised = 1.0 if c % 32 == 0 else 0.0
-            for lane in range(lanes):
+            for lane in range(simd_width):
                 k[o + c + lane] = scale * (k[o + c + lane] + raised * prestress[s + 8 * p + lane])
     for i in range(3):
         for j in range(3):
             o, t = 8 * (3 * i + j), 8 * (3 * j + i)
-            for lane in range(lanes):
+            for lane in range(simd_width):
                 k[72 + o + lane] = -k[288 + o + lane] - k[360 + t + lane] - k[432 + t + lane]
                 k[144 + o + lane] = -k[360 + o + lane] - k[504 + o + lane] - k[576 + t + lane]
                 k[216 + o + lane] = -k[432 + o + lane] - k[576 + o + lane] - k[648 + o + lane]
     for o in range(0, 72, 8):
-        for lane in range(lanes):
+        for lane in range(simd_width):
             k[o + lane] = -k[72 + o + lane] - k[144 + o + lane] - k[216 + o + lane]
 
 
 @numba.njit(**JIT)
 def _assemble(
-    lanes: int,
+    simd_width: int,
     corners: Int32s,
     slots: Int32s,
     gradients: Floats,
@@ -318,23 +321,23 @@ def _assemble(
     du, dw, d, r, deformed = np.empty(72), np.empty(72), np.empty(72), np.empty(72), np.empty(72)
     det, step, f, k = np.empty(8), np.empty(8), np.empty(96), np.empty(720)
     for e in range(len(corners) // 32):
-        _gather(lanes, corners, 32 * e, u, du)
-        _gather(lanes, corners, 32 * e, w, dw)
-        _deformation(lanes, du, gradients, 72 * e, deformed, det)
-        _rotations(lanes, deformed, det, r, step)
-        _beyond(lanes, r, du, dw, edges, 72 * e, d)
+        _gather(simd_width, corners, 32 * e, u, du)
+        _gather(simd_width, corners, 32 * e, w, dw)
+        _deformation(simd_width, du, gradients, 72 * e, deformed, det)
+        _rotations(simd_width, deformed, det, r, step)
+        _relative_displacement(simd_width, r, du, dw, edges, 72 * e, d)
         for p in range(6):
-            _turn(lanes, r, blocks, 432 * e + 72 * p, k, 288 + 72 * p)
-        _stress(lanes, prestress, 48 * e, dw, f)
-        _forces(lanes, k, d, f)
-        for lane in range(lanes):
+            _rotate_block(simd_width, r, blocks, 432 * e + 72 * p, k, 288 + 72 * p)
+        _stress(simd_width, prestress, 48 * e, dw, f)
+        _forces(simd_width, k, d, f)
+        for lane in range(simd_width):
             for a in range(4):
                 n = corners[32 * e + 8 * a + lane]
                 for i in range(3):
                     out[n, i] += f[8 * (3 * a + i) + lane]
         if matrix:
-            _complete(lanes, k, prestress, 48 * e, scale)
-            for lane in range(lanes):
+            _complete(simd_width, k, prestress, 48 * e, scale)
+            for lane in range(simd_width):
                 for p in range(10):
                     slot = slots[80 * e + 8 * p + lane]
                     for c in range(9):

@@ -16,11 +16,12 @@ Element = Literal["fitted", "linear", "quadratic"]
 
 @dataclass(frozen=True, kw_only=True)
 class FemSettings:
-    """How a tree is simulated.
+    """Simulation settings; ValueError if a value is out of range.
 
-    dt_s is the table's step; each is cut into `substeps` equal steps of `scheme`. `j_max` and `tolerance`
-    (relative to the first residual) are Algorithm 2's. The damping ratio of the wood holds at the first
-    natural frequency and at `damping_frequency_ratio` times it (Rayleigh's two targets).
+    dt_s is the table's time step, which is divided into `substeps` equal steps of `scheme`. `j_max` and
+    `tolerance` (relative to the first residual) belong to the paper's Algorithm 2. The damping ratio of the
+    wood applies at the first natural frequency and at `damping_frequency_ratio` times it (Rayleigh's two
+    targets).
     """
 
     dt_s: float = 1 / 30
@@ -47,11 +48,11 @@ class FemSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class FemModel:
-    """A tree ready to be simulated; nodes 0..vertex_count−1 are the vertices of the tetrahedral mesh.
+    """A tree ready for simulation; nodes 0..vertex_count−1 are the vertices of the tetrahedral mesh.
 
     nodes_m (N,3), elements (m, 4|10), grad (m,4,3) 1/m, blocks (m,10,3,3) N/m, mass_kg (N,), drag_area_m2
-    (N,), fixed (k,), gravity_n (N,3) N, u_rest (N,3) m, prestress (m,10) N/m (`prestress.py`). alpha 1/s and
-    beta s are Rayleigh's. The report is JSON-able.
+    (N,), fixed (k,), gravity_n (N,3) N, u_rest (N,3) m, prestress (m,10) N/m (`prestress.py`). alpha (1/s)
+    and beta (s) are Rayleigh's coefficients. The report can be serialised to JSON.
     """
 
     nodes_m: Floats
@@ -71,7 +72,7 @@ class FemModel:
     report: dict[str, Any]
 
     def system(self) -> ElementSystem:
-        """The assembled-to-be elements with their solver (symbolic analysis included)."""
+        """The element system with its solver, including the symbolic analysis."""
         return ElementSystem(self.nodes_m, self.elements, self.grad, self.blocks, self.fixed, self.prestress)
 
 
@@ -90,7 +91,7 @@ _ARRAYS = (
 
 
 def save_model(model: FemModel, path: Path) -> None:
-    """Write the model to one .npz (atomically: a reader never sees half a file)."""
+    """Write the model atomically to one .npz file."""
     header = {
         "vertex_count": model.vertex_count,
         "alpha": model.alpha,
@@ -103,7 +104,7 @@ def save_model(model: FemModel, path: Path) -> None:
 
 
 def load_model(path: Path) -> FemModel:
-    """Read what `save_model` wrote, bit for bit."""
+    """Read a model written by `save_model`, bit for bit."""
     with np.load(path, allow_pickle=False) as file:
         header = json.loads(file["header"].tobytes())
         arrays: dict[str, Any] = {name: file[name] for name in _ARRAYS}

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from galewood.fem.model import FemModel
 
 
-LANCZOS_TOLERANCE: Any = 1e-10  # scipy's annotation asks for an int
+LANCZOS_TOLERANCE: Any = 1e-10  # scipy's type annotation requires an int
 
 
 class Modes(NamedTuple):
-    """Frequencies (k,) Hz, ascending, and mass-normalised shapes (k,N,3), 1/√kg, in the mesh's order."""
+    """Frequencies (k,) Hz, ascending, and mass-normalised shapes (k,N,3), 1/√kg, in mesh order."""
 
     frequencies_hz: Floats
     shapes: Floats
@@ -29,10 +29,10 @@ def frequencies(model: "FemModel", count: int) -> Floats:
 
 
 def natural_modes(model: "FemModel", count: int, system: ElementSystem | None = None) -> Modes:
-    """Modes of small vibration about the rest pose, what gravity softens included (`prestress.py`).
+    """Modes of small vibrations about the rest pose, including the softening by gravity (`prestress.py`).
 
-    A `system` at hand (the model's own, its matrix overwritten here) saves the symbolic analysis.
-    Raises NotPositiveDefinite where the rest pose is not stable.
+    Passing the model's `system` avoids its symbolic analysis; its matrix is overwritten. Raises
+    NotPositiveDefinite if the rest pose is unstable.
     """
     system = system or model.system()
     omega, inner = tangent_modes(system, model.u_rest[system.order], model.mass_kg[system.order], count)
@@ -42,10 +42,10 @@ def natural_modes(model: "FemModel", count: int, system: ElementSystem | None = 
 
 
 def tangent_modes(system: ElementSystem, u: Floats, mass: Floats, count: int) -> tuple[Floats, Floats]:
-    """Angular frequencies (count,) 1/s, ascending, and mass-normalised modes (count,N,3) of the corotational
-    tangent.
+    """Modes of the corotational tangent: angular frequencies (count,) 1/s, ascending, and shapes (count,N,3).
 
-    Shift-invert Lanczos about zero with the block factor; u, mass and modes in the system's inner order.
+    The shapes are mass-normalised. Shift-invert Lanczos about zero with the block factor; u, mass and shapes
+    are in the system's internal order.
     """
     size = 3 * system.free
     system.assemble(u, np.zeros_like(u), 1.0, np.zeros(len(u)), np.zeros_like(u))

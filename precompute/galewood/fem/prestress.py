@@ -1,9 +1,9 @@
-"""What the stress of the rest pose adds to the tangent: the moment that the weight gains from the sway (P–Δ).
+"""Contribution of the rest-pose stress to the tangent: the moment of the weight caused by sway (P–Δ effect).
 
-The corotational tangent holds each element's rotation still and so leaves it out. For an element of mean
-stress σ it is V (∇λ_i · σ ∇λ_j) I for each pair of corners, and as ∇λ_i · f_j with the corners' forces f_j =
-V σ ∇λ_j it needs no stress at all. The numbers do not change when the element turns: they are made once, in
-the rest pose.
+The corotational tangent keeps each element's rotation fixed and so omits it. For an element of mean stress σ,
+it is V (∇λ_i · σ ∇λ_j) I for each pair of corners. Because the corner forces are f_j = V σ ∇λ_j, it equals
+∇λ_i · f_j and needs no stress. The values are invariant under rotation of the element, so they are computed
+once, in the rest pose.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from galewood.util import Floats
 
 
 def rest_prestress(model: FemModel) -> Floats:
-    """(m,10) N/m for the pairs of corners of each element, at the model's rest pose."""
+    """(m,10) N/m for the corner pairs of each element, in the model's rest pose."""
     rest = model.nodes_m[model.elements[:, :4]]
     gradient = mean_gradient(model)
     left, _, right = np.linalg.svd(np.eye(3) + gradient)
@@ -34,7 +34,8 @@ def mean_gradient(model: FemModel) -> Floats:
     u = model.u_rest[model.elements]
     if model.elements.shape[1] == 4:
         return np.einsum("eai,eaj->eij", u, model.grad)
-    # A corner's quadratic shape function has no mean gradient, a midside's has its two corners' together.
+    # The mean gradient of a quadratic shape function is zero at a corner and, at a midside node, the sum
+    # of those of its two corners.
     total = np.zeros((len(u), 3, 3))
     for k, (i, j) in enumerate(EDGES):
         total += np.einsum("ei,ej->eij", u[:, 4 + k], model.grad[:, i] + model.grad[:, j])

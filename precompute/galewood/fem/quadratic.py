@@ -1,9 +1,8 @@
 """Quadratic (ten-node) tetrahedra: the reference element.
 
-Linear tets lock in bending: in a branch two elements thick they are several times too stiff. Straight-sided
-quadratic tets are right, and all they need is already there: each of their 55 blocks is a constant
-combination of the ten blocks of the linear tet, since ∇N_a = Σ_i w_ai(λ) ∇λ_i with w linear in the
-barycentric coordinates λ.
+Linear tets lock in bending: in a branch two elements thick, they are several times too stiff. Straight-sided
+quadratic tets do not, and need no new integrals: each of their 55 blocks is a constant combination of the ten
+blocks of the linear tet, since ∇N_a = Σ_i w_ai(λ) ∇λ_i with w linear in the barycentric coordinates λ.
 """
 
 from typing import NamedTuple
@@ -17,9 +16,7 @@ EDGES: tuple[tuple[int, int], ...] = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2
 
 
 class Combination(NamedTuple):
-    """Block `pair` of the quadratic tet = Σ coefficient · (linear block, transposed or not), terms
-    start..start+1.
-    """
+    """Quadratic block `pair` = Σ coefficient · (linear block or its transpose), terms start..start+1."""
 
     rows: NDArray[np.int32]
     columns: NDArray[np.int32]
@@ -32,8 +29,9 @@ class Combination(NamedTuple):
 def elevate(
     vertices_m: NDArray[np.float64], tets: NDArray[np.int32]
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Nodes (n + edges, 3) and elements (m, 10) of the quadratic mesh: the vertices first, then the edge
-    midpoints.
+    """Nodes (n + edges, 3) and elements (m, 10) of the quadratic mesh.
+
+    The vertices come first, then the edge midpoints.
     """
     ends = np.sort(np.stack([tets[:, list(edge)] for edge in EDGES], axis=1), axis=2)
     unique, index = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
@@ -44,7 +42,7 @@ def elevate(
 
 
 def midside_parents(vertex_count: int, elements: NDArray[np.int32]) -> NDArray[np.int32]:
-    """(edges, 2): the two vertices beside each midside node, in node order."""
+    """(edges, 2): the two vertices of each midside node, in node order."""
     parents = np.zeros((int(elements.max()) + 1 - vertex_count, 2), np.int32)
     for local, edge in enumerate(EDGES):
         parents[elements[:, 4 + local] - vertex_count] = np.sort(elements[:, list(edge)], axis=1)
@@ -52,9 +50,7 @@ def midside_parents(vertex_count: int, elements: NDArray[np.int32]) -> NDArray[n
 
 
 def node_mass_shares() -> NDArray[np.float64]:
-    """(10,) shares of an element's mass at its nodes: the consistent diagonal, scaled to the whole (HRZ
-    lumping).
-    """
+    """(10,) shares of an element's mass at its nodes: scaled consistent diagonal (HRZ lumping)."""
     # Mean of N_a² over the tet: 1/70 at a corner, 8/105 at a midside node.
     corner, midside = 1 / 70, 8 / 105
     shares = np.array([corner] * 4 + [midside] * 6)
@@ -82,7 +78,7 @@ def _mean_product(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
 
 
 def combination() -> Combination:
-    """How the 55 upper blocks (a ≤ b) of the quadratic tet follow from the ten of the linear tet."""
+    """The 55 upper blocks (a ≤ b) of the quadratic tet in terms of the ten of the linear tet."""
     rows: list[int] = []
     columns: list[int] = []
     start = [0]

@@ -6,7 +6,7 @@ import numpy as np
 from galewood.fem.solver import JIT
 
 Nine = tuple[float, float, float, float, float, float, float, float, float]
-"""A 3 × 3 matrix, row by row, as the kernels pass it (in registers)."""
+"""A 3 × 3 matrix by rows, as passed between kernels (in registers)."""
 
 
 @numba.njit(**JIT)
@@ -50,7 +50,7 @@ def nearest_rotation(h: Nine) -> Nine:
 
 @numba.njit(**JIT)
 def gram_schmidt(r0: float, r1: float, r2: float, r3: float, r4: float, r5: float) -> Nine:
-    """A proper rotation from two rows, for an element that is flat or inside out."""
+    """A proper rotation from two rows, for a flat or inverted element."""
     a = 1.0 / (np.sqrt(r0 * r0 + r1 * r1 + r2 * r2) + 1e-300)
     r0, r1, r2 = a * r0, a * r1, a * r2
     d = r0 * r3 + r1 * r4 + r2 * r5

@@ -1,8 +1,8 @@
-"""Sparse Cholesky factorisation in 3 × 3 blocks, for matrices whose pattern never changes.
+"""Sparse Cholesky factorisation in 3 × 3 blocks for matrices with a constant pattern.
 
-A tree-shaped mesh has almost no fill, so what costs is overhead: the order, the pattern of the factor and the
-place of every update are found once (`BlockCholesky`), and a factorisation is one pass over plain arrays. All
-sums run in a fixed order: the same input gives the same bits.
+A tree-shaped mesh has almost no fill-in, so overhead dominates the cost. The elimination order, the pattern
+of the factor and the destination of every update are computed once (`BlockCholesky`), and a factorisation is
+one pass over plain arrays. All sums have a fixed order, so results are deterministic to the bit.
 """
 
 from typing import Any
@@ -18,15 +18,15 @@ JIT: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "fa
 
 
 class NotPositiveDefinite(ValueError):
-    """The matrix has a direction that costs no energy (or the input is not finite)."""
+    """The matrix is not positive definite (or the input is not finite)."""
 
 
 class BlockCholesky:
     """Symbolic analysis of an n × n matrix of 3 × 3 blocks whose graph has the edges `pairs`.
 
-    The matrix is handed over in elimination order, in this object's own pattern: `values` (blocks, 9),
-    row-major blocks of the lower triangle; block `slot[t]` holds entry (row, column). Both ends of the arrays
-    `pointer` and `rows` follow compressed columns, the diagonal block first in each.
+    The matrix is given in elimination order and in this object's pattern: `values` (blocks, 9) holds the
+    blocks of the lower triangle, row-major; `slots` returns the index of the block at (row, column).
+    `pointer` and `rows` are compressed columns with the diagonal block first in each.
     """
 
     def __init__(self, n: int, pairs: Int32s) -> None:
@@ -43,34 +43,35 @@ class BlockCholesky:
 
     @property
     def blocks(self) -> int:
-        """Number of blocks of the factor, fill included."""
+        """Number of blocks of the factor, including fill-in."""
         return len(self.rows)
 
     def slots(self, rows: Int32s, columns: Int32s) -> Int32s:
-        """Position in `values` of the blocks (row ≥ column, both in elimination order); KeyError if not
-        there.
+        """Indices in `values` of the blocks at (row ≥ column), both in elimination order.
+
+        Raises KeyError if a block is not in the pattern.
         """
         keys = columns.astype(np.int64) * self.n + rows
         found = np.searchsorted(self._keys, keys)
         if np.any(found >= len(self._keys)) or np.any(
             self._keys[np.minimum(found, len(self._keys) - 1)] != keys
         ):
-            raise KeyError("a block outside the pattern of the factor")
+            raise KeyError("a block is outside the pattern of the factor")
         return found.astype(np.int32)
 
     def factorise(self, values: Floats) -> None:
-        """Overwrite `values` with the factor; raises NotPositiveDefinite."""
+        """Overwrite `values` with the factor. Raises NotPositiveDefinite."""
         failed = _factorise(self.pointer, self._updates, values, self._inverse)
         if failed >= 0:
             raise NotPositiveDefinite(f"pivot block {failed} of {self.n} is not positive definite")
         self._values = values
 
     def solve(self, b: Floats) -> None:
-        """Solve in place with the last factor; b (≥ n, 3) in elimination order, rows beyond n untouched."""
+        """Solve in place; b (≥ n, 3) in elimination order, rows beyond n are unchanged."""
         _solve(self.pointer, self.rows, self._values, self._inverse, b)
 
     def to_scipy(self, values: Floats) -> csc_matrix:
-        """The whole symmetric matrix (3n × 3n) of assembled, not yet factorised `values`."""
+        """The full symmetric matrix (3n × 3n) of assembled `values` that have not been factorised."""
         i, j = (3 * self.rows.astype(np.int64), 3 * self._columns)
         offset = np.arange(3)
         row = np.broadcast_to(i[:, None, None] + offset[:, None], (len(i), 3, 3)).ravel()
@@ -82,7 +83,7 @@ class BlockCholesky:
 
 
 def minimum_degree(n: int, pairs: Int32s) -> Int32s:
-    """Elimination order (order[k] = k-th node eliminated) by multiple minimum degree, as SuperLU does it."""
+    """Elimination order (order[k] = k-th eliminated node) by SuperLU's multiple minimum degree."""
     graph = csc_matrix((np.full(len(pairs), -1.0), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
     graph.data[:] = -1.0
     laplacian = csc_matrix(graph + graph.T + (2.0 * n) * eye_array(n))
@@ -93,8 +94,8 @@ def minimum_degree(n: int, pairs: Int32s) -> Int32s:
 
 
 def _factor_pattern(n: int, pairs: Int32s) -> tuple[Int32s, Int32s]:
-    """Compressed columns of the factor: each column's own entries joined with those of its children in the
-    tree.
+    """Compressed columns of the factor: each column's entries merged with those of its elimination-tree
+    children.
     """
     low, high = pairs.min(axis=1), pairs.max(axis=1)
     sorter = np.argsort(low, kind="stable")
@@ -115,9 +116,7 @@ def _factor_pattern(n: int, pairs: Int32s) -> tuple[Int32s, Int32s]:
 
 @numba.njit(**JIT)
 def _update_slots(pointer: Int32s, rows: Int32s) -> Int32s:
-    """Where each update of the factorisation lands: for column k and its rows b ≤ a, the slot of block (a,
-    b).
-    """
+    """Destination of each update: for column k and rows b ≤ a in it, the slot of block (a, b)."""
     total = 0
     for k in range(len(pointer) - 1):
         count = pointer[k + 1] - pointer[k] - 1
@@ -137,9 +136,9 @@ def _update_slots(pointer: Int32s, rows: Int32s) -> Int32s:
 
 @numba.njit(**JIT)
 def _factorise(pointer: Int32s, updates: Int32s, v: Floats, inverse: Floats) -> int:
-    """Right-looking block Cholesky in place; the inverse of each diagonal factor goes to `inverse`.
+    """Right-looking block Cholesky in place; the inverse of each diagonal factor is stored in `inverse`.
 
-    Returns the first column whose pivot is not positive, or −1.
+    Returns the first column with a non-positive pivot, or −1.
     """
     t = 0
     for k in range(len(pointer) - 1):

@@ -1,4 +1,6 @@
-"""Mesh import; in: the bytes of a file; out: a TreeMesh (metres, wood and leaves apart) and a render GLB."""
+"""Mesh import; in: the bytes of a file; out: a TreeMesh (metres, wood and foliage separated) and a render
+GLB.
+"""
 
 from galewood.mesh.classification import weld_keeping_faces
 from galewood.mesh.gltf import read_glb

@@ -1,5 +1,4 @@
-"""Which way is up and how large a unit is, where the file does not say. Every answer comes with its
-reason."""
+"""Up axis and unit of files that do not define them; every choice is returned with its reason."""
 
 from __future__ import annotations
 
@@ -11,9 +10,9 @@ from galewood.mesh.types import Axis, ImportOptions
 from galewood.util import Floats, Ints
 
 AXES: dict[Axis, int] = {"x": 0, "y": 1, "z": 2}
-BASE_SLAB = 0.04  # share of the height that counts as the base
+BASE_SLAB = 0.04  # share of the height regarded as the base
 SAMPLES = 20_000
-# Heights that a real tree has, in each unit; the bands do not overlap.
+# plausible tree heights in each unit; the ranges do not overlap
 UNIT_BANDS: tuple[tuple[str, float, float, float], ...] = (
     ("m", 1.5, 40.0, 1.0),
     ("cm", 150.0, 4_000.0, 0.01),
@@ -25,7 +24,7 @@ DEFAULT_HEIGHT_M = 10.0
 
 @dataclass(frozen=True)
 class Choice:
-    """A value, why it was taken, and whether it is only an assumption."""
+    """A chosen value, the reason for it, and whether it is an assumption."""
 
     value: str
     reason: str
@@ -33,7 +32,7 @@ class Choice:
 
 
 def choose_up_axis(vertices: Floats, faces: Ints, file_format: str, options: ImportOptions) -> Choice:
-    """The up axis: what was asked for, +Y for glTF, else the one of +Y and +Z with the more compact base."""
+    """The up axis: the given one, else +Y for glTF, else whichever of +Y and +Z has the more compact base."""
     if options.up_axis is not None:
         return Choice(options.up_axis, "given", assumed=False)
     if file_format in ("glb", "gltf"):
@@ -42,14 +41,12 @@ def choose_up_axis(vertices: Floats, faces: Ints, file_format: str, options: Imp
     scores = {axis: base_score(points, AXES[axis]) for axis in ("y", "z")}
     best = max(scores, key=lambda axis: scores[axis])
     other = "z" if best == "y" else "y"
-    reason = (
-        f"its base is thick and compact there (score {scores[best]:.2g}, along {other} {scores[other]:.2g})"
-    )
+    reason = f"its base is large and compact (score {scores[best]:.2g}; along {other} {scores[other]:.2g})"
     return Choice(best, reason, assumed=True)
 
 
 def surface_points(vertices: Floats, faces: Ints) -> Floats:
-    """SAMPLES points spread evenly by area (fixed seed)."""
+    """SAMPLES points (k, 3) distributed uniformly by area (fixed seed)."""
     corners = vertices[faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     total = area.sum()
@@ -64,10 +61,11 @@ def surface_points(vertices: Floats, faces: Ints) -> Floats:
 
 
 def base_score(points: Floats, axis: int) -> float:
-    """How much a tree stands on its base along `axis`: much surface in the lowest slab, close together, tall.
+    """Score of the hypothesis that the tree stands on its base along `axis`; higher is more likely.
 
-    A trunk's foot has both surface and compactness, a twig's tip only the second, a crown's side only
-    the first.
+    It is high if much of the surface lies in the lowest slab, that part is compact, and the tree is tall. The
+    foot of a trunk has a large and compact surface; the tip of a twig is only compact, the side of a crown
+    only large.
     """
     height = points[:, axis]
     low, extent = float(height.min()), float(np.ptp(height))
@@ -79,7 +77,7 @@ def base_score(points: Floats, axis: int) -> float:
 
 
 def to_y_up(axis: str) -> Floats:
-    """Rotation (3, 3) that brings the given axis to +Y."""
+    """Rotation matrix (3, 3) that maps the given axis to +Y."""
     if axis == "z":
         return np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
     if axis == "x":
@@ -88,15 +86,17 @@ def to_y_up(axis: str) -> Floats:
 
 
 def choose_scale(raw_height: float, species: str | None, options: ImportOptions) -> tuple[float, Choice]:
-    """Metres per unit of the file, with its reason."""
+    """Metres per file unit, and the reason for the choice."""
     if options.height_m is not None:
         return options.height_m / raw_height, Choice(
             "given", f"scaled to the given {options.height_m:g} m", False
         )
     for unit, low, high, metres in UNIT_BANDS:
         if low <= raw_height <= high:
-            return metres, Choice(unit, f"a height of {raw_height:.4g} fits a tree in {unit}", assumed=True)
+            return metres, Choice(
+                unit, f"a height of {raw_height:.4g} is plausible for a tree in {unit}", assumed=True
+            )
     height_m = SPECIES_HEIGHT_M.get(species or "", DEFAULT_HEIGHT_M)
-    kind = species or "any species"
-    reason = f"a height of {raw_height:.4g} fits no unit, so the tree was scaled to {height_m:g} m ({kind})"
+    kind = species or "unknown species"
+    reason = f"a height of {raw_height:.4g} is not plausible in any unit; scaled to {height_m:g} m ({kind})"
     return height_m / raw_height, Choice("unknown", reason, assumed=True)

@@ -1,4 +1,7 @@
-"""Wood or foliage, first match wins: names, alpha, flat cards, colour, then shape and place."""
+"""Classification of parts as wood or foliage: names, alpha, flat cards, colour, then shape and position.
+
+The first criterion that applies decides.
+"""
 
 from __future__ import annotations
 
@@ -25,99 +28,101 @@ CARD_FLATNESS = 0.02
 GREEN = 0.08
 TOUCHES_GROUND = 0.03
 TALL = 0.25
-BLOB = 0.35  # smallest over largest principal extent
-BLOB_SIZE = 0.12  # of the height
+BLOB = 0.35  # ratio of the smallest to the largest principal extent
+BLOB_SIZE = 0.12  # relative to the height
 
 
 @dataclass(frozen=True)
-class SortedPart:
-    """A part that is all wood or all leaves, and why."""
+class ClassifiedPart:
+    """A part that is entirely wood or entirely leaves, and the reason."""
 
     part: RawPart
     kind: Kind
     reason: str
 
 
-def sort_parts(parts: list[RawPart], options: ImportOptions) -> tuple[list[SortedPart], list[str]]:
-    """Every part (y up, any unit) as wood or leaves, mixed ones split; and warnings."""
+def classify_parts(parts: list[RawPart], options: ImportOptions) -> tuple[list[ClassifiedPart], list[str]]:
+    """Classify all parts (y up, any unit); mixed parts are split. Also returns warnings."""
     if options.wood is not None:
-        return [_by_choice(part, options.wood) for part in parts], []
+        return [_classify_by_option(part, options.wood) for part in parts], []
     low = min(float(part.positions[:, 1].min()) for part in parts)
     height = max(float(part.positions[:, 1].max()) for part in parts) - low
-    result = [piece for part in parts for piece in _sort_part(part, low, height)]
+    result = [piece for part in parts for piece in _classify_part(part, low, height)]
     if any(piece.kind == "wood" for piece in result) or not _has_solid(result):
         return result, []
     warning = (
-        "No wood was recognised: the whole mesh is one solid. Name the materials that are wood to correct it."
+        "No wood was recognised; the whole mesh is treated as wood. To change this, name the wood materials."
     )
-    return [SortedPart(p, "wood", "no wood was recognised") for p in parts], [warning]
+    return [ClassifiedPart(p, "wood", "no wood was recognised") for p in parts], [warning]
 
 
-def _by_choice(part: RawPart, wood: tuple[str, ...]) -> SortedPart:
+def _classify_by_option(part: RawPart, wood: tuple[str, ...]) -> ClassifiedPart:
     chosen = any(label in wood for label in part.labels)
-    return SortedPart(
-        part, "wood" if chosen else "leaves", "given by name" if chosen else "not among the given wood"
+    return ClassifiedPart(
+        part, "wood" if chosen else "leaves", "named as wood" if chosen else "not named as wood"
     )
 
 
-def _has_solid(pieces: list[SortedPart]) -> bool:
-    """Whether anything but flat cards is there: cards alone cannot be wood."""
+def _has_solid(pieces: list[ClassifiedPart]) -> bool:
+    """Whether there is anything other than flat cards, which cannot be wood."""
     return any(piece.reason != "flat cards" for piece in pieces)
 
 
-def _sort_part(part: RawPart, low: float, height: float) -> list[SortedPart]:
-    for label in part.labels:  # materials are trusted before nodes and meshes
+def _classify_part(part: RawPart, low: float, height: float) -> list[ClassifiedPart]:
+    for label in part.labels:  # material names take precedence over node and mesh names
         is_wood, is_leaf = WOOD_NAMES.search(label), LEAF_NAMES.search(label)
         if bool(is_wood) != bool(is_leaf):
-            return [SortedPart(part, "wood" if is_wood else "leaves", f"the name {label!r}")]
+            return [ClassifiedPart(part, "wood" if is_wood else "leaves", f"its name {label!r}")]
     if is_cut_out(part.material):
-        return [SortedPart(part, "leaves", "its material is cut out by alpha")]
-    return _sort_by_shape(part, low, height)
+        return [ClassifiedPart(part, "leaves", "its material has alpha cut-outs")]
+    return _classify_by_shape(part, low, height)
 
 
-def _sort_by_shape(part: RawPart, low: float, height: float) -> list[SortedPart]:
+def _classify_by_shape(part: RawPart, low: float, height: float) -> list[ClassifiedPart]:
     welded, origin = _welded_with_origin(part)
     count, of_face = face_components(welded.faces, len(welded.vertices))
     green = greenness(part.material)
-    verdicts = _verdicts(welded, of_face, count, low, height, green is not None and green > GREEN)
-    pieces: list[SortedPart] = []
+    classes = _component_classes(welded, of_face, count, low, height, green is not None and green > GREEN)
+    pieces: list[ClassifiedPart] = []
     kinds: tuple[Kind, ...] = ("wood", "leaves")
     for kind in kinds:
-        chosen = np.array([v[0] == kind for v in verdicts])[of_face]
+        chosen = np.array([v[0] == kind for v in classes])[of_face]
         if not chosen.any():
             continue
-        reasons = dict.fromkeys(reason for other, reason in verdicts if other == kind)
-        pieces.append(SortedPart(sub_part(part, origin[chosen]), kind, "; ".join(reasons)))
+        reasons = dict.fromkeys(reason for other, reason in classes if other == kind)
+        pieces.append(ClassifiedPart(sub_part(part, origin[chosen]), kind, "; ".join(reasons)))
     return pieces
 
 
 def _welded_with_origin(part: RawPart) -> tuple[Surface, Ints]:
-    """The part welded, and for each welded face the face of the part it came from."""
+    """The welded part, and the original face index of each of its faces."""
     surface = Surface(part.positions, part.faces)
     welded = weld_keeping_faces(surface)
     return welded, np.arange(len(part.faces), dtype=np.int32)
 
 
 def weld_keeping_faces(surface: Surface) -> Surface:
-    """Seams welded for connectivity; faces stay as many and in order, even degenerate ones."""
+    """Weld seams for connectivity; all faces, even degenerate ones, keep their order."""
     scale = float(np.ptp(surface.vertices, axis=0).max()) or 1.0
     rounded = np.round(surface.vertices / (scale * 1e-6)).astype(np.int64)
     _, first, inverse = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     return Surface(surface.vertices[first], inverse.reshape(-1)[surface.faces].astype(np.int32))
 
 
-def _verdicts(
+def _component_classes(
     surface: Surface, of_face: Ints, count: int, low: float, height: float, is_green: bool
 ) -> list[tuple[Kind, str]]:
     order = np.argsort(of_face, kind="stable")
     bounds = np.searchsorted(of_face[order], np.arange(count + 1))
     return [
-        _verdict(surface, surface.faces[order[bounds[k] : bounds[k + 1]]], low, height, is_green)
+        _component_class(surface, surface.faces[order[bounds[k] : bounds[k + 1]]], low, height, is_green)
         for k in range(count)
     ]
 
 
-def _verdict(surface: Surface, faces: Ints, low: float, height: float, is_green: bool) -> tuple[Kind, str]:
+def _component_class(
+    surface: Surface, faces: Ints, low: float, height: float, is_green: bool
+) -> tuple[Kind, str]:
     points = surface.vertices[np.unique(faces)]
     extents = principal_extents(points)
     if len(faces) <= CARD_FACES and extents[2] <= CARD_FLATNESS * extents[0]:
@@ -125,23 +130,23 @@ def _verdict(surface: Surface, faces: Ints, low: float, height: float, is_green:
     bottom, top = float(points[:, 1].min()), float(points[:, 1].max())
     grounded = bottom <= low + TOUCHES_GROUND * height
     if grounded and top - bottom >= TALL * height:
-        return "wood", "tall and standing on the ground"
+        return "wood", "tall, standing on the ground"
     if is_green:
         return "leaves", "its colour is green"
     if not grounded and extents[2] > BLOB * extents[0] and extents[0] > BLOB_SIZE * height:
         return "leaves", "a rounded mass above the ground"
-    return "wood", "a solid that is neither card nor crown"
+    return "wood", "a solid that is neither a card nor a crown"
 
 
 def principal_extents(points: Floats) -> Floats:
-    """Extents (3,) along the principal axes, largest first."""
+    """Extents (3,) along the principal axes, in descending order."""
     centred = points - points.mean(axis=0)
     _, axes = np.linalg.eigh(centred.T @ centred)
     return np.sort(np.ptp(centred @ axes, axis=0))[::-1]
 
 
 def sub_part(part: RawPart, faces: Ints) -> RawPart:
-    """The part reduced to some faces, vertices in their old order."""
+    """The part restricted to the given faces; vertices keep their order."""
     used, inverse = np.unique(part.faces[faces], return_inverse=True)
 
     def pick(rows: Floats | None) -> Floats | None:
@@ -157,7 +162,7 @@ def sub_part(part: RawPart, faces: Ints) -> RawPart:
     )
 
 
-def welded_wood(pieces: list[SortedPart]) -> Surface:
+def welded_wood(pieces: list[ClassifiedPart]) -> Surface:
     """All wood as one welded surface."""
     vertices, faces, offset = [], [], 0
     for piece in pieces:
@@ -168,13 +173,12 @@ def welded_wood(pieces: list[SortedPart]) -> Surface:
     return weld(Surface(np.concatenate(vertices), np.concatenate(faces).astype(np.int32)))
 
 
-def without_strays(pieces: list[SortedPart], kept: Floats, strays: Floats) -> list[SortedPart]:
-    """Parts without the faces, of wood or leaves, that are nearer to a dropped body than to the tree
-    that was kept."""
+def without_strays(pieces: list[ClassifiedPart], kept: Floats, strays: Floats) -> list[ClassifiedPart]:
+    """Remove faces of wood or leaves that are nearer to a discarded body than to the tree."""
     if not len(strays):
         return pieces
     near, far = KDTree(kept), KDTree(strays)
-    result: list[SortedPart] = []
+    result: list[ClassifiedPart] = []
     for piece in pieces:
         middle = piece.part.positions[piece.part.faces].mean(axis=1)
         own = np.flatnonzero(near.query(middle)[0] <= far.query(middle)[0])

@@ -1,5 +1,4 @@
-"""Which format the bytes are in, judged by the bytes, and the parts inside. No name in the data opens a
-file."""
+"""File format detection by content, and reading of the parts. File names in the data are never opened."""
 
 from __future__ import annotations
 
@@ -25,30 +24,36 @@ PLY_BYTES = {
     "int": 4, "uint": 4, "int32": 4, "uint32": 4, "float": 4, "float32": 4, "double": 8, "float64": 8,
 }  # fmt: skip
 FOREIGN = {
-    b"PK\x03\x04": "a ZIP archive", b"\x1f\x8b": "a gzip file", b"%PDF": "a PDF", b"\x89PNG": "a PNG picture",
-    b"\xff\xd8\xff": "a JPEG picture", b"GIF8": "a GIF picture", b"BZh": "a bzip2 file",
+    b"PK\x03\x04": "a ZIP archive", b"\x1f\x8b": "a gzip file", b"%PDF": "a PDF", b"\x89PNG": "a PNG image",
+    b"\xff\xd8\xff": "a JPEG image", b"GIF8": "a GIF image", b"BZh": "a bzip2 file",
     b"7z\xbc\xaf": "a 7z archive",
     b"Rar!": "a RAR archive", b"Kaydara FBX": "an FBX file", b"BLENDER": "a Blender file",
     b"\x7fELF": "a program",
     b"MZ": "a program", b"<": "an HTML or XML page", b"\x28\xb5\x2f\xfd": "a Zstandard file",
 }  # fmt: skip
-ACCEPTED = "Send a GLB, OBJ, PLY or STL file."
+ACCEPTED = "Upload a GLB, OBJ, PLY or STL file."
 
 
 def read_parts(data: bytes, filename: str) -> tuple[str, list[RawPart]]:
-    """The format's name and its parts; MeshError 400 (broken), 413 (too large) or 415 (not a mesh)."""
+    """The format name and the parts of a file.
+
+    Raises MeshError with reason "malformed", "too-large" or "unsupported".
+    """
     if not data.strip():
         raise MeshError("empty-file", "malformed", "The file is empty.", ACCEPTED)
     if len(data) > MAX_BYTES:
         raise MeshError(
-            "file-too-large", "too-large", f"The file is larger than {MAX_BYTES >> 20} MB.", "Decimate it."
+            "file-too-large",
+            "too-large",
+            f"The file is larger than {MAX_BYTES >> 20} MB.",
+            "Reduce the number of faces.",
         )
     kind = detect_format(data, filename)
     return kind, READERS[kind](data)
 
 
 def detect_format(data: bytes, filename: str) -> str:
-    """One of "glb", "gltf", "ply", "stl" or "obj", by content; the name decides only where content cannot."""
+    """The format ("glb", "gltf", "ply", "stl" or "obj") by content, else by the file name."""
     head = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
     if data[:4] == b"glTF":
         return "glb"
@@ -56,7 +61,7 @@ def detect_format(data: bytes, filename: str) -> str:
         return "ply"
     for magic, what in FOREIGN.items():
         if head.startswith(magic):
-            raise MeshError("unsupported-type", "unsupported", f"This is {what}, not a mesh.", ACCEPTED)
+            raise MeshError("unsupported-type", "unsupported", f"The file is {what}, not a mesh.", ACCEPTED)
     if head.startswith(b"{"):
         return "gltf"
     return _by_content_without_magic(data, PurePath(filename).suffix.lower())
@@ -69,9 +74,11 @@ def _by_content_without_magic(data: bytes, suffix: str) -> str:
         return "obj"
     if suffix == ".glb":
         raise MeshError(
-            "not-a-glb", "malformed", "The file is named .glb but does not start as one.", ACCEPTED
+            "not-a-glb", "malformed", "The file is named .glb but does not begin with a GLB header.", ACCEPTED
         )
-    raise MeshError("unsupported-type", "unsupported", "This is no mesh format that is known here.", ACCEPTED)
+    raise MeshError(
+        "unsupported-type", "unsupported", "The file is not in a supported mesh format.", ACCEPTED
+    )
 
 
 def _is_binary_stl(data: bytes) -> bool:
@@ -83,22 +90,22 @@ def _stl_count(data: bytes) -> int:
 
 
 def read_stl(data: bytes) -> list[RawPart]:
-    """Binary or ASCII STL; the declared count is held against the length before anything is allocated."""
+    """Binary or ASCII STL; the declared face count is checked against the length before allocation."""
     is_text = data.lstrip()[:5] == b"solid" and b"facet" in data[:4096]
     if not is_text and not _is_binary_stl(data):
         declared = _stl_count(data) if len(data) >= STL_HEADER_BYTES else 0
         raise MeshError(
-            "wrong-count", "malformed", f"The STL declares {declared} triangles but holds {len(data)} bytes.",
-            "It is truncated or damaged; export it again.",
+            "wrong-count", "malformed", f"The STL declares {declared} triangles but has {len(data)} bytes.",
+            "The file is truncated or damaged; export it again.",
         )  # fmt: skip
     return _through_trimesh(data, "stl_ascii" if is_text else "stl")
 
 
 def read_ply(data: bytes) -> list[RawPart]:
-    """PLY, ASCII or binary; declared counts are held against the length first."""
+    """ASCII or binary PLY; the declared counts are checked against the length first."""
     end = data.find(b"end_header")
     if end < 0 or end > 65536:
-        raise MeshError("truncated", "malformed", "The PLY has no complete header.", "Export it again.")
+        raise MeshError("truncated", "malformed", "The PLY header is incomplete.", "Export the file again.")
     _check_ply_counts(data[:end].decode("latin-1"), len(data) - end)
     return _through_trimesh(data, "ply")
 
@@ -118,15 +125,18 @@ def _check_ply_counts(header: str, body_bytes: int) -> None:
         raise MeshError(
             "wrong-count",
             "malformed",
-            f"The PLY declares at least {need} bytes of elements but holds {body_bytes}.",
-            "It is truncated or damaged; export it again.",
+            f"The PLY declares at least {need} bytes of elements but has only {body_bytes}.",
+            "The file is truncated or damaged; export it again.",
         )  # fmt: skip
 
 
 def _ply_count(words: list[str]) -> int:
     if len(words) != 3 or not words[2].isdigit():
         raise MeshError(
-            "ply-syntax", "malformed", "An element line of the PLY header cannot be read.", "Export it again."
+            "ply-syntax",
+            "malformed",
+            "An element line of the PLY header is invalid.",
+            "Export the file again.",
         )
     return int(words[2])
 
@@ -142,8 +152,8 @@ def _through_trimesh(data: bytes, file_type: str) -> list[RawPart]:
         raise MeshError(
             "unreadable",
             "malformed",
-            f"The {file_type[:3].upper()} cannot be read.",
-            "It is truncated or damaged; export it again.",
+            f"The {file_type[:3].upper()} file cannot be read.",
+            "The file is truncated or damaged; export it again.",
         ) from error
     return [RawPart(labels=(), positions=positions, faces=faces.astype(np.int32))]
 

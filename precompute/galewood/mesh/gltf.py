@@ -1,8 +1,7 @@
-"""glTF 2.0 from bytes alone: every offset is checked, external files are refused, nothing is guessed.
+"""glTF 2.0 reader that works on bytes only: every offset is checked and external files are rejected.
 
-Quantised attributes (KHR_mesh_quantization) are decoded; Draco, meshopt and sparse accessors are refused
-by name.
-Source: glTF 2.0 specification, sections 3.6 (buffers, accessors) and 4 (GLB).
+Quantised attributes (KHR_mesh_quantization) are decoded. Draco, meshopt and sparse accessors are rejected
+with specific errors. Source: glTF 2.0 specification, sections 3.6 (buffers, accessors) and 4 (GLB).
 """
 
 from __future__ import annotations
@@ -55,20 +54,20 @@ TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN = 4, 5, 6
 
 
 def read_glb(data: bytes) -> list[RawPart]:
-    """Parts of a binary glTF, node transforms applied (+Y up, the file's own units)."""
+    """Parts of a binary glTF with node transforms applied (+Y up, file units). Raises MeshError."""
     if len(data) < GLB_HEADER_BYTES + 8:
-        raise _broken("truncated", "The GLB ends inside its header.")
+        raise _broken("truncated", "The GLB header is incomplete.")
     version, length = struct.unpack_from("<II", data, 4)
     if version != 2:
-        raise _broken("gltf-version", f"This is glTF version {version}; version 2 is read here.")
+        raise _broken("gltf-version", f"The file has glTF version {version}; only version 2 is supported.")
     if length > len(data):
-        raise _broken("truncated", f"The GLB says it has {length} bytes, but only {len(data)} arrived.")
+        raise _broken("truncated", f"The GLB declares {length} bytes but has only {len(data)}.")
     document, binary = _chunks(data[:length])
     return _parts(document, binary)
 
 
 def read_gltf(data: bytes) -> list[RawPart]:
-    """Parts of a lone .gltf, whose buffers must be data URIs."""
+    """Parts of a stand-alone .gltf file, whose buffers must be data URIs. Raises MeshError."""
     return _parts(_json(data), None)
 
 
@@ -80,7 +79,7 @@ def _chunks(data: bytes) -> tuple[Json, bytes | None]:
         size, kind = struct.unpack_from("<II", data, offset)
         body = data[offset + 8 : offset + 8 + size]
         if len(body) != size:
-            raise _broken("truncated", "A chunk of the GLB runs past the end of the file.")
+            raise _broken("truncated", "A GLB chunk extends beyond the end of the file.")
         if document is None and kind == CHUNK_JSON:
             document = _json(body)
         elif binary is None and kind == CHUNK_BIN:
@@ -95,9 +94,9 @@ def _json(data: bytes) -> Json:
     try:
         document = json.loads(data)
     except (ValueError, RecursionError) as error:
-        raise _broken("gltf-json", "The glTF's JSON cannot be read.") from error
+        raise _broken("gltf-json", "The JSON of the glTF cannot be parsed.") from error
     if not isinstance(document, dict):
-        raise _broken("gltf-json", "The glTF's JSON is not an object.")
+        raise _broken("gltf-json", "The JSON of the glTF is not an object.")
     return document
 
 
@@ -110,16 +109,16 @@ def _parts(document: Json, binary: bytes | None) -> list[RawPart]:
         return _Gltf(document, binary).parts()
     except (KeyError, IndexError, TypeError, AttributeError, ValueError, OverflowError) as error:
         raise _broken(
-            "gltf-structure", f"The glTF points at something it does not hold ({error})."
+            "gltf-structure", f"The glTF refers to an element that does not exist ({error})."
         ) from error
 
 
 class _Gltf:
-    """One document with its buffers; every lookup is checked, so that broken files end in MeshError."""
+    """A document with its buffers; every lookup is checked, so that invalid files raise MeshError."""
 
     def __init__(self, document: Json, binary: bytes | None) -> None:
         self.document = document
-        self._refuse_extensions()
+        self._reject_extensions()
         self.buffers = [self._buffer(i, b, binary) for i, b in enumerate(document.get("buffers", []))]
 
     def parts(self) -> list[RawPart]:
@@ -131,7 +130,7 @@ class _Gltf:
             if primitive.get("mode", TRIANGLES) in (TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN)
         ]
 
-    def _refuse_extensions(self) -> None:
+    def _reject_extensions(self) -> None:
         required = self.document.get("extensionsRequired", [])
         for name in required:
             if name in REFUSED:
@@ -139,8 +138,8 @@ class _Gltf:
                 raise MeshError(
                     code,
                     "unsuitable",
-                    f"The mesh is compressed with {word} ({name}), which is not decoded here.",
-                    f"Save it uncompressed, for instance with: {command}",
+                    f"The mesh is compressed with {word} ({name}), which is not supported.",
+                    f"Save it without compression, for example with: {command}",
                 )  # fmt: skip
         unknown = [
             str(n) for n in required if n not in UNDERSTOOD and not str(n).startswith("KHR_materials_")
@@ -149,8 +148,8 @@ class _Gltf:
             raise MeshError(
                 "gltf-extension",
                 "unsuitable",
-                f"The glTF requires {', '.join(unknown)}.",
-                "Export without it.",
+                f"The glTF requires unsupported extensions: {', '.join(unknown)}.",
+                "Export the file without them.",
             )
 
     def _buffer(self, index: int, buffer: Json, binary: bytes | None) -> bytes:
@@ -162,38 +161,38 @@ class _Gltf:
         else:
             raise MeshError(
                 "external-buffers", "malformed",
-                "The glTF keeps its geometry in another file: external buffers are not accepted.",
-                "Pack it into one .glb (Blender: export as glTF Binary).",
+                "The glTF stores its geometry in another file; external buffers are not supported.",
+                "Export one .glb file (in Blender: glTF Binary).",
             )  # fmt: skip
         if len(content) < int(buffer.get("byteLength", 0)):
-            raise _broken("truncated", "A buffer of the glTF is shorter than declared.")
+            raise _broken("truncated", "A glTF buffer is shorter than declared.")
         return content
 
     def view_bytes(self, index: int) -> tuple[bytes, int]:
-        """Bytes of a buffer view and its stride (0: packed)."""
+        """Bytes of a buffer view and its stride (0: tightly packed)."""
         view = self.document["bufferViews"][_natural(index)]
         if any(name in view.get("extensions", {}) for name in REFUSED):
             raise MeshError(
                 "meshopt-compressed",
                 "unsuitable",
-                "A buffer view is meshopt-compressed.",
-                "Save it uncompressed.",
+                "A buffer view is compressed with meshopt, which is not supported.",
+                "Save the file without compression.",
             )
         start, size = _natural(view.get("byteOffset", 0)), _natural(view["byteLength"])
         content = self.buffers[_natural(view["buffer"])]
         if start + size > len(content):
-            raise _broken("truncated", "A buffer view runs past the end of its buffer.")
+            raise _broken("truncated", "A buffer view extends beyond the end of its buffer.")
         return content[start : start + size], _natural(view.get("byteStride", 0))
 
     def accessor(self, index: int) -> NDArray[Any]:
-        """Values (count, width) in the stored component type."""
+        """Accessor values (count, width) in the stored component type."""
         accessor = self.document["accessors"][_natural(index)]
         if "sparse" in accessor or "bufferView" not in accessor:
             raise MeshError(
                 "gltf-sparse",
                 "unsuitable",
-                "The glTF uses sparse or empty accessors.",
-                "Export without them.",
+                "The glTF uses sparse or empty accessors, which are not supported.",
+                "Export the file without them.",
             )
         kind = np.dtype(COMPONENTS[accessor["componentType"]]).newbyteorder("<")
         width, count = WIDTHS[accessor["type"]], _natural(accessor["count"])
@@ -203,11 +202,11 @@ class _Gltf:
         if stride < width * kind.itemsize or start + stride * (count - 1) + width * kind.itemsize > len(
             content
         ):
-            raise _broken("truncated", "An accessor runs past the end of its data.")
+            raise _broken("truncated", "An accessor extends beyond the end of its data.")
         return np.ndarray((count, width), kind, content, start, (stride, kind.itemsize)).copy()
 
     def floats(self, index: int | None) -> Floats | None:
-        """Accessor values as floats, normalised integers mapped to [0, 1] or [-1, 1]."""
+        """Accessor values as floats; normalised integers are mapped to [0, 1] or [-1, 1]."""
         if index is None:
             return None
         values = self.accessor(index)
@@ -227,7 +226,7 @@ class _Gltf:
         return RawPart(
             labels=((str(name),) if name else ()) + labels,
             positions=positions @ matrix[:3, :3].T + matrix[:3, 3],
-            faces=_turned(self._faces(primitive, len(positions)), matrix),
+            faces=_restore_winding(self._faces(primitive, len(positions)), matrix),
             normals=None if normals is None else _rotated(normals, matrix),
             uv=self.floats(attributes.get("TEXCOORD_0")),
             colours=colours,
@@ -240,11 +239,13 @@ class _Gltf:
         else:
             indices = np.arange(count, dtype=np.int64)
         if indices.size and int(indices.max()) >= count:
-            raise _broken("index-out-of-range", f"A face points at vertex {indices.max()} of {count}.")
+            raise _broken(
+                "index-out-of-range", f"A face refers to vertex {indices.max()}, but there are only {count}."
+            )
         return _triangles(indices, primitive.get("mode", TRIANGLES))
 
     def image_bytes(self, image: Json) -> tuple[bytes, str] | None:
-        """Content and mime type of an embedded image; None for external ones, which are left out."""
+        """Content and MIME type of an embedded image; None for external images, which are ignored."""
         if "bufferView" in image:
             return self.view_bytes(image["bufferView"])[0], str(image.get("mimeType", "image/png"))
         uri = image.get("uri", "")
@@ -252,7 +253,7 @@ class _Gltf:
 
 
 def _natural(value: Any) -> int:
-    """A whole number from 0 up, or IndexError: Python would count negative ones from the end."""
+    """The index, if it is a non-negative integer, else IndexError: Python would accept negative ones."""
     if not isinstance(value, int) or value < 0:
         raise IndexError(f"index {value!r}")
     return value
@@ -270,8 +271,8 @@ def _triangles(indices: NDArray[np.int64], mode: int) -> Ints:
     return np.column_stack([indices[i], indices[i + 1 + odd], indices[i + 2 - odd]]).astype(np.int32)
 
 
-def _turned(faces: Ints, matrix: Floats) -> Ints:
-    """Mirrored nodes turn faces inside out; turn them back."""
+def _restore_winding(faces: Ints, matrix: Floats) -> Ints:
+    """Reverse the faces of mirrored nodes, which would otherwise be inside out."""
     return np.ascontiguousarray(faces[:, ::-1]) if np.linalg.det(matrix[:3, :3]) < 0 else faces
 
 
@@ -284,7 +285,7 @@ def _rotated(normals: Floats, matrix: Floats) -> Floats:
 
 
 def data_uri(uri: str) -> tuple[bytes, str]:
-    """Content and mime type of a base64 data URI."""
+    """Content and MIME type of a base64 data URI."""
     head, _, body = uri.partition(",")
     if not head.endswith(";base64"):
         raise _broken("gltf-structure", "A data URI of the glTF is not base64.")

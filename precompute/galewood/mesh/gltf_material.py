@@ -1,4 +1,4 @@
-"""Materials of a glTF with the textures that come along, and what they tell about wood and foliage."""
+"""glTF materials with their embedded textures, and what they indicate about wood and foliage."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ KEPT = (
 def read_material(
     document: Json, raw: Json, image_bytes: Callable[[Json], tuple[bytes, str] | None]
 ) -> Material:
-    """A material whose texture infos carry image keys ("image 3") in place of texture indices."""
+    """A material whose texture infos contain image keys ("image 3") instead of texture indices."""
     material = copy.deepcopy({k: raw[k] for k in KEPT if k in raw})
     if "KHR_materials_unlit" in raw.get("extensions", {}):
         material["extensions"] = {"KHR_materials_unlit": {}}
@@ -54,7 +54,7 @@ def _take_texture(
     texture = document["textures"][holder[slot]["index"]]
     source = texture.get("source")
     content = None if source is None else image_bytes(document["images"][source])
-    if content is None:  # external or in a container we do not read: drawn without it
+    if content is None:  # external or in an unsupported container: rendered without it
         del holder[slot]
         return
     key = f"image {source}"
@@ -64,7 +64,7 @@ def _take_texture(
 
 
 def base_image(material: Material | None) -> Image.Image | None:
-    """The base colour picture, or None where there is none that decodes."""
+    """The decoded base colour image, or None if there is none or it cannot be decoded."""
     if material is None:
         return None
     info = material.json.get("pbrMetallicRoughness", {}).get("baseColorTexture")
@@ -78,7 +78,7 @@ def base_image(material: Material | None) -> Image.Image | None:
 
 
 def alpha_coverage(material: Material | None) -> float:
-    """Share of the base colour picture that passes the alpha test; 1 without alpha."""
+    """Share of the base colour image that passes the alpha test; 1 without alpha."""
     image = base_image(material)
     if material is None or image is None or not _has_alpha(image):
         return 1.0
@@ -95,14 +95,14 @@ def _has_alpha(image: Image.Image) -> bool:
 
 
 def is_cut_out(material: Material | None) -> bool:
-    """Whether alpha decides what is drawn: a leaf card's material."""
+    """Whether the material is cut out by its alpha channel, as for leaf cards."""
     if material is None:
         return False
     return material.json.get("alphaMode") in ("MASK", "BLEND") or alpha_coverage(material) < 0.98
 
 
 def greenness(material: Material | None) -> float | None:
-    """How much green leads red and blue (−1 to 1) in the mean base colour; None when there is no colour."""
+    """Excess of green over red and blue (−1 to 1) in the mean base colour; None without a colour."""
     if material is None:
         return None
     pbr = material.json.get("pbrMetallicRoughness", {})
@@ -118,7 +118,7 @@ def greenness(material: Material | None) -> float | None:
 
 
 def pack_material(material: Material | None) -> tuple[Json | None, dict[str, bytes]]:
-    """A material as JSON and the bytes of its pictures."""
+    """Serialise a material to JSON and the bytes of its images."""
     if material is None:
         return None, {}
     mimes = {key: mime for key, (_, mime) in material.images.items()}
@@ -127,7 +127,7 @@ def pack_material(material: Material | None) -> tuple[Json | None, dict[str, byt
 
 
 def unpack_material(head: Json | None, images: dict[str, bytes]) -> Material | None:
-    """What pack_material took apart."""
+    """Inverse of pack_material."""
     if head is None:
         return None
     return Material(head["json"], {k: (images[k], m) for k, m in head["mimes"].items()}, head["samplers"])

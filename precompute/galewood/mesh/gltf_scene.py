@@ -1,4 +1,4 @@
-"""The node tree of a glTF, walked without recursion: which meshes stand where, and under which names."""
+"""Iterative traversal of the glTF node tree: placement and names of all meshes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MAX_VISITS = 100_000
 
 
 def mesh_instances(document: Json) -> list[tuple[Json, tuple[str, ...], Floats]]:
-    """(mesh, (node name, mesh name), world matrix (4, 4)) for every drawn mesh of the default scene."""
+    """(mesh, (node name, mesh name), world matrix (4, 4)) of every mesh in the default scene."""
     found: list[tuple[Json, tuple[str, ...], Floats]] = []
     nodes: list[Json] = document.get("nodes", [])
     stack = [(index, np.eye(4), 0) for index in reversed(_roots(document, nodes))]
@@ -26,8 +26,8 @@ def mesh_instances(document: Json) -> list[tuple[Json, tuple[str, ...], Floats]]
             raise MeshError(
                 "nodes-too-deep",
                 "unsuitable",
-                f"The glTF nests its nodes deeper than {MAX_DEPTH} or in a circle.",
-                "Apply the transforms and export one mesh.",
+                f"The nodes of the glTF are nested deeper than {MAX_DEPTH} levels or form a cycle.",
+                "Apply the transforms and export a single mesh.",
             )  # fmt: skip
         if index < 0:
             raise IndexError(f"node {index}")

@@ -1,5 +1,7 @@
-"""From the bytes of a mesh file to a tree: format, axis, unit, wood and foliage, repair; nothing assumed
-in silence."""
+"""Import of a tree from the bytes of a mesh file: format, axis, unit, wood and foliage, repair.
+
+Every assumption is recorded in the report.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from galewood.mesh.axis import AXES, choose_scale, choose_up_axis, to_y_up
-from galewood.mesh.classification import SortedPart, sort_parts, welded_wood, without_strays
+from galewood.mesh.classification import ClassifiedPart, classify_parts, welded_wood, without_strays
 from galewood.mesh.formats import read_parts
 from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.repair import Surface
@@ -34,9 +36,9 @@ BASE_SLAB = 0.02
 
 
 def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) -> TreeMesh:
-    """The tree in `data`, or an MeshError that says what is wrong and what to do.
+    """Read a tree from the bytes of a file. Raises MeshError.
 
-    `filename` only helps to tell formats without a signature apart; no file is opened.
+    `filename` only distinguishes formats without a signature and suggests the species; no file is opened.
     """
     options = options or ImportOptions()
     _check_options(options)
@@ -46,7 +48,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     up = choose_up_axis(vertices, faces, file_format, options)
     _check_volume(vertices)
     parts = [_transformed(p, to_y_up(up.value), np.zeros(3), 1.0) for p in parts]
-    pieces, warnings = sort_parts(parts, options)
+    pieces, warnings = classify_parts(parts, options)
     _check_wood(pieces, parts, options)
     species, species_reason = guess_species(options.species, filename, parts)
     wood, strays, repairs, wood_warnings = solid_wood(welded_wood(pieces))
@@ -54,9 +56,11 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     raw_height = _height(pieces)
     scale, unit = choose_scale(raw_height, species, options)
     origin = _base_centre(wood)
-    pieces = [SortedPart(_transformed(s.part, np.eye(3), origin, scale), s.kind, s.reason) for s in pieces]
+    pieces = [
+        ClassifiedPart(_transformed(s.part, np.eye(3), origin, scale), s.kind, s.reason) for s in pieces
+    ]
     if up.assumed:
-        warnings.append(f"Up is taken as +{up.value.upper()}: {up.reason}.")
+        warnings.append(f"The up axis is assumed to be +{up.value.upper()}: {up.reason}.")
     if unit.value not in ("m", "given"):
         warnings.append(f"The unit is assumed: {unit.reason}.")
     report: dict[str, Any] = {
@@ -91,11 +95,11 @@ def _check_options(options: ImportOptions) -> None:
         raise MeshError(
             "bad-height",
             "unsuitable",
-            f"A height of {height_m:g} m is not a tree's.",
-            f"Give {MIN_HEIGHT_M} to {MAX_HEIGHT_M} m.",
+            f"A height of {height_m:g} m is not plausible for a tree.",
+            f"Enter a height from {MIN_HEIGHT_M} to {MAX_HEIGHT_M} m.",
         )
     if options.up_axis is not None and options.up_axis not in AXES:
-        raise MeshError("bad-axis", "unsuitable", f"There is no axis {options.up_axis!r}.", "Give x, y or z.")
+        raise MeshError("bad-axis", "unsuitable", f"Unknown axis {options.up_axis!r}.", "Use x, y or z.")
 
 
 def _usable(parts: list[RawPart]) -> list[RawPart]:
@@ -103,14 +107,14 @@ def _usable(parts: list[RawPart]) -> list[RawPart]:
     count = sum(len(p.faces) for p in parts)
     if count == 0:
         raise MeshError(
-            "no-faces", "unsuitable", "The file holds no triangles.", "Export the tree as a triangle mesh."
+            "no-faces", "unsuitable", "The file contains no triangles.", "Export the tree as a triangle mesh."
         )
     if count > MAX_FACES:
         raise MeshError(
             "too-many-faces",
             "too-large",
-            f"The mesh has {count} triangles.",
-            f"Decimate it below {MAX_FACES}.",
+            f"The mesh has {count} triangles, more than the limit of {MAX_FACES}.",
+            "Decimate the mesh and export it again.",
         )
     bad = sum(
         int((~np.isfinite(p.positions).all(axis=1) | (np.abs(p.positions) > 1e12).any(axis=1)).sum())
@@ -118,31 +122,31 @@ def _usable(parts: list[RawPart]) -> list[RawPart]:
     )
     if bad:
         raise MeshError(
-            "non-finite", "unsuitable", f"{bad} vertices have coordinates that are not finite numbers.",
-            "Remove them (Blender: Mesh > Clean Up) and export again.",
+            "non-finite", "unsuitable", f"{bad} vertices have coordinates that are not finite.",
+            "Remove them (in Blender: Mesh > Clean Up) and export the file again.",
         )  # fmt: skip
     for part in parts:
         if int(part.faces.min()) < 0 or int(part.faces.max()) >= len(part.positions):
             raise MeshError(
                 "index-out-of-range",
                 "malformed",
-                "A face points at a vertex that is not there.",
-                "Export it again.",
+                "A face refers to a vertex that does not exist.",
+                "Export the file again.",
             )
     return [_with_finite_extras(p) for p in parts]
 
 
 def _with_finite_extras(part: RawPart) -> RawPart:
-    """Normals, texture coordinates and colours that are not finite or do not match are left out."""
+    """Drop normals, texture coordinates and colours that are not finite or have the wrong length."""
 
-    def sound(rows: Floats | None) -> Floats | None:
+    def valid(rows: Floats | None) -> Floats | None:
         return (
             rows
             if rows is not None and len(rows) == len(part.positions) and np.isfinite(rows).all()
             else None
         )
 
-    return replace(part, normals=sound(part.normals), uv=sound(part.uv), colours=sound(part.colours))
+    return replace(part, normals=valid(part.normals), uv=valid(part.uv), colours=valid(part.colours))
 
 
 def _joined(parts: list[RawPart]) -> tuple[Floats, Ints]:
@@ -158,18 +162,20 @@ def _check_volume(vertices: Floats) -> None:
             "no-volume",
             "unsuitable",
             "The mesh is flat and encloses no volume.",
-            "Send a tree with solid wood.",
+            "Upload a tree with solid wood.",
         )
 
 
-def _check_wood(pieces: list[SortedPart], parts: list[RawPart], options: ImportOptions) -> None:
+def _check_wood(pieces: list[ClassifiedPart], parts: list[RawPart], options: ImportOptions) -> None:
     if any(s.kind == "wood" for s in pieces):
         return
     names = sorted({label for p in parts for label in p.labels})[:20]
     hint = (
-        f"Say which of these are wood: {', '.join(names)}." if names else "Send a tree with solid branches."
+        f"Specify which of these are wood: {', '.join(names)}."
+        if names
+        else "Upload a tree with solid branches."
     )
-    raise MeshError("no-wood", "unsuitable", "No wood was found in the mesh: nothing could bend.", hint)
+    raise MeshError("no-wood", "unsuitable", "No wood was found in the mesh.", hint)
 
 
 def _transformed(part: RawPart, rotation: Floats, origin: Floats, scale: float) -> RawPart:
@@ -180,14 +186,14 @@ def _transformed(part: RawPart, rotation: Floats, origin: Floats, scale: float) 
     )
 
 
-def _height(pieces: list[SortedPart]) -> float:
-    """Height of the whole tree above the foot of its wood."""
+def _height(pieces: list[ClassifiedPart]) -> float:
+    """Height of the whole tree above the base of its wood."""
     foot = min(float(s.part.positions[:, 1].min()) for s in pieces if s.kind == "wood")
     return max(float(s.part.positions[:, 1].max()) for s in pieces) - foot
 
 
 def _base_centre(wood: Surface) -> Floats:
-    """Centre of the trunk's base on the ground."""
+    """Centre of the trunk's base, on the ground."""
     y = wood.vertices[:, 1]
     low = float(y.min())
     base = wood.vertices[y <= low + BASE_SLAB * float(np.ptp(y))]
@@ -195,7 +201,7 @@ def _base_centre(wood: Surface) -> Floats:
     return np.array([middle[0], low, middle[2]])
 
 
-def _primitives(pieces: list[SortedPart]) -> list[RenderPrimitive]:
+def _primitives(pieces: list[ClassifiedPart]) -> list[RenderPrimitive]:
     result: list[RenderPrimitive] = []
     kinds: tuple[Kind, ...] = ("wood", "leaves")
     for kind in kinds:
@@ -215,7 +221,7 @@ def _primitives(pieces: list[SortedPart]) -> list[RenderPrimitive]:
     return result
 
 
-def _part_report(piece: SortedPart) -> dict[str, Any]:
+def _part_report(piece: ClassifiedPart) -> dict[str, Any]:
     return {
         "names": list(piece.part.labels),
         "faces": len(piece.part.faces),

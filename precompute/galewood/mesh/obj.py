@@ -1,4 +1,4 @@
-"""Wavefront OBJ, read line by line: groups and materials are kept by name, no other file is ever opened."""
+"""Wavefront OBJ reader: group and material names are kept, other files are never opened."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from galewood.mesh.types import RawPart
 from galewood.util import Floats, MeshError
 
-MISSING = 0  # OBJ indices start at 1, so 0 marks "not given"
+MISSING = 0  # OBJ indices start at 1; 0 means absent
 Corner = tuple[int, int, int]
 
 
@@ -26,7 +26,7 @@ class _Obj:
 
 
 def read_obj(data: bytes) -> list[RawPart]:
-    """Parts of an OBJ, one per (usemtl, g, o); raises MeshError 400 on lines that do not parse."""
+    """Parts of an OBJ file, one per (usemtl, g, o). Raises MeshError on lines that cannot be parsed."""
     obj = _Obj()
     for number, line in _lines(_decoded(data)):
         try:
@@ -35,8 +35,8 @@ def read_obj(data: bytes) -> list[RawPart]:
             raise MeshError(
                 "obj-syntax",
                 "malformed",
-                f"Line {number} of the OBJ cannot be read.",
-                f"It says: {line[:60]!r}.",
+                f"Line {number} of the OBJ is invalid.",
+                f"Correct it and try again: {line[:60]!r}.",
             ) from error
     return [_part(obj, names, corners) for names, corners in obj.parts.items()]
 
@@ -45,11 +45,11 @@ def _decoded(data: bytes) -> str:
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:
-        return data.decode("latin-1")  # every byte is a character there; names are kept, if oddly
+        return data.decode("latin-1")  # latin-1 decodes every byte, so names survive even if misread
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
-    """Numbered logical lines: comments stripped, continuations joined."""
+    """Numbered logical lines: comments removed, continuations joined."""
     held = ""
     for number, raw in enumerate(text.splitlines(), start=1):
         line = held + raw.split("#", 1)[0].rstrip()
@@ -76,7 +76,7 @@ def _take(obj: _Obj, words: list[str]) -> None:
         case "o" | "g" | "usemtl":
             obj.names[words[0]] = " ".join(words[1:])
         case _:
-            pass  # mtllib and the like: a name in the data never opens a file
+            pass  # includes mtllib: file names in the data are never opened
 
 
 def _take_face(obj: _Obj, words: list[str]) -> None:
@@ -126,5 +126,5 @@ def _attribute(rows: list[list[float]], indices: np.ndarray[tuple[int], np.dtype
 
 
 def _flipped(uv: Floats | None) -> Floats | None:
-    """OBJ counts v upwards, glTF downwards."""
+    """Texture coordinates with v reversed: v points up in OBJ and down in glTF."""
     return None if uv is None else np.column_stack([uv[:, 0], 1.0 - uv[:, 1]])

@@ -1,5 +1,4 @@
-"""The tree as a GLB to draw: transforms baked, one mesh per primitive, textures kept, vertices in the
-table's order."""
+"""The tree as a GLB for rendering: transforms applied, one mesh per primitive, vertices in table order."""
 
 from __future__ import annotations
 
@@ -21,8 +20,7 @@ DEFAULT_COLOURS = {"wood": [0.28, 0.2, 0.14, 1.0], "leaves": [0.22, 0.36, 0.1, 1
 
 
 def render_glb(tree: TreeMesh) -> bytes:
-    """A valid binary glTF 2.0 of the tree's primitives, in their order; the same tree gives the same
-    bytes."""
+    """The tree's primitives, in order, as a valid binary glTF 2.0; deterministic for a given tree."""
     writer = _Writer()
     for primitive in tree.primitives:
         writer.add(primitive)
@@ -156,7 +154,7 @@ class _Writer:
 
 
 def vertex_normals(primitive: RenderPrimitive) -> Floats:
-    """Area-weighted normals (n, 3) of a primitive that came without."""
+    """Area-weighted vertex normals (n, 3) of a primitive that has none."""
     corners = primitive.positions_m[primitive.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     total = np.zeros_like(primitive.positions_m)

@@ -1,4 +1,4 @@
-"""Surface repair: seams welded, doubled faces dropped, windings agreed, open loops closed. Pure arrays."""
+"""Surface repair on arrays: welding, duplicate faces, consistent winding, hole filling."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 
 from galewood.util import Floats, Ints
 
-WELD_TOLERANCE = 2e-6  # of the diagonal
+WELD_TOLERANCE = 2e-6  # relative to the bounding-box diagonal
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Surface:
 
 
 def weld(surface: Surface) -> Surface:
-    """Vertices closer than WELD_TOLERANCE of the diagonal become one; degenerate faces go."""
+    """Merge vertices closer than WELD_TOLERANCE of the diagonal and remove degenerate faces."""
     used, inverse = np.unique(surface.vertices, axis=0, return_inverse=True)
     tolerance = WELD_TOLERANCE * float(np.linalg.norm(np.ptp(used, axis=0)))
     pairs = (
@@ -37,7 +37,7 @@ def weld(surface: Surface) -> Surface:
 
 
 def clean_faces(vertices: Floats, faces: Ints) -> Ints:
-    """Faces without the degenerate ones and with doubled ones (either side up) kept once."""
+    """Faces without degenerate ones and without duplicates (of either orientation)."""
     a, b, c = faces.T
     distinct = (a != b) & (b != c) & (c != a)
     faces = faces[distinct]
@@ -46,13 +46,13 @@ def clean_faces(vertices: Floats, faces: Ints) -> Ints:
 
 
 def compact(surface: Surface) -> Surface:
-    """The same surface without unused vertices."""
+    """The surface without unused vertices."""
     used, inverse = np.unique(surface.faces, return_inverse=True)
     return Surface(surface.vertices[used], inverse.reshape(-1, 3).astype(np.int32))
 
 
 def face_components(faces: Ints, vertices: int) -> tuple[int, Ints]:
-    """Number of connected pieces and the piece of each face (through shared vertices)."""
+    """Number of connected components and the component of each face; shared vertices connect."""
     edges = np.concatenate([faces[:, :2], faces[:, 1:]])
     _, label = _components(vertices, edges)
     unique, of_face = np.unique(label[faces[:, 0]], return_inverse=True)
@@ -60,7 +60,7 @@ def face_components(faces: Ints, vertices: int) -> tuple[int, Ints]:
 
 
 def edge_components(faces: Ints) -> tuple[int, Ints]:
-    """Number of pieces joined through edges (not mere corners), and the piece of each face."""
+    """Number of components connected through edges, not just vertices, and the component of each face."""
     _, edge = np.unique(np.sort(directed_edges(faces), axis=1), axis=0, return_inverse=True)
     face = np.tile(np.arange(len(faces)), 3)
     graph = np.column_stack([face, len(faces) + edge.reshape(-1)])
@@ -75,9 +75,9 @@ def _components(count: int, pairs: np.ndarray) -> tuple[int, np.ndarray]:
 
 
 def agree_windings(faces: Ints) -> tuple[Ints, int]:
-    """Faces turned so that neighbours across an edge run it in opposite directions, and how many were turned.
+    """Faces reoriented so that neighbours run their common edge in opposite directions, and how many changed.
 
-    A breadth-first search over faces that share an edge with exactly one other.
+    Breadth-first search over faces that share an edge with exactly one other face.
     """
     neighbours, same = _edge_neighbours(faces)
     flip = np.full(len(faces), -1, dtype=np.int8)
@@ -100,7 +100,7 @@ def agree_windings(faces: Ints) -> tuple[Ints, int]:
 
 
 def _edge_neighbours(faces: Ints) -> tuple[np.ndarray, np.ndarray]:
-    """Per face and side the other face (−1: none or ambiguous), and 1 where both run the edge alike."""
+    """For each face side: the neighbouring face (−1: none or ambiguous), and 1 if both run the edge alike."""
     edges = directed_edges(faces)
     key = np.sort(edges, axis=1)
     order = np.lexsort((key[:, 1], key[:, 0]))
@@ -125,7 +125,7 @@ def directed_edges(faces: Ints) -> Ints:
 
 
 def signed_volumes(surface: Surface, of_face: Ints, count: int) -> Floats:
-    """Signed volume of each piece, seen from the piece's own centre so that open ones are judged too."""
+    """Signed volume of each component relative to its own centre, so that open components have one too."""
     corners = surface.vertices[surface.faces]
     weight = np.bincount(of_face, minlength=count)[:, None]
     centre = (
@@ -139,7 +139,7 @@ def signed_volumes(surface: Surface, of_face: Ints, count: int) -> Floats:
 
 
 def face_outwards(surface: Surface) -> tuple[Surface, int]:
-    """Pieces whose volume is negative are turned inside out; returns how many."""
+    """Reverse components of negative volume; also returns how many."""
     count, of_face = edge_components(surface.faces)
     inverted = signed_volumes(surface, of_face, count) < 0
     faces = surface.faces.copy()
@@ -149,7 +149,7 @@ def face_outwards(surface: Surface) -> tuple[Surface, int]:
 
 
 def open_edges(faces: Ints) -> Ints:
-    """Directed edges (k, 2) with no partner running the other way: the rims of holes."""
+    """Directed edges (k, 2) without an opposite edge: the boundaries of holes."""
     edges = directed_edges(faces)
     size = int(faces.max()) + 1 if len(faces) else 1
     forward = edges[:, 0].astype(np.int64) * size + edges[:, 1]
@@ -158,7 +158,7 @@ def open_edges(faces: Ints) -> Ints:
 
 
 def cap(surface: Surface) -> tuple[Surface, int]:
-    """Every open loop is closed by a fan around its centre; returns how many loops."""
+    """Close every boundary loop with a fan around its centre; also returns the number of loops."""
     loops = _loops(open_edges(surface.faces))
     vertices, faces = [surface.vertices], [surface.faces]
     total = len(surface.vertices)
@@ -171,7 +171,7 @@ def cap(surface: Surface) -> tuple[Surface, int]:
 
 
 def _loops(edges: Ints) -> list[Ints]:
-    """Rims as vertex loops; where rims touch in a vertex the walk takes whichever edge is left."""
+    """Boundary loops as vertex sequences; where loops touch at a vertex, any remaining edge is followed."""
     following: dict[int, list[int]] = {}
     for a, b in edges.tolist():
         following.setdefault(a, []).append(b)
@@ -189,6 +189,6 @@ def _loops(edges: Ints) -> list[Ints]:
 
 
 def volume(surface: Surface) -> float:
-    """Volume enclosed by a closed, outward surface."""
+    """Volume enclosed by a closed surface with outward faces."""
     a, b, c = np.moveaxis(surface.vertices[surface.faces] - surface.vertices.mean(axis=0), 1, 0)
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)

@@ -1,5 +1,6 @@
-"""Intake in a child process: whatever an upload does to the reader, the caller gets a tree or an
-MeshError."""
+"""Mesh import in a child process: whatever an upload does to the reader, the caller gets a tree or a
+MeshError.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +25,16 @@ OPTIONAL_ROWS = ("normals", "uv", "colours")
 def import_mesh_sandboxed(
     data: bytes, filename: str, options: ImportOptions | None = None, limits: Limits | None = None
 ) -> tuple[TreeMesh, bytes]:
-    """read_tree and render_glb in a child; MeshError also for time, memory, kills and crashes."""
-    if len(data) > MAX_BYTES:  # not worth a process
+    """Run read_tree and render_glb in a child process; returns the tree and its render GLB.
+
+    Raises MeshError, also if the child exceeds its time or memory, is killed or crashes.
+    """
+    if len(data) > MAX_BYTES:  # rejected without starting a process
         raise MeshError(
-            "file-too-large", "too-large", f"The file is larger than {MAX_BYTES >> 20} MB.", "Decimate it."
+            "file-too-large",
+            "too-large",
+            f"The file is larger than {MAX_BYTES >> 20} MB.",
+            "Reduce the number of faces.",
         )
     request = {"filename": filename, "options": asdict(options or ImportOptions())}
     result = run_limited(
@@ -40,7 +47,7 @@ def import_mesh_sandboxed(
 
 
 def read_in_child(arguments: Arrays) -> Arrays:
-    """The child's side of run_intake."""
+    """The part of import_mesh_sandboxed that runs in the child."""
     request = from_json_array(arguments["request"])
     chosen = request["options"]
     if chosen["wood"] is not None:
@@ -50,7 +57,7 @@ def read_in_child(arguments: Arrays) -> Arrays:
 
 
 def pack_tree(tree: TreeMesh) -> Arrays:
-    """A tree as plain arrays, materials included."""
+    """Serialise a tree, including its materials, to plain arrays."""
     arrays: Arrays = {"wood_vertices_m": tree.wood_vertices_m, "wood_faces": tree.wood_faces}
     heads: list[dict[str, Any]] = []
     for i, primitive in enumerate(tree.primitives):
@@ -68,7 +75,7 @@ def pack_tree(tree: TreeMesh) -> Arrays:
 
 
 def unpack_tree(arrays: Arrays) -> TreeMesh:
-    """The tree that pack_tree took apart."""
+    """Inverse of pack_tree."""
     head = from_json_array(arrays["head"])
     primitives = [_primitive(arrays, i, h) for i, h in enumerate(head["primitives"])]
     return TreeMesh(
@@ -97,15 +104,15 @@ def _primitive(arrays: Arrays, i: int, head: dict[str, Any]) -> RenderPrimitive:
 
 
 def to_bytes_array(content: bytes) -> NDArray[np.uint8]:
-    """Bytes as an array that .npz can hold."""
+    """Bytes as an array that can be stored in .npz."""
     return np.frombuffer(content, dtype=np.uint8)
 
 
 def to_json_array(value: Any) -> NDArray[np.uint8]:
-    """JSON text as an array that .npz can hold."""
+    """A value as JSON in an array that can be stored in .npz."""
     return to_bytes_array(json.dumps(value).encode())
 
 
 def from_json_array(array: NDArray[Any]) -> Any:
-    """What to_json_array stored."""
+    """Inverse of to_json_array."""
     return json.loads(array.tobytes())

@@ -1,4 +1,4 @@
-"""The species a file's names speak of."""
+"""Guessing the species from names in a file."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ NAMES = {
 
 
 def guess_species(given: str | None, filename: str, parts: list[RawPart]) -> tuple[str | None, str]:
-    """The species and why: what was given, else what the file's names say, else None."""
+    """The species and the reason: the given one, else one named in the file, else None."""
     if given:
         return given, "given"
     for text in [filename, *(label for part in parts for label in part.labels)]:
         for species, pattern in NAMES.items():
             if re.search(pattern, text, re.I):
-                return species, f"the name {text[:80]!r}"
-    return None, "no name says so"
+                return species, f"named in {text[:80]!r}"
+    return None, "no name indicates a species"

@@ -1,4 +1,4 @@
-"""The welded wood made fit for meshing: windings, holes, strays; what was done is listed."""
+"""Preparation of the welded wood for meshing: windings, holes and stray bodies; all repairs are reported."""
 
 from __future__ import annotations
 
@@ -15,16 +15,15 @@ from galewood.mesh.repair import (
 )
 from galewood.util import Floats, Ints, MeshError
 
-STRAY_GAP = 0.1  # of the wood's height: farther away it is another body
-ROOTED = 0.05  # of the wood's height: how low a piece must reach to stand on the ground
-THICK = 0.1  # of the largest piece's volume
+STRAY_GAP = 0.1  # relative to the wood's height; components farther apart are separate bodies
+ROOTED = 0.05  # relative to the wood's height; components must reach below this to be rooted
+THICK = 0.1  # relative to the volume of the largest body
 
 
 def solid_wood(wood: Surface) -> tuple[Surface, Floats, dict[str, int], list[str]]:
-    """Wood with agreed, outward windings and closed loops; vertices of bodies left out; repairs done;
-    warnings.
+    """Orient and close the wood; returns the surface, discarded vertices, repair counts and warnings.
 
-    Raises MeshError 422 where nothing with a volume is left.
+    The discarded vertices belong to separate bodies. Raises MeshError if nothing with a volume remains.
     """
     faces, turned = agree_windings(wood.faces)
     capped, loops = cap(Surface(wood.vertices, faces))
@@ -40,12 +39,12 @@ def solid_wood(wood: Surface) -> tuple[Surface, Floats, dict[str, int], list[str
     }
     warnings: list[str] = []
     if inverted:
-        warnings.append(f"{inverted} pieces of wood were inside out and were turned.")
+        warnings.append(f"{inverted} parts of the wood were inside out and have been reversed.")
     if loops:
-        warnings.append(f"{loops} open ends of the wood were closed.")
+        warnings.append(f"{loops} holes in the wood have been closed.")
     if others:
         warnings.append(
-            f"The file holds {others + 1} separate trees or bodies; only the largest rooted one was kept."
+            f"The file contains {others + 1} separate bodies; only the largest on the ground has been kept."
         )
     return alone, strays, repairs, warnings
 
@@ -58,13 +57,13 @@ def _without_flat_pieces(surface: Surface) -> tuple[Surface, int]:
     sound = volumes > 1e-9 * diagonal**3
     if not sound.any():
         raise MeshError(
-            "no-volume", "unsuitable", "The wood encloses no volume.", "Send a tree with solid branches."
+            "no-volume", "unsuitable", "The wood encloses no volume.", "Upload a tree with solid branches."
         )
     return compact(Surface(surface.vertices, surface.faces[sound[of_face]])), int((~sound).sum())
 
 
 def piece_boxes(surface: Surface, of_face: Ints, count: int) -> tuple[Floats, Floats]:
-    """Lower and upper corners (count, 3) of each piece's bounding box."""
+    """Lower and upper corners (count, 3) of each component's bounding box."""
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     corners = surface.vertices[surface.faces]
     np.minimum.at(low, of_face, corners.min(axis=1))
@@ -73,8 +72,10 @@ def piece_boxes(surface: Surface, of_face: Ints, count: int) -> tuple[Floats, Fl
 
 
 def _one_tree(surface: Surface) -> tuple[Surface, int, Floats]:
-    """Pieces whose boxes chain up to the largest grounded one; bodies farther off are dropped, counted,
-    returned."""
+    """Keep the components whose boxes are chained to the largest one on the ground.
+
+    Returns the surface, the number of discarded bodies and their vertices.
+    """
     count, of_face = face_components(surface.faces, len(surface.vertices))
     if count == 1:
         return surface, 0, np.zeros((0, 3))
@@ -94,7 +95,7 @@ def _one_tree(surface: Surface) -> tuple[Surface, int, Floats]:
 
 
 def _chained(low: Floats, high: Floats, gap: float) -> Ints:
-    """Group number of each box; boxes nearer than `gap` share one."""
+    """Group number of each box; boxes closer than `gap` share a group."""
     group = np.full(len(low), -1, dtype=np.int32)
     for number, start in enumerate(range(len(low))):
         if group[start] >= 0:

@@ -1,6 +1,6 @@
-"""What intake hands on: a tree in metres with its wood and its foliage told apart, and the errors it raises.
+"""Result of the mesh import: a tree in metres with wood and foliage separated.
 
-Frame: y up, origin at the centre of the trunk's base, right-handed as glTF.
+Frame: y up, origin at the centre of the trunk's base, right-handed as in glTF.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Axis = Literal["x", "y", "z"]
 
 @dataclass(frozen=True)
 class ImportOptions:
-    """Everything intake would otherwise assume; None leaves the choice to it."""
+    """Choices that the import otherwise makes itself; None leaves a choice to it."""
 
     species: str | None = None
     height_m: float | None = None
@@ -26,20 +26,20 @@ class ImportOptions:
 
 @dataclass(frozen=True)
 class Material:
-    """A glTF material, its texture indices replaced by keys of `images`."""
+    """A glTF material; texture indices are replaced by keys of `images`."""
 
     json: dict[str, Any] = field(default_factory=dict[str, Any])
     images: dict[str, tuple[bytes, str]] = field(
         default_factory=dict[str, tuple[bytes, str]]
-    )  # key: bytes, mime
+    )  # key: (bytes, MIME type)
     samplers: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
 
 
 @dataclass(frozen=True)
 class RawPart:
-    """One drawable piece as a file gave it, in the file's own axes and units."""
+    """A part as read from the file, in the file's axes and units."""
 
-    labels: tuple[str, ...]  # material, node and mesh names, in the order in which they are trusted
+    labels: tuple[str, ...]  # material, node and mesh names, in order of precedence
     positions: Floats
     faces: Ints
     normals: Floats | None = None
@@ -50,7 +50,7 @@ class RawPart:
 
 @dataclass(frozen=True)
 class RenderPrimitive:
-    """One mesh to draw: positions (n, 3) in metres, faces (m, 3), per-vertex extras or None."""
+    """A mesh to render: positions (n, 3) in metres, faces (m, 3), optional vertex attributes."""
 
     name: str
     kind: Kind
@@ -64,7 +64,7 @@ class RenderPrimitive:
 
 @dataclass(frozen=True)
 class TreeMesh:
-    """A tree ready for meshing: primitives (wood first), the welded wood surface, what was assumed."""
+    """A tree ready for meshing: render primitives (wood first), welded wood surface, import report."""
 
     primitives: list[RenderPrimitive]
     wood_vertices_m: Floats

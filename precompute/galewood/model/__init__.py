@@ -1,11 +1,11 @@
-"""The finite-element model of a tree; in: TetMesh, Skeleton, wood, foliage; out: a FemModel."""
+"""Construction of the finite-element model; in: TetMesh, Skeleton, wood, foliage; out: a FemModel."""
 
 from galewood.model.binding import render_binding
 from galewood.model.comparison import gusty_pressure, trajectory_difference
 from galewood.model.construction import GRAVITY_M_S2, LumpedMassesLike, MeshLike, SkeletonLike, build_model
 from galewood.model.foliage import LumpedMasses, bind_foliage
+from galewood.model.from_tree import tree_model
 from galewood.model.reference import compare_with_reference, reference_model
-from galewood.model.tree_model import tree_model
 
 __all__ = [
     "GRAVITY_M_S2",

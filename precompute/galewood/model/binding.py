@@ -1,9 +1,8 @@
-"""What is drawn, hung on what is simulated: barycentric weights of render vertices in the tetrahedra.
+"""Binding of rendered to simulated geometry: barycentric weights of render vertices in the tetrahedra.
 
-Wood vertices follow the tet they lie in. Every connected piece of foliage follows one point, where it
-comes nearest
-to the wood, so that a leaf card is never bent or torn; only pieces as large as a crown follow the wood
-piece by piece.
+Wood vertices follow the tet that contains them. Each connected piece of foliage follows the single point
+where it is nearest to the wood, so that leaf cards are not deformed. Only pieces as large as a crown follow
+the wood vertex by vertex.
 """
 
 from __future__ import annotations
@@ -19,14 +18,14 @@ from galewood.tets import TetMesh
 from galewood.util import Floats, Ints
 
 CANDIDATES = 24
-CROWN_SIZE = 0.15  # of the height: larger pieces of foliage are not rigid
+CROWN_SIZE = 0.15  # relative to the height; larger pieces of foliage are not rigid
 CROWN_NEIGHBOURS = 8
 CHUNK = 20_000
 
 
 @dataclass(frozen=True)
 class Anchors:
-    """Where points hang: tet (n,), barycentric weights (n, 4), distance in metres (n,)."""
+    """Attachment of points: tet (n,), barycentric weights (n, 4), distance in metres (n,)."""
 
     tet: Ints
     weight: Floats
@@ -35,19 +34,20 @@ class Anchors:
 
 def render_binding(tree: TreeMesh, mesh: TetMesh) -> csr_matrix:
     """Weights (render vertices × tet vertices), rows summing to one, primitives in the tree's order."""
-    anchors = [_anchor_primitive(_as_kept(primitive), tree.height_m, mesh) for primitive in tree.primitives]
+    anchors = [_anchor_primitive(_as_stored(primitive), tree.height_m, mesh) for primitive in tree.primitives]
     return _matrix(anchors, mesh)
 
 
-def _as_kept(primitive: RenderPrimitive) -> RenderPrimitive:
-    """With the positions' 32 bits that the render mesh keeps: a leaf as near to one twig as to another hangs
-    on the same when that file is read again.
+def _as_stored(primitive: RenderPrimitive) -> RenderPrimitive:
+    """The primitive with positions rounded to 32 bits, as stored in the render mesh.
+
+    A leaf equally near to two twigs is then bound to the same one when that file is read again.
     """
     return replace(primitive, positions_m=primitive.positions_m.astype(np.float32).astype(np.float64))
 
 
 def _matrix(parts: list[tuple[Ints, Floats]], mesh: TetMesh) -> csr_matrix:
-    """Rows of (vertex indices (n, k), weights (n, k)), k differing between parts."""
+    """Sparse matrix from (vertex indices (n, k), weights (n, k)); k may differ between parts."""
     rows: list[csr_matrix] = []
     for index, weight in parts:
         pointer = np.arange(len(index) + 1) * index.shape[1]
@@ -81,7 +81,7 @@ def _anchor_primitive(primitive: RenderPrimitive, height_m: float, mesh: TetMesh
 
 
 def foliage_pieces(primitive: RenderPrimitive) -> Ints:
-    """The connected piece (n,) of each vertex, seams joined; unused vertices are pieces of their own."""
+    """Connected component (n,) of each vertex across seams; unused vertices are separate components."""
     welded = weld_keeping_faces(Surface(primitive.positions_m, primitive.faces))
     _, of_face = face_components(welded.faces, len(welded.vertices))
     piece = np.full(len(primitive.positions_m), -1, dtype=np.int64)
@@ -100,7 +100,7 @@ def _piece_size(positions_m: Floats, piece: Ints) -> Floats:
 
 
 def nearest_of_pieces(anchors: Anchors, piece: Ints) -> Ints:
-    """For each piece (count,) the vertex of it that comes nearest to the wood."""
+    """For each component (count,), its vertex nearest to the wood."""
     order = np.lexsort((anchors.distance_m, piece))
     _, first = np.unique(piece[order], return_index=True)
     return order[first].astype(np.int32)
@@ -117,7 +117,7 @@ def _padded(index: Ints, weight: Floats, width: int) -> tuple[Ints, Floats]:
 
 
 def _blended(positions_m: Floats, mesh: TetMesh) -> tuple[Ints, Floats]:
-    """Mean motion of the nearest tets, nearer ones counting more: a closed crown follows without tearing."""
+    """Distance-weighted mean motion of the nearest tets: a closed crown follows without tearing."""
     count = min(CROWN_NEIGHBOURS, len(mesh.tets))
     gap, near = KDTree(mesh.vertices_m[mesh.tets].mean(axis=1)).query(positions_m, k=count)
     gap, near = gap.reshape(len(positions_m), -1), near.reshape(len(positions_m), -1)
@@ -128,7 +128,7 @@ def _blended(positions_m: Floats, mesh: TetMesh) -> tuple[Ints, Floats]:
 
 
 def nearest_tets(points_m: Floats, mesh: TetMesh) -> Anchors:
-    """The tet that holds each point (n, 3), or else comes nearest to it, with clamped barycentric weights."""
+    """The tet that contains or is nearest to each point (n, 3), with clamped barycentric weights."""
     parts = [_nearest_chunk(points_m[i : i + CHUNK], mesh) for i in range(0, len(points_m), CHUNK)]
     return Anchors(
         np.concatenate([p.tet for p in parts]),

@@ -1,14 +1,14 @@
 """Linear tetrahedra fitted to quadratic ones on the same mesh.
 
-Linear tets lock, in bending by one factor and in torsion by another, and by more the coarser the section is.
-The fit scales each element's axial and shear stiffness so that the linear mesh answers static loads as the
-quadratic one does: the inertial loads of the quadratic mesh's own lowest modes (so that frequencies and
-shapes agree), uniform wind, and couples in random places (so that twigs twist right, too). A mode weighs as
-its share of a sway, 1/ω. The factors' logarithms are found by L-BFGS with the exact gradient: with K u = f
-and K λ = ∂J/∂u, ∂J/∂s_e = −λ · K_e u.
+Linear tets lock, by different factors in bending and torsion, and more so on coarser cross-sections. The fit
+scales each element's axial and shear stiffness so that the linear mesh responds to static loads like the
+quadratic one. The loads are the inertial loads of the quadratic mesh's lowest modes (for frequencies and
+shapes), uniform wind, and couples at random positions (for the torsion of twigs). A mode is weighted by 1/ω,
+its contribution to sway. The logarithms of the factors are optimised by L-BFGS with the exact gradient: with
+K u = f and K λ = ∂J/∂u, ∂J/∂s_e = −λ · K_e u.
 
-Measured beside it (docs/physics.md): scaling each element by its patch's ratio of energies, one factor or
-two, leaves torsion a quarter too stiff and drifts away with more rounds.
+Alternative (docs/physics.md): scaling each element by the energy ratio of its patch, with one factor or two,
+leaves torsion a quarter too stiff and diverges with further iterations.
 """
 
 from typing import Any, NamedTuple
@@ -25,15 +25,15 @@ START = 0.3
 MODES = 32
 COUPLES = 8
 COUPLE_WEIGHT = 0.1
-PULL = 1e-4
-"""Weight of the mean squared distance of the logarithms from their start, against the mean relative squared
-error.
-"""
+REGULARISATION = 1e-4
+"""Regularisation: weight of the mean squared distance of the logarithms from their start."""
 
 
 class Target(NamedTuple):
-    """Loads (L,n,3) on the vertices, the quadratic mesh's answers (L,n,3), weights (L,), its frequencies (k,)
-    Hz.
+    """Loads (L,n,3) N on the vertices, displacements (L,n,3) m of the quadratic mesh, weights (L,),
+    frequencies.
+
+    The frequencies (k,) of the quadratic mesh are in Hz.
     """
 
     load_n: Floats
@@ -43,14 +43,14 @@ class Target(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Factors (m,) on the axial and on the shear stiffness of each element, and how the fit went."""
+    """Factors (m,) of each element's axial and shear stiffness, and a report."""
 
     axial: Floats
     shear: Floats
     report: dict[str, Any]
 
     def apply(self, axial: Floats, shear: Floats) -> Floats:
-        """The fitted stiffness blocks (m,10,3,3)."""
+        """The fitted stiffness blocks (m,10,3,3), N/m."""
         return self.axial[:, None, None, None] * axial + self.shear[:, None, None, None] * shear
 
 
@@ -62,13 +62,14 @@ def reference_target(
     *,
     seed: int = 0,
 ) -> Target:
-    """What the fit aims at. Masses of the quadratic mesh's nodes (N,) and of the vertices (n,), wind areas
-    (n,).
+    """The target of the fit, from the quadratic mesh.
+
+    Takes the masses of the quadratic mesh's nodes (N,) and of the vertices (n,), kg, and drag areas (n,), m².
     """
     count = len(vertex_mass_kg)
-    still = np.zeros_like(reference.rest)
+    zero = np.zeros_like(reference.rest)
     modes = min(MODES, 3 * reference.free // 2)
-    omega, inner = tangent_modes(reference, still, node_mass_kg[reference.order], modes)
+    omega, inner = tangent_modes(reference, zero, node_mass_kg[reference.order], modes)
     shapes = np.empty_like(inner)
     shapes[:, reference.order] = inner
     inertia = omega[:, None, None] ** 2 * vertex_mass_kg[:, None] * shapes[:, :count]
@@ -80,7 +81,7 @@ def reference_target(
     weight = np.concatenate([omega[0] / omega, np.ones(2), np.full(COUPLES, COUPLE_WEIGHT)])
     wide = np.zeros((len(load), len(vertices), 3))
     wide[:, :count] = load
-    reference.assemble(still, still, 1.0, np.zeros(len(still)), still.copy())
+    reference.assemble(zero, zero, 1.0, np.zeros(len(zero)), zero.copy())
     reference.solver.factorise(reference.values)
     u = solve_loads(reference, wide)[:, :count]
     return Target(load, u, weight / weight.sum(), omega / (2 * np.pi))
@@ -95,7 +96,7 @@ def fit_factors(
     *,
     evaluations: int = 48,
 ) -> Fit:
-    """Fit the factors of a linear mesh's elements, its stiffness blocks (m,10,3,3) each, to the target."""
+    """Fit the factors of a linear mesh's axial and shear stiffness blocks, (m,10,3,3) each, to the target."""
     problem = _Problem(system, axial, shear, vertex_mass_kg, target)
     start = np.full(2 * len(axial), np.log(START))
     found = minimize(
@@ -112,7 +113,7 @@ def fit_factors(
 
 
 class _Problem:
-    """The fit as a function of the factors' logarithms, axial first: value and gradient."""
+    """The objective as a function of the factors' logarithms (axial first): value and gradient."""
 
     def __init__(
         self, system: ElementSystem, axial: Floats, shear: Floats, vertex_mass_kg: Floats, target: Target
@@ -126,26 +127,26 @@ class _Problem:
         self.mismatch = np.inf
 
     def factors(self, x: Floats) -> tuple[Floats, Floats]:
-        """Factors (m,), (m,) of the logarithms."""
+        """Axial and shear factors, (m,) each, from their logarithms."""
         axial, shear = np.exp(x).reshape(2, -1)
         return axial, shear
 
     def value_and_gradient(self, x: Floats) -> tuple[float, Floats]:
-        """Mean relative squared error of the displacements, and its gradient."""
+        """Mean relative squared error of the displacements with regularisation, and its gradient."""
         factors = self.factors(x)
         blocks = sum(f[:, None, None, None] * k for f, k in zip(factors, self.parts, strict=True))
         self.system.set_blocks(np.asarray(blocks))
-        still = np.zeros_like(self.system.rest)
-        self.system.assemble(still, still, 1.0, np.zeros(len(still)), still.copy())
+        zero = np.zeros_like(self.system.rest)
+        self.system.assemble(zero, zero, 1.0, np.zeros(len(zero)), zero.copy())
         self.system.solver.factorise(self.system.values)
         u = solve_loads(self.system, self.target.load_n)
         off = self.weight * (u - self.target.u_m)
         self.mismatch = float(np.vdot(off, u - self.target.u_m))
         slope = -_gram(self.tets, solve_loads(self.system, 2 * off), u)
-        along = [f * _contract(k, slope) for f, k in zip(factors, self.parts, strict=True)]  # ∂/∂log
-        away = x - np.log(START)
-        value = self.mismatch + PULL * float(np.mean(away**2))
-        return value, np.concatenate(along) + 2 * PULL / len(x) * away
+        log_gradient = [f * _contract(k, slope) for f, k in zip(factors, self.parts, strict=True)]  # ∂/∂log
+        offset = x - np.log(START)
+        value = self.mismatch + REGULARISATION * float(np.mean(offset**2))
+        return value, np.concatenate(log_gradient) + 2 * REGULARISATION / len(x) * offset
 
 
 def _gram(tets: Int32s, a: Floats, b: Floats) -> Floats:
@@ -168,7 +169,7 @@ def _contract(blocks: Floats, gram: Floats) -> Floats:
 
 
 def random_couples(vertices_m: Floats, count: int, seed: int) -> Floats:
-    """(count,n,3) forces that turn a random neighbourhood about a random axis, their sum zero."""
+    """(count,n,3) forces that twist a random neighbourhood about a random axis; their resultant is zero."""
     rng = np.random.default_rng(seed)
     height = float(np.ptp(vertices_m[:, 1]))
     load = np.empty((count, *vertices_m.shape))
@@ -183,7 +184,7 @@ def random_couples(vertices_m: Floats, count: int, seed: int) -> Floats:
 
 
 def solve_loads(system: ElementSystem, load: Floats) -> Floats:
-    """Displacements (L,N,3) under loads (L,N,3) with the factor at hand, in the mesh's order."""
+    """Displacements (L,N,3) m under loads (L,N,3) N with the current factor, in mesh order."""
     u = np.empty_like(load)
     for one, out in zip(load, u, strict=True):
         inner = np.ascontiguousarray(one[system.order])

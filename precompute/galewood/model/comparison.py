@@ -1,4 +1,4 @@
-"""How far the fast model is from the reference: first frequencies and one trajectory."""
+"""Deviation of the fast model from the reference: first frequencies and one trajectory."""
 
 from typing import Any
 
@@ -8,16 +8,14 @@ from galewood.fem import FemModel, Simulator, solve_static
 from galewood.util import Floats
 
 SWAY = 0.04
-"""The largest static displacement, as a part of the height, that the compared gusts would cause.
+"""Largest static displacement, relative to the height, under the gusts of the comparison.
 
-They pulse near the first frequency, so that a slender tree reaches five times as much: a fifth of its height.
+They oscillate near the first frequency, so a slender tree reaches five times as much, a fifth of its height.
 """
 
 
 def compare(fast: FemModel, reference: FemModel, frames: int) -> dict[str, Any]:
-    """Ratios of the first ten frequencies, and the largest vertex error over the largest displacement of a
-    run.
-    """
+    """Ratios of the first ten frequencies; largest vertex error relative to the largest displacement."""
     ratio = np.array(fast.report["frequencies_hz"]) / np.array(reference.report["frequencies_hz"])
     pressure = gusty_pressure(fast, frames)
     return {
@@ -30,7 +28,9 @@ def compare(fast: FemModel, reference: FemModel, frames: int) -> dict[str, Any]:
 
 
 def gusty_pressure(model: FemModel, frames: int) -> Floats:
-    """(frames,2) Pa: a wind that swells in a second and then turns and pulses near the first frequency."""
+    """(frames,2) Pa: a wind that increases for a second, then rotates and oscillates near the first
+    frequency.
+    """
     time = np.arange(frames) * model.settings.dt_s
     first_hz = float(model.report["frequencies_hz"][0])
     swell = np.minimum(time, 1.0)
@@ -40,7 +40,7 @@ def gusty_pressure(model: FemModel, frames: int) -> Floats:
 
 
 def static_pressure(model: FemModel, sway: float) -> float:
-    """Pressure, Pa, whose small static displacement is this part of the height (wind along x)."""
+    """Pressure, Pa, whose linear static displacement is this fraction of the height (wind along x)."""
     unit = np.zeros_like(model.nodes_m)
     unit[:, 0] = model.drag_area_m2 if model.drag_area_m2.any() else model.mass_kg
     height_m = float(np.ptp(model.nodes_m[:, 1]))
@@ -51,7 +51,7 @@ def static_pressure(model: FemModel, sway: float) -> float:
 
 
 def trajectory_difference(first: FemModel, second: FemModel, pressure_pa: Floats) -> float:
-    """Largest distance between the two models' vertices over the largest displacement of the second."""
+    """Largest vertex distance between the two models, relative to the second one's largest displacement."""
     one, other = Simulator(first), Simulator(second)
     apart = largest = 0.0
     for pressure in pressure_pa:

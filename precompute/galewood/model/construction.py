@@ -1,4 +1,4 @@
-"""From a mesh, a skeleton, a wood and the foliage to the finite-element model."""
+"""Construction of the finite-element model from mesh, skeleton, wood and foliage."""
 
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Protocol
@@ -32,16 +32,16 @@ from galewood.wood import Wood
 
 GRAVITY_M_S2 = 9.81
 STIFFNESS_FLOOR = 0.2
-"""Ratio of radii below which a twig is not made softer (its mass always is the drawn one).
+"""Lower limit of the radius ratio for the stiffness (the mass always uses the true ratio).
 
-A twig a fifth as thick as the mesh resolves has 1/600 of its stiffness. One drawn thinner still (a line, a
-game's needle) would hang like a thread under its leaves, and the whole tree would count as one that cannot
-stand. The species here end at 0.22, so none of their twigs is touched.
+A twig a fifth as thick as the mesh resolves has 1/600 of its stiffness. A still thinner twig (a line, a
+game's needle) would hang like a thread under its leaves, and the tree would be considered unable to stand.
+The built-in species have ratios of at least 0.22 and are not affected.
 """
 
 
 class MeshLike(Protocol):
-    """What of a TetMesh is needed here: vertices (n,3) m, tets (m,4), original over thickened radius (m,)."""
+    """The part of a TetMesh used here: vertices (n,3) m, tets (m,4), original over thickened radius (m,)."""
 
     @property
     def vertices_m(self) -> Floats: ...
@@ -52,14 +52,14 @@ class MeshLike(Protocol):
 
 
 class SkeletonLike(Protocol):
-    """What of a Skeleton is needed here: the fibre direction (m,3) of each tet."""
+    """The part of a Skeleton used here: the fibre direction (m,3) of each tet."""
 
     @property
     def tet_fibre(self) -> Floats: ...
 
 
 class LumpedMassesLike(Protocol):
-    """What of the foliage is needed here: extra mass (n,) kg, drag area (n,) m², fixed vertices (k,)."""
+    """The part of LumpedMasses used here: added mass (n,) kg, drag area (n,) m², fixed vertices (k,)."""
 
     @property
     def mass_kg(self) -> Floats: ...
@@ -88,8 +88,9 @@ def build_model(
     lumped: LumpedMassesLike,
     settings: FemSettings | None = None,
 ) -> FemModel:
-    """Model of a tree: stiffness (fitted), masses, gravity rest pose, Rayleigh damping. ValueError on a bad
-    mesh.
+    """Build the model of a tree: fitted stiffness, masses, gravity rest pose, Rayleigh damping.
+
+    Raises ValueError if the mesh is invalid.
     """
     settings = settings or FemSettings()
     material = wood_elements(mesh, skeleton, wood, lumped)
@@ -104,7 +105,7 @@ def build_model(
 
 
 def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumped: LumpedMassesLike) -> Material:
-    """Stiffness and mass of the tets, what was thickened for the mesh made thin again."""
+    """Stiffness and mass of the tets, corrected for the thickening of the mesh by the radius ratio."""
     vertices = np.ascontiguousarray(mesh.vertices_m, np.float64)
     tets = np.ascontiguousarray(mesh.tets, np.int32)
     grad, volume = gradients(vertices[tets])
@@ -112,23 +113,23 @@ def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumped: Lu
     ratio = np.asarray(mesh.radius_ratio, np.float64)
     fibre = np.asarray(skeleton.tet_fibre, np.float64)
     axial, shear = stiffness_blocks(grad, volume, fibre, moduli(wood))
-    thinned = (np.maximum(ratio, STIFFNESS_FLOOR) ** 4)[:, None, None, None]
+    correction = (np.maximum(ratio, STIFFNESS_FLOOR) ** 4)[:, None, None, None]
     return Material(
-        vertices, tets, grad, axial * thinned, shear * thinned, volume * wood.density_kg_m3 * ratio**2
+        vertices, tets, grad, axial * correction, shear * correction, volume * wood.density_kg_m3 * ratio**2
     )
 
 
 def _check_mesh(vertices: Floats, volume: Floats, lumped: LumpedMassesLike) -> None:
     if not np.isfinite(vertices).all():
-        raise ValueError("the mesh has vertices that are not finite")
+        raise ValueError("the mesh has vertices with non-finite coordinates")
     if not (volume > 0).all():
-        raise ValueError(f"{int((volume <= 0).sum())} tetrahedra are flat or inside out")
+        raise ValueError(f"{int((volume <= 0).sum())} tetrahedra are flat or inverted")
     if len(lumped.fixed) < 3:
-        raise ValueError("fewer than three vertices are fixed: the tree has no root")
+        raise ValueError("fewer than three vertices are fixed, so the tree has no root")
 
 
 def _raw(material: Material, lumped: LumpedMassesLike, settings: FemSettings, element: Element) -> FemModel:
-    """The model before it knows its rest pose and damping."""
+    """The model without rest pose and damping."""
     count = len(material.vertices_m)
     nodes, elements, shares = material.vertices_m, material.tets, np.full(4, 0.25)
     fixed = np.unique(np.asarray(lumped.fixed, np.int32))
@@ -164,7 +165,7 @@ def _raw(material: Material, lumped: LumpedMassesLike, settings: FemSettings, el
 
 
 def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[FemModel, dict[str, Any]]:
-    """The linear model with its stiffness fitted to the quadratic one's, and the fit's report."""
+    """The linear model with its stiffness fitted to the quadratic one, and the report of the fit."""
     target = reference_target(reference.system(), reference.mass_kg, linear.mass_kg, linear.drag_area_m2)
     fit = fit_factors(linear.system(), material.axial, material.shear, linear.mass_kg, target)
     blocks = fit.apply(material.axial, material.shear)
@@ -172,15 +173,15 @@ def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[
 
 
 def _finished(model: FemModel, wood: Wood, report: dict[str, Any]) -> FemModel:
-    """The model with its gravity rest pose, its frequencies and its damping."""
+    """The model with its gravity rest pose, frequencies and damping."""
     height_m = float(np.ptp(model.nodes_m[:, 1]))
     system = model.system()
     pose = gravity_rest_pose(system, model.gravity_n, height_m)
     try:
         model, modes = _at_rest(model, system, pose)
     except NotPositiveDefinite:
-        # An equilibrium, but one from which the tree would fall: its weight is beyond the buckling load.
-        pose = balanced_pose(model.gravity_n, "it buckles")
+        # The equilibrium is unstable: the weight exceeds the buckling load.
+        pose = balanced_pose(model.gravity_n, "it would buckle")
         model, modes = _at_rest(model, system, pose)
     frequencies = [float(f) for f in modes.frequencies_hz]
     alpha, beta = rayleigh(wood.damping_ratio, frequencies[0], model.settings.damping_frequency_ratio)

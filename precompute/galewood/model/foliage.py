@@ -1,5 +1,4 @@
-"""Foliage as what it does to the wood: weight on it, and area for the wind to push; both lumped at tet
-vertices."""
+"""Effect of the foliage on the wood: mass and wind area, lumped at tet vertices."""
 
 from __future__ import annotations
 
@@ -17,15 +16,15 @@ from galewood.util import Floats, Int32s
 
 __all__ = ["LumpedMasses", "bind_foliage", "render_binding"]
 
-LEAF_MASS_KG_M2 = 0.2  # fresh leaf with its petiole, per one-sided area
-MOST_LEAF_MASS = 0.5  # of the wood's own mass
-PROFILE_EXPONENT = 0.4  # wind pressure over height: speed grows with about the fifth root
-RANDOM_PROJECTION = 0.5  # mean shadow of a flat leaf over its one-sided area
-CONVEX_PROJECTION = 0.25  # mean shadow of a convex body over its surface (Cauchy)
+LEAF_MASS_KG_M2 = 0.2  # fresh leaf including its petiole, per one-sided area
+MOST_LEAF_MASS = 0.5  # relative to the mass of the wood
+PROFILE_EXPONENT = 0.4  # of the pressure over height; the speed grows with about the fifth root
+RANDOM_PROJECTION = 0.5  # mean projected area of a flat leaf over its one-sided area
+CONVEX_PROJECTION = 0.25  # mean projected area of a convex body over its surface (Cauchy)
 
 
 class WoodLike(Protocol):
-    """What of a Wood is needed here."""
+    """The part of a Wood used here."""
 
     @property
     def density_kg_m3(self) -> float: ...
@@ -35,8 +34,10 @@ class WoodLike(Protocol):
 
 @dataclass(frozen=True)
 class LumpedMasses:
-    """Per tet vertex: extra mass (n,), Cd·A with the height profile in it (n,); and the fixed vertices
-    (k,)."""
+    """Per tet vertex: added mass (n,) kg and drag area (n,) m²; also the fixed vertices (k,).
+
+    The drag area is Cd·A including the height profile of the pressure.
+    """
 
     mass_kg: Floats
     drag_area_m2: Floats
@@ -45,26 +46,27 @@ class LumpedMasses:
 
 
 def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> LumpedMasses:
-    """Leaf mass and wind area at the vertices of the wood's mesh.
+    """Leaf mass and wind area at the vertices of the tetrahedral mesh.
 
-    The silhouette of the whole tree, averaged over directions, is shared out by each piece's own area.
+    The silhouette area of the whole tree, averaged over directions, is distributed in proportion to each
+    part's projected area.
     """
     leaf_area = np.zeros(len(mesh.vertices_m))
-    shadow = np.zeros(len(mesh.vertices_m))
+    projected = np.zeros(len(mesh.vertices_m))
     for primitive in tree.primitives:
         area = vertex_areas(primitive) * alpha_coverage(primitive.material)
         if primitive.kind == "leaves":
             spread = _spread(primitive, area, mesh)
             leaf_area += spread
-            shadow += RANDOM_PROJECTION * spread
+            projected += RANDOM_PROJECTION * spread
         else:
-            shadow += CONVEX_PROJECTION * _spread(primitive, area, mesh)
+            projected += CONVEX_PROJECTION * _spread(primitive, area, mesh)
     wood_mass = float(
         (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
     )
     leaf_mass, capped = _leaf_mass(leaf_area, wood_mass)
     silhouette = silhouette_area(*_triangles(tree))
-    frontal = shadow * (silhouette / max(float(shadow.sum()), 1e-300))
+    frontal = projected * (silhouette / max(float(projected.sum()), 1e-300))
     profile = np.clip(mesh.vertices_m[:, 1] / tree.height_m, 0.0, 1.0) ** PROFILE_EXPONENT
     return LumpedMasses(
         mass_kg=leaf_mass,
@@ -91,7 +93,7 @@ def _leaf_mass(leaf_area: Floats, wood_mass_kg: float) -> tuple[Floats, bool]:
 
 
 def vertex_areas(primitive: RenderPrimitive) -> Floats:
-    """Area (n,) of the faces around each vertex, a third of each face to each of its corners."""
+    """Area (n,) of the faces around each vertex; each corner gets a third of its face."""
     corners = primitive.positions_m[primitive.faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     share = np.linalg.norm(cross, axis=1) / 6.0
@@ -102,7 +104,7 @@ def vertex_areas(primitive: RenderPrimitive) -> Floats:
 
 
 def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh) -> Floats:
-    """An amount (n,) at render vertices, brought to the tet vertices that carry them."""
+    """Distribute an amount (n,) at render vertices to the tet vertices that they are bound to."""
     anchors = nearest_tets(primitive.positions_m, mesh)
     holder = np.arange(len(amount))
     if primitive.kind == "leaves":

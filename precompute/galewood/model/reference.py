@@ -1,4 +1,4 @@
-"""The reference model (quadratic elements) and the error of the fast elements against it."""
+"""The reference model (quadratic elements) and the error of the fast elements relative to it."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from galewood.wood import Wood
 def compare_with_reference(
     fast: FemModel, mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumped: LumpedMassesLike, frames: int
 ) -> dict[str, Any]:
-    """The first ten frequencies and a run of this many frames of a fast model against the reference's."""
+    """Compare a fast model with the reference: first ten frequencies and a run of `frames` frames."""
     return compare(fast, reference_model(mesh, skeleton, wood, lumped, fast.settings), frames)
 
 
 def reference_model(
     mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumped: LumpedMassesLike, settings: FemSettings
 ) -> FemModel:
-    """The tree of quadratic elements, all other settings alike."""
+    """The model with quadratic elements and otherwise equal settings."""
     settings = replace(settings, element="quadratic")
     return build_model(mesh, skeleton, wood, lumped, settings)

@@ -1,4 +1,4 @@
-"""The area that a tree shows to the wind: its silhouette from the side, averaged over directions."""
+"""Wind-exposed area of a tree: its silhouette from the side, averaged over directions."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ PIXELS_HIGH = 384
 
 @numba.njit(cache=True, nogil=True)
 def _draw(triangles, transparency, clear):  # type: ignore[no-untyped-def]
-    """Multiplies clear (h, w) by each triangle's transparency where a pixel's centre lies in it (in
-    pixels)."""
+    """Multiply clear (h, w) by each triangle's transparency at the pixel centres it covers (pixel units)."""
     height, width = clear.shape
     for f in range(len(triangles)):
         t = triangles[f]
@@ -32,12 +31,11 @@ def _draw(triangles, transparency, clear):  # type: ignore[no-untyped-def]
 
 
 def silhouette_area(triangles_m: Floats, coverage: Floats) -> float:
-    """Mean frontal area in m² of triangles (m, 3, 3) seen horizontally, each letting (1 − coverage)
-    through."""
+    """Mean frontal area, m², of triangles (m, 3, 3) viewed horizontally, each transmitting (1 − coverage)."""
     height = float(np.ptp(triangles_m[:, :, 1]))
     pixel = height / PIXELS_HIGH
     areas: list[float] = []
-    for angle in np.arange(DIRECTIONS) * np.pi / DIRECTIONS:  # the silhouette from behind is the same
+    for angle in np.arange(DIRECTIONS) * np.pi / DIRECTIONS:  # opposite directions have the same silhouette
         sideways = triangles_m[:, :, 0] * np.cos(angle) + triangles_m[:, :, 2] * np.sin(angle)
         flat = (
             np.stack([sideways - sideways.min(), triangles_m[:, :, 1] - triangles_m[:, :, 1].min()], axis=2)

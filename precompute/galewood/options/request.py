@@ -2,6 +2,8 @@
 
 Everything left out keeps its default; docs/building.md describes the options.
 """
+# pyright: reportUnknownMemberType=error, reportUnknownVariableType=error
+# pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from __future__ import annotations
 

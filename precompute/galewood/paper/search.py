@@ -114,13 +114,13 @@ def against_brute_force(
     literal, rng = Literal(table, runs), np.random.default_rng(plan.seed)
     literal.compare_all()
     peak = float(np.linalg.norm(table.pressure_pa, axis=1).max())
-    asked = differences = 0
+    queries = differences = 0
     states: set[int] = set()
-    while asked < plan.queries:
+    while queries < plan.queries:
         forest = PaperForest(table, TREES, pose_easing=0.0, still_air=False)
         weight = np.zeros(TREES)
         for _ in range(20):
-            if asked >= plan.queries:
+            if queries >= plan.queries:
                 break
             f = _winds(rng, table, peak)
             before = forest.record.copy()
@@ -131,9 +131,9 @@ def against_brute_force(
                 follows = before[i] >= 0 and forest.record[i] == before[i] + 1
                 weight[i] = min(literal.most, weight[i] + literal.growth) if follows else literal.least
             states.update(before.tolist())
-            asked += TREES
-            on_progress(min(asked / plan.queries, 1.0), f"Compared {asked:,} of {plan.queries:,} queries")
-    return {"queries": asked, "differences": differences, "states": len(states), "seed": plan.seed}
+            queries += TREES
+            on_progress(min(queries / plan.queries, 1.0), f"Compared {queries:,} of {plan.queries:,} queries")
+    return {"queries": queries, "differences": differences, "states": len(states), "seed": plan.seed}
 
 
 def _winds(rng: np.random.Generator, table: Table, peak: float) -> npt.NDArray[np.float32]:

@@ -28,7 +28,7 @@ from galewood.skeleton import extract_skeleton, sampled_elements, with_corrected
 from galewood.table import encode
 from galewood.tets import kept_tetrahedra, tetrahedralise
 from galewood.util import WorkerPool
-from galewood.wood import Wood, species
+from galewood.wood import Wood, wood_of_species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Modules that the worker processes import during meshing, so that compiled kernels load early."""
@@ -46,8 +46,8 @@ def build_table(
     """Build the table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
     ``publish`` receives "render.glb", "tets-….npz" (the file in the cache), "tetrahedra.png", "skeleton.png"
-    and "preliminary.table" as soon as they exist. ``runner`` simulates the winds, by default in worker
-    processes on this machine.
+    and "preliminary.table" as soon as they exist. ``runner`` simulates the training runs, by default in
+    worker processes on this machine.
     """
     stages = Stages(progress)
     stages.enter("import")
@@ -62,7 +62,7 @@ def build_tree(
     progress: Callable[[Progress], None] = lambda progress: None,
     cache_dir: Path = Path("data/cache"),
 ) -> BuildResult:
-    """The table of a tree that has been imported already; otherwise as ``build_table``."""
+    """Build the table of an imported tree; otherwise like ``build_table``."""
     return _build(tree, render_glb, options, Stages(progress), None, cache_dir, None)
 
 
@@ -75,7 +75,7 @@ def _build(
     cache_dir: Path,
     publish: Publish | None,
 ) -> BuildResult:
-    wood = options.wood or species(tree.species or "default")
+    wood = options.wood or wood_of_species(tree.species or "default")
     with WorkerPool(1 if runner else None, warm=WARM_MODULES) as pool:
         artefacts = ArtefactPublisher(pool, publish)
         artefacts.publish("render.glb", lambda: render_glb)

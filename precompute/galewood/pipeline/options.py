@@ -72,7 +72,7 @@ class BuildOptions:
 
 
 def build_options(request: BuildRequest) -> BuildOptions:
-    """The options of a build; whatever the request leaves out keeps its default."""
+    """Convert a request to build options; what the request omits keeps its default."""
     given = request.model_dump(exclude_none=True, exclude={"modes", "wood", *ImportRequest.model_fields})
     return BuildOptions(
         mesh_import=import_options(request),

@@ -1,4 +1,4 @@
-"""Trees of one table that stand in a wind field: the wind at every tree, then a step of the chosen method."""
+"""Trees of one table in a wind field: computes the pressure at every tree and steps the chosen method."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ Method = Literal["modal", "paper"]
 def forest_of(
     table: Table, count: int, method: Method = "modal", pose_easing: float | None = None
 ) -> ModalForest | PaperForest:
-    """``count`` trees of a table at rest. ``pose_easing`` (0..1, paper only) replaces the table's own."""
+    """Create ``count`` trees at rest; ``pose_easing`` (0..1, paper only) replaces the table's value."""
     if method == "modal":
         return ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, count)
     return PaperForest(table, count, pose_easing=pose_easing)
 
 
 class WindDrivenTrees:
-    """Trees that share a table: where they stand, and how they move in a wind field."""
+    """Trees of one table at given places, driven by a wind field."""
 
     def __init__(
         self,
@@ -36,7 +36,7 @@ class WindDrivenTrees:
         method: Method = "modal",
         pose_easing: float | None = None,
     ) -> None:
-        """trees (n, 4): x m, z m, yaw rad, scale. All are at rest at first."""
+        """Create trees at rest; ``trees`` (n, 4): x, z (m), yaw (rad), scale."""
         rows = np.asarray(trees, np.float32).reshape(-1, 4)
         count = len(rows)
         self._x_m, self._z_m = rows[:, 0].astype(np.float64), rows[:, 1].astype(np.float64)
@@ -50,12 +50,12 @@ class WindDrivenTrees:
 
     @property
     def q(self) -> Singles:
-        """(n, r) shown modal coordinates, m; overwritten by the next step."""
+        """(n, r) modal coordinates q of the poses, m; the next step overwrites them."""
         return self._forest.q
 
     @property
     def extrapolation_ratio(self) -> Singles:
-        """(n,) sway or pressure over the largest sampled value; 1 at most for the paper's state search."""
+        """(n,) sway or pressure over the largest sampled value; always 1 for the paper's state search."""
         forest = self._forest
         return (
             forest.extrapolation_ratio
@@ -64,7 +64,7 @@ class WindDrivenTrees:
         )
 
     def step(self, field: WindField, time_s: float, dt_s: float) -> None:
-        """Advance by dt_s, up to time_s, under the wind of that moment."""
+        """Advance by dt_s seconds in the wind at time_s, the end of the step."""
         wind = field.at(time_s).wind
         self._set_profile(wind.height_exponent, wind.reference_height_m)
         out = (self._pressure_x, self._pressure_z)
@@ -73,7 +73,7 @@ class WindDrivenTrees:
         self._forest.advance(dt_s, self._pressure_x, self._pressure_z)
 
     def _set_profile(self, exponent: float, reference_height_m: float) -> None:
-        """Taller trees reach into faster air."""
+        """Update the height factors if the wind profile has changed."""
         if self._profile != (exponent, reference_height_m):
             self._profile = (exponent, reference_height_m)
             self._height_factor = height_factor(self._height_m, exponent, reference_height_m)

@@ -37,7 +37,7 @@ SIZES = (Size(16, 4, 80), Size(48, 20, 120))
 
 
 def sizes_for(modes: int | None) -> tuple[Size, ...]:
-    """The sizes to try: the standard ones, or one of so many oscillators (2 to 64)."""
+    """The sizes to try: the standard ones, or a single size of ``modes`` oscillators (2 to 64)."""
     if modes is None:
         return SIZES
     like = SIZES[0] if modes <= SIZES[0].dynamic else SIZES[-1]

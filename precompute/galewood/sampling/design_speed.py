@@ -1,4 +1,4 @@
-"""How hard the strongest sample wind may blow: a tree must not be bent further than its model is good for."""
+"""The design wind speed, limited so that the tree is not bent beyond the validity of its model."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from galewood.sampling.recording import Body
 from galewood.wind import STREAMLINED_EXPONENT, dynamic_pressure
 
 MAX_SWAY_SHARE = 0.2
-"""Of the height, at the design wind blowing steadily."""
+"""Relative to the height, under the steady design wind."""
 SETTLE_S = 5.0
 ROUNDS = 5
 
 
 @dataclass(frozen=True)
 class DesignWind:
-    """The strongest wind of the samples and the steady sway it brings, over the height."""
+    """The strongest sampled wind and its steady sway relative to the height."""
 
     speed_m_s: float
     sway_share: float
@@ -25,7 +25,7 @@ class DesignWind:
 
 
 def design_wind(body: Body, speed_m_s: float, height_m: float, dt_s: float) -> DesignWind:
-    """The asked speed, lowered until a steady wind of it, from the worse of two sides, bends a tree less."""
+    """The requested speed, reduced until its steady sway in the worse of two directions is acceptable."""
     asked = speed_m_s
     sway = _sway_share(body, speed_m_s, height_m, dt_s)
     for _ in range(ROUNDS):
@@ -44,7 +44,7 @@ def _sway_share(body: Body, speed_m_s: float, height_m: float, dt_s: float) -> f
 
 
 def _steady_sway_m(body: Body, pressure_pa: np.ndarray, frames: int) -> float:
-    """Largest vertex displacement, averaged over the second half of a steady blow (it swings about that)."""
+    """Largest vertex displacement, averaged over the second half of a steady wind to remove oscillation."""
     body.reset()
     total = np.zeros_like(body.u)
     try:

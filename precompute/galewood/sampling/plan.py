@@ -1,4 +1,4 @@
-"""The runs that a table is made from: which winds, in which order they are simulated, where they are kept."""
+"""The simulation runs of a table: their winds, order and storage."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ FIRST_NAMES = {
     *(f"cosine-{k}-{direction:03.0f}" for k in (1, 3, 5) for direction in DIRECTIONS_DEG[::2]),
     *(f"gust-{direction:03.0f}" for direction in DIRECTIONS_DEG[::3]),
 }
-"""Of an early table: weak, middling and strong winds from three sides, and two gusts that die down; …"""
+"""Runs of the preliminary table: weak, medium and strong winds from three directions, and two gusts."""
 FIRST_TRAINING = slice(0, None, 3)
-"""… and every third of the winds that the drift-free method learns from."""
+"""The preliminary table uses every third training wind."""
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Runs whose records the paper's search needs, and runs that only the drift-free method learns from."""
+    """Runs recorded for the paper's state search, and runs that only train the modal model."""
 
     recorded: Sequence[SampleTask]
     training: Sequence[SampleTask]
     further: Sequence[SampleTask] = ()
-    """More to learn from, simulated only for a tree that bends far."""
+    """Additional training runs, simulated only for trees that deflect strongly."""
 
     @property
     def winds(self) -> list[SampleWind]:
@@ -47,19 +47,19 @@ class Samples:
         return [StoredRun(task.path) for task in self.recorded]
 
     def training_runs(self) -> list[SampledRun]:
-        """All that moves as the finite elements do: not what was faded to rest."""
+        """All runs that follow the FEM dynamics, that is, without those that were faded to rest."""
         free = [task for task in self.recorded if not task.wind.fade_frames]
         return [StoredRun(task.path) for task in (*free, *self.training)]
 
     def further_runs(
         self, runner: TrajectoryRunner, on_progress: Callable[[float], None]
     ) -> list[SampledRun]:
-        """Those that only few trees need, simulated now unless they are there."""
+        """The additional training runs, simulated now if they are missing."""
         runner(self.further, lambda number: on_progress(number / max(len(self.further), 1)))
         return [StoredRun(task.path) for task in self.further]
 
     def first(self) -> Samples:
-        """The few that an early table is made from, in the same order."""
+        """The runs of the preliminary table, in the same order."""
         return Samples(
             [t for t in self.recorded if t.wind.name in FIRST_NAMES], self.training[FIRST_TRAINING]
         )
@@ -68,7 +68,7 @@ class Samples:
 def planned(
     model: FemModel, speed_m_s: float, points: Array, cache_dir: Path, *, frames: int = 180, seed: int = SEED
 ) -> Samples:
-    """All winds up to a strongest, to be recorded at the given vertices.
+    """All winds up to the given maximum speed, to be recorded at the given vertices.
 
     ``frames`` is the length of each cosine wind, ``seed`` that of the noise and gusts of the training winds.
     """
@@ -86,7 +86,10 @@ def simulate(
     on_progress: Callable[[float], None],
     at_first: Callable[[], None],
 ) -> None:
-    """Run what is not there yet, the first ones first; ``at_first`` is called as soon as these are done."""
+    """Simulate missing runs, those of the preliminary table first.
+
+    ``at_first`` is called as soon as those are complete, unless they are the only ones.
+    """
     first = samples.first()
     preliminary = [*first.recorded, *first.training]
     taken = {task.path for task in preliminary}

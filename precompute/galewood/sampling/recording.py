@@ -1,7 +1,7 @@
-"""The sampled winds and the trajectories that FEM makes of them: what the table is made from.
+"""Sampled winds and the FEM trajectories recorded under them, from which the table is made.
 
-Six cosine winds in six directions, 180 frames each (paper, Sec. 6), and beside them what lets a tree come to
-rest: in each direction a gust followed by still air, and one run in still air.
+Six cosine winds in six directions, 180 frames each (paper, Sec. 6); in addition, to let a tree come to rest,
+a gust followed by still air in each direction and one run in still air.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from galewood.util import Array, Floats, write_arrays
 from galewood.wind import dynamic_pressure
 
 SAMPLING_VERSION = 3
-"""Part of every trajectory's hash: raise it when what is recorded changes."""
+"""Part of every trajectory's hash; increase it when the recorded data changes."""
 DIRECTIONS_DEG = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
 COSINE_WINDS = (
-    # Never near to calm: a record of little wind on a tree that swings back would be found in light winds.
+    # Never nearly calm: records of low pressure while a tree swings back would match in light winds.
     # peak speed / design speed, depth (U = peak (1 + depth cos) / (1 + depth)), period s, phase turns
     (0.22, 0.30, 4.0, 0.50),
     (0.36, 0.50, 3.0, 0.50),
@@ -40,20 +40,20 @@ STILL_FRAMES = 8
 
 @dataclass(frozen=True)
 class SampleWind:
-    """A wind to sample: the pressure vector (x, z) in the tree's frame that acts in each frame."""
+    """A wind to sample: the pressure vector (x, z), Pa, in the tree's frame at each frame."""
 
     name: str
     direction_deg: float
     pressure_pa: Floats  # (T, 2)
     fade_frames: int = 0
-    """Over this many last frames the motion is faded to exact rest: see ``fade``."""
+    """Number of final frames over which the motion is faded to exact rest; see ``fade``."""
     recorded: bool = True
-    """Whether the internal states are, for the paper's search; else the motion alone."""
+    """Whether internal states are recorded for the paper's search; otherwise only the motion."""
 
 
 @dataclass(frozen=True)
 class Trajectory:
-    """T records of one run and the displacement they lead through, float32."""
+    """T records of one run and the displacements between them, float32."""
 
     displacement_m: Array  # (T + 1, n, 3) from the gravity rest pose
     pressure_pa: Array  # (T, 2) acting in record i
@@ -63,7 +63,7 @@ class Trajectory:
 
 
 class SampledRun(Protocol):
-    """A trajectory, in memory or in its file; the fields are those of ``Trajectory``."""
+    """A trajectory in memory or on disk, with the fields of ``Trajectory``."""
 
     @property
     def displacement_m(self) -> Array: ...
@@ -78,7 +78,7 @@ class SampledRun(Protocol):
 
 
 class Body(Protocol):
-    """What is sampled: a finite-element simulator, or a test's small exact system."""
+    """The simulated system: the finite-element simulator, or a small exact system in tests."""
 
     def reset(self) -> None: ...
 
@@ -98,7 +98,7 @@ class Body(Protocol):
 def sample_winds(design_speed_m_s: float, dt_s: float, frames: int = 180) -> list[SampleWind]:
     """The winds of a table: still air, 6 cosine × 6 directions, 6 gusts that die down.
 
-    Still air comes first: a tree that begins in no wind takes the lowest record of such air.
+    Still air comes first: a tree that starts in no wind uses the lowest record of still air.
     """
     time_s = np.arange(frames, dtype=np.float64) * dt_s
     winds = [
@@ -117,7 +117,7 @@ def _cosine(wind: tuple[float, float, float, float], time_s: Floats) -> Floats:
 
 
 def _gust(dt_s: float) -> Floats:
-    """A blow that stops at once: a swelling one has records of little wind on a tree in full swing."""
+    """A gust that stops abruptly; a smooth one would record low pressure while the tree is still swinging."""
     return np.concatenate([np.full(round(GUST_S / dt_s), GUST_PEAK), np.zeros(round(STILL_S / dt_s))])
 
 
@@ -135,9 +135,9 @@ def sample_trajectory(
     dt_s: float,
     on_progress: Callable[[float], None] = lambda fraction: None,
 ) -> Trajectory:
-    """Run a body under a wind from gravity rest, recording S_i at the given vertices (q,).
+    """Simulate a body from gravity rest under a wind and record S_i at the given vertices (q,).
 
-    ``tick`` hears the fraction done before every frame and may raise to stop.
+    ``on_progress`` receives the completed fraction before every frame and may raise to cancel.
     """
     frames = len(wind.pressure_pa)
     body.reset()
@@ -160,12 +160,12 @@ def symmetric(blocks: Array) -> Array:
 
 
 def fade(run: Trajectory, frames: int, points_m: Array, dt_s: float) -> Trajectory:
-    """Bring the last frames of a run to rest: what leaf drag does in still air, and exactly rest at the end.
+    """Fade the last frames of a run to exact rest, as leaf drag would in still air.
 
-    Internal friction alone rings for half a minute and never ends. The displacement is multiplied by a smooth
-    window s that falls from 1 to 0, the velocity becomes its derivative, and force and stiffness go to their
-    values at rest (record 0) by the same s. points_m (T, q, 3) are the displacements
-    of the sampled points. The last two records are at rest exactly.
+    Material damping alone lets the tree oscillate for half a minute and never reaches rest. The displacement
+    is multiplied by a smooth window s that decreases from 1 to 0, the velocity becomes its derivative, and
+    force and stiffness approach their values at rest (record 0) with the same s. points_m (T, q, 3) are the
+    displacements of the sampled points. The last two records are exactly at rest.
     """
     if not frames:
         return run
@@ -184,7 +184,7 @@ def fade(run: Trajectory, frames: int, points_m: Array, dt_s: float) -> Trajecto
 
 
 def trajectory_key(model_hash: str, wind: SampleWind, points: Array) -> str:
-    """Content hash of everything a trajectory depends on."""
+    """Content hash of all inputs of a trajectory."""
     digest = hashlib.sha256(f"{SAMPLING_VERSION} {model_hash} {wind.fade_frames}".encode())
     digest.update(np.ascontiguousarray(wind.pressure_pa, np.float64).tobytes())
     digest.update(np.ascontiguousarray(points, np.int64).tobytes())
@@ -192,12 +192,12 @@ def trajectory_key(model_hash: str, wind: SampleWind, points: Array) -> str:
 
 
 def write_trajectory(path: Path, trajectory: Trajectory) -> None:
-    """Write atomically: a file of this name is always whole."""
+    """Write a trajectory atomically."""
     write_arrays(path, **vars(trajectory))
 
 
 def is_whole(path: Path) -> bool:
-    """Whether a trajectory's file has its end, which holds the index of its arrays."""
+    """Whether a trajectory file is complete: the index of its arrays is at the end."""
     try:
         with zipfile.ZipFile(path) as archive:
             return len(archive.namelist()) == len(Trajectory.__dataclass_fields__)
@@ -206,16 +206,16 @@ def is_whole(path: Path) -> bool:
 
 
 def read_trajectory(path: Path) -> Trajectory:
-    """Read what ``write_trajectory`` wrote."""
+    """Read a trajectory written by ``write_trajectory``."""
     with np.load(path, allow_pickle=False) as arrays:
         return Trajectory(**{name: arrays[name] for name in Trajectory.__dataclass_fields__})
 
 
 @dataclass(frozen=True)
 class StoredRun:
-    """A trajectory left in its file: each array is read when it is asked for, and not kept.
+    """A trajectory on disk; each array is read on access and not cached.
 
-    All runs of a table together are some 250 MB; whoever goes through them one by one needs one at a time.
+    All runs of a table are about 250 MB, and code that processes them one by one needs only one at a time.
     """
 
     path: Path

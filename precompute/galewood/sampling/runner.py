@@ -1,4 +1,4 @@
-"""Samples a model under many winds in processes beside; other runners (a cluster) run the same task."""
+"""Simulation of many winds in worker processes; other runners (a cluster) use the same tasks."""
 
 from __future__ import annotations
 
@@ -21,23 +21,24 @@ from galewood.sampling.recording import (
 )
 from galewood.util import Array, WorkerPool
 
-if TYPE_CHECKING:  # the finite elements are loaded only where a run is simulated
+if TYPE_CHECKING:  # loaded only where a run is simulated
     from galewood.fem import FemModel, Simulator
 
 
 @dataclass(frozen=True)
 class SampleTask:
-    """One run to record: everything a worker needs that shares the cache folder."""
+    """One run to record, with everything a worker needs that shares the cache folder."""
 
     model: Path
     wind: SampleWind
     points: tuple[int, ...]
     path: Path
-    """Named by the content hash of all of the above: when it exists, it is this run."""
+    """Named by the content hash of the fields above; if it exists, the run is complete."""
 
 
 TrajectoryRunner = Callable[[Sequence[SampleTask], Callable[[int], None]], list[Path]]
-"""Runs all tasks, telling after each how many are done; what that raises stops the rest."""
+"""Runs all tasks and reports how many are complete after each; an exception in the callback cancels the rest.
+"""
 
 
 def sample_tasks(
@@ -45,8 +46,8 @@ def sample_tasks(
 ) -> list[SampleTask]:
     """The runs of a table, recorded at the given vertices (any shape, repeats allowed).
 
-    Model and runs are kept in ``cache_dir`` under their content's hash: a stopped build goes on where it was.
-    A damaged file (the power failed, the disk was full) is taken away, so that its run is made again.
+    Model and runs are stored in ``cache_dir`` under their content hash, so an interrupted build resumes. A
+    damaged file (after a power failure or with a full disk) is deleted, and its run simulated again.
     """
     from galewood.fem import save_model
 
@@ -67,7 +68,7 @@ def _task(model: Path, wind: SampleWind, vertices: Array) -> SampleTask:
 
 
 def content_hash(model: FemModel) -> str:
-    """Hash of everything that decides how a model moves."""
+    """Hash of everything that determines how a model moves."""
     digest = hashlib.sha256(repr((model.alpha, model.beta, model.settings)).encode())
     for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest"):
         digest.update(np.ascontiguousarray(getattr(model, name)).tobytes())
@@ -82,7 +83,7 @@ def _simulator(model: Path) -> Simulator:
 
 
 def run_task(task: SampleTask, on_progress: Callable[[float], None] = lambda fraction: None) -> Path:
-    """Make one trajectory, in whatever process this is, unless it is there; ``tick`` may raise to stop."""
+    """Simulate one trajectory in this process unless its file exists; ``on_progress`` may raise to cancel."""
     if not task.path.exists():
         simulator = _simulator(task.model)
         dt_s = simulator.model.settings.dt_s
@@ -97,7 +98,7 @@ def run_in_processes(
     workers: int | None = None,
     pool: WorkerPool | None = None,
 ) -> list[Path]:
-    """A TrajectoryRunner on this machine's cores: in ``helpers`` at hand, or in ``workers`` of its own."""
+    """A TrajectoryRunner on the local cores, in the given ``pool`` or in ``workers`` processes of its own."""
     missing = [task for task in tasks if not task.path.exists()]
     ready = len(tasks) - len(missing)
     done(ready)

@@ -1,6 +1,6 @@
-"""Winds that the drift-free method learns from, beside the paper's cosines: noise and gusts from all sides.
+"""Training winds of the modal model in addition to the paper's cosines: noise and gusts from all directions.
 
-Cosines alone excite too little of the motion; every operator fitted to them alone diverged on other winds.
+Cosine winds alone excite too little of the motion: every operator fitted to them diverged under other winds.
 """
 
 from __future__ import annotations
@@ -16,23 +16,24 @@ from galewood.wind import dynamic_pressure
 NOISE_WINDS, GUST_WINDS = 14, 6
 FRAMES = 300
 LEVELS = (0.35, 0.55, 0.75, 0.95)
-"""Peaks over the design speed."""
+"""Peak speeds relative to the design speed."""
 INTENSITY = 0.35
 SEED = 1
 FURTHER_NOISE_WINDS, FURTHER_GUST_WINDS = 42, 6
 FURTHER_LEVELS = (0.55, 0.75, 0.95)
-"""What a tree that bends far is learnt from besides: strong winds, in which single boughs bend."""
+"""Levels of the additional winds for trees that deflect strongly: strong winds, in which single limbs bend.
+"""
 
 
 def training_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) -> list[SampleWind]:
-    """Noise of wandering heading and single gusts at several strengths."""
+    """Noise with varying heading and single gusts, at several speeds."""
     rng = np.random.default_rng(seed)
     noises = _noises(rng, "learn", NOISE_WINDS, LEVELS, design_speed_m_s, dt_s)
     return noises + [_gust(rng, f"learn-gust-{k:02d}", k, design_speed_m_s, dt_s) for k in range(GUST_WINDS)]
 
 
 def further_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) -> list[SampleWind]:
-    """More of them, for a tree that so few do not teach enough."""
+    """Additional winds for trees for which these are not sufficient."""
     rng = np.random.default_rng((seed, 1))
     noises = _noises(rng, "further", FURTHER_NOISE_WINDS, FURTHER_LEVELS, design_speed_m_s, dt_s)
     gusts = range(FURTHER_GUST_WINDS)
@@ -57,7 +58,7 @@ def _noises(
 def noise_wind(
     rng: np.random.Generator, name: str, mean_m_s: float, dt_s: float, frames: int, *, most_m_s: float
 ) -> SampleWind:
-    """Speed with a −5/3 spectrum about its mean, heading wandering about a random one."""
+    """Wind whose speed has a −5/3 spectrum about its mean and whose heading varies about a random one."""
     speed = np.clip(mean_m_s * (1.0 + INTENSITY * noise(rng, frames, dt_s, 5 / 3)), 0.0, most_m_s)
     start = rng.uniform(0, 2 * np.pi)
     heading = start + rng.uniform(0.3, 0.7) * noise(rng, frames, dt_s, 2.0)
@@ -65,7 +66,7 @@ def noise_wind(
 
 
 def noise(rng: np.random.Generator, frames: int, dt_s: float, beta: float) -> Floats:
-    """(frames,) random series of unit variance, power ∝ f^−beta between 0.03 and 3 Hz."""
+    """(frames,) random series of unit variance with power ∝ f^−beta between 0.03 and 3 Hz."""
     frequency = np.fft.rfftfreq(2 * frames, dt_s)
     inside = (frequency >= 0.03) & (frequency <= 3.0)
     amplitude = np.where(inside, np.maximum(frequency, 0.03) ** (-beta / 2), 0.0)
@@ -75,7 +76,7 @@ def noise(rng: np.random.Generator, frames: int, dt_s: float, beta: float) -> Fl
 
 
 def _gust(rng: np.random.Generator, name: str, k: int, design_speed_m_s: float, dt_s: float) -> SampleWind:
-    """One gust, soft or sudden, then still air."""
+    """One gust, gradual or abrupt, followed by still air."""
     time_s = np.arange(FRAMES) * dt_s
     share = np.clip((time_s - rng.uniform(0, 1)) / rng.uniform(0.8, 4), 0, 1)
     rise = np.sin(np.pi * share) ** 2 if k % 2 == 0 else ((share > 0) & (share < 1)).astype(np.float64)

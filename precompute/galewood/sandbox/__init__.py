@@ -1,4 +1,4 @@
-"""Untrusted input is parsed in a sandboxed child process: arrays in, arrays or a MeshError out."""
+"""Untrusted input is parsed in a sandboxed child process; in: arrays; out: arrays or a MeshError."""
 
 from galewood.sandbox.confinement import missing_here
 from galewood.sandbox.limited_process import Arrays, Limits, run_limited

@@ -1,4 +1,4 @@
-"""The child process of ``run_limited``: limits first, then confinement, then the work.
+"""The child process of ``run_limited``: sets the limits, confines itself, then runs the function.
 
 ``python -m galewood.sandbox.child MODULE:FUNCTION MEMORY_BYTES CPU_S`` reads in.npz in the current folder and
 writes out.npz, or error.json if the function raised a MeshError.
@@ -20,17 +20,17 @@ from galewood.sandbox.confinement import confine
 from galewood.sandbox.limited_process import OUT_OF_MEMORY, REFUSED, Arrays
 from galewood.util import MeshError
 
-FILE_BYTES = 4 << 30  # the longest file a child may write
+FILE_BYTES = 4 << 30  # maximum size of a file written by the child
 
 
 def main(target: str, memory_bytes: int, cpu_s: int) -> int:
-    """Set the limits, then do the work. Returns the exit code."""
+    """Set the resource limits and run ``target`` ("module:function"); returns the exit code."""
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
     resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (FILE_BYTES, FILE_BYTES))
     try:
-        kernels = _own_kernels(Path.cwd())
+        kernels = _private_kernel_cache(Path.cwd())
         module, _, name = target.partition(":")
         function: Callable[[Arrays], Arrays] = getattr(import_module(module), name)
         confine(Path.cwd(), readable=kernels)
@@ -46,8 +46,12 @@ def main(target: str, memory_bytes: int, cpu_s: int) -> int:
     return 0
 
 
-def _own_kernels(folder: Path) -> list[str]:
-    """Compiled kernels are read where they lie but written beside us: the caller runs what it finds there."""
+def _private_kernel_cache(folder: Path) -> list[str]:
+    """Redirect the Numba cache to this folder, with links to the shared kernels; returns the readable paths.
+
+    Compiled kernels are read from the shared cache but never written there: the parent executes whatever code
+    it finds in that cache.
+    """
     shared = os.environ.get("NUMBA_CACHE_DIR")
     if not shared:
         return []

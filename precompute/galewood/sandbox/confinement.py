@@ -1,9 +1,9 @@
-"""A child process gives up what it does not need before it reads what a stranger sent: files and the network.
+"""A child process drops its access to files and the network before it parses untrusted input.
 
-Two locks of the Linux kernel, neither of which needs a privilege or a namespace, so that they hold in
-containers too. Landlock leaves one folder to write in, and to read the system and our own code; a seccomp
-filter leaves no way to open a socket. What a platform lacks is told, not hidden: `confine` returns what could
-not be locked, and `python -m galewood.sandbox.confinement` asks a process of its own.
+Two Linux kernel mechanisms are used. Neither needs privileges or namespaces, so both also work in containers.
+Landlock restricts writing to one folder and reading to the system and this package; a seccomp filter blocks
+the creation of sockets. Missing kernel support is reported rather than ignored: `confine` returns what could
+not be restricted, and `python -m galewood.sandbox.confinement` checks it in a separate process.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ PR_SET_NO_NEW_PRIVS, PR_SET_SECCOMP, SECCOMP_MODE_FILTER = 38, 22, 2
 # classic BPF (linux/bpf_common.h) over struct seccomp_data: nr at offset 0, arch at offset 4
 LOAD, EQUAL, AT_LEAST, RETURN = 0x20, 0x15, 0x35, 0x06
 ALLOW, KILL, DENY = 0x7FFF0000, 0x80000000, 0x00050000 | errno.EPERM
-X32 = 0x40000000  # a second numbering of the same calls on x86-64
+X32 = 0x40000000  # the x32 ABI numbers the same calls a second time on x86-64
 # AUDIT_ARCH_… and, for each machine: socket, socketpair, io_uring_setup (which can open sockets too),
 # ptrace, process_vm_writev, bpf, userfaultfd
 CALLS = {
@@ -36,22 +36,22 @@ CALLS = {
 
 
 def confine(folder: Path, readable: Iterable[str] = ()) -> list[str]:
-    """Give up, for this thread and all it starts, files outside `folder` and opening sockets; `readable` are
-    paths that may be read besides the system and our own code.
+    """Restrict this thread and everything it starts to files in `folder`, without sockets.
 
-    To be called before any other thread is started. Returns what could not be given up, in words.
+    `readable` lists paths that may be read in addition to the system and this package. Call it before any
+    other thread is started. Returns messages that describe the restrictions that could not be applied.
     """
     if not sys.platform.startswith("linux"):
-        return [f"files and the network are not confined on {sys.platform}"]
+        return [f"files and network are not confined on {sys.platform}"]
     missing: list[str] = []
-    if not _lock_files(folder, readable):
+    if not _restrict_files(folder, readable):
         missing.append("files are not confined: the kernel has no Landlock")
-    if not _lock_network():
-        missing.append("the network is not closed: the kernel refuses seccomp filters")
+    if not _restrict_network():
+        missing.append("the network is not blocked: the kernel rejects seccomp filters")
     return missing
 
 
-def _lock_files(folder: Path, readable: Iterable[str]) -> bool:
+def _restrict_files(folder: Path, readable: Iterable[str]) -> bool:
     from py_landlock import AccessFs, Landlock, LandlockError
 
     known = _existing((*SYSTEM, sys.prefix, sys.base_prefix, str(PACKAGE), *readable))
@@ -68,7 +68,7 @@ def _existing(paths: Iterable[str]) -> list[Path]:
     return [Path(path) for path in dict.fromkeys(paths) if Path(path).exists()]
 
 
-def _lock_network() -> bool:
+def _restrict_network() -> bool:
     if platform.machine() not in CALLS:
         return False
     architecture, calls = CALLS[platform.machine()]
@@ -87,7 +87,10 @@ def _lock_network() -> bool:
 
 
 def _filter(architecture: int, denied: tuple[int, ...]) -> bytes:
-    """Instructions (struct sock_filter): another architecture is killed, the calls fail, the rest runs."""
+    """BPF program (array of struct sock_filter) that denies the given system calls with EPERM.
+
+    Calls from another architecture kill the process; all other calls are allowed.
+    """
     count = len(denied)
     steps = [
         (LOAD, 0, 0, 4),
@@ -103,13 +106,13 @@ def _filter(architecture: int, denied: tuple[int, ...]) -> bytes:
 
 
 def missing_here() -> list[str]:
-    """What `confine` could not lock on this machine, found out by a process that does not come back."""
+    """Restrictions that `confine` cannot apply on this machine, determined in a separate process."""
     with tempfile.TemporaryDirectory(prefix="galewood-") as folder:
         command = [sys.executable, "-m", "galewood.sandbox.confinement", folder]
         found = subprocess.run(
             command, cwd=PACKAGE.parent, capture_output=True, text=True, timeout=60, check=False
         )
-    return json.loads(found.stdout) if found.returncode == 0 else ["a confined process does not run here"]
+    return json.loads(found.stdout) if found.returncode == 0 else ["confined processes do not start here"]
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
-"""Functions run in a child process with limits on memory, CPU and wall time: bad meshes crash it, never
+"""Functions run in a child process with limits on memory, CPU and wall time, so that a bad mesh cannot crash
 the caller.
 
-Arguments and results are arrays in .npz files (no pickles). The child's current directory is a temporary
-folder, the only one it can write to; it has no network (confinement.py says where that holds).
+Arguments and results are passed as arrays in .npz files (no pickles). The child's current directory is a
+temporary folder, the only one it may write to, and it has no network access (on platforms where
+confinement.py supports this).
 """
 
 from __future__ import annotations
@@ -24,15 +25,17 @@ from galewood.util import MeshError
 
 Arrays = dict[str, NDArray[Any]]
 KEPT_ENVIRONMENT = ("PATH", "LANG", "LD_LIBRARY_PATH", "NUMBA_CACHE_DIR", "VIRTUAL_ENV", "SYSTEMROOT")
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-REFUSED = 3  # exit code: the function raised a MeshError
+THREAD_COUNT_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+REFUSED = 3  # exit code if the function raised a MeshError
 OUT_OF_MEMORY = 4
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a child may use. `memory_bytes` counts address space, of which libraries alone take about 1.5
-    GB."""
+    """Resource limits of a child: address space (bytes), CPU time and wall time (s).
+
+    Imported libraries alone take about 1.5 GB of address space.
+    """
 
     memory_bytes: int = 4 << 30
     cpu_s: int = 120
@@ -40,9 +43,9 @@ class Limits:
 
 
 def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) -> Arrays:
-    """Calls `target` ("module:function", Arrays to Arrays) in a child.
+    """Call `target` ("module:function", Arrays to Arrays) in a child process and return its result.
 
-    Raises the MeshError that the function raised, or one saying that the child ran out of memory or time,
+    Raises the MeshError that the function raised, or a MeshError that says that the child exceeded a limit,
     was killed or crashed; `what` names the work in that message.
     """
     with tempfile.TemporaryDirectory(prefix="galewood-") as folder:
@@ -58,7 +61,7 @@ def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) ->
 
 def _start(target: str, folder: Path, limits: Limits) -> subprocess.Popen[bytes]:
     environment = {k: os.environ[k] for k in KEPT_ENVIRONMENT if k in os.environ}
-    environment |= dict.fromkeys(THREADS, "1")
+    environment |= dict.fromkeys(THREAD_COUNT_VARIABLES, "1")
     environment |= {
         "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
         "HOME": str(folder),
@@ -98,32 +101,32 @@ def _failure(code: int, stderr: str, limits: Limits, what: str) -> MeshError:
             "out-of-memory",
             "unsuitable",
             f"{what} needed more than {megabytes} MB of memory.",
-            "Decimate the mesh and try again.",
+            "Reduce the number of faces and try again.",
         )
     if code == -signal.SIGALRM:
         return MeshError(
             "timed-out",
             "unsuitable",
             f"{what} took longer than {limits.wall_s:g} s.",
-            "Simplify the mesh and try again.",
+            "Reduce the number of faces and try again.",
         )
     if code == -signal.SIGXCPU:
         return MeshError(
             "cpu-time",
             "unsuitable",
-            f"{what} took more than {limits.cpu_s} s of CPU.",
-            "Simplify the mesh and try again.",
+            f"{what} used more than {limits.cpu_s} s of CPU time.",
+            "Reduce the number of faces and try again.",
         )
     if code == -signal.SIGKILL:
         return MeshError(
             "killed",
             "unsuitable",
-            f"{what} was killed, most likely for want of memory.",
-            "Try a smaller mesh.",
+            f"{what} was stopped by the system, most likely because memory ran out.",
+            "Try again with a smaller mesh.",
         )
     return MeshError(
         "crashed",
         "unsuitable",
-        f"{what} failed on this mesh (exit {code}).",
-        "Repair the mesh and try again.",
+        f"{what} failed (exit code {code}).",
+        "Repair the mesh in a modelling program and try again.",
     )

@@ -1,4 +1,4 @@
-"""The one place that calls pytetwild; it runs in a child process, because bad input makes it segfault."""
+"""The only module that calls pytetwild. It runs in a child process because invalid input can crash it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from galewood.util import usable_cores
 
 
 def tetrahedralise_surface(arguments: Arrays) -> Arrays:
-    """vertices (n, 3), faces (m, 3), epsilon and edge_length (both of the diagonal), stop_energy →
-    vertices, tets."""
+    """Fill a closed surface with tetrahedra.
+
+    In: vertices (n, 3), faces (m, 3), epsilon and edge_length (relative to the bounding-box diagonal),
+    stop_energy. Out: vertices (k, 3), tets (t, 4).
+    """
     from pytetwild.pytetwild import tetrahedralize  # imports pyvista, which only this child needs
 
     vertices, tets = tetrahedralize(
@@ -20,7 +23,7 @@ def tetrahedralise_surface(arguments: Arrays) -> Arrays:
         edge_length_fac=float(arguments["edge_length"]),
         stop_energy=float(arguments["stop_energy"]),
         num_threads=usable_cores(),
-        vtk_ordering=True,  # without it every tet comes out inverted
+        vtk_ordering=True,  # otherwise all tets are inverted
         quiet=True,
     )
     return {"vertices": np.asarray(vertices, dtype=np.float64), "tets": np.asarray(tets, dtype=np.int32)}

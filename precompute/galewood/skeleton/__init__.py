@@ -1,4 +1,4 @@
-"""The branch skeleton; in: a TetMesh; out: branches with radii, the fibre direction of every tetrahedron."""
+"""Branch skeleton; in: a TetMesh; out: branches with radii, fibre direction of every tetrahedron."""
 
 from galewood.skeleton.extraction import Skeleton, extract_skeleton, sampled_elements
 from galewood.skeleton.radius_correction import with_corrected_radii

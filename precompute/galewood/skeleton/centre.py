@@ -1,8 +1,8 @@
-"""The line of the skeleton: L1-medial centring across the axis, then a local-linear fit along each branch.
+"""Centre lines of the skeleton: L1-medial centring across the axis, then a local linear fit along each
+branch.
 
-Source: Huang, Wu, Cohen-Or, Gong, Zhang, Li & Chen 2013, "L1-medial skeleton of point cloud", eq. 2
-(attraction only:
-the order of the points comes from the level sets, so no repulsion is needed).
+Source: Huang, Wu, Cohen-Or, Gong, Zhang, Li & Chen 2013, "L1-medial skeleton of point cloud", eq. 2. Only its
+attraction term is used: the level sets define the order of the points, so no repulsion is needed.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FIT_RADII = 1.0
 
 
 def branch_lines(branch: Ints, parent: Ints) -> list[Ints]:
-    """Points of each branch from its base outwards (parents come before children in the arrays)."""
+    """Point indices of each branch from its base outwards (parents precede children in the arrays)."""
     order = np.argsort(branch, kind="stable")
     return np.split(order, np.flatnonzero(np.diff(branch[order])) + 1)
 
@@ -34,11 +34,11 @@ def l1_centred(
     sample_branch: Ints,
     step_m: float,
 ) -> Floats:
-    """Points drawn to the L1 median of their own branch's samples, moving only across the branch."""
+    """Move points to the L1 median of the samples of their own branch, across the branch only."""
     result = points_m.copy()
     for line in branch_lines(branch, parent):
         own = samples_m[sample_branch == branch[line[0]]]
-        inner = line[1:-1]  # the base sits in the parent and the tip has wood on one side only
+        inner = line[1:-1]  # the base lies in the parent and the tip has wood on one side only
         if len(own) < 8 or not len(inner):
             continue
         tree = KDTree(own)
@@ -77,7 +77,7 @@ def line_tangents(line_m: Floats) -> Floats:
 
 
 def unit(rows: Floats) -> Floats:
-    """Rows scaled to length one; zero rows become +y."""
+    """Rows scaled to unit length; zero rows become +y."""
     length = np.linalg.norm(rows, axis=1, keepdims=True)
     return np.where(length > 1e-12, rows / np.maximum(length, 1e-300), (0.0, 1.0, 0.0))
 
@@ -85,8 +85,7 @@ def unit(rows: Floats) -> Floats:
 def fitted_lines(
     points_m: Floats, branch: Ints, parent: Ints, radius_m: Floats, step_m: float
 ) -> tuple[Floats, Floats]:
-    """Points (p, 3) and unit tangents (p, 3) from a weighted straight line around each point of its
-    branch."""
+    """Points (p, 3) and unit tangents (p, 3) from a weighted linear fit around each point of its branch."""
     fitted, tangent = points_m.copy(), np.zeros_like(points_m)
     for line in branch_lines(branch, parent):
         base = parent[line[0]]

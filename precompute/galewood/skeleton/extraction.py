@@ -1,6 +1,6 @@
-"""The skeleton of a tree's wood: rooted, with branches and radii, and what it says of every tetrahedron.
+"""Skeleton extraction: a rooted tree of branches with radii, and the assignment of every tetrahedron to it.
 
-Geodesic level sets give the tree (which part grows from which), L1-medial centring gives the line.
+Geodesic level sets define the topology; L1-medial centring defines the centre lines.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ SAMPLES_OF_TET = np.array(
 
 @dataclass(frozen=True)
 class Skeleton:
-    """points_m (p, 3), parent (p,) with −1 at the root, radius_m (p,), branch (p,) with 0 the trunk.
+    """Skeleton points and the per-tet quantities derived from them.
 
-    tet_fibre (m, 3) unit vectors away from the root, tet_branch (m,), tet_point (m,) the skeleton point
-    nearest
-    along the wood.
+    points_m (p, 3), parent (p,) with −1 at the root, radius_m (p,), branch (p,) with 0 for the trunk;
+    tet_fibre (m, 3) unit vectors away from the root, tet_branch (m,), tet_point (m,) the skeleton point a tet
+    belongs to.
     """
 
     points_m: Floats
@@ -43,7 +43,7 @@ class Skeleton:
 
 
 def extract_skeleton(mesh: TetMesh) -> Skeleton:
-    """The skeleton of a connected tetrahedral mesh; the tree frame's y is up."""
+    """Extract the skeleton of a connected tetrahedral mesh; the y axis points up."""
     vertices, tets = mesh.vertices_m, mesh.tets
     step_m = float(np.ptp(vertices[:, 1])) / STEPS_PER_HEIGHT
     roots = root_vertices(vertices, tets)
@@ -52,10 +52,10 @@ def extract_skeleton(mesh: TetMesh) -> Skeleton:
     sections = cut_sections(vertices, tets, distance, faces, step_m)
     base = vertices[roots].mean(axis=0)
     tree = linked_tree(sections, vertices, tets, distance, base)
-    tree, stands = without_spurs(tree, _radii(tree, tree.points_m))
+    tree, replacement = without_spurs(tree, _radii(tree, tree.points_m))
     branch = branches(tree.points_m, tree.parent)
     radius = _radii(tree, tree.points_m)
-    owner = _owners(mesh, sections, tree, stands, radius)
+    owner = _owners(mesh, sections, tree, replacement, radius)
     samples = np.einsum("sk,mkd->msd", SAMPLES_OF_TET, vertices[tets]).reshape(-1, 3)
     centred = l1_centred(
         tree.points_m, branch, tree.parent, radius, samples, np.repeat(branch[owner], 4), step_m
@@ -82,28 +82,29 @@ def extract_skeleton(mesh: TetMesh) -> Skeleton:
 
 
 def _radii(tree: Tree, points_m: Floats) -> Floats:
-    """Radius (p,) of the circle with each section's area, seen along the way from its parent."""
+    """Radius (p,) of the circle with the area of each section projected along the axis."""
     along = points_m - points_m[np.maximum(tree.parent, 0)]
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
     whole = np.linalg.norm(tree.area_m2, axis=1)
-    seen = np.abs(np.einsum("ij,ij->i", tree.area_m2, along))
-    radius = np.sqrt(np.maximum(seen, 0.5 * whole) / np.pi)
+    projected = np.abs(np.einsum("ij,ij->i", tree.area_m2, along))
+    radius = np.sqrt(np.maximum(projected, 0.5 * whole) / np.pi)
     children = np.flatnonzero(tree.parent == 0)
     radius[0] = radius[children].max() if len(children) else 0.0
     return radius
 
 
-def _owners(mesh: TetMesh, sections: Sections, tree: Tree, stands: Ints, radius_m: Floats) -> Ints:
-    """The skeleton point (m,) that each tet belongs to: the nearest, in radii, among the links of its
-    slab piece."""
+def _owners(mesh: TetMesh, sections: Sections, tree: Tree, replacement: Ints, radius_m: Floats) -> Ints:
+    """The skeleton point (m,) each tet belongs to: the nearest link of its slab component, in units of its
+    radius.
+    """
     centre = mesh.vertices_m[mesh.tets].mean(axis=1)
     links: dict[int, list[int]] = {}
     for point, piece in enumerate(tree.piece.tolist()):
         links.setdefault(piece, []).append(point)
     for index, piece in enumerate(
         sections.above.tolist()
-    ):  # a piece whose links were spurs: the section under it
-        links.setdefault(piece, [int(stands[index + 1])])
+    ):  # if all links of a component were spurs, use the section below
+        links.setdefault(piece, [int(replacement[index + 1])])
     best = np.full(len(mesh.tets), np.inf)
     owner = np.zeros(len(mesh.tets), dtype=np.int32)
     order = np.argsort(sections.pair_piece, kind="stable")
@@ -120,7 +121,7 @@ def _owners(mesh: TetMesh, sections: Sections, tree: Tree, stands: Ints, radius_
 
 
 def segment_distance(points: Floats, start: Floats, end: Floats) -> Floats:
-    """Distance (k,) from points (k, 3) to one segment."""
+    """Distance (k,) of points (k, 3) from a segment."""
     along = end - start
     share = np.clip((points - start) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
     return np.linalg.norm(points - start - share[:, None] * along, axis=1)
@@ -129,8 +130,7 @@ def segment_distance(points: Floats, start: Floats, end: Floats) -> Floats:
 def _fibres(
     mesh: TetMesh, points_m: Floats, tangent: Floats, parent: Ints, branch: Ints, owner: Ints
 ) -> Floats:
-    """Tangent at each tet's centre, between its point and that point's parent where both are of one
-    branch."""
+    """Tangent at each tet's centre, interpolated between its point and the parent if on the same branch."""
     centre = mesh.vertices_m[mesh.tets].mean(axis=1)
     below = np.maximum(parent[owner], 0)
     along = points_m[owner] - points_m[below]
@@ -144,14 +144,13 @@ def _fibres(
 
 
 def sampled_elements(mesh: TetMesh, skeleton: Skeleton, count: int) -> Int32s:
-    """`count` tets spread along the skeleton, clamped ones left out; a smaller count is a prefix of a
-    larger one.
+    """`count` unclamped tets distributed along the skeleton; a smaller count gives a prefix of a larger one.
 
-    Farthest-point order over the tets nearest to the skeleton's points; once those are used up, over all
-    others.
+    Farthest-point order over the tets nearest to the skeleton points, then over all others. Raises ValueError
+    if `count` is out of range.
     """
     if not 1 <= count <= len(mesh.tets):
-        raise ValueError(f"{count} sampled elements of {len(mesh.tets)} tetrahedra")
+        raise ValueError(f"cannot sample {count} of {len(mesh.tets)} tetrahedra")
     centre = mesh.vertices_m[mesh.tets].mean(axis=1)
     gap = np.linalg.norm(centre - skeleton.points_m[skeleton.tet_point], axis=1)
     by_gap = np.lexsort((gap, skeleton.tet_point))
@@ -172,7 +171,7 @@ def sampled_elements(mesh: TetMesh, skeleton: Skeleton, count: int) -> Int32s:
 
 
 def _farthest_first(centre: Floats, candidates: Ints, taken: Ints, count: int) -> Ints:
-    """Candidates one by one, each the farthest from all taken before; the first is the highest."""
+    """Order candidates by farthest-point sampling, beginning with the highest one if none are taken."""
     gap = np.full(len(candidates), np.inf)
     for tet in taken:
         gap = np.minimum(gap, np.linalg.norm(centre[candidates] - centre[tet], axis=1))

@@ -1,7 +1,7 @@
-"""Geodesic level sets: how far each vertex is from the roots inside the wood, and the sections at equal
+"""Geodesic level sets: distance of each vertex from the roots inside the wood, and sections at equal
 distances.
 
-The sections' centres, linked through the slabs between them, are the tree of the skeleton.
+The centres of the sections, linked through the slabs between them, form the skeleton.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from galewood.util import Floats, Ints
 
 @dataclass(frozen=True)
 class Faces:
-    """Inner faces: corners (f, 3) and the two tets (f, 2) that share each."""
+    """Interior faces: corners (f, 3) and the two tets (f, 2) that share each one."""
 
     corners: Ints
     tets: Ints
@@ -26,11 +26,11 @@ class Faces:
 
 @dataclass(frozen=True)
 class Sections:
-    """Sections of the wood at equal geodesic distance, in order of their level.
+    """Sections of the wood at equal geodesic distances, ordered by level.
 
-    level (s,), centre_m (s, 3), area_m2 (s, 3) as a vector, below (s,) and above (s,): the slab pieces
-    on either side.
-    Slab pieces: slab_of_pair and tet_of_pair list which tets (several slabs each) make up which piece.
+    level (s,), centre_m (s, 3), area_m2 (s, 3) as a vector, below (s,) and above (s,): the adjacent slab
+    components. pair_tet, pair_piece and pair_slab list which tet belongs to which component in which slab; a
+    tet may extend over several slabs.
     """
 
     level: Ints
@@ -53,7 +53,7 @@ def inner_faces(tets: Ints) -> Faces:
 
 
 def geodesic_distance(vertices_m: Floats, tets: Ints, roots: Ints, faces: Faces) -> Floats:
-    """Distance (n,) from the roots along tet edges and straight across shared faces."""
+    """Distance (n,) from the roots along tet edges and straight through shared faces."""
     pairs = np.concatenate([tets[:, [i, j]] for i in range(4) for j in range(i)])
     pairs = np.unique(np.sort(np.concatenate([pairs, _shortcuts(vertices_m, tets, faces)]), axis=1), axis=0)
     length = np.linalg.norm(vertices_m[pairs[:, 0]] - vertices_m[pairs[:, 1]], axis=1)
@@ -62,7 +62,7 @@ def geodesic_distance(vertices_m: Floats, tets: Ints, roots: Ints, faces: Faces)
 
 
 def _shortcuts(vertices_m: Floats, tets: Ints, faces: Faces) -> Ints:
-    """Pairs of vertices opposite a shared face whose straight line runs through that face."""
+    """Pairs of vertices on opposite sides of a shared face whose connecting line crosses that face."""
     total = tets.sum(axis=1)
     inside = faces.corners.sum(axis=1)
     ends = np.column_stack([total[faces.tets[:, 0]] - inside, total[faces.tets[:, 1]] - inside])
@@ -76,8 +76,8 @@ def _shortcuts(vertices_m: Floats, tets: Ints, faces: Faces) -> Ints:
 
 
 def cut_sections(vertices_m: Floats, tets: Ints, distance_m: Floats, faces: Faces, step_m: float) -> Sections:
-    """All sections at distances (k + ½) step_m, and the pieces of wood between them."""
-    level = distance_m / step_m - 0.5  # section k lies where this is k
+    """All sections at distances (k + ½) step_m, and the wood components between them."""
+    level = distance_m / step_m - 0.5  # equals k on section k
     tet_levels, face_levels = level[tets], level[faces.corners]
     cross_tet, cross_level = _expand(_first(tet_levels), _last(tet_levels))
     label = _joined(cross_tet, cross_level, *_expand(_first(face_levels), _last(face_levels)), faces)
@@ -102,12 +102,12 @@ def cut_sections(vertices_m: Floats, tets: Ints, distance_m: Floats, faces: Face
 
 
 def _first(levels: Floats) -> Ints:
-    """Lowest whole level strictly above the minimum, from 0 up."""
+    """Lowest integer level above the minimum, at least 0."""
     return np.maximum(np.floor(levels.min(axis=1)).astype(np.int64) + 1, 0)
 
 
 def _last(levels: Floats) -> Ints:
-    """Highest whole level not above the maximum."""
+    """Highest integer level not above the maximum."""
     return np.floor(levels.max(axis=1)).astype(np.int64)
 
 
@@ -120,14 +120,14 @@ def _expand(first: Ints, last: Ints) -> tuple[Ints, Ints]:
 
 
 def _slab_pieces(tet_levels: Floats, face_levels: Floats, faces: Faces) -> tuple[Ints, Ints, Ints]:
-    """(tet, slab) pairs and the connected piece of each; slab k lies between sections k and k + 1."""
+    """(tet, slab) pairs and the connected component of each; slab k lies between sections k and k + 1."""
     tet, slab = _expand(np.floor(tet_levels.min(axis=1)).astype(np.int64), _last(tet_levels))
     face, face_slab = _expand(np.floor(face_levels.min(axis=1)).astype(np.int64), _last(face_levels))
     return tet, slab, _joined(tet, slab, face, face_slab, faces)
 
 
 def _joined(tet: Ints, level: Ints, face: Ints, face_level: Ints, faces: Faces) -> Ints:
-    """Component of each (tet, level) pair, pairs being joined across faces that reach the same level."""
+    """Component of each (tet, level) pair; pairs are joined across faces that reach the same level."""
     key = _key(tet, level)
     order = np.argsort(key)
     ends = [order[np.searchsorted(key[order], _key(faces.tets[face, side], face_level))] for side in (0, 1)]
@@ -148,7 +148,7 @@ def _lookup(tet: Ints, level: Ints, value: Ints, ask_tet: Ints, ask_level: Ints)
 def _section_polygons(
     vertices_m: Floats, tets: Ints, level: Floats, cross_tet: Ints, cross_level: Ints
 ) -> tuple[Floats, Floats]:
-    """Centre (p, 3) and vector area (p, 3), pointing away from the roots, of each tet's cut."""
+    """Centre (p, 3) and area vector (p, 3), pointing away from the roots, of each tet's cross-section."""
     order = np.argsort(level[tets[cross_tet]], axis=1)
     corner = np.take_along_axis(tets[cross_tet], order, axis=1)
     height = level[corner] - cross_level[:, None]
@@ -158,7 +158,7 @@ def _section_polygons(
         share = -height[:, i] / np.maximum(height[:, j] - height[:, i], 1e-300)
         return point[:, i] + np.clip(share, 0.0, 1.0)[:, None] * (point[:, j] - point[:, i])
 
-    below = (height < 0).sum(axis=1)[:, None]  # corners under the section: 1, 2 or 3
+    below = (height < 0).sum(axis=1)[:, None]  # number of corners below the section: 1, 2 or 3
     p0 = np.where(below == 1, cut(0, 1), np.where(below == 2, cut(0, 2), cut(0, 3)))
     p1 = np.where(below == 1, cut(0, 2), np.where(below == 2, cut(0, 3), cut(1, 3)))
     p2 = np.where(below == 1, cut(0, 3), np.where(below == 2, cut(1, 3), cut(2, 3)))

@@ -1,9 +1,9 @@
-"""How much wood was drawn in each stretch of the solid, so that thickened twigs weigh and bend as drawn.
+"""Correction of the radius ratio by comparing the volume of the input surface with that of the meshed solid.
 
-The solid that is meshed is thicker than the drawing wherever a twig is thinner than the mesher resolves, and
-where twigs lie so close that they fuse. Stretch by stretch along the skeleton, the drawn surface's own volume
-is compared with the solid's: the ratio of the volumes is that of the cross-sections, and its root that of the
-radii.
+The solid is thicker than the input wherever a twig is thinner than the mesher resolves and where close twigs
+fuse. For each stretch of the skeleton, the volume enclosed by the input surface is compared with that of the
+solid: the ratio of the volumes is that of the cross-sections, and its square root that of the radii. Mass and
+stiffness thus correspond to the input wood.
 """
 
 from __future__ import annotations
@@ -21,15 +21,16 @@ from galewood.util import Floats, Int32s
 
 SAMPLES_PER_STEP = 6.0
 SMOOTHING = 2
-"""Rounds of adding each stretch's neighbours on its branch to it: a stretch alone holds two or three tets."""
-DOUBT = 0.5
-"""The result is not believed below this share of what the thickening itself noted."""
-MOST = 1.15
-"""Nor above this: decimation takes a little off a limb's corners, never more."""
+"""Rounds of adding the neighbours on the branch to each stretch; a single stretch has only two or three tets.
+"""
+SMALLEST_SHARE = 0.5
+"""Lower limit of the result, relative to the ratio recorded by the thickening."""
+LARGEST_RATIO = 1.15
+"""Upper limit of the result: decimation removes at most a little from the corners of a limb."""
 
 
 class Solid(Protocol):
-    """What of a TetMesh is needed here."""
+    """The part of a TetMesh that is used here."""
 
     @property
     def vertices_m(self) -> Floats: ...
@@ -40,7 +41,7 @@ class Solid(Protocol):
 
 
 class Line(Protocol):
-    """What of a Skeleton is needed here."""
+    """The part of a Skeleton that is used here."""
 
     @property
     def points_m(self) -> Floats: ...
@@ -53,28 +54,28 @@ class Line(Protocol):
 
 
 def with_corrected_radii(tree: TreeMesh, mesh: TetMesh, line: Line) -> TetMesh:
-    """The mesh with the ratio of radii that its skeleton and the drawing's volume give."""
-    ratio = drawn_ratio(Surface(tree.wood_vertices_m, tree.wood_faces), mesh, line)
+    """The mesh with its radius ratio corrected by the volume of the tree's wood surface."""
+    ratio = corrected_ratio(Surface(tree.wood_vertices_m, tree.wood_faces), mesh, line)
     return replace(mesh, radius_ratio=ratio)
 
 
-def drawn_ratio(wood: Surface, solid: Solid, line: Line) -> Floats:
-    """Radius of the drawn wood over the solid's (m,), in (0, MOST], for each tetrahedron."""
-    drawn = drawn_volume(wood, solid, line)
+def corrected_ratio(wood: Surface, solid: Solid, line: Line) -> Floats:
+    """Radius of the input wood over that of the solid (m,), in (0, LARGEST_RATIO], for each tetrahedron."""
+    volume_m3 = input_volume(wood, solid, line)
     meshed = _sums(line.tet_point, tet_volumes(solid.vertices_m, solid.tets), line)
-    noted = _mean_of_stretch(solid.radius_ratio, line)
-    both = np.column_stack([drawn, meshed])
+    recorded = _mean_of_stretch(solid.radius_ratio, line)
+    both = np.column_stack([volume_m3, meshed])
     for _ in range(SMOOTHING):
         both = _with_neighbours(both, line)
     ratio = np.sqrt(np.maximum(both[:, 0], 0.0) / np.maximum(both[:, 1], 1e-300))
-    return np.clip(ratio, DOUBT * noted, MOST)[line.tet_point]
+    return np.clip(ratio, SMALLEST_SHARE * recorded, LARGEST_RATIO)[line.tet_point]
 
 
-def drawn_volume(wood: Surface, solid: Solid, line: Line) -> Floats:
-    """Volume (p,) m³ of the drawn wood around each skeleton point.
+def input_volume(wood: Surface, solid: Solid, line: Line) -> Floats:
+    """Volume (p,), m³, of the input wood around each skeleton point.
 
-    By the divergence theorem across the branch: A = ½ ∮ x·n for each closed outline, whatever the origin, so
-    that wood of several twigs in one stretch adds up.
+    By the divergence theorem across the branch, A = ½ ∮ x·n for each closed outline and any origin, so that
+    several twigs in one stretch add up.
     """
     centre = solid.vertices_m[solid.tets].mean(axis=1)
     step_m = float(np.median(np.linalg.norm(line.points_m[1:] - line.points_m[line.parent[1:]], axis=1)))
@@ -91,14 +92,14 @@ def drawn_volume(wood: Surface, solid: Solid, line: Line) -> Floats:
 
 
 def _sums(stretch: Int32s, values: Floats, line: Line) -> Floats:
-    """(p,) sums of the values (k,) that belong to each stretch."""
+    """Sums (p,) of the values (k,) that belong to each stretch."""
     return np.bincount(stretch, values, len(line.parent)).astype(np.float64)
 
 
 def _axes(normal: Floats, stretch: Int32s, line: Line) -> Floats:
-    """Unit axis (p, 3) of the surface around each point: the direction that its normals are across to.
+    """Unit axis (p, 3) of the surface around each point: the direction most perpendicular to its normals.
 
-    Ends of branches and feet of trunks, which face along the skeleton, do not count.
+    Branch ends and trunk bases, which face along the skeleton, are given no weight.
     """
     area = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
     facing = np.einsum("ki,ki->k", normal, _tangents(line)[stretch]) / area
@@ -109,7 +110,7 @@ def _axes(normal: Floats, stretch: Int32s, line: Line) -> Floats:
 
 
 def _tangents(line: Line) -> Floats:
-    """Unit tangents (p, 3) along each point's own branch, the point that it grows from before it."""
+    """Unit tangents (p, 3) along each point's branch, including the point that the branch grows from."""
     tangent = np.zeros_like(line.points_m)
     for number in range(int(line.branch.max()) + 1):
         own = np.flatnonzero(line.branch == number)
@@ -120,7 +121,7 @@ def _tangents(line: Line) -> Floats:
 
 
 def _with_neighbours(values: Floats, line: Line) -> Floats:
-    """Each stretch's values (p, k) with those of its neighbours on the same branch added."""
+    """The values of each stretch (p, k) plus those of its neighbours on the same branch."""
     child = np.flatnonzero((line.parent >= 0) & (line.branch[line.parent] == line.branch))
     total = values.copy()
     total[child] += values[line.parent[child]]

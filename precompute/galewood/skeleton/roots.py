@@ -1,4 +1,4 @@
-"""Where the tree is held: the lowest slab of its wood, without twigs that merely hang to the ground."""
+"""Clamped vertices: the lowest slab of the wood, without twigs that merely hang to the ground."""
 
 from __future__ import annotations
 
@@ -9,26 +9,28 @@ from scipy.sparse.csgraph import connected_components
 from galewood.tets import tet_volumes
 from galewood.util import Floats, Ints
 
-CLAMPED_SHARE = 0.02  # of the wood's height
-THICK = 0.2  # of the thickest foot's volume
+CLAMPED_SHARE = 0.02  # relative to the wood's height
+THICK = 0.2  # relative to the volume of the thickest base
 FEWEST = 4
 
 
 def root_vertices(vertices_m: Floats, tets: Ints) -> Ints:
-    """Indices (k,) of the vertices in the lowest 2 % that belong to a thick foot; at least four,
-    spanning a plane."""
+    """Indices (k,) of the vertices in the lowest 2 % that belong to a thick base.
+
+    At least four vertices that span a plane are returned; the slab is enlarged if necessary.
+    """
     heights = vertices_m[:, 1]
     low, size = float(heights.min()), float(np.ptp(heights))
     share = CLAMPED_SHARE
     while True:
         below = heights <= low + share * size
-        chosen = _thick_feet(vertices_m, tets, below)
+        chosen = _thick_bases(vertices_m, tets, below)
         if _spans_plane(vertices_m[chosen], size) or share > 0.5:
             return chosen
         share *= 1.5
 
 
-def _thick_feet(vertices_m: Floats, tets: Ints, below: np.ndarray) -> Ints:
+def _thick_bases(vertices_m: Floats, tets: Ints, below: np.ndarray) -> Ints:
     touching = tets[below[tets].any(axis=1)]
     pairs = np.concatenate([touching[:, [0, k]] for k in (1, 2, 3)])
     graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(vertices_m),) * 2)

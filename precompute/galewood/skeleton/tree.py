@@ -1,4 +1,4 @@
-"""From sections to a rooted tree: parents, tips, spurs removed, branches by longest reach. Pure arrays."""
+"""From sections to a rooted tree: parents, tips, removal of spurs, branches by longest reach. Arrays only."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 from galewood.skeleton.levels import Sections
 from galewood.util import Floats, Ints
 
-BUMP = 1.5  # of a limb's radius: sections lean, so a bump on the bark starts behind its axis
-LONGEST_SPUR = 3.0  # of the largest radius
-SPUR = 1.2  # a twig that stands out of its parent by less than this many of its own radii is a bump
+BUMP = 1.5  # relative to a limb's radius; sections are oblique, so a bump on the bark starts behind the axis
+LONGEST_SPUR = 3.0  # relative to the largest radius
+SPUR = 1.2  # a twig that protrudes by less than this many of its own radii is a spur
 
 
 @dataclass(frozen=True)
 class Tree:
-    """points_m (p, 3), parent (p,) with −1 at the root and always before its children, area_m2 (p, 3),
-    piece (p,).
+    """A rooted tree of skeleton points.
 
-    piece: the slab piece between a point and its parent.
+    points_m (p, 3), parent (p,) with −1 at the root (parents precede children), area_m2 (p, 3), piece (p,):
+    the slab component between a point and its parent.
     """
 
     points_m: Floats
@@ -31,8 +31,7 @@ class Tree:
 def linked_tree(
     sections: Sections, vertices_m: Floats, tets: Ints, distance_m: Floats, base_m: Floats
 ) -> Tree:
-    """Sections joined to the section under them; the base comes first, and the far end of every twig is
-    a point."""
+    """Link each section to the one below; the base comes first, and each twig ends with a tip."""
     lower: dict[int, list[int]] = {}
     for index, piece in enumerate(sections.above.tolist()):
         lower.setdefault(piece, []).append(index)
@@ -59,23 +58,24 @@ def linked_tree(
 
 
 def meetings(sections: Sections) -> int:
-    """How many times two ways out of the roots meet: where limbs touch, the solid has grown together.
+    """Number of loops in the wood: places where two paths from the roots meet because limbs fused in the
+    solid.
 
-    All ways but one then end there and count as branches, though none ends there in nature.
+    All but one of the paths then end there and count as branches, although none ends there in nature.
     """
     _, count = np.unique(sections.above, return_counts=True)
     return int((count - 1).sum())
 
 
 def _tip(last_m: Floats, before_m: Floats, far_m: Floats) -> Floats:
-    """The end of a twig: the farthest vertex, which lies on the bark, brought to the axis."""
+    """The tip of a twig: the farthest vertex, which lies on the bark, projected onto the axis."""
     along = last_m - before_m
     along = along / max(float(np.linalg.norm(along)), 1e-300)
     return last_m + along * max(float((far_m - last_m) @ along), 0.0)
 
 
 def _farthest(sections: Sections, tets: Ints, distance_m: Floats) -> dict[int, int]:
-    """The vertex of greatest distance in each slab piece."""
+    """The vertex of greatest distance in each slab component."""
     corners = tets[sections.pair_tet]
     best = corners[np.arange(len(corners)), np.argmax(distance_m[corners], axis=1)]
     order = np.argsort(distance_m[best])
@@ -83,7 +83,7 @@ def _farthest(sections: Sections, tets: Ints, distance_m: Floats) -> dict[int, i
 
 
 def reach(points_m: Floats, parent: Ints) -> Floats:
-    """Length (p,) of the longest way outwards from each point."""
+    """Length (p,) of the longest path outwards from each point."""
     result = np.zeros(len(parent))
     for i in range(len(parent) - 1, 0, -1):
         p = parent[i]
@@ -92,19 +92,19 @@ def reach(points_m: Floats, parent: Ints) -> Floats:
 
 
 def branches(points_m: Floats, parent: Ints) -> Ints:
-    """Branch (p,) of each point: a branch goes on with the child of longest reach; 0 is the trunk."""
+    """Branch (p,) of each point: a branch continues with the child of longest reach; 0 is the trunk."""
     far = reach(points_m, parent)
     length = np.zeros(len(parent))
     length[1:] = far[1:] + np.linalg.norm(points_m[1:] - points_m[parent[1:]], axis=1)
-    heir = np.full(len(parent), -1)
+    successor = np.full(len(parent), -1)
     for i in range(1, len(parent)):
         p = parent[i]
-        if heir[p] < 0 or length[i] > length[heir[p]]:
-            heir[p] = i
+        if successor[p] < 0 or length[i] > length[successor[p]]:
+            successor[p] = i
     branch = np.zeros(len(parent), dtype=np.int32)
     count = 1
     for i in range(1, len(parent)):
-        if heir[parent[i]] == i:
+        if successor[parent[i]] == i:
             branch[i] = branch[parent[i]]
         else:
             branch[i] = count
@@ -113,21 +113,21 @@ def branches(points_m: Floats, parent: Ints) -> Ints:
 
 
 def without_spurs(tree: Tree, radius_m: Floats) -> tuple[Tree, Ints]:
-    """The tree without bumps, and for each old point the point that stands for it now."""
+    """The tree without spurs, and for each old point the new point that replaces it."""
     tree, moved = _parents_first(tree)
     radius_m = radius_m[np.argsort(moved)]
-    stands = np.arange(len(tree.parent))
+    replacement = np.arange(len(tree.parent))
     while True:
         branch = branches(tree.points_m, tree.parent)
         drop = _spurs(tree, branch, radius_m)
         if not drop.any():
-            return tree, stands[moved].astype(np.int32)
-        heirs = np.arange(len(drop))
+            return tree, replacement[moved].astype(np.int32)
+        survivor = np.arange(len(drop))
         for i in range(len(drop)):
             if drop[i]:
-                heirs[i] = heirs[tree.parent[i]]
+                survivor[i] = survivor[tree.parent[i]]
         new = np.cumsum(~drop) - 1
-        stands = new[heirs[stands]]
+        replacement = new[survivor[replacement]]
         keep = ~drop
         parent = np.where(tree.parent[keep] < 0, -1, new[tree.parent[keep]]).astype(np.int32)
         tree = replace(
@@ -141,7 +141,7 @@ def without_spurs(tree: Tree, radius_m: Floats) -> tuple[Tree, Ints]:
 
 
 def _spurs(tree: Tree, branch: Ints, radius_m: Floats) -> np.ndarray:
-    """Points of end branches that hardly stand out of their parent."""
+    """Points of terminal branches that barely protrude from tsuccessor parent."""
     drop = np.zeros(len(branch), dtype=bool)
     far = reach(tree.points_m, tree.parent)
     bears = np.unique(branch[tree.parent[1:]][branch[1:] != branch[tree.parent[1:]]])
@@ -153,7 +153,7 @@ def _spurs(tree: Tree, branch: Ints, radius_m: Floats) -> np.ndarray:
 
 
 def _within(tree: Tree, radius_m: Floats, own: Ints, length: float) -> bool:
-    """Whether a branch ends within reach of the thickness of a point that it grows from."""
+    """Whether a branch ends within the thickness of a point that it grows from."""
     margin = SPUR * float(np.median(radius_m[own]))
     child, point = int(own[0]), int(tree.parent[own[0]])
     while point >= 0:
@@ -167,7 +167,7 @@ def _within(tree: Tree, radius_m: Floats, own: Ints, length: float) -> bool:
 
 
 def _parents_first(tree: Tree) -> tuple[Tree, Ints]:
-    """The same tree, every parent before its children; and the new place of each old point."""
+    """The same tree with every parent before its children, and the new index of each old point."""
     depth = np.zeros(len(tree.parent), dtype=np.int64)
     for i in range(len(tree.parent)):
         trail = []

@@ -1,4 +1,4 @@
-"""Tetrahedral meshing; in: the wood surface of a TreeMesh; out: one connected TetMesh."""
+"""Tetrahedral meshing; in: the wood surface of a TreeMesh; out: a connected TetMesh."""
 
 from galewood.tets.meshing import TetMesh, kept_tetrahedra, tetrahedralise
 from galewood.tets.quality import FACES_OF_TET, boundary_faces, tet_volumes

@@ -1,10 +1,8 @@
-"""A tree's wood as tetrahedra: thickened to what the mesher resolves, wrapped to one solid, meshed,
-checked, kept.
+"""Tetrahedral meshing of the wood: thicken, wrap, decimate, fill, restore the volume, check, cache.
 
-Recipe: radii below a floor are raised (and the ratio remembered per tet), a distance grid gives one
-closed surface,
-decimation sets the number of tets, fTetWild fills it, and the surface is let out again by what the two
-took away.
+Thin branches are thickened to a radius the mesher resolves (the radius ratio is kept per tet); a distance
+grid yields one closed surface; decimation sets the number of tets; fTetWild fills the surface; finally the
+surface is offset to restore the volume lost by decimation and meshing.
 """
 
 from __future__ import annotations
@@ -24,23 +22,22 @@ from galewood.tets.thicken import thicken
 from galewood.tets.wrap import decimate, wrap
 from galewood.util import Floats, Int32s, MeshError
 
-FLOOR = 2.8e-3  # smallest radius, of the diagonal
-ENVELOPE = 0.3  # fTetWild's envelope, of the floor: a finer one keeps more tets
+FLOOR = 2.8e-3  # smallest radius, relative to the diagonal
+ENVELOPE = 0.3  # fTetWild's envelope relative to the floor; a smaller one gives more tets
 CELLS_PER_FLOOR = 1.5
-EDGE_LENGTH = 0.05  # of the diagonal
+EDGE_LENGTH = 0.05  # relative to the diagonal
 STOP_ENERGY = 30.0
 TETS_PER_FACE = 0.95
-FEWEST, MOST = 0.55, 1.45  # of the target
+FEWEST, MOST = 0.55, 1.45  # relative to the target
 MAX_LOST_EXTENT = 0.03
-MAX_LOST_VOLUME = 1e-3  # in pieces that came loose
+MAX_LOST_VOLUME = 1e-3  # in disconnected pieces
 ATTEMPTS = 4
 TETWILD_LIMITS = Limits(memory_bytes=6 << 30, cpu_s=150, wall_s=200.0)
 
 
 @dataclass(frozen=True)
 class TetMesh:
-    """vertices_m (n, 3), tets (m, 4) of positive volume, radius_ratio (m,): original over thickened
-    radius."""
+    """vertices_m (n, 3), positive tets (m, 4), radius_ratio (m,): original over thickened radius."""
 
     vertices_m: Floats
     tets: Int32s
@@ -50,7 +47,7 @@ class TetMesh:
 
 @dataclass(frozen=True)
 class Recipe:
-    """What is turned when an attempt fails: `floor` of the diagonal, `envelope` of the floor."""
+    """Parameters varied between attempts; `floor` is relative to the diagonal, `envelope` to the floor."""
 
     faces: int
     floor: float = FLOOR
@@ -58,13 +55,16 @@ class Recipe:
 
 
 def tetrahedralise(tree: TreeMesh, target_tets: int = 5500, cache_dir: Path | None = None) -> TetMesh:
-    """One connected solid of about `target_tets` tetrahedra; MeshError 422 where none can be made.
+    """One connected solid of about `target_tets` tetrahedra. Raises MeshError if meshing fails.
 
-    pytetwild is not deterministic, so a mesh once made is kept in `cache_dir` under the hash of its input.
+    pytetwild is not deterministic, so each mesh is cached in `cache_dir` under the hash of its input.
     """
     if not 500 <= target_tets <= 60_000:
         raise MeshError(
-            "bad-target", "unsuitable", f"{target_tets} tetrahedra are not offered.", "Ask for 500 to 60,000."
+            "bad-target",
+            "unsuitable",
+            f"A target of {target_tets} tetrahedra is out of range.",
+            "Use 500 to 60,000.",
         )
     key = cache_key(tree.wood_vertices_m, tree.wood_faces, target_tets)
     cached = load_cached(cache_dir, key)
@@ -76,7 +76,7 @@ def tetrahedralise(tree: TreeMesh, target_tets: int = 5500, cache_dir: Path | No
 
 
 def kept_tetrahedra(tree: TreeMesh, target_tets: int, cache_dir: Path) -> Path:
-    """The file in which `tetrahedralise` keeps its mesh: who has it elsewhere goes on with the same mesh."""
+    """The file in which `tetrahedralise` caches its mesh; other machines copy it to use the same mesh."""
     return cached_path(cache_dir, cache_key(tree.wood_vertices_m, tree.wood_faces, target_tets))
 
 
@@ -88,39 +88,39 @@ def _attempts(surface: Surface, target_tets: int) -> TetMesh:
         mesh = _attempt(surface, recipe)
         count, lost = len(mesh.tets), mesh.report["lost_extent"]
         tried.append(f"floor {recipe.floor:.4f}, {recipe.faces} faces: {count} tets, {lost:.1%} lost")
-        if best is None or _badness(mesh, target_tets) < _badness(best, target_tets):
+        if best is None or _penalty(mesh, target_tets) < _penalty(best, target_tets):
             best = mesh
-        if _badness(mesh, target_tets) == 0:
+        if _penalty(mesh, target_tets) == 0:
             break
         if lost > MAX_LOST_EXTENT:
             recipe = replace(recipe, floor=recipe.floor * 1.4)
         elif mesh.report["lost_volume"] > MAX_LOST_VOLUME:
             recipe = replace(recipe, floor=recipe.floor * 1.2)
         else:
-            recipe = _towards(recipe, target_tets / count)
+            recipe = _adjusted(recipe, target_tets / count)
     assert best is not None
     if best.report["lost_extent"] > 3 * MAX_LOST_EXTENT:
         raise MeshError(
-            "not-meshable", "unsuitable", f"Meshing loses {best.report['lost_extent']:.0%} of the wood.",
-            "The branches may not touch the trunk; join them and try again.",
+            "not-meshable", "unsuitable", f"Meshing lost {best.report['lost_extent']:.0%} of the wood.",
+            "The branches may not be connected to the trunk. Join them and try again.",
         )  # fmt: skip
     best.report["attempts"] = tried
     if best.report["lost_extent"] > MAX_LOST_EXTENT:
-        best.report["warnings"].append(
-            f"{best.report['lost_extent']:.1%} of the wood's extent was lost in meshing."
-        )
+        best.report["warnings"].append(f"Meshing lost {best.report['lost_extent']:.1%} of the wood's extent.")
     return best
 
 
-def _towards(recipe: Recipe, wanted: float) -> Recipe:
-    """The recipe for `wanted` times as many tets: a finer envelope first, as more faces alone are
-    collapsed again."""
+def _adjusted(recipe: Recipe, wanted: float) -> Recipe:
+    """The recipe for `wanted` times as many tets.
+
+    The envelope is reduced first, because extra faces alone would be collapsed again.
+    """
     faces = round(recipe.faces * float(np.clip(wanted, 0.4, 1.3)))
     return replace(recipe, faces=faces, envelope=recipe.envelope * (0.5 if wanted > 1 else 1.2))
 
 
-def _badness(mesh: TetMesh, target_tets: int) -> float:
-    """0 where the mesh is accepted, else how far off it is."""
+def _penalty(mesh: TetMesh, target_tets: int) -> float:
+    """0 for an acceptable mesh, otherwise its distance from the limits."""
     share = len(mesh.tets) / target_tets
     off = max(FEWEST - share, share - MOST, 0.0)
     off += 10.0 * max(mesh.report["lost_volume"] - MAX_LOST_VOLUME, 0.0)
@@ -147,7 +147,10 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
     )
     if not len(result["tets"]):
         raise MeshError(
-            "not-meshable", "unsuitable", "The wood could not be meshed.", "Repair the mesh and try again."
+            "not-meshable",
+            "unsuitable",
+            "The wood could not be meshed.",
+            "Repair the mesh in a modelling program and try again.",
         )
     vertices, tets, dropped = largest_component(result["vertices"], result["tets"])
     meshed = float(np.abs(tet_volumes(result["vertices"], result["tets"])).sum())
@@ -165,6 +168,6 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
     warnings: list[str] = []
     if dropped:
         share = report["lost_volume"]
-        warnings.append(f"{dropped} loose pieces, {share:.2%} of the wood, were dropped in meshing.")
+        warnings.append(f"Meshing dropped {dropped} disconnected pieces ({share:.2%} of the wood).")
     report["warnings"] = warnings
     return TetMesh(vertices, np.ascontiguousarray(tets, dtype=np.int32), ratio, report)

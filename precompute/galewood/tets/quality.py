@@ -1,4 +1,4 @@
-"""What a tetrahedral mesh is worth: connected, right way round, right volume, nothing lost."""
+"""Checks of a tetrahedral mesh: connectivity, orientation, volume and extent."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from galewood.util import Floats, Ints
 
-FACES_OF_TET = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # outwards for a positive tet
+FACES_OF_TET = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # outward for a positively oriented tet
 GROWTH_ROUNDS = 6
 
 
@@ -21,15 +21,17 @@ def tet_volumes(vertices: Floats, tets: Ints) -> Floats:
 
 
 def boundary_faces(tets: Ints) -> Ints:
-    """Faces (k, 3) that belong to one tet only, facing outwards."""
+    """Faces (k, 3) that belong to exactly one tet, oriented outwards."""
     faces = tets[:, FACES_OF_TET].reshape(-1, 3)
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     return faces[first[count == 1]]
 
 
 def largest_component(vertices: Floats, tets: Ints) -> tuple[Floats, Ints, int]:
-    """The largest piece joined through faces, positively oriented, unused vertices gone; how many were
-    dropped."""
+    """The largest component connected through faces, positively oriented, without unused vertices.
+
+    Returns vertices, tets and the number of components removed.
+    """
     keys = np.sort(tets[:, FACES_OF_TET].reshape(-1, 3), axis=1)
     _, face = np.unique(keys, axis=0, return_inverse=True)
     owner = np.repeat(np.arange(len(tets)), 4)
@@ -46,11 +48,10 @@ def largest_component(vertices: Floats, tets: Ints) -> tuple[Floats, Ints, int]:
 
 
 def restore_volume(vertices: Floats, tets: Ints, wanted: float) -> Floats:
-    """Surface vertices moved along their normals, all by one distance, until the volume is `wanted`.
+    """Offset the surface vertices along their normals by a common distance until the volume is `wanted`.
 
-    Decimation cuts corners and the mesher keeps within its envelope: both take the same thickness from
-    trunk and twig.
-    Where a tet would turn over, its vertices stay.
+    Decimation cuts corners and the mesher stays within its envelope; both remove the same thickness from
+    trunk and twigs. Vertices of tets that the offset would invert are not moved.
     """
     faces = boundary_faces(tets)
     result = vertices
@@ -83,7 +84,7 @@ def _normals_and_area(vertices: Floats, faces: Ints) -> tuple[Floats, float]:
 
 
 def lost_extent(before: Floats, after: Floats) -> float:
-    """Largest share of the bounding box, over its six sides, that the second point set does not reach."""
+    """Largest loss over the six sides of the bounding box, relative to its size."""
     size = float(np.ptp(before, axis=0).max())
     low = (after.min(axis=0) - before.min(axis=0)) / size
     high = (before.max(axis=0) - after.max(axis=0)) / size
@@ -91,7 +92,7 @@ def lost_extent(before: Floats, after: Floats) -> float:
 
 
 def quality_report(vertices: Floats, tets: Ints) -> dict[str, Any]:
-    """Counts, volume and the worst shapes (6√2 V / l_rms³: 1 for a regular tet)."""
+    """Counts, volume and the worst element quality (6√2 V / l_rms³; 1 for a regular tet)."""
     volumes = tet_volumes(vertices, tets)
     corners = vertices[tets]
     pairs = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]

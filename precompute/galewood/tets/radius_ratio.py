@@ -1,4 +1,4 @@
-"""How much thinner the wood really is than its thickened mesh, tet by tet."""
+"""Ratio of the original to the thickened radius for each tetrahedron."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ NEIGHBOURS = 12
 
 
 def radius_ratio(raised: Thickened, vertices: Floats, tets: Ints, floor_m: float) -> Floats:
-    """Original over thickened radius at each tet (m,), from the nearest points that lie on the solid's skin.
+    """Original over thickened radius (m,) of each tet, from the nearest points on the surface of the solid.
 
-    A twig begins inside the limb that bears it; there its surface says nothing of the limb, so what is hidden
-    inside the solid does not count.
+    A twig starts inside its parent limb, where its surface says nothing about the limb. Points hidden inside
+    the solid are therefore ignored.
     """
     points, face = scattered(raised.surface, floor_m / 2)
     skin, _ = scattered(Surface(vertices, boundary_faces(tets)), floor_m / 2)
@@ -27,12 +27,12 @@ def radius_ratio(raised: Thickened, vertices: Floats, tets: Ints, floor_m: float
     ratio = _ratio_at(raised, points, face)[shown]
     gap, near = KDTree(points[shown]).query(vertices[tets].mean(axis=1), k=min(NEIGHBOURS, len(ratio)))
     gap, near = gap.reshape(len(tets), -1), near.reshape(len(tets), -1)
-    # Where a twig leaves a limb both are near; the limb owns the wood there.
+    # Where a twig leaves a limb, both are near; the wood there belongs to the limb.
     return np.where(gap <= gap[:, :1] + floor_m / 2, ratio[near], 0.0).max(axis=1)
 
 
 def _ratio_at(raised: Thickened, points: Floats, face: Ints) -> Floats:
-    """Ratio (k,) at points (k, 3) on the raised surface: the nearest sample's on the same piece of wood."""
+    """Ratio (k,) at points (k, 3) on its surface, from the nearest sample of the same component."""
     _, of_face = face_components(raised.surface.faces, len(raised.surface.vertices))
     piece = of_face[face]
     sample_piece = piece[KDTree(points).query(raised.sample_points)[1]]
@@ -46,16 +46,16 @@ def _ratio_at(raised: Thickened, points: Floats, face: Ints) -> Floats:
 
 
 def scattered(surface: Surface, spacing: float) -> tuple[Floats, Ints]:
-    """Points (k, 3) about `spacing` apart on the surface, at least four to a face, and their faces (k,).
+    """Points (k, 3) about `spacing` apart on the surface, at least four per face, and their faces (k,).
 
-    The additive R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+    Additive R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     """
     face, weight = scattered_weights(surface, spacing)
     return np.einsum("kw,kwd->kd", weight, surface.vertices[surface.faces][face]), face
 
 
 def scattered_weights(surface: Surface, spacing: float) -> tuple[Ints, Floats]:
-    """The same points as faces (k,) and weights (k, 3) of their corners."""
+    """The points of `scattered` as faces (k,) and barycentric weights (k, 3)."""
     corners = surface.vertices[surface.faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     face = np.repeat(np.arange(len(corners)), np.maximum(4, np.ceil(area / spacing**2)).astype(np.int64))

@@ -1,7 +1,7 @@
-"""Twigs raised to a radius that the mesher resolves, and by how much, so that the physics can take it back.
+"""Thickening of twigs to a radius that the mesher resolves, with the ratio that the physics needs to undo it.
 
-The local radius is that of the largest ball which touches the surface from inside (after
-Ma, Bae & Choi 2012, "3D medial axis point approximation using nearest neighbors and the normal field").
+The local radius is that of the largest ball that touches the surface from inside (after Ma, Bae & Choi 2012,
+"3D medial axis point approximation using nearest neighbors and the normal field").
 """
 
 from __future__ import annotations
@@ -16,14 +16,13 @@ from galewood.tets.wrap_kernels import inner_balls, triangle_grid
 from galewood.util import Floats, Ints
 
 NEAR_SIDES = np.array([[0.02, 0.49, 0.49], [0.49, 0.02, 0.49], [0.49, 0.49, 0.02]])
-MAX_MITRE = 2.0  # the edge of a triangular prism moves twice as far as its sides
+MAX_MITRE = 2.0  # an edge of a triangular prism moves twice as far as its faces
 MAX_GRID = 200
 
 
 @dataclass(frozen=True)
 class Thickened:
-    """The raised surface, and at sample points (k, 3) on it the original
-    radius over the new one, in (0, 1]."""
+    """The thickened surface and, at sample points (k, 3) on it, the original over the new radius."""
 
     surface: Surface
     sample_points: Floats
@@ -31,7 +30,7 @@ class Thickened:
 
 
 def thicken(surface: Surface, floor_radius: float) -> Thickened:
-    """Every piece's vertices moved outwards until the inscribed radius is at least `floor_radius`."""
+    """Offset the vertices of every component until the inscribed radius is at least `floor_radius`."""
     points, normals, face = surface_samples(surface)
     radius = inscribed_radius(surface, points, normals, face, floor_radius)
     lack = np.maximum(floor_radius - _at_vertices(surface, face, radius), 0.0)
@@ -43,8 +42,11 @@ def thicken(surface: Surface, floor_radius: float) -> Thickened:
 
 
 def _normals_and_mitre(surface: Surface) -> tuple[Floats, Floats]:
-    """Vertex normals (n, 3), and how far (n,) a vertex moves when its faces move by one: 1 on a plane,
-    2 on an edge of 60°. Faces count by their angle, so that a coarse ring's normals point from its axis."""
+    """Vertex normals (n, 3), and the distance (n,) a vertex moves per unit offset of its faces.
+
+    The distance is 1 on a plane and 2 on an edge of 60°. Faces are weighted by their corner angle, so that
+    the normals of a coarse ring point away from its axis.
+    """
     corners = surface.vertices[surface.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
@@ -67,7 +69,7 @@ def _corner_angle(corners: Floats, k: int) -> Floats:
 
 
 def surface_samples(surface: Surface) -> tuple[Floats, Floats, Ints]:
-    """Points (k, 3) with outward normals and their face: close to the middle of each side of each face.
+    """Sample points (k, 3) with outward normals and face indices, near the middle of each side of each face.
 
     Two of the three lie half-way across a tube's facet, where the inscribed ball touches it.
     """
@@ -81,7 +83,7 @@ def surface_samples(surface: Surface) -> tuple[Floats, Floats, Ints]:
 
 
 def inscribed_radius(surface: Surface, points: Floats, normals: Floats, face: Ints, limit: float) -> Floats:
-    """Radius (k,), at most `limit`, of the largest ball inside its own piece that touches each point."""
+    """Radius (k,), at most `limit`, of the largest ball inside its component that touches each point."""
     _, piece = face_components(surface.faces, len(surface.vertices))
     triangles = np.ascontiguousarray(surface.vertices[surface.faces])
     low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
@@ -95,14 +97,14 @@ def inscribed_radius(surface: Surface, points: Floats, normals: Floats, face: In
 
 
 def _smooth(points: Floats, piece: Ints, radius: Floats, neighbours: int = 8) -> Floats:
-    """Median over the nearest samples: a ball caught in a corner of a coarse cross-section is too small."""
+    """Median over the nearest samples: balls in the corners of a coarse cross-section are too small."""
     _, near = KDTree(points).query(points, k=min(neighbours, len(points)))
     values = np.where(piece[near] == piece[:, None], radius[near], np.nan)
     return np.nanmedian(values, axis=1)
 
 
 def _at_vertices(surface: Surface, face: Ints, radius: Floats) -> Floats:
-    """Smallest radius (n,) of the samples on a vertex's faces: a cap has none of its own."""
+    """Smallest radius (n,) of the samples on the faces of each vertex; end caps have no samples."""
     result = np.full(len(surface.vertices), np.inf)
     for k in range(3):
         np.minimum.at(result, surface.faces[face, k], radius)

@@ -1,4 +1,6 @@
-"""One closed solid around overlapping, touching or open pieces: a signed distance grid and marching cubes."""
+"""One closed solid around overlapping, touching or open components, by a signed distance grid and marching
+cubes.
+"""
 
 from __future__ import annotations
 
@@ -13,20 +15,20 @@ from galewood.util import Floats
 
 BAND_CELLS = 2.0
 MARGIN_CELLS = 4
-AGGRESSIVENESS = 5  # of the decimation: 2 stops early, 7 loses volume
-JITTER = 0.01237  # of a cell: keeps rays off vertices and edges, which sit on round numbers
+AGGRESSIVENESS = 5  # of the decimation; 2 stops too early, 7 loses volume
+JITTER = 0.01237  # in cells; keeps rays off vertices and edges, which often have round coordinates
 
 
 def wrap(surface: Surface, cell: float) -> Surface:
-    """The outer surface of the union of all closed pieces, resolved in steps of `cell`."""
+    """Outer surface of the union of all closed components, at a resolution of `cell`."""
     field, low = signed_distance(surface, cell)
     vertices, triangles, _, _ = marching_cubes(field, 0.0, gradient_direction="descent")
     solid = Surface(vertices.astype(np.float64) * cell + low, triangles.astype(np.int32))
-    return without_bubbles(solid)
+    return without_inner_shells(solid)
 
 
 def signed_distance(surface: Surface, cell: float) -> tuple[NDArray[np.float32], Floats]:
-    """Distance field in cells, negative inside, and the position of its first point."""
+    """Signed distance field in cells (negative inside), and the position of its first grid point."""
     low = surface.vertices.min(axis=0) - MARGIN_CELLS * cell
     extent = surface.vertices.max(axis=0) - low + MARGIN_CELLS * cell
     shape = tuple(int(n) for n in np.ceil(extent / cell) + 1)
@@ -36,18 +38,18 @@ def signed_distance(surface: Surface, cell: float) -> tuple[NDArray[np.float32],
 
 
 def inside(triangles: Floats, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Grid points inside the union, by the majority of three rays (one per axis)."""
+    """Grid points inside the union, by majority vote of three rays (one per axis)."""
     votes = np.zeros(shape, dtype=np.int8)
     for axis in range(3):
-        order = [(axis + 1) % 3, (axis + 2) % 3, axis]  # a cyclic change keeps the winding
+        order = [(axis + 1) % 3, (axis + 2) % 3, axis]  # a cyclic permutation preserves the winding
         turned = np.ascontiguousarray(triangles[:, :, order]) + np.array([JITTER, JITTER * 1.618, 0.0])
         count = crossings(turned, tuple(shape[k] for k in order))
         votes += np.transpose(count != 0, np.argsort(order))
     return votes >= 2
 
 
-def without_bubbles(surface: Surface) -> Surface:
-    """The surface without inner shells: pieces that enclose nothing outwards."""
+def without_inner_shells(surface: Surface) -> Surface:
+    """The surface without inner shells, that is, components of non-positive volume."""
     count, of_face = face_components(surface.faces, len(surface.vertices))
     volumes = signed_volumes(surface, of_face, count)
     outer = volumes > 1e-9 * volumes.max()
@@ -55,7 +57,7 @@ def without_bubbles(surface: Surface) -> Surface:
 
 
 def decimate(surface: Surface, faces: int) -> Surface:
-    """About `faces` triangles, by quadric error (fast-simplification)."""
+    """Reduce the surface to about `faces` triangles by quadric error (fast-simplification)."""
     if len(surface.faces) <= faces:
         return surface
     points = np.ascontiguousarray(surface.vertices)

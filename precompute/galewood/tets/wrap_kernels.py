@@ -1,18 +1,19 @@
-"""Compiled kernels of the wrap: distances in a band around the triangles, and inside by counting
-crossings."""
+"""Compiled kernels for wrapping: distances near the triangles, winding counts, inscribed balls."""
 
 from __future__ import annotations
 
 import numba
 import numpy as np
 
-ACROSS = -0.4  # cosine: only faces that look back at the point bound its ball
+ACROSS = -0.4  # cosine threshold: only opposing faces bound the ball at a point
 
 
 @numba.njit(cache=True, nogil=True)
 def _point_triangle(px, py, pz, t):  # type: ignore[no-untyped-def]
-    """Squared distance from a point to a triangle (3, 3) (Ericson 2005, Real-Time Collision Detection,
-    5.1.5)."""
+    """Squared distance from a point to a triangle (3, 3).
+
+    Source: Ericson 2005, Real-Time Collision Detection, 5.1.5.
+    """
     abx, aby, abz = t[1, 0] - t[0, 0], t[1, 1] - t[0, 1], t[1, 2] - t[0, 2]
     acx, acy, acz = t[2, 0] - t[0, 0], t[2, 1] - t[0, 1], t[2, 2] - t[0, 2]
     apx, apy, apz = px - t[0, 0], py - t[0, 1], pz - t[0, 2]
@@ -47,8 +48,7 @@ def _point_triangle(px, py, pz, t):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def band_distance(triangles, shape, band):  # type: ignore[no-untyped-def]
-    """Distance, in cells, from each grid point to the triangles (m, 3, 3) given in cells; `band` where
-    farther."""
+    """Distance in cells from each grid point to triangles (m, 3, 3) in cells, at most `band`."""
     field = np.full(shape, np.float32(band * band))
     for f in range(len(triangles)):
         t = triangles[f]
@@ -67,9 +67,9 @@ def band_distance(triangles, shape, band):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def crossings(triangles, shape):  # type: ignore[no-untyped-def]
-    """Winding count at grid points by the triangles (m, 3, 3) crossed on the way along the last axis.
+    """Winding number at grid points, from the triangles (m, 3, 3) crossed along the last axis.
 
-    Overlapping closed pieces add up, so a point is inside their union where the count is not zero.
+    Overlapping closed components add up, so a point is inside their union if its count is not zero.
     """
     change = np.zeros((shape[0], shape[1], shape[2] + 1), np.int16)
     for f in range(len(triangles)):
@@ -110,23 +110,22 @@ def _cell_range(t, low, cell, shape):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def triangle_grid(triangles, low, cell, shape):  # type: ignore[no-untyped-def]
-    """Which triangles touch each cell, as offsets (cells + 1,) and items: a bucket grid over bounding
-    boxes."""
+    """Bucket grid of triangles by bounding box: offsets (cells + 1,) and items."""
     offsets = np.zeros(shape[0] * shape[1] * shape[2] + 1, np.int64)
     items = np.empty(0, np.int32)
-    for turn in range(2):
+    for phase in range(2):
         for f in range(len(triangles)):
             lo, hi = _cell_range(triangles[f], low, cell, shape)
             for i in range(lo[0], hi[0] + 1):
                 for j in range(lo[1], hi[1] + 1):
                     for k in range(lo[2], hi[2] + 1):
                         c = (i * shape[1] + j) * shape[2] + k
-                        if turn == 0:
+                        if phase == 0:
                             offsets[c + 1] += 1
                         else:
                             items[offsets[c]] = f
                             offsets[c] += 1
-        if turn == 0:
+        if phase == 0:
             offsets = np.cumsum(offsets)
             items = np.empty(offsets[-1], np.int32)
     offsets[1:] = offsets[:-1].copy()
@@ -136,10 +135,10 @@ def triangle_grid(triangles, low, cell, shape):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def inner_balls(points, normals, face, piece, face_normals, triangles, grid, limit):  # type: ignore[no-untyped-def]
-    """Radius of the largest ball (at most `limit`) that touches each point from inside its own piece.
+    """Radius of the largest ball (at most `limit`) that touches each point from inside its component.
 
-    Only faces that look the other way count: a ball at a facet's edge would be held small by the next facet
-    of the same round branch, and one near a branch's end by its cap.
+    Only opposing faces count. Otherwise the ball at the edge of a facet would be limited by the next facet of
+    the same round branch, and one near the end of a branch by its cap.
     """
     low, cell, shape, offsets, items = grid
     radius = np.empty(len(points))
@@ -163,21 +162,21 @@ def inner_balls(points, normals, face, piece, face_normals, triangles, grid, lim
 
 
 @numba.njit(cache=True, nogil=True)
-def _holds(point, normal, r, t):  # type: ignore[no-untyped-def]
-    """Whether the ball of radius r that touches `point` from inside holds some of the triangle."""
+def _ball_intersects(point, normal, r, t):  # type: ignore[no-untyped-def]
+    """Whether the ball of radius r that touches `point` from inside intersects the triangle."""
     x, y, z = point[0] - r * normal[0], point[1] - r * normal[1], point[2] - r * normal[2]
     return _point_triangle(x, y, z, t) < r * r * (1 - 1e-6)
 
 
 @numba.njit(cache=True, nogil=True)
 def _touching_radius(point, normal, t, r):  # type: ignore[no-untyped-def]
-    """Radius, at most r, of the ball through `point` that just touches the triangle, by bisection."""
-    if not _holds(point, normal, r, t):
+    """Radius, at most r, of the ball through `point` that touches the triangle, by bisection."""
+    if not _ball_intersects(point, normal, r, t):
         return r
     lo, hi = 0.0, r
     for _ in range(16):
         mid = 0.5 * (lo + hi)
-        if _holds(point, normal, mid, t):
+        if _ball_intersects(point, normal, mid, t):
             hi = mid
         else:
             lo = mid

@@ -1,4 +1,4 @@
-"""Small helpers that every stage uses: array types, errors, atomic files, worker processes."""
+"""Utilities shared by all stages: array types, errors, atomic files, worker processes."""
 
 from galewood.util.arrays import Array, Floats, Int32s, Int64s, Ints, Singles
 from galewood.util.atomic_file import write_arrays, write_whole

@@ -1,4 +1,4 @@
-"""Array types used in signatures throughout the library; shapes and units are given in docstrings."""
+"""Array types for signatures throughout the library; docstrings give shapes and units."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Files that are whole or not there."""
+"""Atomic file writes: a file either has its complete content or does not exist."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ import numpy as np
 
 
 def write_whole(target: Path, data: bytes | memoryview) -> None:
-    """Write beside the target, flush to disk, then rename: a reader or a crash never meets a torn file.
+    """Write a file atomically: write to a temporary file beside the target, flush to disk, then rename.
 
-    The temporary name begins with ".part-" and is its writer's own: two processes may write the same file.
+    Readers never see a partial file, even after a crash. The temporary name begins with ".part-" and is
+    unique to the writer, so several processes may write the same target at once.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=".part-")
@@ -22,7 +23,7 @@ def write_whole(target: Path, data: bytes | memoryview) -> None:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
             file.flush()
-            os.fsync(file.fileno())  # else a power cut could leave the name without the content
+            os.fsync(file.fileno())  # otherwise a power failure could leave a renamed but empty file
         Path(name).replace(target)
     except BaseException:
         Path(name).unlink(missing_ok=True)
@@ -30,7 +31,7 @@ def write_whole(target: Path, data: bytes | memoryview) -> None:
 
 
 def write_arrays(target: Path, **arrays: Any) -> None:
-    """Write named arrays as an .npz file."""
+    """Write named arrays atomically as an .npz file."""
     buffer = io.BytesIO()
     np.savez(buffer, allow_pickle=False, **arrays)
     write_whole(target, buffer.getbuffer())

@@ -1,5 +1,5 @@
-"""How a caller stops long work."""
+"""Cancellation of long-running work."""
 
 
 class Cancelled(Exception):
-    """Raised by a progress callback to stop a build."""
+    """Raised by a progress callback to cancel a build."""

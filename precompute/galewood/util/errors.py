@@ -1,17 +1,21 @@
-"""Errors that a user can act on."""
+"""Errors that a user can resolve."""
 
 from __future__ import annotations
 
 from typing import Literal
 
 Reason = Literal["malformed", "too-large", "unsupported", "unsuitable"]
-"""Damaged bytes; more than the limits allow; a format that is not read; a readable mesh that is no tree."""
+"""Why a mesh is rejected.
+
+"malformed": damaged bytes; "too-large": a limit is exceeded; "unsupported": not a supported format;
+"unsuitable": a readable mesh that cannot be used as a tree.
+"""
 
 
 class MeshError(Exception):
-    """A mesh that cannot become a tree: ``title`` says what is wrong, ``hint`` what the user can do about it.
+    """A mesh that cannot be processed: ``title`` says what is wrong, ``hint`` what the user can do about it.
 
-    ``code`` is a stable kebab-case name for programs, ``reason`` the kind of problem.
+    ``code`` is a stable kebab-case identifier for programs; ``reason`` is the kind of problem.
     """
 
     def __init__(self, code: str, reason: Reason, title: str, hint: str = "") -> None:

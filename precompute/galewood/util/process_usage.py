@@ -1,4 +1,4 @@
-"""What a process and all its children use: CPU time so far, and memory at one and the same time."""
+"""CPU time and peak memory of a process together with its children."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import Self
 
 import psutil
 
-EVERY_S = 0.1
+SAMPLE_INTERVAL_S = 0.1
 MEGABYTE = 1 << 20
 
 
 def cpu_seconds() -> float:
-    """User and system time of this process, its children that have ended, and those that live."""
+    """User plus system CPU time, s, of this process and of all its children, terminated or running."""
     own = psutil.Process()
     times = own.cpu_times()
     spent = times.user + times.system + times.children_user + times.children_system
@@ -22,48 +22,52 @@ def cpu_seconds() -> float:
         try:
             times = child.cpu_times()
         except psutil.Error:
-            continue  # it has just ended
+            continue  # the child has just exited
         spent += times.user + times.system + times.children_user + times.children_system
     return spent
 
 
 @dataclass
 class PeakMemory:
-    """Resident memory, MB, looked at ten times a second inside ``with``; shared pages count each time."""
+    """Peak resident memory, MB, sampled ten times a second inside a ``with`` block.
+
+    Shared pages are counted once for each process that maps them.
+    """
 
     parent_mb: float = 0.0
-    """The most of this process."""
+    """Peak of this process."""
     child_mb: float = 0.0
-    """The most of any one child."""
+    """Peak of any single child."""
     total_mb: float = 0.0
-    """The most of all of them at the same time."""
-    _over: threading.Event = field(default_factory=threading.Event)
+    """Peak of the sum over this process and all its children."""
+    _stop: threading.Event = field(default_factory=threading.Event)
 
-    def look(self) -> None:
+    def sample(self) -> None:
+        """Take one memory sample and update the peaks."""
         own = psutil.Process()
         children: list[float] = []
         for child in own.children(recursive=True):
             try:
                 children.append(child.memory_info().rss / MEGABYTE)
             except psutil.Error:
-                continue  # it has just ended
+                continue  # the child has just exited
         parent = own.memory_info().rss / MEGABYTE
         self.parent_mb = max(self.parent_mb, parent)
         self.child_mb = max([self.child_mb, *children])
         self.total_mb = max(self.total_mb, parent + sum(children))
 
     def __enter__(self) -> Self:
-        self._watcher = threading.Thread(target=self._watch, daemon=True)
-        self._watcher.start()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
         return self
 
-    def _watch(self) -> None:
-        while not self._over.wait(EVERY_S):
-            self.look()
+    def _run(self) -> None:
+        while not self._stop.wait(SAMPLE_INTERVAL_S):
+            self.sample()
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._over.set()
-        self._watcher.join()
-        self.look()
+        self._stop.set()
+        self._thread.join()
+        self.sample()

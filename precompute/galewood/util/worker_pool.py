@@ -1,7 +1,8 @@
-"""The processes beside a build's own: they sample, draw and compare while it goes on.
+"""A pool of worker processes that simulate, render and compare while a build runs.
 
-Spawned, not forked: the build's process may hold threads and compiled code that do not survive a fork. None
-outlives the build, not even one that is killed: each holds one end of a pipe and ends when the other is gone.
+Workers are spawned rather than forked, because the parent may hold threads and compiled code that do not
+survive a fork. No worker outlives its parent, even if the parent is killed: each worker holds the read end of
+a pipe and exits when the write end is closed.
 """
 
 from __future__ import annotations
@@ -20,24 +21,29 @@ from typing import ParamSpec, Self, TypeVar
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 WARM_UP_S = 0.3
-"""A process that has just started is kept for so long that the next task starts another one."""
+"""How long a warm-up task occupies its worker, s, so that the next one goes to another process."""
 
 
 class WorkerPool:
-    """A few processes, started and warmed up at once; ``with`` ends them, and at once after an exception."""
+    """A fixed number of worker processes, started immediately.
+
+    Leaving the ``with`` block shuts them down; after an exception, running tasks are aborted.
+    """
 
     def __init__(self, count: int | None = None, *, warm: Sequence[str] = ()) -> None:
-        """``warm`` names modules that every process imports at once."""
+        """Start ``count`` workers (default: one per usable core); ``warm`` names modules that each one
+        imports.
+        """
         context, count = get_context("spawn"), count or usable_cores()
         end, self._lifeline = context.Pipe(duplex=False)
-        self._pool = ProcessPoolExecutor(count, mp_context=context, initializer=_begin, initargs=(end,))
+        self._pool = ProcessPoolExecutor(count, mp_context=context, initializer=_initialise, initargs=(end,))
         for _ in range(count if warm else 0):
             self._pool.submit(_warm_up, tuple(warm))
 
     def start(
         self, work: Callable[Arguments, Result], *args: Arguments.args, **kwargs: Arguments.kwargs
     ) -> Future[Result]:
-        """Call a module's function in one of the processes, after what was started before."""
+        """Queue a call of a module-level function in a worker and return its future."""
         return self._pool.submit(work, *args, **kwargs)
 
     def __enter__(self) -> Self:
@@ -53,16 +59,16 @@ class WorkerPool:
 
 
 def usable_cores() -> int:
-    """How many cores this process may use, which can be fewer than the machine has."""
+    """Number of CPU cores available to this process, which may be fewer than the machine has."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _begin(end: Connection) -> None:
-    threading.Thread(target=_end_with, args=(end,), daemon=True).start()
+def _initialise(end: Connection) -> None:
+    threading.Thread(target=_exit_with_parent, args=(end,), daemon=True).start()
 
 
-def _end_with(end: Connection) -> None:
-    """Wait until the build's end of the pipe is gone; whatever is being done is then wanted by nobody."""
+def _exit_with_parent(end: Connection) -> None:
+    """Exit as soon as the parent's end of the pipe is closed: nobody needs the running task any more."""
     try:
         end.recv_bytes()
     except (EOFError, OSError):
@@ -70,7 +76,7 @@ def _end_with(end: Connection) -> None:
 
 
 def _warm_up(modules: tuple[str, ...]) -> None:
-    """Import what most tasks need before the first of them arrives."""
+    """Import the modules that most tasks need before the first task arrives."""
     for module in modules:
         import_module(module)
     time.sleep(WARM_UP_S)

@@ -10,9 +10,9 @@ from galewood.model import GRAVITY_M_S2, build_model
 from galewood.verify.bars import Bar, box_bar, polygon_bar
 from galewood.verify.beams import pole_frequencies, sag, shear_tip, softening, tip_deflection
 from galewood.verify.checks import Check, relative
-from galewood.wood import species
+from galewood.wood import wood_of_species
 
-WOOD = species("poplar")
+WOOD = wood_of_species("poplar")
 LENGTH_M, RADIUS_M = 5.0, 0.06
 SECTIONS = (
     ("triangle", 3, 1, 0.045),

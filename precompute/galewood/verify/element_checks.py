@@ -11,7 +11,7 @@ from galewood.fem import ElementSystem, elevate, gradients, moduli, stiffness_bl
 from galewood.util import Floats
 from galewood.verify.bars import Bar, box_bar
 from galewood.verify.checks import Check, absolute, skipped
-from galewood.wood import Wood, species
+from galewood.wood import Wood, wood_of_species
 
 SEED = 7
 
@@ -47,7 +47,7 @@ def element_system(bar: Bar, element: str) -> ElementSystem:
     """Elements of the bar in poplar wood with an oblique fibre direction; one node is fixed."""
     grad, volume = gradients(bar.vertices_m[bar.tets])
     fibre = np.tile([0.48, 0.6, 0.64], (len(bar.tets), 1))
-    axial, shear = stiffness_blocks(grad, volume, fibre, moduli(species("poplar")))
+    axial, shear = stiffness_blocks(grad, volume, fibre, moduli(wood_of_species("poplar")))
     nodes, elements = bar.vertices_m, bar.tets
     if element == "quadratic":
         nodes, elements = elevate(nodes, elements)
@@ -111,7 +111,7 @@ def stiffness_eigenvalues(element: str) -> tuple[Floats, Floats]:
     system = element_system(replace(bar, tets=bar.tets[:40]), element)
     used = np.unique(system.elements)
     ours = np.asarray(np.linalg.eigvalsh(dense_stiffness(system, used)), np.float64)
-    tensor = elasticity_tensor(species("poplar"), np.array([0.48, 0.6, 0.64]))
+    tensor = elasticity_tensor(wood_of_species("poplar"), np.array([0.48, 0.6, 0.64]))
 
     def energy(u: Any, v: Any, _: Any) -> Any:
         return np.einsum("ijkl,kl...,ij...->...", tensor, u.grad, v.grad)

@@ -10,9 +10,9 @@ from galewood.model import build_model
 from galewood.util import Floats
 from galewood.verify.bars import polygon_bar
 from galewood.verify.checks import Check, absolute, relative
-from galewood.wood import species
+from galewood.wood import wood_of_species
 
-WOOD = species("poplar")
+WOOD = wood_of_species("poplar")
 SCHEMES: tuple[tuple[Scheme, str], ...] = (("tr-bdf2", "TR-BDF2"), ("backward-euler", "backward Euler"))
 
 FREQUENCY_LIMITS: dict[Scheme, float] = {"tr-bdf2": 0.003, "backward-euler": 0.02}

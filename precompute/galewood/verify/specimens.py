@@ -19,7 +19,7 @@ from galewood.tets import TetMesh, tetrahedralise
 from galewood.util import Floats
 from galewood.verify.beam_frame import Frame
 from galewood.verify.beam_frame_tree import read_frame
-from galewood.wood import Wood, species
+from galewood.wood import Wood, wood_of_species
 
 NAMES = ("poplar", "maple", "apricot")
 TARGETS = (3000, 5500, 8000)
@@ -73,7 +73,7 @@ def specimen(folder: Path, name: str, tree: TreeMesh, mesh: TetMesh) -> Specimen
     """Skeleton, radius correction and foliage on a tetrahedral mesh of the tree."""
     skeleton = extract_skeleton(mesh)
     mesh = with_corrected_radii(tree, mesh, skeleton)
-    wood = species(name)
+    wood = wood_of_species(name)
     path = folder / f"{name}.skeleton.json"
     generated, frame = json.loads(path.read_text()), read_frame(path)
     origin = np.array(tree.report["roots"]["origin_in_file"])

@@ -1,4 +1,4 @@
-"""The wind as a document; in: document, places, time; out: velocity or pressure vectors."""
+"""The wind field; in: wind document, positions, time; out: velocity or pressure vectors."""
 
 from galewood.wind.document import MODELS, Wind, WindError, parse_wind
 from galewood.wind.evaluation import wind_pressure

@@ -1,4 +1,4 @@
-"""The wind document, version 1: fields, ranges, reading. docs/formats/wind.md specifies it."""
+"""The wind document, version 1: fields, ranges and parsing. Specified in docs/formats/wind.md."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import Any, cast
 VERSION = 1
 MODELS = ("cosine", "perlin", "spectral", "navier-stokes")
 TRAVELLING = ("perlin", "spectral", "navier-stokes")
-"""Models whose gusts are a picture with a length scale that the air carries."""
+"""Models whose gusts have a length scale and are advected by the air."""
 MOST_WAVES = 16
 SHARE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
 class Field:
-    """A number in a document: its range, the models that have it, and its default (None: required)."""
+    """A numeric field: its range, the models that have it, and its default (None: required)."""
 
     low: float
     high: float
@@ -27,7 +27,7 @@ class Field:
 
     @property
     def expected(self) -> str:
-        """The range in words."""
+        """The accepted range as text."""
         kind = "a whole number" if self.whole else "a number"
         return f"expected {kind} in {self.low:.10g}..{self.high:.10g}"
 
@@ -53,10 +53,10 @@ WAVE_FIELDS: dict[str, Field] = {
 
 
 class WindError(ValueError):
-    """A wind document that cannot be read: the path of the field and what would be accepted there."""
+    """A wind document that cannot be parsed: the path of the field and what is accepted there."""
 
     def __init__(self, path: str, expected: str, found: str = "") -> None:
-        """Found is what stood there instead, if that helps."""
+        """``found`` is appended to the message to show the rejected value; empty if that does not help."""
         super().__init__(f"{path}: {expected}{found}")
         self.path = path
         self.expected = expected
@@ -64,7 +64,7 @@ class WindError(ValueError):
 
 @dataclass(frozen=True)
 class Wave:
-    """One cosine wave of gusts; phase_turns < 0 takes the phase from the seed."""
+    """One cosine gust wave; a negative phase_turns derives the phase from the seed."""
 
     frequency_hz: float
     share: float
@@ -80,13 +80,14 @@ FOREST_WAVES = (
     Wave(0.46, 0.105, 0.5),
     Wave(0.8, 0.084, -0.7),
 )
-"""Amplitudes fall roughly as f^(−1/3), as the −5/3 law of velocity power asks; they sum to one. ``across``
-is the wavenumber across the wind over that along it; its signs make gusts cross one another."""
+"""The amplitudes decrease roughly as f^(−1/3), as a −5/3 power spectrum requires, and sum to one. ``across``
+is the wavenumber across the wind relative to that along it; alternating signs make the gusts cross.
+"""
 
 
 @dataclass(frozen=True)
 class Wind:
-    """A wind document; fields that its model has not keep their defaults."""
+    """A parsed wind document; fields that its model does not use keep their defaults."""
 
     mean_speed_m_s: float = 8.0
     direction_deg: float = 30.0
@@ -102,7 +103,7 @@ class Wind:
     waves: tuple[Wave, ...] = field(default=FOREST_WAVES)
 
     def document(self) -> dict[str, object]:
-        """The JSON object that ``parse_wind`` reads back; optional fields at their defaults are left out."""
+        """The JSON object that ``parse_wind`` accepts; optional fields with default values are omitted."""
         numbers = {
             name: getattr(self, name)
             for name, rule in FIELDS.items()
@@ -119,7 +120,7 @@ def _wave_document(wave: Wave) -> dict[str, float]:
 
 
 def parse_wind(document: object) -> Wind:
-    """Read a wind document; WindError names the offending field and what is allowed there."""
+    """Parse a wind document. Raises WindError with the invalid field and what is accepted there."""
     fields = _object(document, "wind")
     if fields.get("version") != VERSION or isinstance(fields.get("version"), bool):
         raise WindError("wind.version", f"this reader knows version {VERSION}", _found(fields.get("version")))

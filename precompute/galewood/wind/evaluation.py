@@ -1,8 +1,8 @@
-"""The wind: a speed and a heading at a place and a time, from a small document and a seed.
+"""Wind speed and heading at given positions and times, from a small document and a seed.
 
-docs/formats/wind.md is the specification; web/src/wind.ts is the same arithmetic in TypeScript and golden
-vectors hold the two together. Gusts travel with the wind, so neighbours move alike but not in unison. The
-models are in ``precompute.wind_models``; whoever plays a forest keeps a ``WindField``.
+Specified in docs/formats/wind.md. web/src/core/wind implements the same arithmetic in TypeScript; golden test
+vectors keep the two in step. Gusts are advected by the wind, so neighbouring trees move similarly but not in
+unison. Code that evaluates many frames of one forest should keep a ``WindField``.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ _last = threading.local()
 
 
 def _field(wind: Wind) -> WindField:
-    """One field a thread: a wind is usually asked for many moments in a row."""
+    """One cached field per thread, since a wind is usually evaluated at many consecutive times."""
     field: WindField | None = getattr(_last, "field", None)
     if field is None:
         field = _last.field = WindField(wind)
@@ -72,7 +72,7 @@ def _field(wind: Wind) -> WindField:
 
 
 def wind_speed(wind: Wind, x_m: npt.ArrayLike, z_m: npt.ArrayLike, time_s: float) -> tuple[Floats, Floats]:
-    """Speed (m/s, ≥ 0) and heading (rad, blown towards) at each place, at the reference height."""
+    """Speed (m/s, ≥ 0) and heading (rad, the direction of flow) at each position, at the reference height."""
     x, z = np.broadcast_arrays(np.asarray(x_m, np.float64), np.asarray(z_m, np.float64))
     velocity = np.zeros((2, x.size))
     flat_x, flat_z = np.ascontiguousarray(x.ravel()), np.ascontiguousarray(z.ravel())
@@ -89,5 +89,5 @@ def wind_pressure(
     out_x_pa: npt.NDArray[Any],
     out_z_pa: npt.NDArray[Any],
 ) -> None:
-    """Write the pressure vector (Pa, world x and z) at each place; exactly 0 where the wind is still."""
+    """Write the pressure vector (Pa, world x and z) at each position; exactly 0 in still air."""
     _field(wind).pressure(x_m, z_m, float(time_s), out_x_pa, out_z_pa)

@@ -1,4 +1,4 @@
-"""The wind field of a forest: velocity and pressure at many places, at any moment, whatever the model."""
+"""The wind field of a forest: velocity and pressure at many positions and any time, for every model."""
 
 from __future__ import annotations
 
@@ -17,23 +17,26 @@ from galewood.wind.pressure import pressure_of_velocity
 from galewood.wind.transition import Moment, WindState, at, change_wind, steady
 
 KEPT_GUSTS = 2
-"""A glide needs two at once."""
+"""A transition evaluates two gust fields at once."""
 KEPT_BUFFERS = 24
-"""Three for each of a forest's species."""
+"""Three for each species in a forest."""
 
 
 class Gusts(Protocol):
-    """One model with one seed. ``carried``: the length scales travelled (cosine: the time in s)."""
+    """The gusts of one model and seed.
+
+    ``carried`` is the distance travelled in length scales; the cosine model uses the time, s, instead.
+    """
 
     def velocity(
         self, wind: Wind, carried: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats, /
     ) -> None:
-        """Write the velocity (m/s, world x and z) at each place."""
+        """Write the velocity (m/s, world x and z) at each position (m)."""
         ...
 
 
 def gusts_of(wind: Wind) -> Gusts:
-    """The gusts of a document."""
+    """The gust generator of a wind document."""
     if wind.model == "perlin":
         return PerlinGusts(wind.seed)
     if wind.model == "spectral":
@@ -44,24 +47,24 @@ def gusts_of(wind: Wind) -> Gusts:
 
 
 class WindField:
-    """A forest's wind. Not for two threads at once: the eddies are stepped as time goes on."""
+    """The wind of a forest. Not thread-safe: the Navier–Stokes eddies are advanced as time goes on."""
 
     def __init__(self, wind: Wind | WindState) -> None:
-        """From a document (its air sets out at time 0) or from a shared state."""
+        """Create the field from a document (travel starts at time 0) or from a shared state."""
         self.state = steady(wind) if isinstance(wind, Wind) else wind
         self._gusts: dict[tuple[Any, ...], Gusts] = {}
-        self._spare: dict[tuple[str, int], Floats] = {}
+        self._buffers: dict[tuple[str, int], Floats] = {}
 
     def change(self, wind: Wind, time_s: float) -> None:
-        """Glide to another document from this time on."""
+        """Start a transition to another document at this time, s."""
         self.state = change_wind(self.state, wind, time_s)
 
     def at(self, time_s: float) -> Moment:
-        """The wind's numbers at a time, with glides on their way."""
+        """The interpolated wind parameters at a time, s, including any transition in progress."""
         return at(self.state, time_s)
 
     def velocity(self, x_m: Floats, z_m: Floats, time_s: float, out_x: Floats, out_z: Floats) -> None:
-        """Write the velocity (m/s, world x and z) at the reference height over each place."""
+        """Write the velocity (m/s, world x and z) at each position (m), at the reference height."""
         moment = at(self.state, time_s)
         self._write(moment.wind, moment, x_m, z_m, out_x, out_z)
         if moment.share < 1.0:
@@ -79,9 +82,9 @@ class WindField:
         out_z_pa: npt.NDArray[Any],
         height_factor: Floats | None = None,
     ) -> None:
-        """Write the pressure (Pa, world x and z) at each place; exactly 0 where the wind is still.
+        """Write the pressure (Pa, world x and z) at each position (m); exactly 0 in still air.
 
-        height_factor: see ``pressure.height_factor``; 1 everywhere if left out.
+        ``height_factor`` is the result of ``pressure.height_factor`` (default: 1 everywhere).
         """
         x, z = np.ascontiguousarray(x_m, np.float64), np.ascontiguousarray(z_m, np.float64)
         velocity_x, velocity_z = self._buffer("work", len(x))
@@ -92,13 +95,13 @@ class WindField:
         out_z_pa[:] = velocity_z
 
     def _buffer(self, use: str, count: int) -> Floats:
-        """(2, count) kept from frame to frame; "ones" are never written to."""
+        """A (2, count) buffer reused between frames; "ones" is never written to."""
         key = (use, count)
-        if key not in self._spare:
-            if len(self._spare) >= KEPT_BUFFERS:
-                self._spare.clear()
-            self._spare[key] = np.ones((2, count))
-        return self._spare[key]
+        if key not in self._buffers:
+            if len(self._buffers) >= KEPT_BUFFERS:
+                self._buffers.clear()
+            self._buffers[key] = np.ones((2, count))
+        return self._buffers[key]
 
     def _write(self, wind: Wind, moment: Moment, x: Floats, z: Floats, out_x: Floats, out_z: Floats) -> None:
         carried = moment.time_s if wind.model == "cosine" else moment.travel

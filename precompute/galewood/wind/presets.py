@@ -1,4 +1,4 @@
-"""Winds with names: the paper's six, and four that a visitor would ask for."""
+"""Named winds: the paper's six, and four presets for the forest page."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ PAPER_WAVES = (
     (0.90, 0.3, 5.0, 0.55),
     (1.00, 0.8, 3.5, 0.50),
 )
-"""The paper shows its six cosine winds in a figure without numbers: these span what the figure spans."""
+"""The paper shows its six cosine winds only in a figure without numbers; these span the same range."""
 
 
 def paper_wind(k: int, design_speed_m_s: float, direction_deg: float = 60.0) -> Wind:
-    """The paper's wind k (0 … 5): one cosine wave in a direction that does not change."""
+    """The paper's wind k (0 … 5): a single cosine wave with a constant direction (degrees)."""
     peak, depth, period_s, turns = PAPER_WAVES[k]
     return Wind(
         mean_speed_m_s=design_speed_m_s * peak / (1.0 + depth),

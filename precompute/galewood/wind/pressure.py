@@ -1,4 +1,4 @@
-"""From the wind's speed to the pressure that a tree feels, and how much of it its table has sampled."""
+"""Wind pressure on a tree as a function of speed, and how much of it the table covers."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
@@ -14,13 +14,13 @@ from galewood.util import Floats
 
 AIR_DENSITY_KG_M3 = 1.2
 STREAMLINING_SPEED_M_S = 5.0
-"""Beyond this speed a crown bends out of the wind and its drag grows more slowly than U²."""
+"""Above this speed the crown reconfigures and its drag grows more slowly than U²."""
 STREAMLINED_EXPONENT = 1.3
-"""2 + Vogel exponent (−0.7): the middle of what wind-tunnel tests of broad-leaved crowns report."""
+"""2 + Vogel exponent (−0.7), the middle of the range reported by wind-tunnel tests of broad-leaved crowns."""
 
 
 def dynamic_pressure(speed_m_s: npt.ArrayLike) -> Floats:
-    """Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, growing as U^1.3 beyond (streamlining)."""
+    """Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, proportional to U^1.3 above (streamlining)."""
     speed = np.asarray(speed_m_s, np.float64)
     start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
     streamlined = start * (speed / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT
@@ -29,12 +29,12 @@ def dynamic_pressure(speed_m_s: npt.ArrayLike) -> Floats:
 
 @numba.njit(cache=True, nogil=True)
 def pressure_of_velocity(velocity_x, velocity_z, factor):  # pragma: no cover  (compiled)
-    """Turn velocities (m/s), each times its factor (height), into pressure vectors (Pa), in place."""
+    """Convert velocities (m/s), each scaled by its height factor, to pressure vectors (Pa) in place."""
     start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S
     for i in range(len(velocity_x)):
         vx, vz = velocity_x[i] * factor[i], velocity_z[i] * factor[i]
         speed = math.sqrt(vx * vx + vz * vz)
-        # pressure over speed: the vector has the velocity's direction
+        # dividing by the speed keeps the direction of the velocity
         if speed <= STREAMLINING_SPEED_M_S:
             per_speed = 0.5 * AIR_DENSITY_KG_M3 * speed
         else:
@@ -44,26 +44,26 @@ def pressure_of_velocity(velocity_x, velocity_z, factor):  # pragma: no cover  (
 
 
 def height_factor(height_m: npt.ArrayLike, exponent: float, reference_height_m: float) -> Floats:
-    """Speed at a height over the speed at the reference height: the power law of the wind over a canopy."""
+    """Ratio of the speed at a height (m) to that at the reference height: power-law profile over a canopy."""
     return (np.asarray(height_m, np.float64) / reference_height_m) ** exponent
 
 
 def to_tree_frame(pressure_x: Floats, pressure_z: Floats, yaw_rad: npt.ArrayLike) -> tuple[Floats, Floats]:
-    """World pressure seen by trees turned by their yaw (three.js rotation.y)."""
+    """Rotate world pressure (Pa) into the frames of trees with the given yaw (three.js rotation.y, rad)."""
     c, s = np.cos(np.asarray(yaw_rad, np.float64)), np.sin(np.asarray(yaw_rad, np.float64))
     return c * pressure_x - s * pressure_z, s * pressure_x + c * pressure_z
 
 
 def sampled_peak_pa(sample_pressure_pa: npt.NDArray[np.float32]) -> float:
-    """The strongest pressure (Pa) among a table's records (z, 2)."""
+    """Largest pressure (Pa) among a table's records (z, 2)."""
     return float(np.sqrt(np.max(np.sum(np.square(sample_pressure_pa, dtype=np.float64), axis=1))))
 
 
 @numba.njit(cache=True, nogil=True)
 def limit_pressure(pressure_x, pressure_z, peak_pa):  # pragma: no cover  (compiled)
-    """Shorten pressures that are stronger than what a table has sampled to its strongest, in place.
+    """Clamp pressures in place to the magnitude of the strongest one in the table, keeping their direction.
 
-    Beyond it every record would be equally wrong, and trees would no longer know where the wind comes from.
+    Above it every record would be an equally poor match, and trees would no longer respond to the direction.
     """
     for i in range(len(pressure_x)):
         strength = math.sqrt(float(pressure_x[i]) ** 2 + float(pressure_z[i]) ** 2)
@@ -73,7 +73,7 @@ def limit_pressure(pressure_x, pressure_z, peak_pa):  # pragma: no cover  (compi
 
 
 def coverage(pressure_x: Floats, pressure_z: Floats, peak_pa: float) -> float:
-    """Share of the given pressures that are no stronger than what the table has sampled, 0 … 1."""
+    """Share (0 … 1) of the given pressures that do not exceed the strongest pressure in the table."""
     if len(pressure_x) == 0:
         return 1.0
     return float(np.mean(pressure_x * pressure_x + pressure_z * pressure_z <= peak_pa * peak_pa))

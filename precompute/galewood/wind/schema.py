@@ -1,4 +1,4 @@
-"""The wind document as JSON Schema (2020-12), made from the same table of fields that the reader uses."""
+"""The wind document as JSON Schema (2020-12), generated from the field table that the parser uses."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from galewood.wind.document import FIELDS, MODELS, MOST_WAVES, VERSION, WAVE_FIE
 
 
 def wind_schema() -> dict[str, Any]:
-    """One alternative for each model; the sum of the waves' shares is the one rule it cannot say."""
+    """The schema, with one alternative per model. It cannot express that the shares of the waves sum to at
+    most 1.
+    """
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Galewood wind document",

@@ -1,10 +1,10 @@
-"""The wind's clock: what a forest's wind is at a moment, smooth however its document is changed.
+"""Time evolution of a forest's wind, continuous under any change of its document.
 
-A change glides from the old document to the new one over GLIDE_S. The gusts are carried by ``travel``, the
-length scales that the air has passed since the start, ∫ c/L dt in closed form, never by a product of the
-time and a parameter: a change of speed moves the gusts faster, not elsewhere. A state is a small value that
-can be sent: all who share it agree on the wind at every moment. web/src/wind/glide.ts is the same
-arithmetic.
+A change is interpolated from the old document to the new one over TRANSITION_S. Gusts are advected by
+``travel``, the distance in length scales that the air has covered since the start: ∫ c/L dt in closed form,
+never the product of the time and a parameter, so that a change of speed does not displace the gusts. A state
+is a small value that can be transmitted: everyone who shares it computes the same wind at every time.
+web/src/core/wind implements the same arithmetic.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from typing import Any, cast
 from galewood.wind.document import FIELDS, Wind, WindError, parse_wind
 
 TRANSITION_S = 0.6
-_GLIDING = [name for name in FIELDS if name not in ("seed", "beta", "direction_deg")]
+_INTERPOLATED = [name for name in FIELDS if name not in ("seed", "beta", "direction_deg")]
 
 
 @dataclass(frozen=True)
 class WindState:
-    """A wind that has been gliding from one document to another since a time."""
+    """A wind that has been in transition from one document to another since a given time."""
 
     before: Wind
     wind: Wind
     since_s: float = 0.0
     travel: float = 0.0
-    """length scales travelled at ``since_s``"""
+    """Distance travelled at ``since_s``, in length scales."""
 
     def document(self) -> dict[str, object]:
-        """What ``parse_state`` reads back."""
+        """The JSON object that ``parse_state`` accepts."""
         return {
             "before": self.before.document(),
             "wind": self.wind.document(),
@@ -41,23 +41,23 @@ class WindState:
 
 @dataclass(frozen=True)
 class Moment:
-    """The wind at one time: ``before`` differs from ``wind`` only while one field fades into another."""
+    """The wind at one time; ``before`` differs from ``wind`` only while two gust fields are blended."""
 
     before: Wind
     wind: Wind
     time_s: float
     travel: float
     share: float
-    """of ``wind``, the rest is ``before``; 1 unless two fields have to be mixed"""
+    """Weight of ``wind`` (``before`` has the rest); 1 unless two gust fields are blended."""
 
 
 def steady(wind: Wind) -> WindState:
-    """A wind that has always been this one; its air set out at time 0."""
+    """The state of a wind that has never changed; its travel is 0 at time 0."""
     return WindState(wind, wind)
 
 
 def parse_state(document: object) -> WindState:
-    """Read a state; WindError names the field."""
+    """Parse a state. Raises WindError with the invalid field."""
     if not isinstance(document, Mapping):
         raise WindError("wind_state", "expected an object")
     fields = cast(Mapping[str, Any], document)
@@ -70,24 +70,24 @@ def parse_state(document: object) -> WindState:
 
 
 def parse_wind_or_state(document: object) -> WindState:
-    """What a client may send: a wind that has always been so, or the state of one it has been gliding."""
+    """Parse what a client may send: the document of a steady wind, or the state of a changing one."""
     if isinstance(document, Mapping) and "since_s" in document:
         return parse_state(cast(object, document))
     return steady(parse_wind(document))
 
 
 def change_wind(state: WindState, wind: Wind, time_s: float) -> WindState:
-    """Glide from what the wind is now to another document, from this time on."""
+    """Start a transition from the present wind to another document at this time, s."""
     now = at(state, time_s)
     return WindState(now.before if now.share < 0.5 else now.wind, wind, time_s, now.travel)
 
 
 def at(state: WindState, time_s: float) -> Moment:
-    """The wind at a time."""
+    """The wind at a time, s."""
     t = min(max((time_s - state.since_s) / TRANSITION_S, 0.0), 1.0)
     share = t * t * (3.0 - 2.0 * t)
     old_rate, new_rate = _rate(state.before), _rate(state.wind)
-    # ∫ of the smooth step: t³ − t⁴/2, and ½ when it is over
+    # the integral of the smoothstep is t³ − t⁴/2, thus ½ at the end of the transition
     transition_s = TRANSITION_S * t * t * t * (1.0 - 0.5 * t) + max(
         0.0, time_s - state.since_s - TRANSITION_S
     )
@@ -116,17 +116,17 @@ def _same_field(a: Wind, b: Wind) -> bool:
 
 
 def _between(a: Wind, b: Wind, share: float) -> Wind:
-    """Numbers on the way from a to b, the direction the short way round; model, seed, β and waves are b's."""
-    numbers = {name: _mix(getattr(a, name), getattr(b, name), share) for name in _GLIDING}
-    direction = b.direction_deg - (1.0 - share) * _half_turn(b.direction_deg - a.direction_deg)
-    return replace(b, **numbers, direction_deg=_half_turn(direction))
+    """Interpolate the numbers from a to b, the direction along the shorter arc; the rest is taken from b."""
+    numbers = {name: _mix(getattr(a, name), getattr(b, name), share) for name in _INTERPOLATED}
+    direction = b.direction_deg - (1.0 - share) * _normalised_angle(b.direction_deg - a.direction_deg)
+    return replace(b, **numbers, direction_deg=_normalised_angle(direction))
 
 
 def _mix(a: float, b: float, share: float) -> float:
-    """Never outside [a, b], not even by rounding: a wind on its way must be a wind that can be sent."""
+    """Linear interpolation clamped to [a, b], so that rounding cannot make a document invalid."""
     return min(max(a + share * (b - a), min(a, b)), max(a, b))
 
 
-def _half_turn(angle_deg: float) -> float:
-    """The same angle in [−180, 180)."""
+def _normalised_angle(angle_deg: float) -> float:
+    """The angle normalised to [−180, 180)."""
     return (angle_deg + 180.0) % 360.0 - 180.0

@@ -1,4 +1,4 @@
-"""A wood of the user's own as a JSON document: checked field by field, the rest from a known species."""
+"""A user-defined wood as a JSON document; omitted fields are taken from a known species."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from galewood.wood.species import Wood, species
+from galewood.wood.species import Wood, wood_of_species
 
 Ratio = Annotated[float, Field(ge=0.005, le=1.0)]
 Modulus = Annotated[float, Field(ge=1e8, le=5e10)]
@@ -17,7 +17,7 @@ Drag = Annotated[float, Field(ge=0.05, le=2.0)]
 
 
 class WoodError(ValueError):
-    """A document that is no wood; `problems` lists (field, what is wrong)."""
+    """An invalid wood document; `problems` lists (field, message)."""
 
     def __init__(self, problems: list[tuple[str, str]]) -> None:
         super().__init__(
@@ -27,15 +27,16 @@ class WoodError(ValueError):
 
 
 class WoodDocument(BaseModel):
-    """Green wood, transversely isotropic about its fibre. What is left out is taken from `based_on`.
+    """Green wood, transversely isotropic about its fibre. Omitted fields are taken from `based_on`.
 
-    Ratios are over the longitudinal modulus; Poisson's ratios are ν_LT and ν_TT; all numbers are finite.
+    Ratios are relative to the longitudinal modulus; Poisson's ratios are ν_LT and ν_TT; all numbers are
+    finite.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
-    name: Annotated[str, Field(min_length=1, max_length=80, description="What to call it.")]
-    based_on: Annotated[str, Field(description="Known species that the other fields start from.")] = "default"
+    name: Annotated[str, Field(min_length=1, max_length=80, description="Display name.")]
+    based_on: Annotated[str, Field(description="Species that provides the omitted fields.")] = "default"
     young_longitudinal_pa: Annotated[Modulus | None, Field(description="E along the fibre, Pa.")] = None
     radial_ratio: Annotated[Ratio | None, Field(description="E_R / E_L.")] = None
     tangential_ratio: Annotated[Ratio | None, Field(description="E_T / E_L.")] = None
@@ -43,20 +44,22 @@ class WoodDocument(BaseModel):
     shear_lt_ratio: Annotated[Ratio | None, Field(description="G_LT / E_L.")] = None
     poisson_longitudinal: Annotated[float | None, Field(ge=0.0, le=0.6, description="ν_LT.")] = None
     poisson_transverse: Annotated[float | None, Field(ge=0.0, le=0.95, description="ν_TT.")] = None
-    density_kg_m3: Annotated[Density | None, Field(description="Of green wood, kg/m³.")] = None
-    damping_ratio: Annotated[Damping | None, Field(description="Of the wood, of critical.")] = None
-    drag_coefficient: Annotated[Drag | None, Field(description="Of the crown's silhouette.")] = None
-    source: Annotated[str, Field(max_length=500, description="Where the numbers come from.")] = "the user"
+    density_kg_m3: Annotated[Density | None, Field(description="Density of green wood, kg/m³.")] = None
+    damping_ratio: Annotated[Damping | None, Field(description="Damping ratio of the wood.")] = None
+    drag_coefficient: Annotated[
+        Drag | None, Field(description="Relative to the frontal area of the tree.")
+    ] = None
+    source: Annotated[str, Field(max_length=500, description="Source of the data.")] = "the user"
 
     @model_validator(mode="after")
-    def _makes_a_wood(self) -> WoodDocument:
+    def _validate_wood(self) -> WoodDocument:
         self.wood()
         return self
 
     def wood(self) -> Wood:
-        """The wood. ValueError where the species is not known or the constants contradict each other."""
+        """The wood. Raises ValueError if the species is unknown or the constants are inconsistent."""
         try:
-            base = species(self.based_on)
+            base = wood_of_species(self.based_on)
         except KeyError as error:
             raise ValueError(f"based_on: {error.args[0]}") from None
         names = {field.name for field in fields(Wood)}
@@ -65,7 +68,7 @@ class WoodDocument(BaseModel):
 
 
 def read_wood(text: str | bytes) -> Wood:
-    """The wood of a JSON document. WoodError names every field that is wrong, and why."""
+    """Parse a JSON document. Raises WoodError with every invalid field."""
     try:
         return WoodDocument.model_validate_json(text).wood()
     except ValidationError as error:

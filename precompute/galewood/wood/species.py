@@ -1,22 +1,22 @@
-"""Green wood: elastic constants, density and damping of the species Galewood knows.
+"""Green wood: elastic constants, density and damping of the supported species.
 
-Wood is taken as transversely isotropic about its fibre. The radial and tangential constants are averaged,
-because a branch's cross-section holds too few tetrahedra to tell rings from rays.
+Wood is modelled as transversely isotropic about its fibre. The radial and tangential constants are averaged,
+because the cross-section of a branch has too few tetrahedra to resolve the ring structure.
 
-Sources, by the tag each entry carries:
+Sources, by the tag in each entry:
 
 - ``WH``: Forest Products Laboratory, *Wood Handbook*, FPL-GTR-190 (2010), chapter 5: tables 5-1 (elastic
   ratios, at about 12 % moisture), 5-2 (Poisson's ratios), 5-3 (static bending of green wood).
-- ``engdb``: engdatabase.com's reprint of the same tables (sugar maple and Douglas-fir were compared with it;
-  Douglas-fir's ratios also with a transcript of the 2021 edition's table 5-1, FPL-GTR-282, page 5-2).
+- ``engdb``: engdatabase.com's reprint of the same tables (compared for sugar maple and Douglas-fir; for
+  Douglas-fir also with a transcript of table 5-1 of the 2021 edition, FPL-GTR-282, page 5-2).
 - ``matweb``: MatWeb, North American eastern cottonwood, unseasoned: 1,010 ksi, 49 lb/ft³.
 - ``AHEC``: American Hardwood Information Center, black cherry, green: 1.31 million psi.
 
-What could not be compared with a second source is marked "unchecked" in the entry: the ratios of cottonwood
-and of black cherry. They weigh little: 30 % more or less transverse stiffness changes the first ten
-frequencies by 1.6 % at most, 30 % of the shear stiffness by 2 to 10 % (docs/physics.md). The handbook's
-bending moduli hold some shear deflection; it advises adding 10 % for the true E_L, which is not done here, as
-the spread between trees (22 % of the mean) is larger.
+Values without a second source are marked "unchecked" in the entry: the ratios of cottonwood and black cherry.
+Their influence is small: changing the transverse stiffness by 30 % changes the first ten frequencies by at
+most 1.6 %, changing the shear stiffness by 30 % by 2 to 10 % (docs/physics.md). The handbook's bending moduli
+include some shear deflection; it recommends adding 10 % to obtain the true E_L. This is not done here,
+because the spread between trees (22 % of the mean) is larger.
 """
 
 from dataclasses import dataclass
@@ -24,9 +24,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Wood:
-    """Elastic and inertial constants of a species' green wood (ratios are relative to the longitudinal
-    modulus).
-    """
+    """Elastic and inertial constants of green wood; ratios are relative to the longitudinal modulus."""
 
     name: str
     young_longitudinal_pa: float
@@ -55,7 +53,7 @@ class Wood:
         if not 0 < self.damping_ratio < 1:
             raise ValueError(f"{self.name}: the damping ratio must lie between 0 and 1")
         if not self.is_stable():
-            raise ValueError(f"{self.name}: these Poisson's ratios make the wood unstable")
+            raise ValueError(f"{self.name}: the wood is unstable with these Poisson's ratios")
 
     @property
     def young_transverse_pa(self) -> float:
@@ -69,11 +67,11 @@ class Wood:
 
     @property
     def shear_transverse_pa(self) -> float:
-        """Shear modulus across the fibre, Pa: what transverse isotropy leaves no choice about."""
+        """Shear modulus across the fibre, Pa, determined by transverse isotropy."""
         return self.young_transverse_pa / (2 * (1 + self.poisson_transverse))
 
     def is_stable(self) -> bool:
-        """Whether every strain costs energy (the conditions of Lempriere, AIAA Journal 6, 1968)."""
+        """Whether the strain energy is positive for every strain (Lempriere, AIAA Journal 6, 1968)."""
         ratio = self.young_transverse_pa / self.young_longitudinal_pa
         return (
             abs(self.poisson_transverse) < 1
@@ -170,8 +168,8 @@ ALIASES = {
 }
 
 
-def species(name: str) -> Wood:
-    """The wood of a species by name or alias; KeyError naming the known ones otherwise."""
+def wood_of_species(name: str) -> Wood:
+    """The wood of a species by name or alias. Raises KeyError with the known names."""
     key = name.strip().lower()
     key = ALIASES.get(key, key)
     if key not in SPECIES:

@@ -14,10 +14,17 @@ from galewood.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_
 
 from galewood_server.api.connections import counted_connection
 from galewood_server.context import Service, service_of
-from galewood_server.stream import WIRE_VERSION, WireError, wire
-from galewood_server.stream.forests import Subscription
-from galewood_server.stream.refusal import NOT_BINARY, REFUSED, UNREADABLE, Refusal
-from galewood_server.stream.socket_protocol import protocol_of
+from galewood_server.stream import (
+    NOT_BINARY,
+    REFUSED,
+    UNREADABLE,
+    WIRE_VERSION,
+    Refusal,
+    Subscription,
+    WireError,
+    protocol_of,
+    wire,
+)
 
 router = APIRouter()
 log = logging.getLogger("galewood.stream")

@@ -1,7 +1,7 @@
 """What one server process on one core carries: clients × trees × 30 Hz, and clients that never read.
 
 The server runs in a process of its own, pinned to one core, the clients in others, pinned apart from it.
-`galewood bench-serve`, or `python -m galewood_server.cli.bench_load`.
+Run by `galewood bench-serve`.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ def _server(folder: Path, load: Load) -> Generator[tuple[psutil.Process, int]]:
             os.sched_setaffinity(0, {load.server_core})
 
     child = subprocess.Popen(
-        [sys.executable, "-c", "from galewood_server.cli.commands import app; app(['serve'])"],
+        [sys.executable, "-m", "galewood_server.cli.main", "serve"],
         env=environment,
         preexec_fn=pin,
         stdout=subprocess.DEVNULL,
@@ -231,9 +231,3 @@ def table_files(folder: Path) -> list[Path]:
             f"no tables in {folder}: name some with --table, or run `galewood serve` first"
         )
     return whole[:3]
-
-
-if __name__ == "__main__":
-    from galewood_server.cli.commands import app
-
-    app(["bench-serve", *sys.argv[1:]])

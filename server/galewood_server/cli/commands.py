@@ -9,24 +9,12 @@ from typing import Annotated
 
 import typer
 from galewood.cli import JsonOut, app, console, write_figures
-from galewood.threads import SINGLE_THREADED
 
 from galewood_server.cli.extras import needs_extras
 from galewood_server.cli.operations import doctor, key, upload
 
 for command in (upload, doctor, key):
     app.command()(command)
-
-
-def main() -> None:
-    """The program `galewood`.
-
-    Work is shared out by process, so a library's own threads would only wait for each other; what a table is
-    made of must not depend on their number either. Libraries read it when they are loaded, by a command.
-    """
-    for name, value in SINGLE_THREADED.items():
-        os.environ.setdefault(name, value)
-    app()
 
 
 @app.command()
@@ -82,7 +70,3 @@ def bench_serve(
     figures = run_load(table or table_files(data_dir), load)
     write_figures(json_out, figures)
     console.print_json(data=figures)
-
-
-if __name__ == "__main__":
-    app()

@@ -12,10 +12,10 @@ from sqlalchemy import update
 
 from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.dask_runner import DaskRunner
-from galewood_server.jobs.fingerprint import fingerprint
 from galewood_server.jobs.publishing import Publisher
 from galewood_server.jobs.queue import end_job
 from galewood_server.jobs.reporting import JobLease, Reporter
+from galewood_server.jobs.table_fingerprint import fingerprint
 from galewood_server.settings import Settings
 from galewood_server.storage import FIELDS, Job, Sessions, Stores, Tree, hold, mark_replaced, utc_now
 

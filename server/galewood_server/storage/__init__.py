@@ -9,7 +9,7 @@ from galewood_server.storage.database import (
     open_database,
 )
 from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file
-from galewood_server.storage.files import KINDS, FileStore, Stores, file_age_s, is_hash
+from galewood_server.storage.files import FileStore, file_age_s, is_hash
 from galewood_server.storage.garbage import (
     ASKED,
     FIELDS,
@@ -33,6 +33,8 @@ from galewood_server.storage.models import (
     new_id,
     utc_now,
 )
+from galewood_server.storage.object_store import fetch, open_bucket, stored
+from galewood_server.storage.stores import KINDS, Stores
 from galewood_server.storage.table_cache import TableCache
 
 __all__ = [
@@ -56,6 +58,7 @@ __all__ = [
     "database_now",
     "encoded_file",
     "engine_of",
+    "fetch",
     "file_age_s",
     "forget_analysis_folders",
     "forget_old_analyses",
@@ -67,7 +70,9 @@ __all__ = [
     "migrate",
     "migration_config",
     "new_id",
+    "open_bucket",
     "open_database",
     "referenced",
+    "stored",
     "utc_now",
 ]

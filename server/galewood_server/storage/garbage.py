@@ -12,8 +12,8 @@ from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from galewood_server.storage.database import Sessions, database_now
-from galewood_server.storage.files import Stores
 from galewood_server.storage.models import ACTIVE, Garbage, Job, JobKind, Tree
+from galewood_server.storage.stores import Stores
 
 FIELDS = {
     "sources": "source_sha256",

@@ -1,4 +1,4 @@
-/** What the motion costs: the same view of the same instances moving and standing still, by turns. */
+/** Cost of the motion: the same view of the same instances, alternately moving and static. */
 import type { Browser, CDPSession, Page } from "@playwright/test";
 import { openPage, untilMoving } from "./page";
 import { type Figure, median } from "./report";
@@ -9,7 +9,7 @@ const BLOCK = { frames: 5, longest_ms: 6000, least_ms: 400 };
 
 interface Cost {
   readonly frame_ms: number;
-  /** Of all processes of the browser: on a busy machine this tells more than the clock. */
+  /** CPU time of all browser processes: on a busy machine more reliable than wall time. */
   readonly processor_ms: number;
 }
 
@@ -18,7 +18,7 @@ async function processor_ms(session: CDPSession): Promise<number> {
   return processInfo.reduce((sum, { cpuTime }) => sum + 1000 * cpuTime, 0);
 }
 
-/** Mean cost of a frame over a block. */
+/** Mean cost of a frame in a block. */
 async function block(page: Page, session: CDPSession, still: boolean): Promise<Cost> {
   await draw(page, still, { frames: 1, longest_ms: 0, least_ms: 0 });
   const before_ms = await processor_ms(session);
@@ -27,7 +27,7 @@ async function block(page: Page, session: CDPSession, still: boolean): Promise<C
   return { frame_ms: time_ms / frames, processor_ms: used_ms / frames };
 }
 
-/** Lets the page draw until the block is over. */
+/** Draws one block of frames. */
 function draw(page: Page, still: boolean, length: typeof BLOCK) {
   return page.evaluate(
     async ({ still, frames, longest_ms, least_ms }) => {
@@ -61,7 +61,7 @@ export async function measureFrames(
   const page = await openPage(browser, base, `trees=${trees}`);
   await untilMoving(page);
   const session = await browser.newBrowserCDPSession();
-  await block(page, session, true); // compiles what stands still
+  await block(page, session, true); // compiles the static shaders
   const [moving, still]: Cost[][] = [[], []];
   for (let round = 0; round < ROUNDS; round++) {
     moving.push(await block(page, session, false));

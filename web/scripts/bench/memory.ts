@@ -10,7 +10,7 @@ export async function measureMemory(browser: Browser, base: string, minutes: num
   await untilMoving(page);
   const session = await page.context().newCDPSession(page);
   const heap_MB = async () => {
-    // What the instruments themselves have kept is not the page's.
+    // Discard the measurements, which are not part of the page.
     await page.evaluate(() => {
       const { script_ms, frame_ms, bytes } = window.counted;
       for (const list of [script_ms, frame_ms, bytes]) list.length = 0;

@@ -1,13 +1,13 @@
-/** A small page with instruments in it: time of every frame's script, bytes sent to the graphics card. */
+/** Instrumented page: script time of every frame, and bytes uploaded to the GPU. */
 import type { Browser, Page } from "@playwright/test";
 
 const SIZE = { width: 320, height: 180 };
 
-/** What the instruments count, kept on the page's window. */
+/** Measurements, stored on the page's window. */
 export interface Counted {
-  /** Time that the main thread spent in each frame's callbacks, ms. */
+  /** Main-thread time of each frame's callbacks, ms. */
   script_ms: number[];
-  /** Time from each frame to the next, ms. */
+  /** Interval between frames, ms. */
   frame_ms: number[];
   bytes: number[];
   firstMoving_ms: number | null;
@@ -19,7 +19,7 @@ declare global {
   }
 }
 
-/** Runs in the page before its own scripts. */
+/** Runs in the page before its scripts. */
 function instrument(): void {
   const counted: Counted = { script_ms: [], frame_ms: [], bytes: [], firstMoving_ms: null };
   window.counted = counted;
@@ -56,7 +56,7 @@ function instrument(): void {
     const view = data as Float32Array;
     return typeof length === "number" && length > 0 ? length * view.BYTES_PER_ELEMENT : viewBytes(data);
   });
-  // (target, level, x, y, width, height, format, type, pixels): only this part of the pixels is read
+  // (target, level, x, y, width, height, format, type, pixels): only this part is uploaded
   wrap("texSubImage2D", ([, , , , width, height, format, , data]) => {
     if (!ArrayBuffer.isView(data)) return 0;
     const channels = format === 0x1903 ? 1 : 4; // RED, or RGBA

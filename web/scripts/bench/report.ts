@@ -1,12 +1,12 @@
-/** One figure of the bench, and a table of them. */
+/** One result of the benchmark, and a table of results. */
 
 export interface Figure {
   readonly name: string;
   readonly value: number;
   readonly unit: string;
-  /** The figure should not be above this. */
+  /** Upper limit of the figure. */
   readonly most?: number;
-  /** Every value that the figure is the median of. */
+  /** The samples; the figure is their median. */
   readonly all?: readonly number[];
 }
 

@@ -1,4 +1,4 @@
-/** From the address to the first moving tree on a warm server, and how much script that takes. */
+/** Time from navigation to the first moving tree on a warm server, and its script time. */
 import { gzipSync } from "node:zlib";
 import type { Browser } from "@playwright/test";
 import { openPage } from "./page";
@@ -33,7 +33,7 @@ async function compressedBytes(url: string): Promise<number> {
   return gzipSync(new Uint8Array(text), { level: 9 }).length;
 }
 
-/** The first visit, to a server and a browser that have only just started, is told apart from the three counted ones. */
+/** The first visit (cold server and browser) is reported separately from the three measured ones. */
 export async function measureStart(browser: Browser, base: string): Promise<Figure[]> {
   const cold = await visit(browser, base);
   const visits = [];

@@ -1,17 +1,17 @@
-/** How long the wind of a large forest takes, for each model. */
+/** Time per frame of the wind of a large forest, for each model. */
 import { hasField, MODELS, type WindDocument, type WindModel } from "../../src/core/wind/document";
 import { WindField } from "../../src/core/wind/field";
 
 export interface WindTiming {
   readonly median_ms: number;
   readonly worst_ms: number;
-  /** The first frame: it makes the model's picture. */
+  /** The first frame, which creates the model's texture. */
   readonly prepare_ms: number;
 }
 
 const FRAME_S = 1 / 30;
 
-/** Milliseconds for the pressure at every tree in one frame. */
+/** Time (ms) to compute the pressure at every tree in one frame. */
 export function benchWind(trees = 10_000, frames = 60): Record<WindModel, WindTiming> {
   const timings = MODELS.map((model) => [model, benchModel(model, trees, frames)] as const);
   return Object.fromEntries(timings) as Record<WindModel, WindTiming>;

@@ -1,6 +1,6 @@
 /**
- * The worker's time at 10,000 trees, a table step of all trees each frame. Nothing is drawn meanwhile: where no
- * graphics card draws, the rasteriser would take the worker's processor.
+ * Worker time at 10,000 trees, with one table step of all trees per frame. Nothing is drawn meanwhile, because the
+ * software rasteriser would compete for the processor.
  */
 import type { Browser, Page } from "@playwright/test";
 import { openPage, untilMoving } from "./page";
@@ -12,7 +12,7 @@ const FRAME_S = 1 / 30;
 const DEFAULT = "modal";
 const MODELS = ["cosine", "perlin", "spectral", "navier-stokes"] as const;
 
-/** The worker's times of the next frames, ms; frames begin in their own rhythm, as on a screen. */
+/** Worker times of the next frames (ms), at the regular frame rate. */
 function sample(page: Page, frames: number) {
   return page.evaluate(
     async ([wanted, frame_s]) => {
@@ -36,7 +36,7 @@ async function method(browser: Browser, base: string, name: string): Promise<Fig
   const page = await openPage(browser, base, `trees=${TREES}&method=${name}`);
   await untilMoving(page);
   await page.evaluate(() => window.galewood?.sleep(true));
-  await sample(page, 60); // compiles, and the trees get into motion
+  await sample(page, 60); // warm-up, until the trees move
   const all = (await sample(page, FRAMES)).map(({ total_ms }) => total_ms);
   const figures: Figure[] = [
     {
@@ -58,7 +58,7 @@ async function wind(page: Page, model: string): Promise<Figure> {
     const scale = model === "cosine" ? {} : { length_scale_m: 20 };
     window.galewood?.setWind({ ...plain, model, ...scale });
   }, model);
-  await sample(page, 150); // glides over, and compiles
+  await sample(page, 150); // transition and warm-up
   const times = (await sample(page, FRAMES)).map(({ wind_ms }) => wind_ms);
   return {
     name: `worker, wind ${model}, 10,000 trees`,

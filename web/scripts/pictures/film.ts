@@ -1,4 +1,4 @@
-/** Frames of a short film, drawn one by one by the page's own clock; scripts/film.py makes one file of them. */
+/** Renders a short film frame by frame on the page's clock; scripts/film.py combines the frames into one file. */
 import { execFileSync } from "node:child_process";
 import { mkdirSync, rmSync, writeFileSync } from "node:fs";
 import { resolve } from "node:path";
@@ -9,11 +9,11 @@ import { SHOTS } from "./shots";
 const SIZE = { width: 576, height: 324 };
 const FPS = 12;
 const FILM_S = 3;
-/** Frames after the film's end, faded into its beginning. */
+/** Extra frames after the end that are faded into the beginning. */
 const FADED = 6;
 const REPOSITORY = resolve(import.meta.dirname, "../../..");
 
-/** Warms the wind up unseen, then draws every frame. */
+/** Advances the wind without drawing, then renders every frame. */
 export async function film(page: Page): Promise<void> {
   const folder = resolve(REPOSITORY, "build/film");
   rmSync(folder, { recursive: true, force: true });

@@ -1,4 +1,4 @@
-/** A page that draws only on request: pictures of any size, whatever they cost. */
+/** A page that draws only on request, for pictures of any size. */
 import { writeFileSync } from "node:fs";
 import { resolve } from "node:path";
 import type { Page } from "@playwright/test";
@@ -7,7 +7,7 @@ import type { Shot } from "./shots";
 export const BASE = process.env.BASE_URL ?? "http://127.0.0.1:8000";
 export const FOLDER = process.env.FOLDER ?? resolve(import.meta.dirname, "../../../docs/images");
 export const LARGE = { width: 1200, height: 675 };
-/** While the wind blows and nothing is shown. */
+/** Viewport while time advances and nothing is shown. */
 export const TINY = { width: 96, height: 54 };
 export const PATIENCE_MS = 900_000;
 const STEP_S = 0.05;
@@ -16,7 +16,7 @@ const MOST_BYTES = 300_000;
 
 export const LOOK = `quality=${process.env.QUALITY ?? "medium"}&trees=${process.env.TREES ?? 320}&density=1.2`;
 
-/** Opens a forest in which every tree moves, asleep. */
+/** Opens a forest, waits until every tree moves, and stops its frame loop. */
 export async function forest(page: Page, query: string): Promise<void> {
   await page.goto(`${BASE}/?${query}`, { waitUntil: "commit" });
   await page.waitForFunction(() => (window.galewood?.trees.moving ?? 0) > 0);
@@ -24,7 +24,7 @@ export async function forest(page: Page, query: string): Promise<void> {
   await page.evaluate(() => window.galewood?.sleep(true));
 }
 
-/** Lets so many steps of time pass, unseen. */
+/** Advances by `count` time steps without drawing. */
 export async function steps(page: Page, count: number, dt_s = STEP_S): Promise<void> {
   await page.evaluate(
     async ({ count, dt_s }) => {
@@ -45,7 +45,7 @@ export async function dress(page: Page, { season, daytime, eye, at, wind }: Shot
   );
 }
 
-/** Waits until the page has laid itself out for its window. */
+/** Resizes the viewport and waits for the layout. */
 export async function resize(page: Page, size: { width: number; height: number }): Promise<void> {
   await page.setViewportSize(size);
   await page.waitForFunction(({ width }) => {
@@ -54,7 +54,7 @@ export async function resize(page: Page, size: { width: number; height: number }
   }, size);
 }
 
-/** One frame more, read from the canvas while it holds it: the picture of the forest alone. */
+/** Draws one frame and reads it from the canvas: the forest without the page around it. */
 export async function frame(page: Page, dt_s: number, type: string, quality = 1): Promise<Buffer> {
   const url = await page.evaluate(
     async ({ dt_s, type, quality }) => {
@@ -66,7 +66,7 @@ export async function frame(page: Page, dt_s: number, type: string, quality = 1)
   return Buffer.from(url.slice(url.indexOf(",") + 1), "base64");
 }
 
-/** Lets the page draw by itself for a moment, so that its window shows it. */
+/** Runs the frame loop for some frames, so that the window shows the current state. */
 export async function drawn(page: Page, frames = 2): Promise<void> {
   const from = await page.evaluate(() => {
     window.galewood?.sleep(false);
@@ -76,7 +76,7 @@ export async function drawn(page: Page, frames = 2): Promise<void> {
   await page.evaluate(() => window.galewood?.sleep(true));
 }
 
-/** Saves what the window shows, as well as it fits. */
+/** Saves a screenshot at the best quality that fits the size limit. */
 export async function save(page: Page, name: string): Promise<void> {
   const path = `${FOLDER}/${name}.jpg`;
   for (const quality of QUALITIES) {
@@ -86,7 +86,7 @@ export async function save(page: Page, name: string): Promise<void> {
   console.log(`${name}.jpg`);
 }
 
-/** Small while the wind blows, so that it costs little; large for the picture. */
+/** Saves a picture. The viewport is small while time advances, to save time, and large for the picture. */
 export async function take(page: Page, name: string, shot: Shot): Promise<void> {
   await resize(page, TINY);
   await dress(page, shot);

@@ -1,4 +1,4 @@
-/** Pictures of the page around the forest: its panel, a picked tree, the comparison, an upload, a phone. */
+/** Screenshots of the user interface: page, selected tree, comparison, upload, tree physics, phone. */
 import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
 import type { Browser, Page } from "@playwright/test";
@@ -13,7 +13,7 @@ async function whole(page: Page): Promise<void> {
   await save(page, "page");
 }
 
-/** Some tree of the first view, near by and picked. */
+/** A nearby tree of the initial view, selected. */
 async function picked(page: Page): Promise<void> {
   await page.setViewportSize({ width: 480, height: 270 });
   await forest(page, `${LOOK}&speed=11&time=0.62&panel=1`);
@@ -31,26 +31,26 @@ async function picked(page: Page): Promise<void> {
     window.galewood?.look({ x: x - 0.4 * far_m, above, z: z + far_m }, { x, above, z });
   }, found);
   await page.waitForFunction(() => document.querySelectorAll(".picked img").length > 0);
-  await steps(page, 60, 0.1); // the curve of its tip
+  await steps(page, 60, 0.1); // fills the plot of the tip displacement
   await resize(page, LARGE);
   await drawn(page);
   await save(page, "inspect");
 }
 
-/** The server simulates the tree in this wind first: minutes. */
+/** Takes minutes, because the server computes the reference solution first. */
 async function compared(page: Page): Promise<void> {
   await page.setViewportSize(LARGE);
   await forest(page, "quality=low&trees=6&speed=12&time=0.6");
-  await page.locator("#tools").getByRole("button", { name: "Is it right?" }).click();
+  await page.locator("#tools").getByRole("button", { name: "Check accuracy" }).click();
   await page.waitForFunction(() =>
-    document.querySelector(".compare-verdict")?.textContent?.includes("% of its height"),
+    document.querySelector(".compare-verdict")?.textContent?.includes("% of tree height"),
   );
   await page.waitForTimeout(8000);
   await save(page, "compare");
   await page.keyboard.press("Escape");
 }
 
-/** One of our own trees as if a visitor had brought it: a byte apart from the species, which the server knows. */
+/** Uploads a built-in tree with one byte changed, so that the server does not recognize it. */
 async function uploaded(page: Page): Promise<void> {
   await page.setViewportSize(LARGE);
   await forest(page, "quality=low&trees=6&speed=5&time=0.6");
@@ -59,17 +59,17 @@ async function uploaded(page: Page): Promise<void> {
   if (at > 12) buffer.write("G", at);
   await page.setInputFiles("#file", { name: "our-apricot.glb", mimeType: "model/gltf-binary", buffer });
   const dialog = page.locator("dialog.own-tree");
-  await dialog.getByLabel("Height, m").waitFor();
+  await dialog.getByLabel("Height (m)").waitFor();
   await page.waitForTimeout(6000);
   await save(page, "upload");
-  await dialog.getByRole("button", { name: "Remove it" }).click();
+  await dialog.getByRole("button", { name: "Discard" }).click();
   await dialog.waitFor({ state: "detached" });
 }
 
 async function known(page: Page): Promise<void> {
   await page.setViewportSize(LARGE);
   await forest(page, "quality=low&trees=6&speed=5&time=0.6");
-  await page.locator("#tools").getByRole("button", { name: "About the trees" }).click();
+  await page.locator("#tools").getByRole("button", { name: "Tree physics" }).click();
   await save(page, "trees");
 }
 

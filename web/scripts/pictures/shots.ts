@@ -1,4 +1,4 @@
-/** The views of the forest that docs/images shows. */
+/** The views of the forest in docs/images. */
 
 export type Place = { x: number; above: number; z: number };
 
@@ -8,7 +8,7 @@ export interface Shot {
   readonly eye: Place;
   readonly at: Place;
   readonly wind?: object;
-  /** Seconds of wind before the picture. */
+  /** Time before the picture is taken, s. */
   readonly after_s: number;
 }
 

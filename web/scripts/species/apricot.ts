@@ -2,7 +2,7 @@ import { apricotBark } from "./bark-picture";
 import { ovate } from "./leaf-shapes";
 import type { Species } from "./species";
 
-/** A small orchard tree: short stem, wide round crown of crooked boughs. */
+/** A small orchard tree: short stem and wide round crown with crooked boughs. */
 export const apricot: Species = {
   id: "apricot",
   name: "Apricot",

@@ -2,7 +2,7 @@ import { octaves, type TilingNoise, tilingNoise } from "./noise";
 import { blank, type Colour, type Picture } from "./picture";
 import { type Random, seededRandom } from "./random";
 
-/** Height (0 groove, 1 ridge) and colour of bark at a place of the tile. */
+/** Height (0 groove, 1 ridge) and colour of the bark at a position in the tile. */
 export interface BarkPoint {
   height: number;
   colour: Colour;
@@ -15,7 +15,7 @@ export interface BarkPictures {
   normal: Picture;
 }
 
-/** Colour and normal picture (OpenGL convention, as glTF wants it) of a tiling bark. */
+/** Colour and normal map (OpenGL convention, as in glTF) of a tileable bark. */
 export function barkPictures(bark: Bark, width: number, height: number, relief: number): BarkPictures {
   const colour = blank(width, height);
   const heights = new Float32Array(width * height);
@@ -50,7 +50,7 @@ interface Lens {
   halfHeight: number;
 }
 
-/** Pale, smooth, with dark lens-shaped pores across and a few old branch scars: young poplar. */
+/** Young poplar: pale and smooth with dark, lens-shaped horizontal pores and a few branch scars. */
 export function poplarBark(seed: number): Bark {
   const noise = tilingNoise(seed);
   const pores = lenses(seededRandom(seed), 90, [0.015, 0.06], [0.002, 0.005]);
@@ -69,7 +69,7 @@ export function poplarBark(seed: number): Bark {
   };
 }
 
-/** Grey-brown with long shallow furrows that part and join: Norway maple. */
+/** Norway maple: grey-brown with long, shallow, branching furrows. */
 export function mapleBark(seed: number): Bark {
   const noise = tilingNoise(seed);
   return (u, v) => {
@@ -86,7 +86,7 @@ export function mapleBark(seed: number): Bark {
   };
 }
 
-/** Dark reddish brown, cracked along, with pale pores across: apricot. */
+/** Apricot: dark reddish brown with vertical cracks and pale horizontal pores. */
 export function apricotBark(seed: number): Bark {
   const noise = tilingNoise(seed);
   const pores = lenses(seededRandom(seed), 90, [0.012, 0.04], [0.0015, 0.0035]);
@@ -105,8 +105,8 @@ export function apricotBark(seed: number): Bark {
 }
 
 /**
- * Ridges between two families of meandering cracks, one leaning each way, so that they enclose long
- * lozenges. 1 on a ridge, down to 1 - depth in a crack; cracks are deep here and shallow there.
+ * Ridges between two families of meandering cracks that lean in opposite directions and enclose long lozenges. 1 on a
+ * ridge, down to 1 - depth in a crack; the depth varies.
  */
 function furrows(
   noise: TilingNoise,
@@ -136,7 +136,7 @@ function lenses(random: Random, count: number, width: readonly number[], height:
   }));
 }
 
-/** How deep a place lies in any of the lenses, 0 outside to 1; the tile wraps around. */
+/** Depth of a position in any of the lenses, from 0 (outside) to 1; the tile is periodic. */
 function lensDepth(list: readonly Lens[], u: number, v: number): number {
   let depth = 0;
   for (const lens of list) {

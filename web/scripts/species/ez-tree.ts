@@ -1,6 +1,6 @@
 /**
- * The generator, importable in Node: on import it loads its own bark and leaf pictures through
- * `document`, which we never use, so a stub that swallows the request is enough.
+ * Makes the generator importable in Node: on import it loads its bark and leaf pictures through `document`. They are
+ * not used here, so a stub is sufficient.
  */
 const stub = { createElementNS: () => ({ addEventListener() {}, removeEventListener() {} }) };
 const scope = globalThis as unknown as { document?: unknown };

@@ -4,23 +4,23 @@ import { type Random, seededRandom } from "./random";
 import type { SkeletonNode } from "./skeleton";
 import type { SurfaceMesh } from "./surface";
 
-/** How the sprays of leaves stand on the wood. A spray is one card: a quad with a picture of a shoot. */
+/** Arrangement of the leaf sprays on the wood. A spray is one card: a quad with a picture of a shoot. */
 export interface Foliage {
   cards: number;
   size_m: number;
   /** Relative scatter of size. */
   scatter: number;
-  /** Angle between spray and twig, degrees, from the base of a branch to its tip. */
+  /** Angle between spray and twig (degrees) from the base of a branch to its tip. */
   angle_deg: Profile;
-  /** Leaves per metre of branch from its base to its tip, for trunk, boughs, twigs (relative). */
+  /** Relative number of leaves per metre from base to tip, for trunk, boughs and twigs. */
   density: readonly Profile[];
-  /** How far sprays stand off the modelled wood, on shoots too thin to model, m. */
+  /** Offset of the sprays from the modelled wood (m), for shoots too thin to model. */
   reach_m: number;
-  /** Pull of the sprays up (positive) or down. */
+  /** Tendency of the sprays to point up (positive) or down. */
   lift: number;
-  /** Brightness in the depth of the crown (1 = as outside). */
+  /** Brightness inside the crown (1 = same as outside). */
   shade: number;
-  /** Spread of colour between boughs and between sprays, 0 to 1. */
+  /** Colour variation between boughs and between sprays, 0 to 1. */
   bough_tint: number;
   spray_tint: number;
 }
@@ -42,7 +42,7 @@ interface Crown {
 const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
 const ATLAS_COLUMNS = 2;
 
-/** Cards spread evenly over the leafy wood. Each card is its own piece of four vertices. */
+/** Cards distributed evenly over the leafy wood. Each card is a separate piece of four vertices. */
 export function leafMesh(nodes: readonly SkeletonNode[], foliage: Foliage, seed: number): SurfaceMesh {
   const random = seededRandom(seed);
   const sites = leafSites(nodes, foliage, random);
@@ -55,7 +55,7 @@ export function leafMesh(nodes: readonly SkeletonNode[], foliage: Foliage, seed:
   return mesh;
 }
 
-/** Places along the wood, stratified by the density so that no stretch is bare by chance. */
+/** Positions along the wood, stratified by density so that no section is bare by chance. */
 function leafSites(nodes: readonly SkeletonNode[], foliage: Foliage, random: Random): Site[] {
   const along = relativePositions(nodes);
   const bough = boughs(nodes);
@@ -93,7 +93,7 @@ function relativePositions(nodes: readonly SkeletonNode[]): Float64Array {
   return length.map((value, i) => value / (total.get(nodes[i].branch) || 1));
 }
 
-/** The bough that each node belongs to (the trunk's own top counts as bough 0). */
+/** Bough of each node (the top of the trunk counts as bough 0). */
 function boughs(nodes: readonly SkeletonNode[]): number[] {
   const bough: number[] = [];
   nodes.forEach((node, i) => {
@@ -112,7 +112,7 @@ function crownOf(sites: readonly Site[]): Crown {
   return { centre: low.clone().add(high).multiplyScalar(0.5), half: high.sub(low).multiplyScalar(0.5) };
 }
 
-/** Direction out of the crown and how far out a point lies (0 centre, 1 surface). */
+/** Outward direction at a point of the crown, and its relative depth (0 centre, 1 surface). */
 function outward(point: Vector3, crown: Crown): { direction: Vector3; depth: number } {
   const relative = point.clone().sub(crown.centre).divide(crown.half);
   const depth = relative.length();
@@ -160,7 +160,7 @@ function addCard(
   mesh.indices.push(first, first + 1, first + 2, first, first + 2, first + 3);
 }
 
-/** Shoots leave the twig at the species' angle, turned on by the golden angle, and lift or hang. */
+/** Shoots leave the twig at the species' angle, rotated by the golden angle, and are bent up or down. */
 function sprayAxis(site: Site, index: number, foliage: Foliage, random: Random): Vector3 {
   const angle = ((sample(foliage.angle_deg, site.along) + random.around(0, 25)) * Math.PI) / 180;
   const helper = Math.abs(site.tangent.y) > 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
@@ -171,7 +171,7 @@ function sprayAxis(site: Site, index: number, foliage: Foliage, random: Random):
   return axis.normalize();
 }
 
-/** Leaves look at the light: outwards and up, with a wide scatter, square to the spray's own axis. */
+/** Leaves face the light: outwards and up with a wide scatter, perpendicular to the axis of the spray. */
 function cardNormal(axis: Vector3, out: Vector3, random: Random): Vector3 {
   const normal = out.clone().multiplyScalar(0.6);
   normal.y += 0.2;
@@ -183,7 +183,7 @@ function cardNormal(axis: Vector3, out: Vector3, random: Random): Vector3 {
   return normal.normalize();
 }
 
-/** Darker towards the heart and the underside of the crown; boughs and sprays differ a little. */
+/** Darker towards the centre and the underside of the crown, with small variations between boughs and sprays. */
 function cardColour(
   out: { direction: Vector3; depth: number },
   foliage: Foliage,

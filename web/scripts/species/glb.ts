@@ -1,14 +1,14 @@
 import { type Accessor, Document, type Material, NodeIO } from "@gltf-transform/core";
 import type { SurfaceMesh } from "./surface";
 
-/** Encoded pictures of a species. */
+/** Encoded textures of a species. */
 export interface SpeciesPictures {
   bark: Uint8Array;
   barkNormal: Uint8Array;
   leaves: Uint8Array;
 }
 
-/** Binary glTF with two meshes, `wood` and `leaves`, each under a node of its own name. */
+/** Writes binary glTF with two meshes, `wood` and `leaves`, each under a node of the same name. */
 export async function writeGlb(
   name: string,
   wood: SurfaceMesh,
@@ -25,7 +25,7 @@ export async function writeGlb(
   return new NodeIO().writeBinary(document);
 }
 
-/** Reads a file of `writeGlb` back. */
+/** Reads a file written by `writeGlb`. */
 export function readGlb(glb: Uint8Array): Promise<Document> {
   return new NodeIO().readBinary(glb);
 }
@@ -74,7 +74,7 @@ function meshNode(document: Document, name: string, mesh: SurfaceMesh, material:
   return document.createNode(name).setMesh(document.createMesh(name).addPrimitive(primitive));
 }
 
-/** Opaque RGBA bytes: four a vertex keep the alignment that glTF asks for. */
+/** Opaque RGBA bytes: four per vertex, for the alignment required by glTF. */
 function colourBytes(rgb: readonly number[]): Uint8Array {
   const bytes = new Uint8Array((rgb.length / 3) * 4).fill(255);
   rgb.forEach((value, i) => {

@@ -6,30 +6,30 @@ import type { SkeletonNode } from "./skeleton";
 /** A curve through equally spaced values over [0, 1]. */
 export type Profile = readonly number[];
 
-/** How the side branches of one order stand on their parent. */
+/** Arrangement of the side branches of one order on their parent. */
 export interface Branching {
-  /** Side branches on each successive piece (body, then leaders) of a parent of full length. */
+  /** Number of side branches on each successive piece (body, then leaders) of a full-length parent. */
   count: readonly number[];
-  /** Where they start on the parent's first piece, 0 to 1. */
+  /** Position of the first one on the parent's first piece, 0 to 1. */
   start: number;
-  /** Angle to the parent by position along it, degrees. */
+  /** Angle to the parent (degrees) by position along it. */
   angle_deg: Profile;
   /** Length by position along the parent, in the generator's units. */
   length: Profile;
-  /** Largest rise (sine of the inclination) that a side branch may start with, if it has the choice. */
+  /** Preferred maximum of the initial rise (sine of the inclination) of a side branch. */
   steepest: number;
   /** Relative scatter of length and angle. */
   scatter: number;
 }
 
-/** What shapes a species beyond the generator's own options. */
+/** Shape parameters of a species, in addition to the generator's options. */
 export interface Habit {
   seed: number;
-  /** Generator options, as in its presets. */
+  /** Generator options, in the format of its presets. */
   options: object;
-  /** Side branches of the trunk, then of the boughs. */
+  /** Side branches of the trunk and of the boughs. */
   branching: readonly Branching[];
-  /** For trunk, boughs, twigs: length of each leader relative to the piece that it goes on from. */
+  /** Length of each leader relative to the piece that it continues, for trunk, boughs and twigs. */
   leader: readonly (readonly number[])[];
 }
 
@@ -41,14 +41,14 @@ interface Section {
 
 type QueuedBranch = InstanceType<typeof Tree>["branchQueue"][number];
 
-/** What we remember about a branch besides what the generator keeps. */
+/** Data of a branch in addition to those of the generator. */
 interface Lineage {
   parentNode: number;
   branch: number;
   order: number;
-  /** 0 for the body of the branch, 1 and 2 for the leaders that go on from it. */
+  /** 0 for the body of the branch, 1 and 2 for the leaders that continue it. */
   piece: number;
-  /** Position where this piece begins along the whole branch and how much of it it covers. */
+  /** Start of this piece along the whole branch, and the share that it covers. */
   from: number;
   span: number;
   /** Length relative to the longest of its order. */
@@ -57,7 +57,7 @@ interface Lineage {
 
 const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
 
-/** The generator with its branch placement replaced by ours and its geometry left out. */
+/** The generator with its own branch placement replaced, and without geometry. */
 class GrowingTree extends Tree {
   readonly nodes: SkeletonNode[] = [];
   private readonly habit: Habit;
@@ -130,7 +130,7 @@ class GrowingTree extends Tree {
     return ids;
   }
 
-  /** The generator has just queued the leader of the current branch: make it part of that branch. */
+  /** Makes the leader that the generator has just queued a part of the current branch. */
   private adoptLeader(lineage: Lineage, lastNode: number): void {
     const leader = this.branchQueue[this.branchQueue.length - 1];
     const ratio = this.habit.leader[lineage.order][lineage.piece];
@@ -212,8 +212,8 @@ function between(a: Section, b: Section, t: number): Section {
 }
 
 /**
- * Leans away from the parent. Of a circle of directions it takes the first, counted from `radial_rad`,
- * that neither hangs nor stands straight up: side branches spread in flat layers, to the light.
+ * Direction of a side branch at its angle to the parent: the first one on the circle from `radial_rad` on that neither
+ * hangs nor points straight up, so that side branches spread in flat layers.
  */
 function sideways(parent: Euler, angle_rad: number, radial_rad: number, steepest: number): Euler {
   const lean = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), angle_rad);
@@ -235,7 +235,7 @@ export function sample(profile: Profile, t: number): number {
   return profile[i] + (profile[i + 1] - profile[i]) * (x - i);
 }
 
-/** Grows the skeleton of a species, in the generator's units, radii not yet set. */
+/** Grows the skeleton of a species in the generator's units; radii are not set yet. */
 export function growSkeleton(habit: Habit): SkeletonNode[] {
   const tree = new GrowingTree(habit);
   tree.generate();

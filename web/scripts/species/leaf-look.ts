@@ -1,12 +1,12 @@
 import type { LeafPoint, Outline } from "./outline";
 import type { Colour } from "./picture";
 
-/** How the leaves of a species look and how they sit on a shoot. */
+/** Appearance of the leaves of a species, and their arrangement on a shoot. */
 export interface LeafLook {
   outline: Outline;
-  /** Veins on the right half, each from its root to its end. */
+  /** Veins on the right half, each from its start to its end. */
   veins: readonly (readonly [LeafPoint, LeafPoint])[];
-  /** Colours that the leaves of one card vary around: one set for each of the four cards. */
+  /** Base colours of the leaves: one set for each of the four cards. */
   palettes: readonly (readonly Colour[])[];
   vein: Colour;
   stem: Colour;

@@ -7,7 +7,7 @@ import { growShoots, type Leaf, placeLeaves, type Shoot } from "./shoots";
 const TILE = 512;
 const OVERSAMPLING = 2;
 
-/** Four different shoots in a two by two atlas of 1024 pixels, drawn at twice the size. */
+/** Four different shoots in a 2 × 2 atlas of 1024 pixels, drawn at double size. */
 export function leafPicture(look: LeafLook, seed: number): Picture {
   const large = blank(2 * TILE * OVERSAMPLING, 2 * TILE * OVERSAMPLING);
   for (let tile = 0; tile < 4; tile++) drawTile(large, look, tile, seededRandom(seed + 7919 * tile));
@@ -27,7 +27,7 @@ function drawTile(picture: Picture, look: LeafLook, tile: number, random: Random
   }
 }
 
-/** One tile of the atlas; card coordinates run from (0, 0) at the foot to (1, 1) at the top right. */
+/** One tile of the atlas; card coordinates run from (0, 0) at the bottom left to (1, 1) at the top right. */
 class Frame {
   constructor(
     readonly picture: Picture,
@@ -36,7 +36,7 @@ class Frame {
     readonly size: number,
   ) {}
 
-  /** Calls `paint` with card coordinates and pixel offset for all pixels in the box. */
+  /** Calls `paint` with the card coordinates and pixel offset of every pixel in the box. */
   each(low: LeafPoint, high: LeafPoint, paint: (x: number, y: number, at: number) => void): void {
     const margin = 6 * OVERSAMPLING;
     const clamp = (v: number): number =>
@@ -64,7 +64,7 @@ function toBlade(look: LeafLook, leaf: Leaf, x: number, y: number): LeafPoint {
   return [(dx * cos - dy * sin) / leaf.squeeze, dx * sin + dy * cos - look.petiole];
 }
 
-/** Box around the blade: a circle about its middle. */
+/** Bounding box of the blade, from a circle around its centre. */
 function bladeBox(look: LeafLook, leaf: Leaf): [LeafPoint, LeafPoint] {
   const middle = (look.petiole + 0.48) * leaf.length;
   return around(
@@ -88,7 +88,7 @@ function drawLeaf(frame: Frame, look: LeafLook, leaf: Leaf): void {
   });
 }
 
-/** What lies under a leaf is darkened around it, which tells the leaves of a shoot apart. */
+/** Darkens what lies under a leaf, so that the leaves of a shoot can be distinguished. */
 function drawShadow(frame: Frame, look: LeafLook, leaf: Leaf): void {
   const data = frame.picture.data;
   frame.each(...bladeBox(look, leaf), (x, y, at) => {
@@ -119,7 +119,7 @@ function drawStem(frame: Frame, shoot: Shoot, stem: Colour): void {
   });
 }
 
-/** Folded along the midrib, lighter veins, a darker heart and a worn rim. */
+/** Leaf colour: fold along the midrib, lighter veins, darker centre, worn edge. */
 function bladeColour(look: LeafLook, leaf: Leaf, bx: number, by: number): Colour {
   const fold = bx * Math.cos(leaf.angle) > 0 ? 1.06 : 0.93;
   const bloom = 0.9 + 0.16 * Math.min(1, Math.max(0, by)) + 0.1 * Math.abs(bx);

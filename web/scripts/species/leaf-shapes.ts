@@ -22,7 +22,7 @@ export function deltoid(): Shape {
   return { outline, veins: pinnate([0.06, 0.2, 0.36, 0.54], 0.42, 0.2) };
 }
 
-/** Broad egg with a short point and fine teeth: apricot. */
+/** Apricot: broadly ovate with a short tip and fine teeth. */
 export function ovate(): Shape {
   const outline = toothed(
     [
@@ -41,7 +41,7 @@ export function ovate(): Shape {
   return { outline, veins: pinnate([0.08, 0.22, 0.38, 0.55, 0.7], 0.38, 0.17) };
 }
 
-/** Five lobes with long teeth: Norway maple. */
+/** Norway maple: five lobes with long teeth. */
 export function palmate(): Shape {
   const outline: LeafPoint[] = [
     [0, 0.06],
@@ -84,7 +84,7 @@ export function palmate(): Shape {
   return { outline, veins };
 }
 
-/** Smooths a half outline and sets small teeth on it. */
+/** Smooths a half outline and adds small teeth. */
 function toothed(control: LeafPoint[], teeth: number, depth: number): LeafPoint[] {
   const steps = teeth * 2;
   return Array.from({ length: steps + 1 }, (_, i) => {
@@ -106,7 +106,7 @@ function spline(control: LeafPoint[], t: number): [number, number] {
   return [Math.max(0, blend(0)), blend(1)];
 }
 
-/** Side veins that rise from the midrib at the given heights. */
+/** Side veins that leave the midrib at the given heights. */
 function pinnate(roots: number[], reach: number, rise: number): [LeafPoint, LeafPoint][] {
   return roots.map((y) => [
     [0, y],

@@ -2,7 +2,7 @@ import { mapleBark } from "./bark-picture";
 import { palmate } from "./leaf-shapes";
 import type { Species } from "./species";
 
-/** Broad oval crown on long boughs that spread in layers; red in autumn. */
+/** Broad oval crown with long boughs in layers; red in autumn. */
 export const maple: Species = {
   id: "maple",
   name: "Maple",

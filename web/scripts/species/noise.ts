@@ -1,4 +1,4 @@
-/** Value noise that repeats after a whole number of cells, so that a picture made of it tiles. */
+/** Value noise with a period of a whole number of cells, for tileable pictures. */
 export type TilingNoise = (u: number, v: number, cellsU: number, cellsV: number) => number;
 
 export function tilingNoise(seed: number): TilingNoise {

@@ -4,7 +4,7 @@ export type LeafPoint = readonly [number, number];
 /** Right half of a leaf's outline, from the petiole to the tip. */
 export type Outline = readonly LeafPoint[];
 
-/** Where each of many rows of the blade crosses its outline: makes the test of a point cheap. */
+/** Crossings of many rows with the outline of the blade, for a fast point test. */
 type OutlineRows = readonly (readonly number[])[];
 
 const ROWS = 1024;
@@ -30,7 +30,7 @@ function crossings(outline: Outline, y: number): number[] {
   return found;
 }
 
-/** Even-odd test; `x` is the distance from the midrib. */
+/** Even-odd point test; `x` is the distance from the midrib. */
 export function insideLeaf(outline: Outline, x: number, y: number): boolean {
   const row = outlineRows(outline)[Math.floor((y - LOWEST) / ROW_HEIGHT)] ?? [];
   let within = false;

@@ -1,6 +1,6 @@
 import { PNG } from "pngjs";
 
-/** A picture of floats in [0, 1], row by row from the top: red, green, blue, coverage. */
+/** A picture of floats in [0, 1] (red, green, blue, coverage), row by row from the top. */
 export interface Picture {
   width: number;
   height: number;
@@ -13,7 +13,7 @@ export function blank(width: number, height: number): Picture {
   return { width, height, data: new Float32Array(width * height * 4) };
 }
 
-/** Halves a picture; colours are averaged by coverage, so that clear pixels lend no colour. */
+/** Halves a picture; colours are weighted by coverage, so that transparent pixels do not contribute. */
 export function halve(source: Picture): Picture {
   const target = blank(source.width >> 1, source.height >> 1);
   for (let y = 0; y < target.height; y++) {
@@ -36,7 +36,7 @@ function averageFour(source: Picture, target: Picture, x: number, y: number): vo
   target.data[to + 3] = coverage / 4;
 }
 
-/** Gives clear pixels the colour of what is near, so that filtering draws no fringe. Width = 2^n. */
+/** Gives transparent pixels the colour of nearby ones, so that filtering shows no fringe. Width = 2^n. */
 export function bleed(picture: Picture): Picture {
   if (picture.width < 2 || picture.height < 2) return picture;
   const coarse = bleed(halve(picture));
@@ -52,7 +52,7 @@ export function bleed(picture: Picture): Picture {
   return filled;
 }
 
-/** Encodes as PNG (straight alpha); with `opaque` the coverage is left out. */
+/** Encodes as PNG (straight alpha); without coverage if `opaque`. */
 export function encodePng(picture: Picture, opaque: boolean): Uint8Array {
   const { width, height, data } = picture;
   const png = new PNG({ width, height });

@@ -1,5 +1,5 @@
 declare module "pngjs" {
-  /** The part of pngjs that we use (it ships no types). */
+  /** Types of the part of pngjs used here (the package has none). */
   export class PNG {
     constructor(options: { width: number; height: number });
     width: number;

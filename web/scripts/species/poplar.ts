@@ -3,7 +3,7 @@ import { TreePreset } from "./ez-tree";
 import { deltoid } from "./leaf-shapes";
 import type { Species } from "./species";
 
-/** Tall and narrow, one straight stem with short boughs; grown from the generator's aspen. */
+/** Tall and narrow with one straight stem and short boughs; based on the generator's aspen. */
 export const poplar: Species = {
   id: "poplar",
   name: "Poplar",

@@ -1,4 +1,4 @@
-/** A seeded source of numbers; equal seeds give equal trees on every machine. */
+/** Seeded random numbers; equal seeds give equal trees on every machine. */
 export interface Random {
   /** Uniform in [low, high). */
   uniform(low: number, high: number): number;

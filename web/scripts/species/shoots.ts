@@ -3,7 +3,7 @@ import type { LeafPoint } from "./outline";
 import type { Colour } from "./picture";
 import type { Random } from "./random";
 
-/** A leaf on a card, in card coordinates; `squeeze` < 1 shows it turned from the viewer. */
+/** A leaf on a card, in card coordinates; `squeeze` < 1 shows it turned away from the viewer. */
 export interface Leaf {
   x: number;
   y: number;
@@ -18,7 +18,7 @@ export interface Shoot {
   weight: number;
 }
 
-/** A main shoot and side shoots that leave it in turn. */
+/** A main shoot and alternating side shoots. */
 export function growShoots(random: Random): Shoot[] {
   const bend = random.around(0, 0.08);
   const main = curve([0.5, 0], [0.5 + bend, 0.4], [0.5 - bend, 0.78]);
@@ -42,7 +42,7 @@ function curve(a: LeafPoint, b: LeafPoint, c: LeafPoint): LeafPoint[] {
   });
 }
 
-/** Leaves alternate along the shoots, the lower ones drawn first. */
+/** Alternating leaves along the shoots, lower ones drawn first. */
 export function placeLeaves(
   look: LeafLook,
   shoots: Shoot[],

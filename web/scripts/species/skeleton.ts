@@ -1,38 +1,38 @@
 import type { Vector3 } from "three";
 
-/** One section of a branch. Parents always come before their children. */
+/** One section of a branch. Parents precede their children. */
 export interface SkeletonNode {
   position: Vector3;
   /** Index of the node below, -1 for the root. */
   parent: number;
-  /** Branch id; a branch runs on through its own leader. */
+  /** Branch id; a branch includes its leaders. */
   branch: number;
   /** 0 trunk, 1 bough, 2 twig. */
   level: number;
   radius: number;
 }
 
-/** How thick the wood is (pipe model): the cross-section follows the length of wood carried. */
+/** Thickness of the wood (pipe model): the cross-section depends on the length of wood carried. */
 export interface Girth {
-  /** Radius at breast height, where foresters measure, m. */
+  /** Radius at breast height, m. */
   breast_radius_m: number;
   breast_height_m: number;
   tip_radius_m: number;
-  /** 0.5 conserves cross-section over a fork (Leonardo's rule); less keeps twigs thicker. */
+  /** 0.5 conserves the cross-section at forks (Leonardo's rule); lower values make twigs thicker. */
   exponent: number;
-  /** Relative swelling of the foot and the height over which it fades, m. */
+  /** Relative swelling of the stem base, and the height (m) over which it decays. */
   flare: number;
   flare_height_m: number;
 }
 
-/** Scales and moves the tree in place: foot at the origin, topmost wood at `height_m`. */
+/** Scales and moves the tree in place: base at the origin, top of the wood at `height_m`. */
 export function scaleToHeight(nodes: SkeletonNode[], height_m: number): void {
   const foot = nodes[0].position.clone();
   const top = nodes.reduce((best, node) => Math.max(best, node.position.y - foot.y), 0);
   for (const node of nodes) node.position.sub(foot).multiplyScalar(height_m / top);
 }
 
-/** Length of the wood that each node carries beyond itself, m. */
+/** Length of wood carried by each node, m. */
 export function carriedLength(nodes: readonly SkeletonNode[]): Float64Array {
   const carried = new Float64Array(nodes.length);
   for (let i = nodes.length - 1; i > 0; i--) {
@@ -42,7 +42,7 @@ export function carriedLength(nodes: readonly SkeletonNode[]): Float64Array {
   return carried;
 }
 
-/** Sets every radius from the length carried, so that the trunk has its girth at breast height. */
+/** Sets every radius from the length carried, so that the trunk has its radius at breast height. */
 export function setGirth(nodes: SkeletonNode[], girth: Girth): void {
   const carried = carriedLength(nodes);
   const reference = carried[nodeAtHeight(nodes, girth.breast_height_m)];

@@ -5,13 +5,13 @@ import type { LeafLook } from "./leaf-look";
 import type { Girth } from "./skeleton";
 import type { WoodCut } from "./wood";
 
-/** All that is needed to grow one species. */
+/** Parameters of one species. */
 export interface Species {
   id: string;
   name: string;
-  /** Key of its wood in the precompute's table of species. */
+  /** Key of its wood in the Python table of species. */
   wood: string;
-  /** Height of the topmost wood, m; leaves stand a little above it. */
+  /** Height of the wood, m; leaves extend slightly above it. */
   height_m: number;
   habit: Habit;
   girth: Girth;
@@ -19,6 +19,6 @@ export interface Species {
   foliage: Foliage;
   leaf: LeafLook;
   bark: Bark;
-  /** Strength of the bark's relief in its normal picture. */
+  /** Strength of the bark relief in the normal map. */
   barkRelief: number;
 }

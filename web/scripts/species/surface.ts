@@ -4,6 +4,6 @@ export interface SurfaceMesh {
   normals: number[];
   uvs: number[];
   indices: number[];
-  /** Linear RGB in [0, 1], one triple a vertex. */
+  /** Linear RGB in [0, 1], one triple per vertex. */
   colours?: number[];
 }

@@ -2,11 +2,11 @@ import { Vector3 } from "three";
 import { branches, type SkeletonNode } from "./skeleton";
 import type { SurfaceMesh } from "./surface";
 
-/** How the tubes of the wood are cut. */
+/** Tessellation of the wood tubes. */
 export interface WoodCut {
-  /** Corners of a cross-section for trunk, boughs, twigs. */
+  /** Corners of a cross-section of trunk, boughs and twigs. */
   segments: readonly number[];
-  /** Width and height of one repeat of the bark picture, m. */
+  /** Width and height of one bark tile, m. */
   bark_tile_m: readonly [number, number];
 }
 
@@ -19,7 +19,7 @@ interface Ring {
   along_m: number;
 }
 
-/** Closed tubes, one a branch; a side branch starts inside its parent, on the parent's axis. */
+/** Closed tubes, one per branch; a side branch starts on the axis of its parent. */
 export function woodMesh(nodes: readonly SkeletonNode[], cut: WoodCut): SurfaceMesh {
   const mesh: SurfaceMesh = { positions: [], normals: [], uvs: [], indices: [] };
   for (const ids of branches(nodes)) {
@@ -31,7 +31,7 @@ export function woodMesh(nodes: readonly SkeletonNode[], cut: WoodCut): SurfaceM
 
 /** Rings carried along the branch without twist (double reflection is not needed at these bends). */
 function rings(nodes: readonly SkeletonNode[], ids: readonly number[], segments: number): Ring[] {
-  // A polygon inscribed in the circle would be too thin: give it the circle's area.
+  // An inscribed polygon would be too thin: give it the area of the circle.
   const fullArea = Math.sqrt((2 * Math.PI) / (segments * Math.sin((2 * Math.PI) / segments)));
   const points = ids.map((id) => nodes[id].position);
   let side = new Vector3(1, 0, 0);
@@ -77,7 +77,7 @@ function addRing(
   tile_height_m: number,
 ): void {
   for (let j = 0; j <= segments; j++) {
-    // The seam repeats the first corner exactly (same angle), so that welding closes the tube.
+    // The seam repeats the first corner exactly, so that welding closes the tube.
     const angle = (2 * Math.PI * (j % segments)) / segments;
     const normal = ring.side
       .clone()
@@ -90,7 +90,7 @@ function addRing(
   }
 }
 
-/** Closes an end: flat at the foot (`sense` -1), a blunt point at the tip (`sense` 1). */
+/** Closes an end: flat at the base (`sense` -1), blunt at the tip (`sense` 1). */
 function addCap(mesh: SurfaceMesh, ring: Ring, first: number, segments: number, sense: 1 | -1): void {
   const apex = ring.centre.clone().addScaledVector(ring.tangent, sense > 0 ? ring.radius * 1.5 : 0);
   const id = mesh.positions.length / 3;

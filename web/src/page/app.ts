@@ -1,4 +1,4 @@
-/** The page: binds stage, forest, worker, catalogue and panel, and runs the frame loop. */
+/** The application: connects stage, forest, worker, catalogue and panel, and runs the frame loop. */
 
 import { meanCrownDisplacement_m } from "../core/motion/crownDisplacement";
 import { meanVelocity_m_s, sameWind } from "../core/wind/edit";
@@ -50,7 +50,7 @@ export class App {
   readonly stage: Stage;
   frame = 0;
   private stopped = false;
-  /** Neither advances nor draws, to leave the processor to others. */
+  /** While true, the forest neither advances nor draws, to leave the processor to other work. */
   asleep = false;
   private readonly client = new ForestClient(showToast, {
     placement: (about) => this.takePlacement(about),
@@ -78,7 +78,7 @@ export class App {
   private last_ms = performance.now();
   private reported_ms = 0;
 
-  /** `defaults`: settings are stored as differences from these. */
+  /** Settings are stored as differences from `defaults`. */
   constructor(
     readonly settings: Settings,
     private readonly defaults: Settings,
@@ -143,7 +143,10 @@ export class App {
     this.report();
   }
 
-  /** Trees that stay keep moving; new ones appear with their first poses. `replant`: for everyone who shares the forest. */
+  /**
+   * Places the trees. Existing ones keep moving, new ones appear with their first poses. `replant`: also for all who
+   * share the forest.
+   */
   private placeTrees(replant = false): void {
     const { settings, client, forest } = this;
     const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
@@ -167,12 +170,12 @@ export class App {
     );
   }
 
-  /** A wind from a document of any origin; throws WindError if it cannot be used. */
+  /** Sets the wind from an untrusted document; throws WindError if it is invalid. */
   setWind(document: unknown): void {
     this.changeWind(parseWind(document), "instruments");
   }
 
-  /** Every change of the page's wind comes through here; a shared one is known to the worker already. */
+  /** The only place that changes the page's wind; the worker already knows a shared one. */
   private changeWind(wind: WindDocument, origin: "panel" | "instruments" | "shared"): void {
     this.settings.wind = wind;
     if (origin !== "panel") this.panel.refresh();
@@ -181,7 +184,7 @@ export class App {
     this.remember();
   }
 
-  /** Others replaced the trees of this shared forest. */
+  /** Called when another client replaced the trees of this shared forest. */
   private takePlacement(about: About): void {
     if (!adoptPlacement(this.settings, about)) return;
     this.panel.refresh();
@@ -206,7 +209,7 @@ export class App {
     this.change("season");
   }
 
-  /** Season and time of day: light, land and leaves. */
+  /** Applies season and time of day to light, land and leaves. */
   private applyScenery(): void {
     const { daytime, season } = this.settings;
     this.stage.show(daytime, season);
@@ -229,7 +232,7 @@ export class App {
     this.remember();
   }
 
-  /** Stores the settings, and keeps the address a link to them. */
+  /** Stores the settings and updates the URL. */
   private remember(): void {
     if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
     const query = withShared(queryFromSettings(this.settings), this.share);
@@ -272,7 +275,7 @@ export class App {
     for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
   }
 
-  /** Advances by dt_s and waits for the poses of that time: for films, while asleep. */
+  /** Advances by dt_s and waits for the poses; for frame-by-frame rendering while asleep. */
   async step(dt_s: number, drawn = true): Promise<void> {
     this.move(dt_s);
     while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));
@@ -281,7 +284,7 @@ export class App {
     this.frame++;
   }
 
-  /** While the first trees are loading only clouds would move: leave the processor to the loading. */
+  /** Skip drawing while the first trees are loading, because only the clouds would move. */
   private get waitsForTrees(): boolean {
     return this.frame > 0 && this.forest.group.children.length === 0 && performance.now() < PATIENCE_MS;
   }
@@ -325,7 +328,7 @@ export class App {
     this.pickedCard.show(figures, tree);
   }
 
-  /** The forest stops meanwhile, to leave the processor to the comparison. */
+  /** Opens the comparison. The forest stops meanwhile, to leave the processor to it. */
   private async openCompare(): Promise<void> {
     const view = await import("./compare/compareView");
     this.compareView ??= new view.CompareView({
@@ -339,7 +342,7 @@ export class App {
     this.compareView.open(this.picker.figures?.treeId ?? null);
   }
 
-  /** A tree for the comparison, where the picked one stands or the first of its kind. */
+  /** A candidate for the comparison, at the place of the picked tree or of the first of its species. */
   private candidate(id: string, { model, motion, instances }: SpeciesForest): Candidate[] {
     const tree = this.catalogue.trees.find((known) => known.id === id);
     if (!tree || !motion) return [];
@@ -391,7 +394,7 @@ export class App {
     );
   }
 
-  /** Moves the camera: eye above the ground and the point it looks at, metres. */
+  /** Moves the camera: eye and target, with heights above the ground, m. */
   look(eye: { x: number; above: number; z: number }, at: { x: number; above: number; z: number }): void {
     this.stage.camera.position.set(eye.x, groundHeight_m(eye.x, eye.z) + eye.above, eye.z);
     this.stage.controls.target.set(at.x, groundHeight_m(at.x, at.z) + at.above, at.z);

@@ -1,4 +1,4 @@
-/** Photographs and short films of the canvas, saved as files. */
+/** Photos and short videos of the canvas, saved as files. */
 
 const FILM_FPS = 30;
 export const LONGEST_FILM_S = 20;
@@ -15,22 +15,22 @@ function save(blob: Blob, name: string): void {
 
 const stamp = () => new Date().toISOString().slice(0, 19).replace(/[:T]/g, "-");
 
-/** Saves the canvas as it is now: call right after drawing, before the browser clears it. */
+/** Saves the current canvas. Call right after drawing, before the browser clears it. */
 export function savePhoto(canvas: HTMLCanvasElement): Promise<void> {
   return new Promise((done, failed) => {
     canvas.toBlob((blob) => {
-      if (!blob) return failed(new Error("The browser gave no picture."));
+      if (!blob) return failed(new Error("The browser returned no image."));
       save(blob, `galewood-${stamp()}.png`);
       done();
     }, "image/png");
   });
 }
 
-/** Can this browser film a canvas? */
+/** Whether this browser can record a canvas. */
 export const canFilm = () =>
   typeof MediaRecorder !== "undefined" && KINDS.some((kind) => MediaRecorder.isTypeSupported(kind));
 
-/** Films the canvas until stopped, or for as long as films may be; then saves. */
+/** Records the canvas until stopped, at most LONGEST_FILM_S seconds, and then saves the video. */
 export class Film {
   private readonly recorder: MediaRecorder;
   private readonly timer: ReturnType<typeof setTimeout>;

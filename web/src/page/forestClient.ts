@@ -1,4 +1,4 @@
-/** The main thread's side of the worker: sends plans, receives poses, recycles buffers. */
+/** Client of the worker on the main thread: sends plans, receives poses, recycles buffers. */
 
 import type { WindDocument, WindState } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
@@ -22,7 +22,7 @@ interface PendingTable {
   reject(error: Error): void;
 }
 
-/** Notified of changes that others make to a shared forest. */
+/** Receives changes that other clients make to a shared forest. */
 export interface SharedForestListener {
   placement(about: About): void;
   wind(wind: WindDocument): void;
@@ -35,10 +35,10 @@ export interface ClientGroup extends Omit<GroupPlan, "table"> {
 
 const NO_CONNECTION: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
 const NO_WORK: Work = { wind_ms: 0, lookup_ms: 0, total_ms: 0 };
-/** Longer pauses, as of a hidden tab, are skipped. */
+/** Longer pauses, for example of a hidden tab, are skipped. */
 const MAX_STEP_S = 0.25;
 
-/** Started early, so that it loads while the page builds its scene. */
+/** Starts the worker early, so that it loads while the page builds the scene. */
 function startWorker(): Worker {
   return new Worker(new URL("../worker/forest.worker.ts", import.meta.url), { type: "module" });
 }
@@ -47,12 +47,12 @@ export class ForestClient {
   /** Newest poses, one buffer per moving group. */
   poses: Buffers = [];
   time_s = 0;
-  /** The worker's time per frame, smoothed, and that of the last frame. */
+  /** Smoothed worker time per frame; `work` is that of the last frame. */
   lookup_ms = 0;
   work = NO_WORK;
   connection = NO_CONNECTION;
   wind: { state: WindState; coverage: number } | null = null;
-  /** Largest extrapolation ratio of all trees: above 1 one is beyond its sampled range. */
+  /** Largest extrapolation ratio of all trees; above 1 a tree is beyond its sampled range. */
   extrapolationRatio = 0;
   /** The watched tree's figures. */
   watched: Inspection | null = null;
@@ -65,7 +65,7 @@ export class ForestClient {
   private backlog_s = 0;
   private fresh = false;
 
-  /** `shared` is notified of what others do to a shared forest. */
+  /** `shared` receives changes that other clients make to a shared forest. */
   constructor(
     private readonly problem: (title: string, hint: string) => void,
     private readonly shared: SharedForestListener,
@@ -129,7 +129,7 @@ export class ForestClient {
     this.send({ kind: "watch", at });
   }
 
-  /** Advances the forest by the display's step; while the worker is busy the time accumulates. */
+  /** Advances the forest by a display step. While the worker is busy, the time accumulates. */
   advance(dt_s: number): void {
     this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
     if (this.busy || this.spare.length === 0) return;
@@ -144,7 +144,7 @@ export class ForestClient {
     );
   }
 
-  /** Whether the poses requested last are still to come. */
+  /** Whether the last request is still unanswered. */
   get isBusy(): boolean {
     return this.busy;
   }

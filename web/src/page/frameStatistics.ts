@@ -1,5 +1,6 @@
-/** Running means of what a frame costs. Pure. */
-/** Figures of the panel, refreshed a few times a second. */
+/** Running means of the cost of a frame. Pure. */
+
+/** Figures of the panel, refreshed several times per second. */
 export interface Statistics {
   framesPerSecond: number;
   frame_ms: number;
@@ -29,7 +30,7 @@ export class FrameStatistics {
     frameAge: "–",
   };
 
-  /** Adds a frame: time since the previous one, and time spent in script. */
+  /** Adds a frame: time since the previous frame, and script time. */
   count(frame_ms: number, script_ms: number): void {
     const { statistics } = this;
     const first = statistics.frame_ms === 0;

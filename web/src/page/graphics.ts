@@ -1,8 +1,8 @@
-/** What this browser draws with. */
+/** Detection of the graphics capabilities. */
 
 export interface Graphics {
   readonly webgl2: boolean;
-  /** A software rasteriser: everything costs processor time. */
+  /** Software rasteriser: drawing uses processor time. */
   readonly software: boolean;
 }
 

@@ -9,7 +9,7 @@ import { element } from "./ui/dom";
 import { showToast } from "./ui/toast";
 import { acceptUploads } from "./ui/upload";
 
-/** A panel starts open where there is room for it. */
+/** Connects a panel with its toggle button; `open` is the initial state. */
 function panelToggle(id: string, open: boolean): void {
   const panel = element(id);
   const toggle = element<HTMLButtonElement>(`${id}-toggle`);
@@ -21,15 +21,12 @@ function panelToggle(id: string, open: boolean): void {
   show(open);
 }
 
-/** Says so if the link has a wind that cannot be used. */
+/** Reports an invalid wind in the link. */
 function checkWind(): void {
   try {
     windFromQuery(location.search);
   } catch (error) {
-    showToast(
-      "The wind of this link cannot be used.",
-      error instanceof Error ? error.message : String(error),
-    );
+    showToast("The wind in this link is invalid.", error instanceof Error ? error.message : String(error));
   }
 }
 
@@ -52,7 +49,7 @@ function start(software: boolean): void {
   });
 }
 
-/** Calls back after the first paint, or after a moment in a hidden page. */
+/** Calls back after the first paint, or after a short timeout if the page is hidden. */
 function afterPaint(then: () => void): void {
   let called = false;
   const once = () => {
@@ -63,13 +60,13 @@ function afterPaint(then: () => void): void {
   setTimeout(once, 300);
 }
 
-// Files are accepted from the start: the browser would otherwise open a dropped file in place of the page.
+// Accept files from the start: otherwise the browser would navigate to a dropped file.
 const stopUploads = acceptUploads();
 addEventListener("pagehide", ({ persisted }) => {
   if (!persisted) stopUploads();
 });
 
-// The text is painted first: starting the forest takes a moment, and long without a GPU.
+// Paint the text first: starting the forest takes a moment, and much longer without a GPU.
 afterPaint(() => {
   const graphics = detectGraphics();
   if (graphics.webgl2) start(graphics.software);

@@ -20,34 +20,34 @@ export interface Probe {
   readonly connection: App["connection"];
   readonly paused: boolean;
   readonly wind: WindDocument;
-  /** Share of the trees in winds that their tables have sampled, 0 to 1. */
+  /** Share of the trees within the sampled range of winds, 0..1. */
   readonly coverage: number;
-  /** The anemometer, null while there is none. */
+  /** The anemometer; null if none is placed. */
   readonly anemometer: App["studio"]["anemometer"];
-  /** Another wind, from a document; throws an error that names the field if it cannot be used. */
+  /** Sets the wind from a document; throws an error that names the invalid field. */
   setWind(document: unknown): void;
   pause(): void;
   resume(): void;
   look: App["look"];
-  /** Where the camera is, metres. */
+  /** Position of the camera, m. */
   readonly eye: readonly [number, number, number];
-  /** An address that brings back this forest, wind, light and view. */
+  /** A URL that restores this forest, wind, light and view. */
   readonly link: string;
-  /** Another season ("spring", "summer", "autumn", "winter") and share of the daylight that has passed. */
+  /** Sets season ("spring", "summer", "autumn", "winter") and elapsed share of the daylight. */
   dress: App["setScenery"];
   /** Stops advancing and drawing, or resumes. */
   sleep(asleep: boolean): void;
   /** Advances by one frame of dt_s and waits for it; for frame-by-frame rendering while asleep. */
   step(dt_s: number, drawn?: boolean): Promise<void>;
-  /** Picks the tree under a place of the window (px), as a click does; null where there is none. */
+  /** Picks the tree at a position in the window (px), as a click does; null if there is none. */
   pick(left_px: number, top_px: number): ProbedTree | null;
-  /** The picked tree and its figures now. */
+  /** The picked tree and its current figures. */
   readonly picked: ProbedTree | null;
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
-  /** What the page costs: frame, script, worker, triangles. `extent` is the former name of `extrapolationRatio`. */
+  /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
   readonly statistics: App["statistics"] & { readonly extent: number };
-  /** Draws the trees as static instances, or moving again: to measure what the motion costs. */
+  /** Draws the trees as static instances, or moving again, to measure the cost of the motion. */
   freeze(frozen: boolean): void;
 }
 

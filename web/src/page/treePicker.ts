@@ -10,23 +10,23 @@ import { INSTANCE_FLOATS } from "../scene/trees/instanceData";
 import type { TreeAt } from "../worker/protocol";
 import type { ForestClient } from "./forestClient";
 
-/** What is known of the picked tree now. */
+/** Current figures of the picked tree. */
 export interface PickedFigures extends PickedTree {
   readonly moves: boolean;
   readonly tip_m: number;
-  /** Its sway and pressure over the largest that its table has sampled: above 1 it is beyond the sampled range. */
+  /** Sway and pressure relative to the sampled maximum: above 1 the tree is beyond the sampled range. */
   readonly extrapolationRatio: number | null;
-  /** Record of the table that the paper's search found last; null in the other method, or on the server. */
+  /** Last record found by the paper's state search; null with the modal method or on the server. */
   readonly record: number | null;
 }
 
-/** A pointer that moved less than this was a click. */
+/** Pointer movement below which a press counts as a click. */
 const CLICK_PX = 6;
-/** A hill this much nearer than the tree hides it. */
+/** A tree is hidden if the ground is hit this much nearer. */
 const HIDDEN_M = 3;
 const RING_SHARE = 0.55;
 const AIM_SHARE = 0.6;
-/** Time in which the camera covers three quarters of the distance to the tree, s. */
+/** Time (s) in which the camera covers three quarters of the distance to the tree. */
 const FOLLOW_S = 0.35;
 
 export class TreePicker {
@@ -41,7 +41,7 @@ export class TreePicker {
   private readonly ring = new PickRing();
   private readonly aim = new Vector3();
 
-  /** `changed` is called with every pick, and with null when it ends. */
+  /** `changed` is called with the picked tree, or with null when the selection ends. */
   constructor(
     private readonly stage: Stage,
     private readonly forest: Forest,
@@ -83,7 +83,7 @@ export class TreePicker {
     return { from: caster.ray.origin, to: caster.ray.direction };
   }
 
-  /** The tree under a place of the window, px; null where there is none. */
+  /** The tree at a position in the window (px); null if there is none. */
   find(left_px: number, top_px: number): PickedTree | null {
     const ray = this.ray(left_px, top_px);
     const hit = this.forest.pick(ray, this.client.poses);
@@ -97,7 +97,7 @@ export class TreePicker {
     return hit;
   }
 
-  /** Picks a tree, or none. */
+  /** Selects a tree; null clears the selection. */
   select(picked: PickedTree | null): void {
     this.picked = picked;
     this.shown = [];
@@ -110,7 +110,7 @@ export class TreePicker {
     this.changed(picked);
   }
 
-  /** Group and index of the picked tree; null for none, and for a static one. */
+  /** Group and index of the picked tree; null if there is none or it is static. */
   get moving(): TreeAt | null {
     return this.at;
   }
@@ -121,7 +121,7 @@ export class TreePicker {
     return { ...this.picked, moves: this.at !== null, tip_m: this.tip_m, extrapolationRatio, record };
   }
 
-  /** How far the tip of the picked tree is from rest. */
+  /** Tip displacement of the picked tree. */
   get tip_m(): number {
     const { at, client, shown } = this;
     const motion = at && shown[at.group]?.forest.motion;
@@ -136,7 +136,7 @@ export class TreePicker {
     return data.subarray(tree * INSTANCE_FLOATS, (tree + 1) * INSTANCE_FLOATS);
   }
 
-  /** Every frame: finds the tree again after a new placement, and moves the camera along. */
+  /** Per frame: finds the tree again after a new placement, and moves the camera. */
   advance(dt_s: number): void {
     if (!this.picked) return;
     if (this.shown !== this.forest.moving) this.locate(this.picked);
@@ -157,7 +157,7 @@ export class TreePicker {
     this.ring.show(x, z, Math.max(0.9, RING_SHARE * picked.radius_m));
   }
 
-  /** The camera's aim, and the camera with it, glides to the crown. */
+  /** Moves the camera and its target smoothly towards the crown. */
   private follow(dt_s: number): void {
     const { picked, stage, aim } = this;
     if (!picked) return;

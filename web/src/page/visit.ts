@@ -1,4 +1,4 @@
-/** The visitor's tools besides wind and settings: views, flight, link, photo, film, physics. */
+/** The toolbar's actions: camera views, fly-through, link, photo, video, tree physics. */
 
 import { CameraFlight } from "../scene/camera/cameraFlight";
 import { type Subject, type ViewName, viewpoint } from "../scene/camera/viewpoints";
@@ -76,9 +76,9 @@ export class Visit {
     history.replaceState(null, "", link);
     try {
       await navigator.clipboard.writeText(link);
-      showToast("Link copied", "It brings back this forest, wind, light and view.", "good");
+      showToast("Link copied", "It restores this forest, wind, light and view.", "good");
     } catch {
-      showToast("The link is in the address bar", "This browser does not let the page copy it.", "good");
+      showToast("Copy the link from the address bar", "The browser blocked access to the clipboard.", "good");
     }
   }
 
@@ -107,7 +107,7 @@ export class Visit {
     if (this.film) this.film.stop();
     else {
       this.film = new Film(this.stage.renderer.domElement, () => this.filmEnded());
-      showToast("Filming", `Press again to stop; it ends by itself after ${LONGEST_FILM_S} s.`, "good");
+      showToast("Recording video", `Press again to stop. Recording ends after ${LONGEST_FILM_S} s.`, "good");
     }
     return this.film !== null;
   }
@@ -126,7 +126,7 @@ export class Visit {
     this.flight.advance(dt_s);
   }
 
-  /** Right after a frame was drawn. */
+  /** Call right after a frame was drawn. */
   drawn(): void {
     if (!this.photoWanted) return;
     this.photoWanted = false;

@@ -19,7 +19,7 @@ export interface StudioEvents {
   problem(title: string, hint: string): void;
 }
 
-/** A pointer that moved less than this was a click. */
+/** Pointer movement below which a press counts as a click. */
 const CLICK_PX = 6;
 const COVERAGE_EVERY_MS = 500;
 
@@ -34,7 +34,7 @@ export class WindStudio {
   private time_s = 0;
   private shownCoverage_ms = 0;
   coverage = 1;
-  /** The tree whose tip is shown instead of the nearest, if one is picked. */
+  /** The selected tree, whose tip is shown instead of that of the nearest tree. */
   tipOf: TreeAt | null = null;
 
   constructor(
@@ -74,7 +74,7 @@ export class WindStudio {
   private setPlacing(active: boolean): void {
     this.placing = active;
     this.canvas.style.cursor = active ? "crosshair" : "";
-    // On a phone the instruments lie over the ground that is to be tapped.
+    // On a phone the instruments cover the ground that has to be tapped.
     if (active && matchMedia("(max-width: 760px)").matches) element("instruments-toggle").click();
   }
 
@@ -112,7 +112,7 @@ export class WindStudio {
     return { ...place, speed_m_s, samples: recorder.count, tip_m: recorder.tip_m[recorder.count - 1] || 0 };
   }
 
-  /** Every frame: the field takes the state and time of the worker's. */
+  /** Per frame: copies the state and time of the worker's wind field, and updates the display. */
   advance(dt_s: number, client: ForestClient, forest: Forest): void {
     const now_ms = performance.now();
     if (client.wind) {
@@ -131,7 +131,7 @@ export class WindStudio {
     }
   }
 
-  /** How far the tip of the picked tree, or of the one nearest to the anemometer, is from rest. */
+  /** Tip displacement of the selected tree, or of the tree nearest to the anemometer. */
   private tip_m(client: ForestClient, forest: Forest): number {
     const { place } = this.instruments.anemometer;
     if (!place) return 0;

@@ -12,12 +12,12 @@ import { disposeModel, type TreeModel } from "./trees/mesh/treeMesh";
 import { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
 import { pickTree } from "./trees/treePick";
 
-/** A kind of tree; its placements stay empty until the model is loaded. */
+/** A kind of tree; not drawn until its model is loaded. */
 export interface TreeAsset {
   readonly id: string;
   readonly species: string | null;
   model: TreeModel | null;
-  /** Null until the table is loaded; the trees are static and grey until then. */
+  /** null until the table is loaded; until then the trees are static and grey. */
   motion: TableMotion | null;
 }
 
@@ -29,7 +29,7 @@ export interface PlacedSpecies {
   readonly instances: InstanceData;
 }
 
-/** One moving group, in the order in which worker and server know them. */
+/** A moving group; the order is that of worker and server. */
 export interface MovingGroup {
   readonly asset: TreeAsset;
   readonly forest: SpeciesForest;
@@ -37,27 +37,27 @@ export interface MovingGroup {
 
 /** A tree that was picked. */
 export interface PickedTree {
-  /** Identity of its place: stays when other trees come and go. */
+  /** Id of its place; unaffected by other trees. */
   readonly id: number;
-  /** The server's tree (species or upload) that grows there. */
+  /** Id of the species or upload on the server. */
   readonly treeId: string;
   readonly species: string | null;
   readonly position: { x: number; y: number; z: number };
   readonly height_m: number;
   readonly radius_m: number;
-  /** From the eye to where it was hit. */
+  /** Distance from the eye to the hit point. */
   readonly distance_m: number;
 }
 
 export interface PlacementOptions {
-  /** 1 is the usual one. */
+  /** Relative to the default. */
   readonly density?: number;
-  /** How common each species is beside the others, by id; 1 if not named. */
+  /** Relative frequency of each species by id; 1 if omitted. */
   readonly shares?: Readonly<Record<string, number>>;
   readonly season?: Season;
 }
 
-/** Assigns trees to placements. Placements depend on seed and number only, so that existing trees stay in place. */
+/** Assigns species to places. Places depend only on seed and number, so that existing trees stay in place. */
 export function placeForest(
   assets: readonly TreeAsset[],
   count: number,
@@ -104,7 +104,7 @@ export class Forest {
     this.moving = this.all.filter(({ forest }) => forest.motion);
   }
 
-  /** Frees models that are no longer drawn from the GPU. */
+  /** Frees the GPU resources of models that are no longer drawn. */
   private freeModels(before: readonly MovingGroup[]): void {
     const used = new Set(this.all.map(({ forest }) => forest.model));
     for (const { model } of before.map(({ forest }) => forest)) if (!used.has(model)) disposeModel(model);
@@ -122,7 +122,7 @@ export class Forest {
     return forest;
   }
 
-  /** Sets the season of all trees, later placements included; call `select` afterwards. */
+  /** Sets the season of all trees, including later placements; call `select` afterwards. */
   setSeason(season: Season): void {
     this.leafless = season === "winter";
     for (const { asset, forest } of this.all) {
@@ -145,7 +145,7 @@ export class Forest {
     for (const { forest } of this.moving) forest.freeze(frozen);
   }
 
-  /** The tree that a ray meets first, where the newest poses of the moving groups have it. */
+  /** The first tree hit by a ray, in the newest poses. */
   pick(ray: Ray, poses: readonly Float32Array[]): PickedTree | null {
     const groups = this.all.map((group) => ({
       ...group.forest.pickable,
@@ -166,7 +166,7 @@ export class Forest {
     };
   }
 
-  /** Whether this tree still stands. */
+  /** Whether this tree still exists. */
   has({ treeId, id }: { treeId: string; id: number }): boolean {
     return this.all.some(({ asset, forest }) => asset.id === treeId && forest.instances.ids.includes(id));
   }

@@ -1,11 +1,11 @@
-/** Seeded placement of trees, stable when their number grows or a species is added. Pure. */
+/** Seeded placement of trees, stable when trees or species are added. Pure. */
 import { valueNoise } from "../core/math/noise";
 import { hashText, hashUnit } from "../core/math/random";
 import { glade } from "./ground/landscape";
 import type { Placement } from "./trees/instanceData";
 
 export const SPACING_M = 6.4;
-/** The wood grows outward from here, so that the first camera looks into it. */
+/** The forest grows outwards from here, so that the initial camera looks into it. */
 export const HEART = { x_m: 0, z_m: -26 } as const;
 
 const CELL_OFFSET = 512;
@@ -24,7 +24,7 @@ function candidate(column: number, row: number, seed: number, spacing_m: number)
 const isWood = (place: Placement) => glade(place.x_m, place.z_m) < 0.5;
 const reach = (place: Placement) => Math.hypot(place.x_m - HEART.x_m, place.z_m - HEART.z_m);
 
-/** The `count` places nearest to the heart of the wood, nearest first; `density` 1 is the usual one. */
+/** The `count` places nearest to the centre of the forest, nearest first; `density` is relative to the default. */
 export function placeTrees(count: number, seed: number, density = 1): Placement[] {
   const spacing_m = SPACING_M / Math.sqrt(density);
   const cells = Math.ceil(Math.sqrt((count * 1.6) / Math.PI) + (5 * SPACING_M) / spacing_m);
@@ -38,7 +38,7 @@ export function placeTrees(count: number, seed: number, density = 1): Placement[
     .slice(0, count);
 }
 
-/** How far trees stand from the heart of the wood; `placements`: x, z, yaw, scale of each. */
+/** Largest distance of a tree from the centre of the forest; `placements`: x, z, yaw, scale of each tree. */
 export function woodReach_m(placements: readonly Float32Array[]): number {
   let reach_m = 0;
   for (const placement of placements) {
@@ -49,7 +49,7 @@ export function woodReach_m(placements: readonly Float32Array[]): number {
   return reach_m;
 }
 
-/** Liking of a species for a place: broad groves with strays. A newcomer takes its own places only. */
+/** Affinity of a species for a place: large groves with stray trees. Independent of the other species. */
 function liking(place: Placement, species: string): number {
   const seed = hashText(species);
   const noise = valueNoise(place.x_m / 24, place.z_m / 24, seed) + 0.9 * hashUnit(seed, place.id);
@@ -57,8 +57,8 @@ function liking(place: Placement, species: string): number {
 }
 
 /**
- * Index of the species that grows at each place, -1 where none does. `shares` are how common each is beside the
- * others, 1 if not named, 0 to leave it out: of powers 1/share of even random numbers the largest wins as often.
+ * Index of the species at each place, -1 for none. `shares`: relative frequency of each species, 1 if omitted, 0 to
+ * exclude it. The largest of u^(1/share) wins, with u uniform: each species wins in proportion to its share.
  */
 export function chooseSpecies(
   places: readonly Placement[],

@@ -36,7 +36,7 @@ export class PreviewStage {
     this.resized.observe(canvas);
   }
 
-  /** Places the camera for a tree of such a size. */
+  /** Places the camera for a tree of this size. */
   frame({ height_m, radius_m }: { height_m: number; radius_m: number }): void {
     const reach_m = Math.max(height_m, 2 * radius_m);
     this.ground.scale.setScalar(0.6 * reach_m);

@@ -1,2 +1,2 @@
-/** How much the picture may cost: pixels, shadows, level of detail. */
+/** Render quality: resolution, shadows, level of detail. */
 export type Quality = "low" | "medium" | "high";

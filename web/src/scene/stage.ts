@@ -1,4 +1,4 @@
-/** Renderer, camera, sky, ground and light: everything that is there before the first tree. */
+/** Renderer, camera, sky, ground and light: everything except the trees. */
 import {
   ACESFilmicToneMapping,
   Frustum,
@@ -91,7 +91,7 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, PIXEL_RATIO[this.quality]));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
-    // A tall screen sees as much of the wood to left and right as a square one.
+    // On a portrait screen, keep the horizontal field of view of a square one.
     this.camera.fov = this.camera.aspect < 1 ? 58 : 46;
     this.camera.updateProjectionMatrix();
   }
@@ -108,7 +108,7 @@ export class Stage {
     return light;
   }
 
-  /** Surrounds the simulated trees, which reach so far from their heart. */
+  /** Places the background forest around simulated trees of this extent. */
   surround(reach_m: number): void {
     this.farWood.populate(reach_m, this.quality);
   }
@@ -121,7 +121,7 @@ export class Stage {
     this.resize();
   }
 
-  /** Moves the camera on; true when it moved, so that trees must be selected anew. */
+  /** Updates the camera; returns whether it moved, so that trees must be selected again. */
   updateCamera(): boolean {
     this.controls.update();
     const floor_m = groundHeight_m(this.camera.position.x, this.camera.position.z) + 1.4;
@@ -133,7 +133,7 @@ export class Stage {
     return true;
   }
 
-  /** Bare trees are all twigs: they stay whole for longer, and cost no leaves. */
+  /** Bare trees keep their full detail up to a larger distance, because their leaves are not drawn. */
   private levelFrom_m(): readonly [number, number] {
     const [first, second] = LEVEL_FROM_M[this.quality];
     return this.season === "winter" ? [BARE_DETAIL * first, BARE_DETAIL * second] : [first, second];

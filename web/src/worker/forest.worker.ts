@@ -37,7 +37,7 @@ const problem = (title: string, hint: string) => scope.postMessage({ kind: "prob
 async function load(sha256: string, url: string): Promise<void> {
   try {
     const response = await fetch(url);
-    if (!response.ok) throw new Error(`the server answered ${response.status}`);
+    if (!response.ok) throw new Error(`the server responded with status ${response.status}`);
     const bytes = await response.arrayBuffer();
     const table = decodeTable(bytes);
     tables.set(sha256, table);
@@ -51,7 +51,7 @@ async function load(sha256: string, url: string): Promise<void> {
 
 function tableOf({ table }: GroupPlan): Table {
   const found = tables.get(table);
-  if (!found) throw new Error(`table ${table} was planned before it was loaded`);
+  if (!found) throw new Error(`table ${table} is used before it was loaded`);
   return found;
 }
 
@@ -82,7 +82,7 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
   );
 }
 
-/** Poses are computed here; wind and clock are those of the shared forest. */
+/** Computes the poses here, with the wind and clock of the shared forest. */
 function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: string): SharedMotion {
   const have = Object.fromEntries(plan.groups.map(({ table }) => [table, tableBytes.get(table) ?? 0]));
   const request = () => forestRequest("table", plan.groups, wind, local.time_s, { ...plan, have });
@@ -117,7 +117,7 @@ function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
   if (!source || !field) return;
   const begin_ms = performance.now();
   if (source.advance(dt_s, buffers)) blend.apply(buffers, dt_s);
-  else for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]); // no new pose is known
+  else for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]); // no new poses yet
   for (const [g, buffer] of buffers.entries()) shown[g].set(buffer);
   const { time_s, connection, coverage, extrapolationRatio } = source;
   const total_ms = performance.now() - begin_ms;

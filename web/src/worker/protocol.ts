@@ -10,7 +10,7 @@ export type LookupPlace = "worker" | "server";
 /** A forest shared by several clients. */
 export interface ShareRequest {
   readonly id: string;
-  /** Replace its trees by these, for everyone, if it has others. */
+  /** Replace its trees by these for everyone, if they differ. */
   readonly replant: boolean;
   /** What others need to reproduce the placement. */
   readonly about: About;
@@ -28,7 +28,7 @@ export interface NodeLevel {
   readonly basis: Float32Array<ArrayBuffer>;
 }
 
-/** What drawing needs of a table, unpacked by the worker. */
+/** The part of a table that drawing needs, unpacked by the worker. */
 export interface TableMotion {
   readonly sha256: string;
   readonly modes: number;
@@ -37,9 +37,9 @@ export interface TableMotion {
   readonly nodes: number;
   /** [nodes, 3, stride]: displacement in m per unit of each coordinate, zero beyond the modes. */
   readonly basis: Float32Array<ArrayBuffer>;
-  /** [nodes, 3] where each node is at rest, tree frame. */
+  /** [nodes, 3] rest position of each node, tree frame. */
   readonly rest_m: Float32Array<ArrayBuffer>;
-  /** Full detail first, then with fewer nodes and modes: one for each level of detail of the mesh. */
+  /** One per level of detail of the mesh: full detail first, then with fewer nodes and modes. */
   readonly levels: readonly NodeLevel[];
   /** Largest displacement of any part of a tree of scale 1, m. */
   readonly reach_m: number;
@@ -55,13 +55,13 @@ export interface TableMotion {
   readonly bytes: number;
 }
 
-/** The trees of one species: x, z, yaw, scale of each, packed. */
+/** The trees of one species; `placement` holds x, z, yaw, scale of each tree. */
 export interface GroupPlan {
-  /** The species or upload, whatever its table. */
+  /** Id of the species or upload, independent of its table. */
   readonly key: string;
   readonly table: string;
   readonly placement: Float32Array<ArrayBuffer>;
-  /** Identity of each tree: trees of an earlier plan keep their state. */
+  /** Id of each tree: trees of an earlier plan keep their state. */
   readonly ids: Uint32Array<ArrayBuffer>;
 }
 
@@ -73,9 +73,9 @@ export interface TreeAt {
 
 /** Figures of one tree. */
 export interface Inspection {
-  /** Sway and pressure over the largest that the table has sampled: above 1 the tree is beyond the sampled range. */
+  /** Sway and pressure relative to the sampled maximum: above 1 the tree is beyond the sampled range. */
   readonly extrapolationRatio: number;
-  /** Record of the table that the paper's search found last; null in the other method, or on the server. */
+  /** Last record found by the paper's state search; null with the modal method or on the server. */
   readonly record: number | null;
 }
 
@@ -87,14 +87,14 @@ export interface Work {
 }
 
 export interface ForestPlan {
-  /** Grows with every new plan; poses that answer an older plan are dropped. */
+  /** Increases with every plan; poses for an older plan are dropped. */
   readonly epoch: number;
   readonly groups: readonly GroupPlan[];
   readonly lookup: LookupPlace;
-  /** Where the clock begins, for the first plan. */
+  /** Start time of the clock; used by the first plan only. */
   readonly from_s: number;
   readonly method: Method;
-  /** null takes each table's own default. */
+  /** null: the default of each table. */
   readonly poseEasing: number | null;
   /** The shared forest whose wind and clock this one follows. */
   readonly share: ShareRequest | null;
@@ -113,7 +113,7 @@ export type ToWorker =
   | { kind: "wind"; wind: WindDocument }
   /** Stops or resumes the clock of a shared forest, for everyone. */
   | { kind: "pause"; paused: boolean }
-  /** The tree whose figures are to be sent with the poses. */
+  /** Selects the tree whose figures are sent with the poses. */
   | { kind: "watch"; at: TreeAt | null }
   /** Advances the forest; the buffers are returned filled. */
   | { kind: "advance"; epoch: number; dt_s: number; buffers: Float32Array<ArrayBuffer>[] };
@@ -138,9 +138,9 @@ export type FromWorker =
       work: Work;
       buffers: Float32Array<ArrayBuffer>[];
       connection: Connection;
-      /** The wind and its clock, and the share of trees in winds that their tables have sampled. */
+      /** The wind state, and the share of trees within the sampled range of winds. */
       wind: { state: WindState; coverage: number };
-      /** The largest of all trees, and the figures of the watched tree. */
+      /** Maximum over all trees. `watched`: figures of the watched tree. */
       extrapolationRatio: number;
       watched: Inspection | null;
     }

@@ -1,1 +1,1 @@
-"""The models of gusts."""
+"""Gust models."""

@@ -1,4 +1,6 @@
-"""Superposed cosine waves of gusts (paper, Sec. 6). web/src/wind/cosine.ts is the same arithmetic."""
+"""Superposed cosine gust waves (paper, Sec. 6). web/src/core/wind/models/cosine.ts implements the same
+arithmetic.
+"""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
@@ -15,14 +17,14 @@ from galewood.wind.models.hashing import phase_turns
 
 HEADING_HZ = 0.03
 HEADING_PHASE = 6
-"""The index whose phase the swing of the heading takes."""
+"""Index of the phase used for the oscillation of the heading."""
 
 
 class CosineGusts:
-    """The waves of one seed."""
+    """The gust waves of one seed."""
 
     def __init__(self, wind: Wind) -> None:
-        """Lay the waves out: rows of frequency (Hz), share, wavenumber ratio, phase (turns)."""
+        """Precompute the waves: columns frequency (Hz), share, wavenumber ratio, phase (turns)."""
         waves = [
             (
                 w.frequency_hz,
@@ -38,7 +40,7 @@ class CosineGusts:
     def velocity(
         self, wind: Wind, time_s: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats
     ) -> None:
-        """Write the velocity (m/s, world x and z) at each place."""
+        """Write the velocity (m/s, world x and z) at each position (m)."""
         swing_turns = wind.gustiness * wind.heading_swing_deg / 360.0
         wind_now = (wind.mean_speed_m_s, wind.gustiness, wind.direction_deg / 360.0, swing_turns)
         _sample(
@@ -56,7 +58,7 @@ class CosineGusts:
 
 @numba.njit(cache=True, nogil=True)
 def cos_turns(turns):  # pragma: no cover  (compiled)
-    """cos(2π turns) to 1e-15, several times faster than the library's and the same bits in both languages."""
+    """cos(2π turns) to 1e-15; faster than the library function and bit-identical in both languages."""
     y = math.pi * (turns - math.floor(turns + 0.5))
     z = y * y
     s = 1.0 / 121645100408832000.0

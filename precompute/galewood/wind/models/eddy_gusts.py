@@ -1,10 +1,10 @@
-"""The Navier–Stokes eddies over the forest, at any moment.
+"""Navier–Stokes eddies over the forest at any time.
 
-A run of the solver cannot be entered in the middle, and a page that joins a forest after a day must not step
-through the day. So runs follow one another: each lives for EPOCH + OVERLAP steps from its own seeded start,
-and over OVERLAP steps one fades into the next (weights whose squares sum to one, so the variance stays).
-Any moment is at most EPOCH + OVERLAP steps away, and everyone who shares seed and travel sees the same
-eddies. web/src/wind/eddyGusts.ts is the same arithmetic.
+A simulation cannot be entered in the middle, and a page that joins a forest after a day must not compute the
+whole day. Therefore runs follow one another: each lasts EPOCH + OVERLAP steps from its own seeded start, and
+during OVERLAP steps consecutive runs are cross-faded (the squared weights sum to one, which preserves the
+variance). Any time is at most EPOCH + OVERLAP steps from a start, and everyone who shares seed and travel
+sees the same eddies. web/src/core/wind/models/eddyGusts.ts implements the same arithmetic.
 """
 
 from __future__ import annotations
@@ -21,17 +21,20 @@ from galewood.wind.models.texture import sample_texture
 CELLS_PER_SCALE = 5
 """The grid is 25.6 length scales wide."""
 STEPS_PER_SCALE = 0.5
-"""Steps for each length scale that the air travels, each a tenth of one at a standard deviation: gusts hold
-together while they cross the forest (at six times this rate they came 5 % early, since those that arrive
-soon match best)."""
+"""Solver steps per length scale travelled by the air; air at one standard deviation moves a tenth of a scale
+per step.
+
+Gusts thus stay coherent while they cross the forest. At six times this rate, the time of best correlation
+between two places is 5 % early.
+"""
 EPOCH = 128
 OVERLAP = 32
 LATERAL_SHARE = 1.0
-"""Equal along and across: a velocity field without divergence cannot be otherwise."""
+"""Equal along and across the wind, as in any isotropic divergence-free field."""
 
 
 class _Run:
-    """One epoch's run: the velocity before and after the moment asked for."""
+    """The run of one epoch: the velocity fields before and after the requested time."""
 
     def __init__(self, seed: int, epoch: int) -> None:
         self.epoch = epoch
@@ -39,11 +42,11 @@ class _Run:
         self._before: Floats = self._eddies.velocity.copy()
 
     def can_reach(self, step: int) -> bool:
-        """Whether the moments between a step and the next are still ahead (a run goes forward only)."""
+        """Whether the run, which only goes forward, has not yet passed this step."""
         return self._eddies.steps <= step + 1
 
     def between(self, step: int, t: float) -> Floats:
-        """(2, GRID²) velocity at a share t of the way from a step to the next."""
+        """(2, GRID²) velocity interpolated between a step and the next one at fraction t."""
         while self._eddies.steps <= step:
             self._before[:] = self._eddies.velocity
             self._eddies.step()
@@ -54,15 +57,15 @@ class EddyGusts:
     """The gusts of one seed."""
 
     def __init__(self, seed: int) -> None:
-        """Nothing is stepped until a moment is asked for."""
+        """No step is computed before the first evaluation."""
         self._seed = seed
         self._runs: list[_Run] = []
 
     def velocity(
         self, wind: Wind, travel: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats
     ) -> None:
-        """Write the velocity (m/s, world x and z) at each place."""
-        picture = self._picture(STEPS_PER_SCALE * travel)
+        """Write the velocity (m/s, world x and z) at each position (m)."""
+        field = self._velocity_field(STEPS_PER_SCALE * travel)
         view = view_of(
             wind,
             travel,
@@ -70,16 +73,16 @@ class EddyGusts:
             cells_along=CELLS_PER_SCALE,
             cells_across=CELLS_PER_SCALE,
         )
-        sample_texture(picture, GRID, GRID, view, x_m, z_m, out_x, out_z)
+        sample_texture(field, GRID, GRID, view, x_m, z_m, out_x, out_z)
 
-    def _picture(self, moment: float) -> Floats:
-        """(2, GRID²) the eddies at a moment counted in steps."""
+    def _velocity_field(self, moment: float) -> Floats:
+        """(2, GRID²) velocity field at a time measured in steps."""
         step = math.floor(moment)
         epoch = step // EPOCH
         self._runs = [run for run in self._runs if run.epoch in (epoch - 1, epoch)]
         new = self._run(epoch, step).between(step - epoch * EPOCH, moment - step)
         fade = (moment - epoch * EPOCH) / OVERLAP
-        if epoch <= 0 or fade >= 1.0:  # nothing went before the first
+        if epoch <= 0 or fade >= 1.0:  # the first run has no predecessor
             return new
         old = self._run(epoch - 1, step).between(step - (epoch - 1) * EPOCH, moment - step)
         return math.sqrt(1.0 - fade) * old + math.sqrt(fade) * new

@@ -1,8 +1,8 @@
-"""A two-dimensional Fourier transform whose every bit is the same in web/src/wind/fourier.ts.
+"""Two-dimensional Fourier transform, bit-identical to web/src/core/wind/models/fourier.ts.
 
-The eddies of the Navier–Stokes wind are chaotic: one differing last bit would be a different wind a few
-hundred steps later. So the order of every operation is fixed, and the roots of unity come from square
-roots, which IEEE 754 rounds correctly, not from a library's sine.
+The eddies of the Navier–Stokes model are chaotic: a difference in the last bit produces a different wind
+within a few hundred steps. The order of all operations is therefore fixed, and the roots of unity are
+computed by square roots, which IEEE 754 rounds correctly, rather than by a library's sine.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -20,14 +20,14 @@ from galewood.util import Floats
 
 @dataclass(frozen=True)
 class Roots:
-    """cos and sin of 2πk/n for k in [0, n), n a power of two of at least 4."""
+    """cos and sin of 2πk/n for k in [0, n), where n is a power of two and at least 4."""
 
     cosine: Floats  # (n,)
     sine: Floats  # (n,)
 
 
 def roots_of_unity(n: int) -> Roots:
-    """By half angles and complex products only: the same bits wherever IEEE 754 holds."""
+    """Roots of unity by half angles and complex products only; bit-identical on every IEEE 754 platform."""
     cosine, sine = np.ones(n), np.zeros(n)
     c, s = -1.0, 0.0  # the angle π
     bit = n // 2
@@ -53,7 +53,9 @@ def _reversed_index(i, n):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def transform_rows(re, im, columns, rows, cosine, sine, sign):  # pragma: no cover  (compiled)
-    """Transform every row of the flat (rows, columns) arrays in place; sign −1 forward, +1 back, unscaled."""
+    """Transform every row of the flat (rows, columns) arrays in place; sign −1: forward, +1: inverse,
+    unscaled.
+    """
     for r in range(rows):
         row = r * columns
         for i in range(columns):
@@ -77,7 +79,7 @@ def transform_rows(re, im, columns, rows, cosine, sine, sign):  # pragma: no cov
 
 @numba.njit(cache=True, nogil=True)
 def transform_columns(re, im, columns, rows, cosine, sine, sign):  # pragma: no cover  (compiled)
-    """The same along the columns; the inner loop runs along rows, which lie together in memory."""
+    """Transform every column in place; the inner loop runs along rows, which are contiguous in memory."""
     for i in range(rows):
         j = _reversed_index(i, rows)
         if i < j:

@@ -1,4 +1,4 @@
-"""The frame of the gusts: along and across the wind, in length scales, moving with the air."""
+"""The gust frame: along and across the wind, in length scales, moving with the air."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
@@ -12,28 +12,28 @@ import numba
 from galewood.wind.document import Wind
 
 TURBULENCE_PER_GUSTINESS = 0.308
-"""Standard deviation of the speed over its mean at gustiness 1: what the cosine waves come to."""
+"""Standard deviation of the speed over its mean at gustiness 1, as produced by the cosine model."""
 
 
 class View(NamedTuple):
-    """What a kernel needs to place its gusts; plain numbers, so that compiled code takes it as it is."""
+    """Parameters that map positions to the gust frame, as plain numbers that compiled kernels can take."""
 
     cos: float
     sin: float
     cos_per_m: float
-    """cos of the heading over the length scale"""
+    """Cosine of the heading over the length scale, 1/m."""
     sin_per_m: float
     travel: float
-    """length scales that the air has travelled"""
+    """Distance travelled by the air, in length scales."""
     mean_m_s: float
     along_m_s: float
-    """standard deviation of the speed along the wind"""
+    """Standard deviation of the speed along the wind."""
     across_m_s: float
     cells_along: float
-    """grid cells per length scale"""
+    """Grid cells per length scale."""
     cells_across: float
     slant: float
-    """how far the gusts drift sideways: what repeats along the wind never comes back to the same tree"""
+    """Lateral drift of the gusts, so that the periodic pattern does not return to the same tree."""
 
 
 def view_of(
@@ -45,7 +45,7 @@ def view_of(
     cells_across: float = 1.0,
     slant: float = 0.0,
 ) -> View:
-    """The view of a wind's gusts when the air has travelled so many length scales."""
+    """The view of a wind after the air has travelled the given number of length scales."""
     heading = math.radians(wind.direction_deg)
     c, s = math.cos(heading), math.sin(heading)
     along_m_s = wind.mean_speed_m_s * TURBULENCE_PER_GUSTINESS * wind.gustiness
@@ -66,7 +66,7 @@ def view_of(
 
 @numba.njit(cache=True, nogil=True)
 def write_velocity(view, i, along, across, out_x, out_z):  # pragma: no cover  (compiled)
-    """The velocity (m/s, world x and z) of unit-variance fluctuations along and across the wind."""
+    """Write the velocity (m/s, world x and z) for unit-variance fluctuations along and across the wind."""
     u = view.mean_m_s + view.along_m_s * along
     v = view.across_m_s * across
     out_x[i] = u * view.cos - v * view.sin

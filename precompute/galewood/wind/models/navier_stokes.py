@@ -1,10 +1,9 @@
-"""Eddies: two-dimensional stable fluids (Stam 1999) on a periodic grid, in the frame that moves with the
-wind.
+"""Eddies: two-dimensional stable fluids (Stam 1999) on a periodic grid that moves with the wind.
 
-Units are cells and the eddies' own standard deviation. Semi-Lagrangian advection, then in wavenumbers: the
-projection onto fields whose central-difference divergence is zero, friction, seeded kicks in a band of
-wavenumbers, and a scaling to unit variance, which makes the energy constant. Only + − × ÷ and square roots
-in a fixed order: web/src/wind/navierStokes.ts makes the same bits.
+Units are grid cells and the standard deviation of the velocity. Each step advects semi-Lagrangially and then,
+in Fourier space, projects onto fields with zero central-difference divergence, applies friction, adds seeded
+forcing in a band of wavenumbers and rescales to unit variance, which keeps the energy constant. It uses only
++ − × ÷ and square roots in a fixed order; web/src/core/wind/models/navierStokes.ts produces the same bits.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -21,19 +20,19 @@ from galewood.wind.models.hashing import hash32, signed_uniform
 
 GRID = 128
 CELLS_PER_STEP = 0.5
-"""How far the air moves in a step at one standard deviation."""
+"""Distance in cells that air at one standard deviation moves per step."""
 BAND = (4, 7)
-"""Kicks act on wavenumbers of at least, and below, these numbers of waves across the grid."""
+"""Wavenumbers that are forced: at least the first and below the second number of waves across the grid."""
 KICK = 0.06
-"""Kicks add about this share of the amplitude a step."""
+"""Forcing per step, approximately relative to the amplitude."""
 FRICTION = 0.01
 LARGE_SCALE_FRICTION = 0.5
-"""Holds back the upward cascade, which would gather everything in one pair of eddies: friction F / k²."""
+"""Friction F / k² that opposes the inverse cascade, which would otherwise end in one pair of eddies."""
 SLOWEST_START = 3
 
 
 class Eddies:
-    """One run of the solver from a seeded start; ``velocity`` is (2, GRID²): x and y components."""
+    """One run of the solver from a seeded start; ``velocity`` (2, GRID²) holds the x and y components."""
 
     def __init__(self, seed: int) -> None:
         """Start from a seeded divergence-free field of unit variance."""
@@ -53,11 +52,11 @@ class Eddies:
         self._transform(-1.0)
         self._correct(KICK)
 
-    def _correct(self, kick: float) -> None:
-        """From the spectrum in ``velocity`` to the velocity of the next step."""
-        kick_seed = hash32(self._seed, 7919 + self.steps)
+    def _correct(self, forcing: float) -> None:
+        """Turn the spectrum in ``velocity`` into the velocity of the next step."""
+        forcing_seed = hash32(self._seed, 7919 + self.steps)
         cosine, sine = self._roots.cosine, self._roots.sine
-        _project(self.velocity[0], self.velocity[1], cosine, sine, kick, kick_seed)
+        _project(self.velocity[0], self.velocity[1], cosine, sine, forcing, forcing_seed)
         self._transform(1.0)
 
     def _transform(self, sign: float) -> None:
@@ -72,7 +71,7 @@ class Eddies:
 
 @numba.njit(cache=True, nogil=True)
 def _advect(u, v, out_u, out_v):  # pragma: no cover  (compiled)
-    """Every cell takes the velocity from where its air was a step ago (bilinear, hence never amplified)."""
+    """Semi-Lagrangian advection with bilinear interpolation, which never amplifies the field."""
     mask = GRID - 1
     for y in range(GRID):
         for x in range(GRID):
@@ -89,7 +88,7 @@ def _advect(u, v, out_u, out_v):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def _start(re, im, seed):  # pragma: no cover  (compiled)
-    """Random amplitudes that fall with the wavenumber; _project makes a velocity of them."""
+    """Random amplitudes that decay with the wavenumber; _project makes a velocity field of them."""
     half = GRID // 2
     for y in range(GRID):
         ky = y if y < half else y - GRID
@@ -104,14 +103,14 @@ def _start(re, im, seed):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def _project(re, im, cosine, sine, kick, seed):  # pragma: no cover  (compiled)
-    """Make u + iv (spectra) divergence-free, rub, kick, and scale to unit variance of each component."""
+def _project(re, im, cosine, sine, forcing, seed):  # pragma: no cover  (compiled)
+    """Project u + iv (spectra) to zero divergence, apply friction and forcing, scale to unit variance."""
     half = GRID // 2
     re[0], im[0] = 0.0, 0.0
-    for n in range(GRID):  # waves of two cells carry no motion
+    for n in range(GRID):  # the Nyquist wavenumbers carry no velocity
         re[half * GRID + n], im[half * GRID + n] = 0.0, 0.0
         re[n * GRID + half], im[n * GRID + half] = 0.0, 0.0
-    energy, kicks = 0.0, 0
+    energy, forced = 0.0, 0
     size = float(GRID * GRID)
     for y in range(half):
         for x in range(GRID):
@@ -125,18 +124,18 @@ def _project(re, im, cosine, sine, kick, seed):  # pragma: no cover  (compiled)
             k2 = float(kx * kx + y * y)
             ur, ui = 0.5 * (re[i] + re[j]), 0.5 * (im[i] - im[j])
             vr, vi = 0.5 * (im[i] + im[j]), 0.5 * (re[j] - re[i])
-            # a divergence-free field is the curl of a stream function: (sy, −sx) times one number
+            # a divergence-free field is the curl of a stream function, hence parallel to (sy, −sx)
             pr, pi = (sy * ur - sx * vr) / s2, (sy * ui - sx * vi) / s2
-            rub = 1.0 / (1.0 + FRICTION + LARGE_SCALE_FRICTION / k2)
-            pr, pi = pr * rub, pi * rub
-            if kick > 0.0 and BAND[0] * BAND[0] <= k2 < BAND[1] * BAND[1]:
-                push = kick * size / (8.0 * math.sqrt(s2))
-                pr += push * signed_uniform(seed, 2 * kicks)
-                pi += push * signed_uniform(seed, 2 * kicks + 1)
-                kicks += 1
+            damping = 1.0 / (1.0 + FRICTION + LARGE_SCALE_FRICTION / k2)
+            pr, pi = pr * damping, pi * damping
+            if forcing > 0.0 and BAND[0] * BAND[0] <= k2 < BAND[1] * BAND[1]:
+                impulse = forcing * size / (8.0 * math.sqrt(s2))
+                pr += impulse * signed_uniform(seed, 2 * forced)
+                pi += impulse * signed_uniform(seed, 2 * forced + 1)
+                forced += 1
             ur, ui, vr, vi = sy * pr, sy * pi, -sx * pr, -sx * pi
             re[i], im[i], re[j], im[j] = ur - vi, ui + vr, ur + vi, vr - ui
-            smooth = (2.0 + cosine[x]) * (2.0 + cosine[y]) / 9.0  # what sampling with cubic splines leaves
+            smooth = (2.0 + cosine[x]) * (2.0 + cosine[y]) / 9.0  # attenuation by cubic-spline sampling
             energy += smooth * smooth * (ur * ur + ui * ui + vr * vr + vi * vi)
     scale = 1.0 / math.sqrt(energy)  # Parseval: the mean of u² + v² becomes 2
     for i in range(GRID * GRID):

@@ -1,6 +1,6 @@
-"""Gusts of improved Perlin noise (Perlin 2002): three octaves that travel with the wind and slowly change.
+"""Gusts of improved Perlin noise (Perlin 2002): three octaves that move with the wind and slowly evolve.
 
-web/src/wind/perlin.ts is the same arithmetic.
+web/src/core/wind/models/perlin.ts implements the same arithmetic.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -24,33 +24,33 @@ _EDGES = (
     *((0, y, z) for z in (1, -1) for y in (1, -1)),
     *((1, 1, 0), (0, -1, 1), (-1, 1, 0), (0, -1, -1)),
 )
-"""From the centre of a cube to its twelve edges, four of them twice."""
+"""Gradient directions: from the centre of a cube to its twelve edges, four of them twice."""
 SLOPES: Floats = np.array([_EDGES[h & 15] for h in range(256)], np.float64).ravel()
 
 NOISE_VARIANCE = 35054270.0 / 480729249.0
 """16 A² B with A = ∫(1−f)², B = ∫(1−f)² t², f the fade 6t⁵ − 15t⁴ + 10t³, over [0, 1]."""
 LATERAL_SHARE = 0.5
 CELLS_PER_SCALE = 0.5
-"""The first octave's lattice cell is two length scales."""
+"""A lattice cell of the first octave spans two length scales."""
 GAIN = 0.6
 OCTAVES = 3
 SLANT = 0.17
-"""Noise is zero on its lattice: gusts drift a little sideways, so that no tree stays on a lattice line."""
+"""Lateral drift: the noise is zero at its lattice points, and no tree should stay on a lattice line."""
 CHANGE = 0.1
-"""Lattice cells of change for each length scale travelled."""
+"""Evolution of the noise, in lattice cells per length scale travelled."""
 
 
 class PerlinGusts:
     """The gusts of one seed."""
 
     def __init__(self, seed: int) -> None:
-        """Shuffle the table of permutations by the seed."""
+        """Create the seeded permutation table."""
         self._permutation = permutation(seed)
 
     def velocity(
         self, wind: Wind, travel: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats
     ) -> None:
-        """Write the velocity (m/s, world x and z) at each place."""
+        """Write the velocity (m/s, world x and z) at each position (m)."""
         view = view_of(
             wind,
             travel,
@@ -63,7 +63,7 @@ class PerlinGusts:
 
 
 def permutation(seed: int) -> npt.NDArray[np.int32]:
-    """(512,) the whole numbers 0 … 255 in seeded order, twice."""
+    """(512,) seeded permutation of 0 … 255, repeated twice."""
     order = np.arange(256, dtype=np.int32)
     for i in range(255, 0, -1):
         j = hash32(seed, i) % (i + 1)
@@ -79,7 +79,7 @@ def _slope(g, h, x, y, z):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def noise(p, g, x, y, z):  # pragma: no cover  (compiled)
-    """Improved noise, mean 0, period 256 cells each way."""
+    """Improved Perlin noise with mean 0 and a period of 256 cells along each axis."""
     fx, fy, fz = math.floor(x), math.floor(y), math.floor(z)
     i, j, k = int(fx) & 255, int(fy) & 255, int(fz) & 255
     x, y, z = x - fx, y - fy, z - fz
@@ -111,7 +111,7 @@ def _sample(p, g, view, x_m, z_m, out_x, out_z):  # pragma: no cover  (compiled)
         across = view.cos_per_m * z_m[i] - view.sin_per_m * x_m[i]
         px, py = along * view.cells_along, (across + view.slant * along) * view.cells_across
         a, gain, scale = 0.0, 1.0, 1.0
-        for o in range(OCTAVES):  # shifted, or all would vanish at the origin
+        for o in range(OCTAVES):  # offsets prevent a common zero at the origin
             a += gain * noise(p, g, px * scale + 17.31 * o, py * scale + 9.67 * o, change + 31.5 * o)
             gain *= GAIN
             scale *= 2.0

@@ -1,8 +1,9 @@
-"""1/f^β gusts: a frozen picture of turbulence with a given spectrum that the wind carries over the forest.
+"""1/f^β gusts: a frozen turbulence field with a given spectrum, advected over the forest.
 
-Along the wind the power of frequency f is (1 + 70.8 n²)^(−β/2), n = f L / c: von Kármán's shape (1948; ESDU
-85020) with its −5/3 made a parameter. Across the wind the coherence of each frequency falls exponentially
-with distance (Davenport 1961). web/src/wind/spectral.ts is the same arithmetic.
+Along the wind, the power at frequency f is (1 + 70.8 n²)^(−β/2) with n = f L / c: von Kármán's spectrum
+(1948; ESDU 85020) with its exponent −5/3 as a parameter. Across the wind, the coherence of each frequency
+decays exponentially with distance (Davenport 1961). web/src/core/wind/models/spectral.ts implements the same
+arithmetic.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -23,15 +24,15 @@ from galewood.wind.models.texture import sample_texture
 
 COLUMNS, ROWS = 1024, 128
 CELLS_ALONG, CELLS_ACROSS = 16, 4
-"""Grid cells per length scale: the picture is 64 by 32 length scales."""
+"""Grid cells per length scale: the field spans 64 by 32 length scales."""
 LATERAL_SHARE = 0.5
 SLANT = 0.0955
-"""About 0.382 of the picture's width per length: successive passes over a tree are spread evenly."""
+"""About 0.382 field widths per field length, which spreads successive passes over a tree evenly."""
 VON_KARMAN = 70.8
 DECAY = 7.0
 """Davenport's decay constant across the wind."""
 SLOWEST_COHERENCE = 0.15
-"""Even the slowest gusts are no wider than their coherence at this n."""
+"""The width of the slowest gusts is limited to that of this reduced frequency n."""
 TURN = 2.0 * math.pi / 4294967296.0
 
 
@@ -39,33 +40,33 @@ class SpectralGusts:
     """The gusts of one seed and exponent."""
 
     def __init__(self, seed: int, beta: float) -> None:
-        """Synthesise the picture (or take it from a small cache)."""
-        self._picture = spectral_picture(seed, beta)
+        """Synthesise the field, or take it from a small cache."""
+        self._field = spectral_field(seed, beta)
 
     def velocity(
         self, wind: Wind, travel: float, x_m: Floats, z_m: Floats, out_x: Floats, out_z: Floats
     ) -> None:
-        """Write the velocity (m/s, world x and z) at each place."""
+        """Write the velocity (m/s, world x and z) at each position (m)."""
         view = view_of(
             wind, travel, LATERAL_SHARE, cells_along=CELLS_ALONG, cells_across=CELLS_ACROSS, slant=SLANT
         )
-        sample_texture(self._picture, COLUMNS, ROWS, view, x_m, z_m, out_x, out_z)
+        sample_texture(self._field, COLUMNS, ROWS, view, x_m, z_m, out_x, out_z)
 
 
 @lru_cache(maxsize=4)
-def spectral_picture(seed: int, beta: float) -> Floats:
+def spectral_field(seed: int, beta: float) -> Floats:
     """(2, ROWS · COLUMNS) spline coefficients of the gusts along and across the wind, unit variance."""
-    picture = np.zeros((2, ROWS * COLUMNS))
+    field = np.zeros((2, ROWS * COLUMNS))
     along, across = roots_of_unity(COLUMNS), roots_of_unity(ROWS)
-    _amplitudes(picture[0], picture[1], seed, beta)
-    _to_picture(picture[0], picture[1], along.cosine, along.sine, across.cosine, across.sine)
-    picture.flags.writeable = False
-    return picture
+    _amplitudes(field[0], field[1], seed, beta)
+    _to_field(field[0], field[1], along.cosine, along.sine, across.cosine, across.sine)
+    field.flags.writeable = False
+    return field
 
 
 @numba.njit(cache=True, nogil=True)
 def _amplitudes(re, im, seed, beta):  # pragma: no cover  (compiled)
-    """Fixed amplitudes and seeded phases for every pair of wavenumbers; nothing constant along the wind."""
+    """Fixed amplitudes and seeded phases for all wavenumbers except those constant along the wind."""
     for x in range(COLUMNS):
         kx = x if x <= COLUMNS // 2 else x - COLUMNS
         n = abs(kx) * (CELLS_ALONG / COLUMNS)
@@ -86,8 +87,8 @@ def _amplitudes(re, im, seed, beta):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def _to_picture(re, im, cos_x, sin_x, cos_y, sin_y):  # pragma: no cover  (compiled)
-    """To places; variances are set before the amplitudes are raised by what the splines will take away."""
+def _to_field(re, im, cos_x, sin_x, cos_y, sin_y):  # pragma: no cover  (compiled)
+    """Transform to physical space with unit variance, compensating for the attenuation by spline sampling."""
     energy, cross = (
         0.0,
         0.0,

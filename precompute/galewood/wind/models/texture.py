@@ -1,4 +1,4 @@
-"""Sampling a periodic picture of gusts by cubic B-splines: twice differentiable, so no tree ever jerks."""
+"""Cubic B-spline sampling of a periodic gust field: twice differentiable, so that the load has no jumps."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 
@@ -19,13 +19,13 @@ def _weights(t):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def sample_texture(picture, columns, rows, view, x_m, z_m, out_x, out_z):  # pragma: no cover  (compiled)
-    """Velocity (m/s) at places x, z.
+def sample_texture(field, columns, rows, view, x_m, z_m, out_x, out_z):  # pragma: no cover  (compiled)
+    """Write the velocity (m/s, world x and z) at positions x, z (m).
 
-    picture (2, rows · columns) holds spline coefficients of the fluctuation along and across the wind; both
-    sides are powers of two. view: see ``frame.View``.
+    ``field`` (2, rows · columns) holds spline coefficients of the fluctuations along and across the wind;
+    both dimensions are powers of two. ``view``: see ``frame.View``.
     """
-    along_gusts, across_gusts = picture[0], picture[1]
+    along_gusts, across_gusts = field[0], field[1]
     for i in range(len(x_m)):
         along = view.cos_per_m * x_m[i] + view.sin_per_m * z_m[i] - view.travel
         across = view.cos_per_m * z_m[i] - view.sin_per_m * x_m[i]

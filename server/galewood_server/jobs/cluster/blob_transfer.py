@@ -17,7 +17,7 @@ import obstore
 from galewood.sampling import SampleTask, run_task
 from galewood.util import Cancelled, write_whole
 
-from galewood_server.storage.object_store import fetch, open_bucket, stored
+from galewood_server.storage import fetch, open_bucket, stored
 
 LOOK_S = 0.5
 

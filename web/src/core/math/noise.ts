@@ -6,7 +6,7 @@ function corner(ix: number, iz: number, seed: number): number {
   return hash32(hash32(ix ^ seed) ^ Math.imul(iz, 0x9e3779b1)) / 2147483648 - 1;
 }
 
-/** Smooth value noise in [-1, 1] with a period far beyond any forest; twice differentiable. */
+/** Smooth value noise in [-1, 1], twice differentiable, with a period far larger than any forest. */
 export function valueNoise(x: number, z: number, seed: number): number {
   const ix = Math.floor(x);
   const iz = Math.floor(z);
@@ -17,7 +17,7 @@ export function valueNoise(x: number, z: number, seed: number): number {
   return near * (1 - v) + far * v;
 }
 
-/** Sum of `octaves` noises, each twice as fine and half as strong; within [-1, 1]. */
+/** Sum of `octaves` noises in [-1, 1], each with double the frequency and half the amplitude of the previous one. */
 export function fractalNoise(x: number, z: number, seed: number, octaves: number): number {
   let sum = 0;
   let weight = 0;

@@ -1,6 +1,6 @@
 /** Small seeded generators: the same seed gives the same forest on every machine. */
 
-/** A well mixed 32-bit hash of one 32-bit integer. */
+/** A well-mixed 32-bit hash of one 32-bit integer. */
 export function hash32(value: number): number {
   let h = value | 0;
   h = Math.imul(h ^ (h >>> 16), 0x7feb352d);
@@ -15,7 +15,7 @@ export function hashUnit(...values: number[]): number {
   return h / 4294967296;
 }
 
-/** A hash of a text (FNV-1a), to give every species a seed of its own. */
+/** FNV-1a hash of a string; gives every species its own seed. */
 export function hashText(text: string): number {
   let h = 0x811c9dc5;
   for (let i = 0; i < text.length; i++) h = Math.imul(h ^ text.charCodeAt(i), 0x01000193);

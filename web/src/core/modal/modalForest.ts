@@ -2,8 +2,8 @@
  * The modal reduced-order model for many trees at once: a few oscillators per tree, integrated exactly and coupled by
  * a small polynomial force. Nothing is allocated per step.
  *
- * Of the modal step there are three implementations, which must stay equal: numba (precompute/galewood/modal/),
- * this one, and AssemblyScript (web/kernel/modal.ts). docs/design/0010-kernel.md says why.
+ * There are three implementations of the modal step, which must stay equal: numba (precompute/galewood/modal/), this
+ * one, and AssemblyScript (web/kernel/modal.ts). See docs/design/0010-kernel.md.
  */
 
 import { type Numbers, TreeInstances } from "../motion/treeInstances";
@@ -75,7 +75,8 @@ export class ModalForest extends TreeInstances {
   /** Copies the state of trees from another forest of this table; `rows`: their index there, −1 for a new tree. */
   adopt(from: ModalForest, rows: Int32Array): void {
     const { own } = this;
-    if (from.compiled !== this.compiled) return; // state layouts differ (one of them could not allocate a kernel): trees start at rest
+    // The state layouts differ if one forest could not allocate a kernel: the trees start at rest.
+    if (from.compiled !== this.compiled) return;
     rows.forEach((row, i) => {
       if (row < 0) return;
       this.takeOver(i, from, row);
@@ -176,7 +177,7 @@ export class ModalForest extends TreeInstances {
     this.writeCoupled(x, y, first, at + 37);
   }
 
-  /** Each coupled coordinate's speed times the sway, and the coordinate times the pressure, which is in `pair`. */
+  /** The velocity of each coupled coordinate times the sway, and the coordinate times the pressure in `pair`. */
   private writeCoupled(x: number, y: number, first: number, at: number): void {
     const { c, v, ahead, terms, limits, pair } = this;
     for (let j = 0, to = at; j < c; j++) {
@@ -191,7 +192,7 @@ export class ModalForest extends TreeInstances {
     }
   }
 
-  /** Squares of the sway's speed, which is in `pair`, and these times the sway, from `at` on. */
+  /** Products of the sway velocity in `pair` with itself, and these times the sway, from `at` on. */
   private writeSquares(x: number, y: number, at: number): void {
     const { terms, pair } = this;
     const a = pair[0] * pair[0];

@@ -38,7 +38,7 @@ function transposed(values: Float32Array, width: number): Float32Array {
 
 let compiled: WebAssembly.Module | null | undefined;
 
-/** The compiled kernel, null where this machine cannot run it. */
+/** The compiled kernel; null if this machine cannot run it. */
 function compile(): WebAssembly.Module | null {
   if (compiled !== undefined) return compiled;
   try {
@@ -50,7 +50,7 @@ function compile(): WebAssembly.Module | null {
   return compiled;
 }
 
-/** The table's tensors as the kernel reads them. */
+/** The table's tensors in the kernel's layout. */
 function tensors(modal: ModalTensors, d: number, further: number): Record<Tensor, Float32Array> {
   return {
     stepping: inFullRows(transposed(modal.step, 6), d),
@@ -97,7 +97,7 @@ export class ModalKernel {
   readonly before: Float32Array;
   /** [count] */
   readonly extrapolationRatio: Float32Array;
-  /** Moves a tree by the table's step under a pressure (Pa) in its own frame. */
+  /** Advances a tree by one table step under a pressure (Pa) in its own frame. */
   readonly step: Step;
 
   private constructor(
@@ -138,7 +138,7 @@ export class ModalKernel {
     this.step = kernel.step;
   }
 
-  /** Null where WebAssembly SIMD is not supported or memory is exhausted. */
+  /** Returns null if WebAssembly SIMD is not supported or memory is exhausted. */
   static make(modal: ModalTensors, modes: number, count: number, dt_s: number): ModalKernel | null {
     const module = compile();
     if (!module) return null;

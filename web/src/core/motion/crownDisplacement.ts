@@ -11,7 +11,7 @@ export interface SwayGroup {
   readonly poses: Float32Array;
 }
 
-/** Adds one tree's mean crown displacement in the world frame, metres. */
+/** Adds one tree's mean crown displacement (m, world frame). */
 function addTree(group: SwayGroup, tree: number, sum: [number, number, number]): void {
   const { modes, crownBasis, poses } = group;
   const own = [0, 0, 0];
@@ -26,7 +26,7 @@ function addTree(group: SwayGroup, tree: number, sum: [number, number, number]):
   sum[2] += scale * (Math.cos(yaw) * own[2] - Math.sin(yaw) * own[0]);
 }
 
-/** Mean over all trees of the crown's displacement (m, world frame); zero for no trees. */
+/** Crown displacement averaged over all trees (m, world frame); zero without trees. */
 export function meanCrownDisplacement_m(groups: readonly SwayGroup[]): [number, number, number] {
   const sum: [number, number, number] = [0, 0, 0];
   let trees = 0;

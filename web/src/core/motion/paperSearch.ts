@@ -7,13 +7,13 @@
 import { lastRecords, poses, type Table } from "../table/table";
 import { TreeInstances } from "./treeInstances";
 
-/** Pose easing ends exactly on the record's pose once offset and its speed are within half an integer step. */
+/** Pose easing snaps to the record's pose once the offset and its velocity are within half an integer step. */
 const SNAP = 0.5;
 
 const TERMS = new Float64Array(12);
 for (let n = 0, factorial = 1; n < 12; factorial *= ++n) TERMS[n] = (n % 2 === 0 ? 1 : -1) / factorial;
 
-/** 1 − exp(−exponent) for exponent ≥ 0 by plain sums and products, so that all languages give the same bits. */
+/** 1 − exp(−exponent) for exponent ≥ 0, from sums and products only, so that it is bit-identical in all languages. */
 export function gaussian(exponent: number): number {
   const t = Math.min(exponent, 50) / 256;
   let p = TERMS[11];
@@ -22,19 +22,19 @@ export function gaussian(exponent: number): number {
   return 1 - p;
 }
 
-/** Which records a search considers: of moving air, of still air (exactly zero pressure), or all. */
+/** Which records a search considers: those in moving air, in still air (exactly zero pressure), or all. */
 const MOVING = 0;
 const STILL = 1;
 const ANY = -1;
 
 export interface LookupOptions {
-  /** 0..1: how fast the pose approaches that of the record found; the table's own by default, 0 accumulates as in the paper. */
+  /** 0..1: how fast the pose approaches that of the found record; 0 accumulates as in the paper. Default: the table's. */
   readonly poseEasing?: number;
-  /** Search records of still air only when the air is exactly still, and only then. */
+  /** Consider records in still air if, and only if, the air is exactly still. */
   readonly stillAir?: boolean;
 }
 
-/** The search of one table: which record comes next. */
+/** Record search of one table. */
 export class TableSearch {
   private readonly error: Float64Array;
   private readonly barred: Uint8Array;
@@ -57,14 +57,14 @@ export class TableSearch {
     this.halfPrecision = 1 / (2 * sigma * sigma);
   }
 
-  /** The record for the next step from a record's state (0: the first step); −1 if there is none of such air.
-   *  When the air begins to move about a tree in still air, that is a first step again. */
+  /** The record for the next step from a record's state (0: first step); −1 if there is none for this kind of air.
+   *  When the air starts to move around a tree in still air, the search starts again with a first step. */
   find(state: number, weight: number, air: number, fx: number, fz: number): number {
     const begins = state === 0 || (air === MOVING && this.calm[state] === STILL);
     return begins ? this.nearestPressure(air, fx, fz) : this.bestCandidate(state, weight, air, fx, fz);
   }
 
-  /** The first step: the lowest record with a successor whose pressure is nearest, searched outwards from fx. */
+  /** First step: among records with a successor, the lowest one of nearest pressure, searched outwards from fx. */
   private nearestPressure(air: number, fx: number, fz: number): number {
     const { byX, calm, barred } = this;
     const { pressure } = this.table;
@@ -89,7 +89,7 @@ export class TableSearch {
     return found;
   }
 
-  /** The place in byX of the first record whose pressure along x is fx or more. */
+  /** Index in byX of the first record whose pressure along x is at least fx. */
   private firstFrom(fx: number): number {
     let below = 0;
     let above = this.byX.length;
@@ -101,14 +101,14 @@ export class TableSearch {
     return below;
   }
 
-  /** Every later step: the candidate of least total error (Eq. 16); of equals the successor, then the lowest. */
+  /** Later steps: the candidate of least total error (Eq. 16); ties go to the successor, then to the lowest index. */
   private bestCandidate(state: number, weight: number, air: number, fx: number, fz: number): number {
     const { offsets, candidate, pressure } = this.table;
     let best = Number.POSITIVE_INFINITY;
     let found = -1;
     for (let s = offsets[state]; s < offsets[state + 1]; s++) {
       const internal = (1 - weight) * this.error[s];
-      if (internal > best) break; // sorted by internal error: none of the rest can win
+      if (internal > best) break; // sorted by internal error: no later candidate can be better
       const j = candidate[s];
       if (air !== ANY && this.calm[j] !== air) continue;
       const dx = fx - pressure[2 * j];
@@ -125,7 +125,7 @@ export class TableSearch {
 
 /** Trees of one table, each with its own state, orientation and time scale. */
 export class PaperForest extends TreeInstances {
-  /** [count] record found last, −1 before the first step; the tree is in its successor's state. */
+  /** [count] last record found, −1 before the first step; the tree is in the state of its successor. */
   readonly record: Int32Array;
   private readonly search: TableSearch;
   private readonly poses: Int32Array;
@@ -165,7 +165,7 @@ export class PaperForest extends TreeInstances {
     const state = this.record[i] + 1;
     const air = this.stillAir ? (fx === 0 && fz === 0 ? STILL : MOVING) : ANY;
     let found = this.search.find(state, this.weight[i], air, fx, fz);
-    if (found < 0) found = this.search.find(state, this.weight[i], ANY, fx, fz); // no record of such air: search all
+    if (found < 0) found = this.search.find(state, this.weight[i], ANY, fx, fz); // no record for this kind of air: search all
     const follows = state > 0 && found === state;
     this.weight[i] = follows ? Math.min(maximum, this.weight[i] + growth) : initial;
     this.record[i] = found;

@@ -43,7 +43,7 @@ export function tipDisplacement_m(of: TipOf, node: number, pose: ArrayLike<numbe
   return scale * Math.sqrt(sum);
 }
 
-/** The nearest tree to a place: group and index; null without trees. `placements`: x, z, yaw, scale per tree. */
+/** Group and index of the tree nearest to a position; null without trees. `placements`: x, z, yaw, scale per tree. */
 export function nearestTree(
   placements: readonly Float32Array[],
   x: number,

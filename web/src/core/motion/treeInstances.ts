@@ -8,14 +8,14 @@ const MAX_STEPS_PER_ADVANCE = 8;
 
 export type Numbers = Float64Array | Float32Array;
 
-/** What both methods share. `room` are pose buffers to use instead of allocating them. */
+/** Common part of both methods. `room`: pose buffers to use instead of allocating them. */
 export abstract class TreeInstances {
-  /** [count, r] shown pose, between the last two steps. */
+  /** [count, r] displayed pose, interpolated between the last two steps. */
   readonly q: Float32Array;
-  /** Place of each tree (m), for the wind. */
+  /** Position of each tree (m), for the wind. */
   readonly x: Float32Array;
   readonly z: Float32Array;
-  /** [count, r or more] pose after the last step, and after the one before. */
+  /** [count, r or more] pose after the last step and after the previous one. */
   protected readonly now: Numbers;
   protected readonly before: Numbers;
   private readonly phase: Float64Array;

@@ -91,7 +91,7 @@ interface Tensor {
 }
 type Json = Record<string, unknown>;
 
-/** Decodes a table file. Throws TableError saying what is wrong with it. */
+/** Decodes a table file. Throws TableError that names the fault. */
 export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
   // Plain bytes: slices of a Node Buffer would share its memory.
   const bytes =
@@ -140,7 +140,7 @@ export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
   return table;
 }
 
-/** [z, r] pose of every record's own state, in units of modeScale; every trajectory starts at 0. */
+/** [z, r] pose of every record, in units of modeScale; every trajectory starts at 0. */
 export function poses(table: Table): Int32Array {
   const { dq, trajectory } = table;
   const r = table.metadata.modes;
@@ -153,7 +153,7 @@ export function poses(table: Table): Int32Array {
   return out;
 }
 
-/** [z] 1 for the last record of each trajectory: it has no successor and is never chosen. */
+/** [z] 1 for the last record of each trajectory, which has no successor and is never chosen. */
 export function lastRecords(trajectory: Uint32Array): Uint8Array {
   const last = new Uint8Array(trajectory[trajectory.length - 1]);
   for (let t = 1; t < trajectory.length; t++) last[trajectory[t] - 1] = 1;
@@ -173,12 +173,12 @@ function parse(text: string): unknown {
   try {
     return JSON.parse(text);
   } catch {
-    throw new TableError("not a galewood table: no readable metadata");
+    throw new TableError("not a Galewood table: the metadata is unreadable");
   }
 }
 
 function readHeader(bytes: Uint8Array): [Json, Uint8Array] {
-  need(bytes.length >= 8, "truncated table file: no header");
+  need(bytes.length >= 8, "truncated table file: the header is missing");
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const length = view.getUint32(0, true) + view.getUint32(4, true) * 2 ** 32;
   need(
@@ -187,19 +187,19 @@ function readHeader(bytes: Uint8Array): [Json, Uint8Array] {
   );
   const text = new TextDecoder().decode(bytes.subarray(8, 8 + length));
   return [
-    object(parse(text), "not a galewood table: the header is not an object"),
+    object(parse(text), "not a Galewood table: the header is not an object"),
     bytes.subarray(8 + length),
   ];
 }
 
 function readMetadata(header: Json): TableMetadata {
-  const texts = object(header.__metadata__, "not a galewood table: no metadata");
-  need(typeof texts.galewood === "string", "not a galewood table: no metadata");
-  const metadata = object(parse(texts.galewood), "not a galewood table: metadata is not an object");
+  const texts = object(header.__metadata__, "not a Galewood table: the metadata is missing");
+  need(typeof texts.galewood === "string", "not a Galewood table: the metadata is missing");
+  const metadata = object(parse(texts.galewood), "not a Galewood table: the metadata is not an object");
   need(metadata.format === FORMAT, `not a ${FORMAT}: format ${String(metadata.format).slice(0, 40)}`);
   const version = String(metadata.version).slice(0, 40);
   const known = metadata.version === VERSION || metadata.version === 5;
-  need(known, `table version ${version}, this reader knows versions 5 and ${VERSION}`);
+  need(known, `table version ${version}; this reader supports versions 5 and ${VERSION}`);
   number(metadata, "height_m", 0.01, 1000);
   number(metadata, "dt_s", 1e-4, 1);
   number(metadata, "sigma_pa", 1e-9, 1e9);
@@ -231,12 +231,12 @@ function whole(from: Json, name: string, high: number): void {
 function readTensor(header: Json, body: Uint8Array, name: string): Tensor {
   need(name in header, `missing tensor ${name}`);
   const [dtype, rank] = TENSORS[name];
-  const entry = object(header[name], `tensor ${name}: no description`);
+  const entry = object(header[name], `tensor ${name}: the description is missing`);
   const shape = entry.shape;
   const fits = entry.dtype === dtype && naturals(shape) && shape.length === rank;
   need(fits, `tensor ${name}: expected ${dtype} of rank ${rank}`);
   const range = entry.data_offsets;
-  need(naturals(range) && range.length === 2, `tensor ${name}: no data offsets`);
+  need(naturals(range) && range.length === 2, `tensor ${name}: the data offsets are missing`);
   const [start, end] = range;
   const type = TYPES[dtype];
   const count = shape.reduce((product, side) => product * side, 1);
@@ -317,7 +317,7 @@ function checkModal(modal: ModalTensors): void {
     modal.limits.every((limit) => limit > 0),
     "tensor modal.limits: not positive",
   );
-  need(contracts(modal.step), "tensor modal.step: an oscillator that does not come to rest");
+  need(contracts(modal.step), "tensor modal.step: an oscillator is not stable");
 }
 
 function checkTrajectories(table: Table): void {
@@ -344,7 +344,7 @@ function checkOffsets({ offsets, candidate, metadata: { records: z } }: Table): 
   }
 }
 
-/** In the file mismatches are delta-coded along each row of candidates. */
+/** Decodes the mismatches, which are delta-coded along each row of candidates. */
 function sumSteps({ offsets, mismatches }: Table): void {
   for (let c = 0; c + 1 < offsets.length; c++) {
     for (let s = offsets[c] + 1; s < offsets[c + 1]; s++) {

@@ -1,11 +1,11 @@
-/** Tables of version 5, which differ from version 6 in names only. */
+/** Version 5 tables, which differ from version 6 only in names. */
 
 type Json = Record<string, unknown>;
 
 const FORMER_PREFIX = "tangent.";
 const PREFIX = "modal.";
 
-/** The version 6 name of a tensor of version 5. A version 6 name in a version 5 file is made an unknown one. */
+/** Version 6 name of a version 5 tensor. A version 6 name in a version 5 file is mapped to an unknown name. */
 function presentName(name: string): string {
   if (name.startsWith(FORMER_PREFIX)) return PREFIX + name.slice(FORMER_PREFIX.length);
   return name.startsWith(PREFIX) ? `${name} of version 6` : name;
@@ -17,7 +17,7 @@ function withTrainingError(errors: unknown): unknown {
   return { ...others, training_m: replay_m };
 }
 
-/** Header and metadata of a table of version 5 with the names of version 6. */
+/** Header and metadata of a version 5 table under the names of version 6. */
 export function fromVersion5<Metadata extends Readonly<Record<string, unknown>>>(
   header: Json,
   metadata: Metadata,

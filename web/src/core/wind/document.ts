@@ -1,4 +1,4 @@
-/** The wind document, version 1: fields, ranges, reading. docs/formats/wind.md specifies it. */
+/** Wind document, version 1: fields, ranges and parser. Specified in docs/formats/wind.md. */
 
 export const MODELS = ["cosine", "perlin", "spectral", "navier-stokes"] as const;
 export type WindModel = (typeof MODELS)[number];
@@ -6,7 +6,7 @@ const VERSION = 1;
 const MOST_WAVES = 16;
 const SHARE_TOLERANCE = 1e-9;
 
-/** One cosine wave of gusts; without `phase_turns` the phase comes from the seed. */
+/** One cosine wave of gusts; without `phase_turns` the phase is derived from the seed. */
 export interface Wave {
   readonly frequency_hz: number;
   readonly share: number;
@@ -22,7 +22,7 @@ export interface WindDocument {
   readonly gustiness: number;
   readonly convection_speed_m_s: number;
   readonly seed: number;
-  /** All models but cosine. */
+  /** All models except cosine. */
   readonly length_scale_m?: number;
   /** Spectral only. */
   readonly beta?: number;
@@ -33,10 +33,10 @@ export interface WindDocument {
   readonly waves?: readonly Wave[];
 }
 
-/** A document with every default filled in; fields that its model has not keep theirs. */
+/** A document with every default filled in, also for fields that its model does not use. */
 export type ResolvedWind = Required<WindDocument>;
 
-/** Why a wind document cannot be read: the path of the field and what would be accepted there. */
+/** Error in a wind document, with the path of the field and what is expected there. */
 export class WindError extends Error {
   override readonly name = "WindError";
 
@@ -53,7 +53,7 @@ interface Field {
   readonly low: number;
   readonly high: number;
   readonly models: readonly WindModel[];
-  /** Absent: required. */
+  /** If absent, the field is required. */
   readonly standard?: number;
   readonly whole?: boolean;
 }
@@ -81,7 +81,7 @@ const WAVE_FIELDS: Readonly<Record<keyof Wave, Field>> = {
   phase_turns: { low: 0, high: 1, models: MODELS, standard: -1 },
 };
 
-/** The ranges of the fields that every wind must have. */
+/** Ranges of the required fields. */
 export const WIND_RANGES: Readonly<Record<string, readonly [number, number]>> = Object.fromEntries(
   Object.entries(FIELDS as Record<string, Field>)
     .filter(([, field]) => field.models === MODELS && field.standard === undefined)
@@ -106,7 +106,7 @@ const DEFAULTS = {
   waves: FOREST_WAVES,
 };
 
-/** Fills in the defaults of a document that is known to be good. */
+/** Fills in the defaults of a valid document. */
 export const resolveWind = (wind: WindDocument): ResolvedWind => ({ ...DEFAULTS, ...wind });
 
 /** Whether a field belongs to a model. */
@@ -114,7 +114,7 @@ export function hasField(model: WindModel, name: WindNumber): boolean {
   return (FIELDS[name] as Field).models.includes(model);
 }
 
-/** Reads a wind document; throws WindError naming the offending field and what is allowed there. */
+/** Parses a wind document; throws WindError that names the field and the expected value. */
 export function parseWind(value: unknown): WindDocument {
   const fields = objectAt(value, "wind");
   if (fields.version !== VERSION) {

@@ -1,4 +1,4 @@
-/** The wind field of a forest: velocity and pressure at many places, at any moment, whatever the model. */
+/** Wind field of a forest: velocity and pressure at many positions, for every model. */
 
 import type { ResolvedWind, WindDocument } from "./document";
 import type { Gusts, Output, Places } from "./frame";
@@ -9,9 +9,9 @@ import { PerlinGusts } from "./models/perlin";
 import { SpectralGusts } from "./models/spectral";
 import { pressureOfVelocity } from "./pressure";
 
-/** A glide needs two at once. */
+/** A transition needs two models at once. */
 const KEPT_GUSTS = 2;
-/** One set for each of a forest's species, and those that look on. */
+/** One set per species of the forest, and some for the instruments. */
 const KEPT_BUFFERS = 12;
 
 export function gustsOf(wind: ResolvedWind): Gusts {
@@ -30,25 +30,25 @@ export function gustsOf(wind: ResolvedWind): Gusts {
 export class WindField {
   state: WindState;
   private readonly gusts = new Map<string, Gusts>();
-  /** Buffers by the number of places, kept from frame to frame: other x, other z, work x, work z. */
+  /** Buffers by number of positions, reused between frames: other x, other z, work x, work z. */
   private readonly spare = new Map<number, Float64Array[]>();
 
-  /** From a document (its air sets out at time 0) or from a shared state. */
+  /** Starts from a document (constant since time 0) or from a shared state. */
   constructor(wind: WindDocument | WindState) {
     this.state = "wind" in wind ? wind : steady(wind);
   }
 
-  /** Glides to another document from this time on. */
+  /** Starts a transition to another document at this time. */
   change(wind: WindDocument, time_s: number): void {
     this.state = changeWind(this.state, wind, time_s);
   }
 
-  /** The wind's numbers at a time, with glides on their way. */
+  /** The parameters of the wind at a time, transitions included. */
   at(time_s: number): Moment {
     return windAt(this.state, time_s);
   }
 
-  /** Writes the velocity (m/s, world x and z) at the reference height over each place. */
+  /** Writes the velocity (m/s, world x and z) at the reference height above each position. */
   velocity(x: Places, z: Places, time_s: number, outX: Output, outZ: Output): void {
     const moment = this.at(time_s);
     this.write(moment.wind, moment, x, z, outX, outZ);
@@ -62,8 +62,8 @@ export class WindField {
   }
 
   /**
-   * Writes the pressure (Pa, world x and z) at each place; exactly 0 where the wind is still.
-   * `factor`: speed at the height of each place over that at the reference height (`heightFactor`).
+   * Writes the pressure (Pa, world x and z) at each position; exactly 0 in still air.
+   * `factor`: wind speed at the height of each position relative to the reference height (`heightFactor`).
    */
   pressure(x: Places, z: Places, time_s: number, outX: Output, outZ: Output, factor?: Places): void {
     const [, , workX, workZ] = this.buffers(outX.length);

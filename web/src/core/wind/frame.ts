@@ -1,23 +1,23 @@
-/** The frame of the gusts: along and across the wind, in length scales, moving with the air. */
+/** Coordinate frame of the gusts: along and across the wind, in units of the length scale, moving with the air. */
 import type { ResolvedWind } from "./document";
 
-/** Standard deviation of the speed over its mean at gustiness 1. */
+/** Turbulence intensity (standard deviation of the speed over its mean) at gustiness 1. */
 export const TURBULENCE_PER_GUSTINESS = 0.308;
 
-/** Numbers to read from or write to, by index. */
+/** An indexable array of numbers. */
 export type Places = ArrayLike<number>;
 export type Output = Float32Array | Float64Array;
 
-/** What the inner loops need to place gusts; one for each model, rewritten every frame. */
+/** Parameters of the inner loops; one object per model, rewritten every frame. */
 export class View {
   cos = 1;
   sin = 0;
   cosPerM = 0;
   sinPerM = 0;
-  /** Length scales that the air has travelled. */
+  /** Distance that the air has travelled, in length scales. */
   travel = 0;
   meanMS = 0;
-  /** Standard deviation of the speed along the wind, and across it. */
+  /** Standard deviation of the velocity along and across the wind. */
   alongMS = 0;
   acrossMS = 0;
 
@@ -35,7 +35,7 @@ export class View {
     this.acrossMS = this.alongMS * this.lateralShare;
   }
 
-  /** The velocity (m/s, world x and z) of unit-variance fluctuations along and across the wind. */
+  /** Converts unit-variance fluctuations along and across the wind to a velocity (m/s, world x and z). */
   write(i: number, along: number, across: number, outX: Output, outZ: Output): void {
     const u = this.meanMS + this.alongMS * along;
     const v = this.acrossMS * across;
@@ -44,7 +44,7 @@ export class View {
   }
 }
 
-/** One model with one seed. `carried`: the length scales that the air has travelled (cosine: the time in s). */
+/** One model with one seed. `carried`: distance that the air has travelled, in length scales (cosine: time in s). */
 export interface Gusts {
   /** Writes the velocity (m/s, world x and z) at each place. */
   velocity(wind: ResolvedWind, carried: number, x: Places, z: Places, outX: Output, outZ: Output): void;

@@ -1,27 +1,27 @@
 /**
- * The wind's clock: what a forest's wind is at a moment, smooth however its document is changed. The same
- * arithmetic as precompute/galewood/wind/, which says why.
+ * State of a forest's wind over time: a change of the document is a smooth transition. Same arithmetic as
+ * precompute/galewood/wind/, which gives the reasons.
  */
 import { FIELDS, parseWind, type ResolvedWind, resolveWind, type WindDocument, WindError } from "./document";
 
 export const GLIDE_S = 0.6;
 
-/** A wind that has been gliding from one document to another since a time; may be sent. */
+/** A transition from one wind document to another since a given time; serializable. */
 export interface WindState {
   readonly before: WindDocument;
   readonly wind: WindDocument;
   readonly since_s: number;
-  /** Length scales travelled at `since_s`. */
+  /** Distance travelled at `since_s`, in length scales. */
   readonly travel: number;
 }
 
-/** The wind at one time: `before` and `wind` differ only while one model or seed fades into another. */
+/** The wind at one time. `before` and `wind` differ only while one model or seed fades into another. */
 export interface Moment {
   readonly before: ResolvedWind;
   readonly wind: ResolvedWind;
   readonly time_s: number;
   readonly travel: number;
-  /** Of `wind`, the rest is `before`. */
+  /** Weight of `wind`; the rest is `before`. */
   readonly share: number;
 }
 
@@ -30,12 +30,12 @@ const GLIDING = Object.keys(FIELDS).filter(
   (name) => name !== "seed" && name !== "beta" && name !== "direction_deg",
 ) as Gliding[];
 
-/** A wind that has always been this one; its air set out at time 0. */
+/** The state of a constant wind that started at time 0. */
 export function steady(wind: WindDocument): WindState {
   return { before: wind, wind, since_s: 0, travel: 0 };
 }
 
-/** Reads a state that was sent; throws WindError naming the field. */
+/** Parses a received state; throws WindError that names the field. */
 export function parseState(value: unknown): WindState {
   if (typeof value !== "object" || value === null) throw new WindError("wind_state", "expected an object");
   const fields = value as Record<string, unknown>;
@@ -49,14 +49,14 @@ export function parseState(value: unknown): WindState {
   return { before: parseWind(fields.before), wind: parseWind(fields.wind), since_s, travel };
 }
 
-/** Glides from what the wind is now to another document, from this time on. */
+/** Starts a transition from the current wind to another document. */
 export function changeWind(state: WindState, wind: WindDocument, time_s: number): WindState {
   const now = windAt(state, time_s);
   const before = strip(now.share < 0.5 ? now.before : now.wind);
   return { before, wind, since_s: time_s, travel: now.travel };
 }
 
-/** Without the fields that its model has not, so that it can be sent and read. */
+/** Removes the fields that the model does not use, so that the document is valid. */
 function strip(wind: ResolvedWind): WindDocument {
   const { waves, ...rest } = wind;
   const fields = FIELDS as Record<string, { models: readonly string[] }>;
@@ -76,7 +76,7 @@ export function windAt(state: WindState, time_s: number): Moment {
   const share = t * t * (3 - 2 * t);
   const oldRate = from.convection_speed_m_s / from.length_scale_m;
   const newRate = to.convection_speed_m_s / to.length_scale_m;
-  // ∫ of the smooth step: t³ − t⁴/2, and ½ when it is over
+  // integral of the smoothstep: t³ − t⁴/2, and ½ at the end
   const glided_s = GLIDE_S * t * t * t * (1 - 0.5 * t) + Math.max(0, since - GLIDE_S);
   const travel = state.travel + oldRate * since + (newRate - oldRate) * glided_s;
   if (t >= 1 || state.before === state.wind) return { before: to, wind: to, time_s, travel, share: 1 };
@@ -90,19 +90,19 @@ function sameField(a: ResolvedWind, b: ResolvedWind): boolean {
   return fieldKey(a) === fieldKey(b);
 }
 
-/** Equal for winds whose gusts are the same picture. */
+/** Equal for winds that share the same gust field. */
 export function fieldKey(wind: ResolvedWind): string {
   return JSON.stringify([wind.model, wind.seed, wind.beta, wind.waves]);
 }
 
-/** Numbers on the way from a to b, the direction the short way round; model, seed, β and waves are b's. */
+/** Interpolates from a to b, the direction along the shorter arc; model, seed, β and waves are taken from b. */
 function between(a: ResolvedWind, b: ResolvedWind, share: number): ResolvedWind {
   const numbers = Object.fromEntries(GLIDING.map((name) => [name, mix(a[name], b[name], share)]));
   const direction = b.direction_deg - (1 - share) * halfTurn(b.direction_deg - a.direction_deg);
   return { ...b, ...numbers, direction_deg: halfTurn(direction) };
 }
 
-/** Never outside [a, b], not even by rounding: a wind on its way must be a wind that can be sent. */
+/** Never outside [a, b], not even by rounding: a wind in transition must be a valid document. */
 const mix = (a: number, b: number, share: number): number =>
   Math.min(Math.max(a + share * (b - a), Math.min(a, b)), Math.max(a, b));
 

@@ -1,4 +1,4 @@
-/** Seeded whole numbers, the same as precompute/galewood/wind/. */
+/** Seeded hashes, identical to precompute/galewood/wind/. */
 
 /** Mueller's integer finaliser of (seed, k), 0 … 2³²−1. */
 export function hash32(seed: number, k: number): number {
@@ -7,7 +7,7 @@ export function hash32(seed: number, k: number): number {
   return (h ^ (h >>> 16)) >>> 0;
 }
 
-/** In [−1, 1), exact. */
+/** A value in [−1, 1), exact. */
 export const signedUniform = (seed: number, k: number): number => hash32(seed, k) / 2147483648 - 1;
 
 /** A phase in [0, 1) turns. */

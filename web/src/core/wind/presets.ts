@@ -1,4 +1,4 @@
-/** Winds with names: the paper's six, and four that a visitor would ask for. */
+/** Named winds: the six of the paper, and four presets of the page. */
 import type { WindDocument } from "./document";
 
 /** Peak speed / design speed, depth (U = peak (1 + depth cos) / (1 + depth)), period in s, phase in turns. */
@@ -11,7 +11,7 @@ const PAPER_WAVES = [
   [1, 0.8, 3.5, 0.5],
 ] as const;
 
-/** The paper's wind k (0 … 5): one cosine wave in a direction that does not change. */
+/** The paper's wind k (0 … 5): one cosine wave in a constant direction. */
 export function paperWind(k: number, designSpeed_m_s: number, direction_deg = 60): WindDocument {
   const [peak, depth, period_s, phase_turns] = PAPER_WAVES[k];
   return {

@@ -1,4 +1,4 @@
-/** Pressure on a tree from the wind speed, and its share within the range that a table has sampled. */
+/** Wind pressure on a tree, computed from the wind speed, and its relation to the sampled range of a table. */
 import type { Output, Places } from "./frame";
 
 export const AIR_DENSITY_KG_M3 = 1.2;
@@ -19,7 +19,7 @@ function pressurePerSpeed(speedMS: number): number {
   return start * (speedMS / STREAMLINING_SPEED_M_S) ** (STREAMLINED_EXPONENT - 1);
 }
 
-/** Turns velocities (m/s), each times its factor (height) if given, into pressure vectors (Pa). */
+/** Converts velocities (m/s), multiplied by the height factor if given, to pressure vectors (Pa). */
 export function pressureOfVelocity(
   velocityX: Float64Array,
   velocityZ: Float64Array,
@@ -37,12 +37,12 @@ export function pressureOfVelocity(
   }
 }
 
-/** Speed at a height over the speed at the reference height: the power law of the wind over a canopy. */
+/** Wind speed at a height relative to the reference height (power law above a canopy). */
 export function heightFactor(height_m: number, exponent: number, referenceHeight_m: number): number {
   return (height_m / referenceHeight_m) ** exponent;
 }
 
-/** The strongest pressure (Pa) among a table's records, packed x, z, x, z … */
+/** Largest pressure magnitude (Pa) of a table's records, packed as x, z, x, z, … */
 export function sampledPeak(samplePressure: Places): number {
   let peak = 0;
   for (let i = 0; i + 1 < samplePressure.length; i += 2) {
@@ -52,8 +52,8 @@ export function sampledPeak(samplePressure: Places): number {
 }
 
 /**
- * Shortens pressures that are stronger than what a table has sampled to its strongest, in place: beyond it every
- * record would be equally wrong, and the direction of the wind would be lost.
+ * Clamps pressures in place to the largest sampled magnitude and keeps their direction: beyond it every record would
+ * be equally wrong.
  */
 export function limitPressure(pressureX: Output, pressureZ: Output, peak_pa: number): void {
   for (let i = 0; i < pressureX.length; i++) {
@@ -64,7 +64,7 @@ export function limitPressure(pressureX: Output, pressureZ: Output, peak_pa: num
   }
 }
 
-/** Share of the given pressures that are no stronger than what the table has sampled, 0 … 1. */
+/** Share (0..1) of the pressures that are within the sampled range. */
 export function coverage(pressureX: Places, pressureZ: Places, peak_pa: number): number {
   const count = pressureX.length;
   if (count === 0) return 1;

@@ -1,4 +1,4 @@
-/** The wind: the same arithmetic as precompute/galewood/wind/. docs/formats/wind.md is the specification. */
+/** The wind. Same arithmetic as precompute/galewood/wind/; specified in docs/formats/wind.md. */
 import type { WindDocument } from "./document";
 import { WindField } from "./field";
 import type { Output, Places } from "./frame";
@@ -15,8 +15,8 @@ export { coverage, dynamicPressure, heightFactor, limitPressure, sampledPeak } f
 let last: { wind: WindDocument; field: WindField } | undefined;
 
 /**
- * Writes the pressure vector (Pa, world x and z) at each place x, z (m) at time t (s) in a wind that has always
- * been this one. Exactly 0 where the wind is still. A running forest keeps a WindField instead.
+ * Writes the pressure vector (Pa, world x and z) at each position x, z (m) and time t (s) in a constant wind document.
+ * Exactly 0 in still air. A running forest uses a WindField instead.
  */
 export function windPressure(
   wind: WindDocument,

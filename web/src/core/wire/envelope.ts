@@ -24,7 +24,7 @@ export class WireError extends Error {
 
 const padding = (length: number) => (8 - (length % 8)) % 8;
 
-/** A message from its parts. */
+/** Assembles a message from its parts. */
 export function encodeMessage(
   kind: number,
   header: Header,
@@ -43,24 +43,24 @@ export function encodeMessage(
 export interface Message {
   kind: number;
   header: Header;
-  /** A view into the message, beginning at a multiple of 8. */
+  /** A view into the message, aligned to 8 bytes. */
   payload: Uint8Array<ArrayBuffer>;
 }
 
-/** Kind, header and payload of a message. Throws WireError. */
+/** Splits a message into kind, header and payload. Throws WireError. */
 export function decodeMessage(data: ArrayBuffer): Message {
   const bytes = new Uint8Array(data);
   if (bytes.length < PREFIX_BYTES || bytes[0] !== MAGIC[0] || bytes[1] !== MAGIC[1]) {
     throw new WireError("not a Galewood message: it must begin with the bytes 'GW'");
   }
   if (bytes[2] !== VERSION) {
-    const words = `wire version ${bytes[2]} is not spoken here, only version ${VERSION}`;
+    const words = `unsupported wire version ${bytes[2]}; this reader supports only version ${VERSION}`;
     throw new WireError(words, "unknown-version");
   }
   const length = new DataView(data).getUint32(4, true);
   const start = PREFIX_BYTES + length + padding(length);
   if (length > MAX_HEADER_BYTES || start > bytes.length) {
-    throw new WireError("the header is longer than the message, or than allowed");
+    throw new WireError("the header is longer than the message or the limit");
   }
   if (bytes.subarray(PREFIX_BYTES + length, start).some((byte) => byte !== 0)) {
     throw new WireError("the padding after the header is not zero");
@@ -79,7 +79,7 @@ function unpack(packed: Uint8Array): Header {
   return textMap(header, "the header");
 }
 
-/** A header has just these fields; the first that is missing or unknown is named. */
+/** Checks that a header has exactly these fields; the error names the first missing or unknown one. */
 export function only(header: Header, ...names: string[]): void {
   const missing = names.filter((name) => !(name in header)).sort();
   if (missing.length) throw new WireError(`the field '${missing[0]}' is missing`);
@@ -108,11 +108,11 @@ export function entries(header: Header, name: string): unknown[] {
   return value;
 }
 
-/** A whole number from 0. */
+/** A non-negative integer. */
 export function whole(header: Header, name: string): number {
   const value = header[name];
   if (!Number.isSafeInteger(value) || (value as number) < 0) {
-    throw new WireError(`${name} must be a whole number that is not negative`);
+    throw new WireError(`${name} must be a non-negative integer`);
   }
   return value as number;
 }
@@ -127,7 +127,7 @@ export function number(header: Header, name: string, low = -1e12, high = 1e12): 
   return value;
 }
 
-/** True or false. */
+/** A boolean. */
 export function truth(header: Header, name: string): boolean {
   const value = header[name];
   if (typeof value !== "boolean") throw new WireError(`${name} must be true or false`);

@@ -2,8 +2,8 @@
  * The wire format of /ws/forest, version 2: specified in docs/formats/wire.md, same as
  * server/galewood_server/stream/wire.py.
  *
- * Requests go from client to server, replies back. envelope.ts holds what they have in common, wireForest.ts and
- * wireFrame.ts the messages with numeric payloads. Decoders validate everything they return.
+ * Requests go from client to server, replies from server to client. envelope.ts holds their common part, wireForest.ts
+ * and wireFrame.ts the messages with numeric payloads. Decoders validate everything they return.
  */
 import {
   decodeMessage,
@@ -47,7 +47,7 @@ const CLOCK = 71;
 
 // ---- client to server ----------------------------------------------------------------------------
 
-/** First message of a client: a name for itself. */
+/** First message of a client: its name. */
 export interface Hello {
   type: "hello";
   client: string;
@@ -59,26 +59,26 @@ export interface WindChange {
   wind: Header;
 }
 
-/** Asks for a Pong with the same number. */
+/** Requests a Pong with the same number. */
 export interface Ping {
   type: "ping";
   t: number;
 }
 
-/** Stops the forest's clock, or lets it run on. */
+/** Stops or resumes the forest's clock. */
 export interface Pause {
   type: "pause";
   paused: boolean;
 }
 
-/** Asks for a key frame: the client lost its place. */
+/** Requests a key frame, because the client cannot apply the deltas. */
 export interface Resync {
   type: "resync";
 }
 
 export type Request = Hello | Forest | WindChange | Ping | Pause | Resync;
 
-/** The bytes of a client's message. */
+/** Encodes a client's message. */
 export function encodeRequest(request: Request): Uint8Array<ArrayBuffer> {
   switch (request.type) {
     case "hello":
@@ -96,7 +96,7 @@ export function encodeRequest(request: Request): Uint8Array<ArrayBuffer> {
   }
 }
 
-/** The message of a client. Throws WireError. */
+/** Decodes a client's message. Throws WireError. */
 export function decodeRequest(data: ArrayBuffer): Request {
   const { kind, header, payload } = decodeMessage(data);
   if (kind === FOREST) return decodeForest(header, payload);
@@ -124,7 +124,7 @@ export function decodeRequest(data: ArrayBuffer): Request {
 
 // ---- server to client ----------------------------------------------------------------------------
 
-/** Answer to Hello: who serves, which wire version, how many frames a second. */
+/** Answer to Hello: server name, wire version, frames per second. */
 export interface Welcome {
   type: "welcome";
   server: string;
@@ -132,7 +132,7 @@ export interface Welcome {
   tick_hz: number;
 }
 
-/** A piece of a table file, from byte `offset` of `total`. */
+/** A chunk of a table file, starting at byte `offset` of `total`. */
 export interface TableChunk {
   type: "table";
   table: string;
@@ -149,14 +149,14 @@ export interface Failure {
   hint: string;
 }
 
-/** Answer to Ping, with the server's clock, which `made_s` of frames and clocks is read from. */
+/** Answer to Ping, with the server's clock; `made_s` of frames and clocks uses the same clock. */
 export interface Pong {
   type: "pong";
   t: number;
   server_s: number;
 }
 
-/** The forest's time at `made_s` of the server's clock, and whether it stands still. */
+/** The forest's time at `made_s` of the server's clock, and whether it is paused. */
 export interface Clock {
   type: "clock";
   time_s: number;
@@ -172,7 +172,7 @@ export interface WindStateReply {
 
 export type Reply = Welcome | TableChunk | Frame | Failure | Pong | WindStateReply | Clock | Shared;
 
-/** The bytes of a server's message. */
+/** Encodes a server's message. */
 export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
   switch (reply.type) {
     case "welcome": {
@@ -200,7 +200,7 @@ export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
   }
 }
 
-/** The message of a server. Throws WireError. */
+/** Decodes a server's message. Throws WireError. */
 export function decodeReply(data: ArrayBuffer): Reply {
   const { kind, header, payload } = decodeMessage(data);
   if (kind === FRAME) return decodeFrame(header, payload);

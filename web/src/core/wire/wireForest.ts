@@ -1,4 +1,4 @@
-/** FOREST, the message that asks for a forest, and SHARED, which describes one. Same as
+/** FOREST, the message that requests a forest, and SHARED, which describes one. Same as
  * server/galewood_server/stream/wire.py. */
 import { METHODS, type Method, parseMethod } from "../motion/method";
 import {
@@ -28,25 +28,25 @@ export interface Group {
 /** Data that the creator of a shared forest passes to others; the server does not interpret it. */
 export type About = Record<string, string | number | boolean>;
 
-/** What the client wants: tables to look up itself, or a stream of poses of these trees. */
+/** What the client requests: tables to compute the poses itself, or a stream of poses of these trees. */
 export interface Forest {
   type: "forest";
   mode: "stream" | "table";
   groups: Group[];
   wind: Header;
   time_s: number;
-  /** null: each table's own. */
+  /** null: the default of each table. */
   pose_easing: number | null;
-  /** How poses are made; "modal" where it is not given. */
+  /** How poses are computed; "modal" if omitted. */
   method?: Method;
-  /** Id of a shared forest; a private one without it. */
+  /** Id of a shared forest; without it the forest is private. */
   share?: string;
   /** Replace the trees of the shared forest by these, for everyone. */
   replant?: boolean;
   about?: About;
-  /** Bytes of tables (by SHA-256) that the client has already. */
+  /** Size in bytes of the tables (by SHA-256) that the client already has. */
   have?: Record<string, number>;
-  /** Four numbers a tree: x m, z m, yaw rad, scale; empty where they do not matter. */
+  /** Four numbers per tree: x (m), z (m), yaw (rad), scale; may be empty. */
   trees: Float32Array<ArrayBuffer>;
 }
 
@@ -66,7 +66,7 @@ const bytesOf = ({ buffer, byteOffset, byteLength }: Float32Array<ArrayBuffer>) 
   new Uint8Array(buffer, byteOffset, byteLength);
 const filled = (map: object | undefined) => map !== undefined && Object.keys(map).length > 0;
 
-/** FOREST: groups in the header, a row of four float32 a tree in the payload. */
+/** FOREST: groups in the header, four float32 per tree in the payload. */
 export function encodeForest(forest: Forest): Uint8Array<ArrayBuffer> {
   const { mode, groups, wind, time_s } = forest;
   const header = { mode, groups: plain(groups), options: options(forest), wind, time_s };
@@ -153,7 +153,7 @@ function decodeAbout(given: Header): About {
   if (names.length > MAX_ABOUT) throw new WireError(`about may have up to ${MAX_ABOUT} entries`);
   for (const name of names) {
     const value = about[name];
-    if (name.length > 64) throw new WireError("the names in about must be short");
+    if (name.length > 64) throw new WireError("names in about may have up to 64 characters");
     if (typeof value === "boolean" || (typeof value === "string" && value.length <= 200)) continue;
     number(about, name, -(2 ** 53), 2 ** 53);
   }
@@ -186,7 +186,7 @@ function decodeTrees(payload: Uint8Array<ArrayBuffer>, count: number): Float32Ar
   }
   const trees = new Float32Array(payload.buffer, payload.byteOffset, count * 4);
   if (!trees.every((value) => Math.abs(value) <= 1e6)) {
-    throw new WireError("a tree's place, yaw or scale is not a sensible number");
+    throw new WireError("a tree's position, yaw or scale is not a valid number");
   }
   if (!trees.every((value, index) => index % 4 !== 3 || (value >= Math.fround(0.01) && value <= 100))) {
     throw new WireError("a tree's scale must lie in 0.01..100");

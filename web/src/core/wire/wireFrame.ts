@@ -1,15 +1,15 @@
 /**
- * FRAME, the message that carries poses: encoder and decoder. Same as
+ * Encoder and decoder of FRAME, the message that carries poses. Same as
  * server/galewood_server/stream/wire.py.
  *
- * A pose is counted in `quantum` × the table's modes.scale. A key frame is int32; any other frame holds the
- * differences to another tick, int16 for the first `wide` modes, which move most, and int8 for the rest.
+ * Poses are quantized in units of `quantum` × the table's modes.scale. A key frame is int32. Any other frame holds the
+ * differences to an earlier tick: int16 for the first `wide` modes, which move most, and int8 for the rest.
  */
 import { encodeMessage, entries, type Header, number, only, textMap, WireError, whole } from "./envelope";
 
 export const FRAME = 67;
 
-/** Poses of one group, or what was added: `count` rows of `modes` numbers in `quantum` × modes.scale. */
+/** Poses of one group, or their differences: `count` rows of `modes` numbers in units of `quantum` × modes.scale. */
 export interface Rows {
   count: number;
   modes: number;
@@ -17,14 +17,14 @@ export interface Rows {
   values: Int32Array<ArrayBuffer> | Int16Array<ArrayBuffer>;
 }
 
-/** Poses of every tree at one tick: absolute if `base` is null, else to be added to those of tick `base`. */
+/** Poses of every tree at one tick: absolute if `base` is null, otherwise differences to tick `base`. */
 export interface Frame {
   type: "frame";
   tick: number;
   base: number | null;
   /** The forest's time. */
   time_s: number;
-  /** By the server's clock, that of PONG. */
+  /** Time on the server's clock, as in PONG. */
   made_s: number;
   groups: Rows[];
 }
@@ -36,7 +36,7 @@ interface Shape {
   wide: number;
 }
 
-/** How many modes must be int16 so that the others fit int8. */
+/** The number of leading modes that need int16, so that the others fit int8. */
 function wideModes({ modes, values }: Rows): number {
   let wide = 0;
   for (let i = 0; i < values.length; i++) {
@@ -46,7 +46,7 @@ function wideModes({ modes, values }: Rows): number {
   return wide;
 }
 
-/** The bytes of a frame; throws RangeError if a difference does not fit 16 bits. */
+/** Encodes a frame; throws RangeError if a difference does not fit 16 bits. */
 export function encodeFrame(frame: Frame): Uint8Array<ArrayBuffer> {
   const { tick, base, time_s, made_s } = frame;
   const shapes = frame.groups.map((rows): Shape => {
@@ -97,7 +97,7 @@ export function decodeFrame(header: Header, payload: Uint8Array<ArrayBuffer>): F
   const base = header.base === null ? null : whole(header, "base");
   const shapes = entries(header, "groups").map(decodeShape);
   if (payload.length !== payloadLength(shapes, base === null)) {
-    throw new WireError("the payload does not have the length that the groups say");
+    throw new WireError("the length of the payload does not match the groups");
   }
   return {
     type: "frame",

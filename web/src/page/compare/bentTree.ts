@@ -1,4 +1,4 @@
-/** A tree whose vertices are moved on the CPU, for close inspection. */
+/** A tree that is deformed on the CPU, for the comparison view. */
 import {
   BufferAttribute,
   BufferGeometry,
@@ -27,7 +27,7 @@ export class Nodes {
     this.moved = new Float32Array(motion.nodes * 3);
   }
 
-  /** Moves the nodes to the pose q (modes), drawn `times` as large. */
+  /** Moves the nodes to the pose q (modes), magnified by `times`. */
   bend(q: Float32Array, times: number): void {
     const { basis, stride, modes } = this.motion;
     const { moved } = this;
@@ -45,7 +45,7 @@ interface Piece {
   readonly geometry: BufferGeometry;
 }
 
-/** A tree that stands at the origin: solid, its error as colour, or a see-through ghost. */
+/** A tree at the origin: either solid and coloured by its error, or a transparent ghost. */
 export class BentTree {
   readonly group = new Group();
   readonly nodes: Nodes;
@@ -75,14 +75,14 @@ export class BentTree {
     geometry.setIndex(part.index);
     const material = ghost ? ghostMaterial(part) : solidMaterial(part);
     const mesh = new Mesh(geometry, material);
-    mesh.frustumCulled = false; // it bends out of its rest bounds
+    mesh.frustumCulled = false; // it moves beyond the bounds of its rest shape
     if (ghost) mesh.renderOrder = 1;
     this.group.add(mesh);
     this.materials.push(material);
     this.pieces.push({ rest, firstVertex, geometry });
   }
 
-  /** Puts every vertex where its node is. */
+  /** Moves every vertex with its node. */
   show(): void {
     const { vertexNode } = this.motion;
     const { moved } = this.nodes;
@@ -97,11 +97,11 @@ export class BentTree {
     }
   }
 
-  /** Colours each vertex by the distance of its node from its true place; full red at `worst_m`. */
-  paint(truth: Nodes, worst_m: number): void {
+  /** Colours each vertex by the distance of its node from the reference solution; full red at `worst_m`. */
+  paint(reference: Nodes, worst_m: number): void {
     const { vertexNode } = this.motion;
     const a = this.nodes.moved;
-    const b = truth.moved;
+    const b = reference.moved;
     const colour = new Color();
     for (const { rest, firstVertex, geometry } of this.pieces) {
       const attribute = geometry.getAttribute("color") as BufferAttribute;

@@ -1,4 +1,4 @@
-/** "Is it right?": a dialog that overlays a tree moved by its table with the full simulation. */
+/** "Check accuracy": a dialog that overlays a tree animated from its table with the reference solution. */
 import "./compare.css";
 import type { Method } from "../../core/motion/method";
 import type { WindState } from "../../core/wind/wind";
@@ -12,7 +12,7 @@ import { Curves, percent } from "./curves";
 import { compare } from "./request";
 import type { Tracks } from "./tracks";
 
-/** A tree that can be compared, and where one of its kind stands. */
+/** A tree that can be compared, and the place of one of its instances. */
 export interface Candidate {
   readonly tree: Tree;
   readonly model: TreeModel;
@@ -20,10 +20,10 @@ export interface Candidate {
   readonly place: { x_m: number; z_m: number; yaw_rad: number };
 }
 
-/** What the dialog asks of the page. */
+/** What the dialog needs from the page. */
 export interface ComparePage {
   candidates(): Candidate[];
-  /** The wind that blows now, and its clock. */
+  /** The current wind and its time. */
   wind(): { state: WindState; time_s: number } | null;
   closed(): void;
 }
@@ -31,8 +31,8 @@ export interface ComparePage {
 const SECONDS = 10;
 const WORST = { fine: 0.002, coarse: 0.02 } as const;
 const WORDS =
-  "The solid tree is moved by its table, as everywhere in the forest. The blue ghost in it is the full simulation by " +
-  "finite elements, computed by the server just now for the wind that blows. Where they differ, the tree turns red.";
+  "The solid tree is animated from its table, like every tree in the forest. The blue ghost is the reference solution: " +
+  "a full finite element simulation in the current wind, computed on the server. Where they differ, the tree turns red.";
 
 export class CompareView {
   private readonly dialog = make("dialog", "", "compare");
@@ -41,7 +41,7 @@ export class CompareView {
   private readonly status = make("p", "", "compare-status");
   private readonly bar = make("progress");
   private readonly verdict = make("p", "", "compare-verdict");
-  private readonly again = make("button", "Compare again in the wind of now");
+  private readonly again = make("button", "Repeat with the current wind");
   private readonly scene: ComparisonScene;
   private readonly curves: Curves;
   private readonly shown: Shown = { method: "modal", ghost: true, times: 1, worst: WORST.fine };
@@ -65,7 +65,7 @@ export class CompareView {
   }
 
   private compose(paper: HTMLElement): void {
-    const heading = make("h2", "Is it right?");
+    const heading = make("h2", "Check accuracy");
     heading.id = "compare-heading";
     this.dialog.setAttribute("aria-labelledby", heading.id);
     const close = make("button", "Close");
@@ -74,7 +74,10 @@ export class CompareView {
     const head = make("header");
     head.append(heading, close);
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", "The tree by its table, and the full simulation as a ghost");
+    this.canvas.setAttribute(
+      "aria-label",
+      "The tree animated from its table, with the reference solution as a ghost",
+    );
     this.status.setAttribute("role", "status");
     this.bar.setAttribute("aria-label", "Simulation");
     this.bar.max = 1;
@@ -90,12 +93,12 @@ export class CompareView {
     this.choice.addEventListener("change", () => void this.start());
     this.again.type = "button";
     this.again.addEventListener("click", () => void this.start());
-    const method = select({ modal: "modal reduced order", paper: "the paper's search" }, (value) => {
+    const method = select({ modal: "Modal reduced order", paper: "Paper's state search" }, (value) => {
       this.shown.method = value as Method;
       this.shown.worst = value === "paper" ? WORST.coarse : WORST.fine;
       this.showVerdict();
     });
-    const times = select({ 1: "true size", 3: "3 times", 10: "10 times" }, (value) => {
+    const times = select({ 1: "1×", 3: "3×", 10: "10×" }, (value) => {
       this.shown.times = Number(value);
     });
     const ghost = make("input");
@@ -113,15 +116,15 @@ export class CompareView {
     row.append(
       labelled("Tree", this.choice),
       labelled("Method", method),
-      labelled("Motion", times),
-      labelled("Ghost", ghost),
+      labelled("Motion scale", times),
+      labelled("Show reference", ghost),
       pause,
       this.again,
     );
     return row;
   }
 
-  /** Opens and starts at once; `treeId` is the one to begin with. */
+  /** Opens the dialog and starts a comparison; `treeId` is the tree to select first. */
   open(treeId: string | null): void {
     if (this.dialog.open) return;
     const candidates = this.page.candidates();
@@ -144,7 +147,7 @@ export class CompareView {
     const chosen = this.page.candidates().find(({ tree }) => tree.id === this.choice.value);
     const wind = this.page.wind();
     if (!chosen || !wind) {
-      this.showStatus("No tree moves yet. Wait until one has been computed, then compare again.");
+      this.showStatus("No tree has been computed yet. Try again when the first tree is moving.");
       return;
     }
     const running = new AbortController();
@@ -152,12 +155,13 @@ export class CompareView {
     this.tracks = null;
     this.verdict.textContent = "";
     this.scene.setTree(chosen.model, chosen.motion);
-    this.progress(0, "Asking the server for the full simulation");
+    this.progress(0, "Requesting the reference solution");
     const frames = Math.round(SECONDS * 30);
     const asked = { treeId: chosen.tree.id, wind: wind.state, start_s: wind.time_s, frames, ...chosen.place };
     try {
       const tracks = await compare(asked, { progress: (f, w) => this.progress(f, w) }, running.signal);
-      if (tracks.modes !== chosen.motion.modes) throw new Problem("The table has changed.", "Compare again.");
+      if (tracks.modes !== chosen.motion.modes)
+        throw new Problem("The table has changed.", "Repeat the comparison.");
       this.arrive(tracks);
     } catch (error) {
       if (!running.signal.aborted) this.fail(error);
@@ -188,17 +192,16 @@ export class CompareView {
     this.status.textContent = words;
   }
 
-  /** The outcome in a sentence. */
+  /** Summarizes the result for the chosen method. */
   private showVerdict(): void {
     if (!this.tracks) return;
     const { sway, error } = this.tracks;
     const most = (share: readonly number[]) => percent(100 * Math.max(...share));
     const { max, hausdorff } = error[this.shown.method];
     this.verdict.textContent =
-      `The tree swayed by ${most(sway)} % of its height. No point of it was ever farther than ${most(max)} % of the ` +
-      `height from where the full simulation has it (Hausdorff distance ${most(hausdorff)} %). ` +
-      `Full red is ${percent(100 * this.shown.worst)} %.`;
-    this.status.textContent = `${SECONDS} seconds of this wind, from rest, over and over.`;
+      `Maximum displacement: ${most(sway)} % of tree height. Maximum error: ${most(max)} % of tree height ` +
+      `(Hausdorff distance ${most(hausdorff)} %). Full red marks an error of ${percent(100 * this.shown.worst)} %.`;
+    this.status.textContent = `${SECONDS} s of this wind, starting from rest, in a loop.`;
   }
 
   private seek(time_s: number): void {

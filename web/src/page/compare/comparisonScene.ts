@@ -1,4 +1,4 @@
-/** The tree moved by its table, overlaid with the ghost of the finite element simulation. */
+/** The tree animated from its table, overlaid with the reference solution as a ghost. */
 
 import type { Method } from "../../core/motion/method";
 import { PreviewStage } from "../../scene/previewStage";
@@ -7,13 +7,13 @@ import type { TableMotion } from "../../worker/protocol";
 import { BentTree } from "./bentTree";
 import { poseAt, type Tracks } from "./tracks";
 
-/** What is shown of a comparison. */
+/** Display options of a comparison. */
 export interface Shown {
   method: Method;
   ghost: boolean;
-  /** How many times as large the motion is drawn. */
+  /** Magnification of the motion. */
   times: number;
-  /** Error, as a share of the height, that is painted full red. */
+  /** Error relative to the height that is shown in full red. */
   worst: number;
 }
 
@@ -37,7 +37,7 @@ export class ComparisonScene {
     this.stage.frame(model);
   }
 
-  /** Shows a moment of the comparison: `place` counts frames. */
+  /** Shows the comparison at a fractional frame `place`. */
   show(tracks: Tracks, place: number, { method, ghost, times, worst }: Shown): void {
     if (!this.solid || !this.ghost) return;
     poseAt(tracks.q[method], tracks.modes, place, this.pose);

@@ -1,4 +1,4 @@
-/** Sway and errors over time, in % of the height, on a logarithmic scale, with a cursor at the playback position. */
+/** Displacement and errors over time in % of tree height, on a logarithmic axis, with a playback cursor. */
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Tracks } from "./tracks";
@@ -53,10 +53,10 @@ export class Curves {
       ],
       series: [
         { label: "time", value: (_, value) => (value === null ? "–" : `${value.toFixed(1)} s`) },
-        line("sway of the tree", COLOURS.sway),
-        line("error", COLOURS.modal),
-        line("error, Hausdorff", COLOURS.modal, [3, 3]),
-        line("error of the paper's search", COLOURS.paper),
+        line("displacement", COLOURS.sway),
+        line("error, modal", COLOURS.modal),
+        line("Hausdorff distance, modal", COLOURS.modal, [3, 3]),
+        line("error, paper's search", COLOURS.paper),
       ],
       hooks: { draw: [(plot) => this.drawNow(plot)] },
     };

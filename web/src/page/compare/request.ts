@@ -58,7 +58,7 @@ export async function compare(asked: Asked, waiting: Waiting, signal: AbortSigna
   try {
     while (!now.tracks) {
       if (now.state === "failed" || now.state === "cancelled")
-        throw new Problem(now.error ?? "The comparison was stopped.", "Start it again.");
+        throw new Problem(now.error ?? "The comparison was cancelled.", "Repeat it.");
       waiting.progress(now.fraction, words(now));
       await new Promise((resolve) => setTimeout(resolve, ASK_AGAIN_MS));
       signal.throwIfAborted();

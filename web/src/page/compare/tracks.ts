@@ -1,4 +1,4 @@
-/** The tracks of a comparison (docs/formats/comparison.md): what the server computed, checked. Pure. */
+/** Decoder of comparison files (docs/formats/comparison.md). Pure. */
 import { decode } from "@msgpack/msgpack";
 import { entryOfMethod, type Method } from "../../core/motion/method";
 
@@ -11,9 +11,9 @@ export interface Tracks {
   readonly modes: number;
   /** [frames, modes] coordinates of the table's modes, m. */
   readonly q: Readonly<Record<TrackName, Float32Array>>;
-  /** [frames] farthest node from rest by the finite elements, over the height. */
+  /** [frames] largest node displacement of the reference solution, relative to the height. */
   readonly sway: readonly number[];
-  /** [frames] farthest node from its true place, and Hausdorff distance, over the height. */
+  /** [frames] largest node error against the reference, and Hausdorff distance, relative to the height. */
   readonly error: Readonly<Record<Method, { max: readonly number[]; hausdorff: readonly number[] }>>;
 }
 
@@ -28,7 +28,7 @@ function object(value: unknown, what: string): Json {
 
 function number(from: Json, name: string): number {
   const value = from[name];
-  if (typeof value !== "number" || !(value > 0)) throw wrong(`${name} is no positive number`);
+  if (typeof value !== "number" || !(value > 0)) throw wrong(`${name} is not a positive number`);
   return value;
 }
 
@@ -43,16 +43,16 @@ function series(from: Json, name: string, count: number): readonly number[] {
   return values as number[];
 }
 
-/** Throws an Error in plain words. */
+/** Decodes and validates a comparison file. Throws an Error that names the fault. */
 export function decodeTracks(file: Uint8Array): Tracks {
-  const all = object(decode(file), "it is no map");
+  const all = object(decode(file), "the file is not a map");
   if (all.format !== "galewood-comparison" || all.version !== 1)
-    throw wrong(`version ${String(all.version)} of ${String(all.format)}`);
+    throw wrong(`unsupported format ${String(all.format)}, version ${String(all.version)}`);
   const [frames, modes] = [number(all, "frames"), number(all, "modes")];
-  const tracks = object(all.tracks, "it has no tracks");
-  const errors = object(all.error, "it has no errors");
+  const tracks = object(all.tracks, "the tracks are missing");
+  const errors = object(all.error, "the errors are missing");
   const errorOf = (name: Method) => {
-    const of = object(entryOfMethod(errors, name), `it has no error of ${name}`);
+    const of = object(entryOfMethod(errors, name), `the error of ${name} is missing`);
     return { max: series(of, "max", frames), hausdorff: series(of, "hausdorff", frames) };
   };
   return {
@@ -70,7 +70,7 @@ export function decodeTracks(file: Uint8Array): Tracks {
   };
 }
 
-/** Coordinates at a moment, between two frames, into `out`; before the first frame the tree is at rest. */
+/** Interpolates the coordinates at a fractional frame into `out`; clamped to the first and last frame. */
 export function poseAt(q: Float32Array, modes: number, place: number, out: Float32Array): void {
   const last = q.length / modes - 1;
   const at = Math.min(Math.max(place, 0), last);

@@ -1,7 +1,7 @@
-/** What the server assumed of an uploaded mesh, in words: from its intake report. Pure. */
+/** What the server detected in an uploaded mesh, read from its import report. Pure. */
 
 export interface Part {
-  /** How the file names it: node, mesh, material. */
+  /** Its name in the file: node, mesh or material. */
   readonly name: string;
   readonly faces: number;
   readonly wood: boolean;
@@ -31,7 +31,7 @@ function partOf(value: unknown): Part {
   return { name: names.at(-1) ?? "", faces, wood: part.kind === "wood", reason: text(part.reason) };
 }
 
-/** Parts of one name are one choice. */
+/** Merges parts of the same name into one choice. */
 function together(parts: readonly Part[]): Part[] {
   const byName = new Map<string, Part>();
   for (const part of parts) {
@@ -41,7 +41,7 @@ function together(parts: readonly Part[]): Part[] {
   return [...byName.values()];
 }
 
-/** The report of a tree, or that of its intake inside a build's. */
+/** Reads an import report, or the one inside a build report. */
 export function assumedOf(report: unknown): Assumed {
   const all = object(report);
   const intake = "up_axis" in all ? all : object(all.import ?? all.intake);

@@ -1,4 +1,4 @@
-/** "Your tree": shows how an upload was interpreted, to check and correct before it is computed. */
+/** Shows the detected parts of an uploaded tree, ready to correct before its motion is computed. */
 import "./ownTree.css";
 import { readTreeModel } from "../../scene/trees/mesh/treeMesh";
 import {
@@ -25,7 +25,7 @@ export class OwnTreeDialog {
   private readonly title = make("h2", "Your tree");
   private readonly form = make("div", "", "own-tree-form");
   private readonly message = make("p", "", "own-tree-message");
-  private readonly go = make("button", "Let it sway", "primary");
+  private readonly go = make("button", "Add to the forest", "primary");
   private readonly preview: Preview;
   private settle: (started: boolean) => void = () => {};
   private started = false;
@@ -37,8 +37,8 @@ export class OwnTreeDialog {
     this.dialog.setAttribute("aria-labelledby", this.title.id);
     this.message.setAttribute("role", "status");
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", "The tree as it was understood: wood brown, leaves green");
-    const away = make("button", "Remove it");
+    this.canvas.setAttribute("aria-label", "Detected parts: wood in brown, leaves in green");
+    const away = make("button", "Discard");
     for (const button of [away, this.go]) button.type = "button";
     away.addEventListener("click", () => this.dialog.close());
     this.go.addEventListener("click", () => void this.compute());
@@ -54,7 +54,7 @@ export class OwnTreeDialog {
     this.preview = new Preview(this.canvas);
   }
 
-  /** Resolves when the dialog is over: whether the tree is being computed. Else it was removed again. */
+  /** Resolves when the dialog closes, with whether the tree is being computed; otherwise it was deleted. */
   async open(): Promise<boolean> {
     const over = new Promise<boolean>((resolve) => {
       this.settle = resolve;
@@ -73,7 +73,7 @@ export class OwnTreeDialog {
     this.last_ms = now_ms;
   }
 
-  /** The tree as it is understood now. */
+  /** Shows the tree with the current assumptions. */
   private async show(): Promise<void> {
     const { tree } = this;
     this.title.textContent = displayName(tree);
@@ -104,17 +104,17 @@ export class OwnTreeDialog {
     height.addEventListener("change", () => this.change({ height_m: height.valueAsNumber || null }));
     const axis = select(AXES, assumed.axis.value, (value) => this.change({ up_axis: value }));
     return [
-      row("Wood of", wood, assumed.species.reason),
-      row("Height, m", height, assumed.size),
-      row("Upwards is", axis, assumed.axis.reason),
+      row("Wood species", wood, assumed.species.reason),
+      row("Height (m)", height, assumed.size),
+      row("Up axis", axis, assumed.axis.reason),
       this.parts(assumed),
     ];
   }
 
-  /** Which parts are wood: any may be named so. */
+  /** The detected parts, each with a checkbox that marks it as wood. */
   private parts({ parts }: Assumed): HTMLElement {
     const set = make("fieldset");
-    set.append(make("legend", "Parts that are wood"));
+    set.append(make("legend", "Detected parts (checked = wood)"));
     for (const part of parts) {
       const box = make("input");
       Object.assign(box, { type: "checkbox", checked: part.wood, value: part.name, disabled: !part.name });
@@ -128,7 +128,7 @@ export class OwnTreeDialog {
       label.append(
         box,
         make("span", part.name || "unnamed"),
-        make("small", `${part.faces} faces; ${part.reason}`),
+        make("small", `${part.faces.toLocaleString("en")} faces; ${part.reason}`),
       );
       set.append(label);
     }
@@ -136,7 +136,7 @@ export class OwnTreeDialog {
   }
 
   private async change(assumptions: Assumptions): Promise<void> {
-    this.busy("Reading the mesh again");
+    this.busy("Importing the mesh again");
     try {
       this.tree = await changeAssumptions(this.tree.id, assumptions);
       this.message.textContent = "";
@@ -149,7 +149,7 @@ export class OwnTreeDialog {
   }
 
   private async compute(): Promise<void> {
-    this.busy("Asking the server");
+    this.busy("Submitting");
     try {
       await startPrecompute(this.tree.id);
       this.started = true;
@@ -174,7 +174,7 @@ export class OwnTreeDialog {
     cancelAnimationFrame(this.frame);
     this.preview.dispose();
     this.dialog.remove();
-    if (!this.started) await deleteTree(this.tree.id).catch(() => {}); // not wanted after all
+    if (!this.started) await deleteTree(this.tree.id).catch(() => {}); // discarded
     this.settle(this.started);
   }
 }

@@ -1,4 +1,4 @@
-/** The mesh as it was understood: wood in one colour, foliage in another. */
+/** Preview of the detected parts: wood in one colour, leaves in another. */
 import { BufferGeometry, DoubleSide, Group, Mesh, MeshLambertMaterial } from "three";
 import { PreviewStage } from "../../scene/previewStage";
 import type { TreeModel, TreePart } from "../../scene/trees/mesh/treeMesh";
@@ -22,7 +22,7 @@ export class Preview {
     this.stage.frame(model);
   }
 
-  /** Turns the tree a little, unless it is to stand still. */
+  /** Renders, and rotates the tree slowly unless `still`. */
   render(dt_s: number, still: boolean): void {
     if (this.tree && !still) this.tree.rotation.y += TURN_RAD_S * dt_s;
     this.stage.render();

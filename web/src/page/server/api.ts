@@ -1,4 +1,4 @@
-/** The REST interface of the server, as this page uses it. */
+/** Client of the server's REST API. */
 
 export type TreeState = "uploaded" | "building" | "preliminary" | "ready" | "failed";
 export type JobState = "queued" | "running" | "done" | "failed" | "cancelled";
@@ -25,7 +25,7 @@ export interface Job {
   fraction: number;
   message: string;
   seconds_left: number | null;
-  /** Name and hash of what the build has drawn so far. */
+  /** Names and hashes of the pictures that the build has published so far. */
   pictures?: Record<string, string>;
   error: { title?: string; hint?: string } | string | null;
 }
@@ -37,7 +37,7 @@ export interface TreeChange {
   deleted?: boolean;
 }
 
-/** An error of the server (RFC 9457) or the network, in plain words. */
+/** A server problem (RFC 9457) or network error, with a readable title and hint. */
 export class Problem extends Error {
   constructor(
     readonly title: string,
@@ -51,10 +51,10 @@ export class Problem extends Error {
 
 const text = (value: unknown, fallback: string) => (typeof value === "string" && value ? value : fallback);
 
-/** The problem that an answer carries; a proxy's HTML page becomes a plain sentence. */
+/** The problem in a response; other bodies, such as a proxy's HTML page, give a generic message. */
 export async function problemFrom(response: Response): Promise<Problem> {
   const body = (await response.json().catch(() => ({}))) as Record<string, unknown>;
-  const title = text(body.title, `The server answered ${response.status}.`);
+  const title = text(body.title, `The server responded with status ${response.status}.`);
   const hint = text(body.hint, text(body.detail, "Try again in a moment."));
   return new Problem(title, hint, response.status);
 }
@@ -93,7 +93,7 @@ export async function fetchApi(path: string, init?: RequestInit): Promise<Respon
   return response;
 }
 
-/** Uploads a mesh; the server reads it at once and refuses what is no tree. */
+/** Uploads a mesh. The server imports it immediately and rejects files that are not usable as a tree. */
 export async function uploadTree(file: File): Promise<Tree> {
   const form = new FormData();
   form.append("file", file, file.name);
@@ -106,7 +106,7 @@ export async function startPrecompute(treeId: string): Promise<Job> {
   return (await (await fetchApi(path, init)).json()) as Job;
 }
 
-/** What a visitor says of an upload; null leaves it to the server again. */
+/** Corrections of an upload; null restores the detected value. */
 export interface Assumptions {
   species?: string | null;
   height_m?: number | null;
@@ -114,7 +114,7 @@ export interface Assumptions {
   wood_materials?: string[] | null;
 }
 
-/** The mesh is read again under other assumptions. */
+/** Imports the mesh again with these corrections. */
 export async function changeAssumptions(treeId: string, assumptions: Assumptions): Promise<Tree> {
   const init = {
     method: "PATCH",
@@ -128,7 +128,7 @@ export async function deleteTree(treeId: string): Promise<void> {
   await fetchApi(`api/trees/${encodeURIComponent(treeId)}`, { method: "DELETE" });
 }
 
-/** The woods that a tree can be given. */
+/** The wood species that a tree can be assigned. */
 export async function knownSpecies(): Promise<{ id: string; name: string }[]> {
   const answer = (await (await fetchApi("api/species")).json()) as {
     species: { id: string; name: string }[];
@@ -136,13 +136,13 @@ export async function knownSpecies(): Promise<{ id: string; name: string }[]> {
   return answer.species;
 }
 
-/** Names and hashes of the pictures that a job has drawn. */
+/** Names and hashes of the pictures of a job. */
 export async function jobPictures(jobId: string): Promise<Record<string, string>> {
   const job = (await (await fetchApi(`api/jobs/${encodeURIComponent(jobId)}`)).json()) as Job;
   return job.pictures ?? {};
 }
 
-/** A picture of a job on its way. */
+/** URL of a picture of a job. */
 export const pictureUrl = (jobId: string, name: string, sha256: string) =>
   `api/jobs/${encodeURIComponent(jobId)}/pictures/${encodeURIComponent(name)}?${sha256.slice(0, 8)}`;
 
@@ -160,7 +160,7 @@ export interface EventHandlers {
 
 const EVENTS_AGAIN_MS = 1000;
 
-/** Every tree as it stands, then every change; reconnects by itself. Returns what ends it. */
+/** Receives the state of every tree, then every change. Reconnects automatically; the returned function stops it. */
 export function followEvents(handlers: EventHandlers): () => void {
   let source: EventSource | null = null;
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -169,7 +169,7 @@ export function followEvents(handlers: EventHandlers): () => void {
     source.onmessage = (event: MessageEvent<string>) => handlers.change(JSON.parse(event.data) as TreeChange);
     source.onopen = () => handlers.open();
     source.onerror = () => {
-      // Browsers wait seconds before they try again, and give up after some answers: do it here.
+      // Browsers wait seconds before reconnecting and give up after some responses, so reconnect here.
       source?.close();
       handlers.lost();
       timer = setTimeout(connect, EVENTS_AGAIN_MS);

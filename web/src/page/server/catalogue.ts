@@ -17,7 +17,7 @@ export interface CatalogueEvents {
 interface Entry {
   tree: Tree;
   readonly asset: TreeAsset;
-  /** The newest mesh and table, on their way or here. */
+  /** Hashes of the newest mesh and table, loaded or being loaded. */
   mesh: string | null;
   table: string | null;
   motion: TableMotion | null;
@@ -42,7 +42,7 @@ export class Catalogue {
     return [...this.entries.values()].map((entry) => entry.asset);
   }
 
-  /** Names of the trees that sway. */
+  /** Names of the trees that move. */
   get ready(): string[] {
     return [...this.entries.values()]
       .filter(({ asset }) => asset.motion)
@@ -54,12 +54,12 @@ export class Catalogue {
     return [...this.entries.values()].map(({ tree }) => tree);
   }
 
-  /** Bytes of a tree's table, null while it is not here. */
+  /** Size of a tree's table in bytes; null until it is loaded. */
   tableBytes(id: string): number | null {
     return this.entries.get(id)?.asset.motion?.bytes ?? null;
   }
 
-  /** Trees whose motion is still to come. */
+  /** Number of trees whose motion is still being computed. */
   get waiting(): number {
     return [...this.entries.values()].filter(({ tree }) => tree.state === "building").length;
   }
@@ -67,7 +67,7 @@ export class Catalogue {
   private receive(change: TreeChange): void {
     const { tree } = change;
     if (change.deleted || tree.state === "failed") this.remove(tree.id);
-    else if (tree.state !== "uploaded") this.keep(tree); // an upload that has not been submitted for computation is not part of the forest
+    else if (tree.state !== "uploaded") this.keep(tree); // uploads join once they are submitted
     this.events.change(change);
   }
 
@@ -101,7 +101,7 @@ export class Catalogue {
     this.join(entry);
   }
 
-  /** A table may replace an early one of the same mesh: the trees sway on meanwhile. */
+  /** A full table may replace a preliminary one of the same mesh; the trees keep moving meanwhile. */
   private async takeTable(entry: Entry): Promise<void> {
     const { table_sha256: table } = entry.tree;
     if (!table || table === entry.table) return;
@@ -130,7 +130,7 @@ export class Catalogue {
     if (error instanceof Problem) this.events.problem(error.title, error.hint);
     else
       this.events.problem(
-        "A tree could not be shown.",
+        "A tree could not be displayed.",
         error instanceof Error ? error.message : String(error),
       );
   }

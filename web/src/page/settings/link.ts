@@ -1,15 +1,15 @@
-/** The moment that a shared link brings back besides the settings: camera, clock, clouds. Pure. */
+/** State that a shared link restores besides the settings: camera, clock and clouds. Pure. */
 import { DEFAULTS, queryFromSettings, type Settings } from "./settings";
 
 type Triple = readonly [number, number, number];
 
 export interface Moment {
-  /** Camera and the point it looks at, metres. */
+  /** Camera position and target, m. */
   readonly eye: Triple;
   readonly target: Triple;
-  /** The forest's clock, on which its gusts depend. */
+  /** Time of the forest, which determines the gusts. */
   readonly time_s: number;
-  /** How far the clouds have drifted. */
+  /** Drift of the clouds. */
   readonly clouds: readonly [number, number];
 }
 
@@ -19,15 +19,15 @@ const LONGEST_S = 1e7;
 const text = (list: readonly number[], digits: number) =>
   list.map((number) => Number(number.toFixed(digits))).join(",");
 
-/** The numbers of a list, null unless there are so many and all within the limit. */
+/** Parses a list of numbers; null unless it has `count` numbers within the limit. */
 function numbers(list: string | null, count: number, limit: number): number[] | null {
   const found = (list ?? "").split(",").map((part) => (part.trim() === "" ? Number.NaN : Number(part)));
   return found.length === count && found.every((n) => Math.abs(n) <= limit) ? found : null;
 }
 
-/** A query that gives another browser the same picture. */
+/** A query that shows the same picture in another browser. */
 export function shareQuery(settings: Settings, moment: Moment): string {
-  // The number of trees is always named, as defaults differ from screen to screen; quality is the receiver's own.
+  // Always include the number of trees, because its default depends on the screen; the quality is left to the receiver.
   const usual = { ...DEFAULTS, trees: Number.NaN, quality: settings.quality };
   const query = new URLSearchParams(queryFromSettings(settings, usual));
   query.set("view", text([...moment.eye, ...moment.target], 2));
@@ -36,7 +36,7 @@ export function shareQuery(settings: Settings, moment: Moment): string {
   return query.toString();
 }
 
-/** The moment of an address; parts that are missing or unreadable are null. */
+/** Parses the state from a query; missing or invalid parts are null. */
 export function momentFrom(query: string): { [K in keyof Moment]: Moment[K] | null } {
   const given = new URLSearchParams(query);
   const view = numbers(given.get("view"), 6, FARTHEST_M);

@@ -1,4 +1,4 @@
-/** Numbers in a query, with limits. Pure. */
+/** Numbers in URL queries, with limits. Pure. */
 
 export interface Limits {
   readonly min: number;
@@ -6,13 +6,13 @@ export interface Limits {
   readonly step: number;
 }
 
-/** The nearest number within the limits; a whole one where the step is 1. */
+/** Clamps a number to the limits, and rounds it if the step is 1. */
 export function clampTo({ min, max, step }: Limits, value: number): number {
   const clamped = Math.min(max, Math.max(min, value));
   return step === 1 ? Math.round(clamped) : clamped;
 }
 
-/** The number of a parameter brought within its limits; null where it is missing or unreadable. */
+/** A parameter clamped to its limits; null if it is missing or invalid. */
 export function numberFrom(query: URLSearchParams, name: string, limits: Limits): number | null {
   const text = query.get(name);
   const value = Number(text);
@@ -20,5 +20,5 @@ export function numberFrom(query: URLSearchParams, name: string, limits: Limits)
   return clampTo(limits, value);
 }
 
-/** A number as a query writes it. */
+/** Formats a number for a query. */
 export const queryText = (value: number): string => String(Number(value.toFixed(4)));

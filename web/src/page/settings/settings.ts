@@ -1,4 +1,4 @@
-/** What the visitor chose: defaults, limits, and the address-bar form of it. Pure. */
+/** Settings of the visitor: defaults, limits and conversion from and to the URL query. Pure. */
 import { type Method, parseMethod } from "../../core/motion/method";
 import { plainWind } from "../../core/wind/edit";
 import type { WindDocument } from "../../core/wind/wind";
@@ -10,23 +10,23 @@ import { windFromQuery, withQueryNumbers, writeWind } from "./windQuery";
 
 export interface Settings {
   trees: number;
-  /** How close trees stand; 1 is the usual. */
+  /** Density of the trees relative to the default. */
   density: number;
-  /** How common each species is beside the others, by id; 1 if not named. */
+  /** Relative frequency of each species by id; 1 if omitted. */
   shares: Record<string, number>;
   /** Seed of the placement. */
   forestSeed: number;
-  /** The page's only wind: panel, instruments, links and worker take it from here. */
+  /** The only copy of the page's wind: panel, instruments, links and worker read it here. */
   wind: WindDocument;
   lookup: LookupPlace;
   method: Method;
-  /** Share of the way towards the found record's own pose per step; null takes each table's default. */
+  /** Fraction of the distance to the found record's pose covered per step; null: the default of each table. */
   poseEasing: number | null;
   quality: Quality;
   season: Season;
-  /** Share of the daylight that has passed: 0 before sunrise, 0.5 noon, 1 after sunset. */
+  /** Elapsed share of the daylight: 0 before sunrise, 0.5 at noon, 1 after sunset. */
   daytime: number;
-  /** Leaves tremble in the shader on top of the simulated motion. */
+  /** Leaf flutter, added by the shader to the simulated motion. */
   flutter: boolean;
   panel: boolean;
 }
@@ -67,7 +67,7 @@ const NAMES: Record<NumberKey, string> = {
 
 const FLAGS = { panel: "panel", flutter: "flutter" } as const;
 const numberKeys = Object.keys(LIMITS) as NumberKey[];
-/** Reads "maple:0.5,poplar:0"; what makes no sense is left out. */
+/** Parses "maple:0.5,poplar:0"; invalid parts are ignored. */
 function sharesFrom(text: string): Record<string, number> {
   const shares: Record<string, number> = {};
   for (const part of text.split(",").slice(0, 64)) {
@@ -87,11 +87,11 @@ function usableWind(query: string): WindDocument | null {
   try {
     return windFromQuery(query);
   } catch {
-    return null; // the page says so when it starts
+    return null; // reported by the page at start
   }
 }
 
-/** Settings from an address such as `?trees=60&speed=12`; what is missing or unreadable keeps its default. */
+/** Settings from a query such as `?trees=60&speed=12`; missing or invalid values keep their default. */
 export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS): Settings {
   const given = new URLSearchParams(query);
   const settings: Settings = { ...defaults, shares: { ...defaults.shares } };
@@ -117,7 +117,7 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   return settings;
 }
 
-/** The shortest query that gives these settings back: only what differs from the defaults. */
+/** The shortest query that restores these settings: only the differences from the defaults. */
 export function queryFromSettings(settings: Settings, defaults: Settings = DEFAULTS): string {
   const query = new URLSearchParams();
   for (const key of numberKeys) {
@@ -137,7 +137,7 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   return query.toString();
 }
 
-/** Defaults for this screen: fewer trees and pixels on a phone, and where no graphics card draws. */
+/** Defaults for this screen: fewer trees and lower quality on phones and with software rendering. */
 export function defaultsFor(screen: { width_px: number; touch: boolean; software: boolean }): Settings {
   const phone = screen.width_px < 720;
   if (screen.software) return { ...DEFAULTS, trees: phone ? 60 : 120, quality: "low" };

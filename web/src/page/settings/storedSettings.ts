@@ -1,4 +1,4 @@
-/** Settings kept in the browser's storage, as a query; values that cannot be read keep their default. */
+/** Settings in the browser's storage, stored as a query. Unreadable values keep their default. */
 import { queryFromSettings, type Settings, settingsFromQuery } from "./settings";
 import { windFromQuery } from "./windQuery";
 
@@ -14,7 +14,7 @@ export function remembered(defaults: Settings, store: () => Store): Settings {
     if (typeof kept !== "object" || kept === null) return defaults;
     const { version, query } = kept as Record<string, unknown>;
     if (version !== VERSION || typeof query !== "string") return defaults;
-    windFromQuery(query); // throws for a wind that cannot be used
+    windFromQuery(query); // throws if the wind is invalid
     return { ...settingsFromQuery(query, defaults), panel: defaults.panel };
   } catch {
     return defaults;
@@ -25,6 +25,6 @@ export function keep(settings: Settings, defaults: Settings, store: () => Store)
   try {
     store().setItem(KEY, JSON.stringify({ version: VERSION, query: queryFromSettings(settings, defaults) }));
   } catch {
-    // A full or forbidden storage: the page works without.
+    // Storage is full or blocked: continue without it.
   }
 }

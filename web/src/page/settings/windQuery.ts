@@ -1,6 +1,6 @@
 /**
- * The wind in an address. A plain wind is written as its four numbers (`speed`, `direction`, `gust`, `seed`), any
- * other as a document (`wind`). Pure.
+ * The wind in a URL query. A plain wind is written as four numbers (`speed`, `direction`, `gust`, `seed`), any other
+ * wind as a document (`wind`). Pure.
  */
 import { type PlainWind, plainWind, sameWind, withinTurn, withPlain } from "../../core/wind/edit";
 import { parseWind, type WindDocument, WindError } from "../../core/wind/wind";
@@ -24,7 +24,7 @@ const NAMES: Record<PlainKey, string> = {
 
 const KEYS = Object.keys(NAMES) as PlainKey[];
 
-/** The wind of an address's `wind` parameter, null without one; throws WindError with the path of what is wrong. */
+/** The wind in the `wind` parameter; null without one. Throws WindError with the path of the fault. */
 export function windFromQuery(query: string): WindDocument | null {
   const text = new URLSearchParams(query).get("wind");
   if (text === null) return null;
@@ -37,7 +37,7 @@ export function windFromQuery(query: string): WindDocument | null {
   return parseWind(value);
 }
 
-/** A wind changed by the plain numbers of an address. */
+/** Applies the plain numbers of a query to a wind. */
 export function withQueryNumbers(wind: WindDocument, query: URLSearchParams): WindDocument {
   const given = KEYS.flatMap((key) => {
     const value = numberFrom(query, NAMES[key], WIND_LIMITS[key]);
@@ -46,12 +46,12 @@ export function withQueryNumbers(wind: WindDocument, query: URLSearchParams): Wi
   return given.length === 0 ? wind : withPlain(wind, Object.fromEntries(given));
 }
 
-/** Whether the four numbers, as an address writes them, give the wind back. */
+/** Whether the four numbers, as written to a query, restore the wind exactly. */
 const isPlain = (wind: WindDocument): boolean =>
   sameWind(wind, plainWind(wind)) &&
   KEYS.every((key) => clampTo(WIND_LIMITS[key], Number(queryText(wind[key]))) === wind[key]);
 
-/** Writes what it takes to get a wind from the usual one. */
+/** Writes the difference between a wind and the default wind. */
 export function writeWind(query: URLSearchParams, given: WindDocument, usual: WindDocument): void {
   const wind = withinTurn(given);
   if (sameWind(wind, withinTurn(usual))) return;

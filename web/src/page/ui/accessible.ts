@@ -1,4 +1,4 @@
-/** Tweakpane draws labels as plain text: ties each to its inputs, for screen readers. */
+/** Associates the labels of Tweakpane, which are plain text, with their inputs for screen readers. */
 export function labelInputs(root: HTMLElement): void {
   for (const row of root.querySelectorAll<HTMLElement>(".tp-lblv")) {
     const label = row.querySelector(".tp-lblv_l")?.textContent ?? "";
@@ -6,7 +6,7 @@ export function labelInputs(root: HTMLElement): void {
       input.setAttribute("aria-label", label);
     }
     for (const track of row.querySelectorAll<HTMLElement>(".tp-sldv_t")) {
-      // The text field beside it says the same with keyboard steps of its own.
+      // The text field beside it has the same value and keyboard steps.
       track.setAttribute("aria-hidden", "true");
       track.tabIndex = -1;
     }

@@ -1,11 +1,11 @@
-/** The page's fixed elements by id; a missing one is a mistake in index.html. */
+/** A fixed element of index.html by id; throws if it is missing. */
 export function element<T extends HTMLElement>(id: string): T {
   const found = document.getElementById(id);
   if (!found) throw new Error(`index.html has no #${id}`);
   return found as T;
 }
 
-/** A new element with text (never HTML: names come from visitors). */
+/** Creates an element with text content (never HTML, because names come from visitors). */
 export function make<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   text = "",

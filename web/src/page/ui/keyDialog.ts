@@ -1,4 +1,4 @@
-/** Asks the visitor for the server's key, where it takes uploads only from those who have one. */
+/** Asks the visitor for an access key if the server requires one for uploads. */
 import "../ownTree/ownTree.css";
 import { make } from "./dom";
 
@@ -6,16 +6,16 @@ const KEPT = "galewood-key";
 
 export const keptKey = (): string | null => sessionStorage.getItem(KEPT);
 
-/** The key that was typed, kept until the tab is closed; null if the visitor has none. */
+/** Resolves with the entered key, which is kept until the tab is closed, or with null if the dialog is cancelled. */
 export function askForKey(): Promise<string | null> {
   const dialog = make("dialog", "", "own-tree");
   const form = make("form");
-  const heading = make("h2", "This server wants a key");
+  const heading = make("h2", "Access key required");
   const field = make("input");
   const label = make("label", "", "own-tree-row");
   const foot = make("footer");
-  const leave = make("button", "I have none");
-  const go = make("button", "Go on", "primary");
+  const leave = make("button", "Cancel");
+  const go = make("button", "Continue", "primary");
   Object.assign(field, { type: "password", autocomplete: "off", required: true });
   heading.id = "key-heading";
   dialog.setAttribute("aria-labelledby", heading.id);
@@ -23,9 +23,9 @@ export function askForKey(): Promise<string | null> {
   leave.type = "button";
   leave.addEventListener("click", () => dialog.close());
   label.append(
-    make("span", "Key"),
+    make("span", "Access key"),
     field,
-    make("small", "Ask whoever runs it. It is kept until you close this tab."),
+    make("small", "The operator of this server can give you a key. It is kept until you close this tab."),
   );
   foot.append(leave, go);
   form.append(heading, label, foot);

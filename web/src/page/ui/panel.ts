@@ -17,7 +17,7 @@ export class Panel {
   private readonly species: FolderApi;
   private readonly changed: (key: SettingKey) => void;
   private shownSpecies = "";
-  /** Tweakpane reports a refresh like a visitor's change, with values brought within the sliders' limits. */
+  /** True during refresh(): Tweakpane reports a refresh as a change, with values clamped to the slider limits. */
   private refreshing = false;
 
   constructor(
@@ -31,8 +31,8 @@ export class Panel {
     this.pane = new Pane({ container: element("panel") });
     this.wind(this.pane.addFolder({ title: "Wind" }));
     this.forest(this.pane.addFolder({ title: "Forest" }));
-    this.species = this.pane.addFolder({ title: "Species", expanded: false });
-    this.lookup(this.pane.addFolder({ title: "Lookup" }));
+    this.species = this.pane.addFolder({ title: "Species mix", expanded: false });
+    this.lookup(this.pane.addFolder({ title: "Motion" }));
     this.figures(this.pane.addFolder({ title: "Statistics", expanded: false }));
     labelInputs(element("panel"));
   }
@@ -41,11 +41,11 @@ export class Panel {
     folder
       .addBinding(this.settings as Settings & { poseEasing: number }, key, { label, format, ...LIMITS[key] })
       .on("change", ({ last }) => {
-        if (last) this.changed(key); // trees are placed again when the slider is let go
+        if (last) this.changed(key); // the trees are placed again only when the slider is released
       });
   }
 
-  /** A number of the wind; it follows the slider at once. */
+  /** A number of the wind document; changes apply immediately. */
   private windNumber(folder: FolderApi, key: keyof PlainWind, label: string, format = whole): void {
     const { settings } = this;
     const choose = (value: number) => {
@@ -65,25 +65,25 @@ export class Panel {
   }
 
   private wind(folder: FolderApi): void {
-    this.windNumber(folder, "mean_speed_m_s", "Mean speed, m/s", fine);
-    this.windNumber(folder, "direction_deg", "Blows towards, °");
+    this.windNumber(folder, "mean_speed_m_s", "Mean speed (m/s)", fine);
+    this.windNumber(folder, "direction_deg", "Blows towards (°)");
     this.windNumber(folder, "gustiness", "Gustiness", (value) => value.toFixed(2));
-    this.windNumber(folder, "seed", "Seed");
+    this.windNumber(folder, "seed", "Gust seed");
     this.choice(folder, "flutter", "Leaf flutter");
   }
 
   private forest(folder: FolderApi): void {
-    this.number(folder, "trees", "Trees");
+    this.number(folder, "trees", "Number of trees");
     this.number(folder, "density", "Density", (value) => value.toFixed(2));
-    this.number(folder, "forestSeed", "Seed");
-    this.choice(folder, "quality", "Quality", { Low: "low", Medium: "medium", High: "high" });
+    this.number(folder, "forestSeed", "Placement seed");
+    this.choice(folder, "quality", "Render quality", { Low: "low", Medium: "medium", High: "high" });
   }
 
   private lookup(folder: FolderApi): void {
-    this.choice(folder, "lookup", "Looked up", { "In this browser": "worker", "On the server": "server" });
+    this.choice(folder, "lookup", "Computed", { "In this browser": "worker", "On the server": "server" });
     this.choice(folder, "method", "Method", {
       "Modal reduced order": "modal",
-      "The paper's search": "paper",
+      "Paper's state search": "paper",
     });
     const advanced = folder.addFolder({ title: "Advanced", expanded: false });
     const easing = { own: this.settings.poseEasing !== null };
@@ -97,7 +97,7 @@ export class Panel {
         .on("change", () => this.changed("poseEasing"));
       labelInputs(element("panel"));
     };
-    advanced.addBinding(easing, "own", { label: "Set pose easing" }).on("change", ({ value }) => {
+    advanced.addBinding(easing, "own", { label: "Custom easing" }).on("change", ({ value }) => {
       this.settings.poseEasing = value ? 0.05 : null;
       if (value) slider();
       else advanced.remove(advanced.children[1]);
@@ -131,24 +131,24 @@ export class Panel {
       });
     folder.addBinding(this.statistics, "framesPerSecond", {
       readonly: true,
-      label: "Frames/s",
+      label: "Frame rate (1/s)",
       view: "graph",
       min: 0,
       max: 75,
       interval: 250,
     });
-    show("frame_ms", "Frame, ms", fine);
-    show("script_ms", "Script, ms", fine);
-    show("lookup_ms", "Lookup, ms", fine);
-    show("trees", "Trees moving", whole);
+    show("frame_ms", "Frame time (ms)", fine);
+    show("script_ms", "Script time (ms)", fine);
+    show("lookup_ms", "Worker time (ms)", fine);
+    show("trees", "Moving trees", whole);
     show("triangles", "Triangles", whole);
     show("drawCalls", "Draw calls", whole);
-    show("stream", "Stream");
+    show("stream", "Stream rate");
     show("latency", "Latency");
-    show("frameAge", "Age of frame");
+    show("frameAge", "Frame age");
   }
 
-  /** A slider for every species: how common it is beside the others. */
+  /** One slider per species: its relative frequency in the forest. */
   showSpecies(species: readonly { id: string; name: string }[]): void {
     const key = JSON.stringify(species);
     if (key === this.shownSpecies) return;

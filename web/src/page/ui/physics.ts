@@ -1,14 +1,14 @@
-/** What is known about a tree, from the report of its computation: rows for the card. Pure. */
+/** Physical properties of a tree, taken from its build report, as rows of a card. Pure. */
 import type { Tree } from "../server/api";
 
 export interface Fact {
   readonly name: string;
   readonly value: string;
-  /** What it means, for who has never heard of it. */
+  /** Explanation for readers who do not know the term. */
   readonly meaning: string;
 }
 
-/** A number somewhere in a report, null if it is not there. */
+/** The number at a path of the report; null if it is missing. */
 export function numberAt(report: unknown, ...path: (string | number)[]): number | null {
   let at: unknown = report;
   for (const step of path) {
@@ -30,46 +30,46 @@ export function timeInWords(seconds: number): string {
   return seconds < 90 ? `${seconds.toFixed(seconds < 10 ? 1 : 0)} s` : `${(seconds / 60).toFixed(1)} min`;
 }
 
-/** Everything that a build's report says in a line; what is missing is left out. */
+/** The facts that the build report contains; missing values are omitted. */
 export function factsOf(tree: Pick<Tree, "height_m" | "report">, tableBytes: number | null): Fact[] {
   const { report } = tree;
   const of = (...path: (string | number)[]) => numberAt(report, ...path);
   const facts: (Fact | null)[] = [
-    fact("Height", tree.height_m, (m) => `${m.toFixed(1)} m`, "From the ground to the highest leaf."),
+    fact("Height", tree.height_m, (m) => `${m.toFixed(1)} m`, "From the ground to the top of the crown."),
+    fact("Wood mass", of("model", "wood_mass_kg"), (kg) => `${whole(kg)} kg`, "Green wood, without leaves."),
     fact(
-      "Mass of the wood",
-      of("model", "wood_mass_kg"),
-      (kg) => `${whole(kg)} kg`,
-      "Green wood, leaves apart.",
-    ),
-    fact(
-      "Sways",
+      "First natural frequency",
       of("model", "frequencies_hz", 0),
-      (hz) => `${hz.toFixed(2)} times a second`,
-      `Its slowest way of swinging to and fro${nextSways(report)}.`,
+      (hz) => `${hz.toFixed(2)} Hz`,
+      `How often it sways back and forth per second${nextFrequencies(report)}.`,
     ),
     fact(
-      "Damping",
+      "Damping ratio",
       of("model", "damping", "shown"),
       percent,
-      "How much of its swing it loses each time; a share of critical.",
+      "Share of critical damping; it determines how fast the sway dies out.",
     ),
-    fact("Finite elements", of("meshing", "tets"), whole, "Pieces of wood whose bending is computed."),
-    fact("Samples", of("table", "records"), whole, "Moments of motion in the table, from many winds."),
-    fact("Modes", of("table", "modes"), whole, "Shapes of bending whose mixture is the motion."),
-    fact("Table", tableBytes, sizeInWords, "What this browser was sent to move this tree."),
-    fact("Computed in", secondsOf(report), timeInWords, "From the mesh to the table, on this server."),
+    fact("Finite elements", of("meshing", "tets"), whole, "Tetrahedra in the simulated wood."),
+    fact("Records", of("table", "records"), whole, "Simulated states in the table, from many winds."),
+    fact("Modes", of("table", "modes"), whole, "Bending shapes whose weighted sum is the motion."),
+    fact("Table size", tableBytes, sizeInWords, "Downloaded by this browser to animate the tree."),
     fact(
-      "Wood against exact elements",
+      "Computation time",
+      secondsOf(report),
+      timeInWords,
+      "From the mesh to the finished table, on the server.",
+    ),
+    fact(
+      "Frequency error",
       of("model", "reference", "frequency_error"),
       percent,
-      "Largest error of its frequencies beside quadratic elements.",
+      "Largest deviation of its natural frequencies from a model with quadratic elements.",
     ),
     fact(
-      "Left out by the modes",
+      "Truncation error",
       shareOfHeight(of("table", "errors", "truncation_max_m"), tree.height_m),
-      (share) => `${(100 * share).toFixed(2)} % of its height`,
-      "The most that any point is off because only these shapes are kept.",
+      (share) => `${(100 * share).toFixed(2)} % of height`,
+      "Largest displacement error of any point caused by keeping only these modes.",
     ),
   ];
   return facts.filter((found) => found !== null);
@@ -84,7 +84,7 @@ function fact(
   return value === null ? null : { name, value: words(value), meaning };
 }
 
-function nextSways(report: unknown): string {
+function nextFrequencies(report: unknown): string {
   const next = [1, 2].map((k) => numberAt(report, "model", "frequencies_hz", k));
   const known = next.filter((hz) => hz !== null).map((hz) => hz.toFixed(2));
   return known.length > 0 ? `; the next are ${known.join(" and ")} Hz` : "";

@@ -1,4 +1,4 @@
-/** A dialog with a card for every tree of the forest: its physics in plain words. */
+/** A dialog with one card per tree of the forest that lists its physical properties. */
 import type { Tree } from "../server/api";
 import { make } from "./dom";
 import { factsOf } from "./physics";
@@ -28,12 +28,12 @@ export class PhysicsCards {
   private readonly cards = make("div", "", "physics-cards");
 
   constructor() {
-    const heading = make("h2", "What moves these trees");
+    const heading = make("h2", "Tree physics");
     heading.id = "physics-heading";
     this.dialog.setAttribute("aria-labelledby", heading.id);
     const words =
-      "Each species was bent by many winds in a simulation of its wood. What was found is kept in a table, and every " +
-      "tree in the forest looks up its own motion there.";
+      "The wood of each species was simulated in many winds with the finite element method. The results are stored in " +
+      "a table, from which every tree in the forest computes its own motion.";
     const close = make("button", "Close");
     close.type = "button";
     close.addEventListener("click", () => this.dialog.close());

@@ -1,4 +1,4 @@
-/** The picked tree: how it moves now, and what is known of it. */
+/** Card of the selected tree: its current motion, pictures of its model, and actions. */
 import { jobPictures, pictureUrl, type Tree } from "../server/api";
 import type { PickedFigures } from "../treePicker";
 import { element, make } from "./dom";
@@ -13,7 +13,7 @@ export interface PickedTools {
 
 const PICTURES = { "tetrahedra.png": "Tetrahedra", "skeleton.png": "Skeleton" } as const;
 
-/** The figures as rows of words. Pure. */
+/** The figures as rows of label and value. Pure. */
 export function figuresInWords({
   moves,
   height_m,
@@ -22,14 +22,14 @@ export function figuresInWords({
   record,
 }: PickedFigures): [string, string][] {
   const rows: [string, string][] = [["Height", `${height_m.toFixed(1)} m`]];
-  if (!moves) return [...rows, ["Motion", "still to be computed"]];
-  rows.push(["Tip is off by", `${tip_m.toFixed(2)} m`]);
-  rows.push(["Share of its height", `${((100 * tip_m) / height_m).toFixed(1)} %`]);
+  if (!moves) return [...rows, ["Motion", "not computed yet"]];
+  rows.push(["Tip displacement", `${tip_m.toFixed(2)} m`]);
+  rows.push(["Relative to height", `${((100 * tip_m) / height_m).toFixed(1)} %`]);
   if (extrapolationRatio !== null) {
-    const beyond = extrapolationRatio > 1 ? ", beyond what was sampled" : "";
-    rows.push(["Of the sampled range", `${(100 * extrapolationRatio).toFixed(0)} %${beyond}`]);
+    const beyond = extrapolationRatio > 1 ? " (extrapolated)" : "";
+    rows.push(["Extrapolation ratio", `${extrapolationRatio.toFixed(2)}${beyond}`]);
   }
-  if (record !== null) rows.push(["Record in use", record.toLocaleString("en")]);
+  if (record !== null) rows.push(["Current record", record.toLocaleString("en")]);
   return rows;
 }
 
@@ -43,7 +43,7 @@ export class PickedCard {
 
   constructor(tools: PickedTools) {
     this.root.hidden = true;
-    this.root.setAttribute("aria-label", "The picked tree");
+    this.root.setAttribute("aria-label", "Selected tree");
     const row = make("div", "", "picked-tools");
     this.follow.setAttribute("aria-pressed", "false");
     this.follow.addEventListener("click", () => {
@@ -60,7 +60,7 @@ export class PickedCard {
     close.setAttribute("aria-label", "Close");
     row.append(
       this.follow,
-      button("Is it right?", () => tools.compare()),
+      button("Check accuracy", () => tools.compare()),
       button("Physics", () => tools.physics()),
       close,
     );
@@ -69,7 +69,7 @@ export class PickedCard {
     element("progress").before(this.root);
   }
 
-  /** Shows the tree as it moves now; null hides the card. */
+  /** Shows the current figures of the tree; null hides the card. */
   show(figures: PickedFigures | null, tree: Tree | null): void {
     this.root.hidden = !figures || !tree;
     if (!figures || !tree) {
@@ -95,7 +95,7 @@ export class PickedCard {
     const none: Record<string, string> = {};
     const found = tree.job_id ? await jobPictures(tree.job_id).catch(() => none) : none;
     if (this.shownId !== tree.id || !tree.job_id) return;
-    // picked, let go and picked again while the answer was under way: two answers, one set of pictures
+    // The tree may have been deselected and selected again before the response arrived: show one set of pictures.
     this.pictures.replaceChildren();
     for (const [name, sha256] of Object.entries(found)) {
       if (!(name in PICTURES)) continue;

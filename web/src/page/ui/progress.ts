@@ -1,10 +1,10 @@
-/** A card for every tree whose table is being computed. */
+/** Progress cards, one for each tree whose table is being computed. */
 import { type Job, pictureUrl, type TreeChange } from "../server/api";
 import { element, make } from "./dom";
 import { displayName, progressLine } from "./words";
 
 const FAREWELL_MS = 4000;
-const PICTURES = { "tetrahedra.png": "The tetrahedra", "skeleton.png": "The skeleton" };
+const PICTURES = { "tetrahedra.png": "Tetrahedral mesh", "skeleton.png": "Skeleton" };
 
 interface Card {
   readonly root: HTMLElement;
@@ -39,7 +39,7 @@ export class ProgressCards {
     const active = job?.state === "queued" || job?.state === "running";
     if (job && active) this.show(tree.id, displayName(tree), job);
     else if (job?.state === "failed") this.fail(tree.id, displayName(tree), job);
-    else this.finish(tree.id, tree.state === "ready" ? "Joined the forest" : "Stopped");
+    else this.finish(tree.id, tree.state === "ready" ? "Added to the forest" : "Cancelled");
   }
 
   private card(id: string, name: string): Card {
@@ -55,14 +55,14 @@ export class ProgressCards {
   private show(id: string, name: string, job: Job): void {
     const card = this.card(id, name);
     const percent = Math.round(100 * Math.min(1, Math.max(0, job.fraction)));
-    card.percent.textContent = job.state === "queued" ? "waiting" : `${percent} %`;
+    card.percent.textContent = job.state === "queued" ? "queued" : `${percent} %`;
     card.line.textContent = progressLine(job);
     card.bar.setAttribute("aria-valuenow", String(percent));
     (card.bar.firstElementChild as HTMLElement).style.transform = `scaleX(${percent / 100})`;
     this.showPictures(card, name, job);
   }
 
-  /** What the build has drawn so far; a press opens it in full. */
+  /** Thumbnails of the pictures that the build has published so far, linked to the full size. */
   private showPictures({ pictures }: Card, name: string, job: Job): void {
     for (const [file, sha256] of Object.entries(job.pictures ?? {})) {
       if (!(file in PICTURES) || pictures.querySelector(`[data-name="${file}"]`)) continue;
@@ -83,7 +83,7 @@ export class ProgressCards {
     card.root.classList.add("failed");
     card.percent.textContent = "failed";
     card.line.textContent =
-      typeof job.error === "string" ? job.error : (job.error?.title ?? "It could not be computed.");
+      typeof job.error === "string" ? job.error : (job.error?.title ?? "The computation failed.");
     this.leave(id, card, 3 * FAREWELL_MS);
   }
 

@@ -16,7 +16,7 @@ const WORDS: Record<Season, string> = {
   winter: "Winter",
 };
 
-/** The part of the day in a word. */
+/** Name of the part of the day. */
 export function partOfDay(daytime: number): string {
   if (daytime < 0.06) return "sunrise";
   if (daytime < 0.36) return "morning";
@@ -30,7 +30,7 @@ export class SceneryBar {
   private readonly slider = make("input");
   private readonly clock = make("output");
 
-  /** `changed` is called when the visitor has changed the scenery. */
+  /** `changed` is called when the visitor changes the scenery. */
   constructor(
     private readonly scenery: Scenery,
     private readonly changed: () => void,
@@ -70,7 +70,7 @@ export class SceneryBar {
     return label;
   }
 
-  /** Shows a scenery that was chosen elsewhere. */
+  /** Updates the controls after a change made elsewhere. */
   show(): void {
     const { season, daytime } = this.scenery;
     for (const { season: own, button } of this.buttons)

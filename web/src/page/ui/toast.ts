@@ -2,7 +2,7 @@ import { element, make } from "./dom";
 
 const STAYS_MS = 12_000;
 
-/** A message that names what happened and what to do; goes by itself or when dismissed. */
+/** Shows what happened and what to do about it; disappears after a timeout or when dismissed. */
 export function showToast(title: string, hint: string, tone: "bad" | "good" = "bad"): void {
   const said = [...element("toasts").querySelectorAll("strong")].some(
     (strong) => strong.textContent === title,

@@ -1,18 +1,18 @@
-/** The tools: views, flight, link, photo, film, full screen, and what is known about the trees. */
+/** The toolbar: camera views, fly-through, tree physics, accuracy check, link, photo, video, full screen. */
 import { VIEWS, type ViewName } from "../../scene/camera/viewpoints";
 import { element, make } from "./dom";
 import { type IconName, icon } from "./icons";
 
 export interface Tools {
   view(name: ViewName): void;
-  /** Starts or ends the flight; says whether it flies now. */
+  /** Starts or stops the fly-through; returns whether it is running. */
   fly(): boolean;
   link(): void;
   photo(): void;
-  /** Starts or ends a film; says whether it films now. */
+  /** Starts or stops recording; returns whether it is recording. */
   film(): boolean;
   physics(): void;
-  /** Opens the view that holds a tree against the full simulation. */
+  /** Opens the comparison of a tree with the reference solution. */
   compare(): void;
 }
 
@@ -30,7 +30,7 @@ export class Toolbar {
     views.addEventListener("click", () => this.openMenu(this.menu.hidden === true, views));
     this.fillMenu(tools, views);
     this.fly = toggle("fly", "Fly through the forest", () => tools.fly());
-    this.film = toggle("film", "Film", () => tools.film());
+    this.film = toggle("film", "Record video", () => tools.film());
     this.film.hidden = !can.film;
     const full = tool("full", "Full screen");
     full.hidden = !can.fullScreen;
@@ -39,10 +39,10 @@ export class Toolbar {
       views,
       this.menu,
       this.fly,
-      button("trees", "About the trees", () => tools.physics()),
-      button("compare", "Is it right?", () => tools.compare()),
-      button("link", "Copy a link to this view", () => tools.link()),
-      button("photo", "Save a photo", () => tools.photo()),
+      button("trees", "Tree physics", () => tools.physics()),
+      button("compare", "Check accuracy", () => tools.compare()),
+      button("link", "Copy link", () => tools.link()),
+      button("photo", "Save photo", () => tools.photo()),
       this.film,
       full,
     );

@@ -1,4 +1,4 @@
-/** A tree of the visitor's own: by button or dropped anywhere. */
+/** Uploads of trees, chosen with the button or dropped anywhere on the page. */
 import { Problem, uploadTree } from "../server/api";
 import { element } from "./dom";
 import { showToast } from "./toast";
@@ -8,14 +8,18 @@ async function send(file: File): Promise<void> {
   try {
     const tree = await uploadTree(file);
     if (tree.state !== "uploaded" && tree.state !== "failed") {
-      showToast(`${displayName(tree)} is here already`, "It was uploaded before.", "good");
+      showToast(
+        `${displayName(tree)} is already on the server`,
+        "The same file was uploaded before.",
+        "good",
+      );
       return;
     }
     const { OwnTreeDialog } = await import("../ownTree/dialog");
     if (!(await new OwnTreeDialog(tree).open())) return;
     showToast(
-      `${displayName(tree)} is on its way`,
-      "It joins the forest once its motion is computed.",
+      `Computing ${displayName(tree)}`,
+      "It is added to the forest when its motion has been computed.",
       "good",
     );
   } catch (error) {
@@ -24,12 +28,12 @@ async function send(file: File): Promise<void> {
   }
 }
 
-/** One dialog after the other. */
+/** Shows the dialogs one after another. */
 async function sendInTurn(files: Iterable<File>): Promise<void> {
   for (const file of files) await send(file);
 }
 
-/** Returns what undoes it. */
+/** Accepts uploads until the returned function is called. */
 export function acceptUploads(): () => void {
   const input = element<HTMLInputElement>("file");
   const curtain = element("drop");
@@ -40,11 +44,11 @@ export function acceptUploads(): () => void {
     void sendInTurn(files);
   };
   const sendChosen = () => {
-    sendAll([...(input.files ?? [])]); // a copy: the list is emptied below
+    sendAll([...(input.files ?? [])]); // copied, because clearing the input empties the list
     input.value = "";
   };
   input.addEventListener("change", sendChosen, { signal });
-  sendChosen(); // what was chosen before the page's script was here
+  sendChosen(); // files chosen before this script was loaded
   addEventListener(
     "dragover",
     (event) => {

@@ -1,16 +1,16 @@
-/** Sentences the page says. Pure. */
+/** Texts of the page: progress, summary and status lines. Pure. */
 
 import type { Connection } from "../../worker/protocol";
 import type { Job, Tree } from "../server/api";
 
 const STAGES: Record<string, string> = {
-  queued: "Waiting for its turn",
-  import: "Reading the tree",
-  meshing: "Filling it with tetrahedra",
-  skeleton: "Finding its branches",
-  model: "Making wood of it",
-  sampling: "Letting winds blow on it",
-  reducing: "Distilling the motion",
+  queued: "Waiting in the queue",
+  import: "Importing the mesh",
+  meshing: "Generating tetrahedra",
+  skeleton: "Extracting the skeleton",
+  model: "Assigning material",
+  sampling: "Simulating winds",
+  reducing: "Reducing the model",
   table: "Writing the table",
   done: "Done",
 };
@@ -38,34 +38,36 @@ export function summary(trees: { moving: number; still: number }, waiting: numbe
   if (trees.moving + trees.still === 0) {
     return waiting > 0 ? "The first trees are being computed" : "No trees yet";
   }
-  const moving = `${trees.moving.toLocaleString("en")} ${trees.moving === 1 ? "tree sways" : "trees sway"}`;
-  if (trees.still === 0) return `${moving}, each by its own simulated motion`;
-  return `${trees.moving > 0 ? `${moving}; ` : ""}${trees.still.toLocaleString("en")} grey ones stand still until theirs is computed`;
+  const moving = `${trees.moving.toLocaleString("en")} ${trees.moving === 1 ? "tree" : "trees"}`;
+  if (trees.still === 0)
+    return trees.moving === 1 ? `${moving}, moving` : `${moving}, each with its own simulated motion`;
+  const still = `${trees.still.toLocaleString("en")} grey ${trees.still === 1 ? "tree" : "trees"} not computed yet`;
+  return trees.moving > 0 ? `${moving} moving, ${still}` : still;
 }
 
 export interface ServiceState {
-  /** Is the stream of events open? */
+  /** Whether the event stream is open. */
   readonly events: boolean;
   readonly lookup: "worker" | "server";
   readonly connection: Connection;
 }
 
-/** Latency there and back, and the age of the newest frame in steps that can be read. */
+/** Round-trip latency, and the age of the newest frame rounded to 10 ms for readability. */
 function delays({ latency_ms, frameAge_ms }: Connection): string[] {
   const words = latency_ms === null ? [] : [`${Math.round(latency_ms)} ms`];
   if (frameAge_ms !== null) words.push(`frame ${Math.round(frameAge_ms / 10) * 10} ms old`);
   return words;
 }
 
-/** What the chip in the corner says, and its colour. */
+/** Text and colour of the status line. */
 export function statusLine(state: ServiceState): { state: string; text: string } {
-  if (!state.events) return { state: "lost", text: "Server out of reach; the forest goes on here" };
-  if (state.lookup === "worker") return { state: "live", text: "Lookup in this browser" };
+  if (!state.events) return { state: "lost", text: "Server unreachable; computing in this browser" };
+  if (state.lookup === "worker") return { state: "live", text: "Computed in this browser" };
   const { connection } = state;
   if (connection.state === "live") {
-    return { state: "live", text: ["Lookup on the server", ...delays(connection)].join(", ") };
+    return { state: "live", text: ["Computed on the server", ...delays(connection)].join(", ") };
   }
   return connection.state === "lost"
-    ? { state: "lost", text: "Stream lost; the forest goes on here" }
-    : { state: "connecting", text: "Connecting to the stream" };
+    ? { state: "lost", text: "Stream lost; computing in this browser" }
+    : { state: "connecting", text: "Connecting to the server" };
 }

@@ -1,4 +1,4 @@
-/** Moves the camera by itself: to a viewpoint, or along the slow flight, until the visitor takes over. */
+/** Automatic camera motion: to a viewpoint or along the fly-through, until the visitor takes over. */
 import { type PerspectiveCamera, Vector3 } from "three";
 import type { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { FLIGHT_S, flightAt, type Viewpoint } from "./viewpoints";
@@ -12,12 +12,12 @@ export class CameraFlight {
   private readonly fromTarget = new Vector3();
   private readonly eye = new Vector3();
   private readonly target = new Vector3();
-  /** Share of the way to the viewpoint; 1 when there. */
+  /** Progress to the viewpoint; 1 on arrival. */
   private share = 1;
   private goal: Viewpoint | null = null;
   private flown_s: number | null = null;
 
-  /** `onLanded` is called when the visitor ends the flight by taking the camera. */
+  /** `onLanded` is called when the visitor ends the flight by moving the camera. */
   constructor(
     private readonly camera: PerspectiveCamera,
     private readonly controls: OrbitControls,
@@ -44,14 +44,14 @@ export class CameraFlight {
     this.share = 0;
   }
 
-  /** Moves to a viewpoint smoothly, or at once where reduced motion is preferred. */
+  /** Moves to a viewpoint smoothly, or immediately if reduced motion is preferred. */
   go(goal: Viewpoint, cut: boolean): void {
     this.release();
     this.setOut(goal);
     if (cut) this.share = 1;
   }
 
-  /** Begins the flight at the station that is nearest. */
+  /** Starts the flight at the nearest waypoint. */
   fly(): void {
     this.release();
     let least = Number.POSITIVE_INFINITY;

@@ -1,4 +1,4 @@
-/** Places to look from, and the way of the slow flight. Pure. */
+/** Viewpoints, and the path of the fly-through. Pure. */
 import { gladeCentre_m, groundHeight_m } from "../ground/landscape";
 
 export interface Point {
@@ -12,7 +12,7 @@ export interface Viewpoint {
   readonly target: Point;
 }
 
-/** A tree that a view may turn to. */
+/** A tree that a view may show. */
 export interface Subject {
   readonly x: number;
   readonly z: number;
@@ -22,8 +22,8 @@ export interface Subject {
 export const VIEWS = {
   edge: "Forest edge",
   canopy: "Above the canopy",
-  under: "Under the crowns",
-  tree: "One tree",
+  under: "Below the canopy",
+  tree: "Single tree",
 } as const;
 export type ViewName = keyof typeof VIEWS;
 
@@ -35,14 +35,14 @@ const above = (x: number, height_m: number, z: number): Point => ({
 
 const EDGE: Viewpoint = { eye: above(7, 8.2, 24), target: { x: -1, y: 6.2, z: -16 } };
 
-/** A place in the glade from which the wood on one side is seen from below. */
+/** A place in the glade that shows the trees on one side from below. */
 function underCrowns(): Viewpoint {
   const z = -19;
   const x = gladeCentre_m(z) + 3;
   return { eye: above(x, 1.7, z), target: above(x + 11, 6.4, z - 8) };
 }
 
-/** From the side of the sun, at a distance from which the tree fills the picture. */
+/** From the sunny side, at a distance at which the tree fills the view. */
 function oneTree(subject: Subject, sun: { x: number; z: number }): Viewpoint {
   const away_m = 1.55 * subject.height_m;
   const side = Math.atan2(sun.z, sun.x) + 0.7;
@@ -54,7 +54,7 @@ function oneTree(subject: Subject, sun: { x: number; z: number }): Viewpoint {
   };
 }
 
-/** The tree that stands most alone, not far from the middle; null without trees. */
+/** The most isolated tree near the centre; null without trees. */
 export function loneliest(trees: readonly Subject[]): Subject | null {
   let best: Subject | null = null;
   let most = -1;
@@ -64,7 +64,7 @@ export function loneliest(trees: readonly Subject[]): Subject | null {
     for (const other of trees) {
       if (other !== tree) room = Math.min(room, Math.hypot(tree.x - other.x, tree.z - other.z));
     }
-    // Tall trees are worth a closer neighbour.
+    // Prefer tall trees, even with a closer neighbour.
     const worth = Math.min(room, 60) * Math.sqrt(tree.height_m);
     if (worth <= most) continue;
     most = worth;
@@ -84,10 +84,10 @@ export function viewpoint(
   return subject ? oneTree(subject, sun) : EDGE;
 }
 
-/** Seconds for the whole round. */
+/** Duration of one round, s. */
 export const FLIGHT_S = 84;
 
-/** Stations of the round: up the glade at the height of a rider, over the crowns, and back. */
+/** Waypoints: up the glade near the ground, over the crowns, and back. */
 const STATIONS: readonly (readonly [across: number, above: number, z: number])[] = [
   [5, 7.5, 26],
   [1, 3.2, 4],
@@ -119,7 +119,7 @@ function along(share: number): Point {
   );
 }
 
-/** Where the flight is after so many seconds, and where it looks: ahead, and a little down from high up. */
+/** Position and target after a time (s): looking ahead, and slightly down when high. */
 export function flightAt(time_s: number): Viewpoint {
   const share = time_s / FLIGHT_S;
   const eye = along(share);

@@ -1,4 +1,4 @@
-/** The wood beyond the simulated trees: cards that face the camera, for the picture's depth only. They do not move. */
+/** Static background forest beyond the simulated trees, made of cards that face the camera. */
 import {
   BufferAttribute,
   Color,
@@ -24,7 +24,7 @@ import { glade, groundHeight_m } from "./landscape";
 
 const SPACING_M: Record<Quality, number> = { low: 17, medium: 12, high: 9.5 };
 const REACH_M = 430;
-/** Room between the last simulated trees and the first cards. */
+/** Gap between the outermost simulated trees and the first cards. */
 const GAP_M = 3;
 const SPECIES = ["poplar", "maple", "apricot"] as const;
 const HEIGHT_M = [15, 13, 8.5] as const;
@@ -63,7 +63,7 @@ ${AIR_PARS}
 void main() {
   vec4 card = texture2D(uCards, vAt);
   vec2 span = vec2(length(dFdx(vAt)), length(dFdy(vAt))) * vec2(textureSize(uCards, 0));
-  // Bare twigs need their coverage back from the mip levels; crowns are full, and keep their ragged edge.
+  // Restore the coverage of bare twigs, which mip levels reduce; full crowns keep their ragged edge.
   if (card.a * (1.0 + mix(0.03, 0.3, uBare) * max(0.0, log2(max(span.x, span.y)))) < 0.45) discard;
   vec3 own = card.rgb / max(card.a, 0.2);
   vec3 albedo = mix(vTint * (0.08 + 0.78 * own.r), vec3(0.11, 0.085, 0.065), own.g);
@@ -112,7 +112,7 @@ export class FarWood {
     this.mesh.visible = false;
   }
 
-  /** Grows around a wood of so many metres about its heart. */
+  /** Places the cards around a forest of this radius. */
   populate(from_m: number, quality: Quality): void {
     const key = `${Math.round(from_m)} ${quality}`;
     if (key === this.populatedKey) return;

@@ -1,6 +1,6 @@
 /**
- * Tufts of grass around the camera: a lattice of places that wraps around it, so that every tuft stays where it
- * grew while the camera moves. They bow to the wind and are still without it.
+ * Grass tufts around the camera, on a lattice that wraps around it, so that tufts stay in place while the camera moves.
+ * They bend with the wind.
  */
 import {
   BufferAttribute,
@@ -29,7 +29,7 @@ const COVER: Record<Quality, { side: number; spacing_m: number }> = {
 const BLADES = 7;
 const HEIGHT_M = 0.42;
 
-/** A tuft of bent blades around the origin, each three triangles that end in a point; y runs from 0 to 1. */
+/** A tuft of bent blades around the origin, each of three triangles and with a pointed tip; y runs from 0 to 1. */
 function tuft(): BufferGeometry {
   const position: number[] = [];
   const index: number[] = [];
@@ -63,8 +63,8 @@ function tuft(): BufferGeometry {
 }
 
 const VERTEX_PARS = /* glsl */ `
-attribute vec4 aTuft; // x, y, z in m; size, 0 where none grows
-attribute vec2 aLook; // random, how dry
+attribute vec4 aTuft; // x, y, z in m; size, 0 for none
+attribute vec2 aLook; // random number, dryness
 uniform vec3 uBreeze; // heading and speed of the wind, m/s; seconds
 uniform vec3 uEye;
 uniform float uReach;
@@ -118,7 +118,7 @@ export class GroundCover {
       Object.assign(shader.uniforms, air, seasonal, this.uniforms);
       shader.vertexShader = shader.vertexShader
         .replace("#include <common>", `#include <common>\n${VERTEX_PARS}`)
-        // Lit like the ground it grows from.
+        // Use the normal of the ground.
         .replace("#include <beginnormal_vertex>", "vec3 objectNormal = vec3(0.0, 1.0, 0.0);")
         .replace("#include <begin_vertex>", POSITION);
       const pars =
@@ -157,18 +157,18 @@ export class GroundCover {
   }
 
   setSeason(season: Season): void {
-    this.mesh.visible = SEASON_LOOKS[season].snow === 0; // else it lies under the snow
+    this.mesh.visible = SEASON_LOOKS[season].snow === 0; // hidden under snow
     this.uniforms.uGrassTint.value.setRGB(...SEASON_LOOKS[season].grass);
   }
 
-  /** Follows the camera, and the wind of this step. */
+  /** Follows the camera and applies the wind of this step. */
   update(eye: Vector3, wind_m_s: { x: number; z: number }, time_s: number): void {
     this.uniforms.uEye.value.copy(eye);
     this.uniforms.uBreeze.value.set(wind_m_s.x, wind_m_s.z, time_s);
     this.populate(Math.round(eye.x / this.spacing_m), Math.round(eye.z / this.spacing_m));
   }
 
-  /** Fills the cells that came into reach; all others keep their tufts. */
+  /** Fills the cells that came into range; all others keep their tufts. */
   private populate(column: number, row: number): void {
     if (column === this.column && row === this.row) return;
     const { side } = this;

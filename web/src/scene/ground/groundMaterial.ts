@@ -1,4 +1,4 @@
-/** The colour of the ground: leaf litter and meadow near by, the crowns of more woods at the horizon, snow. */
+/** Colour of the ground: leaf litter and meadow nearby, tree crowns towards the horizon, snow. */
 import { Color, MeshLambertMaterial } from "three";
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";
@@ -29,10 +29,10 @@ litter = mix(litter, litterFar, 0.35) * (0.85 + 0.6 * patchy.r) * uLitterTint;
 vec3 grass = texture2D(uGrass, g * 0.16).rgb * (0.75 + 0.45 * patchy.g);
 grass *= mix(vec3(0.86, 1.0, 0.8), vec3(1.25, 1.05, 0.8), broad.g) * uGrassTint;
 float open = smoothstep(0.28, 0.72, vMeadow + 0.75 * (patchy.b - 0.5) + 0.3 * (broad.r - 0.5));
-// Without fallen leaves grass and moss grow far into the wood.
+// Without fallen leaves, grass and moss extend far into the forest.
 open = max(open, (1.0 - uFallen) * smoothstep(0.2, 0.5, patchy.g));
 vec3 ground = mix(litter, grass, open);
-// Leaves that blew onto the grass.
+// Leaves blown onto the grass.
 ground = mix(ground, litter, open * smoothstep(0.62, 0.8, patchy.r) * 0.75 * uFallen);
 float distant = smoothstep(140.0, 380.0, length(g));
 if (distant > 0.0) {
@@ -55,7 +55,7 @@ const uniforms = {
   uWoods: { value: [new Color(), new Color(), new Color()] },
 };
 
-/** Colours the ground for a season. */
+/** Sets the colours of a season. */
 export function setGroundSeason(season: Season): void {
   const { grass, litter, fallen, woods } = SEASON_LOOKS[season];
   uniforms.uGrassTint.value.setRGB(...grass);

@@ -1,4 +1,4 @@
-/** The shape of the land: pure functions of place, shared by terrain, placement and camera. */
+/** Shape of the land: pure functions of position, shared by terrain, placement and camera. */
 import { fractalNoise, valueNoise } from "../../core/math/noise";
 
 const SEED = 20_260;
@@ -8,12 +8,12 @@ const smoothstep = (from: number, to: number, x: number) => {
   return t * t * (3 - 2 * t);
 };
 
-/** Middle line of the glade that leads away from the first camera, as x in metres for a given z. */
+/** Centre line of the glade that leads away from the initial camera: x (m) for a given z. */
 export function gladeCentre_m(z: number): number {
   return -6 + 9 * Math.sin(z / 34) + 5 * Math.sin(z / 71 + 1.3) + smoothstep(-40, 60, z) * 6;
 }
 
-/** 1 in the middle of the glade, 0 in the wood. */
+/** 1 in the middle of the glade, 0 in the forest. */
 export function glade(x: number, z: number): number {
   const halfWidth_m = 7 + 3 * valueNoise(z / 40, 3.7, SEED + 5) + 9 * smoothstep(0, 45, z);
   return 1 - smoothstep(halfWidth_m * 0.3, halfWidth_m * 1.7, Math.abs(x - gladeCentre_m(z)));
@@ -25,7 +25,7 @@ function ridge(x: number, z: number, seed: number): number {
   return Math.max(0, folded) ** 1.6 * (0.7 + 0.3 * valueNoise(x * 0.6, z * 0.6, seed + 7));
 }
 
-/** Height of the ground in metres at a place. */
+/** Height of the ground (m) at a position. */
 export function groundHeight_m(x: number, z: number): number {
   const rolling = 4.2 * fractalNoise(x / 95, z / 95, SEED, 3);
   const hollow = -1.5 * glade(x, z);

@@ -1,4 +1,4 @@
-/** The ground: a disc that is fine in the middle and coarse at the horizon, see groundMaterial.ts for its colour. */
+/** The ground: a disc, fine in the centre and coarse at the horizon. groundMaterial.ts holds its colour. */
 import { BufferAttribute, BufferGeometry, Mesh, type MeshLambertMaterial } from "three";
 import type { Pictures } from "../textures/pictures";
 import { groundMaterial } from "./groundMaterial";
@@ -8,7 +8,7 @@ const RINGS = 150;
 const SECTORS = 192;
 const REACH_M = 1700;
 
-/** Ring radii grow slowly first: about 1 m apart in the middle, 60 m at the rim. */
+/** Spacing of the rings: about 1 m in the centre, 60 m at the rim. */
 const ringRadius_m = (ring: number) => REACH_M * (0.12 * (ring / RINGS) + 0.88 * (ring / RINGS) ** 4);
 
 function discGeometry(): BufferGeometry {
@@ -51,7 +51,7 @@ export class Terrain {
   constructor(pictures: Pictures) {
     this.mesh = new Mesh(discGeometry(), groundMaterial(pictures));
     this.mesh.receiveShadow = true;
-    // After the trees: most of it is hidden by then.
+    // Drawn after the trees, which hide most of it.
     this.mesh.renderOrder = 5;
     this.mesh.matrixAutoUpdate = false;
   }

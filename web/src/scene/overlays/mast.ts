@@ -4,7 +4,7 @@ import { groundHeight_m } from "../ground/landscape";
 
 const MAST_M = 3;
 const ARM_M = 0.55;
-/** Cups run at about a third of the wind's speed. */
+/** Cup speed relative to the wind speed. */
 const CUP_FACTOR = 1 / 3;
 
 export class Mast {

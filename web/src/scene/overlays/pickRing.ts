@@ -32,7 +32,7 @@ export class PickRing {
     return [a, a + 1, b, b, a + 1, b + 1];
   }
 
-  /** Lies around a place, draped over the ground. */
+  /** Shows the ring around a position, draped over the ground. */
   show(x: number, z: number, radius_m: number): void {
     const position = this.mesh.geometry.getAttribute("position") as BufferAttribute;
     for (let k = 0; k < CORNERS; k++) {

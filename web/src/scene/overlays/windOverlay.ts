@@ -18,7 +18,7 @@ const LULL = new Color(0x2f6fd0);
 const MEAN = new Color(0xf4f1e6);
 const GUST = new Color(0xff7a1a);
 
-/** A flat arrow along x, one metre long, its middle at the origin. */
+/** A flat arrow along x, 1 m long, centred at the origin. */
 function arrow(): BufferGeometry {
   const outline = [-0.5, -0.05, 0.15, -0.05, 0.15, 0.05, -0.5, 0.05, 0.15, -0.16, 0.5, 0, 0.15, 0.16];
   const corners = Array.from({ length: 7 }, (_, i) => [outline[2 * i], 0, outline[2 * i + 1]]).flat();
@@ -58,7 +58,7 @@ export class WindOverlay {
     this.mesh.visible = visible;
   }
 
-  /** Lays the arrows around a place and turns them into the wind of a moment. */
+  /** Places the arrows around a position and aligns them with the current wind. */
   update(field: WindField, time_s: number, around: Vector3): void {
     if (!this.visible) return;
     this.place(Math.round(around.x / SPACING_M), Math.round(around.z / SPACING_M));
@@ -70,7 +70,7 @@ export class WindOverlay {
     if (this.mesh.instanceColor) this.mesh.instanceColor.needsUpdate = true;
   }
 
-  /** Keeps to a lattice, so that arrows stay where they are while the camera moves on. */
+  /** Snaps to a lattice, so that arrows stay in place while the camera moves. */
   private place(column: number, row: number): void {
     const centre = `${column} ${row}`;
     if (centre === this.centre) return;

@@ -1,4 +1,4 @@
-/** Leaf colours by season: which a tree wears, and how far they replace the leaf texture's own. Pure. */
+/** Leaf colours of a tree by season, and their weight relative to the leaf texture. Pure. */
 import { hashUnit } from "../../core/math/random";
 import type { Rgb } from "../sky/atmosphere";
 import type { Season } from "./season";
@@ -80,13 +80,13 @@ const OTHER: Record<Exclude<Season, "winter">, Palette> = {
   ],
 };
 
-/** A texture's own colours are those of its maker's season: an unknown tree keeps most of them in summer. */
+/** Unknown trees keep most of their texture's colours in summer. */
 function strengthOf(known: boolean, season: Season): number {
   if (known) return 0.9;
   return season === "summer" ? 0.15 : 0.45;
 }
 
-/** Colour (linear) and strength of the season's tint for one tree. */
+/** Seasonal tint of one tree: linear colour and weight. */
 export function leafTint(
   species: string | null,
   treeId: number,

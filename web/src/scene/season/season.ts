@@ -1,25 +1,25 @@
-/** The four seasons: what they change, as numbers. Pure. */
+/** Parameters of the four seasons. Pure. */
 import type { Rgb } from "../sky/atmosphere";
 
 export const SEASONS = ["spring", "summer", "autumn", "winter"] as const;
 export type Season = (typeof SEASONS)[number];
 
 export interface SeasonLook {
-  /** The sun's declination, for the height of its path. */
+  /** Declination of the sun, which determines its elevation. */
   readonly declination_deg: number;
   /** 1 is clean air. */
   readonly haziness: number;
-  /** How much of the sky is cloud, 0 to 1. */
+  /** Cloud cover, 0 to 1. */
   readonly clouds: number;
   readonly snow: number;
-  /** Ground mist of the early morning. */
+  /** Ground mist in the early morning. */
   readonly mist: number;
-  /** Linear colours that the painted grass and litter are multiplied by. */
+  /** Linear colour factors of the painted grass and litter. */
   readonly grass: Rgb;
   readonly litter: Rgb;
-  /** How far fallen leaves cover the ground, 0 to 1. */
+  /** Cover of the ground with fallen leaves, 0 to 1. */
   readonly fallen: number;
-  /** Woods at the horizon: the two colours that their crowns mix. */
+  /** Forests at the horizon: the two colours of their crowns. */
   readonly woods: readonly [Rgb, Rgb, Rgb];
 }
 

@@ -1,10 +1,10 @@
-/** What a season does to every surface: uniforms that trees, ground and cover share. */
+/** Seasonal uniforms shared by trees, ground and ground cover. */
 import { Color } from "three";
 
 export const seasonal = {
-  /** 0: none, 1: it lies on all that faces the sky. */
+  /** 0: none, 1: on all surfaces that face the sky. */
   uSnow: { value: 0 },
   uSnowColour: { value: new Color(0.74, 0.79, 0.86) },
-  /** Share of the leaves that have not fallen yet. */
+  /** Share of the leaves that are still on the trees. */
   uLeafShare: { value: 1 },
 };

@@ -1,18 +1,18 @@
-/** Aerial perspective, in linear light before tone mapping: sky, ground and trees share one table of the sky. */
+/** Aerial perspective in linear light, before tone mapping; sky, ground and trees share one sky table. */
 import { Color, type DataTexture, Vector2, Vector3 } from "three";
 import type { AtmosphereShader } from "../trees/treeShader";
 import { AEROSOL_G, SKY_AZIMUTHS, SKY_ELEVATIONS } from "./atmosphere";
 
 export const air = {
-  /** The sky's light: see skyTexture.ts. */
+  /** Sky table, see skyTexture.ts. */
   uSky: { value: null as DataTexture | null },
-  /** Towards the sun, world frame. */
+  /** Direction towards the sun, world frame. */
   uSunWorld: { value: new Vector3(0.5, 0.5, 0.5).normalize() },
-  /** The same on the ground, unit length. */
+  /** Its horizontal direction, unit length. */
   uSunFlat: { value: new Vector2(0.7, 0.7) },
-  /** Extinction per metre, by colour. */
+  /** Extinction per metre for each colour. */
   uHaze: { value: new Color(0.0007, 0.0009, 0.0013) },
-  /** Ground mist: extinction per metre at its foot, height of the foot and scale height in m. */
+  /** Ground mist: extinction per metre at its base, height of the base (m), scale height (m). */
   uMist: { value: new Vector3(0, -4, 7) },
 };
 
@@ -29,14 +29,14 @@ float aerosolPhase(float cosine) {
   const float g = ${AEROSOL_G.toFixed(3)};
   return (1.0 - g * g) * 0.0795775 * pow(1.0 + g * g - 2.0 * g * cosine, -1.5);
 }
-/** Light of the clear sky; root: square root of the elevation over a right angle. */
+/** Light of the clear sky; root: square root of the elevation divided by 90 degrees. */
 vec3 skyLight(vec2 flatDirection, float root, float cosine) {
   float turn = sqrt(0.5 * max(0.0, 1.0 - dot(flatDirection, uSunFlat)));
   vec2 at = vec2(${halfTexel(SKY_AZIMUTHS)} + ${inner(SKY_AZIMUTHS)} * turn,
     0.5 * (${halfTexel(SKY_ELEVATIONS)} + ${inner(SKY_ELEVATIONS)} * root));
   return texture2D(uSky, at).rgb + aerosolPhase(cosine) * texture2D(uSky, at + vec2(0.0, 0.5)).rgb;
 }
-/** What far haze looks like in a direction. */
+/** Colour of distant haze in a direction. */
 vec3 hazeColour(vec3 direction) {
   vec2 level = normalize(direction.xz + 1e-5);
   float cosine = dot(normalize(vec3(level.x, 0.07, level.y)), uSunWorld);
@@ -57,14 +57,14 @@ vec3 throughAir(vec3 colour, vec3 direction, float away) {
 }
 `;
 
-/** In place of three's own end of a fragment, still before tone mapping: needs vViewPosition. */
+/** Replaces three's end of the fragment shader, before tone mapping; needs vViewPosition. */
 export const AIR_FRAGMENT = /* glsl */ `
 #include <opaque_fragment>
 vec3 airDirection = -normalize((vec4(vViewPosition, 0.0) * viewMatrix).xyz);
 gl_FragColor.rgb = throughAir(gl_FragColor.rgb, airDirection, length(vViewPosition));
 `;
 
-/** The same for materials that take it as an option. */
+/** The same as an option for materials. */
 export const aerialPerspective: AtmosphereShader = {
   key: "air",
   uniforms: air,

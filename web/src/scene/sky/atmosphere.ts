@@ -1,19 +1,19 @@
 /**
- * Light of a clear sky: sunlight scattered once on its way through the air, with an isotropic share for the rest.
- * Rayleigh and aerosol scattering and ozone after Hillaire, A Scalable and Production Ready Sky and Atmosphere
- * Rendering Technique (2020), table 1. Pure; all light is relative to the sun's above the air.
+ * Light of a clear sky: single scattering, with an isotropic term for multiple scattering. Rayleigh and aerosol
+ * scattering and ozone after Hillaire, A Scalable and Production Ready Sky and Atmosphere
+ * Rendering Technique (2020), table 1. Pure; all light is relative to sunlight above the atmosphere.
  */
 
 export type Rgb = readonly [number, number, number];
 
 const GROUND_M = 6_360_000;
 const TOP_M = 6_460_000;
-/** Per metre at sea level, for red, green and blue. */
+/** Coefficients per metre at sea level for red, green and blue. */
 const RAYLEIGH: Rgb = [5.802e-6, 13.558e-6, 33.1e-6];
 const OZONE: Rgb = [0.65e-6, 1.881e-6, 0.085e-6];
 const AEROSOL = { scattered: 3.996e-6, absorbed: 0.44e-6 } as const;
 const SCALE_M = { rayleigh: 8000, aerosol: 1200 } as const;
-/** Light that was scattered more than once, per steradian and unit of sunlight. */
+/** Multiply scattered light per steradian and unit of sunlight. */
 const AGAIN = 0.075;
 const EYE_M = 120;
 
@@ -38,7 +38,7 @@ function airAt(height_m: number, haziness: number): Air {
 const extinction = ({ rayleigh, aerosol, ozone }: Air, c: number) =>
   RAYLEIGH[c] * rayleigh + (AEROSOL.scattered + AEROSOL.absorbed) * aerosol + OZONE[c] * ozone;
 
-/** Way to the top of the air from a height, for the sine of an elevation. */
+/** Distance from a height to the top of the atmosphere, by sine of the elevation. */
 function wayOut_m(height_m: number, sine: number): number {
   const r = GROUND_M + height_m;
   return -r * sine + Math.sqrt(Math.max(0, r * r * (sine * sine - 1) + TOP_M * TOP_M));
@@ -49,7 +49,7 @@ const heightAfter_m = (height_m: number, sine: number, way_m: number) => {
   return Math.sqrt(r * r + way_m * way_m + 2 * r * way_m * sine) - GROUND_M;
 };
 
-/** Share of the sun's light that arrives at a height; a sun behind the earth fades out. */
+/** Transmittance of sunlight to a height; fades out when the sun is behind the earth. */
 export function sunlight(height_m: number, sunSine: number, haziness: number): [number, number, number] {
   const r = GROUND_M + height_m;
   const dip = -Math.sqrt(Math.max(0, 1 - (GROUND_M / r) ** 2));
@@ -58,7 +58,7 @@ export function sunlight(height_m: number, sunSine: number, haziness: number): [
   const way_m = wayOut_m(height_m, sine);
   const depth = [0, 0, 0];
   for (let k = 0; k < TO_SUN_STEPS; k++) {
-    // Steps grow along the way: most of the air is near.
+    // Steps grow with distance, because most of the air is near.
     const from = (k / TO_SUN_STEPS) ** 2 * way_m;
     const to = ((k + 1) / TO_SUN_STEPS) ** 2 * way_m;
     const air = airAt(heightAfter_m(height_m, sine, 0.5 * (from + to)), haziness);
@@ -67,7 +67,7 @@ export function sunlight(height_m: number, sunSine: number, haziness: number): [
   return [risen * Math.exp(-depth[0]), risen * Math.exp(-depth[1]), risen * Math.exp(-depth[2])];
 }
 
-/** Sunlight by height, kept for one sun: the view rays ask for it a thousand times. */
+/** Sunlight by height for one position of the sun, cached for all view rays. */
 function sunlightByHeight(sunSine: number, haziness: number) {
   const LAYERS = 48;
   const rows = Array.from({ length: LAYERS + 1 }, (_, k) =>
@@ -83,28 +83,28 @@ function sunlightByHeight(sunSine: number, haziness: number) {
 export interface SkyTable {
   readonly azimuths: number;
   readonly elevations: number;
-  /** [2, elevations, azimuths, 3]: scattered by the air itself, then by aerosols before their phase. */
+  /** [2, elevations, azimuths, 3]: scattered by air, then by aerosols without their phase function. */
   readonly light: Float32Array;
 }
 
 export const SKY_AZIMUTHS = 24;
 export const SKY_ELEVATIONS = 40;
 
-/** Sine of the elevation of a row, which runs as its root: fine at the horizon. */
+/** Sine of the elevation of a row; rows are spaced by its square root, fine at the horizon. */
 export const elevationOf_rad = (row: number) => (row / (SKY_ELEVATIONS - 1)) ** 2 * 0.5 * Math.PI;
-/** Angle from the sun's azimuth of a column, which runs as the sine of its half. */
+/** Azimuth of a column relative to the sun; columns are spaced by the sine of half the angle. */
 export const azimuthOf_rad = (column: number) => 2 * Math.asin(column / (SKY_AZIMUTHS - 1));
 
 const rayleighPhase = (cosine: number) => (3 / (16 * Math.PI)) * (1 + cosine * cosine);
 
-/** Henyey and Greenstein's phase of aerosols; the shader has the same. */
+/** Henyey–Greenstein phase function of aerosols; same as in the shader. */
 export const AEROSOL_G = 0.74;
 export function aerosolPhase(cosine: number): number {
   const g2 = AEROSOL_G * AEROSOL_G;
   return (1 - g2) / (4 * Math.PI * (1 + g2 - 2 * AEROSOL_G * cosine) ** 1.5);
 }
 
-/** The whole sky for one sun. `haziness` 1 is clean air. */
+/** Computes the sky for one position of the sun. `haziness` 1 is clean air. */
 export function skyTable(sunElevation_rad: number, haziness: number): SkyTable {
   const sunSine = Math.sin(sunElevation_rad);
   const sun = sunlightByHeight(sunSine, haziness);
@@ -130,7 +130,7 @@ export function skyTable(sunElevation_rad: number, haziness: number): SkyTable {
 
 type ByHeight = (height_m: number, channel: number) => number;
 
-/** What scatters towards the eye along one ray, by kind and before its phase. */
+/** Light scattered towards the eye along one ray, by kind and without the phase function. */
 function viewRay(sine: number, haziness: number, sun: ByHeight, above: ByHeight) {
   const way_m = wayOut_m(EYE_M, sine);
   const out = { rayleigh: [0, 0, 0], aerosol: [0, 0, 0], again: [0, 0, 0] };
@@ -155,7 +155,7 @@ function viewRay(sine: number, haziness: number, sun: ByHeight, above: ByHeight)
   return out;
 }
 
-/** Light of the whole sky on level ground, by summing the table over the hemisphere. */
+/** Irradiance of the sky on level ground, integrated over the table. */
 export function skyIrradiance(table: SkyTable, sunElevation_rad: number): [number, number, number] {
   const { light } = table;
   const sum: [number, number, number] = [0, 0, 0];

@@ -1,4 +1,4 @@
-/** The sun with two shadow cascades, the sky's soft light, and the air between: one moment's light on the scene. */
+/** Lighting of the scene: the sun with two shadow cascades, ambient sky light and atmosphere. */
 import { Group, HemisphereLight, Vector3 } from "three";
 import { SunLight } from "three/addons/lights/SunLight.js";
 import type { Quality } from "../quality";
@@ -13,15 +13,15 @@ const SHADOWS: Record<Quality, { side: number; reach_m: number }> = {
   medium: { side: 1024, reach_m: 110 },
   high: { side: 2048, reach_m: 170 },
 };
-/** Shadows of a sun lower than this would run out of every map. */
+/** Lowest sun for which shadows are drawn as they fall; lower ones would not fit any shadow map. */
 const LOWEST_SHADOW = 0.06;
-/** Light that ground sends back up, beside what it gets from sun and sky. */
+/** Share of the light reflected by the ground that reaches the trees from below. */
 const BOUNCE = 0.5;
 const GROUND_ALBEDO = { bare: [0.13, 0.105, 0.055], snow: [0.7, 0.74, 0.8] } as const;
-/** Leaves and twigs scatter the sky's light among them: a little more of it than of a plain surface. */
+/** Gain of the sky light for multiple scattering among leaves and twigs. */
 const SKY_GAIN = 1.35;
 
-/** The sky as it is shown beside the land that it lights: cameras and eyes keep its blue from going dark. */
+/** Exposure of the visible sky relative to the land, which keeps its blue from getting too dark. */
 const SKY_SHOWN = 1.5;
 
 export class Daylight {
@@ -38,7 +38,7 @@ export class Daylight {
     this.setQuality(quality);
   }
 
-  /** Sets the light of a season and time of day, and returns it. */
+  /** Sets and returns the light of a season and time of day. */
   show(daytime: number, season: Season): Atmosphere {
     const light = atmosphereAt(daytime, season);
     this.point(light.sun.azimuth_deg, light.sun.elevation_deg);
@@ -51,7 +51,7 @@ export class Daylight {
     return light;
   }
 
-  /** Sky above, ground below. */
+  /** Hemisphere light: sky above, ground below. */
   private fillIn({ sunlight, skylight, sun }: Atmosphere, season: Season): void {
     const level = Math.max(0, Math.sin((sun.elevation_deg * Math.PI) / 180));
     const albedo = SEASON_LOOKS[season].snow > 0 ? GROUND_ALBEDO.snow : GROUND_ALBEDO.bare;

@@ -1,19 +1,19 @@
-/** From season and time of day to the light of the scene. Pure. */
+/** Light of the scene by season and time of day. Pure. */
 
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { type Rgb, type SkyTable, skyIrradiance, skyTable, sunlight } from "./atmosphere";
 
 const LATITUDE_DEG = 47;
-/** The sun above the air, in the renderer's units of light. */
+/** Sunlight above the atmosphere, in the renderer's units. */
 export const SUN_POWER = 5.6;
-/** The slider's ends lie this share of the day outside sunrise and sunset: twilight. */
+/** The ends of the slider are this share of the day before sunrise and after sunset (twilight). */
 const TWILIGHT = 0.015;
-/** Height of the clouds, for the light they are in. */
+/** Height of the clouds, for their lighting. */
 const CLOUDS_M = 2500;
 const DEG = Math.PI / 180;
 
 export interface SunPlace {
-  /** As headings are counted: 0 = +x (east), 90 = +z (south). */
+  /** 0 = +x (east), 90 = +z (south). */
   readonly azimuth_deg: number;
   readonly elevation_deg: number;
 }
@@ -53,16 +53,16 @@ export function sunPlace(daytime: number, season: Season): SunPlace {
 export interface Atmosphere {
   readonly sun: SunPlace;
   readonly table: SkyTable;
-  /** Light of the sun on a surface that faces it. */
+  /** Sunlight on a surface that faces the sun. */
   readonly sunlight: Rgb;
-  /** Light of the sky on level ground, clouds included. */
+  /** Sky light on level ground, including clouds. */
   readonly skylight: Rgb;
-  /** Light of the sun at the clouds. */
+  /** Sunlight at the clouds. */
   readonly cloudlight: Rgb;
   readonly exposure: number;
   /** Extinction per metre. */
   readonly haze: Rgb;
-  /** Extinction per metre at the foot of the mist. */
+  /** Extinction per metre at the base of the mist. */
   readonly mist: number;
   readonly clouds: number;
 }
@@ -74,14 +74,14 @@ const step = (from: number, to: number, x: number) => {
   return t * t * (3 - 2 * t);
 };
 
-/** An eye that half adapts: dusk stays darker than noon, but is seen. */
+/** Partial adaptation: dusk stays darker than noon but visible. */
 function exposureFor(sun: Rgb, sky: Rgb, elevation_deg: number, snow: number): number {
   const level = Math.max(0.22, Math.sin(Math.max(0, elevation_deg) * DEG));
   const light = 0.55 * brightness(sun) * level + brightness(sky);
   return Math.min(3.6, 1.12 * (2.1 / light) ** 0.66) * (1 - 0.3 * snow);
 }
 
-/** Everything about the light of one moment; some milliseconds. */
+/** Computes the lighting of one moment; takes several milliseconds. */
 export function atmosphereAt(daytime: number, season: Season): Atmosphere {
   const look = SEASON_LOOKS[season];
   const sun = sunPlace(daytime, season);
@@ -90,7 +90,7 @@ export function atmosphereAt(daytime: number, season: Season): Atmosphere {
   const direct = times(sunlight(0, Math.sin(elevation), look.haziness), SUN_POWER);
   const clear = times(skyIrradiance(table, elevation), SUN_POWER);
   const cloudlight = times(sunlight(CLOUDS_M, Math.sin(elevation), look.haziness), SUN_POWER);
-  // Clouds send some of their light down: less blue than the clear sky.
+  // Clouds add light that is less blue than the clear sky.
   const cloudy = look.clouds * 0.16 * Math.max(0.1, Math.sin(elevation));
   const skylight: Rgb = [
     clear[0] + cloudy * cloudlight[0],

@@ -1,4 +1,4 @@
-/** Sky dome: the scattered light of the air, the sun, and drifting clouds that both light. */
+/** Sky dome: scattered light, the sun, and drifting clouds lit by both. */
 import { BackSide, Color, Mesh, ShaderMaterial, SphereGeometry, Vector2 } from "three";
 import type { Pictures } from "../textures/pictures";
 import { AIR_PARS, air } from "./air";
@@ -40,7 +40,7 @@ void main() {
     float edge = 0.78 - 0.5 * uCover;
     float cover = smoothstep(edge - 0.08, edge + 0.1, body) * smoothstep(0.015, 0.16, up);
     float shade = smoothstep(-0.06, 0.14, cloudBody(plane + uSunFlat * 0.5) - body + 0.03);
-    // Towards the sun light shines through thin cloud.
+    // Towards the sun, light shines through thin clouds.
     float lining = (1.0 - cover) * pow(max(cosine, 0.0), 6.0);
     vec3 cloud = uCloudSun * (0.27 - 0.13 * shade + 0.55 * lining) + uCloudSky * (0.34 - 0.1 * shade);
     cloud = mix(hazeColour(direction), cloud, smoothstep(0.0, 0.3, up));
@@ -53,7 +53,7 @@ void main() {
 }
 `;
 
-/** Where the clouds have drifted to, in widths of their picture. */
+/** Drift of the clouds in units of their texture width. */
 export interface Drift {
   x: number;
   y: number;
@@ -80,7 +80,7 @@ export class Sky {
     });
     this.mesh = new Mesh(new SphereGeometry(1, 32, 16), material);
     this.mesh.frustumCulled = false;
-    // Last of the opaque things: only what stays open is shaded.
+    // Drawn last of the opaque objects, so that only visible sky is shaded.
     this.mesh.renderOrder = 10;
   }
 
@@ -91,7 +91,7 @@ export class Sky {
     uniforms.uCover.value = clouds;
   }
 
-  /** Clouds drift with the wind of this step and stand still without it. */
+  /** Moves the clouds with the wind of this step. */
   advance(dt_s: number, wind_m_s: { x: number; z: number }): void {
     this.drift.x -= wind_m_s.x * dt_s * 0.0012;
     this.drift.y -= wind_m_s.z * dt_s * 0.0012;

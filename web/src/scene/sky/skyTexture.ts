@@ -1,4 +1,4 @@
-/** The table of the sky as a texture of half floats: air in the lower half, aerosols in the upper. */
+/** The sky table as a half-float texture: air in the lower half, aerosols in the upper half. */
 import { ClampToEdgeWrapping, DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat } from "three";
 import { SKY_AZIMUTHS, SKY_ELEVATIONS, type SkyTable } from "./atmosphere";
 
@@ -12,7 +12,7 @@ export function makeSkyTexture(): DataTexture {
   return texture;
 }
 
-/** Writes a sky, its light multiplied by that of the sun. */
+/** Writes a sky, multiplied by the light of the sun. */
 export function fillSkyTexture(texture: DataTexture, { light }: SkyTable, sun: number): void {
   const data = texture.image.data as Uint16Array;
   for (let texel = 0; texel < light.length / 3; texel++) {

@@ -1,10 +1,10 @@
-/** Small pictures of whole trees for the far wood: three shapes in leaf, and the same three bare. Painted, pure. */
+/** Procedural pictures of trees for the background forest: three shapes in leaf, and the same three bare. Pure. */
 import { hashUnit } from "../../core/math/random";
 
 export const CARD_SIDE = 128;
 export const CARD_SHAPES = 3;
 
-/** Half the crown's width at a height, both as shares of the card; 0 outside the crown. */
+/** Half width of the crown at a height, both relative to the card; 0 outside the crown. */
 const SHAPES: readonly ((height: number) => number)[] = [
   (h) => (h < 0.16 ? 0 : 0.24 * Math.sqrt(Math.max(0, 1 - ((h - 0.5) / 0.49) ** 2)) * (1.15 - 0.35 * h)),
   (h) => (h < 0.2 ? 0 : 0.47 * Math.sqrt(Math.max(0, 1 - ((h - 0.58) / 0.41) ** 2))),
@@ -25,7 +25,7 @@ class Card {
     private readonly bottom: number,
   ) {}
 
-  /** x from −0.5 to 0.5, y from 0 (ground) to 1, radius as a share of the side. */
+  /** x from −0.5 to 0.5, y from 0 (ground) to 1, radius relative to the side. */
   disc(x: number, y: number, radius: number, light: number, wood: number): void {
     const cx = (x + 0.5) * CARD_SIDE;
     const cy = y * CARD_SIDE;
@@ -66,19 +66,19 @@ class Card {
 }
 
 function paintCrown(card: Card, shape: number): void {
-  for (let y = 0; y < 0.3; y += 0.004) card.disc(0, y, 0.014, 0.5, 1); // the trunk; limbs are hidden by leaves
+  for (let y = 0; y < 0.3; y += 0.004) card.disc(0, y, 0.014, 0.5, 1); // the trunk; branches are hidden by leaves
   const puffs = Array.from({ length: 1700 }, (_, i) => {
     const at = (channel: number) => hashUnit(90 + shape, i, channel);
     const y = 0.14 + 0.84 * at(0);
     const side = at(1) < 0.5 ? -1 : 1;
-    // A ragged outline: boughs reach out at some heights and leave gaps at others.
+    // Ragged outline: boughs at some heights and gaps at others.
     const reach =
       0.78 +
       0.2 * Math.sin(23 * y + 2.1 * side + shape) +
       0.16 * Math.sin(57 * y - side) +
       0.22 * (at(6) - 0.5);
     const x = side * Math.sqrt(at(5)) * SHAPES[shape](y) * reach;
-    // Clumps: light above, dark in the gaps below.
+    // Clumps: light on top, dark in the gaps below.
     const clump = 0.5 + 0.5 * Math.sin(26 * x + 3 * shape) * Math.cos(31 * y + 9 * x);
     return { x, y, radius: 0.007 + 0.013 * at(2), light: 0.12 + 0.22 * y + 0.34 * clump + 0.3 * at(3) };
   });

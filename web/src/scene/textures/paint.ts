@@ -1,23 +1,23 @@
-/** Pictures painted once at start: noise for clouds and ground, a floor of fallen leaves, grass. Pure, tileable. */
+/** Procedural tileable pictures: noise for clouds and ground, fallen leaves, grass. Pure. */
 import { hashUnit } from "../../core/math/random";
 
 export interface Picture {
   readonly side: number;
-  /** RGBA, one byte a channel. */
+  /** RGBA, one byte per channel. */
   readonly pixels: Uint8Array<ArrayBuffer>;
 }
 
 const wrap = (i: number, period: number) => ((i % period) + period) % period;
 const smooth = (t: number) => t * t * (3 - 2 * t);
 
-/** Random values at the corners of a grid of cells, row by row. */
+/** Random values at the lattice points, row by row. */
 function lattice(cells: number, seed: number): Float64Array {
   return Float64Array.from({ length: cells * cells }, (_, i) =>
     hashUnit(seed, i % cells, Math.floor(i / cells)),
   );
 }
 
-/** Value noise in [0, 1] at x, y ≥ 0, in cells of a lattice that it repeats. */
+/** Value noise in [0, 1] at x, y ≥ 0, periodic with the lattice. */
 function tileNoise(x: number, y: number, cells: number, at: Float64Array): number {
   const ix = Math.floor(x) % cells;
   const iy = Math.floor(y) % cells;
@@ -30,7 +30,7 @@ function tileNoise(x: number, y: number, cells: number, at: Float64Array): numbe
   return near * (1 - v) + (at[high + ix] * (1 - u) + at[high + right] * u) * v;
 }
 
-/** Four octaves of tileNoise over the unit square, stretched to use the whole range. */
+/** Four octaves of tileNoise over the unit square, stretched to the full range. */
 function tileFractal(coarsest: number, seed: number): (x: number, y: number) => number {
   const octaves = [0, 1, 2, 3].map((k) => ({
     cells: coarsest * 2 ** k,
@@ -60,7 +60,7 @@ export function paintNoise(side: number): Picture {
 
 type Rgb = readonly [number, number, number];
 
-/** sRGB bytes of leaves on the ground, freshly fallen to old. */
+/** sRGB bytes of leaves on the ground, from fresh to old. */
 const FALLEN: readonly Rgb[] = [
   [171, 88, 32],
   [196, 133, 44],
@@ -88,7 +88,7 @@ class Canvas {
     this.pixels[at + 3] = 255;
   }
 
-  /** A pointed ellipse with a lighter middle rib. */
+  /** A pointed ellipse with a lighter midrib. */
   leaf(cx: number, cy: number, length: number, angle: number, colour: Rgb): void {
     const cos = Math.cos(angle);
     const sin = Math.sin(angle);
@@ -103,7 +103,7 @@ class Canvas {
     }
   }
 
-  /** A blade of grass, darker at its foot. */
+  /** A blade of grass, darker at its base. */
   blade(x: number, y: number, length: number, lean: number, colour: Rgb): void {
     for (let step = 0; step < length; step++) {
       const light = 0.55 + (0.6 * step) / length;
@@ -113,7 +113,7 @@ class Canvas {
   }
 }
 
-/** Fallen leaves over each other on dark earth. */
+/** Overlapping fallen leaves on dark soil. */
 export function paintLitter(side: number): Picture {
   const noise = tileFractal(16, 5);
   const canvas = new Canvas(side, (x, y) => {
@@ -131,7 +131,7 @@ export function paintLitter(side: number): Picture {
   return canvas;
 }
 
-/** Autumn grass, seen from above at a slant. */
+/** Autumn grass, seen obliquely from above. */
 export function paintGrass(side: number): Picture {
   const noise = tileFractal(8, 9);
   const canvas = new Canvas(side, (x, y) => {

@@ -1,4 +1,4 @@
-/** The painted pictures as textures, made once and shared by ground and sky. */
+/** The procedural pictures as textures, created once and shared by ground and sky. */
 import {
   DataTexture,
   LinearFilter,
@@ -27,7 +27,7 @@ export class Pictures {
   readonly litter = texture(paintLitter(512), true);
   readonly grass = texture(paintGrass(512), true);
 
-  /** Ground seen at a flat angle stays sharp, where quality asks for it: it costs a processor that draws a lot. */
+  /** Anisotropic filtering of the ground, depending on quality: it is expensive with software rendering. */
   setQuality(quality: Quality): void {
     for (const made of [this.litter, this.grass]) {
       const samples = quality === "low" ? 1 : 4;

@@ -1,4 +1,4 @@
-/** Which trees a camera sees, and whose shadows, with room for how far they bend. Pure. */
+/** Visibility of trees and of their shadows, with a margin for bending. Pure. */
 
 /** Plane coefficients, positive inside: six of the camera's frustum. */
 export type Planes = readonly { normal: Point; constant: number }[];
@@ -9,14 +9,14 @@ export interface Point {
   z: number;
 }
 
-/** Bounds of a species at scale 1: an upright cylinder around the tree at rest, and how far it bends at most. */
+/** Bounds of a species at scale 1: an upright cylinder around the tree at rest, and its largest displacement. */
 export interface Bounds {
   readonly height_m: number;
   readonly radius_m: number;
   readonly reach_m: number;
 }
 
-/** Whether a cylinder that stands at a place touches the space inside all planes; errs to the safe side. */
+/** Whether a cylinder at a position intersects the space inside all planes; conservative. */
 export function cylinderSeen(
   planes: Planes,
   x: number,
@@ -35,8 +35,8 @@ export function cylinderSeen(
 }
 
 /**
- * Whether the shadow of such a cylinder may fall into the space inside all planes: the ball around it, and all it
- * passes on its way along the sun's rays for `slide_m`.
+ * Whether the shadow of such a cylinder may fall into the space inside all planes: tests its bounding sphere, swept
+ * along the sun's rays by `slide_m`.
  */
 export function shadowSeen(
   planes: Planes,

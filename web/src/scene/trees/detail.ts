@@ -1,32 +1,32 @@
 /**
- * Continuous level of detail: every leaf and branch has a rank in [0, 1), a tree shows the pieces whose rank is below
- * its share, and a piece has shrunk to a point before it vanishes. Pure.
+ * Continuous level of detail. Every leaf and branch has a rank in [0, 1). A tree shows the pieces whose rank is below
+ * its share; a piece shrinks to a point before it disappears. Pure.
  */
 import { hashUnit } from "../../core/math/random";
 import { type Components, componentCentres, componentRadii } from "./mesh/components";
 
-/** Levels of detail: prefixes of the index that hold every piece seen at up to this share. */
+/** Levels of detail: index prefixes that contain every piece visible up to this share. */
 export const LEVEL_SHARES = [1, 0.5, 0.25, 0.13, 0.07] as const;
 export const LEVEL_COUNT = LEVEL_SHARES.length;
-/** A piece shrinks while its rank is between the share and this much more of it. */
+/** A piece shrinks while its rank is between share and (1 + EDGE) · share. */
 export const EDGE = 0.2;
-/** Leaves that stay grow to cover for those that went, but no more than this: larger ones no longer look like leaves. */
+/** Remaining leaves grow to preserve the crown area, up to this factor: larger ones no longer look like leaves. */
 export const MOST_GROWTH = 2.4;
-/** Share at the second of a view's two distances. */
+/** Share at the second distance of a view. */
 const SHARE_AT_SECOND = 0.2;
 /** Hysteresis: a tree keeps its finer level until it needs this share of the coarser one. */
 const HYSTERESIS = 0.93;
-/** Far away the share falls no further; low enough for the last level. */
+/** Minimum share far away; low enough for the last level. */
 const LEAST_SHARE = 0.9 * LEVEL_SHARES[LEVEL_COUNT - 1];
 
-/** Share of its pieces that a tree shows: 1 up to the first distance, then a power of the distance. */
+/** Share of pieces that a tree shows: 1 up to the first distance, then a power of the distance. */
 export function shareAt(distance_m: number, [first_m, second_m]: readonly [number, number]): number {
   if (distance_m <= first_m) return 1;
   const power = Math.log(SHARE_AT_SECOND) / Math.log(second_m / first_m);
   return Math.max(LEAST_SHARE, (distance_m / first_m) ** power);
 }
 
-/** The level for a share; `before` is the tree's last level, kept while it serves, 255 for none. */
+/** The level for a share; `before` is the previous level (255: none), kept within the hysteresis. */
 export function levelFor(share: number, before: number): number {
   let level = LEVEL_COUNT - 1;
   while (LEVEL_SHARES[level] < share) level--;
@@ -34,15 +34,15 @@ export function levelFor(share: number, before: number): number {
   return share < HYSTERESIS * LEVEL_SHARES[before + 1] ? level : before;
 }
 
-/** Size of a piece of this rank, 0 to 1, in a tree that shows this share; the shader computes the same. */
+/** Relative size (0..1) of a piece of this rank at this share; same as in the shader. */
 export function pieceSize(rank: number, share: number): number {
   return Math.min(1, Math.max(0, (share * (1 + EDGE) - rank) / (EDGE * share)));
 }
 
-/** How much the leaves that stay are grown; the shader computes the same. */
+/** Growth factor of the remaining leaves; same as in the shader. */
 export const leafGrowth = (share: number): number => Math.min(MOST_GROWTH, 1 / Math.sqrt(share));
 
-/** Where a leaf's vertex goes in a tree that shows this share, xyz: about the leaf's middle; the shader does the same. */
+/** Position (xyz) of a leaf vertex at this share, scaled about the leaf's centre; same as in the shader. */
 export function grownLeaf(
   vertex: readonly number[],
   middle: readonly number[],
@@ -58,7 +58,7 @@ export function leafRanks(pieces: Components): Float32Array {
   return Float32Array.from({ length: pieces.count }, (_, piece) => hashUnit(piece, 11));
 }
 
-/** Rank of each branch, the longest first; wood in few pieces stays whole. */
+/** Rank of each branch, longest first; wood that consists of few pieces stays complete. */
 export function woodRanks(pieces: Components, positions: ArrayLike<number>): Float32Array {
   const ranks = new Float32Array(pieces.count);
   if (pieces.count < 4) return ranks;
@@ -70,10 +70,10 @@ export function woodRanks(pieces: Components, positions: ArrayLike<number>): Flo
   return ranks;
 }
 
-/** How much farther up counts as out along a branch. */
+/** Weight of the height relative to the horizontal distance along a branch. */
 const UPWARD = 0.3;
 
-/** Where each branch shrinks to: its vertex nearest to the trunk's foot, xyz packed. */
+/** The point to which each branch shrinks: its vertex nearest to the base of the trunk, xyz packed. */
 export function branchBases(pieces: Components, positions: ArrayLike<number>): Float32Array {
   const bases = new Float32Array(pieces.count * 3);
   const least = new Float32Array(pieces.count).fill(Number.POSITIVE_INFINITY);
@@ -87,7 +87,7 @@ export function branchBases(pieces: Components, positions: ArrayLike<number>): F
   return bases;
 }
 
-/** Triangles sorted by the rank of their piece, and how many indices each level needs. */
+/** Triangles sorted by the rank of their piece, and the number of indices of each level. */
 export function rankedIndex(
   index: ArrayLike<number>,
   rankOf: (vertex: number) => number,

@@ -1,4 +1,4 @@
-/** Which trees a frame draws, at which level of detail, and which cast shadows. Pure; no allocation per frame. */
+/** Selects the trees of a frame, their levels of detail and the shadow casters. Pure; no allocation per frame. */
 import { type Bounds, cylinderSeen, type Planes, type Point, shadowSeen } from "./culling";
 import { LEVEL_COUNT, levelFor, shareAt } from "./detail";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
@@ -6,23 +6,23 @@ import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 export interface View {
   readonly planes: Planes;
   readonly eye: Point;
-  /** Towards the sun. */
+  /** Direction towards the sun. */
   readonly sun: Point;
-  /** Distances in m up to which a tree of scale 1 shows all its leaves, and at which it shows a seventh. */
+  /** Distances (m) up to which a tree of scale 1 shows all its leaves, and at which it shows a fifth. */
   readonly levelFrom_m: readonly [number, number];
   /** Shadows are drawn up to this distance. */
   readonly shadow_m: number;
 }
 
-/** Bins of distance: trees are drawn near to far, so that what is hidden is not shaded. */
+/** Distance bins: trees are drawn near to far, so that hidden fragments are not shaded. */
 const BINS = 16;
 const BIN_M = 12;
 const CLASSES = 2 * LEVEL_COUNT * BINS;
-/** Casters are sorted by how near to the eye their shadow may fall. */
+/** Casters are sorted by the smallest distance from the eye to their shadow. */
 export const CAST_BINS = 32;
 export const CAST_BIN_M = 6;
 const NONE = 255;
-/** A sun lower than this casts no longer shadows. */
+/** Below this elevation of the sun, shadows do not get longer. */
 const LOWEST_SUN = 0.15;
 
 /** Per level, the trees `order[start ...]`: first `visible` ones near to far, then `hidden` ones that only cast. */
@@ -32,14 +32,14 @@ export class DrawList {
   readonly visible = new Uint32Array(LEVEL_COUNT);
   readonly hidden = new Uint32Array(LEVEL_COUNT);
   drawn = 0;
-  /** Places in `order` of the casters of each level, those whose shadow may fall nearest first. */
+  /** Indices in `order` of the casters of each level, sorted by the distance of their shadow. */
   readonly casters: Uint32Array;
   readonly castStart = new Uint32Array(LEVEL_COUNT);
-  /** [levels, bins + 1] casters in nearer bins. */
+  /** [levels, bins + 1] number of casters in nearer bins. */
   readonly castBefore = new Uint32Array(LEVEL_COUNT * (CAST_BINS + 1));
-  /** Share of its pieces that each tree shows. */
+  /** Share of pieces that each tree shows. */
   readonly share: Float32Array;
-  /** Level of each tree, kept while it serves; 255 before the first. */
+  /** Level of each tree, for the hysteresis; 255 at first. */
   readonly level: Uint8Array;
   private readonly classes: Uint8Array;
   private readonly castBin: Uint8Array;
@@ -85,7 +85,7 @@ export class DrawList {
     this.classes[tree] = (2 * this.level[tree] + (seen ? 0 : 1)) * BINS + bin;
   }
 
-  /** How near to the eye the tree's shadow may fall, as a bin; NONE where it is not drawn. */
+  /** Bin of the smallest distance from the eye to the tree's shadow; NONE if it is not drawn. */
   private castBinOf(
     x: number,
     y: number,
@@ -113,7 +113,7 @@ export class DrawList {
     }
   }
 
-  /** Ranges from the tally; `next` is where each class begins. */
+  /** Computes the ranges from the counts; `next` is the start of each class. */
   private layOut(): void {
     this.visible.fill(0);
     this.hidden.fill(0);
@@ -153,7 +153,7 @@ export class DrawList {
     }
   }
 
-  /** Casters of a level whose shadow may fall within a distance of the eye: so many from `castStart`. */
+  /** Number of casters of a level, from `castStart` on, whose shadow may fall within a distance of the eye. */
   castersWithin(level: number, distance_m: number): number {
     const bins = Math.min(CAST_BINS, Math.max(0, Math.floor(distance_m / CAST_BIN_M) + 1));
     return this.castBefore[level * (CAST_BINS + 1) + bins];

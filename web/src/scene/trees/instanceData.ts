@@ -3,29 +3,29 @@
 /** Floats per tree in `InstanceData.data`: x y z texel | s·cos s·sin s share | tint rgb, strength. */
 export const INSTANCE_FLOATS = 12;
 
-/** One place for a tree; the species comes later, so that places never move. */
+/** A place for a tree. Species are assigned later, so that places never move. */
 export interface Placement {
-  /** Identity of the place: stays when other trees come and go. */
+  /** Id of the place; unaffected by other trees. */
   readonly id: number;
   readonly x_m: number;
   readonly z_m: number;
   readonly yaw_rad: number;
-  /** Size factor about 1. */
+  /** Size factor, around 1. */
   readonly scale: number;
 }
 
 export interface InstanceData {
   readonly count: number;
   readonly data: Float32Array;
-  /** x, z, yaw, scale of each tree, as the worker needs them. */
+  /** x, z, yaw, scale of each tree, in the format of the worker. */
   readonly placement: Float32Array<ArrayBuffer>;
-  /** Identity of each tree: that of its place. */
+  /** Id of the place of each tree. */
   readonly ids: Uint32Array<ArrayBuffer>;
 }
 
 export type Tint = (treeId: number) => readonly [number, number, number, number];
 
-/** Gives every tree another tint. */
+/** Sets the tint of every tree. */
 export function setTints(instances: InstanceData, tint: Tint): void {
   instances.ids.forEach((id, i) => {
     instances.data.set(tint(id), i * INSTANCE_FLOATS + 8);

@@ -1,4 +1,4 @@
-/** One level of detail of one species: its instances for the picture and for the shadows. */
+/** One level of detail of one species: instanced meshes for the colour pass and for the shadow pass. */
 import {
   type BufferAttribute,
   DynamicDrawUsage,
@@ -15,7 +15,7 @@ import { INSTANCE_FLOATS } from "./instanceData";
 import type { TreePart } from "./mesh/treeMesh";
 import type { PartMaterials } from "./treeMaterial";
 
-/** A part as this level draws it: triangles by rank, and the node of each vertex at this level. */
+/** A part at this level: triangles sorted by rank, and the node of each vertex. */
 export interface LevelPart {
   readonly part: TreePart;
   readonly node: BufferAttribute | null;
@@ -24,7 +24,7 @@ export interface LevelPart {
 
 type InstancedMesh = Mesh<InstancedBufferGeometry>;
 
-/** Texels of the level's trees in the target of pass 1. */
+/** Location of the level's trees in the target of pass 1. */
 export interface LevelTexels {
   readonly first: number;
   readonly trees: number;
@@ -60,10 +60,10 @@ export class LevelMeshes {
   private visible = 0;
   private casters = 0;
   private castersWithin: (distance_m: number) => number = () => 0;
-  /** Triangles of one tree in the picture. */
+  /** Triangles of one tree in the colour pass. */
   readonly triangles: number;
 
-  /** `shadowShare`: shadows show at most this share of a tree's pieces. */
+  /** `shadowShare`: largest share of a tree's pieces that is drawn into shadow maps. */
   constructor(
     private readonly level: number,
     parts: readonly LevelPart[],
@@ -86,7 +86,7 @@ export class LevelMeshes {
   private mesh(part: LevelPart, level: number, caster: boolean): InstancedMesh {
     const mesh = new Mesh(geometryOf(part, level, caster ? this.casting : this.seen), part.materials.colour);
     mesh.customDepthMaterial = part.materials.shadow;
-    mesh.frustumCulled = false; // trees are culled one by one
+    mesh.frustumCulled = false; // trees are culled individually
     mesh.matrixAutoUpdate = false;
     mesh.castShadow = caster;
     this.meshes.push({ mesh, materials: part.materials, caster });
@@ -103,11 +103,11 @@ export class LevelMeshes {
     return mesh;
   }
 
-  /** Drawn into the shadow maps only; each cascade takes the casters that can reach it. */
+  /** Mesh for the shadow maps only; each cascade draws the casters that can reach it. */
   private shadowMesh(part: LevelPart, level: number): InstancedMesh {
     const mesh = this.mesh(part, level, true);
     mesh.onBeforeShadow = (_renderer, _object, _camera, shadowCamera) => {
-      // The cascade is a slice of the view, which begins at the eye, within a ball of this radius.
+      // The cascade covers a part of the view within this distance of the eye.
       const radius_m = (shadowCamera as OrthographicCamera).right ?? Number.POSITIVE_INFINITY;
       mesh.geometry.instanceCount = this.castersWithin(2 * radius_m);
     };
@@ -117,7 +117,7 @@ export class LevelMeshes {
     return mesh;
   }
 
-  /** Copies the level's trees from a draw list. */
+  /** Takes the level's trees from a draw list. */
   fill(list: DrawList, data: Float32Array, texels: LevelTexels): void {
     const { level } = this;
     const start = list.start[level];

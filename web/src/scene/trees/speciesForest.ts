@@ -35,7 +35,7 @@ interface OwnPart {
   readonly part: TreePart;
   readonly firstVertex: number;
   readonly moving: PartMaterials | null;
-  /** Without any motion, not even of zero: made when first asked for. */
+  /** Materials without any deformation, created on first use. */
   still: PartMaterials | null;
 }
 
@@ -96,11 +96,11 @@ export class SpeciesForest {
       const node = motion ? nodeAttribute(part, firstVertex, motion, motion.levels[level]) : null;
       return { part, node, materials };
     });
-    // Where gloss is affordable, so are shadows of every leaf.
+    // If gloss is affordable, so are the shadows of all leaves.
     return new LevelMeshes(level, parts, this.room, this.options.gloss ? 1 : LEVEL_SHARES[1], this.group);
   }
 
-  /** Replaces the instances, if there is room for them; trees that stay keep their level of detail. */
+  /** Replaces the instances if they fit; trees that stay keep their level of detail. */
   setInstances(instances: InstanceData): boolean {
     if (instances.count > this.room) return false;
     const before = this.list;
@@ -114,7 +114,7 @@ export class SpeciesForest {
     return true;
   }
 
-  /** Without leaves: they have fallen and are not drawn. */
+  /** Whether the leaves are not drawn, because they have fallen. */
   set leafless(leafless: boolean) {
     for (const { part, moving, still } of this.parts) {
       if (part.kind !== "leaves") continue;
@@ -127,7 +127,7 @@ export class SpeciesForest {
     return { height_m, radius_m, reach_m: this.motion?.reach_m ?? 0 };
   }
 
-  /** What picking needs to know. */
+  /** Data for picking. */
   get pickable() {
     const { instances, bounds, motion } = this;
     this.nodeRadius_m ??= motion
@@ -139,7 +139,7 @@ export class SpeciesForest {
     return { instances, bounds, motion, nodeRadius_m: this.nodeRadius_m };
   }
 
-  /** Chooses what is drawn from this view, and at which level. */
+  /** Selects the trees that are drawn in this view, and their level of detail. */
   select(view: View): void {
     this.list.select(this.bounds, view);
     const texels = this.nodes?.place(this.list);
@@ -149,7 +149,7 @@ export class SpeciesForest {
     }
   }
 
-  /** Triangles drawn into the picture by the last selection. */
+  /** Triangles of the last selection in the colour pass. */
   get triangles(): number {
     return this.levels.reduce((sum, level) => sum + level.visibleTriangles, 0);
   }
@@ -162,7 +162,7 @@ export class SpeciesForest {
     if (!this.frozen) this.nodes?.render(renderer);
   }
 
-  /** Draws the trees as static instances, or moving again: to measure what the motion costs. */
+  /** Draws the trees as static instances, or moving again, to measure the cost of the motion. */
   freeze(frozen: boolean): void {
     this.frozen = frozen;
     const still = new Map(

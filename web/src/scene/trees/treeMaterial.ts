@@ -27,7 +27,7 @@ export type TreeMaterial = MeshStandardMaterial | MeshLambertMaterial;
 export interface MaterialOptions {
   readonly anisotropy: number;
   readonly smoothEdges: boolean;
-  /** Gloss of bark and leaves; without it a fragment costs about half. */
+  /** Gloss of bark and leaves; without it, shading costs about half. */
   readonly gloss: boolean;
   readonly surface: SurfaceUniforms;
   readonly atmosphere: AtmosphereShader;
@@ -58,7 +58,7 @@ function colourMaterial(
   return material;
 }
 
-/** Coverage must not reach the canvas as transparency: write colour only, leave alpha as cleared. */
+/** Alpha coverage must not make the canvas transparent: write only colour and keep the cleared alpha. */
 function keepAlpha(material: Material): void {
   material.blending = CustomBlending;
   material.blendSrc = OneFactor;
@@ -83,13 +83,13 @@ function shadowMaterial(
   return material;
 }
 
-/** What a part is drawn with. */
+/** Materials of a part. */
 export interface PartMaterials {
   readonly colour: TreeMaterial;
   readonly shadow: MeshDepthMaterial;
 }
 
-/** Materials of a part that moves with its nodes, or stands still at no cost. */
+/** Materials of a part that is deformed by its nodes, or is static at no extra cost. */
 export function partMaterials(
   from: MeshStandardMaterial,
   part: Part,

@@ -1,4 +1,4 @@
-/** Which tree a ray meets first: bounds, then the nodes where the wind has moved them. Pure. */
+/** Finds the first tree hit by a ray: tests the bounds, then the displaced nodes. Pure. */
 
 import type { Ray } from "../../core/math/groundRay";
 import type { TableMotion } from "../../worker/protocol";
@@ -8,9 +8,9 @@ import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 export interface PickGroup {
   readonly instances: InstanceData;
   readonly bounds: Bounds;
-  /** null for trees that stand still. */
+  /** null for static trees. */
   readonly motion: TableMotion | null;
-  /** How far the mesh reaches around each node, m at scale 1. */
+  /** Extent of the mesh around each node, m at scale 1. */
   readonly nodeRadius_m: Float32Array;
   readonly poses: Float32Array | null;
 }
@@ -27,7 +27,7 @@ interface Candidate {
   readonly enters_m: number;
 }
 
-/** Distance along a ray (unit direction) at which it enters a ball; infinite if it misses or has passed it. */
+/** Distance along a ray (unit direction) to a sphere; infinite if the ray misses it or has passed it. */
 export function ballEntry(
   ox: number,
   oy: number,
@@ -65,7 +65,7 @@ function candidates(groups: readonly PickGroup[], { from, to }: Ray): Candidate[
   return found.sort((a, b) => a.enters_m - b.enters_m);
 }
 
-/** The ray in a tree's own frame at scale 1: origin (xyz) and direction (xyz); distances are over its scale. */
+/** The ray in the tree's frame at scale 1: origin (xyz) and direction (xyz); distances are divided by the scale. */
 function ownRay(data: Float32Array, tree: number, { from, to }: Ray): Float64Array {
   const at = tree * INSTANCE_FLOATS;
   const scale = data[at + 6];
@@ -81,7 +81,7 @@ function ownRay(data: Float32Array, tree: number, { from, to }: Ray): Float64Arr
   );
 }
 
-/** Writes where a node is now, tree frame, into `out`. */
+/** Writes the current position of a node (tree frame) into `out`. */
 export function nodeNow(
   motion: TableMotion,
   poses: Float32Array | null,
@@ -100,7 +100,7 @@ export function nodeNow(
 
 const place = new Float64Array(3);
 
-/** How far along the ray a tree is met, m. */
+/** Distance along the ray to a tree, m. */
 function entry(group: PickGroup, tree: number, ray: Ray): number {
   const { instances, bounds, motion, nodeRadius_m, poses } = group;
   const scale = instances.data[tree * INSTANCE_FLOATS + 6];
@@ -115,17 +115,17 @@ function entry(group: PickGroup, tree: number, ray: Ray): number {
   return nearest * scale;
 }
 
-/** A tree without nodes is met at the ellipsoid that its bounds hold. */
+/** Distance to a tree without nodes, approximated by the ellipsoid inside its bounds. */
 function crownEntry(bounds: Bounds, ox: number, oy: number, oz: number, dx: number, dy: number, dz: number) {
   const half_m = 0.5 * bounds.height_m;
-  const flat = half_m / bounds.radius_m; // stretched to a ball
+  const flat = half_m / bounds.radius_m; // scales the ellipsoid to a sphere
   const [x, z] = [dx * flat, dz * flat];
   const length = Math.hypot(x, dy, z);
   const t = ballEntry(ox * flat, oy - half_m, oz * flat, x / length, dy / length, z / length, half_m);
   return t / length;
 }
 
-/** The tree that the ray meets first; null if it meets none. */
+/** The first tree hit by the ray; null if there is none. */
 export function pickTree(groups: readonly PickGroup[], ray: Ray): PickedTree | null {
   let best: PickedTree | null = null;
   for (const { group, tree, enters_m } of candidates(groups, ray)) {
@@ -136,10 +136,10 @@ export function pickTree(groups: readonly PickGroup[], ray: Ray): PickedTree | n
   return best;
 }
 
-/** Largest gap that a ball around a node leaves open: 1 covers all its vertices, less keeps to the thick of them. */
+/** Radius of the sphere around a node, relative to its farthest vertex: 1 covers all vertices, less the dense part. */
 const FILL = 0.75;
 
-/** How far the mesh reaches around each node, from the vertices that it moves (xyz packed, table order). */
+/** Extent of the mesh around each node, from the vertices bound to it (xyz packed, table order). */
 export function nodeRadii(positions: readonly ArrayLike<number>[], motion: TableMotion): Float32Array {
   const radius_m = new Float32Array(motion.nodes);
   let vertex = 0;

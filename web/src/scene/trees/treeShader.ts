@@ -1,21 +1,21 @@
-/** Shader pieces of pass 2, shared by the colour and the shadow materials. */
+/** Shader code of pass 2, shared by the colour and shadow materials. */
 import type { Color, Material, WebGLProgramParametersWithUniforms } from "three";
 import { EDGE, MOST_GROWTH } from "./detail";
 import type { Part } from "./mesh/treeMesh";
 
 export interface TreeUniforms {
-  /** Target of pass 1; null for trees that stand still. */
+  /** Target of pass 1; null for static trees. */
   uNodes: { value: unknown };
   uNodeShift: { value: number };
-  /** Seconds for the flutter of leaves; 0 amplitude switches it off. */
+  /** Time (s) and amplitude of the leaf flutter; amplitude 0 disables it. */
   uFlutter: { value: { x: number; y: number } };
   /** 1 while the motion of this species is still being computed. */
   uGhost: { value: number };
 }
 
-/** Surface conditions that all trees share. */
+/** Surface uniforms shared by all trees. */
 export interface SurfaceUniforms {
-  /** Snow cover: 0 none, 1 on everything that faces the sky. */
+  /** Snow cover: 0 none, 1 on all surfaces that face the sky. */
   readonly uSnow: { value: number };
   readonly uSnowColour: { value: Color };
   /** Share of the leaves that are still on the tree. */
@@ -35,10 +35,10 @@ export interface AtmosphereShader {
 
 const VERTEX_PARS = /* glsl */ `
 attribute vec4 aPlace; // x, y, z in m; first texel of the tree in the node target
-attribute vec4 aTurn;  // scale*cos(yaw), scale*sin(yaw), scale, share of its pieces that the tree shows
-attribute vec4 aTint;  // colour; how far it replaces the texture's own
-attribute vec3 aAnchor; // what the leaf or branch shrinks to
-attribute vec4 aPiece; // random of the leaf or branch, openness to the sky, leaf's free end, rank
+attribute vec4 aTurn;  // scale*cos(yaw), scale*sin(yaw), scale, share of the pieces that are drawn
+attribute vec4 aTint;  // colour; weight relative to the texture colour
+attribute vec3 aAnchor; // point to which the leaf or branch shrinks
+attribute vec4 aPiece; // random number of the piece, openness to the sky, flutter weight, rank
 #ifndef STILL
 attribute float aNode;
 uniform highp sampler2D uNodes;
@@ -72,7 +72,7 @@ vec3 local = mix(aAnchor, position, grown);
   #endif
 #endif
 #ifdef LEAVES
-  local *= step(aPiece.x, uLeafShare); // fallen: nothing is left to draw
+  local *= step(aPiece.x, uLeafShare); // fallen leaves collapse to a point
 #endif
 vec3 transformed = aPlace.xyz + vec3(
   aTurn.x * local.x + aTurn.y * local.z, aTurn.z * local.y, aTurn.x * local.z - aTurn.y * local.x);
@@ -95,9 +95,9 @@ const LEAF_MAP = /* glsl */ `
   vec2 right = dFdx(vMapUv) * texels;
   vec2 down = dFdy(vMapUv) * texels;
   float area = abs(right.x * down.y - right.y * down.x) + 1e-4;
-  // Mip levels wash out the cut-outs: give the coverage back.
+  // Mip levels reduce the alpha coverage: restore it.
   leaf.a *= 1.0 + 0.14 * max(0.0, log2(area));
-  // Seen from its edge a card is a smear of all its leaves: let it fade. 1 from in front, twice the cosine at the edge.
+  // A card seen edge-on is a smear of all its leaves, so fade it: 1 from the front, twice the cosine at the edge.
   leaf.a *= smoothstep(0.1, 0.5, 2.0 * area / (dot(right, right) + dot(down, down)));
   diffuseColor *= leaf;
 #endif
@@ -110,11 +110,11 @@ diffuseColor.rgb = mix(diffuseColor.rgb, diffuseColor.rgb * vec3(1.12, 0.92, 0.7
 
 const WOOD_MAP = /* glsl */ `
 #include <map_fragment>
-// Pale bark would be white in the sun.
+// Darken pale bark, which would be white in sunlight.
 diffuseColor.rgb *= (0.85 + 0.3 * vPiece.x) * (1.0 - 0.5 * diffuseColor.g);
 `;
 
-/** Snow lies on what faces the sky, in patches. */
+/** Snow in patches on surfaces that face the sky. */
 const SNOW = /* glsl */ `
 #include <normal_fragment_maps>
 float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
@@ -132,7 +132,7 @@ vec3 normal = normalize(vNormal); // crown normals: the same from both sides
 vec3 nonPerturbedNormal = normal;
 `;
 
-/** After the lights: sky light fades inside the crown, the sun shines through leaves. */
+/** After lighting: sky light fades inside the crown, and sunlight is transmitted through leaves. */
 const LEAF_LIGHT = /* glsl */ `
 #include <lights_fragment_end>
 reflectedLight.indirectDiffuse *= 0.3 + 0.7 * vPiece.y;
@@ -173,7 +173,7 @@ function patchColour(
     shader.fragmentShader = shader.fragmentShader.replace("#include <normal_fragment_begin>", LEAF_NORMAL);
 }
 
-/** Gives a material the deformation of pass 2, or none. Each combination is a program of its own, hence the key. */
+/** Adds the deformation of pass 2 to a material, or none. Each combination compiles to its own program, hence the key. */
 export function deform(
   material: Material,
   part: Part,

@@ -1,4 +1,4 @@
-/** Hides a jump of poses (another source or table) by fading out the difference of each tree. Pure. */
+/** Hides a jump of the poses (new source or table) by fading out the difference of each tree. Pure. */
 import type { CarriedGroup } from "./carry";
 
 const FADE_S = 1;
@@ -18,7 +18,7 @@ export class JumpBlend {
     this.pending = true;
   }
 
-  /** Adds what remains of the old pose to the new ones; call once per frame. */
+  /** Adds the remaining difference to the new poses; call once per frame. */
   apply(buffers: readonly Float32Array[], dt_s: number): void {
     if (this.left_s <= 0) return;
     if (this.pending) this.takeDifferences(buffers);

@@ -5,19 +5,19 @@ import type { Table } from "../../core/table/table";
 
 /** A displayed group. */
 export interface ShownGroup {
-  /** The same species or upload before and after, whatever its table. */
+  /** Id of the species or upload, independent of its table. */
   readonly key: string;
   readonly table: Table;
   readonly ids: ArrayLike<number>;
 }
 
-/** Poses to start from, and which trees have one: 1 for those that existed before. */
+/** Initial poses; `known` is 1 for trees that existed before. */
 export interface CarriedGroup {
   readonly poses: Float32Array;
   readonly known: Uint8Array;
 }
 
-/** Index of each tree among those before, −1 for a new one. */
+/** Previous index of each tree, −1 for a new one. */
 export function rowsBefore(before: ArrayLike<number>, now: ArrayLike<number>): Int32Array {
   const index = new Map(Array.from(before, (id, row) => [id, row] as const));
   return Int32Array.from(now, (id) => index.get(id) ?? -1);
@@ -55,8 +55,8 @@ export function carryGroup(
 const MOST_VERTICES = 1500;
 
 /**
- * [new modes, old modes]: the pose in a new table's coordinates that moves the render vertices most nearly as the
- * old one does (least squares). null if the tables are not of one mesh.
+ * [new modes, old modes]: maps a pose to the new table's coordinates so that the render vertices move as before (least
+ * squares). null if the tables belong to different meshes.
  */
 export function poseTransfer(from: Table, to: Table): Float64Array | null {
   if (from.vertexNode.length !== to.vertexNode.length) return null;
@@ -79,7 +79,7 @@ export function poseTransfer(from: Table, to: Table): Float64Array | null {
   return solve(normal, right, r, s);
 }
 
-/** X of N X = B by Cholesky, N [r, r] given in its lower half, B [r, s] overwritten; modes that move nothing stay 0. */
+/** Solves N X = B by Cholesky. Only the lower half of N [r, r] is used; B [r, s] is overwritten; null modes give 0. */
 function solve(normal: Float64Array, right: Float64Array, r: number, s: number): Float64Array {
   const floor = 1e-9 * Math.max(...Array.from({ length: r }, (_, i) => normal[i * r + i]), 1e-30);
   for (let i = 0; i < r; i++) {

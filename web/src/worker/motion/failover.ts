@@ -1,7 +1,6 @@
 /**
- * The server's stream with the local tables behind it: while no frames arrive the tables move the trees,
- * and the stream takes over again with its next frame. Both read the same wind, so the change is small; the caller
- * blends it.
+ * The server's stream with the local tables as fallback: the tables move the trees while no frames arrive, and the
+ * stream takes over with its next frame. Both use the same wind, so the jump is small; the caller blends it.
  */
 import type { WindDocument } from "../../core/wind/wind";
 import type { Inspection, TreeAt } from "../protocol";
@@ -66,7 +65,7 @@ export class FailoverMotion implements MotionSource {
       this.local = null;
       this.switched();
     }
-    // The server continues from the time that the trees have reached meanwhile.
+    // The server continues from the current time of the local motion.
     if (this.local) this.stream.time_s = this.local.time_s;
     return this.source.advance(dt_s, out);
   }

@@ -11,9 +11,9 @@ export class GroupWind {
   readonly pressureX: Float32Array;
   readonly pressureZ: Float32Array;
 
-  /** Share of the trees in winds that their table has sampled. */
+  /** Share of the trees within the sampled range of winds. */
   coverage = 1;
-  /** Largest pressure over the largest that the table has sampled. */
+  /** Largest pressure relative to the sampled maximum. */
   extrapolationRatio = 0;
   private readonly speed_m_s: Float32Array;
   private readonly velocityX: Float64Array;
@@ -51,7 +51,7 @@ export class GroupWind {
     this.limit();
   }
 
-  /** Clamps pressures to the sampled range, and counts how many were beyond it. */
+  /** Clamps pressures to the sampled range and counts those beyond it. */
   private limit(): void {
     const { pressureX, pressureZ, velocityX, velocityZ, speed_m_s, factor, sampledPeak_pa } = this;
     const most = sampledPeak_pa * sampledPeak_pa;
@@ -75,7 +75,7 @@ export class GroupWind {
     this.extrapolationRatio = Math.sqrt(strongest) / sampledPeak_pa;
   }
 
-  /** Pressure at one tree over the largest that its table has sampled. */
+  /** Pressure at one tree relative to the sampled maximum. */
   extrapolationRatioAt(tree: number): number {
     return dynamicPressure(this.speed_m_s[tree]) / this.sampledPeak_pa;
   }
@@ -97,7 +97,7 @@ export class GroupWind {
   }
 }
 
-/** Share of all trees that are in winds that their tables have sampled. */
+/** Share of all trees within the sampled range of winds. */
 export function coverageOf(groups: readonly GroupWind[]): number {
   const trees = groups.reduce((sum, { count }) => sum + count, 0);
   return trees === 0 ? 1 : groups.reduce((sum, group) => sum + group.count * group.coverage, 0) / trees;

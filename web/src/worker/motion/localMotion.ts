@@ -11,7 +11,7 @@ import { rowsBefore, type ShownGroup } from "./carry";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motionSource";
 
-/** Longest step of wind and poses, so that the motion does not depend on the display's rate. */
+/** Maximum step of wind and poses, so that the motion does not depend on the frame rate. */
 const MAX_STEP_S = 1 / 30;
 
 export interface LocalGroup extends ShownGroup {
@@ -49,7 +49,7 @@ export class LocalMotion implements MotionSource {
     });
   }
 
-  /** Takes over the state of trees that were in motion before, of the same table and method. */
+  /** Takes over the state of trees that existed before with the same table and method. */
   adopt(before: LocalMotion): void {
     for (const { group, lookup } of this.groups) {
       const old = before.groups.find(

@@ -6,18 +6,18 @@ import type { Connection, Inspection, TreeAt } from "../protocol";
 export interface MotionSource {
   readonly time_s: number;
   readonly connection: Connection;
-  /** Share of the trees that are in winds that their tables have sampled. */
+  /** Share of the trees within the sampled range of winds. */
   readonly coverage: number;
-  /** Largest extrapolation ratio of all trees: above 1 one is beyond its sampled range. */
+  /** Largest extrapolation ratio of all trees; above 1 a tree is beyond its sampled range. */
   readonly extrapolationRatio: number;
   /** Time spent on the wind since the last call, ms. */
   takeWind_ms(): number;
   inspect(at: TreeAt): Inspection | null;
-  /** The wind changes to another document; the caller updates the shared field. */
+  /** Announces a change of the wind document; the caller updates the shared field. */
   windChanged(wind: WindDocument): void;
   /** Stops or resumes the clock of a shared forest, for everyone. */
   pause?(paused: boolean): void;
-  /** Advances and fills `poseStride(modes)` floats per tree; false while no pose is known. */
+  /** Advances and writes `poseStride(modes)` floats per tree; returns false while no poses are known. */
   advance(dt_s: number, out: readonly Float32Array[]): boolean;
   dispose(): void;
 }

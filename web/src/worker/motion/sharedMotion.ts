@@ -1,4 +1,4 @@
-/** Poses computed here, under the wind and the clock of a shared forest. */
+/** Poses computed here with the wind and clock of a shared forest. */
 import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
 import type { Reply, Request } from "../../core/wire/wire";
 import type { Connection, Inspection, TreeAt } from "../protocol";
@@ -10,7 +10,7 @@ import type { MotionSource } from "./motionSource";
 export interface SharedMotionOptions {
   readonly url: string;
   request(): Request;
-  /** SHARED and WIND_STATE, for the page. */
+  /** Receives SHARED and WIND_STATE. */
   onReply(reply: Reply): void;
   problem(title: string, hint: string): void;
 }

@@ -25,9 +25,9 @@ export interface StreamOptions {
   readonly url: string;
   readonly method: Method;
   readonly poseEasing: number | null;
-  /** The shared forest, if it is one. */
+  /** The shared forest, if any. */
   readonly share?: ShareRequest | null;
-  /** SHARED and WIND_STATE, for the page. */
+  /** Receives SHARED and WIND_STATE. */
   onReply?(reply: Reply): void;
   problem(title: string, hint: string): void;
 }

@@ -14,7 +14,7 @@ export interface PlanOptions {
   readonly method: Method;
   readonly poseEasing: number | null;
   readonly share?: ShareRequest | null;
-  /** Size in bytes of tables that are loaded already. */
+  /** Size in bytes of the tables that are already loaded. */
   readonly have?: Record<string, number>;
 }
 

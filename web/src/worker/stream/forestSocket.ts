@@ -3,20 +3,20 @@ import { decodeReply, encodeRequest, type Reply, type Request } from "../../core
 import { ServerClock } from "./serverClock";
 
 export interface SocketHandlers {
-  /** The request to send, at first and after every reconnection. */
+  /** The request to send after every connect. */
   request(): Request;
   reply(reply: Reply): void;
   problem(title: string, hint: string): void;
 }
 
 const PING_EVERY_MS = 1000;
-/** Short, so that the stream is back soon after the server is; meanwhile the local tables move the trees. */
+/** Short, so that the stream resumes soon after the server returns; meanwhile the local tables move the trees. */
 const RETRY_MS = { first: 250, longest: 1000 } as const;
 /** A connection without messages for this long is closed. */
 const DEAD_MS = 5000;
 
 export class ForestSocket {
-  /** Closed, and nothing received since. */
+  /** True after the connection was lost, until the next message. */
   lost = false;
   latency_ms: number | null = null;
   kB_s = 0;
@@ -58,7 +58,7 @@ export class ForestSocket {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(encodeRequest(request));
   }
 
-  /** The requested data arrives. */
+  /** Called when the requested data arrives. */
   arrived(): void {
     this.lost = false;
     this.retry_ms = RETRY_MS.first;
@@ -79,7 +79,7 @@ export class ForestSocket {
       reply = decodeReply(data);
     } catch (error) {
       this.handlers.problem(
-        "The stream made no sense.",
+        "The server's stream could not be decoded.",
         error instanceof Error ? error.message : String(error),
       );
       this.socket?.close();

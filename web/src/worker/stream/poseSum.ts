@@ -19,7 +19,7 @@ export class PoseSum {
     this.quanta = shapes.map(() => 1);
   }
 
-  /** Whether a frame has the shape of this forest. */
+  /** Whether a frame matches the shape of this forest. */
   fits({ groups }: Frame): boolean {
     return (
       groups.length === this.shapes.length &&

@@ -2,7 +2,7 @@
 import type { Clock } from "../../core/wire/wire";
 import type { ServerClock } from "./serverClock";
 
-/** With a larger error the forest jumps to the shared time. */
+/** If the error is larger, the forest jumps to the shared time. */
 const JUMP_S = 0.5;
 
 export class SharedClock {
@@ -18,7 +18,7 @@ export class SharedClock {
     return this.latest?.paused ?? false;
   }
 
-  /** The forest's time at a time of the local clock; null until it is known. */
+  /** Converts local clock time to the forest's time; null until it is known. */
   time_s(now_ms: number): number | null {
     if (!this.latest) return null;
     if (this.latest.paused) return this.latest.time_s;
@@ -26,7 +26,7 @@ export class SharedClock {
     return age_ms === null ? null : this.latest.time_s + Math.max(0, age_ms) / 1000;
   }
 
-  /** The step of a forest at `mine_s`: converges to the shared time, and never goes back. */
+  /** Time step of a forest at `mine_s`: converges to the shared time and is never negative. */
   step(mine_s: number, dt_s: number, now_ms: number): { jump_s: number | null; dt_s: number } {
     const shared_s = this.time_s(now_ms);
     if (shared_s === null) return { jump_s: null, dt_s };

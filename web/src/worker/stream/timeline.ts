@@ -1,8 +1,8 @@
 /**
- * Poses that arrive at 30 Hz over a network, shown at the display's rate. Pure.
+ * Plays poses that arrive at 30 Hz over a network at the display's frame rate. Pure.
  *
- * The clock runs a little behind the newest frame: the delay follows the network's jitter slowly,
- * so that the trees neither stop nor jump.
+ * The clock runs slightly behind the newest frame. The delay adapts slowly to the network's jitter, so that the trees
+ * neither stop nor jump.
  */
 
 export interface PoseFrame {
@@ -26,7 +26,7 @@ export class PoseTimeline {
     return this.spare.pop() ?? this.lengths.map((length) => new Float32Array(length));
   }
 
-  /** A new frame, later than all before. */
+  /** Adds a frame, later than all previous ones. */
   push(time_s: number, poses: Float32Array[]): void {
     this.frames.push({ time_s, poses });
     if (Number.isNaN(this.now_s)) this.now_s = time_s - this.delay_s;
@@ -51,7 +51,7 @@ export class PoseTimeline {
     return this.now_s;
   }
 
-  /** Writes the pose at the shown time; false before the first frame. */
+  /** Writes the poses at the displayed time; returns false before the first frame. */
   sample(out: readonly Float32Array[]): boolean {
     const [a, b = a] = this.frames;
     if (!a) return false;

@@ -2,7 +2,7 @@
 import type { Table } from "../../core/table/table";
 import type { NodeLevel } from "../protocol";
 
-/** Nodes and texels of modes (four each, the last holds the wind) of each level after the full one. */
+/** Number of nodes, and of texels of four modes (the last holds the wind), for each level after the full one. */
 const COARSER = [
   { nodes: 256, quads: 4 },
   { nodes: 112, quads: 3 },
@@ -23,8 +23,8 @@ function squaredDistance(rows: Float32Array, width: number, a: number, b: number
 }
 
 /**
- * Groups of rows, coarse to fine: each new group begins at the row that lies farthest from all before (Gonzalez
- * 1985, at most twice the least possible error). Returns the group of each row at each of the given numbers.
+ * Farthest-point clustering of rows (Gonzalez 1985; error at most twice the optimum): each new group starts at the row
+ * farthest from all previous centres. Returns the group of each row for each of the given numbers of groups.
  */
 export function groupRows(rows: Float32Array, width: number, numbers: readonly number[]): Uint16Array[] {
   const count = rows.length / width;
@@ -47,12 +47,12 @@ export function groupRows(rows: Float32Array, width: number, numbers: readonly n
   return numbers.map((number) => taken.get(Math.min(number, most)) ?? group);
 }
 
-/** Mean basis of each group over the render vertices in it, [groups, 3, 4 quads], wind and padding zero. */
+/** Mean basis of each group over its render vertices, [groups, 3, 4 quads]; wind and padding are zero. */
 function groupBasis(table: Table, group: Uint16Array, groups: number, modes: number, stride: number) {
   const { modes: all } = table.metadata;
   const basis = new Float32Array(groups * 3 * stride);
   const weight = new Float64Array(groups);
-  const vertices = new Float64Array(group.length).fill(1e-6); // a node without vertices counts for nothing
+  const vertices = new Float64Array(group.length).fill(1e-6); // nodes without vertices have negligible weight
   for (const node of table.vertexNode) vertices[node]++;
   for (let node = 0; node < group.length; node++) weight[group[node]] += vertices[node];
   for (let node = 0; node < group.length; node++) {

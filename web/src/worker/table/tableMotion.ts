@@ -1,11 +1,11 @@
-/** What drawing needs of a table. Pure. */
+/** Extracts the part of a table that drawing needs. Pure. */
 
 import { poseStride } from "../../core/motion/poseStride";
 import { poses, type Table } from "../../core/table/table";
 import type { TableMotion } from "../protocol";
 import { coarserNodes } from "./nodeLevels";
 
-/** The crown is what lies above this share of the height. */
+/** The crown is the part above this share of the height. */
 const CROWN_FROM = 0.6;
 
 /** The basis with rows padded to whole texels: [nodes, 3, stride]. */
@@ -34,7 +34,7 @@ export function crownBasisOf(table: Table): Float32Array<ArrayBuffer> {
 const BEYOND = 1.25;
 const TIPS = 8;
 
-/** The nodes that move most with the first two modes: ends of the longest shoots. */
+/** The nodes that move most in the first two modes: tips of the longest shoots. */
 function tips(table: Table): number[] {
   const { modes } = table.metadata;
   const nodes = Array.from({ length: table.nodeRest.length / 3 }, (_, node) => node);
@@ -48,7 +48,7 @@ function tips(table: Table): number[] {
   return nodes.sort((a, b) => far[b] - far[a]).slice(0, TIPS);
 }
 
-/** Largest displacement of any part of the tree from rest, m, over the poses of all records. */
+/** Largest displacement (m) of any part of the tree over the poses of all records. */
 export function reach_m(table: Table): number {
   const { modes, records } = table.metadata;
   const { modeScale, nodeBasis } = table;

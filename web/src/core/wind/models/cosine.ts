@@ -1,4 +1,4 @@
-/** Superposed cosine waves of gusts, the same arithmetic as precompute/galewood/wind/. */
+/** Gusts as a sum of cosine waves. Same arithmetic as precompute/galewood/wind/. */
 import type { ResolvedWind } from "../document";
 import type { Gusts, Output, Places } from "../frame";
 import { phaseTurns } from "../hashing";
@@ -6,7 +6,7 @@ import { phaseTurns } from "../hashing";
 const HEADING_HZ = 0.03;
 const HEADING_PHASE = 6;
 
-/** cos(2π turns) to 1e-15, several times faster than the library's and the same bits in both languages. */
+/** cos(2π turns) to 1e-15: several times faster than the library function and bit-identical in both languages. */
 export function cosTurns(turns: number): number {
   const y = Math.PI * (turns - Math.floor(turns + 0.5));
   const z = y * y;

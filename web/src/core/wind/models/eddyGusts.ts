@@ -1,7 +1,6 @@
 /**
- * The Navier–Stokes eddies over the forest, at any moment: runs follow one another and fade into each other, so
- * that no moment is more than EPOCH + OVERLAP steps away. The same arithmetic as
- * precompute/galewood/wind/.
+ * Navier–Stokes eddies at any time. Successive solver runs are cross-faded, so that any time can be reached in at most
+ * EPOCH + OVERLAP steps. Same arithmetic as precompute/galewood/wind/.
  */
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";
@@ -15,7 +14,7 @@ const EPOCH = 128;
 const OVERLAP = 32;
 const LATERAL_SHARE = 1;
 
-/** One epoch's run. */
+/** The solver run of one epoch. */
 class Run {
   private readonly eddies: Eddies;
 
@@ -26,12 +25,12 @@ class Run {
     this.eddies = new Eddies(hash32(seed, epoch));
   }
 
-  /** Whether the moments between a step and the next are still ahead: a run goes forward only. */
+  /** Whether the interval between this step and the next can still be reached: a run only goes forward. */
   canReach(step: number): boolean {
     return this.eddies.steps <= step + 1;
   }
 
-  /** Adds the velocity a share t of the way from a step to the next, times a weight; prepares what comes next. */
+  /** Adds the weighted velocity at fraction t between a step and the next, and prepares the following step. */
   add(step: number, t: number, weight: number, picture: Picture): void {
     while (this.eddies.steps <= step) this.eddies.finish();
     this.eddies.prepare(Math.ceil(t * SLICES));
@@ -65,7 +64,7 @@ export class EddyGusts implements Gusts {
     samplePicture(this.picture, this.view, x, z, outX, outZ);
   }
 
-  /** The picture at a moment counted in steps; kept while the moment stays, as groups of trees share it. */
+  /** The texture at a time counted in steps; cached, because the groups of trees share it. */
   private show(moment: number): void {
     if (moment === this.shown) return;
     this.shown = moment;

@@ -1,6 +1,6 @@
 /**
- * A two-dimensional Fourier transform whose every bit is the same as in precompute/galewood/wind/:
- * the order of operations is fixed and the roots of unity come from square roots.
+ * Two-dimensional Fourier transform, bit-identical to precompute/galewood/wind/: the order of operations is fixed,
+ * and the roots of unity are computed with square roots.
  */
 
 /** cos and sin of 2πk/n for k in [0, n). */
@@ -9,7 +9,7 @@ export interface Roots {
   readonly sine: Float64Array;
 }
 
-/** n is a power of two of at least 4. */
+/** n must be a power of two, at least 4. */
 export function rootsOfUnity(n: number): Roots {
   const cosine = new Float64Array(n).fill(1);
   const sine = new Float64Array(n);
@@ -79,7 +79,7 @@ export function transformRows(
   }
 }
 
-/** The same along the columns; the inner loop runs along rows, which lie together in memory. */
+/** Same for every column; the inner loop runs along rows, which are contiguous in memory. */
 export function transformColumns(
   re: Float64Array,
   im: Float64Array,

@@ -1,8 +1,8 @@
 /**
  * Eddies: two-dimensional stable fluids (Stam 1999) on a periodic grid, in the frame that moves with the wind.
  *
- * The same bits as precompute/galewood/wind/, which explains the method. A step is cut into slices,
- * so that a frame need never pay for a whole one.
+ * Bit-identical to precompute/galewood/wind/, which explains the method. A step is divided into slices, so that its
+ * cost is spread over several frames.
  */
 
 import { hash32, signedUniform } from "../hashing";
@@ -29,7 +29,7 @@ export class Eddies {
   /** Velocity (x, y) after `steps` steps, in standard deviations. */
   u = new Float64Array(CELLS);
   v = new Float64Array(CELLS);
-  /** Velocity one step before. */
+  /** Velocity of the previous step. */
   beforeU = new Float64Array(CELLS);
   beforeV = new Float64Array(CELLS);
   private nextU = new Float64Array(CELLS);
@@ -45,12 +45,12 @@ export class Eddies {
     this.v.set(this.nextV);
   }
 
-  /** Steps done, with the share of the next one that is prepared. */
+  /** Number of completed steps, plus the prepared fraction of the next one. */
   get progress(): number {
     return this.steps + this.slice / SLICES;
   }
 
-  /** Prepares the next step up to a number of slices; the velocity changes only in `finish`. */
+  /** Prepares the next step up to the given slice; the velocity changes only in `finish`. */
   prepare(slices: number): void {
     for (; this.slice < Math.min(slices, SLICES); this.slice++) this.work(this.slice);
   }
@@ -80,7 +80,7 @@ export class Eddies {
   }
 }
 
-/** Every cell takes the velocity from where its air was a step ago (bilinear, hence never amplified). */
+/** Semi-Lagrangian advection with bilinear interpolation, which never amplifies. */
 function advect(u: Float64Array, v: Float64Array, outU: Float64Array, outV: Float64Array): void {
   for (let y = 0; y < GRID; y++) {
     for (let x = 0; x < GRID; x++) {
@@ -105,7 +105,7 @@ function advect(u: Float64Array, v: Float64Array, outU: Float64Array, outV: Floa
   }
 }
 
-/** Random amplitudes that fall with the wavenumber; `project` makes a velocity of them. */
+/** Random amplitudes that decrease with the wavenumber; `project` turns them into a velocity. */
 function start(re: Float64Array, im: Float64Array, seed: number): void {
   for (let y = 0; y < GRID; y++) {
     for (let x = 0; x < GRID; x++) {
@@ -130,7 +130,7 @@ function clearShortest(re: Float64Array, im: Float64Array): void {
   }
 }
 
-/** Makes u + iv (spectra) divergence-free, rubs, kicks, and scales to unit variance of each component. */
+/** Projects the spectrum of u + iv to be divergence-free, applies friction and forcing, and scales to unit variance. */
 function project(re: Float64Array, im: Float64Array, kick: number, seed: number): void {
   const { cosine, sine } = ROOTS;
   clearShortest(re, im);
@@ -166,7 +166,7 @@ function project(re: Float64Array, im: Float64Array, kick: number, seed: number)
       im[i] = ui + vr;
       re[j] = ur + vi;
       im[j] = vr - ui;
-      const smooth = ((2 + cosine[x]) * (2 + cosine[y])) / 9; // what sampling with cubic splines leaves
+      const smooth = ((2 + cosine[x]) * (2 + cosine[y])) / 9; // attenuation by cubic spline sampling
       energy += smooth * smooth * (ur * ur + ui * ui + vr * vr + vi * vi);
     }
   }

@@ -1,12 +1,12 @@
 /**
- * Gusts of improved Perlin noise (Perlin 2002): three octaves that travel with the wind and slowly change.
- * The same arithmetic as precompute/galewood/wind/.
+ * Gusts from improved Perlin noise (Perlin 2002): three octaves that travel with the wind and change slowly.
+ * Same arithmetic as precompute/galewood/wind/.
  */
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";
 import { hash32 } from "../hashing";
 
-/** 16 A² B with A = ∫(1−f)², B = ∫(1−f)² t², f the fade 6t⁵ − 15t⁴ + 10t³, over [0, 1]. */
+/** 16 A² B with A = ∫(1−f)² and B = ∫(1−f)² t² over [0, 1], where f is the fade 6t⁵ − 15t⁴ + 10t³. */
 export const NOISE_VARIANCE = 35054270 / 480729249;
 const LATERAL_SHARE = 0.5;
 const CELLS_PER_SCALE = 0.5;
@@ -34,7 +34,7 @@ const EDGES = [
   [0, -1, -1],
 ];
 
-/** The shuffled lattice of one seed: hashes of the first two coordinates, slopes by the hash of all three. */
+/** Shuffled lattice of one seed: hashes of the first two coordinates, and gradients by the hash of all three. */
 export interface Lattice {
   readonly order: Int32Array;
   readonly slopeX: Float64Array;
@@ -42,7 +42,7 @@ export interface Lattice {
   readonly slopeZ: Float64Array;
 }
 
-/** `order` holds the whole numbers 0 … 255 in seeded order, twice. */
+/** `order` holds the integers 0 … 255 in seeded order, twice. */
 export function latticeOf(seed: number): Lattice {
   const order = Int32Array.from({ length: 512 }, (_, i) => i);
   for (let i = 255; i > 0; i--) {
@@ -56,7 +56,7 @@ export function latticeOf(seed: number): Lattice {
   return { order, slopeX: slopes(0), slopeY: slopes(1), slopeZ: slopes(2) };
 }
 
-/** Improved noise, mean 0, period 256 cells each way. */
+/** Improved noise with mean 0 and a period of 256 cells in each direction. */
 export function noise(
   { order: p, slopeX, slopeY, slopeZ }: Lattice,
   px: number,

@@ -1,6 +1,6 @@
 /**
- * 1/f^β gusts: a frozen picture of turbulence with a given spectrum that the wind carries over the forest.
- * The same arithmetic as precompute/galewood/wind/, which names the sources.
+ * 1/f^β gusts: frozen turbulence with a given spectrum, carried over the forest by the mean wind.
+ * Same arithmetic as precompute/galewood/wind/, which cites the sources.
  */
 import type { ResolvedWind } from "../document";
 import { type Gusts, type Output, type Places, View } from "../frame";
@@ -33,7 +33,7 @@ export class SpectralGusts implements Gusts {
   }
 }
 
-/** Unit variance; for looking at the field itself, as tests do. */
+/** Frame of unit variance, to inspect the field itself in tests. */
 export function spectralPicture(seed: number, beta: number): Picture {
   const along = new Float64Array(ROWS * COLUMNS);
   const across = new Float64Array(ROWS * COLUMNS);
@@ -52,7 +52,7 @@ export function spectralPicture(seed: number, beta: number): Picture {
 
 const waveAcross = (y: number): number => (y <= ROWS / 2 ? y : y - ROWS) * (CELLS_ACROSS / ROWS);
 
-/** Fixed amplitudes and seeded phases of one wavenumber along the wind; nothing is constant along the wind. */
+/** Fixed amplitudes and seeded phases of one wavenumber along the wind; wavenumber 0 is omitted. */
 function writeColumn(re: Float64Array, im: Float64Array, seed: number, beta: number, x: number): void {
   const n = Math.abs(x <= COLUMNS / 2 ? x : x - COLUMNS) * (CELLS_ALONG / COLUMNS);
   if (n === 0) return;
@@ -69,7 +69,7 @@ function writeColumn(re: Float64Array, im: Float64Array, seed: number, beta: num
   }
 }
 
-/** To places; variances are set before the amplitudes are raised by what the splines will take away. */
+/** Transforms to space. Variances are normalized before the amplitudes are raised to compensate for spline smoothing. */
 function toPicture(re: Float64Array, im: Float64Array): void {
   const alongRoots = rootsOfUnity(COLUMNS);
   const acrossRoots = rootsOfUnity(ROWS);

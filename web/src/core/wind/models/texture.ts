@@ -1,7 +1,7 @@
-/** Sampling a periodic picture of gusts by cubic B-splines: twice differentiable, so no tree ever jerks. */
+/** Samples a periodic texture of gusts with cubic B-splines: twice differentiable, so that forces are smooth. */
 import type { Output, Places, View } from "../frame";
 
-/** Spline coefficients of the fluctuations along and across the wind; both sides are powers of two. */
+/** Spline coefficients of the fluctuations along and across the wind; both dimensions are powers of two. */
 export interface Picture {
   readonly along: Float64Array;
   readonly across: Float64Array;
@@ -10,11 +10,11 @@ export interface Picture {
   /** Grid cells per length scale. */
   readonly cellsAlong: number;
   readonly cellsAcross: number;
-  /** How far gusts drift sideways for each length along: what repeats never comes back to the same tree. */
+  /** Sideways drift per unit length along the wind, so that the periodic texture does not repeat at the same tree. */
   readonly slant: number;
 }
 
-/** Velocity (m/s) at places x, z. */
+/** Velocity (m/s) at positions x, z. */
 export function samplePicture(
   picture: Picture,
   view: View,

@@ -1,4 +1,4 @@
-/** The anemometer: where it stands, what it measures, and its plots. */
+/** The anemometer: its position, its measurements and their plots. */
 import type { WindField } from "../../../core/wind/wind";
 import { make } from "../dom";
 import type { Plots } from "./plots";
@@ -28,7 +28,7 @@ export class Anemometer {
     this.element.hidden = true;
   }
 
-  /** Sets it up at a place; what blew there just before is known at once, unless the model is stepped. */
+  /** Places the anemometer. The past wind is evaluated at once, unless the model is stepped in time. */
   placeAt(x: number, z: number, field: WindField, time_s: number): void {
     this.place = { x, z };
     this.x[0] = x;
@@ -49,7 +49,7 @@ export class Anemometer {
     }
   }
 
-  /** The plotting library is fetched when it is first needed. */
+  /** Loads the plotting library on first use. */
   private async loadPlots(): Promise<void> {
     if (this.plots) return;
     const drawn = await import("./plots");
@@ -66,22 +66,22 @@ export class Anemometer {
     return Math.hypot(this.velocityX[0], this.velocityZ[0]);
   }
 
-  /** Measures up to a time; `tip_m` is how far the picked tree's tip is from rest now. */
+  /** Records samples up to a time; `tip_m` is the current tip displacement of the observed tree. */
   measure(field: WindField, time_s: number, tip_m: number): void {
     if (!this.place) return;
     this.recorder.advance(time_s, (at_s) => ({ speed_m_s: this.speedAt(field, at_s), tip_m }));
     this.speed_m_s = this.speedAt(field, time_s);
   }
 
-  /** Draws, a few times a second. */
+  /** Redraws the plots a few times per second. */
   draw(now_ms: number): void {
     if (!this.place || now_ms - this.plotted_ms < PLOT_EVERY_MS) return;
     this.plotted_ms = now_ms;
     const { x, z } = this.place;
     const tip_m = this.recorder.tip_m[this.recorder.count - 1] || 0;
     this.reading.textContent =
-      `${this.speed_m_s.toFixed(1)} m/s at ${x.toFixed(0)}, ${z.toFixed(0)} m; ` +
-      `tip of the nearest tree ${(100 * tip_m).toFixed(0)} cm from rest`;
+      `${this.speed_m_s.toFixed(1)} m/s at x = ${x.toFixed(0)} m, z = ${z.toFixed(0)} m; ` +
+      `tip: ${(100 * tip_m).toFixed(0)} cm`;
     this.plots?.show(this.recorder);
   }
 

@@ -1,6 +1,6 @@
-/** The wind in words. Pure. */
+/** Text descriptions of a wind. Pure. */
 
-/** Names of the Beaufort scale and the mean speed (m/s) at which each ends (World Meteorological Organization). */
+/** The Beaufort scale of the World Meteorological Organization: names, and upper limits of the mean speed in m/s. */
 const FORCES = [
   ["calm", 0.3],
   ["light air", 1.6],
@@ -24,7 +24,7 @@ export function beaufort(speed_m_s: number): { force: number; name: string } {
 
 const POINTS = ["east", "south-east", "south", "south-west", "west", "north-west", "north", "north-east"];
 
-/** Where the wind blows to; −z is north. */
+/** Compass point that the wind blows towards; −z is north. */
 export function compassPoint(direction_deg: number): string {
   const turns = direction_deg / 360;
   return POINTS[Math.round((turns - Math.floor(turns)) * 8) % 8];

@@ -1,4 +1,4 @@
-/** Model, gust sliders and seed of the wind. */
+/** Wind model, gust sliders and seed. */
 import {
   FIELDS,
   hasField,
@@ -30,8 +30,8 @@ interface Slider {
 const SLIDERS: readonly Slider[] = [
   {
     name: "gustiness",
-    label: "Gusts",
-    title: "How deep the gusts are",
+    label: "Gustiness",
+    title: "Strength of the gusts relative to the mean wind",
     low: 0,
     high: 1,
     step: 0.01,
@@ -49,7 +49,7 @@ const SLIDERS: readonly Slider[] = [
   {
     name: "convection_speed_m_s",
     label: "Gust speed",
-    title: "How fast gusts travel through the forest",
+    title: "Speed at which gusts travel through the forest",
     low: 1,
     high: 30,
     step: 0.5,
@@ -57,8 +57,8 @@ const SLIDERS: readonly Slider[] = [
   },
   {
     name: "beta",
-    label: "Roughness β",
-    title: "Power falls with frequency as 1/f^β: 0 is white, 5/3 is turbulence",
+    label: "Slope β",
+    title: "Power falls with frequency as 1/f^β: 0 is white noise, 5/3 is turbulence",
     low: 0,
     high: 2,
     step: 0.01,
@@ -84,11 +84,11 @@ export class WindControls {
     this.model.addEventListener("change", () => {
       this.changed(withModel(current.wind, this.model.value as WindModel));
     });
-    this.element.append(labelled("Model", this.model));
+    this.element.append(labelled("Wind model", this.model));
     this.rows = SLIDERS.map((slider) => this.makeRow(slider));
-    const seed = make("button", "Other gusts");
+    const seed = make("button", "New random gusts");
     seed.type = "button";
-    seed.title = "The same wind with other gusts (another seed)";
+    seed.title = "Same wind with different gusts (new seed)";
     seed.addEventListener("click", () => {
       this.changed({ ...current.wind, seed: Math.floor(Math.random() * 10_000) });
     });

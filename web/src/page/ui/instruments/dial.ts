@@ -1,4 +1,4 @@
-/** The wind rose's geometry: between a place on the dial and a wind. Pure. */
+/** Geometry of the wind rose: conversion between positions on the dial and winds. Pure. */
 
 export const FASTEST_M_S = 25;
 
@@ -7,20 +7,23 @@ export interface DialWind {
   readonly mean_speed_m_s: number;
 }
 
-/** A place on the dial: right and down from its centre, 1 at the rim. */
+/** A position on the dial: right and down from its centre, 1 at the rim. */
 export interface DialPlace {
   readonly right: number;
   readonly down: number;
 }
 
-/** Degrees to turn the dial so that what lies ahead of the camera is at the top. */
+/** Rotation of the dial (degrees) that puts the viewing direction of the camera at the top. */
 export function dialTurn_deg(forward: { x: number; z: number }): number {
   return -90 - (Math.atan2(forward.z, forward.x) * 180) / Math.PI;
 }
 
 export const wrap_deg = (angle: number): number => angle - 360 * Math.floor(angle / 360);
 
-/** The wind whose arrow ends at a place: its length is as the root of the speed, the rim is the fastest. Near the centre the direction stays. */
+/**
+ * The wind whose arrow ends at a position. The length of the arrow is the square root of the speed, the rim is the
+ * maximum. Near the centre the direction is kept.
+ */
 export function windAtPlace({ right, down }: DialPlace, turn_deg: number, before: DialWind): DialWind {
   const radius = Math.hypot(right, down);
   const mean_speed_m_s = Math.round(Math.min(1, radius) ** 2 * FASTEST_M_S * 10) / 10;
@@ -29,14 +32,14 @@ export function windAtPlace({ right, down }: DialPlace, turn_deg: number, before
   return { direction_deg: Math.round(wrap_deg(screen_deg - turn_deg)) % 360, mean_speed_m_s };
 }
 
-/** Where the arrow of a wind ends. */
+/** Position of the arrow tip for a wind. */
 export function placeOfWind({ direction_deg, mean_speed_m_s }: DialWind, turn_deg: number): DialPlace {
   const angle = ((direction_deg + turn_deg) * Math.PI) / 180;
   const radius = Math.sqrt(Math.min(1, mean_speed_m_s / FASTEST_M_S));
   return { right: radius * Math.cos(angle), down: radius * Math.sin(angle) };
 }
 
-/** What a key does to the wind; null for keys that do nothing. */
+/** The wind after a key press; null for other keys. */
 export function windAfterKey(key: string, { direction_deg, mean_speed_m_s }: DialWind): DialWind | null {
   const turned = (by: number) => ({ direction_deg: wrap_deg(direction_deg + by), mean_speed_m_s });
   const faster = (by: number) => ({

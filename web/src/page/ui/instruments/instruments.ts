@@ -1,4 +1,4 @@
-/** The wind's instruments: rose, words, presets, gust sliders, overlay, anemometer, files. */
+/** The wind instruments: rose, description, presets, gust sliders, overlay, anemometer, files. */
 
 import { withMean } from "../../../core/wind/edit";
 import {
@@ -23,16 +23,16 @@ const PRESET_NAMES: Record<PresetName, string> = {
   "storm-front": "Storm front",
 };
 
-/** The page's wind, read when it is needed; the instruments keep no copy. */
+/** Holds the page's wind; the instruments read it when needed and keep no copy. */
 export interface CurrentWind {
   readonly wind: WindDocument;
 }
 
 export interface InstrumentEvents {
-  /** The visitor wants another wind. */
+  /** The visitor changed the wind. */
   wind(wind: WindDocument): void;
   overlay(visible: boolean): void;
-  /** The next click on the ground sets the anemometer up, or no longer does. */
+  /** Whether the next click on the ground places the anemometer. */
   placing(active: boolean): void;
   anemometerRemoved(): void;
   problem(title: string, hint: string): void;
@@ -53,9 +53,9 @@ export class Instruments {
   );
   private readonly overlayButton = toggle(
     "Show on ground",
-    "Arrows on the ground, warm in gusts, blue in lulls",
+    "Shows the wind as arrows on the ground: warm colours in gusts, blue in lulls",
   );
-  private readonly placeButton = toggle("Anemometer", "Then click on the ground to set it up");
+  private readonly placeButton = toggle("Anemometer", "Click on the ground to place an anemometer");
 
   constructor(
     private readonly current: CurrentWind,
@@ -90,13 +90,13 @@ export class Instruments {
 
   private details(): HTMLElement {
     const details = make("details");
-    const save = make("button", "Save wind");
-    const load = make("button", "Load wind");
+    const save = make("button", "Download wind");
+    const load = make("button", "Load wind…");
     save.type = load.type = "button";
     save.addEventListener("click", () => saveWind(this.wind));
     load.addEventListener("click", () => this.files.choose());
     details.append(
-      make("summary", "Gusts and model"),
+      make("summary", "Gust settings"),
       this.controls.element,
       this.coverage,
       group("wind-files", save, load, this.files.element),
@@ -105,7 +105,7 @@ export class Instruments {
   }
 
   private refuse(why: WindError): void {
-    this.events.problem("This wind cannot be used.", why.message);
+    this.events.problem("The wind file is invalid.", why.message);
   }
 
   /** Shows the page's wind after a change. */
@@ -119,19 +119,19 @@ export class Instruments {
       button.setAttribute("aria-pressed", String(name === current));
   }
 
-  /** Every frame: the dial turns with the camera, the anemometer measures. */
+  /** Per frame: turns the dial with the camera and takes a measurement. */
   advance(turn_deg: number, field: WindField, time_s: number, tip_m: number, now_ms: number): void {
     this.rose.show(this.wind, turn_deg);
     this.anemometer.measure(field, time_s, tip_m);
     this.anemometer.draw(now_ms);
   }
 
-  /** Share of the trees whose pressure lies within what their table has sampled. */
+  /** Shows the share of trees whose wind pressure is within the sampled range of their table. */
   showCoverage(share: number): void {
     const words =
       share >= 0.995
-        ? "All of this wind lies within what the trees have sampled."
-        : `${Math.round(100 * share)} % of the trees are in winds that were sampled; the rest bend as in the strongest.`;
+        ? "All trees are within the sampled range of winds."
+        : `${Math.round(100 * share)} % of the trees are within the sampled range of winds; the others bend as in the strongest sampled wind.`;
     if (this.coverage.textContent !== words) this.coverage.textContent = words;
   }
 
@@ -157,7 +157,7 @@ function toggle(text: string, title: string): HTMLButtonElement {
   return button;
 }
 
-/** Presses or releases a toggle; true if it is pressed now. */
+/** Flips a toggle button; returns whether it is now pressed. */
 function flip(button: HTMLButtonElement): boolean {
   const pressed = button.getAttribute("aria-pressed") !== "true";
   button.setAttribute("aria-pressed", String(pressed));

@@ -1,4 +1,4 @@
-/** The anemometer's two plots: speed and tip over time, and the spectrum of the speed. */
+/** The anemometer's two plots: wind speed and tip displacement over time, and the spectrum of the speed. */
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { make } from "../dom";
@@ -51,7 +51,7 @@ const spectrumOptions: uPlot.Options = {
       gap: 3,
       values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} Hz` : "")),
     },
-    { ...AXIS, size: 34, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? exponent(tick) : "")) },
+    { ...AXIS, size: 40, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? exponent(tick) : "")) },
   ],
   series: [
     {},
@@ -60,7 +60,7 @@ const spectrumOptions: uPlot.Options = {
   ],
 };
 
-/** Four and a half decades below the highest: what is weaker is no wind. */
+/** Shows 4.5 decades below the maximum; weaker power is negligible. */
 function powerRange(highest: number): [number, number] {
   const top = 10 ** Math.ceil(Math.log10(Math.max(1e-3, highest || 1)));
   return [top * 10 ** -4.5, top];
@@ -77,8 +77,8 @@ export class Plots {
   constructor(paper: HTMLElement) {
     const [first, second] = [make("div"), make("div")];
     const name = (text: string) => make("p", text, "plot-name");
-    paper.append(name("Wind speed, m/s (tip of the tree, m)"), first);
-    paper.append(name("Power of the speed, (m/s)²/Hz, and f^(−5/3)"), second);
+    paper.append(name("Wind speed (m/s, orange), tip (m, green)"), first);
+    paper.append(name("Power spectrum ((m/s)²/Hz); dashed: slope −5/3"), second);
     this.time = new uPlot(timeOptions, [[], [], []], first);
     this.spectrum = new uPlot(spectrumOptions, [[], [], []], second);
   }

@@ -1,4 +1,4 @@
-/** Power spectrum of what an anemometer measured (Welch's method). Pure. */
+/** Power spectrum of a recorded signal (Welch's method). Pure. */
 import { rootsOfUnity, transformRows } from "../../../core/wind/models/fourier";
 
 const SEGMENT = 512;
@@ -12,7 +12,7 @@ export interface PowerSpectrum {
   readonly power: Float64Array;
 }
 
-/** Mean over half-overlapping Hann windows; null while there is less than one window. */
+/** Mean over half-overlapping Hann windows; null if there is less than one window of data. */
 export function powerSpectrum(values: Float64Array, count: number, rate_hz: number): PowerSpectrum | null {
   if (count < SEGMENT) return null;
   const half = SEGMENT / 2;
@@ -34,7 +34,7 @@ export function powerSpectrum(values: Float64Array, count: number, rate_hz: numb
   return { frequency_hz, power: power.map((value) => value * scale) };
 }
 
-/** A line of slope −5/3 through the spectrum's strength between two frequencies. */
+/** A line of slope −5/3, fitted to the spectrum between two frequencies. */
 export function kolmogorovLine(spectrum: PowerSpectrum, from_hz: number, to_hz: number): Float64Array {
   let sum = 0;
   let bins = 0;

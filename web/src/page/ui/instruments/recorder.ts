@@ -1,4 +1,4 @@
-/** What an anemometer has measured: speed, and the motion of a tree's tip, at even steps of time. Pure. */
+/** Anemometer samples (wind speed and tip displacement) at equal time steps. Pure. */
 
 export const RATE_HZ = 30;
 export const KEPT_SAMPLES = 2048;
@@ -15,7 +15,7 @@ export class Recorder {
     this.next_s = Number.NaN;
   }
 
-  /** Calls `measure` for every sample that is due up to a time; starts anew after a jump. */
+  /** Calls `measure` for every sample due up to a time; restarts after a jump in time. */
   advance(now_s: number, measure: (time_s: number) => { speed_m_s: number; tip_m: number }): void {
     if (Number.isNaN(this.next_s) || now_s < this.next_s - 1 || now_s > this.next_s + 2) {
       this.clear();
@@ -27,7 +27,7 @@ export class Recorder {
     }
   }
 
-  /** Appends; the oldest sample goes when all are in use. */
+  /** Appends a sample; the oldest is dropped when the buffer is full. */
   push(time_s: number, speed_m_s: number, tip_m: number): void {
     if (this.count === KEPT_SAMPLES) {
       for (const column of [this.time_s, this.speed_m_s, this.tip_m]) column.copyWithin(0, 1);

@@ -25,7 +25,7 @@ export class WindRose {
   private readonly handle: SVGGElement;
   private wind: DialWind = { direction_deg: 0, mean_speed_m_s: 0 };
   private turn_deg = 0;
-  /** Where the dial was when the drag began: what appears above it meanwhile must not move the wind. */
+  /** Position of the dial at the start of the drag, so that a layout shift during the drag does not change the wind. */
   private dial: DOMRect | null = null;
 
   constructor(private readonly changed: (wind: DialWind) => void) {
@@ -87,7 +87,7 @@ export class WindRose {
     this.changed(wind);
   }
 
-  /** Shows a wind on a dial turned by so many degrees. */
+  /** Shows a wind on a dial rotated by `turn_deg`. */
   show(wind: DialWind, turn_deg: number): void {
     if (wind === this.wind && turn_deg === this.turn_deg) return;
     this.wind = wind;

@@ -1,4 +1,4 @@
-/** Turning one wind document into another, as the instruments do. Pure. */
+/** Edits of wind documents made by the instruments. Pure. */
 import {
   hasField,
   PRESETS,
@@ -10,7 +10,7 @@ import {
 
 const STANDARD = { length_scale_m: 25, beta: 5 / 3 };
 
-/** Another model of the same wind: keeps what both know, adds what the new one needs, leaves out the rest. */
+/** Changes the model: keeps the common fields, adds the defaults of new ones and removes the rest. */
 export function withModel(wind: WindDocument, model: WindModel): WindDocument {
   const { waves, ...numbers } = { ...STANDARD, ...wind };
   const kept = Object.entries(numbers).filter(
@@ -21,12 +21,12 @@ export function withModel(wind: WindDocument, model: WindModel): WindDocument {
   return { ...plain, ...beta, ...(model === "cosine" && waves ? { waves } : {}), model } as WindDocument;
 }
 
-/** A preset blowing where the wind blows now. */
+/** A preset with the given direction. */
 export function presetAt(name: PresetName, direction_deg: number): WindDocument {
   return { ...PRESETS[name], direction_deg };
 }
 
-/** The preset that a wind is, whatever its direction and seed; null if none. */
+/** The preset that a wind matches, ignoring direction and seed; null if none. */
 export function presetOf(wind: WindDocument): PresetName | null {
   const same = (name: PresetName) => {
     const preset: WindDocument = { ...PRESETS[name], direction_deg: wind.direction_deg, seed: wind.seed };

@@ -1,10 +1,10 @@
-/** A wind as a file: saved to the visitor's disk and read back. */
+/** Download and upload of a wind document as a file. */
 import { parseWind, type WindDocument, WindError } from "../../../core/wind/wind";
 import { make } from "../dom";
 
 const LARGEST_BYTES = 65_536;
 
-/** Reads a wind from text; throws WindError with a path, also for text that is no JSON. */
+/** Parses a wind from JSON text; throws WindError with the path of the fault. */
 export function windFromText(text: string): WindDocument {
   if (text.length > LARGEST_BYTES)
     throw new WindError("wind", `expected at most ${LARGEST_BYTES} characters`);

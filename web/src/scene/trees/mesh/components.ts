@@ -17,7 +17,7 @@ function find(parent: Uint32Array, vertex: number): number {
   return root;
 }
 
-/** Vertices that share a triangle belong together. Pieces are numbered by their first vertex. */
+/** Connected components: vertices that share a triangle. Pieces are numbered by their first vertex. */
 export function connectedComponents(index: ArrayLike<number>, vertices: number): Components {
   const parent = Uint32Array.from({ length: vertices }, (_, v) => v);
   for (let i = 0; i < index.length; i += 3) {
@@ -35,7 +35,7 @@ export function connectedComponents(index: ArrayLike<number>, vertices: number):
   return { ofVertex, count: number.size };
 }
 
-/** The same with vertices at one place made one first: seams of texture or normals cut no branch. */
+/** Same after merging coincident vertices, so that texture or normal seams do not split a branch. */
 export function weldedComponents(index: ArrayLike<number>, positions: ArrayLike<number>): Components {
   const first = new Map<string, number>();
   const welded = Uint32Array.from({ length: positions.length / 3 }, (_, v) => {
@@ -87,10 +87,10 @@ export function componentRadii(
   return radii;
 }
 
-/** More vertices than this are no leaf that can hang on a single point. */
+/** A piece with more vertices is too large to be bound to a single node. */
 const MOST_OF_LEAF = 16;
 
-/** The first vertex of each small piece for all of its vertices; those of a large piece keep to themselves. */
+/** Maps the vertices of a small piece to its first vertex; those of a large piece to themselves. */
 export function holders({ ofVertex, count }: Components): Uint32Array {
   const first = new Int32Array(count).fill(-1);
   const sizes = new Uint32Array(count);

@@ -1,4 +1,4 @@
-/** Light in a crown without tracing any: round normals, openness to the sky, free ends of leaves. Pure. */
+/** Precomputed shading of foliage: rounded normals, openness to the sky, flutter weights. Pure. */
 import type { Components } from "./components";
 
 interface Point {
@@ -7,7 +7,7 @@ interface Point {
   z: number;
 }
 
-/** Leaf normals bent outward from the crown's middle, so that a crown is lit as one soft body. */
+/** Leaf normals bent away from the crown's centre, so that the crown is shaded as one soft volume. */
 export function roundNormals(positions: Float32Array, normals: Float32Array, centre: Point): Float32Array {
   const out = new Float32Array(normals.length);
   for (let i = 0; i < out.length; i += 3) {
@@ -27,7 +27,7 @@ export function roundNormals(positions: Float32Array, normals: Float32Array, cen
   return out;
 }
 
-/** 1 at the outside and the top of the crown, down to 0.3 near the trunk inside it. */
+/** Openness: 1 at the outside and top of the crown, down to 0.3 near the trunk. */
 export function openness(positions: Float32Array, centre: Point, radius_m: number): Float32Array {
   const out = new Float32Array(positions.length / 3);
   for (let v = 0; v < out.length; v++) {
@@ -39,7 +39,7 @@ export function openness(positions: Float32Array, centre: Point, radius_m: numbe
   return out;
 }
 
-/** How free each leaf vertex is to tremble: 0 at the twig, 1 at the tip, by distance from the first vertex. */
+/** Flutter weight of each leaf vertex by distance from the first vertex: 0 at the twig, 1 at the tip. */
 export function leafReach(pieces: Components, positions: Float32Array): Float32Array {
   const first = new Int32Array(pieces.count).fill(-1);
   const reach = new Float32Array(pieces.ofVertex.length);

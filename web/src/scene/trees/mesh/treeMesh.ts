@@ -19,7 +19,7 @@ import {
 } from "./components";
 import { leafReach, openness, roundNormals } from "./foliage";
 
-/** Wood moves with its branch; leaves also flutter, and take light from both sides. */
+/** Wood moves with its branch; leaves also flutter and are lit from both sides. */
 export type Part = "wood" | "leaves";
 
 export interface TreePart {
@@ -29,13 +29,13 @@ export interface TreePart {
   readonly normal: BufferAttribute;
   readonly uv: BufferAttribute | null;
   readonly position: BufferAttribute;
-  /** What the vertex's leaf or branch shrinks to. */
+  /** The point to which the vertex's leaf or branch shrinks. */
   readonly anchor: BufferAttribute;
-  /** Random of the piece, openness to the sky, free end of the leaf, rank of the piece. */
+  /** Random number of the piece, openness to the sky, freedom of the leaf vertex to flutter, rank of the piece. */
   readonly piece: BufferAttribute;
-  /** The vertex whose node each vertex uses: a small leaf is bound to one node at every level, and keeps its shape. */
+  /** The vertex whose node each vertex uses: a small leaf is bound to a single node, so that it keeps its shape. */
   readonly hold: Uint32Array;
-  /** Triangles sorted by rank, and the number of indices that each level of detail draws. */
+  /** Triangles sorted by rank, and the number of indices drawn at each level of detail. */
   readonly index: BufferAttribute;
   readonly counts: readonly number[];
 }
@@ -50,7 +50,7 @@ export interface TreeModel {
 const isMesh = (object: Object3D): object is Mesh<BufferGeometry, MeshStandardMaterial> =>
   object instanceof Mesh;
 
-/** Meshes in table order: wood_0, wood_1, …, leaves_0, …: the order in which the file lists them. */
+/** Meshes in table order (wood_0, wood_1, …, leaves_0, …), which is the order in the file. */
 function meshesOf(scene: Object3D): Mesh<BufferGeometry, MeshStandardMaterial>[] {
   const meshes: Mesh<BufferGeometry, MeshStandardMaterial>[] = [];
   scene.traverse((object) => {
@@ -133,11 +133,11 @@ function partFrom(
   };
 }
 
-/** Throws when the bytes are no GLB or hold no mesh. */
+/** Reads a GLB; throws if it is invalid or contains no mesh. */
 export async function readTreeModel(bytes: ArrayBuffer): Promise<TreeModel> {
   const { scene } = await new GLTFLoader().parseAsync(bytes, "");
   const meshes = meshesOf(scene);
-  if (meshes.length === 0) throw new Error("the tree's mesh file holds no mesh");
+  if (meshes.length === 0) throw new Error("the tree's mesh file contains no mesh");
   const low = new Vector3(Infinity, Infinity, Infinity);
   const high = low.clone().negate();
   for (const mesh of meshes) {
@@ -153,7 +153,7 @@ export async function readTreeModel(bytes: ArrayBuffer): Promise<TreeModel> {
   return { parts, height_m: high.y, radius_m };
 }
 
-/** Frees the GPU resources of a model; drawing it again uploads them again. */
+/** Frees the GPU resources of a model; they are uploaded again when it is drawn again. */
 export function disposeModel({ parts }: TreeModel): void {
   for (const { material } of parts) {
     for (const texture of [material.map, material.normalMap]) texture?.dispose();

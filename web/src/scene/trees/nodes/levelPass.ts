@@ -51,18 +51,18 @@ void main() {
 }
 `;
 
-/** Poses as the worker wrote them, `stride` floats per tree, and which trees are drawn. */
+/** Poses as written by the worker, `stride` floats per tree, and the list of drawn trees. */
 export interface PoseRows {
   readonly poses: Float32Array;
   readonly stride: number;
-  /** Place of the wind in a row. */
+  /** Index of the wind in a row. */
   readonly wind: number;
   readonly order: Uint32Array;
-  /** First place in the order of each level. */
+  /** First index of each level in the order. */
   readonly start: Uint32Array;
 }
 
-/** Frames between new poses, by level; poses are interpolated in between. */
+/** Frames between pose updates, by level; poses are interpolated in between. */
 const PERIODS = [1, 1, 1, 2, 4];
 
 /** One level: its basis, the poses of its drawn trees, and the mesh that draws them. */
@@ -72,7 +72,7 @@ export class LevelPass {
   private readonly period: number;
   private poses;
   private before;
-  /** Frames since the poses were taken. */
+  /** Frames since the last pose update. */
   private age = 0;
   rows: LevelRows = { row: 0, rows: 0, trees: 0 };
 
@@ -126,14 +126,14 @@ export class LevelPass {
     uniforms.uDrawn.value = rows.trees;
   }
 
-  /** Other trees are drawn: takes their newest poses at once. */
+  /** Call when the drawn trees have changed: takes their newest poses immediately. */
   restart(from: PoseRows): void {
     this.gather(from);
     this.age = this.period - 1;
     this.mesh.material.uniforms.uShare.value = 1;
   }
 
-  /** Next frame: takes new poses if they are due, and interpolates otherwise. */
+  /** Per frame: takes new poses if they are due, otherwise interpolates. */
   advance(from: PoseRows): void {
     this.age = (this.age + 1) % this.period;
     if (this.age === 0) {

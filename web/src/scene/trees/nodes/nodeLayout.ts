@@ -7,7 +7,7 @@ export interface NodeLayout {
   readonly height: number;
 }
 
-/** The smallest layout for `texels` texels in `parts` runs that each start a row. */
+/** The smallest layout for `texels` texels in `parts` runs, each starting on a new row. */
 export function nodeLayout(texels: number, parts: number, maxSide: number): NodeLayout {
   const largestShift = Math.floor(Math.log2(maxSide));
   const rows = (log2: number) => Math.max(1, Math.ceil(texels / 2 ** log2) + parts);
@@ -23,7 +23,7 @@ export interface LevelRows {
   readonly trees: number;
 }
 
-/** The rows of each level; trees without room, the farthest ones, are left out. */
+/** The rows of each level; the farthest trees are omitted if there is no space. */
 export function levelRows(
   layout: NodeLayout,
   nodes: readonly number[],

@@ -51,7 +51,7 @@ export class NodePass {
     this.levels = motion.levels.map((level, k) => new LevelPass(level, trees, this.triangle, k));
   }
 
-  /** Room for this frame's drawn trees, with some to spare while the camera moves. */
+  /** Ensures capacity for the trees drawn in this frame, with a margin while the camera moves. */
   private makeRoom(list: DrawList): void {
     const texels = this.levels.reduce(
       (sum, { level }, k) => sum + level.nodes * (list.visible[k] + list.hidden[k]),
@@ -64,7 +64,7 @@ export class NodePass {
     this.target.setSize(layout.width, layout.height);
   }
 
-  /** Gives every tree of the list its texels; returns per level the first texel and the number of trees with room. */
+  /** Assigns texels to every tree of the list; returns the first texel and the number of trees that fit, per level. */
   place(list: DrawList): readonly { first: number; trees: number; nodes: number }[] {
     this.makeRoom(list);
     const { width, height } = this.target;
@@ -87,7 +87,7 @@ export class NodePass {
     }));
   }
 
-  /** The newest poses: `stride` floats per tree, as the worker wrote them. */
+  /** Sets the newest poses: `stride` floats per tree, as written by the worker. */
   setPoses(poses: Float32Array): void {
     const first = this.poses === null;
     this.poses = poses;

@@ -11,7 +11,7 @@ from galewood.model.construction import build_model
 from galewood.model.foliage import LumpedMasses, bind_foliage
 from galewood.skeleton import Skeleton, extract_skeleton, with_corrected_radii
 from galewood.tets import TetMesh, tetrahedralise
-from galewood.wood import Wood, species
+from galewood.wood import Wood, wood_of_species
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ def tree_model(
     tree: TreeMesh, wood: Wood | None, target_tets: int, cache_dir: Path, settings: FemSettings
 ) -> TreeModel:
     """Mesh the wood, extract the skeleton, attach the foliage and build the model. Raises MeshError."""
-    wood = wood or species(tree.species or "default")
+    wood = wood or wood_of_species(tree.species or "default")
     tets = tetrahedralise(tree, target_tets, cache_dir / "tets")
     skeleton = extract_skeleton(tets)
     tets = with_corrected_radii(tree, tets, skeleton)

@@ -1,4 +1,4 @@
-"""Files that are whole or not there."""
+"""Atomic file writes."""
 
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 from galewood.util.atomic_file import write_arrays, write_whole
 
 
-def test_a_write_that_fails_leaves_the_old_file_and_nothing_beside_it(tmp_path: Path) -> None:
+def test_failed_write_leaves_only_the_old_file(tmp_path: Path) -> None:
     target = tmp_path / "folder" / "file"
     write_whole(target, b"old")
     with pytest.raises(TypeError):
@@ -17,7 +17,7 @@ def test_a_write_that_fails_leaves_the_old_file_and_nothing_beside_it(tmp_path: 
     assert list(target.parent.iterdir()) == [target]
 
 
-def test_of_many_writers_at_once_one_wins_whole(tmp_path: Path) -> None:
+def test_concurrent_writes_leave_one_complete_file(tmp_path: Path) -> None:
     target = tmp_path / "file"
     contents = [bytes([k]) * 100_000 for k in range(16)]
     with ThreadPoolExecutor(8) as pool:
@@ -26,7 +26,7 @@ def test_of_many_writers_at_once_one_wins_whole(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_arrays_come_back(tmp_path: Path) -> None:
+def test_arrays_survive_a_round_trip(tmp_path: Path) -> None:
     write_arrays(tmp_path / "a.npz", x=np.arange(3), y=np.eye(2))
     with np.load(tmp_path / "a.npz", allow_pickle=False) as found:
         assert found["x"].tolist() == [0, 1, 2]

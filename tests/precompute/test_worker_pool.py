@@ -1,4 +1,4 @@
-"""Processes beside a build: they work, they end with it, and what they use is seen."""
+"""Worker processes: results, termination with the build, measured resource usage."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ import pytest
 from galewood.util.process_usage import PeakMemory, cpu_seconds
 from galewood.util.worker_pool import WorkerPool
 
-STARTS_ONE = """
+START_WORKER = """
 import time
 from galewood.util.worker_pool import WorkerPool
 if __name__ == "__main__":
@@ -23,14 +23,14 @@ if __name__ == "__main__":
 """
 
 
-def test_what_a_helper_returns_and_raises_comes_back() -> None:
+def test_results_and_exceptions_are_returned() -> None:
     with WorkerPool(1) as pool:
         assert pool.start(divmod, 17, 5).result() == (3, 2)
         with pytest.raises(ZeroDivisionError):
             pool.start(divmod, 1, 0).result()
 
 
-def test_an_exception_ends_what_is_still_being_done() -> None:
+def test_exception_aborts_running_tasks() -> None:
     process: psutil.Process | None = None
     with pytest.raises(KeyError), WorkerPool(1) as pool:
         process = psutil.Process(pool.start(os.getpid).result())
@@ -40,8 +40,8 @@ def test_an_exception_ends_what_is_still_being_done() -> None:
     process.wait(60)
 
 
-def test_no_helper_outlives_a_killed_build() -> None:
-    with subprocess.Popen([sys.executable, "-c", STARTS_ONE], stdout=subprocess.PIPE) as build:
+def test_workers_exit_when_the_build_is_killed() -> None:
+    with subprocess.Popen([sys.executable, "-c", START_WORKER], stdout=subprocess.PIPE) as build:
         assert build.stdout
         process = psutil.Process(int(build.stdout.readline()))
         build.send_signal(signal.SIGKILL)
@@ -54,7 +54,7 @@ def _fill(megabytes: int) -> int:
     return len(kept)
 
 
-def test_memory_of_a_helper_counts_as_its_own_and_in_the_sum() -> None:
+def test_memory_of_a_worker_counts_as_child_and_in_the_total() -> None:
     with PeakMemory() as memory, WorkerPool(1) as pool:
         pool.start(_fill, 300).result()
     assert memory.child_mb > 300
@@ -62,15 +62,15 @@ def test_memory_of_a_helper_counts_as_its_own_and_in_the_sum() -> None:
     assert memory.parent_mb < memory.total_mb - 300
 
 
-def test_cpu_time_of_a_living_helper_is_counted() -> None:
+def test_cpu_time_of_a_running_worker_is_counted() -> None:
     with WorkerPool(1) as pool:
         pool.start(os.getpid).result()
         before = cpu_seconds()
-        pool.start(_burn).result()
+        pool.start(_spin).result()
         assert cpu_seconds() - before > 0.2
 
 
-def _burn() -> None:
-    begun = time.process_time()
-    while time.process_time() - begun < 0.3:
+def _spin() -> None:
+    start = time.process_time()
+    while time.process_time() - start < 0.3:
         pass

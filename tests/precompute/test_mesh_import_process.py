@@ -1,4 +1,4 @@
-"""The child gives what the reader gives, and every way it can die is told apart."""
+"""The child process returns what the reader returns, and each failure has its own error code."""
 
 import os
 import signal
@@ -13,7 +13,7 @@ from galewood.util import MeshError
 
 from tests.precompute import tree_meshes as make
 
-HERE = "tests.precompute.test_intake_process"
+HERE = "tests.precompute.test_mesh_import_process"
 
 
 def sleep(_: Arrays) -> Arrays:
@@ -21,12 +21,12 @@ def sleep(_: Arrays) -> Arrays:
     return {}
 
 
-def burn(_: Arrays) -> Arrays:
+def spin(_: Arrays) -> Arrays:
     while True:
         pass
 
 
-def hoard(_: Arrays) -> Arrays:
+def exhaust_memory(_: Arrays) -> Arrays:
     return {"a": np.ones(1 << 30)}
 
 
@@ -40,7 +40,7 @@ def crash(_: Arrays) -> Arrays:
     return {}
 
 
-def test_child_gives_what_the_reader_gives():
+def test_child_returns_what_the_reader_returns():
     data = make.glb_bytes(make.y_tree(), make.cards([(1.6, 4.6, 0)]))
     tree, glb = import_mesh_sandboxed(data, "a.glb")
     direct = read_tree(data, "a.glb")
@@ -50,7 +50,7 @@ def test_child_gives_what_the_reader_gives():
     assert render_glb(unpack_tree(pack_tree(direct))) == glb
 
 
-def test_errors_cross_the_border():
+def test_mesh_errors_are_passed_to_the_parent():
     with pytest.raises(MeshError) as caught:
         import_mesh_sandboxed(b"PK\x03\x04 and more", "a.obj")
     assert (caught.value.reason, caught.value.code) == ("unsupported", "unsupported-type")
@@ -60,13 +60,13 @@ def test_errors_cross_the_border():
     ("function", "limits", "code"),
     [
         ("sleep", Limits(wall_s=2.0), "timed-out"),
-        ("burn", Limits(cpu_s=2), "cpu-time"),
-        ("hoard", Limits(memory_bytes=2 << 30), "out-of-memory"),
+        ("spin", Limits(cpu_s=2), "cpu-time"),
+        ("exhaust_memory", Limits(memory_bytes=2 << 30), "out-of-memory"),
         ("killed", Limits(), "killed"),
         ("crash", Limits(), "crashed"),
     ],
 )
-def test_each_way_to_die_is_told_apart(function, limits, code):
+def test_each_failure_has_its_own_code(function, limits, code):
     with pytest.raises(MeshError) as caught:
         run_limited(f"{HERE}:{function}", {}, limits, what="The test")
     assert (caught.value.code, caught.value.reason) == (code, "unsuitable")

@@ -1,4 +1,4 @@
-"""Broken and hostile files: each ends in an MeshError with the right status, and none opens a file."""
+"""Damaged and hostile files raise a MeshError with the right reason; no other file is opened."""
 
 import builtins
 import io
@@ -28,7 +28,7 @@ def with_nan() -> bytes:
     return make.obj_bytes(surface)
 
 
-def deep(levels=5000) -> bytes:
+def deeply_nested(levels=5000) -> bytes:
     document = make.gltf_document(make.y_tree())
     document["nodes"] = [{"children": [i + 1]} for i in range(levels)] + [{"mesh": 0}]
     return make.gltf_bytes(document)
@@ -38,13 +38,13 @@ def extension(name: str) -> bytes:
     return make.gltf_bytes(make.gltf_document(make.y_tree()) | {"extensionsRequired": [name]})
 
 
-def changed(**change) -> bytes:
+def modified_gltf(**change) -> bytes:
     document = make.gltf_document(make.y_tree())
     document["accessors"][0] |= change
     return make.gltf_bytes(document)
 
 
-def soup() -> bytes:
+def random_bytes() -> bytes:
     vertices = np.random.default_rng(3).random((1200, 3)) * 8
     return make.stl_bytes(Surface(vertices, np.arange(1200).reshape(-1, 3).astype(np.int32)))
 
@@ -62,7 +62,7 @@ CASES = [
     ("triangle.obj", b"v 0 0 0\nv 1 0 0\nv 0 0 5\nf 1 2 3", "unsuitable", "no-volume"),
     ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 0 5\n", "unsuitable", "no-faces"),
     ("plane.obj", make.obj_bytes(make.cards([(0, 0, 0)], size=5.0)), "unsuitable", "no-volume"),
-    ("soup.stl", soup(), "unsuitable", "no-wood"),
+    ("soup.stl", random_bytes(), "unsuitable", "no-wood"),
     (
         "passwd.gltf",
         make.gltf_bytes(make.gltf_document(make.y_tree(), "../../etc/passwd")),
@@ -78,13 +78,13 @@ CASES = [
     ("zip.obj", zipped(), "unsupported", "unsupported-type"),
     ("page.obj", b"<!doctype html><html>", "unsupported", "unsupported-type"),
     ("noise.bin", bytes(range(7, 200)), "unsupported", "unsupported-type"),
-    ("deep.gltf", deep(), "unsuitable", "nodes-too-deep"),
+    ("deep.gltf", deeply_nested(), "unsuitable", "nodes-too-deep"),
     ("draco.gltf", extension("KHR_draco_mesh_compression"), "unsuitable", "draco-compressed"),
     ("meshopt.gltf", extension("EXT_meshopt_compression"), "unsuitable", "meshopt-compressed"),
     ("other.gltf", extension("VENDOR_secret"), "unsuitable", "gltf-extension"),
-    ("past_end.gltf", changed(count=10**9), "malformed", "truncated"),
-    ("negative.gltf", changed(bufferView=-1), "malformed", "gltf-structure"),
-    ("type.gltf", changed(componentType=99), "malformed", "gltf-structure"),
+    ("past_end.gltf", modified_gltf(count=10**9), "malformed", "truncated"),
+    ("negative.gltf", modified_gltf(bufferView=-1), "malformed", "gltf-structure"),
+    ("type.gltf", modified_gltf(componentType=99), "malformed", "gltf-structure"),
     ("json.gltf", b'{"nodes": [', "malformed", "gltf-json"),
     ("nested.gltf", b'{"a":' + b"[" * 200_000, "malformed", "gltf-json"),
     ("face.obj", b"v 0 0 0\nf 1 2 9\n", "malformed", "obj-syntax"),
@@ -92,7 +92,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("name", "data", "reason", "code"), CASES, ids=[c[0] for c in CASES])
-def test_refused_by_name(name, data, reason, code):
+def test_each_bad_file_has_its_own_error_code(name, data, reason, code):
     with pytest.raises(MeshError) as caught:
         read_tree(data, name)
     assert (caught.value.reason, caught.value.code) == (reason, code)
@@ -100,15 +100,15 @@ def test_refused_by_name(name, data, reason, code):
     assert caught.value.hint
 
 
-def test_circular_nodes_end():
+def test_cyclic_nodes_are_rejected():
     document = make.gltf_document(make.y_tree())
     document["nodes"] = [{"children": [1, 1]}, {"children": [0, 0]}]
-    with pytest.raises(MeshError, match="nest"):
+    with pytest.raises(MeshError, match="cycle"):
         read_tree(json.dumps(document).encode(), "a.gltf")
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_damaged_bytes_never_raise_anything_else(seed):
+def test_damaged_bytes_raise_only_mesh_errors(seed):
     random = np.random.default_rng(seed)
     sources = [GLB, make.ply_bytes(make.y_tree()), make.obj_bytes(make.y_tree())[:4000]]
     for _ in range(25):
@@ -121,7 +121,7 @@ def test_damaged_bytes_never_raise_anything_else(seed):
             assert error.reason in ("malformed", "too-large", "unsupported", "unsuitable"), f"seed {seed}"
 
 
-def test_names_in_the_data_open_no_file(monkeypatch):
+def test_file_names_in_the_data_are_not_opened(monkeypatch):
     def forbidden(*arguments, **_):
         raise AssertionError(f"opened {arguments}")
 
@@ -139,7 +139,7 @@ def test_latin_1_names_and_quads_with_continuation_are_read():
 
 
 @pytest.mark.parametrize("options", [ImportOptions(height_m=1e6), ImportOptions(wood=("nothing",))])
-def test_impossible_options_are_refused(options):
+def test_impossible_options_are_rejected(options):
     with pytest.raises(MeshError) as caught:
         read_tree(GLB, "a.glb", options)
     assert caught.value.reason == "unsuitable"

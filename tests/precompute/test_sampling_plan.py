@@ -1,4 +1,4 @@
-"""The order of the runs of a table: the first few make an early one."""
+"""Order of the runs of a table: those of the preliminary table come first."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -24,48 +24,48 @@ def samples(tmp_path: Path) -> Samples:
     return Samples(recorded, training, further)
 
 
-def touching(happened: list[str]) -> TrajectoryRunner:
-    """A runner that makes empty files and notes whose."""
+def recording_runner(events: list[str]) -> TrajectoryRunner:
+    """A runner that creates empty files and records the names of their winds."""
 
     def runner(tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
         ready = [t for t in tasks if t.path.exists()]
         done(len(ready))
         for count, one in enumerate((t for t in tasks if not t.path.exists()), len(ready) + 1):
             one.path.touch()
-            happened.append(one.wind.name)
+            events.append(one.wind.name)
             done(count)
         return [t.path for t in tasks]
 
     return runner
 
 
-def play(samples: Samples) -> list[str]:
-    """What happens in turn: winds that are run, and the early table."""
-    happened: list[str] = []
+def simulated_events(samples: Samples) -> list[str]:
+    """The sequence of events: the winds that are run, and the preliminary table."""
+    events: list[str] = []
     shares: list[float] = []
-    simulate(samples, touching(happened), shares.append, lambda: happened.append("early"))
+    simulate(samples, recording_runner(events), shares.append, lambda: events.append("preliminary"))
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
-    return happened
+    return events
 
 
-def test_the_first_runs_come_first_and_the_early_table_after_them(samples: Samples) -> None:
+def test_preliminary_runs_come_first_and_the_preliminary_table_follows(samples: Samples) -> None:
     first, all_winds = samples.first(), {wind.name for wind in samples.winds}
-    happened = play(samples)
-    assert happened.count("early") == 1
-    at = happened.index("early")
-    assert set(happened[:at]) == {wind.name for wind in first.winds}
-    assert set(happened) - {"early"} == all_winds
-    assert play(samples) == []
+    events = simulated_events(samples)
+    assert events.count("preliminary") == 1
+    at = events.index("preliminary")
+    assert set(events[:at]) == {wind.name for wind in first.winds}
+    assert set(events) - {"preliminary"} == all_winds
+    assert simulated_events(samples) == []
 
 
-def test_a_build_that_goes_on_has_its_early_table_at_once(samples: Samples) -> None:
+def test_resumed_build_has_its_preliminary_table_at_once(samples: Samples) -> None:
     for one in (*samples.first().recorded, *samples.first().training):
         one.path.touch()
-    assert play(samples)[0] == "early"
+    assert simulated_events(samples)[0] == "preliminary"
 
 
-def test_the_first_winds_come_from_all_sides_and_in_all_strengths(samples: Samples) -> None:
+def test_preliminary_winds_cover_all_directions_and_speeds(samples: Samples) -> None:
     first = samples.first()
     frames = sum(len(wind.pressure_pa) for wind in first.winds)
     assert frames < 0.4 * sum(len(wind.pressure_pa) for wind in samples.winds)
@@ -78,19 +78,19 @@ def test_the_first_winds_come_from_all_sides_and_in_all_strengths(samples: Sampl
     assert any(wind.name.startswith("learn-gust") for wind in first.winds)
 
 
-def test_what_moves_freely_is_learnt_and_what_was_faded_is_not(samples: Samples) -> None:
+def test_faded_runs_are_not_used_for_training(samples: Samples) -> None:
     names = [Path(run.path).name for run in samples.training_runs()]  # type: ignore[attr-defined]
     assert not [name for name in names if name.startswith("gust")]
     assert len(names) == 1 + 36 + 20
 
 
-def test_further_winds_are_run_when_asked_for_and_not_before(samples: Samples) -> None:
+def test_additional_winds_are_run_only_on_request(samples: Samples) -> None:
     further = {task.wind.name for task in samples.further}
-    assert not further & set(play(samples))
-    happened: list[str] = []
+    assert not further & set(simulated_events(samples))
+    events: list[str] = []
     shares: list[float] = []
-    runs = samples.further_runs(touching(happened), shares.append)
-    assert set(happened) == further
-    assert len(happened) == len(runs) == 48
+    runs = samples.further_runs(recording_runner(events), shares.append)
+    assert set(events) == further
+    assert len(events) == len(runs) == 48
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
