@@ -20,7 +20,7 @@ WHEEL_SOURCES := $(shell find precompute server assets -type f -not -path '*/__p
 	pyproject.toml setup.py README.md LICENSE NOTICE
 WEB_SOURCES := $(shell find web/src web/public -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json
 
-.PHONY: help run build wheel test check docs test-python test-wheel test-distributed test-web test-e2e browser bench format species golden clean
+.PHONY: help run build wheel test check docs test-python test-species test-wheel test-distributed test-web test-e2e browser bench format species golden clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -72,6 +72,9 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 
 test-python: $(VENV)/.dev wheel ## the Python tests, two files at a time; the installed wheel's among them
 	$(PYTEST) -n 2 --dist loadfile
+
+test-species: $(VENV)/.dev ## the claimed accuracy of all three species, in every unseen wind (ten minutes and more)
+	$(PYTEST) -m species -rP tests/precompute/test_species_accuracy.py
 
 test-wheel: $(VENV)/.dev wheel ## what is declared, and the wheel installed far from the repository
 	$(PYTEST) tests/package

@@ -3,8 +3,9 @@
 import pytest
 
 LONGEST = (
-    "test_wheel", "test_build_end_to_end", "test_jobs", "test_leases", "test_verify_species", "test_paper",
-    "test_evaluations", "test_evaluate", "test_pipeline", "test_untrusted_uploads", "test_determinism",
+    "test_wheel", "test_accuracy", "test_build_end_to_end", "test_jobs", "test_leases", "test_verify_species",
+    "test_paper", "test_evaluations", "test_evaluate", "test_api", "test_pipeline", "test_untrusted_uploads",
+    "test_determinism",
 )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy.sparse
@@ -14,8 +15,9 @@ from galewood.player.paper_search import PaperForest
 from galewood.reduction.training import ModalTraining, Size
 from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
 from galewood.sampling.training_winds import training_winds
-from galewood.table.format import Table, encode
+from galewood.table.format import Table, decode, encode
 from galewood.wind.evaluation import Wind, wind_pressure
+from safetensors.numpy import load, save
 
 from tests.golden.beam import Beam
 
@@ -99,7 +101,7 @@ def wind_vectors() -> list[dict[str, object]]:
     return rows
 
 
-def paper_steps(table: Table, easing: float) -> dict[str, object]:
+def paper_steps(table: Table, easing: float) -> dict[str, Any]:
     """Records and poses of trees with different yaw and size in a wind that changes and then stops."""
     rng = np.random.default_rng(7)
     count = 6
@@ -122,7 +124,7 @@ def paper_steps(table: Table, easing: float) -> dict[str, object]:
     return {"pose_easing": easing, "trees": trees, "records": records, "poses": poses}
 
 
-def sway_steps(table: Table) -> dict[str, object]:
+def sway_steps(table: Table) -> dict[str, Any]:
     """Poses of the modal model over 10,000 frames: 9,000 in a varying wind, then still air."""
     rng = np.random.default_rng(8)
     count, frames = 4, 10_000
@@ -144,9 +146,20 @@ def sway_steps(table: Table) -> dict[str, object]:
     return {"frames": frames, "every": 100, "trees": trees, "poses": poses}
 
 
+def version_5(data: bytes) -> bytes:
+    """A table of version 6 as version 5 wrote it: the same numbers, under the former names."""
+    metadata, errors = decode(data).metadata, dict(decode(data).metadata.get("errors", {}))
+    if "training_m" in errors:
+        errors["replay_m"] = errors.pop("training_m")
+    renamed = {name.replace("modal.", "tangent.", 1): tensor for name, tensor in load(data).items()}
+    text = json.dumps({**metadata, "version": 5, "errors": errors}, allow_nan=False, separators=(",", ":"))
+    return save(renamed, {"galewood": text})
+
+
 def main() -> None:
     table = beam_table()
     (HERE / "pole.safetensors").write_bytes(encode(table))
+    (HERE / "pole-v5.safetensors").write_bytes(version_5(encode(table)))
     steps = [paper_steps(table, easing) for easing in (0.0, 0.1)]
     for name, content in (
         ("wind.json", wind_vectors()),

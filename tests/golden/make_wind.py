@@ -96,7 +96,7 @@ def models() -> list[dict[str, object]]:
     return [{"wind": wind.document(), "velocity_m_s": velocities(WindField(wind), times)} for wind in WINDS]
 
 
-def changed() -> dict[str, object]:
+def changed() -> dict[str, Any]:
     """A wind that changes several times, one row per tenth of a second."""
     field, rows, pending = WindField(Wind()), [], list(CHANGES)
     times = [k * 0.1 for k in range(60)]

@@ -175,7 +175,8 @@ def frame_of(fields: dict[str, Any]) -> wire.Frame:
         )
         for group in fields["groups"]
     )
-    return wire.Frame(**{**fields, "groups": rows})
+    values: dict[str, Any] = {**fields, "groups": rows}
+    return wire.Frame(**values)
 
 
 def refused() -> dict[str, tuple[str, bytes]]:
@@ -191,7 +192,8 @@ def refused() -> dict[str, tuple[str, bytes]]:
     def forest_with(payload: bytes = b"", **changes: Any) -> bytes:
         return encode_message(wire.FOREST, {**forest, **changes}, payload)
 
-    def raw(packed: bytes, kind: int = wire.PING) -> bytes:
+    def raw(packed: bytes | None, kind: int = wire.PING) -> bytes:
+        assert packed is not None
         return b"GW\x02" + bytes([kind]) + struct.pack("<I", len(packed)) + packed + bytes(-len(packed) % 8)
 
     return {
@@ -208,7 +210,7 @@ def refused() -> dict[str, tuple[str, bytes]]:
         "header not a map": ("server", raw(msgpack.packb([1, 2, 3]))),
         "keys not text": ("server", raw(msgpack.packb({1: 2}))),
         "text not UTF-8": ("server", raw(b"\x81\xa1t\xa2\xff\xfe")),
-        "bytes after the map": ("server", raw(msgpack.packb({"t": 0.5}) + b"\x01")),
+        "bytes after the map": ("server", raw((msgpack.packb({"t": 0.5}) or b"") + b"\x01")),
         "deep nesting": ("server", raw(b"\x91" * 3000)),
         "missing field": ("server", encode_message(wire.PING, {})),
         "unknown field": ("server", encode_message(wire.PING, {"t": 0.5, "u": 1})),

@@ -6,6 +6,7 @@ import runpy
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import galewood
 import numpy as np
@@ -17,7 +18,12 @@ from pydantic import ValidationError
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
 
 SCRIPT = Path(__file__).parents[2] / "docs" / "examples" / "hundred_trees.py"
-QUICK = {"target_tets": TARGET_TETS, "sampled_elements": 8, "frames": 16, "design_speed_m_s": 14.0}
+QUICK: dict[str, Any] = {
+    "target_tets": TARGET_TETS,
+    "sampled_elements": 8,
+    "frames": 16,
+    "design_speed_m_s": 14.0,
+}
 
 
 @pytest.fixture(scope="module")

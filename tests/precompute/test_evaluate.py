@@ -1,6 +1,7 @@
 """Figures of an evaluation against independent computations."""
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -98,7 +99,7 @@ def test_poses_of_the_modal_model_follow_a_sampled_run() -> None:
         TABLE, TABLE.pressure_pa[start:end].astype(np.float64), METHODS["modal"]
     )
     true = TABLE.pose()[start + 1 : end] * TABLE.mode_scale
-    assert np.abs(track[:-1] - true).max() < 0.06 * np.abs(true).max()
+    assert np.abs(track[:-1] - true).max() < 6e-4 * np.abs(true).max()
     assert 0 < extrapolation_ratio < 1.3
 
 
@@ -196,8 +197,8 @@ def test_the_source_of_a_table_is_recovered(table: Table, source: Source, refere
     assert source.model.report["frequencies_hz"] == table.metadata["frequencies_hz"]
     assert source.rendered.count.sum() == len(table.vertex_node)
     left = floor(table, source, reference.displacement_m)
-    assert left["truncation"] < 2e-3
-    assert left["truncation"] <= left["truncation_and_nodes"] < 0.02
+    assert left["truncation"] < 2e-9
+    assert left["truncation"] <= left["truncation_and_nodes"] < 6e-6
 
 
 def test_the_error_of_the_projected_reference_solution_is_the_truncation(
@@ -217,7 +218,7 @@ def test_the_error_of_a_tree_at_rest_is_the_sway(
     found = compare_methods(table, source, reference)
     rest = found["rest-pose"]
     assert np.isclose(rest["max_error"], sway_of(reference) / float(table.metadata["height_m"]))
-    assert found["modal"]["max_error"] < 0.2 * rest["max_error"]
+    assert found["modal"]["max_error"] < 0.0035 * rest["max_error"]
 
 
 def test_distinct_vertices_represent_all_vertices() -> None:
@@ -242,12 +243,16 @@ def test_a_wind_is_scaled_to_the_requested_sway(source: Source, tmp_path: Path) 
 
 
 def test_a_long_run_is_cached_and_motion_is_bounded_beyond_the_sampled_range(
-    table: Table, source: Source, tmp_path: Path
+    table: Table, source: Source, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    first = long_run(table, source, tmp_path, lambda f, m: None, frames=1500, sway=0.005, seed=610)
-    assert len(first["methods"]["modal"]) == 1
-    assert first["methods"]["modal"][0]["max_error"] < 0.01
-    again = long_run(table, source, tmp_path, lambda f, m: None, frames=1500, sway=0.005, seed=610)
+    monkeypatch.setattr(sys.modules[long_run.__module__], "WINDOW", 400)
+    first = long_run(table, source, tmp_path, lambda f, m: None, frames=2000, sway=0.005, seed=610)
+    # The stub is stiff and sways by less than a thousandth of its height: errors are compared with the sway.
+    share = [window["max_error"] / window["sway"] for window in first["methods"]["modal"]]
+    assert len(share) == 5
+    assert max(share) < 4.5e-4
+    assert max(share[1:]) <= 1.2 * share[0]
+    again = long_run(table, source, tmp_path, lambda f, m: None, frames=2000, sway=0.005, seed=610)
     assert first == again
     far = beyond(table, source, frames=300)
     assert far["extrapolation_ratio"] > 1
@@ -264,7 +269,7 @@ def test_the_command_needs_only_the_table_and_fails_without_its_model(folder: Pa
     assert result.exit_code == 0, result.output
     found = json.loads(out.read_text())
     assert set(found["winds"]["step"]) >= {"modal", "paper", "paper-literal", "rest-pose", "floor"}
-    assert found["winds"]["perlin"]["modal"]["max_error"] < 0.01
+    assert all(wind["modal"]["max_error_of_sway"] < 4e-4 for wind in found["winds"].values())
     assert picture.stat().st_size > 1000
     missing = CliRunner().invoke(app, ["evaluate", str(folder / "tree.gwt"), "--cache-dir", str(tmp_path)])
     assert missing.exit_code == 1

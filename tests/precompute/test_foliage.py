@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from galewood.model.silhouette import silhouette_area
 from tests.precompute import tree_meshes as make
 from tests.precompute.tet_meshes import Y_SEGMENTS, y_mesh
 
-WOOD = SimpleNamespace(density_kg_m3=900.0, drag_coefficient=0.5)
+WOOD: Any = SimpleNamespace(density_kg_m3=900.0, drag_coefficient=0.5)
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,8 @@ def source(mass_kg: float = 1.0, mode: float = 1.0) -> Source:
 
 
 def key(table: Table = TABLE, of: Source | None = None, **settings: Any) -> str:
-    return long_run_key(table, of or source(), **{"frames": 1500, "sway": 0.1, "seed": 1, **settings})
+    chosen: dict[str, Any] = {"frames": 1500, "sway": 0.1, "seed": 1, **settings}
+    return long_run_key(table, of or source(), **chosen)
 
 
 def test_the_key_is_reproducible() -> None:

@@ -70,8 +70,62 @@ def test_turning_a_tree_is_equivalent_to_turning_the_wind() -> None:
     # Yaw ψ turns the tree by ψ about y: in its own frame the wind comes from −ψ.
     straight, turned = PaperForest(TABLE, 1), PaperForest(TABLE, 1)
     turned.set_trees([0.0], [0.0], [np.pi / 2], [1.0])
-    assert np.array_equal(blown(straight, (0.0, 4.0), 80)[-1].shape, blown(turned, (4.0, 0.0), 80)[-1].shape)
+    tracks = blown(straight, (0.0, 4.0), 80), blown(turned, (4.0, 0.0), 80)
+    assert np.abs(tracks[0][-1]).max() > 1e-3
+    assert np.array_equal(*tracks)
     assert straight.record.tolist() == turned.record.tolist()
+    opposite = PaperForest(TABLE, 1)
+    assert not np.allclose(blown(opposite, (0.0, -4.0), 80), tracks[0], atol=1e-3)
+
+
+def walk_by_brute_force(pressure_pa: np.ndarray, still_air: bool) -> np.ndarray:
+    """(T,) records of Algorithm 1, each found among all candidates, with none of the search's shortcuts."""
+    metadata = TABLE.metadata
+    initial, maximum, growth = (metadata["weight"][name] for name in ("initial", "maximum", "growth"))
+    air = TABLE.pressure_pa.astype(np.float64)
+    calm, last = np.asarray(~air.any(axis=1)), TABLE.trajectory[1:].astype(int) - 1
+    record, weight, found = -1, 0.0, []
+    for f in pressure_pa:
+        moving, state = bool(f.any()), record + 1
+        squared = ((f - air) ** 2).sum(axis=1)
+        if state == 0 or (still_air and moving and calm[state]):
+            error, pool = squared, np.setdiff1d(np.arange(len(air)), last)
+        else:
+            row = slice(int(TABLE.offsets[state]), int(TABLE.offsets[state + 1]))
+            pool = TABLE.candidate[row].astype(int)
+            error = np.full(len(air), np.inf)
+            internal = TABLE.mismatches[row] / float(metadata["components"])
+            external = -np.expm1(-squared[pool] / (2 * float(metadata["sigma_pa"]) ** 2))
+            error[pool] = (1 - weight) * internal + weight * external
+        allowed = pool[calm[pool] != moving] if still_air else pool
+        pool = allowed if len(allowed) else pool
+        best = pool[error[pool] <= error[pool].min() + 1e-12]
+        chosen = state if state in best and state > 0 else int(best.min())
+        weight = min(maximum, weight + growth) if chosen == state and record >= 0 else initial
+        record = chosen
+        found.append(record)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("still_air", [False, True])
+def test_the_records_are_those_of_a_brute_force_walk(still_air: bool) -> None:
+    print("seed 611")
+    rng = np.random.default_rng(611)
+    # Held for ten steps each, as gusts are: otherwise hardly any record is followed by its successor.
+    pressure = np.repeat(rng.normal(0.0, 0.4 * STRONG, (60, 2)), 10, axis=0)
+    pressure[200:260] = 0.0
+    forest = PaperForest(TABLE, 1, pose_easing=0.0, still_air=still_air)
+    records, poses = [], []
+    for x, z in pressure:
+        forest.advance(DT_S * (1 + 1e-9), [x], [z])
+        records.append(int(forest.record[0]))
+        poses.append(forest.q[0].copy())
+    expected = walk_by_brute_force(pressure.astype(np.float32).astype(np.float64), still_air)
+    assert len(np.unique(expected)) > 20
+    assert records == expected.tolist()
+    # A shown pose is the one before the step that was just made.
+    exact = np.cumsum(TABLE.dq[expected].astype(np.float64), axis=0) * TABLE.mode_scale
+    assert np.allclose(poses[1:], exact[:-1], atol=1e-5)
 
 
 def test_the_literal_method_sums_the_increments_of_its_records() -> None:

@@ -76,7 +76,7 @@ def test_needle_keeps_its_mass_but_has_a_minimum_stiffness(thick_y):
     lumped = type("LumpedMasses", (), {"mass_kg": 0, "drag_area_m2": 0, "fixed": np.arange(9)})
     made = [
         wood_elements(replace(mesh, radius_ratio=np.full(len(mesh.tets), ratio)), skeleton,
-                      wood_of_species("maple"), lumped)
+                      wood_of_species("maple"), lumped)  # pyright: ignore[reportArgumentType]
         for ratio in (1.0, STIFFNESS_FLOOR, 0.02)
     ]  # fmt: skip
     assert np.allclose(made[1].axial, STIFFNESS_FLOOR**4 * made[0].axial)
@@ -93,7 +93,7 @@ def test_tree_of_needles_is_stable_in_a_storm():
     lumped = LumpedMasses(
         np.full(count, 5.0 / count),
         np.full(count, 4.0 / count),
-        root_vertices(mesh.vertices_m, mesh.tets),
+        root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32),
         {},
     )
     model = build_model(

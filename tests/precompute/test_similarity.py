@@ -5,7 +5,7 @@ import pytest
 from galewood.search.similarity import InternalStates, compared, mismatch_rows
 
 
-def naive_mismatches(states: InternalStates, c: int, j: int, rms: np.ndarray) -> int:
+def naive_mismatches(states: InternalStates, c: int, j: int, rms: list[np.ndarray]) -> int:
     """Eq. 12–14 literally: all nine entries of the block, ranges from record j."""
     full = [[0, 3, 4], [3, 1, 5], [4, 5, 2]]
     count = 0

@@ -1,5 +1,7 @@
 """Thickening, wrapping and meshing of shapes with known radius and volume."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from galewood.mesh.repair import Surface, face_components, open_edges, volume
@@ -111,7 +113,7 @@ def test_volume_is_restored_by_a_uniform_offset(meshed):
 
 
 def test_mesher_crash_raises_mesh_error():
-    bad = {"vertices": np.zeros((4, 3)), "faces": np.array([[0, 1, 2], [1, 2, 3]], dtype=np.int32)}
+    bad: Any = {"vertices": np.zeros((4, 3)), "faces": np.array([[0, 1, 2], [1, 2, 3]], dtype=np.int32)}
     settings = {"epsilon": np.float64(1e-3), "edge_length": np.float64(0.05), "stop_energy": np.float64(30.0)}
     with pytest.raises(MeshError) as caught:
         run_limited(

@@ -7,7 +7,7 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -292,6 +292,6 @@ def test_states_in_transition_are_always_valid() -> None:
             if "spectral" in rule.models and not rule.whole
         }
         state = transition.change_wind(
-            state, Wind(model="spectral", seed=int(rng.integers(3)), **wild), 0.17 * k
+            state, Wind(model="spectral", seed=int(rng.integers(3)), **cast(Any, wild)), 0.17 * k
         )
         assert parse_state(json.loads(json.dumps(state.document()))) == state

@@ -43,7 +43,7 @@ def slope(frequency: np.ndarray, power: np.ndarray, low: float, high: float) -> 
     edges = np.geomspace(low, high, 13)
     bins = [(frequency >= a) & (frequency < b) for a, b in itertools.pairwise(edges)]
     points = [(np.log(frequency[b]).mean(), np.log(power[b].mean())) for b in bins if b.any()]
-    return float(np.polyfit(*np.array(points).T, 1)[0])
+    return float(np.polyfit(*np.array(points, np.float64).T, deg=1)[0])
 
 
 def spectrum(seed: int, beta: float) -> tuple[np.ndarray, np.ndarray]:

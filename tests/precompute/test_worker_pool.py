@@ -31,10 +31,12 @@ def test_results_and_exceptions_are_returned() -> None:
 
 
 def test_exception_aborts_running_tasks() -> None:
+    process: psutil.Process | None = None
     with pytest.raises(KeyError), WorkerPool(1) as pool:
         process = psutil.Process(pool.start(os.getpid).result())
         pool.start(time.sleep, 600)
         raise KeyError
+    assert process is not None
     process.wait(60)
 
 

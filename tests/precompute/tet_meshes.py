@@ -19,7 +19,7 @@ def grid_mesh(holds, low, high, cell) -> TetMesh:
     vertices = np.array(low) + corner * cell
     tets = tets[holds(vertices[tets].mean(axis=1))]
     vertices, tets, _ = largest_component(vertices.astype(float), tets)
-    return TetMesh(vertices, tets, np.ones(len(tets)), {})
+    return TetMesh(vertices, tets.astype(np.int32), np.ones(len(tets)), {})
 
 
 def near_segment(points, start, end, radius):

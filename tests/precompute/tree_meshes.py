@@ -3,6 +3,7 @@
 import base64
 import json
 import struct
+from typing import Any
 
 import numpy as np
 from galewood.mesh.render_mesh import render_glb
@@ -98,10 +99,10 @@ def ply_bytes(surface: Surface, vertices=None) -> bytes:
     return head.encode() + surface.vertices.astype("<f4").tobytes() + face.tobytes()
 
 
-def gltf_document(surface: Surface, uri: str | None = None, quantised=False) -> dict:
+def gltf_document(surface: Surface, uri: str | None = None, quantised=False) -> dict[str, Any]:
     """A glTF with one mesh; its buffer is a data URI unless `uri` is given; optionally 16-bit normalised."""
     positions = surface.vertices.astype("<f4")
-    node: dict = {"mesh": 0}
+    node: dict[str, Any] = {"mesh": 0}
     component, normalised = 5126, False
     if quantised:
         scale = float(np.abs(surface.vertices).max())
@@ -134,5 +135,5 @@ def _data_uri(blob: bytes) -> str:
     return "data:application/octet-stream;base64," + base64.b64encode(blob).decode()
 
 
-def gltf_bytes(document: dict) -> bytes:
+def gltf_bytes(document: dict[str, Any]) -> bytes:
     return json.dumps(document).encode()

@@ -1,4 +1,4 @@
-"""Speed and memory: what ``galewood bench`` measures, part by part."""
+"""The parts of ``galewood bench``: speed and memory."""
 
 from __future__ import annotations
 
@@ -17,21 +17,24 @@ from galewood.mesh import ImportOptions
 from galewood.pipeline import BuildOptions
 from galewood.table import decode
 
-__all__ = ["PARTS", "run_bench"]
+__all__ = ["PARTS", "chosen_parts", "run_bench"]
 
 PARTS = {
-    "fem": "a step of the finite elements, beside the same with scipy's general sparse solver",
-    "samples": "the 6,480 samples of a table by the fast elements, beside the reference",
-    "build": "a build by stages: wall and CPU seconds, memory; the table's bytes",
-    "lookup": "the paper's search with 35 and with 435 sampled elements",
-    "modal": "a step of 10,000 trees by the drift-free method and by the paper's search",
-    "wind": "the wind at 10,000 trees, for each model",
+    "fem": "a finite-element step, and the same step with other sparse direct solvers",
+    "samples": "the 6,480 samples of a table with the fast and with the reference elements",
+    "build": "a build by stage: wall and CPU seconds, memory; the table's size",
+    "lookup": "the paper's state search with 35 and with 435 sampled elements",
+    "modal": "a step of 10,000 trees with the modal model and with the paper's state search",
+    "wind": "the pressure at 10,000 trees, for each wind model",
 }
+FORMER_NAMES = {"tangent": "modal"}
+"""Former part name → present name, still accepted."""
+FEM_STEPS, QUICK_FEM_STEPS = 60, 15
 RECORDED_POINTS = 140
 
 
 class Bench:
-    """The parts of one run, with what they have in common: a tree, a cache, a table."""
+    """One run of the bench: the parts share a tree, a cache and, once built, a table."""
 
     def __init__(self, mesh: Path, cache_dir: Path, *, quick: bool, table: Path | None) -> None:
         self._mesh, self._cache_dir, self._quick = mesh, cache_dir, quick
@@ -41,8 +44,9 @@ class Bench:
     def fem(self, on_progress: OnProgress) -> Any:
         on_progress(0.0, "Preparing the tree")
         model, _, _ = prepared(self._mesh, self._options, self._cache_dir)
-        on_progress(0.5, "Stepping the finite elements")
-        return bench_fem(model, np.linspace(0, model.vertex_count - 1, RECORDED_POINTS).astype(np.int32))
+        on_progress(0.5, "Timing the finite-element step")
+        points = np.linspace(0, model.vertex_count - 1, RECORDED_POINTS).astype(np.int32)
+        return bench_fem(model, points, steps=QUICK_FEM_STEPS if self._quick else FEM_STEPS)
 
     def samples(self, on_progress: OnProgress) -> Any:
         return bench_samples(
@@ -50,7 +54,7 @@ class Bench:
         )
 
     def build(self, on_progress: OnProgress) -> Any:
-        # In a folder of its own: nothing may be there already.
+        # In an empty folder, so that no stage is skipped because of cached results.
         with tempfile.TemporaryDirectory(dir=self._cache_dir) as folder:
             figures, self._table = bench_build(self._mesh, self._options, Path(folder), on_progress)
         return figures
@@ -63,11 +67,11 @@ class Bench:
     def modal(self, on_progress: OnProgress) -> Any:
         if self._table is None:
             _, self._table = bench_build(self._mesh, self._options, self._cache_dir, on_progress)
-        on_progress(0.9, "Stepping 10,000 trees")
+        on_progress(0.9, "Timing a step of 10,000 trees")
         return bench_forest(decode(self._table))
 
     def wind(self, on_progress: OnProgress) -> Any:
-        on_progress(0.0, "Blowing at 10,000 trees")
+        on_progress(0.0, "Timing the wind at 10,000 trees")
         return bench_wind()
 
 
@@ -79,13 +83,29 @@ def run_bench(
     table: Path | None = None,
     on_progress: OnProgress,
 ) -> dict[str, Any]:
-    """The figures of the parts asked for (none: all). A ``table`` at hand saves ``tangent`` a build."""
-    chosen = [part for part in PARTS if part in parts or not parts]
+    """JSON-able results of the requested parts (none given: all), by part name.
+
+    With a ``table`` file, the part ``modal`` does not have to build one. Raises ValueError for an unknown
+    part.
+    """
+    chosen = chosen_parts(parts)
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(mesh, Path(folder), quick=quick, table=table)
         return {
             part: getattr(bench, part)(_share(on_progress, k, len(chosen))) for k, part in enumerate(chosen)
         }
+
+
+def chosen_parts(names: Sequence[str]) -> list[str]:
+    """The requested parts (none given: all) in the order they run; accepts former names.
+
+    Raises ValueError for an unknown part.
+    """
+    wanted = {FORMER_NAMES.get(name, name) for name in names}
+    unknown = sorted(wanted - set(PARTS))
+    if unknown:
+        raise ValueError(f"unknown part {unknown[0]!r}; choose from {', '.join(PARTS)}")
+    return [part for part in PARTS if part in wanted or not wanted]
 
 
 def _share(on_progress: OnProgress, k: int, count: int) -> Callable[[float, str], None]:

@@ -1,4 +1,4 @@
-"""What the samples of a table cost: the paper's 6,480 steps by the fast elements and by the reference."""
+"""CPU time of a table's samples: the paper's 6,480 steps with the fast elements and with the reference."""
 
 from __future__ import annotations
 
@@ -24,10 +24,11 @@ QUICK_WINDS = 3
 def bench_samples(
     mesh: Path, options: BuildOptions, cache_dir: Path, *, quick: bool, on_progress: OnProgress
 ) -> Any:
-    """CPU seconds of all cosine winds by the fast elements, and of the reference, one core each.
+    """CPU seconds of all cosine winds with the fast elements and with the reference, on one core each.
 
-    The fast ones run every wind (``quick``: three, and the rest by proportion), recording as for a table. The
-    reference runs 180 frames of one wind (20), and the rest is by proportion: each step costs the same.
+    The fast elements simulate every wind and record what a table records (``quick``: three winds,
+    extrapolated). The reference simulates 180 frames of one wind (``quick``: 20), extrapolated to all frames:
+    every step costs the same.
     """
     on_progress(0.0, "Preparing the tree")
     fast, reference, points = prepared(mesh, options, cache_dir)
@@ -57,7 +58,7 @@ def bench_samples(
 
 
 def prepared(mesh: Path, options: BuildOptions, cache_dir: Path) -> tuple[FemModel, FemModel, Any]:
-    """A tree's fast model, its reference, and the vertices to record."""
+    """A tree's model with fast elements, that with quadratic elements, and the vertices to record (k,)."""
     tree, _ = import_mesh_sandboxed(mesh.read_bytes(), mesh.name, options.mesh_import)
     made = tree_model(tree, None, options.target_tets, cache_dir, options.fem)
     points = np.unique(made.tets.tets[sampled_elements(made.tets, made.skeleton, options.sampled_elements)])
@@ -72,7 +73,7 @@ def _height_m(model: FemModel) -> float:
 def _seconds(
     model: FemModel, winds: Sequence[SampleWind], points: Any, on_progress: Callable[[float], None]
 ) -> float:
-    """CPU seconds of this thread; the first step, which may compile, is not counted."""
+    """CPU seconds of this thread. A first step, which may compile, is not counted."""
     simulator, dt_s = Simulator(model), model.settings.dt_s
     sample_trajectory(simulator, SampleWind("first", 0.0, winds[0].pressure_pa[:1]), points, dt_s)
     spent = 0.0

@@ -1,4 +1,4 @@
-"""What a table costs: its build by stages and in memory, its bytes, and a step of a forest that plays it."""
+"""Cost of a table: build time by stage, memory, size, and a step of a forest that plays it."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ STEPS, REPEATS = 60, 3
 def bench_build(
     mesh: Path, options: BuildOptions, cache_dir: Path, on_progress: OnProgress
 ) -> tuple[dict[str, Any], bytes]:
-    """A build with everything that it hands out, by stages: wall and CPU seconds, memory; and its table."""
-    begun, handed_out_s = time.perf_counter(), dict[str, float]()
+    """Wall and CPU seconds of a build by stage, its memory and its publications; and the table's bytes."""
+    begun, published_s = time.perf_counter(), dict[str, float]()
 
     def publish(name: str, _content: bytes) -> None:
         shown = "tetrahedra" if name.startswith("tets-") else name
-        handed_out_s[shown] = time.perf_counter() - begun
+        published_s[shown] = time.perf_counter() - begun
 
     with PeakMemory() as memory:
         result = build_table(
@@ -46,7 +46,7 @@ def bench_build(
         "tree": mesh.stem,
         "wall_s": wall_s | {"total": sum(wall_s.values())},
         "cpu_s": cpu_s | {"total": sum(cpu_s.values())},
-        "handed_out_after_s": handed_out_s,
+        "published_after_s": published_s,
         "peak_memory_mb": {
             "parent": memory.parent_mb,
             "largest_worker": memory.child_mb,
@@ -62,7 +62,7 @@ def _reporter(on_progress: OnProgress, what: str) -> Callable[[Progress], None]:
 
 
 def sizes(table: Table, data: bytes, vertices: int) -> dict[str, Any]:
-    """Bytes of a table, as they go over the wire, and of Δu as the paper keeps it (float32, all vertices)."""
+    """Bytes of a table, stored and compressed, and of Δu as the paper stores it (float32, all vertices)."""
     return {
         "records": len(table.dq),
         "modes": len(table.mode_scale),
@@ -76,7 +76,7 @@ def sizes(table: Table, data: bytes, vertices: int) -> dict[str, Any]:
 def bench_search(
     mesh: Path, options: BuildOptions, cache_dir: Path, *, quick: bool, on_progress: OnProgress
 ) -> Any:
-    """The paper's search with 35 and with 435 sampled elements; the frames of each wind are the same."""
+    """The paper's state search with 35 and with 435 sampled elements, both with as many frames."""
     frames = QUICK_FRAMES if quick else COMPARED_FRAMES
     found: dict[str, Any] = {"frames_per_wind": frames, "trees": SEARCHED_TREES}
     for k, count in enumerate(ELEMENTS):
@@ -101,31 +101,31 @@ def bench_search(
 
 
 def bench_forest(table: Table) -> dict[str, Any]:
-    """A step of a large forest by both methods, one core, in gusts: {method: {ms, us_per_tree}}."""
-    made = {"drift_free": swaying, "paper": searching}
+    """CPU time of a step of a large forest in gusts, on one core: {method: {ms, us_per_tree}}."""
+    made = {"modal": swaying, "paper": searching}
     us = {name: step_us(make(table, FOREST_TREES), table, FOREST_TREES) for name, make in made.items()}
     steps = {name: {"ms": value * FOREST_TREES / 1e3, "us_per_tree": value} for name, value in us.items()}
     return {"trees": FOREST_TREES, **steps}
 
 
 def searching(table: Table, trees: int) -> PaperForest:
-    """A forest by the paper's search."""
+    """A forest that plays the table with the paper's state search."""
     return PaperForest(table, trees)
 
 
 def swaying(table: Table, trees: int) -> ModalForest:
-    """A forest by the drift-free method."""
+    """A forest that plays the table with the modal model."""
     return ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, trees)
 
 
 def step_us(forest: Forest, table: Table, trees: int) -> float:
-    """CPU µs of one step of one tree, in a forest of this many under a gusty wind: the best repeat's mean."""
+    """CPU µs per tree and step in a forest of ``trees`` in gusts: the mean of the fastest repeat."""
     x, z, yaw, _ = grid_placements(trees)
     forest.set_trees(x, z, yaw, np.ones(trees))
     dt_s = float(table.metadata["dt_s"])
     pressure = np.zeros((2, trees), np.float32)
     best = np.inf
-    for repeat in range(REPEATS + 1):  # the first one may compile, and starts from rest
+    for repeat in range(REPEATS + 1):  # the first repeat may compile and starts from rest: not counted
         spent = 0.0
         for step in range(STEPS):
             wind_pressure(Wind(), x, z, (repeat * STEPS + step) * dt_s, pressure[0], pressure[1])

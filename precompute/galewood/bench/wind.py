@@ -1,4 +1,4 @@
-"""How long the wind of a large forest takes, for each model."""
+"""Time of the wind at a large forest, for each wind model."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ FRAME_S = 1.0 / 30.0
 
 
 def bench_wind(trees: int = 10_000, frames: int = 60) -> dict[str, Any]:
-    """Milliseconds for the pressure at every tree in one frame: {model: {median_ms, worst_ms, prepare_ms}}.
+    """Wall milliseconds per frame for the pressure at every tree: {model: {median_ms, worst_ms, prepare_ms}}.
 
-    ``prepare_ms`` is the first frame: it makes the model's picture (and compiles, if nothing is cached).
+    ``prepare_ms`` is the first frame, which prepares the model's texture (and compiles, unless cached).
     """
     return {"trees": trees, **{model: _bench_model(model, trees, frames) for model in MODELS}}
 

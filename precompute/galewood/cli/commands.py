@@ -48,17 +48,17 @@ def export(
     out: Annotated[Path, typer.Argument(help="Animated GLB to write.")],
     mesh: Annotated[
         Path | None,
-        typer.Option(exists=True, dir_okay=False, help="The mesh it moves; else the .glb beside the table."),
+        typer.Option(exists=True, dir_okay=False, help="Mesh of the table; default: TABLE with .glb."),
     ] = None,
     speed: Annotated[float, typer.Option(help="Mean wind speed, m/s.")] = 8.0,
-    direction: Annotated[float, typer.Option(help="Direction the wind blows towards, degrees.")] = 30.0,
-    gustiness: Annotated[float, typer.Option(help="0 steady … 1 wild.")] = 0.5,
-    seed: Annotated[int, typer.Option(help="Another seed, other gusts.")] = 1,
-    seconds: Annotated[float, typer.Option(min=0.1, max=600.0, help="How long to play.")] = 10.0,
-    loop: Annotated[bool, typer.Option("--loop", help="End as it begins.")] = False,
-    run: Annotated[str | None, typer.Option(help="Instead of a wind: a run of the table, by name.")] = None,
+    direction: Annotated[float, typer.Option(help="Direction that the wind blows towards, degrees.")] = 30.0,
+    gustiness: Annotated[float, typer.Option(help="Gustiness, 0 (steady) to 1.")] = 0.5,
+    seed: Annotated[int, typer.Option(help="Seed of the gusts.")] = 1,
+    seconds: Annotated[float, typer.Option(min=0.1, max=600.0, help="Length of the animation, s.")] = 10.0,
+    loop: Annotated[bool, typer.Option("--loop", help="Make the last frame lead into the first.")] = False,
+    run: Annotated[str | None, typer.Option(help="Export this sampled run instead of a wind.")] = None,
 ) -> None:
-    """Write a tree swaying in a wind as an animated GLB (morph targets) for other programs."""
+    """Write a tree that sways in a wind as an animated GLB (morph targets) for other programs."""
     from galewood.export import ExportError, animated_glb, blown, sampled
     from galewood.table import TableError, decode
     from galewood.wind import Wind
@@ -81,27 +81,28 @@ def evaluate(
     table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
     mesh: Annotated[
         Path | None,
-        typer.Option(exists=True, dir_okay=False, help="The mesh it moves; else the .glb beside the table."),
+        typer.Option(exists=True, dir_okay=False, help="Mesh of the table; default: TABLE with .glb."),
     ] = None,
     model: Annotated[
         Path | None,
-        typer.Option(exists=True, dir_okay=False, help="The model's file; else the cache's that fits."),
+        typer.Option(exists=True, dir_okay=False, help="Model file (.npz); default: found in the cache."),
     ] = None,
-    frames: Annotated[int, typer.Option(min=60, help="Frames of each wind.")] = 600,
-    strength: Annotated[float, typer.Option(help="Strongest wind, of the design speed.")] = 0.65,
+    frames: Annotated[int, typer.Option(min=60, help="Frames per wind.")] = 600,
+    strength: Annotated[float, typer.Option(help="Peak of the winds over the design speed.")] = 0.65,
     sway: Annotated[
         float | None, typer.Option(help="Scale each wind until the tree sways by this share of its height.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Turns and times the winds.")] = 20_001,
+    seed: Annotated[int, typer.Option(help="Seed of the winds' directions and timing.")] = 20_001,
     long: Annotated[
-        int, typer.Option(help="Frames of a long run of gusts at --sway (else 0.1), and beyond the sampled.")
+        int,
+        typer.Option(help="Frames of an extra long run of gusts at --sway (default 0.1), and beyond."),
     ] = 0,
-    plot: Annotated[Path | None, typer.Option(help="Picture of the errors over time to write.")] = None,
-    workers: Annotated[int, typer.Option(help="Processes that run the finite elements.")] = 2,
+    plot: Annotated[Path | None, typer.Option(help="Plot of the errors over time to write.")] = None,
+    workers: Annotated[int, typer.Option(help="Processes for the finite-element simulations.")] = 2,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
 ) -> None:
-    """Compare a table with the finite elements it was made from, on winds that were not sampled."""
+    """Compare a table with the finite-element model it was made from, in winds that were not sampled."""
     from galewood.evaluation import SourceError, run_evaluation
     from galewood.util import MeshError
 
@@ -121,17 +122,18 @@ def evaluate(
 @app.command()
 def paper(
     out: Annotated[
-        Path, typer.Option(help="Document to write; its pictures go to the folder of its name.")
+        Path, typer.Option(help="Document to write; its pictures go into a folder of the same name.")
     ] = Path("docs/paper.md"),
     meshes: Annotated[
-        Path, typer.Option(exists=True, file_okay=False, help="Folder of poplar, maple and apricot.")
+        Path,
+        typer.Option(exists=True, file_okay=False, help="Folder with poplar.glb, maple.glb, apricot.glb."),
     ] = Path("assets/species"),
-    quick: Annotated[bool, typer.Option(help="One small tree, few frames: only to see it work.")] = False,
-    workers: Annotated[int, typer.Option(help="Processes that run the finite elements.")] = 2,
+    quick: Annotated[bool, typer.Option(help="One small tree and few frames, to try the command.")] = False,
+    workers: Annotated[int, typer.Option(help="Processes for the finite-element simulations.")] = 2,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
 ) -> None:
-    """Do every experiment of the paper again and write what comes out, beside the paper's own figures."""
+    """Repeat every experiment of the paper and write the results next to the paper's own figures."""
     from galewood.paper import full_plan, quick_plan, run_paper
 
     plan = full_plan(meshes, cache_dir, workers)
@@ -140,32 +142,33 @@ def paper(
     with progress_bar() as bar:
         figures = run_paper(plan, out, progress_reporter(bar))
     write_figures(json_out, figures)
-    console.print(f"{out} and its pictures are written")
+    console.print(f"Wrote {out} and its pictures")
 
 
 @app.command()
 def bench(
     parts: Annotated[
-        list[str] | None, typer.Argument(help="fem, samples, build, lookup, tangent, wind; none: all.")
+        list[str] | None, typer.Argument(help="fem, samples, build, lookup, modal, wind; default: all.")
     ] = None,
-    mesh: Annotated[Path, typer.Option(exists=True, dir_okay=False, help="Tree to measure with.")] = Path(
+    mesh: Annotated[Path, typer.Option(exists=True, dir_okay=False, help="Tree mesh to use.")] = Path(
         "assets/species/poplar.glb"
     ),
     table: Annotated[
         Path | None,
-        typer.Option(exists=True, dir_okay=False, help="Table for the part tangent: saves it a build."),
+        typer.Option(exists=True, dir_okay=False, help="Table for the part modal; otherwise it builds one."),
     ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer frames; the rest by proportion.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer frames, extrapolated.")] = False,
     json_out: JsonOut = None,
 ) -> None:
-    """Measure the FEM step, the samples, a build by stage, the lookup, a forest's step and the wind."""
-    from galewood.bench import PARTS, run_bench, sentences
+    """Measure the FEM step, the samples, a build by stage, the state search, a forest's step and the wind."""
+    from galewood.bench import chosen_parts, run_bench, sentences
 
-    unknown = set(parts or ()) - set(PARTS)
-    if unknown:
-        raise typer.BadParameter(f"no part {sorted(unknown)[0]!r}: there are {', '.join(PARTS)}")
+    try:
+        chosen = chosen_parts(parts or ())
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
     with progress_bar() as bar:
-        figures = run_bench(mesh, parts or (), quick=quick, table=table, on_progress=progress_reporter(bar))
+        figures = run_bench(mesh, chosen, quick=quick, table=table, on_progress=progress_reporter(bar))
     write_figures(json_out, figures)
     for sentence in sentences(figures):
         print(sentence)
@@ -173,13 +176,13 @@ def bench(
 
 @app.command()
 def verify(
-    quick: Annotated[bool, typer.Option(help="Elements, bars and poles alone, not the grown trees.")] = False,
-    species_dir: Annotated[Path, typer.Option(help="Folder of the grown species.")] = Path("assets/species"),
-    docs: Annotated[Path | None, typer.Option(help="Page whose table of checks to rewrite.")] = None,
+    quick: Annotated[bool, typer.Option(help="Elements, bars and poles only, no species.")] = False,
+    species_dir: Annotated[Path, typer.Option(help="Folder of the species.")] = Path("assets/species"),
+    docs: Annotated[Path | None, typer.Option(help="Markdown page whose table of checks to rewrite.")] = None,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
 ) -> None:
-    """Check the finite elements against exact solutions, a frame of beams, other programs and each other."""
+    """Check the finite elements against exact solutions, a beam frame, another program and each other."""
     from galewood.verify import Scope, run_checks, written_into
 
     scope = Scope(species_dir=None if quick else species_dir, cache_dir=cache_dir)

@@ -1,4 +1,4 @@
-"""What the commands have in common: a bar that shows how far they are, figures, files."""
+"""Helpers of the commands: progress bar, result files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ console = Console(stderr=True)
 
 
 def write_figures(path: Path | None, figures: dict[str, Any]) -> None:
-    """Figures as JSON: to a file, if one was asked for."""
+    """Write results as JSON to ``path``; None: nothing."""
     if path is not None:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(figures, indent=2, default=float) + "\n")
@@ -23,7 +23,7 @@ def write_figures(path: Path | None, figures: dict[str, Any]) -> None:
 
 @contextmanager
 def progress_bar() -> Generator[Progress]:
-    """A live bar with the stage, the share done and the time left."""
+    """A live bar with the stage, the completed share and the remaining time."""
     columns = (
         TextColumn("{task.description:<48}"),
         BarColumn(),
@@ -39,7 +39,7 @@ OnProgress = Callable[[float, str], None]
 
 
 def progress_reporter(bar: Progress) -> OnProgress:
-    """A function that moves a new task of the bar: fraction done, and what is being done."""
+    """A callback that updates a new task of the bar: completed fraction 0..1, and a message."""
     task = bar.add_task("Starting", total=1.0)
 
     def report(fraction: float, message: str) -> None:
@@ -49,7 +49,7 @@ def progress_reporter(bar: Progress) -> OnProgress:
 
 
 def file_writer(folder: Path) -> Callable[[str, bytes], None]:
-    """A function that writes files of a folder."""
+    """A callback that writes a file by name into ``folder``, which it creates when needed."""
 
     def write(name: str, content: bytes) -> None:
         folder.mkdir(parents=True, exist_ok=True)
@@ -59,7 +59,7 @@ def file_writer(folder: Path) -> Callable[[str, bytes], None]:
 
 
 def without_frames(figures: dict[str, Any]) -> dict[str, Any]:
-    """Figures without their long lists, for a screen."""
+    """Results without their per-frame lists, short enough for a terminal."""
     return {
         key: without_frames(value) if isinstance(value, dict) else value
         for key, value in figures.items()

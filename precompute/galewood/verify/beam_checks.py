@@ -14,17 +14,31 @@ from galewood.wood import wood_of_species
 
 WOOD = wood_of_species("poplar")
 LENGTH_M, RADIUS_M = 5.0, 0.06
-SECTIONS = (("triangle", 3, 1), ("square", 4, 1), ("hexagon", 6, 1), ("round (12 sides, 2 rings)", 12, 2))
-LIMITS: dict[Element, float] = {"quadratic": 0.05, "fitted": 0.10}
+SECTIONS = (
+    ("triangle", 3, 1, 0.045),
+    ("square", 4, 1, 0.03),
+    ("hexagon", 6, 1, 0.012),
+    ("round (12 sides, 2 rings)", 12, 2, 0.012),
+)
+"""Label, sides, rings, and the limit of the fast element's tip deflection."""
+REFERENCE_TIP_LIMIT = 0.0025
+FREQUENCY_LIMITS: dict[tuple[Element, str], float] = {
+    ("quadratic", "first"): 0.0025,
+    ("quadratic", "second"): 0.02,
+    ("fitted", "first"): 0.0035,
+    ("fitted", "second"): 0.03,
+}
+"""Euler-Bernoulli theory has no shear, which lowers the second frequency of the solid pole by about 1 %."""
 NAMES: dict[Element, str] = {"quadratic": "reference", "fitted": "fast"}
 
 
 def checks() -> Iterator[Check]:
     """All checks of this module."""
-    for label, sides, rings in SECTIONS:
+    for label, sides, rings, fast_limit in SECTIONS:
         bar = polygon_bar(sides=sides, rings=rings, radius_m=RADIUS_M, length_m=LENGTH_M, layers=40)
         exact = tip_deflection(1.0, LENGTH_M, WOOD.young_longitudinal_pa, bar.second_moment_m4)
-        for element, limit in LIMITS.items():
+        limits: dict[Element, float] = {"quadratic": REFERENCE_TIP_LIMIT, "fitted": fast_limit}
+        for element, limit in limits.items():
             tip = tip_under_force(weightless(bar, element), bar)
             yield relative(f"cantilever tip, {label}, {NAMES[element]}", exact, tip, "m", limit)
     yield from _convergence()
@@ -59,7 +73,7 @@ def _convergence() -> Iterator[Check]:
         errors.append(abs(tip_under_force(weightless(bar, "linear"), bar) / exact - 1))
     rate = float(np.log2(errors[-2] / errors[-1]))
     note = "errors " + ", ".join(f"{error:.1%}" for error in errors)
-    yield relative("linear tets: order of convergence of a cantilever's tip", 2.0, rate, "–", 0.35, note)
+    yield relative("linear tets: order of convergence of a cantilever's tip", 2.0, rate, "–", 0.25, note)
 
 
 def _sagging() -> Check:
@@ -77,7 +91,7 @@ def _sagging() -> Check:
     u, _, _ = solve_static(model.system(), load)
     weight = GRAVITY_M_S2 * WOOD.density_kg_m3 * standing.area_m2
     exact = sag(weight, 2.0, WOOD.young_longitudinal_pa, standing.second_moment_m4)
-    return relative("sag of a lying bar, reference", exact, float(-u[standing.tip, 1].mean()), "m", 0.03)
+    return relative("sag of a lying bar, reference", exact, float(-u[standing.tip, 1].mean()), "m", 0.025)
 
 
 def _pole_frequencies() -> Iterator[Check]:
@@ -93,12 +107,14 @@ def _pole_frequencies() -> Iterator[Check]:
             bar.second_moment_m4,
             tip_ratio,
         )
-        for element in LIMITS:
+        for element in NAMES:
             found = weightless(bar, element).report["frequencies_hz"]
             # Bending modes come in pairs, one per axis of the section.
             for mode, index in (("first", 0), ("second", 2)):
                 name = f"{label} pole, {mode} frequency, {NAMES[element]}"
-                yield relative(name, float(exact[index // 2]), found[index], "Hz", 0.03)
+                yield relative(
+                    name, float(exact[index // 2]), found[index], "Hz", FREQUENCY_LIMITS[element, mode]
+                )
 
 
 def _softened() -> Check:
@@ -113,5 +129,5 @@ def _softened() -> Check:
     share = 1 - exact**2
     note = f"at {share:.0%} of the buckling load"
     return relative(
-        "standing pole: frequency over weightless frequency", exact, heavy / light, "–", 0.02, note
+        "standing pole: frequency over weightless frequency", exact, heavy / light, "–", 0.002, note
     )

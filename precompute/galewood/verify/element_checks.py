@@ -22,10 +22,10 @@ def checks() -> Iterator[Check]:
     for element in ("linear", "quadratic"):
         system = element_system(bar, element)
         yield absolute(
-            f"patch test, {element}: force inside under uniform strain", patch_error(system), 1e-10
+            f"patch test, {element}: force inside under uniform strain", patch_error(system), 1e-12
         )
-        yield absolute(f"rigid translation, {element}: force", rigid_error(system, turn=0.0), 1e-9)
-        yield absolute(f"rigid rotation, {element}: force", rigid_error(system, turn=2.0), 1e-9)
+        yield absolute(f"rigid translation, {element}: force", rigid_error(system, turn=0.0), 1e-12)
+        yield absolute(f"rigid rotation, {element}: force", rigid_error(system, turn=2.0), 1e-12)
     yield from _against_scikit_fem()
 
 
@@ -100,7 +100,7 @@ def _against_scikit_fem() -> Iterator[Check]:
         except ImportError:
             yield skipped(name, "scikit-fem is not installed (a development dependency)")
             continue
-        yield absolute(name, float(np.abs(ours - theirs).max() / theirs.max()), 1e-10)
+        yield absolute(name, float(np.abs(ours - theirs).max() / theirs.max()), 1e-12)
 
 
 def stiffness_eigenvalues(element: str) -> tuple[Floats, Floats]:

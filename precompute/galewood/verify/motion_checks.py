@@ -15,6 +15,9 @@ from galewood.wood import wood_of_species
 WOOD = wood_of_species("poplar")
 SCHEMES: tuple[tuple[Scheme, str], ...] = (("tr-bdf2", "TR-BDF2"), ("backward-euler", "backward Euler"))
 
+FREQUENCY_LIMITS: dict[Scheme, float] = {"tr-bdf2": 0.003, "backward-euler": 0.02}
+"""Backward Euler lowers the frequency of a mode by about (ω Δt)²/4, here 1 %."""
+
 
 def checks() -> Iterator[Check]:
     """All checks of this module."""
@@ -23,15 +26,15 @@ def checks() -> Iterator[Check]:
     for scheme, label in SCHEMES:
         settings = replace(model.settings, scheme=scheme)
         found_hz, ratio = ring_down(replace(model, settings=settings), 0)
-        yield relative(f"ring-down frequency, {label}", frequency, found_hz, "Hz", 0.02)
+        yield relative(f"ring-down frequency, {label}", frequency, found_hz, "Hz", FREQUENCY_LIMITS[scheme])
         expected = shown_ratio(settings, 2 * np.pi * frequency, WOOD.damping_ratio)
         if scheme == "tr-bdf2":
             yield relative(
-                f"ring-down damping against the wood's, {label}", WOOD.damping_ratio, ratio, "–", 0.1
+                f"ring-down damping against the wood's, {label}", WOOD.damping_ratio, ratio, "–", 0.005
             )
         else:
             note = f"of it {WOOD.damping_ratio:g} the wood's"
-            yield relative(f"ring-down damping against theory, {label}", expected, ratio, "–", 0.1, note)
+            yield relative(f"ring-down damping against theory, {label}", expected, ratio, "–", 0.0005, note)
     yield absolute(
         "energy in still air: largest rise in a step over the first", energy_rise(model, 120), 1e-6
     )
