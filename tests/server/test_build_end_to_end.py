@@ -200,7 +200,7 @@ def assert_evaluates(
         assert shown["methods"]["modal"]["max_error"] < 0.5 * shown["sway"]
     picture = api.get(found["plot"])
     assert picture.content.startswith(b"\x89PNG") and picture.headers["content-type"] == "image/png"
-    assert not list((server.data_dir / "cache" / "studies").glob("*"))
+    assert not list((server.data_dir / "cache" / "analyses").glob("*"))
 
 
 def assert_sways(server: Server, table_sha256: str) -> None:

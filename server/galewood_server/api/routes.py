@@ -5,23 +5,19 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from galewood_server.api import (
-    artefacts,
-    comparisons,
-    evaluations,
     events,
     health,
-    job_pictures,
     jobs,
     metrics,
     revisions,
     socket,
-    tables,
-    thumbnails,
     trees,
     uploads,
     winds,
     wood_species,
 )
+from galewood_server.api.analyses import comparisons, evaluations
+from galewood_server.api.files import artefacts, job_pictures, tables, thumbnails
 
 ROUTERS: tuple[APIRouter, ...] = tuple(
     module.router

@@ -186,7 +186,7 @@ def _about(options: Header) -> About:
             or not isinstance(value, str | int | float)
             or (isinstance(value, str) and len(value) > 200)
         ):
-            raise WireError("about must map short names to numbers, truth values or short texts")
+            raise WireError("about must map short names to numbers, booleans or short texts")
         if not isinstance(value, str | bool):
             number(about, name, -(2**53), 2**53)
     return about

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from galewood_server.api.artefacts import IMMUTABLE
+from galewood_server.api.files.artefacts import IMMUTABLE
 from galewood_server.http import ProblemError, etag_matches, not_found
 from galewood_server.storage import ACTIVE, ANALYSIS_INPUTS, FileStore, Job, JobKind, JobState, Tree
 

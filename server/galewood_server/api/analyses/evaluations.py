@@ -9,7 +9,7 @@ from fastapi.responses import FileResponse
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from sse_starlette import EventSourceResponse
 
-from galewood_server.api.analyses import (
+from galewood_server.api.analyses.common import (
     AnalysisOut,
     analysis_fields,
     analysis_settings,
@@ -17,8 +17,8 @@ from galewood_server.api.analyses import (
     computed_tree,
     result_file,
 )
-from galewood_server.api.artefacts import BINARY
 from galewood_server.api.events import feed_of, follow_job, stream
+from galewood_server.api.files.artefacts import BINARY
 from galewood_server.api.trees import find_tree
 from galewood_server.context import ServiceDep
 from galewood_server.http import NOT_MODIFIED, problems

@@ -10,7 +10,7 @@ from galewood.wind import parse_wind_or_state
 from pydantic import BaseModel, ConfigDict, Field
 from sse_starlette import EventSourceResponse
 
-from galewood_server.api.analyses import (
+from galewood_server.api.analyses.common import (
     AnalysisOut,
     analysis_fields,
     analysis_settings,

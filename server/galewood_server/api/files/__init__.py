@@ -1,0 +1,1 @@
+"""Files over REST: tables, meshes, thumbnails and pictures of a build."""
