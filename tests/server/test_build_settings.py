@@ -6,10 +6,12 @@ import json
 from typing import Any
 
 import pytest
+import typer
+from galewood.cli import app
 from galewood.options import BuildRequest
 from galewood.pipeline.options import BuildOptions, build_options
 from galewood.wood.species import SPECIES
-from galewood_server.http.schemas import JobRequest
+from galewood_server.http.schemas import BuildSettings, JobRequest
 from pydantic import ValidationError
 
 
@@ -49,3 +51,12 @@ def test_missing_settings_are_the_defaults() -> None:
 def test_invalid_settings_are_rejected(settings: dict[str, Any]) -> None:
     with pytest.raises(ValidationError):
         options_of(settings)
+
+
+def test_command_line_rest_and_python_have_the_same_options() -> None:
+    command = typer.main.get_command(app).commands["build"]  # type: ignore[attr-defined]
+    options = {name for parameter in command.params for name in parameter.opts}
+    for name in BuildRequest.model_fields:
+        assert f"--{name.replace('_', '-')}" in options
+    assert set(BuildSettings.model_fields) == set(BuildRequest.model_fields)
+    assert {"--tets", "--elements", "--design-speed", "--wind-frames"} <= options  # former names
