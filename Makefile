@@ -59,7 +59,7 @@ build/wheel/.made: $(VENV)/.base web/dist/index.html $(WHEEL_SOURCES)
 run: build ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DATA_DIR change where)
 	@$(BIN)/galewood serve
 
-test: check test-python test-web test-e2e ## set everything up and run every test
+test: check docs test-python test-web test-e2e ## set everything up and run every test
 
 check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
 	$(BIN)/ruff check .
