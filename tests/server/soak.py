@@ -88,6 +88,7 @@ class Soak:
             time.sleep(self.dice.uniform(0, 0.6))
 
     def measure(self) -> None:
+        assert self.server.process
         process = psutil.Process(self.server.process.pid)
         self.memory.append(process.memory_info().rss)
         self.handles.append(process.num_fds())
@@ -153,7 +154,7 @@ class Soak:
         def follow() -> None:
             with (
                 contextlib.suppress(httpx.TransportError),
-                self.galewood_server.cli.client() as api,
+                self.server.client() as api,
                 api.stream("GET", "/api/events", timeout=2) as answer,
             ):
                 for _ in answer.iter_lines():

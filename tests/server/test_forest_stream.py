@@ -8,6 +8,7 @@ import json
 import socket
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -53,8 +54,7 @@ def trees(count: int, seed: int = 11) -> npt.NDArray[np.float32]:
 def forest(mode: Any = "stream", count: int = 30, **changes: Any) -> wire.Forest:
     groups = (wire.Group(SHA256, count // 3), wire.Group(SHA256, count - count // 3))
     rows = trees(count) if mode == "stream" else np.zeros((0, 4), np.float32)
-    fields = {"groups": groups, "wind": BREEZE, "time_s": 5.0, "pose_easing": 0.02, "trees": rows}
-    return wire.Forest(mode=mode, **{**fields, **changes})
+    return replace(wire.Forest(mode, groups, BREEZE, 5.0, 0.02, rows), **changes)
 
 
 class Client:
@@ -209,8 +209,7 @@ def test_wind_changes_and_new_forests_take_effect(server: Server) -> None:
     with Client(server) as client:
         client.send(forest(wind=still))
         stream = client.frames()
-        for _ in range(10):
-            _, poses = next(stream)
+        _, poses = [next(stream) for _ in range(10)][-1]
         assert not any(rows.any() for rows in poses)
         client.send(wire.WindChange(BREEZE))
         assert any(any(rows.any() for rows in next(stream)[1]) for _ in range(90))

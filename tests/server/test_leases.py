@@ -55,6 +55,7 @@ def pair(tmp_path: Path) -> Iterator[Pair]:
     pair = Pair(tmp_path)
     yield pair
     for server in pair.servers:
+        assert server.process
         server.process.send_signal(signal.SIGCONT)
         server.stop()
 
@@ -89,6 +90,7 @@ def test_a_suspended_server_cannot_change_a_lost_job(pair: Pair) -> None:
     with pair.servers[0].client() as api:
         job = begin(api)
     busy, idle = pair.at_work("tree.obj")
+    assert busy.process
     family = [psutil.Process(busy.process.pid), *busy.family()]
     for one in family:
         one.suspend()

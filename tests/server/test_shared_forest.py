@@ -30,7 +30,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 def joining(share: str, **changes: Any) -> wire.Forest:
     """A request with only the id of a shared forest."""
-    none = {"groups": (), "trees": np.zeros((0, 4), np.float32)}
+    none: dict[str, Any] = {"groups": (), "trees": np.zeros((0, 4), np.float32)}
     return forest(share=share, **{**none, **changes})
 
 

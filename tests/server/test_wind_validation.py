@@ -67,7 +67,9 @@ def test_the_socket_rejects_winds_with_the_same_message(server: Server, case: di
         socket.send(wire.encode_request(wire.Hello("test")))
         socket.recv(timeout=10)
         socket.send(wire.encode_request(wire.WindChange(case["document"])))
-        reply = wire.decode_reply(socket.recv(timeout=10))
+        data = socket.recv(timeout=10)
+    assert isinstance(data, bytes)
+    reply = wire.decode_reply(data)
     assert isinstance(reply, wire.Failure)
     assert reply.code == "bad-wind"
     assert reply.title.startswith(f"{case['path']}: {case['expected']}")

@@ -43,7 +43,7 @@ def glb_of_faces(count: int) -> bytes:
     """A GLB with `count` triangles of the same three vertices and one-byte indices."""
     corners = 3 * count
     positions = np.eye(3, dtype="<f4").tobytes()
-    document = {
+    document: dict[str, object] = {
         "asset": {"version": "2.0"},
         "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
