@@ -140,7 +140,7 @@ def test_a_build_that_always_crashes_fails_eventually(api: httpx.Client) -> None
     tree = upload(api, b"worse", "crash.obj").json()
     job = api.post(f"/api/trees/{tree['id']}/precompute").json()
     last = list(progress(api, job["id"]))[-1]
-    assert last["state"] == "failed" and "ended with code" in last["error"]
+    assert last["state"] == "failed" and "ended with exit code" in last["error"]
 
 
 def test_delete_removes_unshared_files(api: httpx.Client, server: Server) -> None:
