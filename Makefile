@@ -59,7 +59,11 @@ build/wheel/.made: $(VENV)/.base web/dist/index.html $(WHEEL_SOURCES)
 run: build ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DATA_DIR change where)
 	@$(BIN)/galewood serve
 
-test: check docs test-python test-web test-e2e ## set everything up and run every test
+test: ## set everything up and run every test
+	@# what only reads the sources runs side by side, and so do both set-ups; the tests follow one after the other
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target check docs test-web
+	@$(MAKE) --no-print-directory test-python
+	@$(MAKE) --no-print-directory test-e2e
 
 check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
 	$(BIN)/ruff check .
