@@ -9,7 +9,15 @@ from typing import Annotated, Any
 import typer
 from pydantic import ValidationError
 
-from galewood.cli.tools import console, file_writer, progress_bar, progress_reporter, write_figures
+from galewood.cli.tools import (
+    CacheDir,
+    JsonOut,
+    console,
+    file_writer,
+    progress_bar,
+    progress_reporter,
+    write_figures,
+)
 from galewood.options import BuildRequest
 
 OLD_NAMES = {
@@ -47,8 +55,6 @@ Artefacts = Annotated[
         help="Folder for the pictures and the preliminary table, written as soon as they exist.",
     ),
 ]
-CacheDir = Annotated[Path, typer.Option(help="Folder for meshes and training runs, reused by later builds.")]
-JsonOut = Annotated[Path | None, typer.Option("--json", help="Write the report to this file.")]
 
 
 def build(
@@ -101,13 +107,12 @@ def build(
 
 def _request(chosen: dict[str, Any], wood: Path | None) -> BuildRequest:
     """The validated options; prints what is wrong, field by field, and exits."""
-    from galewood.wood import WoodDocument, WoodError, read_wood
+    from galewood.wood import WoodError, read_wood_document
 
     given = {name: value for name, value in chosen.items() if value not in (None, [])}
     try:
         if wood is not None:
-            read_wood(wood.read_bytes())
-            given["wood"] = WoodDocument.model_validate_json(wood.read_bytes())
+            given["wood"] = read_wood_document(wood.read_bytes())
         return BuildRequest.model_validate(given)
     except WoodError as error:
         problems = [f"{name}: {what}" for name, what in error.problems]

@@ -8,13 +8,19 @@ from typing import Annotated
 import typer
 
 from galewood.cli.build_command import register as register_build
-from galewood.cli.tools import console, progress_bar, progress_reporter, without_frames, write_figures
+from galewood.cli.tools import (
+    CacheDir,
+    JsonOut,
+    console,
+    progress_bar,
+    progress_reporter,
+    without_frames,
+    write_figures,
+)
 
 app = typer.Typer(
     no_args_is_help=True, add_completion=False, help="Tables of simulated tree motion, made and played."
 )
-JsonOut = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
-CacheDir = Annotated[Path, typer.Option(help="Where meshes and trajectories are kept for the next time.")]
 
 
 register_build(app)

@@ -6,11 +6,14 @@ import json
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+JsonOut = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
+CacheDir = Annotated[Path, typer.Option(help="Folder for meshes and training runs, reused by later runs.")]
 console = Console(stderr=True)
 
 

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from galewood.player import ModalForest
+from galewood.player import WindDrivenTrees
 from galewood.table import Table
 from galewood.util import Floats
-from galewood.wind import Wind, WindField, height_factor, limit_pressure, sampled_peak_pa
+from galewood.wind import Wind, WindField
 
 Json = dict[str, Any]
 
@@ -40,26 +40,19 @@ def blown(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Fl
     In a ``loop`` the last frame equals the first.
     """
     dt_s, field = float(table.metadata["dt_s"]), WindField(wind)
-    forest = ModalForest(table.modal, dt_s, table.mode_scale, 1)
+    tree = WindDrivenTrees(table, [[0.0, 0.0, 0.0, 1.0]])
     before, frames = round(SETTLE_S / dt_s), round(seconds / dt_s) + 1
-    track = np.array([_step(table, forest, field, dt_s * (k + 1)) for k in range(before + frames)])
+    track = np.empty((before + frames, tree.q.shape[1]))
+    for k in range(len(track)):
+        # a little more than the table's step, so that rounding never skips one
+        tree.step(field, dt_s * (k + 1), dt_s * (1 + 1e-12))
+        track[k] = tree.q[0]
     if not loop:
         return track[before:]
     blend = max(1, min(round(LOOP_S / dt_s), frames - 1, before))
     share = (np.arange(1, blend + 1) / blend)[:, None]
     track[-blend:] += share * (track[before - blend + 1 : before + 1] - track[-blend:])
     return track[before:]
-
-
-def _step(table: Table, forest: ModalForest, field: WindField, time_s: float) -> Floats:
-    """(r,) coordinates after one table step in the wind at the origin."""
-    wind, place, pressure = field.at(time_s).wind, np.zeros(1), np.zeros((2, 1), np.float32)
-    height_m = np.array([float(table.metadata["height_m"])])
-    factor = height_factor(height_m, wind.height_exponent, wind.reference_height_m)
-    field.pressure(place, place, time_s, pressure[0], pressure[1], factor)
-    limit_pressure(pressure[0], pressure[1], sampled_peak_pa(table.pressure_pa))
-    forest.advance(float(table.metadata["dt_s"]) * (1 + 1e-12), pressure[0], pressure[1])
-    return forest.q[0].astype(np.float64)
 
 
 def sampled(table: Table, name: str) -> Floats:

@@ -68,9 +68,14 @@ class WoodDocument(BaseModel):
 
 
 def read_wood(text: str | bytes) -> Wood:
+    """The wood of a JSON document. Raises WoodError with every invalid field."""
+    return read_wood_document(text).wood()
+
+
+def read_wood_document(text: str | bytes) -> WoodDocument:
     """Parse a JSON document. Raises WoodError with every invalid field."""
     try:
-        return WoodDocument.model_validate_json(text).wood()
+        return WoodDocument.model_validate_json(text)
     except ValidationError as error:
         problems = [(".".join(str(part) for part in one["loc"]), one["msg"]) for one in error.errors()]
         raise WoodError(problems) from None
