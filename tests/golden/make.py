@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import scipy.sparse
 from galewood.fem.model import FemSettings
-from galewood.pipeline.assemble import RenderMesh, TableSettings, assemble_table
+from galewood.pipeline.assemble import RenderMesh, Surroundings, TableSettings, assemble_table
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.reduction.training import ModalTraining, Size
 from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
 from galewood.sampling.training_winds import training_winds
 from galewood.table.format import Table, decode, encode
+from galewood.table.container import read_metadata
+from galewood.table.legacy import PAPER_NAMES
+from galewood.table.records import encode_records
 from galewood.wind.evaluation import Wind, wind_pressure
 from safetensors.numpy import load, save
 
@@ -39,9 +44,14 @@ SAVED_EVERY = 10
 def beam_runs(beam: Beam, frames: int = 60, design_speed_m_s: float = 12.0) -> list[Trajectory]:
     """All recorded runs that a table of the small system needs."""
     points = np.arange(beam.n)
-    winds: list[SampleWind] = sample_winds(design_speed_m_s, beam.dt_s, frames)
-    chosen = [wind for wind in winds if wind.name.startswith((*KINDS, "still"))]
-    return [sample_trajectory(beam, wind, points, beam.dt_s) for wind in chosen]
+    winds = beam_winds(beam, frames, design_speed_m_s)
+    return [sample_trajectory(beam, wind, points, beam.dt_s) for wind in winds]
+
+
+def beam_winds(beam: Beam, frames: int = 60, design_speed_m_s: float = 12.0) -> list[SampleWind]:
+    """The winds of the recorded runs."""
+    winds = sample_winds(design_speed_m_s, beam.dt_s, frames)
+    return [wind for wind in winds if wind.name.startswith((*KINDS, "still"))]
 
 
 def beam_mesh(beam: Beam) -> RenderMesh:
@@ -67,7 +77,6 @@ def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
         "species": "pole",
         "height_m": beam.height_m,
         "dt_s": beam.dt_s,
-        "sampled_elements": beam.n,
         "design_speed_m_s": 12.0,
         "mesh_sha256": "0" * 64,
         "frequencies_hz": [],
@@ -77,7 +86,8 @@ def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
     winds = training_winds(12.0, beam.dt_s)
     training = [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
     training = ModalTraining(beam.oscillators(), scheme(beam), training, sizes=[Size(5, 3, 5)])
-    return assemble_table(runs, beam.mass_kg, beam_mesh(beam), description, settings, training)
+    of = Surroundings(beam.mass_kg, beam_mesh(beam), description, settings)
+    return assemble_table(runs, beam_winds(beam, frames), training, of)
 
 
 def scheme(beam: Beam) -> FemSettings:
@@ -146,20 +156,42 @@ def sway_steps(table: Table) -> dict[str, Any]:
     return {"frames": frames, "every": 100, "trees": trees, "poses": poses}
 
 
+def version_6(data: bytes) -> bytes:
+    """A whole table of this version as version 6 wrote it: the same tensors, flat metadata."""
+    table = decode(data)
+    new = ("peak_pressure_pa", "reach_m")
+    metadata = {name: value for name, value in table.metadata.items() if name not in new}
+    records = {name: table.records.metadata[name] for name in PAPER_NAMES if name != "sampled_elements"}
+    provenance = metadata["provenance"] | {
+        name: table.records.metadata[name] for name in ("winds", "frames")
+    }
+    return _saved(data, {**metadata, **records, "provenance": provenance, "version": 6}, "modal.")
+
+
 def version_5(data: bytes) -> bytes:
     """A table of version 6 as version 5 wrote it: the same numbers, under the former names."""
-    metadata, errors = decode(data).metadata, dict(decode(data).metadata.get("errors", {}))
+    metadata = read_metadata(data)
+    errors = dict(metadata.get("errors", {}))
     if "training_m" in errors:
         errors["replay_m"] = errors.pop("training_m")
-    renamed = {name.replace("modal.", "tangent.", 1): tensor for name, tensor in load(data).items()}
-    text = json.dumps({**metadata, "version": 5, "errors": errors}, allow_nan=False, separators=(",", ":"))
+    return _saved(data, {**metadata, "version": 5, "errors": errors}, "tangent.")
+
+
+def _saved(data: bytes, metadata: dict[str, Any], modal: str) -> bytes:
+    renamed = {name.replace("modal.", modal, 1): tensor for name, tensor in load(data).items()}
+    text = json.dumps(metadata, allow_nan=False, separators=(",", ":"))
     return save(renamed, {"galewood": text})
 
 
 def main() -> None:
     table = beam_table()
     (HERE / "pole.safetensors").write_bytes(encode(table))
-    (HERE / "pole-v5.safetensors").write_bytes(version_5(encode(table)))
+    (HERE / "pole-v6.safetensors").write_bytes(version_6(encode(table)))
+    (HERE / "pole-v5.safetensors").write_bytes(version_5(version_6(encode(table))))
+    alone = encode(replace(table, paper=None))
+    (HERE / "pole-table.safetensors").write_bytes(alone)
+    records = encode_records(table.records, hashlib.sha256(alone).hexdigest())
+    (HERE / "pole-records.safetensors").write_bytes(records)
     steps = [paper_steps(table, easing) for easing in (0.0, 0.1)]
     for name, content in (
         ("wind.json", wind_vectors()),

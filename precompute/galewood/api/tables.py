@@ -113,7 +113,7 @@ def build(
         on_progress or (lambda progress: None),
         cache_dir or default_cache_dir(),
     )
-    return MotionTable(result.table, result.render_glb, result.report)
+    return MotionTable(result.whole_table(), result.render_glb, result.report)
 
 
 def load(path: str | Path, *, mesh: str | Path | None = None) -> MotionTable:

@@ -41,6 +41,7 @@ def bench_build(
             mesh.read_bytes(), mesh.name, options, progress=_reporter(on_progress, ""), cache_dir=cache_dir,
             publish=publish,
         )  # fmt: skip
+    data = result.whole_table()
     wall_s, cpu_s = result.report["seconds"], result.report["cpu_seconds"]
     figures = {
         "tree": mesh.stem,
@@ -52,9 +53,9 @@ def bench_build(
             "largest_worker": memory.child_mb,
             "all_at_the_same_time": memory.total_mb,
         },
-        "table": sizes(decode(result.table), result.table, int(result.report["meshing"]["vertices"])),
+        "table": sizes(decode(data), data, int(result.report["meshing"]["vertices"])),
     }
-    return figures, result.table
+    return figures, data
 
 
 def _reporter(on_progress: OnProgress, what: str) -> Callable[[Progress], None]:
@@ -64,12 +65,12 @@ def _reporter(on_progress: OnProgress, what: str) -> Callable[[Progress], None]:
 def sizes(table: Table, data: bytes, vertices: int) -> dict[str, Any]:
     """Bytes of a table, stored and compressed, and of Δu as the paper stores it (float32, all vertices)."""
     return {
-        "records": len(table.dq),
+        "records": len(table.records.dq),
         "modes": len(table.mode_scale),
         "bytes": len(data),
         "deflated_bytes": len(zlib.compress(data, 9)),
         "zstd_bytes": len(zstandard.compress(data, 19)),
-        "raw_displacement_bytes": len(table.dq) * vertices * 3 * 4,
+        "raw_displacement_bytes": len(table.records.dq) * vertices * 3 * 4,
     }
 
 
@@ -88,12 +89,13 @@ def bench_search(
                 ),
                 cache_dir=cache_dir,
             )  # fmt: skip
-        table = decode(result.table)
+        data = result.whole_table()
+        table = decode(data)
         found[str(count)] = {
-            "records": len(table.dq),
-            "points": int(table.metadata["points"]),
-            "candidates": len(table.candidate),
-            "table_bytes": len(result.table),
+            "records": len(table.records.dq),
+            "points": int(table.records.metadata["points"]),
+            "candidates": len(table.records.candidate),
+            "table_bytes": len(data),
             "us_per_tree_step": step_us(searching(table, SEARCHED_TREES), table, SEARCHED_TREES),
             "build_peak_memory_mb": memory.total_mb,
         }

@@ -55,10 +55,11 @@ def played(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, float
 
 def nearest_sample(table: Table, pressure_pa: Floats) -> Floats:
     """(T, r) q of the sampled run whose wind is nearest to this one (mean square), repeated."""
-    starts = table.trajectory.astype(np.int64)
+    records = table.records
+    starts = records.trajectory.astype(np.int64)
     places = [np.resize(np.arange(a, b), len(pressure_pa)) for a, b in pairwise(starts.tolist())]
-    gaps = [float(np.mean((table.pressure_pa[place] - pressure_pa) ** 2)) for place in places]
-    return table.pose()[places[int(np.argmin(gaps))]] * table.mode_scale.astype(np.float64)
+    gaps = [float(np.mean((records.pressure_pa[place] - pressure_pa) ** 2)) for place in places]
+    return records.pose()[places[int(np.argmin(gaps))]] * table.mode_scale.astype(np.float64)
 
 
 def evaluate_table(

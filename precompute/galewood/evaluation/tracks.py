@@ -20,7 +20,7 @@ from galewood.mesh import TreeMesh
 from galewood.model import render_binding
 from galewood.table import Table
 from galewood.util import Floats
-from galewood.wind import WindField, WindState, height_factor, limit_pressure, sampled_peak_pa, to_tree_frame
+from galewood.wind import WindField, WindState, height_factor, limit_pressure, to_tree_frame
 
 OnProgress = Callable[[float, str], None]
 
@@ -106,7 +106,7 @@ def pressure_at(table: Table, wind: WindState, place: Place, frames: int) -> Flo
     The tree's height enters the wind profile, and the pressure is limited to the sampled peak.
     """
     field, dt_s = WindField(wind), float(table.metadata["dt_s"])
-    peak_pa, height_m = sampled_peak_pa(table.pressure_pa), np.array([float(table.metadata["height_m"])])
+    peak_pa, height_m = table.peak_pressure_pa, np.array([float(table.metadata["height_m"])])
     x_m, z_m = np.array([place.x_m]), np.array([place.z_m])
     world = np.zeros((2, frames, 1), np.float32)
     for frame in range(frames):

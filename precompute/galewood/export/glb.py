@@ -57,11 +57,12 @@ def blown(table: Table, wind: Wind, seconds: float, *, loop: bool = False) -> Fl
 
 def sampled(table: Table, name: str) -> Floats:
     """(T, r) coordinates q of a recorded run of the table (FEM). Raises KeyError for an unknown name."""
-    names = table.metadata["provenance"].get("winds", [])[: len(table.trajectory) - 1]
+    records = table.records
+    names = records.metadata.get("winds", [])[: len(records.trajectory) - 1]
     if name not in names:
         raise KeyError(f"no run {name!r} in this table; it has {', '.join(names)}")
-    first, last = table.trajectory[names.index(name) : names.index(name) + 2]
-    return table.pose()[int(first) : int(last)] * table.mode_scale.astype(np.float64)
+    first, last = records.trajectory[names.index(name) : names.index(name) + 2]
+    return records.pose()[int(first) : int(last)] * table.mode_scale.astype(np.float64)
 
 
 def animated_glb(table: Table, glb: bytes, q: Floats) -> bytes:

@@ -61,6 +61,9 @@ class BuildRequest(ImportRequest):
         le=64,
         description="Oscillators of the modal model; default: 16, or 48 for a tree that bends far.",
     )
+    paper: bool | None = Field(
+        default=None, description="Whether to compute the records of the paper's method; default: yes."
+    )
     wood: WoodDocument | None = Field(
         default=None, description="Constants of a wood of your own; they take precedence over the species."
     )

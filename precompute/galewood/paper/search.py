@@ -59,12 +59,13 @@ class Literal:
         states = internal_states(runs)
         self._layout, self._components = compared(states), float(states.components)
         self._rows: Array | None = None
-        self._pressure = table.pressure_pa.astype(np.float64)
+        records = table.records
+        self._pressure = records.pressure_pa.astype(np.float64)
         self._barred = np.zeros(len(self._pressure), np.bool_)
-        self._barred[table.trajectory[1:].astype(np.int64) - 1] = True
-        sigma = float(table.metadata["sigma_pa"])
+        self._barred[records.trajectory[1:].astype(np.int64) - 1] = True
+        sigma = float(records.metadata["sigma_pa"])
         self._half_precision = 1.0 / (2.0 * sigma * sigma)
-        weight = table.metadata["weight"]
+        weight = records.metadata["weight"]
         self.least, self.most = float(weight["initial"]), float(weight["maximum"])
         self.growth = float(weight["growth"])
 

@@ -61,7 +61,7 @@ def by_elements(
             f"elements-{count}", f"{content} {count}", partial(small_table, table, source, kept)
         )
         found[str(count)] = {
-            "records": len(small.dq),
+            "records": len(small.records.dq),
             "points": len(counts[count]),
             "table_bytes": len(encode(small)),
             "exhaustive_us": exhaustive_us(kept, small, plan),
@@ -185,14 +185,15 @@ def memory(table: Table, table_bytes: int, source: Source) -> dict[str, float]:
     of the sampled elements and Δu of every vertex. ``reduced_blocks``: the same with only the compared 3 × 3
     blocks of K̃.
     """
-    z, n, q = len(table.dq), source.model.vertex_count, int(table.metadata["points"])
+    records = table.records
+    z, n, q = len(records.dq), source.model.vertex_count, int(records.metadata["points"])
     return {
         "records": z,
         "vertices": n,
         "points": q,
-        "trajectories": len(table.trajectory) - 1,
+        "trajectories": len(records.trajectory) - 1,
         "table": table_bytes,
-        "search": table.offsets.nbytes + table.candidate.nbytes + table.mismatches.nbytes,
+        "search": records.offsets.nbytes + records.candidate.nbytes + records.mismatches.nbytes,
         "raw": 4.0 * z * (9 * n * n + 12 * n),
         "reduced": 4.0 * z * (9 * q * q + 6 * q + 3 + 3 * n),
         "reduced_blocks": 4.0 * z * (9 * q + 6 * q + 3 + 3 * n),

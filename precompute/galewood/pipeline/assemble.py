@@ -1,29 +1,36 @@
-"""Assembles a table from recorded trajectories: reduced motion, modal model, search, nodes and metadata."""
+"""Assembles the parts of a table: the default method's first and final table, and the paper's records."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import scipy.sparse
 
+from galewood.fem import FemSettings
+from galewood.modal import ModalTensors
 from galewood.reduction import (
-    Fitted,
     ModalTraining,
     Nodes,
-    QuantisedMotion,
+    Oscillators,
+    Subspace,
     fit_smallest,
     largest_motion_m,
+    linear_motion,
     make_nodes,
     quantise,
+    quantum,
     render_basis,
 )
-from galewood.sampling import SampledRun
+from galewood.sampling import SampledRun, SampleWind
 from galewood.search import Compared, InternalStates, Rule, air_of, build_search, compared, typical_error
-from galewood.table import FORMAT, VERSION, Metadata, Table, poses
+from galewood.table import FORMAT, VERSION, Metadata, Records, Table
 from galewood.util import Array, Floats
+
+REACH_MARGIN = 1.25
+"""Allowance for motion beyond that of the training runs."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +66,141 @@ class RenderMesh:
     primitives: list[dict[str, Any]]  # name, kind, vertices
 
 
+@dataclass(frozen=True)
+class Surroundings:
+    """What a table contains besides its motion."""
+
+    mass_kg: Floats  # (n,) of the tet vertices
+    mesh: RenderMesh
+    description: Metadata
+    """Species, height, time step, design wind and provenance."""
+    settings: TableSettings
+
+    @property
+    def height_m(self) -> float:
+        """Height of the tree, m."""
+        return float(self.description["height_m"])
+
+
+@dataclass(frozen=True)
+class DefaultPart:
+    """A table without the paper's records, and its modes on the tet vertices."""
+
+    table: Table
+    subspace: Subspace
+
+
+def assemble_first(
+    body: Oscillators, winds_pa: Sequence[Floats], fem: FemSettings, of: Surroundings
+) -> Table:
+    """A table from the natural modes alone: linear motion, without any simulation.
+
+    ``winds_pa`` (T, 2) are the winds for which the shapes are chosen.
+    """
+    motion = linear_motion(body, of.mass_kg, winds_pa, fem)
+    return _table(motion.modal, motion.subspace, motion.q, winds_pa, {}, of)
+
+
+def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
+    """The table of the default method, fitted to the training runs."""
+    tolerance_m = of.settings.truncation_share * of.height_m
+    fitted = fit_smallest((), of.mass_kg, of.height_m, tolerance_m, training)
+    subspace = fitted.subspace
+    errors = {
+        "truncation_max_m": subspace.max_error_m,
+        "truncation_energy": subspace.energy_left,
+        "training_m": fitted.training_error_m,
+    }
+    q = [subspace.project(run.displacement_m) for run in training.runs]
+    winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
+    return DefaultPart(_table(fitted.modal, subspace, q, winds_pa, errors, of), subspace)
+
+
+def assemble_records(
+    runs: Sequence[SampledRun],
+    winds: Sequence[SampleWind],
+    default: DefaultPart,
+    settings: TableSettings,
+    on_progress: Callable[[float], None] = lambda fraction: None,
+) -> Records:
+    """The records of the paper's state search in the modes of a table.
+
+    ``on_progress`` gets the fraction done and may raise to cancel.
+    """
+    scale = default.table.mode_scale
+    motion = quantise((default.subspace.project(run.displacement_m) for run in runs), scale[0])
+    starts = np.cumsum([0, *(len(run.pressure_pa) for run in runs)]).astype(np.uint32)
+    pressure = np.concatenate([run.pressure_pa for run in runs]).astype(np.float32)
+    on_progress(0.05)
+    states = internal_states(runs)
+    layout = compared(states)
+    weight = weights(layout, states.components, settings)
+    sigma_pa = settings.sigma_share * spread_pa(pressure)
+    rule = Rule(states.components, sigma_pa, weight["initial"], weight["maximum"])
+    on_progress(0.15)
+    search = build_search(layout, air_of(pressure, starts), rule, lambda f: on_progress(0.15 + 0.85 * f))
+    metadata = {
+        "records": len(motion.dq),
+        "points": states.velocity.shape[1],
+        "components": states.components,
+        "sigma_pa": sigma_pa,
+        "weight": weight,
+        "pose_easing": settings.pose_easing,
+        "winds": [wind.name for wind in winds],
+        "frames": [len(run.pressure_pa) for run in runs],
+    }
+    return Records(metadata, motion.dq, pressure, starts, search.offsets, search.record, search.mismatches)
+
+
+def assemble_table(
+    runs: Sequence[SampledRun], winds: Sequence[SampleWind], training: ModalTraining, of: Surroundings
+) -> Table:
+    """A whole table: the default method from the training runs, the paper's records from ``runs``."""
+    default = assemble_default(training, of)
+    return replace(default.table, paper=assemble_records(runs, winds, default, of.settings))
+
+
+def _table(
+    modal: ModalTensors,
+    subspace: Subspace,
+    q: Sequence[Floats],
+    winds_pa: Sequence[Floats],
+    errors: Metadata,
+    of: Surroundings,
+) -> Table:
+    """The table of a modal model, given its motion q (T + 1, r) under the winds that it was made from."""
+    vertex_basis = render_basis(of.mesh.binding, subspace.basis)
+    every = np.concatenate(q)
+    nodes = _nodes(vertex_basis, every, of)
+    metadata: Metadata = {
+        "format": FORMAT,
+        "version": VERSION,
+        **of.description,
+        "modes": subspace.modes,
+        "primitives": of.mesh.primitives,
+        "peak_pressure_pa": max(float(np.linalg.norm(wind, axis=1).max(initial=0.0)) for wind in winds_pa),
+        "reach_m": REACH_MARGIN * _reach_m(nodes, every),
+        "errors": {**errors, "node_rms_m": nodes.rms_error_m, "node_max_m": nodes.max_error_m},
+    }
+    scale = np.full(subspace.modes, quantum(q), np.float32)
+    return Table(
+        metadata, scale, nodes.basis, nodes.rest_m, nodes.vertex_node,
+        modal.step, modal.load, modal.sway, modal.force, modal.shown, modal.pose, modal.limits,
+    )  # fmt: skip
+
+
+def _nodes(vertex_basis: Floats, q: Floats, of: Surroundings) -> Nodes:
+    q_rms = np.sqrt(np.mean(q**2, axis=0))
+    sway_m = largest_motion_m(vertex_basis, q_rms)
+    tolerance_m = min(of.settings.node_share * of.height_m, of.settings.node_sway_share * sway_m)
+    return make_nodes(vertex_basis, of.mesh.vertices_m, q_rms, tolerance_m)
+
+
+def _reach_m(nodes: Nodes, q: Floats) -> float:
+    """Largest displacement of any node under the motion q (T, r), m."""
+    return max(float(np.linalg.norm(q @ node.T, axis=1).max()) for node in nodes.basis.astype(np.float64))
+
+
 def internal_states(runs: Sequence[SampledRun]) -> InternalStates:
     """Internal states of the records of all runs, concatenated."""
     velocity, force, stiffness = (
@@ -79,77 +221,3 @@ def spread_pa(pressure_pa: Array) -> float:
     """RMS length of the pressure vectors (z, 2) of the records with wind, Pa; 1 if there are none."""
     squared = np.square(pressure_pa, dtype=np.float64).sum(axis=1)
     return float(np.sqrt(squared[squared > 0].mean())) if squared.any() else 1.0
-
-
-def assemble_table(
-    runs: Sequence[SampledRun],
-    mass_kg: Floats,
-    mesh: RenderMesh,
-    description: Metadata,
-    settings: TableSettings,
-    training: ModalTraining,
-    on_progress: Callable[[float], None] = lambda fraction: None,
-) -> Table:
-    """Assemble the table of the recorded ``runs``.
-
-    ``mass_kg`` (n,) are the masses of the tet vertices. ``description`` adds species, height, winds and
-    provenance to the metadata. ``on_progress`` gets the fraction done and may raise to cancel.
-    """
-    height_m = float(description["height_m"])
-    fitted = fit_smallest(runs, mass_kg, height_m, settings.truncation_share * height_m, training)
-    modal, subspace = fitted.modal, fitted.subspace
-    on_progress(0.2)
-    motion = quantise(subspace.project(run.displacement_m) for run in runs)
-    starts = np.cumsum([0, *(len(run.pressure_pa) for run in runs)]).astype(np.uint32)
-    q_rms = np.sqrt(np.mean((poses(motion.dq, starts) * motion.scale.astype(np.float64)) ** 2, axis=0))
-    vertex_basis = render_basis(mesh.binding, subspace.basis)
-    sway_m = largest_motion_m(vertex_basis, q_rms)
-    tolerance_m = min(settings.node_share * height_m, settings.node_sway_share * sway_m)
-    nodes = make_nodes(vertex_basis, mesh.vertices_m, q_rms, tolerance_m)
-    on_progress(0.3)
-    pressure = np.concatenate([run.pressure_pa for run in runs]).astype(np.float32)
-    states = internal_states(runs)
-    layout = compared(states)
-    weight = weights(layout, states.components, settings)
-    sigma_pa = settings.sigma_share * spread_pa(pressure)
-    rule = Rule(states.components, sigma_pa, weight["initial"], weight["maximum"])
-    search = build_search(layout, air_of(pressure, starts), rule, lambda f: on_progress(0.3 + 0.7 * f))
-    metadata = _metadata(description, settings, mesh, fitted, motion, nodes, states, sigma_pa, weight)
-    return Table(
-        metadata, motion.scale, nodes.basis, nodes.rest_m, nodes.vertex_node, motion.dq, pressure, starts,
-        search.offsets, search.record, search.mismatches,
-        modal.step, modal.load, modal.sway, modal.force, modal.shown, modal.pose, modal.limits,
-    )  # fmt: skip
-
-
-def _metadata(
-    description: Metadata,
-    settings: TableSettings,
-    mesh: RenderMesh,
-    fitted: Fitted,
-    motion: QuantisedMotion,
-    nodes: Nodes,
-    states: InternalStates,
-    sigma_pa: float,
-    weight: dict[str, float],
-) -> Metadata:
-    return {
-        "format": FORMAT,
-        "version": VERSION,
-        **description,
-        "modes": fitted.subspace.modes,
-        "records": len(motion.dq),
-        "primitives": mesh.primitives,
-        "points": states.velocity.shape[1],
-        "components": states.components,
-        "sigma_pa": sigma_pa,
-        "weight": weight,
-        "pose_easing": settings.pose_easing,
-        "errors": {
-            "truncation_max_m": fitted.subspace.max_error_m,
-            "truncation_energy": fitted.subspace.energy_left,
-            "training_m": fitted.training_error_m,
-            "node_rms_m": nodes.rms_error_m,
-            "node_max_m": nodes.max_error_m,
-        },
-    }

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,9 +12,7 @@ from typing import Any
 from galewood.fem import FemModel, Simulator
 from galewood.mesh import TreeMesh, import_mesh_sandboxed
 from galewood.model import (
-    LumpedMassesLike,
-    MeshLike,
-    SkeletonLike,
+    LumpedMasses,
     bind_foliage,
     build_model,
     compare_with_reference,
@@ -20,18 +20,32 @@ from galewood.model import (
 )
 from galewood.pictures import skeleton_png, tetrahedra_png
 from galewood.pipeline.artefacts import ArtefactPublisher, Publish
+from galewood.pipeline.assemble import DefaultPart, RenderMesh
 from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
 from galewood.pipeline.report import build_report, render_mesh
 from galewood.pipeline.table_builder import TableBuilder
-from galewood.sampling import TrajectoryRunner, design_wind, planned, run_in_processes, simulate
-from galewood.skeleton import extract_skeleton, sampled_elements, with_corrected_radii
-from galewood.table import encode
-from galewood.tets import kept_tetrahedra, tetrahedralise
-from galewood.util import WorkerPool
+from galewood.sampling import Samples, TrajectoryRunner, design_wind, planned, run_in_processes, simulate
+from galewood.skeleton import Skeleton, extract_skeleton, sampled_elements, with_corrected_radii
+from galewood.table import Records, encode, encode_records
+from galewood.tets import TetMesh, kept_tetrahedra, tetrahedralise
+from galewood.util import Array, WorkerPool
 from galewood.wood import Wood, wood_of_species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Modules that the worker processes import during meshing, so that compiled kernels load early."""
+OnTable = Callable[[BuildResult], None]
+"""Receives the complete table of the default method, before the paper's records are computed."""
+
+
+@dataclass(frozen=True)
+class Environment:
+    """Where a build runs and whom it tells."""
+
+    stages: Stages
+    cache_dir: Path
+    runner: TrajectoryRunner | None = None
+    publish: Publish | None = None
+    on_table: OnTable | None = None
 
 
 def build_table(
@@ -42,17 +56,19 @@ def build_table(
     progress: Callable[[Progress], None] = lambda progress: None,
     cache_dir: Path = Path("data/cache"),
     publish: Publish | None = None,
+    on_table: OnTable | None = None,
 ) -> BuildResult:
     """Build the table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
-    ``publish`` receives "render.glb", "tets-….npz" (the file in the cache), "tetrahedra.png", "skeleton.png"
-    and "preliminary.table" as soon as they exist. ``runner`` simulates the training runs, by default in
+    ``publish`` receives "render.glb", "tets-….npz" (the file in the cache), "tetrahedra.png", "skeleton.png",
+    "first.table" and "early.table" as soon as they exist; ``on_table`` the complete table of the default
+    method, before the paper's records are computed. ``runner`` simulates the training runs, by default in
     worker processes on this machine.
     """
     stages = Stages(progress)
     stages.enter("import")
     tree, render_glb = import_mesh_sandboxed(source, filename, options.mesh_import)
-    return _build(tree, render_glb, options, stages, runner, cache_dir, publish)
+    return _build(tree, render_glb, options, Environment(stages, cache_dir, runner, publish, on_table))
 
 
 def build_tree(
@@ -63,64 +79,100 @@ def build_tree(
     cache_dir: Path = Path("data/cache"),
 ) -> BuildResult:
     """Build the table of an imported tree; otherwise like ``build_table``."""
-    return _build(tree, render_glb, options, Stages(progress), None, cache_dir, None)
+    return _build(tree, render_glb, options, Environment(Stages(progress), cache_dir))
 
 
-def _build(
-    tree: TreeMesh,
-    render_glb: bytes,
-    options: BuildOptions,
-    stages: Stages,
-    runner: TrajectoryRunner | None,
-    cache_dir: Path,
-    publish: Publish | None,
-) -> BuildResult:
-    wood = options.wood or wood_of_species(tree.species or "default")
-    with WorkerPool(1 if runner else None, warm=WARM_MODULES) as pool:
-        artefacts = ArtefactPublisher(pool, publish)
+@dataclass(frozen=True)
+class Solid:
+    """A tree's wood as a finite-element mesh, with what hangs on it."""
+
+    tree: TreeMesh
+    mesh: TetMesh
+    skeleton: Skeleton
+    lumped: LumpedMasses
+    wood: Wood
+    surface: RenderMesh
+    points: Array
+    """Vertices at which the paper's states are recorded."""
+
+
+def _build(tree: TreeMesh, render_glb: bytes, options: BuildOptions, on: Environment) -> BuildResult:
+    stages = on.stages
+    with WorkerPool(1 if on.runner else None, warm=WARM_MODULES) as pool:
+        artefacts = ArtefactPublisher(pool, on.publish)
         artefacts.publish("render.glb", lambda: render_glb)
-        stages.enter("meshing")
-        mesh = tetrahedralise(tree, options.target_tets, cache_dir / "tets")
-        kept = kept_tetrahedra(tree, options.target_tets, cache_dir / "tets")
-        artefacts.publish(kept.name, kept.read_bytes)
-        artefacts.draw("tetrahedra.png", tetrahedra_png, mesh)
-        stages.enter("skeleton")
-        skeleton = extract_skeleton(mesh)
-        mesh = with_corrected_radii(tree, mesh, skeleton)
-        elements = sampled_elements(mesh, skeleton, options.sampled_elements)
-        artefacts.draw("skeleton.png", skeleton_png, mesh, skeleton, elements)
-        lumped = bind_foliage(tree, mesh, wood)
-        surface = render_mesh(tree, render_binding(tree, mesh))
+        solid = _solid(tree, options, on, artefacts)
         stages.enter("model")
-        model = build_model(mesh, skeleton, wood, lumped, options.fem)
-        reference = _start_comparison(pool, model, mesh, skeleton, wood, lumped, options.reference_frames)
+        model = build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem)
         wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
-        stages.enter("sampling")
         samples = planned(
-            model, wind.speed_m_s, mesh.tets[elements], cache_dir, frames=options.frames, seed=options.seed
+            model, wind.speed_m_s, solid.points, on.cache_dir, frames=options.frames, seed=options.seed
         )
-        builder = TableBuilder(tree, model, wind, surface, options, render_glb)
-        preliminary = partial(
-            artefacts.publish, "preliminary.table", lambda: encode(builder.preliminary(samples))
+        builder = TableBuilder(tree, model, wind, solid.surface, options, render_glb)
+        artefacts.publish("first.table", lambda: encode(builder.first(samples)))
+        run = on.runner or partial(run_in_processes, pool=pool)
+        default = _default(builder, samples, run, artefacts, stages)
+        report = partial(
+            build_report, tree, solid.mesh, solid.skeleton, solid.lumped, model, wind, default.table
         )
-        run = runner or partial(run_in_processes, pool=pool)
-        simulate(samples, run, stages.report, preliminary)
-        stages.enter("table")
-        further = partial(samples.further_runs, run, lambda share: stages.report(0.15 * share, FURTHER))
-        table = builder.build(samples, stages.report, further)
+        result = BuildResult(encode(default.table), None, render_glb, report(None, None, stages))
+        if on.on_table:
+            on.on_table(result)
+        stages.enter("records")
+        reference = _start_comparison(pool, model, solid, options.reference_frames)
+        records = _records(builder, default, samples, run, stages) if options.paper else None
+        compared = reference()
         stages.enter("done")
-        report = build_report(tree, mesh, skeleton, lumped, model, wind, table, reference(), stages)
-        return BuildResult(encode(table), render_glb, report)
+        sha256 = hashlib.sha256(result.table).hexdigest()
+        encoded = encode_records(records, sha256) if records else None
+        return replace(result, records=encoded, report=report(records, compared, stages))
+
+
+def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: ArtefactPublisher) -> Solid:
+    """Mesh the wood, extract its skeleton and attach the foliage; publish pictures of both."""
+    on.stages.enter("meshing")
+    wood = options.wood or wood_of_species(tree.species or "default")
+    mesh = tetrahedralise(tree, options.target_tets, on.cache_dir / "tets")
+    kept = kept_tetrahedra(tree, options.target_tets, on.cache_dir / "tets")
+    artefacts.publish(kept.name, kept.read_bytes)
+    artefacts.draw("tetrahedra.png", tetrahedra_png, mesh)
+    on.stages.enter("skeleton")
+    skeleton = extract_skeleton(mesh)
+    mesh = with_corrected_radii(tree, mesh, skeleton)
+    elements = sampled_elements(mesh, skeleton, options.sampled_elements)
+    artefacts.draw("skeleton.png", skeleton_png, mesh, skeleton, elements)
+    lumped = bind_foliage(tree, mesh, wood)
+    surface = render_mesh(tree, render_binding(tree, mesh))
+    return Solid(tree, mesh, skeleton, lumped, wood, surface, mesh.tets[elements])
+
+
+def _default(
+    builder: TableBuilder,
+    samples: Samples,
+    run: TrajectoryRunner,
+    artefacts: ArtefactPublisher,
+    stages: Stages,
+) -> DefaultPart:
+    """Simulate the training runs and fit the default method to them; publish an early table on the way."""
+    stages.enter("sampling")
+    early = partial(artefacts.publish, "early.table", lambda: encode(builder.early(samples)))
+    simulate(samples, run, stages.report, early)
+    stages.enter("table")
+    further = partial(samples.further_runs, run, lambda share: stages.report(0.8 * share, FURTHER))
+    return builder.default(samples, further)
+
+
+def _records(
+    builder: TableBuilder, default: DefaultPart, samples: Samples, run: TrajectoryRunner, stages: Stages
+) -> Records:
+    """Simulate the paper's recorded runs and compute their candidate lists."""
+    count = max(len(samples.paper), 1)
+    run(samples.paper, lambda number: stages.report(0.6 * number / count))
+    return builder.records(default, samples, lambda share: stages.report(0.6 + 0.4 * share))
 
 
 def _start_comparison(
-    pool: WorkerPool,
-    fast: FemModel,
-    mesh: MeshLike,
-    skeleton: SkeletonLike,
-    wood: Wood,
-    lumped: LumpedMassesLike,
-    frames: int,
+    pool: WorkerPool, fast: FemModel, solid: Solid, frames: int
 ) -> Callable[[], dict[str, Any] | None]:
     """Start the comparison with the reference model; the returned function waits for the result.
 
@@ -128,4 +180,6 @@ def _start_comparison(
     """
     if fast.settings.element != "fitted" or not frames:
         return lambda: None
-    return pool.start(compare_with_reference, fast, mesh, skeleton, wood, lumped, frames).result
+    return pool.start(
+        compare_with_reference, fast, solid.mesh, solid.skeleton, solid.wood, solid.lumped, frames
+    ).result

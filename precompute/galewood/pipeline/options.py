@@ -12,28 +12,31 @@ from galewood.mesh import ImportOptions
 from galewood.options import BuildRequest, ImportRequest, import_options
 from galewood.pipeline.assemble import TableSettings
 from galewood.sampling import SEED
+from galewood.table import decode, encode
 from galewood.util import cpu_seconds
 from galewood.wood import Wood
 
-Stage = Literal["import", "meshing", "skeleton", "model", "sampling", "table", "done"]
+Stage = Literal["import", "meshing", "skeleton", "model", "sampling", "table", "records", "done"]
 
 SHARES: dict[Stage, float] = {
-    "import": 0.02,
-    "meshing": 0.22,
-    "skeleton": 0.03,
-    "model": 0.16,
-    "sampling": 0.42,
-    "table": 0.14,
+    "import": 0.05,
+    "meshing": 0.29,
+    "skeleton": 0.05,
+    "model": 0.15,
+    "sampling": 0.36,
+    "table": 0.1,
+    "records": 0.0,
     "done": 0.0,
 }
-"""Share of each stage in the duration of a typical build."""
+"""Share of each stage in the time until the default method's table is complete."""
 MESSAGES: dict[Stage, str] = {
     "import": "Reading the mesh",
     "meshing": "Meshing the wood",
     "skeleton": "Extracting the skeleton and attaching the foliage",
     "model": "Assigning material",
     "sampling": "Computing the training runs",
-    "table": "Building the search and the modal model",
+    "table": "Fitting the modal model",
+    "records": "Computing the records of the paper's method",
     "done": "Done",
 }
 FURTHER = "Computing additional training runs for large bending"
@@ -42,7 +45,11 @@ FURTHER = "Computing additional training runs for large bending"
 
 @dataclass(frozen=True)
 class Progress:
-    """Progress of a build: current stage, completed fraction 0..1, and a message for the user."""
+    """Progress of a build: current stage, completed fraction 0..1, and a message for the user.
+
+    The fraction reaches 1 with the complete table of the default method, and then counts the stage "records"
+    from 0 to 1.
+    """
 
     stage: Stage
     fraction: float
@@ -67,6 +74,8 @@ class BuildOptions:
     seed: int = SEED
     reference_frames: int = 60
     """Frames of the run that compares the model with the quadratic reference model; 0: no comparison."""
+    paper: bool = True
+    """Whether the records of the paper's state search are computed after the default method's table."""
     fem: FemSettings = field(default_factory=FemSettings)
     table: TableSettings = field(default_factory=TableSettings)
 
@@ -87,8 +96,14 @@ class BuildResult:
     """The table file, its render mesh (GLB), and a JSON-able report of all assumptions and measurements."""
 
     table: bytes
+    records: bytes | None
+    """The records file of the paper's state search; None: not computed, or not yet."""
     render_glb: bytes
     report: dict[str, Any]
+
+    def whole_table(self) -> bytes:
+        """The table file with the records inside, for use outside the service."""
+        return encode(decode(self.table, self.records)) if self.records else self.table
 
 
 class Stages:
@@ -116,6 +131,9 @@ class Stages:
     def report(self, fraction: float, message: str = "") -> None:
         """Report that ``fraction`` of the current stage is done. Raises what the callback raises."""
         stage = self._stage or "import"
+        if stage == "records":
+            self._progress(Progress(stage, min(max(fraction, 0.0), 1.0), message or MESSAGES[stage]))
+            return
         order = list(SHARES)
         before = sum(SHARES[other] for other in order[: order.index(stage)])
         whole = 1.0 if stage == "done" else before + SHARES[stage] * min(max(fraction, 0.0), 1.0)

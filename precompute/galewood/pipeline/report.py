@@ -15,9 +15,9 @@ from galewood.mesh import TreeMesh
 from galewood.model import LumpedMasses
 from galewood.pipeline.assemble import RenderMesh
 from galewood.pipeline.options import BuildOptions, Stages
-from galewood.sampling import DesignWind, SampleWind, content_hash
+from galewood.sampling import DesignWind, content_hash
 from galewood.skeleton import Skeleton
-from galewood.table import Metadata, Table
+from galewood.table import Metadata, Records, Table
 from galewood.tets import TetMesh
 
 
@@ -31,7 +31,6 @@ def describe(
     tree: TreeMesh,
     model: FemModel,
     wind: DesignWind,
-    winds: list[SampleWind],
     options: BuildOptions,
     render_glb: bytes,
 ) -> Metadata:
@@ -40,7 +39,6 @@ def describe(
         "species": tree.species or "default",
         "height_m": tree.height_m,
         "dt_s": options.fem.dt_s,
-        "sampled_elements": options.sampled_elements,
         "design_speed_m_s": wind.speed_m_s,
         "mesh_sha256": hashlib.sha256(render_glb).hexdigest(),
         "frequencies_hz": model.report["frequencies_hz"],
@@ -52,8 +50,6 @@ def describe(
             "fem": asdict(options.fem),
             "table_settings": asdict(options.table),
             "seed": options.seed,
-            "winds": [w.name for w in winds],
-            "frames": [len(w.pressure_pa) for w in winds],
         },
     }
 
@@ -66,11 +62,11 @@ def build_report(
     model: FemModel,
     wind: DesignWind,
     table: Table,
+    records: Records | None,
     reference: dict[str, Any] | None,
     stages: Stages,
 ) -> dict[str, Any]:
     """JSON-able report of all assumptions and measurements of a build, by stage."""
-    candidates = np.diff(table.offsets.astype(np.int64))
     return {
         "import": tree.report,
         "meshing": mesh.report,
@@ -79,13 +75,21 @@ def build_report(
         "model": model.report | ({"reference": reference} if reference else {}),
         "design_wind": asdict(wind),
         "table": {
-            **{name: table.metadata[name] for name in ("records", "modes", "points", "sigma_pa", "errors")},
+            **{name: table.metadata[name] for name in ("modes", "errors")},
             "nodes": len(table.node_rest_m),
-            "candidates": int(candidates.sum()),
-            "candidates_most": int(candidates.max()),
+            **(_of_records(records) if records else {}),
         },
         "seconds": stages.seconds,
         "cpu_seconds": stages.cpu_seconds,
+    }
+
+
+def _of_records(records: Records) -> dict[str, Any]:
+    candidates = np.diff(records.offsets.astype(np.int64))
+    return {
+        **{name: records.metadata[name] for name in ("records", "points", "sigma_pa")},
+        "candidates": int(candidates.sum()),
+        "candidates_most": int(candidates.max()),
     }
 
 

@@ -1,4 +1,4 @@
-"""Builds the tables of one tree from its runs: the preliminary and the final one."""
+"""Builds the tables of one tree: the first from its modes, an early and the final one from its runs."""
 
 from __future__ import annotations
 
@@ -8,12 +8,25 @@ from functools import cached_property
 
 from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
-from galewood.pipeline.assemble import RenderMesh, assemble_table
+from galewood.pipeline.assemble import (
+    DefaultPart,
+    RenderMesh,
+    Surroundings,
+    assemble_default,
+    assemble_first,
+    assemble_records,
+)
 from galewood.pipeline.options import BuildOptions
 from galewood.pipeline.report import describe
 from galewood.reduction import ModalTraining, Oscillators, oscillators_of, sizes_for
-from galewood.sampling import DesignWind, SampledRun, Samples, SampleWind
-from galewood.table import Table
+from galewood.sampling import DesignWind, SampledRun, Samples, SampleTask, SampleWind
+from galewood.table import Records, Table
+
+LEFT_OUT_OF_FIRST = [
+    "the change of stiffness, damping and wind load with the sway",
+    "the curved paths of branches that bend far",
+]
+LEFT_OUT_OF_EARLY = ["two thirds of the training runs"]
 
 
 @dataclass(frozen=True)
@@ -32,48 +45,60 @@ class TableBuilder:
         """Natural modes of the tree; computed once for all its tables."""
         return oscillators_of(self.model)
 
-    def preliminary(self, samples: Samples) -> Table:
-        """Build a small table from the first runs only, marked as preliminary."""
-        table = self.build(samples.first())
-        table.metadata["provenance"]["preliminary"] = True
-        return table
+    def first(self, samples: Samples) -> Table:
+        """The table of the natural modes alone, for motion before any run is simulated."""
+        winds = [task.wind for task in samples.default]
+        of = self._surroundings([])
+        table = assemble_first(self.oscillators, [wind.pressure_pa for wind in winds], self.options.fem, of)
+        return _preliminary(table, LEFT_OUT_OF_FIRST)
 
-    def build(
-        self,
-        samples: Samples,
-        on_progress: Callable[[float], None] = lambda fraction: None,
-        further: Callable[[], Sequence[SampledRun]] = tuple,
-    ) -> Table:
-        """Build the table of these runs.
+    def early(self, samples: Samples) -> Table:
+        """The table of the first runs only."""
+        return _preliminary(self.default(samples.first()).table, LEFT_OUT_OF_EARLY)
+
+    def default(self, samples: Samples, further: Callable[[], Sequence[SampledRun]] = tuple) -> DefaultPart:
+        """The complete table of the default method.
 
         ``further`` returns additional training runs; it is called only if the first ones do not suffice.
         """
-        winds, further_winds = samples.winds, list[SampleWind]()
+        tasks: list[SampleTask] = [*samples.default]
 
         def further_runs() -> Sequence[SampledRun]:
             runs = further()
-            further_winds.extend(task.wind for task in samples.further[: len(runs)])
+            tasks.extend(samples.further[: len(runs)])
             return runs
 
-        description = describe(self.tree, self.model, self.wind, winds, self.options, self.render_glb)
         training = ModalTraining(
             self.oscillators,
             self.options.fem,
-            samples.training_runs(),
+            samples.default_runs(),
             sizes_for(self.options.table.modes),
             further_runs,
         )
+        part = assemble_default(training, self._surroundings([]))
+        part.table.metadata["provenance"].update(_winds([task.wind for task in tasks]))
+        return part
+
+    def records(
+        self, default: DefaultPart, samples: Samples, on_progress: Callable[[float], None]
+    ) -> Records:
+        """The records of the paper's state search for a table of ``default``."""
+        winds = [task.wind for task in samples.paper]
+        records = assemble_records(samples.paper_runs(), winds, default, self.options.table, on_progress)
+        records.metadata["sampled_elements"] = self.options.sampled_elements
+        return records
+
+    def _surroundings(self, winds: list[SampleWind]) -> Surroundings:
+        description = describe(self.tree, self.model, self.wind, self.options, self.render_glb)
+        description["provenance"].update(_winds(winds))
         mass_kg = self.model.mass_kg[: self.model.vertex_count]
-        table = assemble_table(
-            samples.recorded_runs(),
-            mass_kg,
-            self.surface,
-            description,
-            self.options.table,
-            training,
-            on_progress,
-        )
-        provenance = table.metadata["provenance"]
-        provenance["winds"] += [wind.name for wind in further_winds]
-        provenance["frames"] += [len(wind.pressure_pa) for wind in further_winds]
-        return table
+        return Surroundings(mass_kg, self.surface, description, self.options.table)
+
+
+def _winds(winds: Sequence[SampleWind]) -> dict[str, list[object]]:
+    return {"winds": [wind.name for wind in winds], "frames": [len(wind.pressure_pa) for wind in winds]}
+
+
+def _preliminary(table: Table, left_out: list[str]) -> Table:
+    table.metadata["provenance"] |= {"preliminary": True, "left_out": left_out}
+    return table

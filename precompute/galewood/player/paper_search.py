@@ -141,15 +141,16 @@ class SearchArrays:
 
 def search_arrays(table: Table) -> SearchArrays:
     """Convert the search tensors of a table."""
-    sigma = float(table.metadata["sigma_pa"])
+    records = table.records
+    sigma = float(records.metadata["sigma_pa"])
     return SearchArrays(
-        table.offsets.astype(np.int64),
-        table.candidate.astype(np.int64),
-        table.mismatches.astype(np.float64) / float(table.metadata["components"]),
-        table.pressure_pa.astype(np.float64),
-        still_records(table.pressure_pa),
-        last_records(table.trajectory),
-        np.argsort(table.pressure_pa[:, 0], kind="stable"),
+        records.offsets.astype(np.int64),
+        records.candidate.astype(np.int64),
+        records.mismatches.astype(np.float64) / float(records.metadata["components"]),
+        records.pressure_pa.astype(np.float64),
+        still_records(records.pressure_pa),
+        last_records(records.trajectory),
+        np.argsort(records.pressure_pa[:, 0], kind="stable"),
         1.0 / (2.0 * sigma * sigma),
     )
 
@@ -253,11 +254,11 @@ def lookup_arrays(table: Table) -> LookupArrays:
 
 
 def _widened(table: Table) -> LookupArrays:
-    arrays = search_arrays(table)
-    starts = np.zeros(len(table.dq), np.bool_)
-    starts[table.trajectory[:-1].astype(np.int64)] = True
+    arrays, records = search_arrays(table), table.records
+    starts = np.zeros(len(records.dq), np.bool_)
+    starts[records.trajectory[:-1].astype(np.int64)] = True
     search = (*(getattr(arrays, name) for name in SearchArrays.__dataclass_fields__),)
-    return LookupArrays(search, table.dq.astype(np.float64), table.pose().astype(np.float64), starts)
+    return LookupArrays(search, records.dq.astype(np.float64), records.pose().astype(np.float64), starts)
 
 
 class PaperForest(TreeInstances):
@@ -271,8 +272,8 @@ class PaperForest(TreeInstances):
         pose_easing: 0..1, how fast the pose approaches that of the record found; None: the table's value.
         still_air: in still air search only records of still air, otherwise only records of moving air.
         """
-        metadata = table.metadata
-        super().__init__(count, table.mode_scale, float(metadata["dt_s"]))
+        super().__init__(count, table.mode_scale, float(table.metadata["dt_s"]))
+        metadata = table.records.metadata
         easing = metadata["pose_easing"] if pose_easing is None else pose_easing
         arrays = lookup_arrays(table)
         self._search, self._dq, self._poses, self._starts = (

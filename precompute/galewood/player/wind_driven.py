@@ -11,7 +11,7 @@ from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.table import Table
 from galewood.util import Singles
-from galewood.wind import WindField, height_factor, limit_pressure, sampled_peak_pa
+from galewood.wind import WindField, height_factor, limit_pressure
 
 Method = Literal["modal", "paper"]
 """The modal reduced-order model, or the paper's state search."""
@@ -42,7 +42,7 @@ class WindDrivenTrees:
         self._x_m, self._z_m = rows[:, 0].astype(np.float64), rows[:, 1].astype(np.float64)
         self._pressure_x, self._pressure_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
         self._height_m = float(table.metadata["height_m"]) * rows[:, 3].astype(np.float64)
-        self._sampled_peak_pa = sampled_peak_pa(table.pressure_pa)
+        self._peak_pa = table.peak_pressure_pa
         self._profile: tuple[float, float] | None = None
         self._height_factor = np.ones(count)
         self._forest = forest_of(table, count, method, pose_easing)
@@ -69,7 +69,7 @@ class WindDrivenTrees:
         self._set_profile(wind.height_exponent, wind.reference_height_m)
         out = (self._pressure_x, self._pressure_z)
         field.pressure(self._x_m, self._z_m, time_s, *out, self._height_factor)
-        limit_pressure(*out, self._sampled_peak_pa)
+        limit_pressure(*out, self._peak_pa)
         self._forest.advance(dt_s, self._pressure_x, self._pressure_z)
 
     def _set_profile(self, exponent: float, reference_height_m: float) -> None:

@@ -1,12 +1,14 @@
 """Model order reduction; in: training runs; out: POD basis, fitted modal model, render nodes."""
 
+from galewood.reduction.linear import LinearMotion, linear_motion
 from galewood.reduction.nodes import Nodes, largest_motion_m, make_nodes, render_basis
 from galewood.reduction.oscillators import Oscillators, oscillators_of
-from galewood.reduction.pod import QuantisedMotion, Subspace, quantise
+from galewood.reduction.pod import QuantisedMotion, Subspace, quantise, quantum
 from galewood.reduction.training import Fitted, ModalTraining, fit_smallest, shown_modes, size_of, sizes_for
 
 __all__ = [
     "Fitted",
+    "LinearMotion",
     "ModalTraining",
     "Nodes",
     "Oscillators",
@@ -14,9 +16,11 @@ __all__ = [
     "Subspace",
     "fit_smallest",
     "largest_motion_m",
+    "linear_motion",
     "make_nodes",
     "oscillators_of",
     "quantise",
+    "quantum",
     "render_basis",
     "shown_modes",
     "size_of",

@@ -85,6 +85,12 @@ def fit_subspace(
     return _scaled(np.concatenate([given, modes[:, :r].T / root_mass]), root_mass, errors[r], left)
 
 
+def spanned_by(shapes: Floats, mass_kg: Floats) -> Subspace:
+    """The subspace of given shapes (d, 3n) alone; its error is not known (NaN)."""
+    root_mass = np.sqrt(np.repeat(np.maximum(mass_kg, 1e-9 * mass_kg.max()), 3))
+    return _scaled(shapes, root_mass, np.nan, np.nan)
+
+
 def _without(weighted: Floats, given: Floats) -> Floats:
     """Rows (s, 3n) minus their projection on the span of the columns (3n, d)."""
     if not given.shape[1]:
@@ -138,11 +144,22 @@ STEPS_PER_LARGEST = 8191
 """Largest increment in integer steps: a quarter of the int16 range, to leave room for pose easing."""
 
 
-def quantise(coordinates: Iterable[Floats]) -> QuantisedMotion:
-    """Quantise trajectories of coordinates (T + 1, r): the poses are rounded, dq are their differences."""
+def quantum(coordinates: Iterable[Floats]) -> np.float32:
+    """Unit of the integers that hold the motion, m: for trajectories of coordinates (T + 1, r)."""
+    largest = max(float(np.abs(np.diff(track, axis=0)).max()) for track in coordinates)
+    return np.float32(largest / STEPS_PER_LARGEST) if largest > 0 else np.float32(1e-6)
+
+
+def quantise(coordinates: Iterable[Floats], step: np.float32 | None = None) -> QuantisedMotion:
+    """Quantise trajectories of coordinates (T + 1, r): the poses are rounded, dq are their differences.
+
+    ``step`` is the unit; None: ``quantum`` of these trajectories. Raises ValueError if the motion does not fit
+    in the integers.
+    """
     tracks = list(coordinates)
-    largest = max(float(np.abs(np.diff(track, axis=0)).max()) for track in tracks)
-    step = np.float32(largest / STEPS_PER_LARGEST) if largest > 0 else np.float32(1e-6)
+    step = quantum(tracks) if step is None else step
     rounded = [np.rint((track - track[0]) / float(step)).astype(np.int64) for track in tracks]
-    dq = np.concatenate([np.diff(track, axis=0) for track in rounded]).astype(np.int16)
-    return QuantisedMotion(np.full(dq.shape[1], step, np.float32), dq)
+    dq = np.concatenate([np.diff(track, axis=0) for track in rounded])
+    if np.abs(dq).max() > np.iinfo(np.int16).max:
+        raise ValueError("the motion is too fast for its unit")
+    return QuantisedMotion(np.full(dq.shape[1], step, np.float32), dq.astype(np.int16))

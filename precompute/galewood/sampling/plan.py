@@ -8,7 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from galewood.sampling.recording import DIRECTIONS_DEG, SampledRun, SampleWind, StoredRun, sample_winds
+from galewood.sampling.recording import DIRECTIONS_DEG, SampledRun, StoredRun, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner, sample_tasks
 from galewood.sampling.training_winds import SEED, further_winds, training_winds
 from galewood.util import Array
@@ -30,26 +30,22 @@ FIRST_TRAINING = slice(0, None, 3)
 class Samples:
     """Runs recorded for the paper's state search, and runs that only train the modal model."""
 
-    recorded: Sequence[SampleTask]
-    training: Sequence[SampleTask]
+    default: Sequence[SampleTask]
+    """Runs that the modal model is fitted to."""
+    paper: Sequence[SampleTask]
+    """Recorded runs of the paper's state search."""
     further: Sequence[SampleTask] = ()
     """Additional training runs, simulated only for trees that deflect strongly."""
 
     @property
-    def winds(self) -> list[SampleWind]:
-        return [task.wind for task in (*self.recorded, *self.training)]
-
-    @property
     def ready(self) -> bool:
-        return all(task.path.exists() for task in (*self.recorded, *self.training))
+        return all(task.path.exists() for task in self.default)
 
-    def recorded_runs(self) -> list[SampledRun]:
-        return [StoredRun(task.path) for task in self.recorded]
+    def paper_runs(self) -> list[SampledRun]:
+        return [StoredRun(task.path) for task in self.paper]
 
-    def training_runs(self) -> list[SampledRun]:
-        """All runs that follow the FEM dynamics, that is, without those that were faded to rest."""
-        free = [task for task in self.recorded if not task.wind.fade_frames]
-        return [StoredRun(task.path) for task in (*free, *self.training)]
+    def default_runs(self) -> list[SampledRun]:
+        return [StoredRun(task.path) for task in self.default]
 
     def further_runs(
         self, runner: TrajectoryRunner, on_progress: Callable[[float], None]
@@ -60,9 +56,7 @@ class Samples:
 
     def first(self) -> Samples:
         """The runs of the preliminary table, in the same order."""
-        return Samples(
-            [t for t in self.recorded if t.wind.name in FIRST_NAMES], self.training[FIRST_TRAINING]
-        )
+        return Samples(self.default[FIRST_TRAINING], ())
 
 
 def planned(
@@ -77,7 +71,9 @@ def planned(
     more = training_winds(speed_m_s, dt_s, seed=seed)
     further = further_winds(speed_m_s, dt_s, seed=seed)
     tasks = iter(sample_tasks(model, [*winds, *more, *further], points, cache_dir))
-    return Samples(*(list(islice(tasks, len(some))) for some in (winds, more, further)))
+    paper, own, additional = (list(islice(tasks, len(some))) for some in (winds, more, further))
+    free = [task for task in paper if not task.wind.fade_frames]
+    return Samples([*free, *own], paper, additional)
 
 
 def simulate(
@@ -86,15 +82,14 @@ def simulate(
     on_progress: Callable[[float], None],
     at_first: Callable[[], None],
 ) -> None:
-    """Simulate missing runs, those of the preliminary table first.
+    """Simulate the missing runs of the default method, those of the early table first.
 
     ``at_first`` is called as soon as those are complete, unless they are the only ones.
     """
     first = samples.first()
-    preliminary = [*first.recorded, *first.training]
-    taken = {task.path for task in preliminary}
-    others = [task for task in (*samples.recorded, *samples.training) if task.path not in taken]
-    tasks, waiting = [*preliminary, *others], [at_first]
+    taken = {task.path for task in first.default}
+    others = [task for task in samples.default if task.path not in taken]
+    tasks, waiting = [*first.default, *others], [at_first]
     frames = [len(task.wind.pressure_pa) for task in tasks]
 
     def done(number: int) -> None:

@@ -1,25 +1,20 @@
-"""The table file format: encodes a Table to bytes and decodes it again."""
+"""The table file format: encodes a Table to bytes and decodes it again; the paper's records are optional."""
 
-from galewood.table.format import (
-    FORMAT,
-    VERSION,
-    Metadata,
-    Table,
-    TableError,
-    decode,
-    encode,
-    poses,
-    read_metadata,
-)
+from galewood.table.container import Metadata, TableError, read_metadata
+from galewood.table.format import FORMAT, VERSION, Table, decode, encode, with_records
+from galewood.table.records import Records, encode_records, poses
 
 __all__ = [
     "FORMAT",
     "VERSION",
     "Metadata",
+    "Records",
     "Table",
     "TableError",
     "decode",
     "encode",
+    "encode_records",
     "poses",
     "read_metadata",
+    "with_records",
 ]

@@ -1,0 +1,82 @@
+"""Conversion of older table files to the present version, when they are read."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from galewood.table.container import Metadata, TableError
+from galewood.table.records import poses
+from galewood.util import Array
+
+PAPER_NAMES = (
+    "records",
+    "points",
+    "components",
+    "sampled_elements",
+    "sigma_pa",
+    "weight",
+    "pose_easing",
+)
+"""Metadata that versions 5 and 6 kept beside the others."""
+REACH_MARGIN = 1.25
+
+
+def upgraded(
+    metadata: Metadata, tensors: dict[str, Array], version: int
+) -> tuple[Metadata, dict[str, Array]]:
+    """Metadata and tensors of a file of version 5 or 6 under the names of the present one."""
+    if metadata.get("version") == 5:
+        metadata, tensors = _from_version_5(metadata, tensors)
+    if metadata.get("version") == 6:
+        metadata = _from_version_6(metadata, tensors, version)
+    return metadata, tensors
+
+
+def _from_version_5(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Metadata, dict[str, Array]]:
+    """Version 6 renamed the modal model's tensors and its error; layout and values are the same."""
+    errors = metadata.get("errors")
+    if isinstance(errors, dict) and "replay_m" in errors:
+        kept = {name: value for name, value in errors.items() if name != "replay_m"}
+        metadata = {**metadata, "errors": {**kept, "training_m": errors["replay_m"]}}
+    renamed = {name.replace("tangent.", "modal.", 1): tensor for name, tensor in tensors.items()}
+    return {**metadata, "version": 6}, renamed
+
+
+def _from_version_6(metadata: Metadata, tensors: dict[str, Array], version: int) -> Metadata:
+    """Version 7 made the records of the paper's search optional and stores what was derived from them."""
+    paper = {name: metadata[name] for name in PAPER_NAMES if name in metadata}
+    winds = _provenance(metadata, "winds")
+    frames = _provenance(metadata, "frames")
+    kept = {name: value for name, value in metadata.items() if name not in PAPER_NAMES}
+    count = max(len(tensors.get("samples.trajectory", ())) - 1, 0)
+    return {
+        **kept,
+        "version": version,
+        "paper": {**paper, "winds": winds[:count], "frames": frames[:count]},
+        "peak_pressure_pa": _peak_pa(tensors),
+        "reach_m": _reach_m(tensors),
+    }
+
+
+def _provenance(metadata: Metadata, name: str) -> list[object]:
+    provenance = metadata.get("provenance")
+    found = provenance.get(name) if isinstance(provenance, dict) else None
+    return found if isinstance(found, list) else []
+
+
+def _peak_pa(tensors: dict[str, Array]) -> float:
+    pressure = np.asarray(tensors.get("samples.pressure_pa", np.zeros((1, 2))), np.float64)
+    if pressure.ndim != 2 or pressure.shape[1] != 2 or not len(pressure):
+        raise TableError("tensor samples.pressure_pa: expected float32 of rank 2")
+    return float(np.hypot(pressure[:, 0], pressure[:, 1]).max())
+
+
+def _reach_m(tensors: dict[str, Array]) -> float:
+    """Largest displacement of any node over the poses of all records, with a margin, m."""
+    try:
+        basis = tensors["nodes.basis"]
+        q = poses(tensors["samples.dq"], tensors["samples.trajectory"]) * tensors["modes.scale"]
+        largest = max(float(np.linalg.norm(q @ node.T, axis=1).max()) for node in basis)
+        return max(REACH_MARGIN * largest, 1e-6)
+    except (KeyError, ValueError, IndexError) as error:
+        raise TableError(f"damaged table file: {error}") from error
