@@ -17,8 +17,8 @@ from galewood.player.paper_search import PaperForest
 from galewood.reduction.training import ModalTraining, Size
 from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
 from galewood.sampling.training_winds import training_winds
-from galewood.table.format import Table, decode, encode
 from galewood.table.container import read_metadata
+from galewood.table.format import Table, decode, encode
 from galewood.table.legacy import PAPER_NAMES
 from galewood.table.records import encode_records
 from galewood.wind.evaluation import Wind, wind_pressure
@@ -162,9 +162,7 @@ def version_6(data: bytes) -> bytes:
     new = ("peak_pressure_pa", "reach_m")
     metadata = {name: value for name, value in table.metadata.items() if name not in new}
     records = {name: table.records.metadata[name] for name in PAPER_NAMES if name != "sampled_elements"}
-    provenance = metadata["provenance"] | {
-        name: table.records.metadata[name] for name in ("winds", "frames")
-    }
+    provenance = metadata["provenance"] | {name: table.records.metadata[name] for name in ("winds", "frames")}
     return _saved(data, {**metadata, **records, "provenance": provenance, "version": 6}, "modal.")
 
 

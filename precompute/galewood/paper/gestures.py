@@ -22,7 +22,7 @@ from galewood.evaluation import (
     samples_of,
 )
 from galewood.paper.plan import Plan
-from galewood.pipeline import TableSettings, assemble_table, render_mesh
+from galewood.pipeline import Surroundings, TableSettings, assemble_table, render_mesh
 from galewood.player import PaperForest
 from galewood.reduction import ModalTraining, Subspace, oscillators_of, shown_modes, size_of
 from galewood.sampling import DIRECTIONS_DEG, SampledRun, sample_winds
@@ -110,7 +110,7 @@ def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace
     samples = samples_of(table, source.model, source.mesh, plan.cache_dir, plan.workers)
     chosen = [
         run
-        for run, task in zip(samples.recorded_runs(), samples.recorded, strict=True)
+        for run, task in zip(samples.paper_runs(), samples.paper, strict=True)
         if task.wind.name.startswith("cosine") and task.wind.direction_deg == TARGET_DIRECTION_DEG
     ]
     mass_kg = source.model.mass_kg[: source.model.vertex_count]
@@ -129,9 +129,8 @@ def small_table(table: Table, source: Source, runs: Sequence[SampledRun]) -> Tab
     """Build a table of the same tree from other runs."""
     mass_kg = source.model.mass_kg[: source.model.vertex_count]
     surface = render_mesh(source.tree, source.binding)
-    return assemble_table(
-        runs, mass_kg, surface, dict(table.metadata), TableSettings(), _training(source, runs)
-    )
+    of = Surroundings(mass_kg, surface, dict(table.metadata), TableSettings())
+    return assemble_table(runs, (), _training(source, runs), of)
 
 
 def paper_directions(plan: Plan, table: Table, source: Source) -> Fig5:

@@ -1,0 +1,92 @@
+"""Tables that are distributed with the software, beside the meshes of the built-in trees.
+
+A folder holds for each tree ``name``: ``name.json`` (what it was built from, the report of the build, the
+hashes of the files), ``name.table``, ``name.records.gz``, ``name.glb`` (the render mesh), ``name.tets.npz``
+(the tetrahedra, because the mesher is not repeatable) and pictures, ``name.*.png``.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from galewood.sampling import SAMPLING_VERSION
+from galewood.table import VERSION, read_metadata
+from galewood.util import write_whole
+
+PICTURE = ".png"
+
+
+@dataclass(frozen=True)
+class ShippedTree:
+    """The results of a build, as they are distributed."""
+
+    table: bytes
+    records: bytes
+    render_glb: bytes
+    tets: bytes
+    """The file of the tetrahedra in the mesher's cache."""
+    tets_name: str
+    """Its name in the folder ``tets`` of a cache."""
+    report: dict[str, Any]
+    pictures: dict[str, bytes] = field(default_factory=dict[str, bytes])
+
+
+def build_key(source: bytes, options: dict[str, Any]) -> str:
+    """Hash of everything that a shipped tree was built from: mesh, options and versions of the formats."""
+    source_sha256 = hashlib.sha256(source).hexdigest()
+    parts = json.dumps([source_sha256, options, VERSION, SAMPLING_VERSION], sort_keys=True)
+    return hashlib.sha256(parts.encode()).hexdigest()
+
+
+def write_shipped(folder: Path, name: str, key: str, tree: ShippedTree) -> None:
+    """Write the files of a tree; the index is written last."""
+    folder.mkdir(parents=True, exist_ok=True)
+    contents = _contents(name, tree)
+    for file, content in contents.items():
+        write_whole(folder / file, content)
+    index = {
+        "key": key,
+        "software": read_metadata(tree.table)["provenance"]["software"],
+        "tets_name": tree.tets_name,
+        "files": {file: hashlib.sha256(content).hexdigest() for file, content in contents.items()},
+        "report": tree.report,
+    }
+    write_whole(folder / f"{name}.json", (json.dumps(index, indent=1) + "\n").encode())
+
+
+def read_shipped(folder: Path, name: str, key: str) -> ShippedTree | None:
+    """The shipped files of a tree, or None if there are none, or none of this key, or one is damaged."""
+    try:
+        index = json.loads((folder / f"{name}.json").read_bytes())
+        if index["key"] != key:
+            return None
+        files = {file: (folder / file).read_bytes() for file in index["files"]}
+        if any(hashlib.sha256(files[file]).hexdigest() != sha for file, sha in index["files"].items()):
+            return None
+        start = len(name) + 1
+        return ShippedTree(
+            table=files[f"{name}.table"],
+            records=gzip.decompress(files[f"{name}.records.gz"]),
+            render_glb=files[f"{name}.glb"],
+            tets=files[f"{name}.tets.npz"],
+            tets_name=str(index["tets_name"]),
+            report=dict(index["report"]),
+            pictures={file[start:]: files[file] for file in files if file.endswith(PICTURE)},
+        )
+    except (OSError, ValueError, KeyError, EOFError):
+        return None
+
+
+def _contents(name: str, tree: ShippedTree) -> dict[str, bytes]:
+    return {
+        f"{name}.table": tree.table,
+        f"{name}.records.gz": gzip.compress(tree.records, 9, mtime=0),
+        f"{name}.glb": tree.render_glb,
+        f"{name}.tets.npz": tree.tets,
+        **{f"{name}.{picture}": content for picture, content in tree.pictures.items()},
+    }
