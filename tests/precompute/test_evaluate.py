@@ -88,17 +88,17 @@ def test_hausdorff_distance_matches_brute_force() -> None:
 
 
 def test_a_sampled_wind_is_its_own_nearest_sample() -> None:
-    start, end = TABLE.trajectory[:2].astype(int)
-    track = nearest_sample(TABLE, TABLE.pressure_pa[start:end].astype(np.float64))
-    assert np.allclose(track, TABLE.pose()[start:end] * TABLE.mode_scale, atol=1e-6)
+    start, end = TABLE.records.trajectory[:2].astype(int)
+    track = nearest_sample(TABLE, TABLE.records.pressure_pa[start:end].astype(np.float64))
+    assert np.allclose(track, TABLE.records.pose()[start:end] * TABLE.mode_scale, atol=1e-6)
 
 
 def test_poses_of_the_modal_model_follow_a_sampled_run() -> None:
-    start, end = TABLE.trajectory[1:3].astype(int)
+    start, end = TABLE.records.trajectory[1:3].astype(int)
     track, extrapolation_ratio = played(
-        TABLE, TABLE.pressure_pa[start:end].astype(np.float64), METHODS["modal"]
+        TABLE, TABLE.records.pressure_pa[start:end].astype(np.float64), METHODS["modal"]
     )
-    true = TABLE.pose()[start + 1 : end] * TABLE.mode_scale
+    true = TABLE.records.pose()[start + 1 : end] * TABLE.mode_scale
     assert np.abs(track[:-1] - true).max() < 6e-4 * np.abs(true).max()
     assert 0 < extrapolation_ratio < 1.3
 
@@ -172,7 +172,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         lambda tasks, done: [run_task(t) for t in tasks],
         cache_dir=cache,
     )
-    (path / "tree.gwt").write_bytes(built.table)
+    (path / "tree.gwt").write_bytes(built.whole_table())
     (path / "tree.glb").write_bytes(built.render_glb)
     return path
 
