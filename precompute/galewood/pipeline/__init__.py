@@ -5,8 +5,8 @@ from galewood.pipeline.build import build_table, build_tree
 from galewood.pipeline.options import BuildOptions, BuildResult, Progress, build_options
 from galewood.pipeline.rehearsal import compile_kernels
 from galewood.pipeline.report import render_mesh
-from galewood.pipeline.ship import SHIPPED_FOLDER, BuiltinMesh, builtin_meshes, outdated, ship
 from galewood.pipeline.shipped import ShippedTree, build_key, read_shipped, write_shipped
+from galewood.pipeline.shipping import SHIPPED_FOLDER, BuiltinMesh, builtin_meshes, outdated, ship
 
 __all__ = [
     "SHIPPED_FOLDER",
