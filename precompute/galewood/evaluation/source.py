@@ -178,7 +178,7 @@ def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
     samples = samples_of(table, model, mesh, cache_dir, workers)
     settings = TableSettings(**table.metadata["provenance"]["table_settings"])
     training = ModalTraining(
-        oscillators_of(model), model.settings, samples.training_runs(), sizes_for(settings.modes)
+        oscillators_of(model), model.settings, samples.default_runs(), sizes_for(settings.modes)
     )
     tolerance_m = settings.truncation_share * float(table.metadata["height_m"])
     mass_kg = model.mass_kg[: model.vertex_count]
@@ -186,7 +186,7 @@ def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
         size = size_of(training, len(table.modal_step))
     except ValueError as error:
         raise SourceError(str(error)) from error
-    return reduction_modes(samples.recorded_runs(), mass_kg, tolerance_m, training, size)[1]
+    return reduction_modes(training, mass_kg, tolerance_m, size)[1]
 
 
 def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:

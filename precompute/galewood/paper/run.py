@@ -118,7 +118,7 @@ def _unseen(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:
 def _search_differences(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, int]:
     source = tree.source
     samples = samples_of(tree.table, source.model, source.mesh, plan.cache_dir, plan.workers)
-    return against_brute_force(plan, tree.table, samples.recorded_runs(), on_progress)
+    return against_brute_force(plan, tree.table, samples.paper_runs(), on_progress)
 
 
 def _part(on_progress: OnProgress, first: float, last: float, name: str = "") -> OnProgress:

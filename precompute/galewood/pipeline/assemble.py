@@ -96,7 +96,7 @@ def assemble_table(
     provenance to the metadata. ``on_progress`` gets the fraction done and may raise to cancel.
     """
     height_m = float(description["height_m"])
-    fitted = fit_smallest(runs, mass_kg, height_m, settings.truncation_share * height_m, training)
+    fitted = fit_smallest(training, mass_kg, height_m, settings.truncation_share * height_m)
     modal, subspace = fitted.modal, fitted.subspace
     on_progress(0.2)
     motion = quantise(subspace.project(run.displacement_m) for run in runs)

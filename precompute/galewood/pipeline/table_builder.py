@@ -59,13 +59,13 @@ class TableBuilder:
         training = ModalTraining(
             self.oscillators,
             self.options.fem,
-            samples.training_runs(),
+            samples.default_runs(),
             sizes_for(self.options.table.modes),
             further_runs,
         )
         mass_kg = self.model.mass_kg[: self.model.vertex_count]
         table = assemble_table(
-            samples.recorded_runs(),
+            samples.paper_runs(),
             mass_kg,
             self.surface,
             description,

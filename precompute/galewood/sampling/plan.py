@@ -22,46 +22,46 @@ FIRST_NAMES = {
     *(f"gust-{direction:03.0f}" for direction in DIRECTIONS_DEG[::3]),
 }
 """Runs of the preliminary table: weak, medium and strong winds from three directions, and two gusts."""
-FIRST_TRAINING = slice(0, None, 3)
-"""The preliminary table uses every third training wind."""
+FIRST_DEFAULT = slice(0, None, 3)
+"""The preliminary table uses every third run of the default method."""
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Runs recorded for the paper's state search, and runs that only train the modal model."""
+    """The runs of a table; those of the default method and of the paper's state search are disjoint."""
 
-    recorded: Sequence[SampleTask]
-    training: Sequence[SampleTask]
+    default: Sequence[SampleTask]
+    """The runs that the modal model is fitted to; each follows the FEM dynamics to its end."""
+    paper: Sequence[SampleTask]
+    """The runs whose states are recorded for the paper's state search."""
     further: Sequence[SampleTask] = ()
-    """Additional training runs, simulated only for trees that deflect strongly."""
+    """Additional runs for the modal model, simulated only for trees that deflect strongly."""
 
     @property
     def winds(self) -> list[SampleWind]:
-        return [task.wind for task in (*self.recorded, *self.training)]
+        return [task.wind for task in (*self.default, *self.paper)]
 
     @property
     def ready(self) -> bool:
-        return all(task.path.exists() for task in (*self.recorded, *self.training))
+        return all(task.path.exists() for task in (*self.default, *self.paper))
 
-    def recorded_runs(self) -> list[SampledRun]:
-        return [StoredRun(task.path) for task in self.recorded]
+    def default_runs(self) -> list[SampledRun]:
+        return [StoredRun(task.path) for task in self.default]
 
-    def training_runs(self) -> list[SampledRun]:
-        """All runs that follow the FEM dynamics, that is, without those that were faded to rest."""
-        free = [task for task in self.recorded if not task.wind.fade_frames]
-        return [StoredRun(task.path) for task in (*free, *self.training)]
+    def paper_runs(self) -> list[SampledRun]:
+        return [StoredRun(task.path) for task in self.paper]
 
     def further_runs(
         self, runner: TrajectoryRunner, on_progress: Callable[[float], None]
     ) -> list[SampledRun]:
-        """The additional training runs, simulated now if they are missing."""
+        """The additional runs of the modal model, simulated now if they are missing."""
         runner(self.further, lambda number: on_progress(number / max(len(self.further), 1)))
         return [StoredRun(task.path) for task in self.further]
 
     def first(self) -> Samples:
         """The runs of the preliminary table, in the same order."""
         return Samples(
-            [t for t in self.recorded if t.wind.name in FIRST_NAMES], self.training[FIRST_TRAINING]
+            self.default[FIRST_DEFAULT], [task for task in self.paper if task.wind.name in FIRST_NAMES]
         )
 
 
@@ -70,14 +70,14 @@ def planned(
 ) -> Samples:
     """All winds up to the given maximum speed, to be recorded at the given vertices.
 
-    ``frames`` is the length of each cosine wind, ``seed`` that of the noise and gusts of the training winds.
+    ``frames`` is the length of each of the paper's cosine winds, ``seed`` that of the training winds.
     """
     dt_s = model.settings.dt_s
-    winds = sample_winds(speed_m_s, dt_s, frames)
-    more = training_winds(speed_m_s, dt_s, seed=seed)
+    default = training_winds(speed_m_s, dt_s, seed=seed)
+    paper = sample_winds(speed_m_s, dt_s, frames)
     further = further_winds(speed_m_s, dt_s, seed=seed)
-    tasks = iter(sample_tasks(model, [*winds, *more, *further], points, cache_dir))
-    return Samples(*(list(islice(tasks, len(some))) for some in (winds, more, further)))
+    tasks = iter(sample_tasks(model, [*default, *paper, *further], points, cache_dir))
+    return Samples(*(list(islice(tasks, len(some))) for some in (default, paper, further)))
 
 
 def simulate(
@@ -86,14 +86,14 @@ def simulate(
     on_progress: Callable[[float], None],
     at_first: Callable[[], None],
 ) -> None:
-    """Simulate missing runs, those of the preliminary table first.
+    """Simulate missing runs: those of the preliminary table, the others of the default method, of the paper.
 
-    ``at_first`` is called as soon as those are complete, unless they are the only ones.
+    ``at_first`` is called as soon as the first ones are complete, unless they are the only ones.
     """
     first = samples.first()
-    preliminary = [*first.recorded, *first.training]
+    preliminary = [*first.default, *first.paper]
     taken = {task.path for task in preliminary}
-    others = [task for task in (*samples.recorded, *samples.training) if task.path not in taken]
+    others = [task for task in (*samples.default, *samples.paper) if task.path not in taken]
     tasks, waiting = [*preliminary, *others], [at_first]
     frames = [len(task.wind.pressure_pa) for task in tasks]
 
