@@ -207,7 +207,7 @@ def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
         size = size_of(training, len(table.modal_step))
     except ValueError as error:
         raise SourceError(str(error)) from error
-    return reduction_modes((), mass_kg, tolerance_m, training, size)[1]
+    return reduction_modes(training, mass_kg, tolerance_m, size)[1]
 
 
 def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:

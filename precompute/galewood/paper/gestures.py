@@ -119,7 +119,7 @@ def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace
     own = small_table(table, source, chosen)
     training = _training(source, chosen)
     size = size_of(training, len(own.modal_step))
-    return own, shown_modes(chosen, mass_kg, tolerance_m, training, size)[1]
+    return own, shown_modes(training, mass_kg, tolerance_m, size)[1]
 
 
 def _training(source: Source, runs: Sequence[SampledRun]) -> ModalTraining:
