@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from galewood.search.envelope import keep_winners
 from galewood.search.similarity import Compared, mismatch_rows
-from galewood.util import Array
+from galewood.util import Array, Floats
 
 MARGIN = 1e-9
 """A candidate is dropped only if it loses by more than any rounding error."""
@@ -239,8 +239,8 @@ def _prune_rows(
             mismatches[i, s] = row[kept[s]]
 
 
-def prune(first: int, rows: Array, air: Air, rule: Rule) -> tuple[Array, Array, Array]:
-    """Candidates of the states first, first + 1, …, given their mismatches ``rows`` (n, z).
+def prune(first: int, rows: Array, air: Air, rule: Rule, gain: Floats) -> tuple[Array, Array, Array]:
+    """Candidates of the states first, first + 1, …, given their mismatches ``rows`` (n, z) and ``gain_bound``.
 
     Returns the number of candidates of each state (n,), and all records and mismatches, concatenated.
     """
@@ -248,7 +248,7 @@ def prune(first: int, rows: Array, air: Air, rule: Rule) -> tuple[Array, Array, 
     record, mismatches = np.empty_like(rows), np.empty_like(rows)
     cells = cells_of(air.pressure, rule.sigma_pa, air.pressure.min(axis=0))
     _prune_rows(
-        first, rows, air.pressure, cells, air.calm, air.barred, rule.sigma_pa, rule.leverage, gain_bound(),
+        first, rows, air.pressure, cells, air.calm, air.barred, rule.sigma_pa, rule.leverage, gain,
         rule.components, counts, record, mismatches,
     )  # fmt: skip
     inside = np.arange(rows.shape[1])[None, :] < counts[:, None]
@@ -259,10 +259,10 @@ def build_search(
     layout: Compared, air: Air, rule: Rule, on_progress: Callable[[float], None] = lambda fraction: None
 ) -> Search:
     """Compare all pairs of records and keep the candidates; ``on_progress`` gets the fraction done."""
-    z = len(layout.rank)
+    z, gain = len(layout.rank), gain_bound()
 
     def chunk(first: int) -> tuple[Array, Array, Array]:
-        return prune(first, mismatch_rows(layout, first, min(first + CHUNK, z)), air, rule)
+        return prune(first, mismatch_rows(layout, first, min(first + CHUNK, z)), air, rule, gain)
 
     parts: list[tuple[Array, Array, Array]] = []
     # Threads instead of numba's parallel loops: the kernels release the GIL, and builds may run concurrently.
