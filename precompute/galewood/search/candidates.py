@@ -163,9 +163,7 @@ def _choose_rows(first, bounds, pressure, calm, barred, sigma, leverage, gain, c
     """``_choose`` for the states first, first + 1, …"""  # pragma: no cover  (compiled)
     scale = GAIN_STEPS_PER_SIGMA / sigma
     for i in range(len(bounds)):
-        _choose(
-            first + i, bounds[i], pressure, calm, barred, scale, leverage[1], gain, components, chosen[i]
-        )
+        _choose(first + i, bounds[i], pressure, calm, barred, scale, leverage[1], gain, components, chosen[i])
 
 
 @numba.njit(cache=True, nogil=True)
@@ -204,7 +202,9 @@ def _pairs(
             still_kept = True
         else:
             use_successor = count > 0 and kept[0] == c and (across or not calm[c])
-            beaten = use_successor and _beats(c, j, error, row[c] / components, pressure, scale, leverage, gain)
+            beaten = use_successor and _beats(
+                c, j, error, row[c] / components, pressure, scale, leverage, gain
+            )
             for side in AROUND:
                 if beaten:
                     break

@@ -15,13 +15,15 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from galewood.search.similarity import Compared, Ranks, count_outside
+from galewood.search.similarity import Compared, Ranks
 from galewood.util import Array
 
 RARE = 0.05
 """Matches of a component are listed if their share of all pairs of records is smaller."""
-HEAD = 128
-"""Number of the components of the lower bound, beside those whose matches are listed."""
+HEAD = 256
+"""Most components of the lower bound, beside those whose matches are listed."""
+TILE = 1024
+"""Records of a pass: their ranges stay in the fastest cache while all states are compared with them."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class Stages:
     """The components of all records, in the order of counting."""
 
     matches: Matches
-    head: Compared  # components that count twice
+    head: Compared  # components that count twice: (h, z) instead of (z, h), h even
     tail: Compared
     tail_twice: int  # the first components of the tail that count twice; the others count once
 
@@ -52,26 +54,23 @@ def stages(layout: Compared) -> Stages:
     order = np.argsort(share, kind="stable")
     often, twice = share[order] >= RARE, weight[order] == 2
     rare, first, last = order[~often], order[often & twice], order[often & ~twice]
-    tail = np.concatenate([first[HEAD:], last])
+    head = min(HEAD, len(first)) // 2 * 2
+    tail = np.concatenate([first[head:], last])
     return Stages(
         _matches(layout, rare, weight[rare]),
-        _columns(layout, first[:HEAD]),
-        _columns(layout, tail),
-        len(first[HEAD:]),
+        Compared(*(np.ascontiguousarray(part[:, first[:head]].T) for part in vars(layout).values())),
+        Compared(*(np.ascontiguousarray(part[:, tail]) for part in vars(layout).values())),
+        len(first) - head,
     )
-
-
-def _columns(layout: Compared, chosen: Array) -> Compared:
-    return Compared(*(np.ascontiguousarray(part[:, chosen]) for part in vars(layout).values()))
 
 
 def _matches(layout: Compared, chosen: Array, weight: Ranks) -> Matches:
     z, m = len(layout.rank), len(chosen)
     order, begin, end = np.empty((m, z), np.uint16), np.empty((m, z), np.uint16), np.empty((m, z), np.uint16)
+    rank, low, span = (np.ascontiguousarray(part[:, chosen].T) for part in vars(layout).values())
     for i in range(m):
-        rank, low, span = (np.ascontiguousarray(part[:, chosen[i]]) for part in vars(layout).values())
-        order[i] = np.argsort(rank, kind="stable")
-        _match_bounds(order[i], rank, low, span, begin[i], end[i])
+        order[i] = np.argsort(rank[i], kind="stable")
+        _match_bounds(order[i], rank[i], low[i], span[i], begin[i], end[i])
     return Matches(order, np.ascontiguousarray(begin.T), np.ascontiguousarray(end.T), weight)
 
 
@@ -101,12 +100,34 @@ def _count_listed(order, begin, end, weight, first, out):  # pragma: no cover  (
                 row[order[k, s]] -= weight[k]
 
 
+@numba.njit(cache=True, nogil=True)
+def _add_twice(x0, x1, low0, low1, span0, span1, row):  # pragma: no cover  (compiled)
+    """Add to row (n,) twice the mismatches of a state with n records in two components."""
+    for j in range(len(row)):  # 16 bits throughout, for vectors of as many records as possible
+        n = np.uint16(np.uint16(x0 - low0[j]) > span0[j])
+        n = np.uint16(n + np.uint16(np.uint16(x1 - low1[j]) > span1[j]))
+        row[j] = np.uint16(row[j] + np.uint16(n + n))
+
+
+@numba.njit(cache=True, nogil=True)
+def _add_head(rank, low, span, first, out):  # pragma: no cover  (compiled)
+    """Add to out[i, j] the mismatches of state first + i with record j in the head."""
+    for start in range(0, rank.shape[1], TILE):
+        end = min(start + TILE, rank.shape[1])
+        for k in range(0, len(rank), 2):
+            low0, low1 = low[k, start:end], low[k + 1, start:end]
+            span0, span1 = span[k, start:end], span[k + 1, start:end]
+            for i in range(len(out)):
+                x0, x1 = rank[k, first + i], rank[k + 1, first + i]
+                _add_twice(x0, x1, low0, low1, span0, span1, out[i, start:end])
+
+
 def lower_bounds(parts: Stages, first: int, last: int) -> npt.NDArray[np.uint16]:
     """(last − first, z) mismatches of states [first, last) with every record, without those in the tail."""
-    out = np.empty((last - first, len(parts.head.rank)), np.uint16)
+    out = np.empty((last - first, len(parts.tail.rank)), np.uint16)
     listed, head = parts.matches, parts.head
     _count_listed(listed.order, listed.begin, listed.end, listed.weight, first, out)
-    count_outside(head.rank, head.low, head.span, 0, first, last, out)
+    _add_head(head.rank, head.low, head.span, first, out)
     return out
 
 

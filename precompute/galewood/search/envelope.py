@@ -86,7 +86,8 @@ def _settle(rivals, count, start, x, z, near_j, reach):  # pragma: no cover  (co
 def _may_win(j_at, rivals, count, radius, stack):  # pragma: no cover  (compiled)
     """Whether record j may win somewhere within ``radius`` (σ) against ``count`` rivals.
 
-    rivals: (4, n), for a multiple of LANES: x and z in σ, the least advantage g_j − g_k by which rival k is cheaper for every λ, and the largest slope of g_j − g_k.
+    rivals: (4, n), n a multiple of LANES: x and z in σ, the advantage g_j − g_k above which rival k is
+    cheaper for every λ, and the largest slope of g_j − g_k.
     """
     stack[0] = j_at[0], j_at[1], radius
     depth, start = 1, 0

@@ -108,12 +108,11 @@ def _outside_four(x0, x1, x2, x3, low, span):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def count_outside(rank, low, span, once, first, last, out):  # pragma: no cover  (compiled)
-    """Add to out[c − first, j] the mismatches of state c with record j (Eq. 13), for c in [first, last).
-
-    The first ``once`` components count once, the others twice.
-    """
-    for j in range(len(rank)):
+def _count_outside(rank, low, span, first, last, out):  # pragma: no cover  (compiled)
+    """out[c − first, j] = number of mismatches of state c with record j (Eq. 13), for c in [first, last)."""
+    z, width = rank.shape
+    once = width // 4 * 3
+    for j in range(z):
         for c in range(first, last, 4):
             c1, c2, c3 = min(c + 1, last - 1), min(c + 2, last - 1), min(c + 3, last - 1)
             single = _outside_four(
@@ -132,15 +131,16 @@ def count_outside(rank, low, span, once, first, last, out):  # pragma: no cover 
                 low[j, once:],
                 span[j, once:],
             )
-            for i in range(min(4, last - c)):
-                out[c + i - first, j] += single[i] + 2 * double[i]
+            out[c - first, j] = single[0] + 2 * double[0]
+            out[c1 - first, j] = single[1] + 2 * double[1]
+            out[c2 - first, j] = single[2] + 2 * double[2]
+            out[c3 - first, j] = single[3] + 2 * double[3]
 
 
 def mismatch_rows(states: Compared, first: int, last: int) -> npt.NDArray[np.uint16]:
     """(last − first, z) mismatches (E_int times components) of states [first, last) with every record."""
-    out = np.zeros((last - first, len(states.rank)), np.uint16)
-    once = states.rank.shape[1] // 4 * 3
-    count_outside(states.rank, states.low, states.span, once, first, last, out)
+    out = np.empty((last - first, len(states.rank)), np.uint16)
+    _count_outside(states.rank, states.low, states.span, first, last, out)
     return out
 
 
