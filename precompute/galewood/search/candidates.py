@@ -141,29 +141,25 @@ def _beats(k, j, error, own, pressure, scale, leverage, gain):  # pragma: no cov
 
 
 @numba.njit(cache=True, nogil=True)
-def _choose(c, bounds, pressure, calm, barred, scale, leverage, gain, components, chosen):
-    """Choose the records (z,) that may be candidates of state c, given lower bounds of their mismatches.
-
-    The others are those that ``_pairs`` would drop because of the successor, whatever their mismatches are.
-    """  # pragma: no cover  (compiled)
-    for j in range(len(bounds)):
-        if barred[c] or j == c:
-            chosen[j] = True
-        elif barred[j]:
-            chosen[j] = False
-        elif calm[j]:
-            chosen[j] = not calm[c]
-        else:
-            error = bounds[j] / components - MARGIN
-            chosen[j] = not _beats(c, j, error, 0.0, pressure, scale, leverage, gain)
-
-
-@numba.njit(cache=True, nogil=True)
 def _choose_rows(first, bounds, pressure, calm, barred, sigma, leverage, gain, components, chosen):
-    """``_choose`` for the states first, first + 1, …"""  # pragma: no cover  (compiled)
+    """Choose the records that may be candidates of the states first, first + 1, …
+
+    bounds (n, z): lower bounds of the mismatches. The others are those that ``_pairs`` would drop because of
+    the successor, whatever their mismatches are.
+    """  # pragma: no cover  (compiled)
     scale = GAIN_STEPS_PER_SIGMA / sigma
     for i in range(len(bounds)):
-        _choose(first + i, bounds[i], pressure, calm, barred, scale, leverage[1], gain, components, chosen[i])
+        c = first + i
+        for j in range(bounds.shape[1]):
+            if barred[c] or j == c:
+                chosen[i, j] = True
+            elif barred[j]:
+                chosen[i, j] = False
+            elif calm[j]:
+                chosen[i, j] = not calm[c]
+            else:
+                error = bounds[i, j] / components - MARGIN
+                chosen[i, j] = not _beats(c, j, error, 0.0, pressure, scale, leverage[1], gain)
 
 
 @numba.njit(cache=True, nogil=True)

@@ -89,11 +89,11 @@ def _may_win(j_at, rivals, count, radius, stack):  # pragma: no cover  (compiled
     rivals: (4, n), n a multiple of LANES: x and z in σ, the advantage g_j − g_k above which rival k is
     cheaper for every λ, and the largest slope of g_j − g_k.
     """
-    stack[0] = j_at[0], j_at[1], radius
+    stack[0, 0], stack[0, 1], stack[0, 2] = j_at[0], j_at[1], radius  # whole rows take long to compile
     depth, start = 1, 0
     while depth > 0:
         depth -= 1
-        x, z, half = stack[depth]
+        x, z, half = stack[depth, 0], stack[depth, 1], stack[depth, 2]
         jx, jz = x - j_at[0], z - j_at[1]
         reach, squared = half * math.sqrt(2.0), jx * jx + jz * jz
         if math.sqrt(squared) - reach > radius:
@@ -106,7 +106,7 @@ def _may_win(j_at, rivals, count, radius, stack):  # pragma: no cover  (compiled
         for s in range(4):
             side_x = 0.5 * half if s % 2 else -0.5 * half
             side_z = 0.5 * half if s // 2 else -0.5 * half
-            stack[depth] = x + side_x, z + side_z, 0.5 * half
+            stack[depth, 0], stack[depth, 1], stack[depth, 2] = x + side_x, z + side_z, 0.5 * half
             depth += 1
     return False
 
@@ -146,12 +146,13 @@ def keep_winners(c, row, pressure, calm, sigma, leverage, components, margin, ke
     w / (1 − w) at both ends of the range of w. Candidates of the other air than that of the state belong to
     separate queries and stay, except those of moving air for a state of still air.
     """  # pragma: no cover  (compiled)
-    errors, at = np.empty(count), np.full((2, count), np.inf)  # infinitely far: nobody's rival
+    errors, at = np.empty(count), np.empty((2, count))
     for s in range(count):
         k = kept[s]
         errors[s] = row[k] / components
-        if calm[c] or not calm[k]:
-            at[0, s], at[1, s] = pressure[k, 0] / sigma, pressure[k, 1] / sigma
+        at[0, s], at[1, s] = pressure[k, 0] / sigma, pressure[k, 1] / sigma
+        if calm[k] and not calm[c]:
+            at[0, s] = np.inf  # nobody's rival
     rivals, stack = np.zeros((4, count + LANES)), np.empty((DEPTH, 3))
     squared, near = np.empty(count), np.empty(count + 1, np.int64)
     remain = 1
