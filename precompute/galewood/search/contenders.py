@@ -16,7 +16,6 @@ import numpy as np
 import numpy.typing as npt
 
 from galewood.search.similarity import Compared, Ranks
-from galewood.util import Array
 
 RARE = 0.05
 """Matches of a component are listed if their share of all pairs of records is smaller."""
@@ -56,21 +55,22 @@ def stages(layout: Compared) -> Stages:
     rare, first, last = order[~often], order[often & twice], order[often & ~twice]
     head = min(HEAD, len(first)) // 2 * 2
     tail = np.concatenate([first[head:], last])
+    columns = [np.ascontiguousarray(part.T) for part in (layout.rank, layout.low, layout.span)]
     return Stages(
-        _matches(layout, rare, weight[rare]),
-        Compared(*(np.ascontiguousarray(part[:, first[:head]].T) for part in vars(layout).values())),
-        Compared(*(np.ascontiguousarray(part[:, tail]) for part in vars(layout).values())),
+        _matches(Compared(*(part[rare] for part in columns)), weight[rare]),
+        Compared(*(part[first[:head]] for part in columns)),
+        Compared(*(np.ascontiguousarray(part[tail].T) for part in columns)),
         len(first) - head,
     )
 
 
-def _matches(layout: Compared, chosen: Array, weight: Ranks) -> Matches:
-    z, m = len(layout.rank), len(chosen)
+def _matches(columns: Compared, weight: Ranks) -> Matches:
+    """Lists of the matches in m components, whose columns are (m, z)."""
+    m, z = columns.rank.shape
     order, begin, end = np.empty((m, z), np.uint16), np.empty((m, z), np.uint16), np.empty((m, z), np.uint16)
-    rank, low, span = (np.ascontiguousarray(part[:, chosen].T) for part in vars(layout).values())
     for i in range(m):
-        order[i] = np.argsort(rank[i], kind="stable")
-        _match_bounds(order[i], rank[i], low[i], span[i], begin[i], end[i])
+        order[i] = np.argsort(columns.rank[i], kind="stable")
+        _match_bounds(order[i], columns.rank[i], columns.low[i], columns.span[i], begin[i], end[i])
     return Matches(order, np.ascontiguousarray(begin.T), np.ascontiguousarray(end.T), weight)
 
 
