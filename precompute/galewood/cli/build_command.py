@@ -52,7 +52,7 @@ Artefacts = Annotated[
         "--artefacts",
         "--pictures",
         file_okay=False,
-        help="Folder for the pictures and the preliminary table, written as soon as they exist.",
+        help="Folder for the pictures and the preliminary tables, written as soon as they exist.",
     ),
 ]
 
