@@ -1,8 +1,9 @@
-"""Tetrahedral meshing of the wood: thicken, wrap, decimate, fill, restore the volume, check, cache.
+"""Tetrahedral meshing of the wood: thicken, wrap, decimate, fill, restore the volume, polish, check, cache.
 
 Thin branches are thickened to a radius the mesher resolves (the radius ratio is kept per tet); a distance
-grid yields one closed surface; decimation sets the number of tets; fTetWild fills the surface; finally the
-surface is offset to restore the volume lost by decimation and meshing.
+grid yields one closed surface; decimation sets the number of tets; fTetWild fills the surface, in few of its
+slow passes. Then the surface is offset to restore the volume lost by decimation and meshing, long edges are
+split if there are too few tets, and the vertices of the worst tets are moved.
 """
 
 from __future__ import annotations
@@ -22,18 +23,20 @@ from galewood.tets.radius_ratio import radius_ratio
 from galewood.tets.refine import refined
 from galewood.tets.thicken import Thickened, thicken
 from galewood.tets.wrap import decimate, whole_part, wrap
-from galewood.util import Floats, Int32s, MeshError
+from galewood.util import Floats, Int32s, Ints, MeshError
 
 FLOOR = 2.8e-3  # smallest radius, relative to the diagonal
-ENVELOPE = 0.3  # fTetWild's envelope relative to the floor; a smaller one gives more tets
+ENVELOPE = 0.2  # fTetWild's envelope relative to the floor; a smaller one gives more tets
 CELLS_PER_FLOOR = 1.5
-EDGE_LENGTH = 0.05  # relative to the diagonal
+EDGE_LENGTH = 0.08  # relative to the diagonal
 STOP_ENERGY = 30.0
 PASSES = 2  # of fTetWild's optimisation; more cost half a second each and gain less than polishing does
-TETS_PER_FACE = 0.95
+TETS_PER_FACE = 1.1
 FILLED_UP = 0.7  # of the target: with fewer tets, long edges are split
-POLISHED_WITHIN = 0.6  # of the floor: how far polishing slides a vertex along the surface
-RAISES = 4
+POLISHED_WITHIN = 0.4  # of the floor: how far polishing slides a vertex along the surface
+BAD_SHAPE = 0.1  # vertices of such tets may slide by a whole floor
+RAISES = 4  # of the floor, before the shell is filled
+MUCH_LOST = 0.1
 FEWEST, MOST = 0.55, 1.45  # relative to the target
 MAX_LOST_EXTENT = 0.03
 MAX_LOST_VOLUME = 1e-3  # in disconnected pieces
@@ -153,9 +156,10 @@ def _connected_shell(surface: Surface, recipe: Recipe) -> tuple[Recipe, Shell]:
     shell = _shell(surface, recipe)
     for _ in range(RAISES):
         vertices, share = whole_part(shell.decimated)
-        if share >= 1.0 - MAX_LOST_VOLUME and lost_extent(surface.vertices, vertices) <= MAX_LOST_EXTENT:
+        lost = lost_extent(surface.vertices, vertices)
+        if share >= 1.0 - MAX_LOST_VOLUME and lost <= MAX_LOST_EXTENT:
             break
-        recipe = replace(recipe, floor=recipe.floor * 1.2)
+        recipe = replace(recipe, floor=recipe.floor * (1.4 if max(1.0 - share, lost) > MUCH_LOST else 1.2))
         shell = _shell(surface, recipe)
     return recipe, shell
 
@@ -214,4 +218,5 @@ def _finished(vertices: Floats, tets: Ints, shell: Shell, fewest: int) -> tuple[
     vertices = restore_volume(vertices, tets, shell.volume_m3)
     vertices, tets = refined(vertices, tets, fewest)
     vertices = polished(vertices, tets, POLISHED_WITHIN * shell.floor_m)
+    vertices = polished(vertices, tets, shell.floor_m, BAD_SHAPE)
     return restore_volume(vertices, tets, shell.volume_m3), tets

@@ -9,7 +9,7 @@ from galewood.tets.quality import boundary_faces, vertex_normals
 from galewood.util import Floats, Ints
 
 SWEEPS = 8
-GOOD_SHAPE = 0.3  # vertices whose tets all exceed it are not moved
+GOOD_SHAPE = 0.3
 FIRST_STEP = 0.2  # of the mean length of the edges at the vertex; halved in every second sweep
 DIRECTIONS = np.array(
     [[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) != (0, 0, 0)],
@@ -17,8 +17,10 @@ DIRECTIONS = np.array(
 )
 
 
-def polished(vertices: Floats, tets: Ints, along_m: float) -> Floats:
+def polished(vertices: Floats, tets: Ints, along_m: float, below: float = GOOD_SHAPE) -> Floats:
     """Vertices (n, 3) moved so that the worst tet at each of them has a better shape.
+
+    Only vertices of a tet whose shape is less than `below` are moved.
 
     Vertices of the surface stay in their tangential plane, within `along_m` of where they were.
     """
@@ -26,14 +28,12 @@ def polished(vertices: Floats, tets: Ints, along_m: float) -> Floats:
     normal, _ = vertex_normals(vertices, faces)
     on_surface = np.zeros(len(vertices), dtype=bool)
     on_surface[faces] = True
-    offsets, items = tets_of_vertices(tets, len(vertices))
+    around, skin = tets_of_vertices(tets, len(vertices)), (vertices, normal, on_surface)
     directions = DIRECTIONS / np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
     result = np.array(vertices, dtype=np.float64)
     for sweep in range(SWEEPS):
         step = FIRST_STEP * 0.5 ** (sweep // 2)
-        moved = _sweep(
-            result, vertices, tets, offsets, items, normal, on_surface, directions, step, along_m
-        )
+        moved = _sweep(result, tets, around, skin, directions, step, along_m, below)
         if not moved and sweep % 2 == 1 and sweep > 2:
             break
     return result
@@ -71,13 +71,15 @@ def _worst(vertices, tets, items, start, end):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True)
-def _sweep(vertices, before, tets, offsets, items, normal, on_surface, directions, share, along):  # type: ignore[no-untyped-def]
-    """Move every vertex with a bad tet once, to the best of the places around it; returns the number moved."""
+def _sweep(vertices, tets, around, skin, directions, share, along, below):  # type: ignore[no-untyped-def]
+    """Move every vertex with a bad tet to the best of the places around it; returns the number moved."""
+    offsets, items = around
+    before, normal, on_surface = skin
     moved = 0
     for v in range(len(vertices)):
         start, end = offsets[v], offsets[v + 1]
         best = _worst(vertices, tets, items, start, end)
-        if best > GOOD_SHAPE:
+        if best > below:
             continue
         place = vertices[v].copy()
         length = 0.0

@@ -48,7 +48,7 @@ def _point_triangle(px, py, pz, t):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def band_squares(triangles, shape, band):  # type: ignore[no-untyped-def]
-    """Squared distance in cells from each grid point to triangles (m, 3, 3) in cells, at most `band` squared."""
+    """Squared distance from each grid point to triangles (m, 3, 3), all in cells, at most `band` squared."""
     field = np.full(shape, np.float32(band * band))
     for f in range(len(triangles)):
         t = triangles[f]
