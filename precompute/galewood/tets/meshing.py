@@ -26,15 +26,15 @@ from galewood.tets.wrap import decimate, whole_part, wrap
 from galewood.util import Floats, Int32s, Ints, MeshError
 
 FLOOR = 2.8e-3  # smallest radius, relative to the diagonal
-ENVELOPE = 0.2  # fTetWild's envelope relative to the floor; a smaller one gives more tets
+ENVELOPE = 0.3  # fTetWild's envelope relative to the floor; a smaller one gives more tets
 CELLS_PER_FLOOR = 1.5
 EDGE_LENGTH = 0.08  # relative to the diagonal
 STOP_ENERGY = 30.0
 PASSES = 2  # of fTetWild's optimisation; more cost half a second each and gain less than polishing does
 TETS_PER_FACE = 1.1
 FILLED_UP = 0.7  # of the target: with fewer tets, long edges are split
-POLISHED_WITHIN = 0.4  # of the floor: how far polishing slides a vertex along the surface
-BAD_SHAPE = 0.1  # vertices of such tets may slide by a whole floor
+POLISHED_WITHIN = 0.2  # of the floor: how far polishing slides a vertex along the surface; 0.6 softens limbs
+BAD_SHAPE, BAD_WITHIN = 0.05, 0.5  # vertices of such tets may slide further
 RAISES = 4  # of the floor, before the shell is filled
 MUCH_LOST = 0.1
 FEWEST, MOST = 0.55, 1.45  # relative to the target
@@ -218,5 +218,5 @@ def _finished(vertices: Floats, tets: Ints, shell: Shell, fewest: int) -> tuple[
     vertices = restore_volume(vertices, tets, shell.volume_m3)
     vertices, tets = refined(vertices, tets, fewest)
     vertices = polished(vertices, tets, POLISHED_WITHIN * shell.floor_m)
-    vertices = polished(vertices, tets, shell.floor_m, BAD_SHAPE)
+    vertices = polished(vertices, tets, BAD_WITHIN * shell.floor_m, BAD_SHAPE)
     return restore_volume(vertices, tets, shell.volume_m3), tets
