@@ -52,7 +52,9 @@ class TableBuilder:
 
         def further_runs() -> Sequence[SampledRun]:
             runs = further()
-            further_winds.extend(task.wind for task in samples.further[: len(runs)])
+            own = {task.path for task in samples.paper}
+            added = [task for task in samples.further[: len(runs)] if task.path not in own]
+            further_winds.extend(task.wind for task in added)
             return runs
 
         description = describe(self.tree, self.model, self.wind, winds, self.options, self.render_glb)
