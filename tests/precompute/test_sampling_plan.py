@@ -9,7 +9,7 @@ from galewood.sampling.plan import Samples, planned, simulate
 from galewood.sampling.recording import SampleWind, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner
 from galewood.sampling.training_winds import further_winds, training_winds
-from galewood.verify.bodies import laden_pole
+from galewood.verify.motion_checks import laden_pole
 
 
 def task(wind: SampleWind, folder: Path) -> SampleTask:
