@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.sampling.plan import Samples, simulate
+from galewood.sampling.plan import Samples, planned, simulate
 from galewood.sampling.recording import SampleWind, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner
 from galewood.sampling.training_winds import further_winds, training_winds
+from galewood.verify.motion_checks import laden_pole
 
 
 def task(wind: SampleWind, folder: Path) -> SampleTask:
@@ -93,3 +94,12 @@ def test_additional_winds_are_run_only_on_request(samples: Samples) -> None:
     assert len(events) == len(runs) == 48
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
+
+
+def test_the_cosine_runs_of_the_paper_are_also_further_runs_in_the_same_files(tmp_path: Path) -> None:
+    model, points = laden_pole(), np.arange(4)
+    samples = planned(model, 12.0, points, tmp_path, frames=5)
+    assert [len(some) for some in (samples.default, samples.paper, samples.further)] == [20, 43, 36 + 48]
+    shared = {task.path for task in samples.paper} & {task.path for task in samples.further}
+    assert len(shared) == 36
+    assert not {task.path for task in samples.default} & {task.path for task in samples.further}

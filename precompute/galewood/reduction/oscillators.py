@@ -14,16 +14,20 @@ import numpy as np
 from scipy.signal import lfilter
 
 from galewood.fem import FemModel, FemSettings, natural_modes
+from galewood.sampling import GOLDEN_RAD, noise
 from galewood.util import Floats
 
 NATURAL_MODES = 120
 REDUCTION_PERIODS_S = (3.0, 2.5)
 """Periods of the winds whose linear responses select the oscillators.
 
-Smooth winds: after noise and gusts, fast modes that hardly move the tree would displace slow ones.
+Smooth, as in noise fast modes that hardly move the tree would displace slow ones where oscillators are few.
 """
 REDUCTION_DEPTH = 0.5
 REDUCTION_S = 6.0
+GUSTY_WINDS, GUSTY_S = 14, 10.0
+"""Additional noise, which selects the modes beyond the first ones if there are many oscillators."""
+GUSTY_MEAN, GUSTINESS, GUSTY_TURN_RAD = 0.4, 0.5, 0.5
 TRAPEZIUM = 1 - np.sqrt(0.5)
 """Implicit coefficient of TR-BDF2."""
 
@@ -110,9 +114,15 @@ def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, d
     return Oscillators(np.sqrt(squared), mix @ body.damping @ mix.T, mix @ body.shapes, mix @ body.load)
 
 
-def leading_oscillators(body: Oscillators, settings: FemSettings, dynamic: int) -> Oscillators:
-    """The ``dynamic`` oscillators that best represent the linear motion of a body in an oscillating wind."""
-    return reduced(body, reduction_winds(settings.dt_s), settings, dynamic)
+def leading_oscillators(
+    body: Oscillators, settings: FemSettings, dynamic: int, *, gusty: bool = False
+) -> Oscillators:
+    """The ``dynamic`` oscillators that best represent the linear motion of a body in oscillating winds.
+
+    With ``gusty`` also in noise, for many oscillators.
+    """
+    winds = reduction_winds(settings.dt_s) + (gusty_winds(settings.dt_s) if gusty else [])
+    return reduced(body, winds, settings, dynamic)
 
 
 def reduction_winds(dt_s: float) -> list[Floats]:
@@ -120,6 +130,17 @@ def reduction_winds(dt_s: float) -> list[Floats]:
     time_s = np.arange(round(REDUCTION_S / dt_s)) * dt_s
     series = [1.0 - REDUCTION_DEPTH * np.cos(2 * np.pi * time_s / s) for s in REDUCTION_PERIODS_S]
     return [np.outer(pressure, side) for pressure in series for side in np.eye(2)]
+
+
+def gusty_winds(dt_s: float) -> list[Floats]:
+    """Noise (T, 2) with varying headings, of the same unit; the same for every tree."""
+    rng, frames = np.random.default_rng(3), round(GUSTY_S / dt_s)
+    winds: list[Floats] = []
+    for k in range(GUSTY_WINDS):
+        pressure = GUSTY_MEAN * (1.0 + GUSTINESS * noise(rng, frames, dt_s, 5 / 3))
+        heading = k * GOLDEN_RAD + GUSTY_TURN_RAD * noise(rng, frames, dt_s, 2.0)
+        winds.append(pressure[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1))
+    return winds
 
 
 def _linear_motion(body: Oscillators, step: Floats, wind: Floats) -> Floats:

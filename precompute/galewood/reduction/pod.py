@@ -14,7 +14,7 @@ import scipy.linalg
 
 from galewood.util import Array, Floats
 
-MAX_SNAPSHOTS = 1500
+MAX_SNAPSHOTS = 600
 """Largest number of snapshots that determine the basis and its error."""
 
 

@@ -30,9 +30,11 @@ class Size:
     """Oscillators after the first two that interact with the sway."""
     natural: int
     """Natural modes that the oscillators are combined from."""
+    gusty: bool = False
+    """Whether noise also selects the oscillators."""
 
 
-SIZES = (Size(16, 4, 80), Size(48, 20, 120))
+SIZES = (Size(16, 4, 80), Size(48, 20, 120, gusty=True))
 """Sizes to try, smallest first (docs/design/0005-drift-free-motion.md)."""
 
 
@@ -41,7 +43,7 @@ def sizes_for(modes: int | None) -> tuple[Size, ...]:
     if modes is None:
         return SIZES
     like = SIZES[0] if modes <= SIZES[0].dynamic else SIZES[-1]
-    return (Size(modes, min(like.coupled, modes - 2), like.natural),)
+    return (Size(modes, min(like.coupled, modes - 2), like.natural, like.gusty),)
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,8 @@ def shown_modes(
     """The oscillators of a size, and the output modes: their shapes and a few POD modes of the runs."""
     frames = sum(len(run.pressure_pa) + 1 for run in training.runs)
     snapshots = thinned((run.displacement_m for run in training.runs), frames)
-    own = leading_oscillators(first_of(training.body, size.natural), training.scheme, size.dynamic)
+    body = first_of(training.body, size.natural)
+    own = leading_oscillators(body, training.scheme, size.dynamic, gusty=size.gusty)
     return own, fit_subspace(
         snapshots, mass_kg, tolerance_m, leading=own.shapes, least=LEAST_FURTHER, most=MOST_FURTHER
     )

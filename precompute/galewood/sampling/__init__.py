@@ -20,10 +20,11 @@ from galewood.sampling.runner import (
     run_task,
     sample_tasks,
 )
-from galewood.sampling.training_winds import SEED
+from galewood.sampling.training_winds import GOLDEN_RAD, SEED, noise
 
 __all__ = [
     "DIRECTIONS_DEG",
+    "GOLDEN_RAD",
     "SAMPLING_VERSION",
     "SEED",
     "DesignWind",
@@ -35,6 +36,7 @@ __all__ = [
     "TrajectoryRunner",
     "content_hash",
     "design_wind",
+    "noise",
     "planned",
     "read_trajectory",
     "run_in_processes",

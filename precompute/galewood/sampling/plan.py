@@ -29,7 +29,10 @@ class Samples:
     paper: Sequence[SampleTask]
     """The runs whose states are recorded for the paper's state search."""
     further: Sequence[SampleTask] = ()
-    """Additional runs for the modal model, simulated only for trees that deflect strongly."""
+    """Additional runs for the modal model, only for trees that deflect strongly.
+
+    They include the paper's cosine runs, in the same files, so that those are simulated once.
+    """
 
     @property
     def winds(self) -> list[SampleWind]:
@@ -70,7 +73,9 @@ def planned(
     paper = sample_winds(speed_m_s, dt_s, frames)
     further = further_winds(speed_m_s, dt_s, seed=seed)
     tasks = iter(sample_tasks(model, [*default, *paper, *further], points, cache_dir))
-    return Samples(*(list(islice(tasks, len(some))) for some in (default, paper, further)))
+    own, recorded, more = (list(islice(tasks, len(some))) for some in (default, paper, further))
+    cosines = [task for task in recorded if task.wind.name.startswith("cosine")]
+    return Samples(own, recorded, [*cosines, *more])
 
 
 def simulate(
