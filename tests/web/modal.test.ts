@@ -11,6 +11,7 @@ interface Sway {
 }
 
 const TABLE = decodeTable(golden("pole.safetensors"));
+const LINEAR = decodeTable(golden("pole-linear.safetensors"));
 
 function still(forest: ModalForest, frames: number): void {
   const calm = new Float32Array(forest.count);
@@ -21,10 +22,13 @@ describe.each([
   ["in the kernel", false],
   ["in plain TypeScript", true],
 ])("%s", (_, plain) => {
-  test("agrees with Python to 1e-5 of the height over 10,000 frames", () => {
-    const { frames, every, trees, poses } = goldenJson<Sway>("sway.json");
+  test.each([
+    ["with all couplings", TABLE, "sway.json"],
+    ["with linear oscillators alone", LINEAR, "sway-linear.json"],
+  ])("agrees with Python to 1e-5 of the height over 10,000 frames, %s", (_words, table, file) => {
+    const { frames, every, trees, poses } = goldenJson<Sway>(file);
     const count = trees.x_m.length;
-    const forest = new ModalForest(TABLE, count, plain);
+    const forest = new ModalForest(table, count, plain);
     expect(forest.compiled).toBe(!plain);
     forest.setTrees(trees.x_m, trees.z_m, trees.yaw_rad, trees.scale);
     const px = new Float32Array(count);
@@ -40,7 +44,7 @@ describe.each([
       const expected = poses[(frame + 1) / every - 1];
       // One unit of q moves the farthest vertex by 1 m.
       const worst = expected.reduce((most, value, k) => Math.max(most, Math.abs(value - forest.q[k])), 0);
-      expect(worst / TABLE.metadata.height_m, `frame ${frame}`).toBeLessThan(1e-5);
+      expect(worst / table.metadata.height_m, `frame ${frame}`).toBeLessThan(1e-5);
     }
   });
 

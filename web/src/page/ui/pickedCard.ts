@@ -1,13 +1,17 @@
 /** Card of the selected tree: its current motion, pictures of its model, and actions. */
+import { onlyRecordsLeft, type PaperState, paperWords } from "../paper/paperState";
 import { jobPictures, pictureUrl, type Tree } from "../server/api";
+import type { KnownTree } from "../server/catalogue";
 import type { PickedFigures } from "../treePicker";
 import { element, make } from "./dom";
-import { displayName } from "./words";
+import { displayName, tableWords } from "./words";
 
 export interface PickedTools {
   follow(following: boolean): void;
   compare(): void;
   physics(): void;
+  /** Ends the computation of this job. */
+  cancel(jobId: string): void;
   close(): void;
 }
 
@@ -37,9 +41,12 @@ export class PickedCard {
   private readonly root = make("article", "", "card picked");
   private readonly heading = make("h2");
   private readonly list = make("dl");
+  private readonly state = make("p", "", "picked-state");
+  private readonly cancel = make("button", "Cancel", "picked-cancel");
   private readonly pictures = make("div", "", "job-pictures");
   private readonly follow = make("button", "Follow");
   private shownId = "";
+  private jobId = "";
 
   constructor(tools: PickedTools) {
     this.root.hidden = true;
@@ -64,30 +71,45 @@ export class PickedCard {
       button("Physics", () => tools.physics()),
       close,
     );
-    for (const made of row.querySelectorAll("button")) made.type = "button";
-    this.root.append(this.heading, this.list, this.pictures, row);
+    this.cancel.setAttribute("aria-label", "Cancel the computation of the paper's method");
+    this.cancel.addEventListener("click", () => tools.cancel(this.jobId));
+    this.root.append(this.heading, this.list, this.state, this.pictures, row);
+    for (const made of [this.cancel, ...row.querySelectorAll("button")]) made.type = "button";
     element("progress").before(this.root);
   }
 
   /** Shows the current figures of the tree; null hides the card. */
-  show(figures: PickedFigures | null, tree: Tree | null): void {
-    this.root.hidden = !figures || !tree;
-    if (!figures || !tree) {
+  show(figures: PickedFigures | null, known: KnownTree | null, paper: PaperState | null): void {
+    this.root.hidden = !figures || !known;
+    if (!figures || !known) {
       this.shownId = "";
       this.follow.setAttribute("aria-pressed", "false");
       return;
     }
+    const { tree } = known;
     if (this.shownId !== tree.id) {
       this.shownId = tree.id;
       this.heading.textContent = displayName(tree);
       void this.showPictures(tree);
     }
-    const rows = figuresInWords(figures).map(([name, value]) => {
+    const facts = figuresInWords(figures);
+    if (paper) facts.push(["Paper's method", paperWords(paper)]);
+    const rows = facts.map(([name, value]) => {
       const row = make("div");
       row.append(make("dt", name), make("dd", value));
       return row;
     });
     this.list.replaceChildren(...rows);
+    this.showState(known);
+  }
+
+  private showState({ motion, job }: KnownTree): void {
+    const words = tableWords(motion, job);
+    const records = onlyRecordsLeft(job);
+    this.jobId = records ? job.id : "";
+    if (this.state.firstChild?.nodeValue !== words) this.state.replaceChildren(words);
+    if (records && !this.cancel.isConnected) this.state.after(this.cancel);
+    else if (!records) this.cancel.remove();
   }
 
   private async showPictures(tree: Tree): Promise<void> {
