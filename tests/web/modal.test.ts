@@ -72,6 +72,34 @@ describe.each([
     expect(forest.q.every((value) => value === 0)).toBe(true);
   });
 
+  test("a forest continues from poses and their rates", () => {
+    const trees = [[3, -4], [5, 6], [0.4, 2], [1, 1.3]] as const;
+    const [first, second] = [new ModalForest(TABLE, 2, plain), new ModalForest(TABLE, 2, plain)];
+    for (const forest of [first, second]) forest.setTrees(...trees);
+    const frame_s = TABLE.metadata.dt_s / 2;
+    const calm = [0, 0];
+    for (let frame = 0; frame < 200; frame++) first.advance(frame_s, [20, 10], [4, -8]);
+    for (let frame = 0; frame < 9; frame++) first.advance(frame_s, calm, calm);
+    const before = first.q.slice();
+    first.advance(frame_s, calm, calm);
+    const { modes } = TABLE.metadata;
+    for (let i = 0; i < 2; i++) {
+      const pose = first.q.slice(i * modes, (i + 1) * modes);
+      const rate = pose.map((value, k) => (value - before[i * modes + k]) / frame_s);
+      second.startAt(i, pose, rate, 0, 0);
+    }
+    let [worst, largest] = [0, 0];
+    for (let frame = 0; frame < 60; frame++) {
+      for (const forest of [first, second]) forest.advance(frame_s, calm, calm);
+      first.q.forEach((value, k) => {
+        worst = Math.max(worst, Math.abs(value - second.q[k]));
+        largest = Math.max(largest, Math.abs(value));
+      });
+    }
+    expect(largest).toBeGreaterThan(0.01);
+    expect(worst / largest).toBeLessThan(0.3);
+  });
+
   test("a tree of scale 2 sways at half the frequency", () => {
     const wind = [15, 15];
     const small = new ModalForest(TABLE, 1, plain);

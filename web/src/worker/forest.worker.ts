@@ -1,16 +1,16 @@
 /** The worker: decodes tables and keeps the pose of every tree, computed here or received from the server. */
 
-import { poseStride } from "../core/motion/poseStride";
+import type { Method } from "../core/motion/method";
 import { parseState, type WindDocument, WindField } from "../core/wind/wind";
 import type { Reply } from "../core/wire/wire";
 import { JumpBlend } from "./motion/blend";
-import { carryGroup, type ShownGroup } from "./motion/carry";
 import { FailoverMotion } from "./motion/failover";
 import { type LocalGroup, LocalMotion } from "./motion/localMotion";
 import type { MotionSource } from "./motion/motionSource";
 import { SharedMotion } from "./motion/sharedMotion";
+import { ShownPoses, type StartOfGroup } from "./motion/shownPoses";
 import { StreamMotion } from "./motion/streamMotion";
-import type { ForestPlan, FromWorker, GroupPlan, ToWorker, TreeAt } from "./protocol";
+import type { ForestPlan, FromWorker, ToWorker, TreeAt } from "./protocol";
 import { forestRequest, streamMethod } from "./stream/forestRequest";
 import { motionBuffers, tableMotion } from "./table/tableMotion";
 import { TableStore } from "./table/tableStore";
@@ -26,8 +26,8 @@ let source: MotionSource | null = null;
 let field: WindField | null = null;
 let epoch = 0;
 /** The displayed poses, which the next plan starts from. */
-let shown: Float32Array[] = [];
-let shownGroups: readonly ShownGroup[] = [];
+const shown = new ShownPoses();
+let shownMethod: Method = "modal";
 let watched: TreeAt | null = null;
 
 const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
@@ -55,12 +55,19 @@ const localGroups = ({ groups }: ForestPlan): LocalGroup[] =>
     records: store.recordsOf(group.table),
   }));
 
-function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): MotionSource {
+function makeSource(
+  plan: ForestPlan,
+  wind: WindDocument,
+  socketUrl: string,
+  starts: readonly (StartOfGroup | null)[],
+): MotionSource {
   const time_s = source?.time_s ?? plan.from_s;
   field ??= new WindField(wind);
   const shared = field;
   if (plan.lookup === "worker" || plan.groups.length === 0) {
     const motion = new LocalMotion(localGroups(plan), shared, plan, time_s);
+    // A pose of the paper's method may be far from the modal one: there the blend alone is smoother.
+    if (shownMethod === "modal") motion.startAt(starts);
     const before = source instanceof SharedMotion ? source.local : source;
     if (before instanceof LocalMotion) motion.adopt(before);
     return plan.share ? sharing(motion, plan, shared, socketUrl) : motion;
@@ -77,7 +84,7 @@ function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): Mo
   return new FailoverMotion(
     stream,
     (from_s) => new LocalMotion(localGroups(plan), shared, plan, from_s),
-    () => blend.start(shown.map((poses, g) => ({ poses, known: everyTree(plan.groups[g]) }))),
+    () => blend.start(shown.all),
   );
 }
 
@@ -95,30 +102,23 @@ function onReply(reply: Reply): void {
     scope.postMessage({ kind: "sharedWind", wind: parseState(reply.state).wind });
 }
 
-const everyTree = ({ ids }: GroupPlan) => new Uint8Array(ids.length).fill(1);
-
 function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void {
-  const next = makeSource(plan, wind, socketUrl);
+  const starts = shown.continueAs(localGroups(plan));
+  const next = makeSource(plan, wind, socketUrl, starts);
   source?.dispose();
   source = next;
+  shownMethod = plan.method;
   epoch = plan.epoch;
   watched = null;
-  const groups = localGroups(plan);
-  const carried = groups.map((group) => carryGroup(group, shownGroups, shown));
-  blend.start(carried);
-  shownGroups = groups;
-  shown = groups.map(
-    ({ table, ids }, g) =>
-      carried[g]?.poses ?? new Float32Array(ids.length * poseStride(table.metadata.modes)),
-  );
+  blend.start(starts);
 }
 
 function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
   if (!source || !field) return;
   const begin_ms = performance.now();
   if (source.advance(dt_s, buffers)) blend.apply(buffers, dt_s);
-  else for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]); // no new poses yet
-  for (const [g, buffer] of buffers.entries()) shown[g].set(buffer);
+  else shown.write(buffers); // no new poses yet
+  shown.keep(buffers, dt_s);
   const { time_s, connection, coverage, extrapolationRatio } = source;
   const total_ms = performance.now() - begin_ms;
   const wind_ms = source.takeWind_ms();

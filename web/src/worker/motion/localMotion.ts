@@ -11,6 +11,7 @@ import type { Connection, Inspection, TreeAt } from "../protocol";
 import { rowsBefore, type ShownGroup } from "./carry";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motionSource";
+import type { StartOfGroup } from "./shownPoses";
 
 /** Maximum step of wind and poses, so that the motion does not depend on the frame rate. */
 const MAX_STEP_S = 1 / 30;
@@ -53,6 +54,22 @@ export class LocalMotion implements MotionSource {
       lookup.setTrees(own.x, own.z, own.column(2), own.column(3));
       return { group, lookup, wind: own, modes };
     });
+  }
+
+  /** Starts the trees of the modal method where and as fast as they are displayed; `adopt` has precedence. */
+  startAt(starts: readonly (StartOfGroup | null)[]): void {
+    for (const [g, { lookup, wind, modes }] of this.groups.entries()) {
+      const start = starts[g];
+      if (!start || !(lookup instanceof ModalForest)) continue;
+      wind.update(this.field, this.time_s);
+      const stride = poseStride(modes);
+      for (let tree = 0; tree < lookup.count; tree++) {
+        if (start.known[tree] === 0) continue;
+        const pose = start.poses.subarray(tree * stride, tree * stride + modes);
+        const rate = start.rates.subarray(tree * stride, tree * stride + modes);
+        lookup.startAt(tree, pose, rate, wind.pressureX[tree], wind.pressureZ[tree]);
+      }
+    }
   }
 
   /** Takes over the state of trees that existed before with the same table and method. */
