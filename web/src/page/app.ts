@@ -362,7 +362,7 @@ export class App {
   private showPicked(): void {
     const { figures } = this.picker;
     const known = figures && this.catalogue.find(figures.treeId);
-    this.pickedCard.show(figures, known, known?.motion ? this.paper.stateOf(known) : null);
+    this.pickedCard.show(figures, known, known ? this.paper.stateOf(known) : { kind: "missing" });
   }
 
   /** Opens the comparison. The forest stops meanwhile, to leave the processor to it. */

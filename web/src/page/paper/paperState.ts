@@ -2,7 +2,7 @@
 
 import { isActive, type Job } from "../server/api";
 import type { KnownTree } from "../server/catalogue";
-import { displayName } from "../ui/words";
+import { displayName, tableWords } from "../ui/words";
 
 export type PaperState =
   | { readonly kind: "ready" | "loading" | "later" | "missing" }
@@ -44,6 +44,12 @@ export function paperWords(state: PaperState): string {
   return { ready: "ready", loading: "loading", later: "follows the full table", missing: "not computed" }[
     state.kind
   ];
+}
+
+/** How complete the table of a tree is, and what about the paper's method. */
+export function stateWords({ motion, job }: KnownTree, state: PaperState): string {
+  const table = tableWords(motion, job);
+  return motion && state.kind !== "later" ? `${table} Paper's method: ${paperWords(state)}.` : table;
 }
 
 /** Which trees cannot use the paper's method yet, one a line; empty if all can. */

@@ -87,9 +87,9 @@ export class Panel {
       "Modal reduced order": "modal",
       "Paper's state search": "paper",
     });
+    const advanced = folder.addFolder({ title: "Advanced", expanded: false });
     method.element.after(this.methodNote);
     this.methodNote.hidden = true;
-    const advanced = folder.addFolder({ title: "Advanced", expanded: false });
     const easing = { own: this.settings.poseEasing !== null };
     const slider = () => {
       advanced

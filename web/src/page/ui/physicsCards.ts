@@ -1,9 +1,9 @@
 /** A dialog with one card per tree of the forest that lists its physical properties. */
-import { paperStateOf, paperWords } from "../paper/paperState";
+import { paperStateOf, stateWords } from "../paper/paperState";
 import type { KnownTree } from "../server/catalogue";
 import { make } from "./dom";
 import { factsOf } from "./physics";
-import { displayName, tableWords } from "./words";
+import { displayName } from "./words";
 
 function card(known: KnownTree): HTMLElement {
   const { tree, motion } = known;
@@ -16,8 +16,8 @@ function card(known: KnownTree): HTMLElement {
     row.append(term, make("dd", value));
     list.append(row);
   }
-  const state = `${tableWords(motion, known.job)} Paper's method: ${paperWords(paperStateOf(known, false))}.`;
-  root.append(make("h3", displayName(tree)), make("p", state), list);
+  const state = stateWords(known, paperStateOf(known, false));
+  root.append(make("h3", displayName(tree)), make("p", state, "physics-state"), list);
   return root;
 }
 

@@ -1,10 +1,10 @@
 /** Card of the selected tree: its current motion, pictures of its model, and actions. */
-import { onlyRecordsLeft, type PaperState, paperWords } from "../paper/paperState";
+import { onlyRecordsLeft, type PaperState, stateWords } from "../paper/paperState";
 import { jobPictures, pictureUrl, type Tree } from "../server/api";
 import type { KnownTree } from "../server/catalogue";
 import type { PickedFigures } from "../treePicker";
 import { element, make } from "./dom";
-import { displayName, tableWords } from "./words";
+import { displayName } from "./words";
 
 export interface PickedTools {
   follow(following: boolean): void;
@@ -41,7 +41,7 @@ export class PickedCard {
   private readonly root = make("article", "", "card picked");
   private readonly heading = make("h2");
   private readonly list = make("dl");
-  private readonly state = make("p", "", "picked-state");
+  private readonly words = make("span");
   private readonly cancel = make("button", "Cancel", "picked-cancel");
   private readonly pictures = make("div", "", "job-pictures");
   private readonly follow = make("button", "Follow");
@@ -73,13 +73,15 @@ export class PickedCard {
     );
     this.cancel.setAttribute("aria-label", "Cancel the computation of the paper's method");
     this.cancel.addEventListener("click", () => tools.cancel(this.jobId));
-    this.root.append(this.heading, this.list, this.state, this.pictures, row);
+    const state = make("p", "", "picked-state");
+    state.append(this.words, this.cancel);
+    this.root.append(this.heading, this.list, state, this.pictures, row);
     for (const made of [this.cancel, ...row.querySelectorAll("button")]) made.type = "button";
     element("progress").before(this.root);
   }
 
   /** Shows the current figures of the tree; null hides the card. */
-  show(figures: PickedFigures | null, known: KnownTree | null, paper: PaperState | null): void {
+  show(figures: PickedFigures | null, known: KnownTree | null, paper: PaperState): void {
     this.root.hidden = !figures || !known;
     if (!figures || !known) {
       this.shownId = "";
@@ -92,24 +94,22 @@ export class PickedCard {
       this.heading.textContent = displayName(tree);
       void this.showPictures(tree);
     }
-    const facts = figuresInWords(figures);
-    if (paper) facts.push(["Paper's method", paperWords(paper)]);
-    const rows = facts.map(([name, value]) => {
+    const rows = figuresInWords(figures).map(([name, value]) => {
       const row = make("div");
       row.append(make("dt", name), make("dd", value));
       return row;
     });
     this.list.replaceChildren(...rows);
-    this.showState(known);
+    this.showState(known, paper);
   }
 
-  private showState({ motion, job }: KnownTree): void {
-    const words = tableWords(motion, job);
-    const records = onlyRecordsLeft(job);
-    this.jobId = records ? job.id : "";
-    if (this.state.firstChild?.nodeValue !== words) this.state.replaceChildren(words);
-    if (records && !this.cancel.isConnected) this.state.after(this.cancel);
-    else if (!records) this.cancel.remove();
+  private showState(known: KnownTree, paper: PaperState): void {
+    const words = stateWords(known, paper);
+    const { job } = known;
+    const cancellable = onlyRecordsLeft(job);
+    this.jobId = cancellable ? job.id : "";
+    this.cancel.hidden = !cancellable;
+    if (this.words.textContent !== words) this.words.textContent = words;
   }
 
   private async showPictures(tree: Tree): Promise<void> {
