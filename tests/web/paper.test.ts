@@ -9,7 +9,7 @@ import type { TableMotion } from "../../web/src/worker/protocol";
 import { streamMethod } from "../../web/src/worker/stream/forestRequest";
 
 const motion = (given: Partial<TableMotion> = {}) =>
-  ({ sha256: "t", hasRecords: false, preliminary: false, leftOut: [], ...given }) as TableMotion;
+  ({ sha256: "t", hasRecords: false, preliminary: false, linear: false, leftOut: [], ...given }) as TableMotion;
 const tree = (given: Partial<Tree> = {}) =>
   ({ id: "ash", name: "ash", state: "ready", table_sha256: "t", ...given }) as Tree;
 const running = (stage: string, fraction = 0.4) => ({ id: "j", state: "running", stage, fraction }) as Job;
@@ -54,13 +54,16 @@ describe("the state of the paper's method", () => {
 });
 
 test("a preliminary table says what it leaves out, and that another one follows", () => {
-  const first = motion({ preliminary: true, leftOut: ["large deflections", "gusts"] });
+  const first = motion({ preliminary: true, linear: true, leftOut: ["large deflections", "gusts"] });
   expect(tableWords(null, null)).toBe("No motion yet.");
   expect(tableWords(motion(), running("records"))).toBe("Complete table.");
   expect(tableWords(first, running("sampling"))).toBe(
-    "First motion from the natural modes; the full table follows. It leaves out: large deflections, gusts.",
+    "First motion from the natural modes; the full table follows. It leaves out: large deflections; gusts.",
   );
   expect(tableWords(motion({ preliminary: true }), null)).toBe("Preliminary table.");
+  expect(tableWords(motion({ preliminary: true, leftOut: ["some runs"] }), running("sampling"))).toBe(
+    "Preliminary table; the full table follows. It leaves out: some runs.",
+  );
 });
 
 /** A page whose records files are delivered by the test. */

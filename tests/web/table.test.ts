@@ -55,10 +55,11 @@ describe("a table without records", () => {
     expect([metadata.modes, modal.shown.length, modal.pose.length, modal.limits.length]).toEqual([5, 5, 0, 3]);
     expect(tableMotion("", decodeTable(LINEAR), 0)).toMatchObject({
       preliminary: true,
+      linear: true,
       hasRecords: false,
       leftOut: ["large deflections", "streamlining"],
     });
-    expect(tableMotion("", decodeTable(FILE), 0)).toMatchObject({ preliminary: false, hasRecords: true, leftOut: [] });
+    expect(tableMotion("", decodeTable(FILE), 0)).toMatchObject({ preliminary: false, linear: false, hasRecords: true });
   });
 });
 

@@ -54,6 +54,8 @@ export interface TableMotion {
   readonly hasRecords: boolean;
   /** Whether a better table will replace this one, and what this one leaves out. */
   readonly preliminary: boolean;
+  /** Whether the trees move by their natural modes alone. */
+  readonly linear: boolean;
   readonly leftOut: readonly string[];
   readonly bytes: number;
 }

@@ -23,14 +23,15 @@ export const displayName = (tree: Pick<Tree, "name" | "species">) =>
 
 /** How complete a tree's table is, and what a preliminary one leaves out. */
 export function tableWords(
-  motion: Pick<TableMotion, "preliminary" | "leftOut"> | null,
+  motion: Pick<TableMotion, "preliminary" | "linear" | "leftOut"> | null,
   job: Job | null,
 ): string {
   if (!motion) return "No motion yet.";
   if (!motion.preliminary) return "Complete table.";
   const follows = isActive(job) ? "; the full table follows" : "";
-  if (motion.leftOut.length === 0) return `Preliminary table${follows}.`;
-  return `First motion from the natural modes${follows}. It leaves out: ${motion.leftOut.join(", ")}.`;
+  const kind = motion.linear ? "First motion from the natural modes" : "Preliminary table";
+  const without = motion.leftOut.length > 0 ? ` It leaves out: ${motion.leftOut.join("; ")}.` : "";
+  return `${kind}${follows}.${without}`;
 }
 
 export function timeLeft(seconds: number | null): string {

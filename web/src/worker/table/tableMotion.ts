@@ -61,6 +61,7 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     meshSha256: mesh_sha256,
     hasRecords: table.paper !== null,
     preliminary: isPreliminary(table),
+    linear: table.modal.pose.length === 0,
     leftOut: leftOutOf(table),
     bytes,
   };
