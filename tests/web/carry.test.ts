@@ -96,6 +96,23 @@ describe("a table that replaces another of the same mesh", () => {
     expect(carried?.poses[stride + modes]).toBe(7);
   });
 
+  test("a first table of 16 natural modes passes its pose on to a full one of 20", () => {
+    const random = seededRandom(7);
+    const nodes = 60;
+    const rowsOf = (modes: number, all: Float32Array) =>
+      Float32Array.from({ length: nodes * 3 * modes }, (_, i) => all[Math.floor(i / modes) * 20 + (i % modes)]);
+    const all = Float32Array.from({ length: nodes * 3 * 20 }, () => random() - 0.5);
+    const vertexNode = Uint16Array.from({ length: 900 }, (_, vertex) => vertex % nodes);
+    const made = (modes: number) =>
+      ({ ...table, vertexNode, nodeBasis: rowsOf(modes, all), metadata: { ...table.metadata, modes } }) as Table;
+    const pose = Float32Array.from({ length: poseStride(16) }, (_, k) => (k < 16 ? random() - 0.5 : k === 16 ? 7 : 0));
+    const carried = carryGroup(groupOf([1], made(20)), [groupOf([1], made(16))], [pose]);
+    expect(carried?.poses.length).toBe(poseStride(20));
+    carried?.poses.forEach((value, k) => {
+      expect(value).toBeCloseTo(k < 16 ? pose[k] : k === 20 ? 7 : 0, 5);
+    });
+  });
+
   test("a table of another mesh does not take over any pose", () => {
     const other = { ...table, vertexNode: table.vertexNode.slice(1) };
     expect(poseTransfer(table, other)).toBeNull();

@@ -168,6 +168,13 @@ describe("rejects", () => {
     }
   });
 
+  test("a header that is not UTF-8", () => {
+    const file = ALONE.slice();
+    const at = Buffer.from(file).indexOf("wood_0");
+    file[at] = 0xff;
+    expect(() => decodeTable(file)).toThrow("the metadata is unreadable");
+  });
+
   test("tensors that overlap", () => {
     const offsets = (header: Record<string, never>, name: string) => header[name] as { data_offsets: number[] };
     const file = tampered(FILE, (header) => {

@@ -51,9 +51,11 @@ export function whole(from: Json, name: string, high: number): number {
 /** The beginning of an unknown value, for a message. */
 export const brief = (value: unknown) => String(value).slice(0, 40);
 
-function parse(text: string): unknown {
+function parse(text: string | Uint8Array): unknown {
   try {
-    return JSON.parse(text);
+    return JSON.parse(
+      typeof text === "string" ? text : new TextDecoder("utf-8", { fatal: true }).decode(text),
+    );
   } catch {
     throw new TableError("not a Galewood table: the metadata is unreadable");
   }
@@ -73,9 +75,8 @@ export function readContainer(file: ArrayBuffer | Uint8Array): Container {
     length <= MAX_HEADER_BYTES && 8 + length <= bytes.length,
     "truncated table file, or not a table: the header does not fit",
   );
-  const text = new TextDecoder().decode(bytes.subarray(8, 8 + length));
   const { __metadata__, ...header } = object(
-    parse(text),
+    parse(bytes.subarray(8, 8 + length)),
     "not a Galewood table: the header is not an object",
   );
   const texts = object(__metadata__, "not a Galewood table: the metadata is missing");
