@@ -129,6 +129,7 @@ species: web/node_modules/.stamp build/.kernels ## grow the three species again,
 
 golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make
+	$(BIN)/python -m tests.golden.make_linear
 	$(BIN)/python -m tests.golden.make_walks
 	$(BIN)/python -m tests.golden.make_wind
 	$(BIN)/python -m tests.golden.make_wire

@@ -5,6 +5,7 @@
 declare function atob(data: string): string;
 
 declare class TextDecoder {
+  constructor(label?: string, options?: { fatal?: boolean });
   decode(input?: ArrayBuffer | ArrayBufferView): string;
 }
 

@@ -51,6 +51,8 @@ test("a click selects a tree; its figures follow its motion, and the camera can 
 test("the paper's state search shows the record of the selected tree", async ({ page }) => {
   await open(page, `${SMALL.replace("panel=0", "panel=1")}&speed=12&method=paper`);
   await forest(page);
+  // The records arrive after the tables.
+  await expect.poll(() => page.evaluate(() => window.galewood!.paperTrees)).toBeGreaterThan(0);
   const id = await page.evaluate(() => {
     for (let y = 20; y < innerHeight; y += 10)
       for (let x = 5; x < innerWidth; x += 10) {

@@ -1,21 +1,26 @@
 /** Starts a server on a free port with its own data folder, unless BASE_URL is set, and waits until its species are
- * computed. It has only one built-in species, to save time; an uploaded tree makes the forest a mixed one. */
-import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+ * ready. It has only one built-in species, to save time; an uploaded tree makes the forest a mixed one. */
+import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { join, resolve } from "node:path";
+import { join, relative, resolve } from "node:path";
 import { freePort, serve, stop, untilReady } from "./server";
 
 const OURS = resolve(__dirname, "../../assets/species");
 const ENOUGH = ["poplar"];
 
-/** Creates a species folder under `data` with a subset of the built-in species. */
+/** Creates a species folder under `data` with a subset of the built-in species and the tables shipped with them. */
 function fewSpecies(data: string): string {
   const folder = join(data, "few-species");
   mkdirSync(folder, { recursive: true });
   const all = JSON.parse(readFileSync(join(OURS, "species.json"), "utf8")) as { id: string; file: string }[];
   const few = all.filter(({ id }) => ENOUGH.includes(id));
   writeFileSync(join(folder, "species.json"), JSON.stringify(few));
-  for (const { file } of few) cpSync(join(OURS, file), join(folder, file));
+  const wanted = few.flatMap(({ id, file }) => [`${id}.`, file]);
+  for (const path of readdirSync(OURS, { recursive: true, withFileTypes: true })) {
+    if (!path.isFile() || !wanted.some((start) => path.name.startsWith(start))) continue;
+    const from = join(path.parentPath, path.name);
+    cpSync(from, join(folder, relative(OURS, from)));
+  }
   return folder;
 }
 

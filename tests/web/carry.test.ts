@@ -6,7 +6,7 @@ import { WindField } from "../../web/src/core/wind/wind";
 import { carryGroup, poseTransfer, rowsBefore } from "../../web/src/worker/motion/carry";
 import { LocalMotion } from "../../web/src/worker/motion/localMotion";
 import { coarserNodes, groupRows } from "../../web/src/worker/table/nodeLevels";
-import { reach_m, tableMotion } from "../../web/src/worker/table/tableMotion";
+import { tableMotion } from "../../web/src/worker/table/tableMotion";
 import { golden } from "./golden";
 import { seededRandom } from "./seeded";
 
@@ -23,7 +23,7 @@ const WIND = {
 
 function groupOf(ids: number[], of: Table = table) {
   const placement = Float32Array.from(ids.flatMap((id) => [7 * id, 3 * (id % 5), id, 0.8 + 0.05 * (id % 7)]));
-  return { key: "ash", table: of, ids: Uint32Array.from(ids), placement };
+  return { key: "ash", table: of, records: of.paper, ids: Uint32Array.from(ids), placement };
 }
 
 const bufferFor = (count: number) => new Float32Array(count * poseStride(table.metadata.modes));
@@ -96,6 +96,23 @@ describe("a table that replaces another of the same mesh", () => {
     expect(carried?.poses[stride + modes]).toBe(7);
   });
 
+  test("a first table of 16 natural modes passes its pose on to a full one of 20", () => {
+    const random = seededRandom(7);
+    const nodes = 60;
+    const rowsOf = (modes: number, all: Float32Array) =>
+      Float32Array.from({ length: nodes * 3 * modes }, (_, i) => all[Math.floor(i / modes) * 20 + (i % modes)]);
+    const all = Float32Array.from({ length: nodes * 3 * 20 }, () => random() - 0.5);
+    const vertexNode = Uint16Array.from({ length: 900 }, (_, vertex) => vertex % nodes);
+    const made = (modes: number) =>
+      ({ ...table, vertexNode, nodeBasis: rowsOf(modes, all), metadata: { ...table.metadata, modes } }) as Table;
+    const pose = Float32Array.from({ length: poseStride(16) }, (_, k) => (k < 16 ? random() - 0.5 : k === 16 ? 7 : 0));
+    const carried = carryGroup(groupOf([1], made(20)), [groupOf([1], made(16))], [pose]);
+    expect(carried?.poses.length).toBe(poseStride(20));
+    carried?.poses.forEach((value, k) => {
+      expect(value).toBeCloseTo(k < 16 ? pose[k] : k === 20 ? 7 : 0, 5);
+    });
+  });
+
   test("a table of another mesh does not take over any pose", () => {
     const other = { ...table, vertexNode: table.vertexNode.slice(1) };
     expect(poseTransfer(table, other)).toBeNull();
@@ -141,6 +158,6 @@ describe("nodes of the levels of detail", () => {
       expect(level.basis.length).toBe(level.nodes * 12 * level.quads);
     }
     expect(motion.reach_m).toBeGreaterThan(0);
-    expect(reach_m(table)).toBeLessThan(table.metadata.height_m);
+    expect(motion.reach_m).toBeLessThan(table.metadata.height_m);
   });
 });

@@ -18,6 +18,7 @@ vi.mock("../../web/src/page/server/api", () => ({
 
 const tree = (table: string | null): Tree =>
   ({ id: "ash", species: "ash", state: "ready", mesh_sha256: "m", table_sha256: table }) as Tree;
+const recorded = (table: string, records: string | null): Tree => ({ ...tree(table), records_sha256: records });
 const motionOf = (sha256: string, vertices = 3) =>
   ({ sha256, vertexNode: new Uint16Array(vertices) }) as unknown as TableMotion;
 
@@ -26,17 +27,21 @@ function started() {
   const arriving = new Map<string, { resolve(motion: TableMotion): void; reject(error: Error): void }>();
   const grown: (string | null)[] = [];
   const problems: string[] = [];
+  const records = { count: 0 };
   const catalogue: Catalogue = new Catalogue(
     (sha256) => new Promise((resolve, reject) => arriving.set(sha256, { resolve, reject })),
     {
       change: () => {},
       assetsChanged: () => grown.push(catalogue.assets[0]?.motion?.sha256 ?? null),
+      recordsChanged: () => {
+        records.count++;
+      },
       connected: () => {},
       problem: (title) => problems.push(title),
     },
   );
   const settle = () => new Promise((done) => setTimeout(done));
-  return { arriving, grown, problems, settle, catalogue };
+  return { arriving, grown, problems, records, settle, catalogue };
 }
 
 afterEach(() => vi.clearAllMocks());
@@ -81,4 +86,17 @@ test("a table of another mesh is not used", async () => {
   arriving.get("other")?.resolve(motionOf("other", 7));
   await settle();
   expect(catalogue.assets[0].motion).toBeNull();
+});
+
+test("new records of a tree are announced once, with the state of its job", async () => {
+  const { records, settle, catalogue } = started();
+  handlers.change({ tree: tree("full"), job: { state: "running", stage: "records", fraction: 0.4 } });
+  handlers.change({ tree: recorded("full", null), job: null });
+  await settle();
+  expect(records.count).toBe(0);
+  handlers.change({ tree: recorded("full", "r"), job: null });
+  handlers.change({ tree: recorded("full", "r"), job: null });
+  expect(records.count).toBe(1);
+  expect(catalogue.find("ash")).toMatchObject({ job: null, tree: { records_sha256: "r" } });
+  expect(catalogue.find("oak")).toBeNull();
 });

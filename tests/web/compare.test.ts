@@ -24,7 +24,14 @@ describe("the tracks of a comparison", () => {
   test("are decoded", () => {
     const tracks = decodeTracks(encode(good));
     expect([...tracks.q.fem]).toEqual([1, 2, 3, 4, 5, 6]);
-    expect(tracks.error.paper.max).toEqual([0.001, 0.002]);
+    expect(tracks.error.paper?.max).toEqual([0.001, 0.002]);
+  });
+
+  test("may lack the paper's method, for a table without records", () => {
+    const { paper: _, ...tracks } = good.tracks;
+    const decoded = decodeTracks(encode({ ...good, tracks, error: { modal: errors } }));
+    expect([decoded.q.paper, decoded.error.paper]).toEqual([null, null]);
+    expect(decoded.error.modal.max).toEqual([0.001, 0.002]);
   });
 
   test("are accepted under the former id of the modal method", () => {

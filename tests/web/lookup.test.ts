@@ -1,5 +1,6 @@
 import { describe, expect, test } from "vitest";
 import { PaperForest, gaussian } from "../../web/src/core/motion/paperSearch";
+import type { Records } from "../../web/src/core/table/records";
 import { decodeTable } from "../../web/src/core/table/table";
 import { CALM_BREEZE, windPressure } from "../../web/src/core/wind/wind";
 import { golden, goldenJson } from "./golden";
@@ -12,13 +13,14 @@ interface Walk {
 }
 
 const TABLE = decodeTable(golden("pole.safetensors"));
+const RECORDS = TABLE.paper as Records;
 const STRONG = { ...CALM_BREEZE, mean_speed_m_s: 9, gustiness: 0.8, convection_speed_m_s: 6, seed: 3 };
 const TURNED = { ...STRONG, mean_speed_m_s: 6, direction_deg: 250, seed: 4 };
 const STILL = { ...CALM_BREEZE, mean_speed_m_s: 0 };
 
 function walk({ pose_easing, trees, records, poses }: Walk): void {
   const count = trees.x_m.length;
-  const forest = new PaperForest(TABLE, count, { poseEasing: pose_easing });
+  const forest = new PaperForest(TABLE, RECORDS, count, { poseEasing: pose_easing });
   forest.setTrees(trees.x_m, trees.z_m, trees.yaw_rad, trees.scale);
   const px = new Float32Array(count);
   const pz = new Float32Array(count);
@@ -48,14 +50,14 @@ test("the Gaussian agrees with Math.exp", () => {
 });
 
 test("a forest in still air never moves", () => {
-  const forest = new PaperForest(TABLE, 3);
+  const forest = new PaperForest(TABLE, RECORDS, 3);
   const still = new Float32Array(3);
   for (let frame = 0; frame < 200; frame++) forest.advance(1 / 30, still, still);
   expect(forest.q.every((value) => value === 0)).toBe(true);
 });
 
 test("a tree of scale 2 steps through its table at half the rate", () => {
-  const forest = new PaperForest(TABLE, 2);
+  const forest = new PaperForest(TABLE, RECORDS, 2);
   forest.setTrees([0, 0], [0, 0], [0, 0], [1, 2]);
   const wind = new Float32Array(2).fill(20);
   const dt = TABLE.metadata.dt_s;

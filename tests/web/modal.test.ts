@@ -11,6 +11,7 @@ interface Sway {
 }
 
 const TABLE = decodeTable(golden("pole.safetensors"));
+const LINEAR = decodeTable(golden("pole-linear.safetensors"));
 
 function still(forest: ModalForest, frames: number): void {
   const calm = new Float32Array(forest.count);
@@ -21,10 +22,13 @@ describe.each([
   ["in the kernel", false],
   ["in plain TypeScript", true],
 ])("%s", (_, plain) => {
-  test("agrees with Python to 1e-5 of the height over 10,000 frames", () => {
-    const { frames, every, trees, poses } = goldenJson<Sway>("sway.json");
+  test.each([
+    ["with all couplings", TABLE, "sway.json"],
+    ["with linear oscillators alone", LINEAR, "sway-linear.json"],
+  ])("agrees with Python to 1e-5 of the height over 10,000 frames, %s", (_words, table, file) => {
+    const { frames, every, trees, poses } = goldenJson<Sway>(file);
     const count = trees.x_m.length;
-    const forest = new ModalForest(TABLE, count, plain);
+    const forest = new ModalForest(table, count, plain);
     expect(forest.compiled).toBe(!plain);
     forest.setTrees(trees.x_m, trees.z_m, trees.yaw_rad, trees.scale);
     const px = new Float32Array(count);
@@ -40,7 +44,7 @@ describe.each([
       const expected = poses[(frame + 1) / every - 1];
       // One unit of q moves the farthest vertex by 1 m.
       const worst = expected.reduce((most, value, k) => Math.max(most, Math.abs(value - forest.q[k])), 0);
-      expect(worst / TABLE.metadata.height_m, `frame ${frame}`).toBeLessThan(1e-5);
+      expect(worst / table.metadata.height_m, `frame ${frame}`).toBeLessThan(1e-5);
     }
   });
 
@@ -66,6 +70,34 @@ describe.each([
     expect(forest.q.every(Number.isFinite)).toBe(true);
     still(forest, 3000);
     expect(forest.q.every((value) => value === 0)).toBe(true);
+  });
+
+  test("a forest continues from poses and their rates", () => {
+    const trees = [[3, -4], [5, 6], [0.4, 2], [1, 1.3]] as const;
+    const [first, second] = [new ModalForest(TABLE, 2, plain), new ModalForest(TABLE, 2, plain)];
+    for (const forest of [first, second]) forest.setTrees(...trees);
+    const frame_s = TABLE.metadata.dt_s / 2;
+    const calm = [0, 0];
+    for (let frame = 0; frame < 200; frame++) first.advance(frame_s, [20, 10], [4, -8]);
+    for (let frame = 0; frame < 9; frame++) first.advance(frame_s, calm, calm);
+    const before = first.q.slice();
+    first.advance(frame_s, calm, calm);
+    const { modes } = TABLE.metadata;
+    for (let i = 0; i < 2; i++) {
+      const pose = first.q.slice(i * modes, (i + 1) * modes);
+      const rate = pose.map((value, k) => (value - before[i * modes + k]) / frame_s);
+      second.startAt(i, pose, rate, 0, 0);
+    }
+    let [worst, largest] = [0, 0];
+    for (let frame = 0; frame < 60; frame++) {
+      for (const forest of [first, second]) forest.advance(frame_s, calm, calm);
+      first.q.forEach((value, k) => {
+        worst = Math.max(worst, Math.abs(value - second.q[k]));
+        largest = Math.max(largest, Math.abs(value));
+      });
+    }
+    expect(largest).toBeGreaterThan(0.01);
+    expect(worst / largest).toBeLessThan(0.3);
   });
 
   test("a tree of scale 2 sways at half the frequency", () => {

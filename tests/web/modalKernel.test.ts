@@ -43,7 +43,7 @@ function madeUp(d: number, c: number, r: number, next: () => number): Table {
   return { ...POLE, modal, metadata: { ...POLE.metadata, modes: r } };
 }
 
-const SIZES = [[16, 4, 24], [48, 12, 60], [5, 3, 5], [17, 2, 26], [8, 0, 9]] as const;
+const SIZES = [[16, 4, 24], [48, 12, 60], [5, 3, 5], [17, 2, 26], [8, 0, 9], [16, 0, 16], [20, 6, 20]] as const;
 
 test.each(SIZES)("%i oscillators, %i of them coupled, %i modes: agrees with the TypeScript implementation", (d, c, r) => {
   const next = seededRandom(d);

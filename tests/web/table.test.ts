@@ -1,111 +1,191 @@
+import { createHash } from "node:crypto";
 import { describe, expect, test } from "vitest";
-import { decodeTable, poses, TableError } from "../../web/src/core/table/table";
+import { decodeRecords, poses, type Records, recordsOf } from "../../web/src/core/table/records";
+import { decodeTable, type Table, TableError } from "../../web/src/core/table/table";
+import { tableMotion } from "../../web/src/worker/table/tableMotion";
 import { golden, random } from "./golden";
+import { tampered } from "./tableFile";
 
 const FILE = golden("pole.safetensors");
+const ALONE = golden("pole-table.safetensors");
+const LINEAR = golden("pole-linear.safetensors");
+const RECORDS = golden("pole-records.safetensors");
+const SHA256 = createHash("sha256").update(ALONE).digest("hex");
 
-/** The golden file with its header rewritten. */
-function tampered(change: (header: Record<string, never>, metadata: Record<string, unknown>) => void): Uint8Array {
-  const length = new DataView(FILE.buffer, FILE.byteOffset).getUint32(0, true);
-  const header = JSON.parse(new TextDecoder().decode(FILE.subarray(8, 8 + length)));
-  const metadata = JSON.parse(header.__metadata__.galewood);
-  change(header, metadata);
-  if (header.__metadata__) header.__metadata__.galewood = JSON.stringify(metadata);
-  const text = new TextEncoder().encode(JSON.stringify(header));
-  const out = new Uint8Array(8 + text.length + FILE.length - 8 - length);
-  new DataView(out.buffer).setUint32(0, text.length, true);
-  out.set(text, 8);
-  out.set(FILE.subarray(8 + length), 8 + text.length);
-  return out;
-}
+const withRecords = (table: Table) => table as Table & { paper: Records };
 
 test("reads a table written by Python", () => {
-  const table = decodeTable(FILE);
-  expect(table.metadata.species).toBe("pole");
-  expect(table.dq.length).toBe(table.metadata.records * table.metadata.modes);
-  expect(table.vertexNode.length).toBe(15);
-  const pose = poses(table);
-  for (const start of table.trajectory.subarray(0, -1)) expect(pose[start * table.metadata.modes]).toBe(0);
+  const { metadata, vertexNode, paper } = withRecords(decodeTable(FILE));
+  expect(metadata.species).toBe("pole");
+  expect(metadata.reach_m).toBeGreaterThan(0);
+  expect(metadata.peak_pressure_pa).toBeGreaterThan(10);
+  expect(metadata.paper).toBeUndefined();
+  expect(vertexNode.length).toBe(15);
+  expect(paper.dq.length).toBe(paper.metadata.records * metadata.modes);
+  const pose = poses(paper);
+  for (const start of paper.trajectory.subarray(0, -1)) expect(pose[start * metadata.modes]).toBe(0);
 });
 
 test("reads the same table from an ArrayBuffer and at an odd offset in a larger one", () => {
   const shifted = new Uint8Array(FILE.length + 3);
   shifted.set(FILE, 3);
-  expect(decodeTable(shifted.subarray(3)).dq).toEqual(decodeTable(FILE.slice().buffer).dq);
+  expect(decodeTable(shifted.subarray(3))).toEqual(decodeTable(FILE.slice().buffer));
 });
 
 test("reads the same table from a Node Buffer", () => {
   expect(decodeTable(Buffer.from(FILE)).modal).toEqual(decodeTable(FILE).modal);
 });
 
-describe("versions 5 and 6", () => {
-  const FORMER = { prefix: "tangent.", error: "replay_m" };
-  const PRESENT = { prefix: "modal.", error: "training_m" };
-  const TRAINING_M = [0.01, 0.02];
+describe("a table without records", () => {
+  test("is the same table, and its records file holds the same records", () => {
+    const whole = decodeTable(FILE);
+    expect(decodeTable(ALONE)).toEqual({ ...whole, paper: null });
+    const { metadata } = decodeTable(ALONE);
+    expect(recordsOf(RECORDS, { sha256: SHA256, modes: metadata.modes })).toEqual(whole.paper);
+  });
 
-  /** The golden file, converted to this version. */
-  const asVersion = (version: 5 | 6, names = version === 5 ? FORMER : PRESENT) =>
-    tampered((header, metadata) => {
-      for (const [name, entry] of Object.entries(header)) {
-        const modal = /^(?:tangent|modal)\.(.+)$/.exec(name);
-        if (!modal) continue;
-        delete header[name];
-        header[names.prefix + modal[1]] = entry;
-      }
-      Object.assign(metadata, { version, errors: { [names.error]: TRAINING_M } });
+  test("does not accept records of another table, or of another number of modes", () => {
+    const other = createHash("sha256").update(FILE).digest("hex");
+    expect(() => recordsOf(RECORDS, { sha256: other, modes: 8 })).toThrow("these records belong to another table");
+    expect(() => recordsOf(RECORDS, { sha256: SHA256, modes: 7 })).toThrow(TableError);
+  });
+
+  test("may consist of oscillators alone: tensors of size zero", () => {
+    const { metadata, modal } = decodeTable(LINEAR);
+    expect([metadata.modes, modal.shown.length, modal.pose.length, modal.limits.length]).toEqual([5, 5, 0, 3]);
+    expect(tableMotion("", decodeTable(LINEAR), 0)).toMatchObject({
+      preliminary: true,
+      linear: true,
+      hasRecords: false,
+      leftOut: ["large deflections", "streamlining"],
     });
+    expect(tableMotion("", decodeTable(FILE), 0)).toMatchObject({ preliminary: false, linear: false, hasRecords: true });
+  });
+});
 
-  test("hold the same table under other names", () => {
-    const [former, present] = [decodeTable(asVersion(5)), decodeTable(asVersion(6))];
-    expect(former).toEqual(present);
-    expect(former.modal).toEqual(decodeTable(FILE).modal);
-    expect(present.metadata.errors).toEqual({ training_m: TRAINING_M });
+describe("versions 5 and 6", () => {
+  test("hold the same table, with reach and peak pressure from their records", () => {
+    const [first, second, present] = ["pole-v5", "pole-v6", "pole"].map((name) =>
+      withRecords(decodeTable(golden(`${name}.safetensors`))),
+    );
+    expect(first).toEqual(second);
+    for (const name of ["modal", "modeScale", "nodeBasis", "nodeRest", "vertexNode"] as const) {
+      expect(second[name]).toEqual(present[name]);
+    }
+    expect(second.paper).toEqual(present.paper);
+    const { reach_m, peak_pressure_pa, errors } = second.metadata;
+    expect(errors).toEqual(present.metadata.errors);
+    expect(second.metadata.version).toBe(7);
+    // The numbers that Python computes for this file.
+    expect(reach_m).toBeCloseTo(0.9991023962606143, 12);
+    expect(peak_pressure_pa).toBeCloseTo(46.803856596620236, 10);
   });
 
   test("do not accept names of the other version", () => {
-    expect(() => decodeTable(asVersion(6, FORMER))).toThrow("missing tensor modal.step");
-    expect(() => decodeTable(asVersion(5, PRESENT))).toThrow("missing tensor modal.step");
+    const labelled = (name: string, version: number) =>
+      tampered(golden(name), (_, metadata) => Object.assign(metadata, { version }));
+    expect(() => decodeTable(labelled("pole-v5.safetensors", 6))).toThrow("missing tensor modal.step");
+    expect(() => decodeTable(labelled("pole-v6.safetensors", 5))).toThrow("missing tensor modal.step");
+    expect(() => decodeTable(labelled("pole-v6.safetensors", 7))).toThrow(TableError);
+  });
+
+  test("are refused without records", () => {
+    for (const version of [5, 6]) {
+      expect(() => decodeTable(tampered(ALONE, (_, metadata) => Object.assign(metadata, { version })))).toThrow(TableError);
+    }
   });
 });
 
 describe("rejects", () => {
-  test("a truncated file, wherever it is cut", () => {
+  const all = [
+    ["a table with records", FILE, decodeTable],
+    ["a table without", ALONE, decodeTable],
+    ["a linear table", LINEAR, decodeTable],
+    ["version 6", golden("pole-v6.safetensors"), decodeTable],
+    ["records", RECORDS, decodeRecords],
+  ] as const;
+
+  test.each(all)("a truncated file, wherever it is cut: %s", (_, file, decode) => {
     for (const share of [0, 1e-5, 0.001, 0.1, 0.5, 0.99]) {
-      expect(() => decodeTable(FILE.subarray(0, Math.floor(share * FILE.length)))).toThrow(TableError);
+      expect(() => decode(file.subarray(0, Math.floor(share * file.length)))).toThrow(TableError);
     }
-    expect(() => decodeTable(FILE.subarray(0, FILE.length - 1))).toThrow(TableError);
+    expect(() => decode(file.subarray(0, file.length - 1))).toThrow(TableError);
+    expect(() => decode(Uint8Array.from([...file.subarray(0, 3000), ...file.subarray(2999)]))).toThrow(TableError);
   });
 
-  test("another version, with both versions in the message", () => {
-    const file = tampered((_, metadata) => {
-      metadata.version = 2;
-    });
-    expect(() => decodeTable(file)).toThrow("table version 2; this reader supports versions 5 and 6");
+  test("random bytes, and a file of the other kind", () => {
+    const next = random(5);
+    for (let round = 0; round < 100; round++) {
+      const file = Uint8Array.from({ length: 300 }, () => 256 * next());
+      file.set([round, 0, 0, 0, 0, 0, 0, 0]);
+      for (const decode of [decodeTable, decodeRecords]) expect(() => decode(file)).toThrow(TableError);
+    }
+    expect(() => decodeTable(RECORDS)).toThrow("not a galewood-table: format galewood-records");
+    expect(() => decodeRecords(FILE)).toThrow("not a galewood-records: format galewood-table");
+  });
+
+  test("another version, with the known ones in the message", () => {
+    for (const version of [2, 4, 8, "7"]) {
+      const file = tampered(FILE, (_, metadata) => Object.assign(metadata, { version }));
+      expect(() => decodeTable(file)).toThrow(`table version ${version}; this reader supports versions 5 to 7`);
+    }
+    const file = tampered(RECORDS, (_, metadata) => Object.assign(metadata, { version: 2 }));
+    expect(() => decodeRecords(file)).toThrow("records version 2; this reader supports version 1");
   });
 
   test("another format, no metadata, metadata out of range", () => {
-    const changes: Array<(header: Record<string, never>, metadata: Record<string, unknown>) => void> = [
+    const changes: Parameters<typeof tampered>[1][] = [
       (_, metadata) => Object.assign(metadata, { format: "else" }),
       (header) => delete header.__metadata__,
-      (_, metadata) => Object.assign(metadata, { sigma_pa: 0 }),
-      (_, metadata) => Object.assign(metadata, { weight: { initial: 0.5, maximum: 0.4, growth: 0 } }),
-      (_, metadata) => Object.assign(metadata, { records: 1.5 }),
+      (_, metadata) => Object.assign(metadata, { reach_m: -1 }),
+      (_, metadata) => Object.assign(metadata, { reach_m: undefined }),
+      (_, metadata) => Object.assign(metadata, { peak_pressure_pa: "10" }),
+      (_, metadata) => Object.assign(metadata.paper as object, { sigma_pa: 0 }),
+      (_, metadata) => Object.assign(metadata.paper as object, { weight: { initial: 0.5, maximum: 0.4, growth: 0 } }),
+      (_, metadata) => Object.assign(metadata.paper as object, { records: 1.5 }),
+      (_, metadata) => Object.assign(metadata, { paper: [] }),
       (_, metadata) => Object.assign(metadata, { primitives: [{ vertices: 14 }] }),
     ];
-    for (const change of changes) expect(() => decodeTable(tampered(change))).toThrow(TableError);
+    for (const change of changes) expect(() => decodeTable(tampered(FILE, change))).toThrow(TableError);
+  });
+
+  test("records without their metadata, and metadata without records", () => {
+    const bare = tampered(FILE, (_, metadata) => delete metadata.paper);
+    expect(() => decodeTable(bare)).toThrow("metadata paper: missing");
+    const { metadata } = decodeRecords(RECORDS).records;
+    const empty = tampered(ALONE, (_, all) => Object.assign(all, { paper: metadata }));
+    expect(() => decodeTable(empty)).toThrow("missing tensor samples.dq");
   });
 
   test("missing, extra and wrong-typed tensors, by name", () => {
-    const missing = tampered((header) => delete header["samples.dq"]);
-    expect(() => decodeTable(missing)).toThrow("missing tensor samples.dq");
-    const extra = tampered((header) => Object.assign(header, { more: header["samples.dq"] }));
-    expect(() => decodeTable(extra)).toThrow("unknown tensor more");
-    const typed = tampered((header) => Object.assign(header["samples.dq"], { dtype: "U16" }));
-    expect(() => decodeTable(typed)).toThrow("tensor samples.dq: expected I16 of rank 2");
+    for (const [file, decode] of [[FILE, decodeTable], [RECORDS, decodeRecords]] as const) {
+      const missing = tampered(file, (header) => delete header["samples.dq"]);
+      expect(() => decode(missing)).toThrow("missing tensor samples.dq");
+      const extra = tampered(file, (header) => Object.assign(header, { more: header["samples.dq"] }));
+      expect(() => decode(extra)).toThrow("unknown tensor more");
+      const typed = tampered(file, (header) => Object.assign(header["samples.dq"], { dtype: "U16" }));
+      expect(() => decode(typed)).toThrow("tensor samples.dq: expected I16 of rank 2");
+    }
+  });
+
+  test("a header that is not UTF-8", () => {
+    const file = ALONE.slice();
+    const at = Buffer.from(file).indexOf("wood_0");
+    file[at] = 0xff;
+    expect(() => decodeTable(file)).toThrow("the metadata is unreadable");
+  });
+
+  test("tensors that overlap", () => {
+    const offsets = (header: Record<string, never>, name: string) => header[name] as { data_offsets: number[] };
+    const file = tampered(FILE, (header) => {
+      offsets(header, "modes.scale").data_offsets = offsets(header, "modal.step").data_offsets.slice(0, 2);
+      offsets(header, "modes.scale").data_offsets[1] = offsets(header, "modes.scale").data_offsets[0] + 32;
+    });
+    expect(() => decodeTable(file)).toThrow("tensors overlap");
   });
 
   test("a sampled range without the limit of a coupled speed", () => {
-    const lacking = tampered((header) => {
+    const lacking = tampered(FILE, (header) => {
       const name = Object.keys(header).find((key) => key.endsWith(".limits")) as string;
       const limits = header[name] as unknown as { shape: number[] };
       limits.shape[0] -= 1;
@@ -113,14 +193,15 @@ describe("rejects", () => {
     expect(() => decodeTable(lacking)).toThrow(TableError);
   });
 
-  test("files with flipped bits, unless they decode to indices within range (seed 11)", () => {
+  test.each(all)("files with flipped bits, unless they decode to indices within range (seed 11): %s", (_, from, decode) => {
     const next = random(11);
-    for (let round = 0; round < 300; round++) {
-      const file = FILE.slice();
+    for (let round = 0; round < 150; round++) {
+      const file = from.slice();
       for (let flips = 0; flips < 20; flips++) file[Math.floor(next() ** 3 * file.length)] ^= 1 << Math.floor(next() * 8);
       try {
-        const table = decodeTable(file);
-        expect(table.candidate.every((j) => j < table.metadata.records)).toBe(true);
+        const decoded = decode(file);
+        const records = "paper" in decoded ? decoded.paper : "records" in decoded ? decoded.records : null;
+        if (records) expect(records.candidate.every((j) => j < records.metadata.records)).toBe(true);
       } catch (error) {
         expect(error).toBeInstanceOf(TableError);
       }

@@ -1,6 +1,7 @@
 import { createHash } from "node:crypto";
 import { describe, expect, test } from "vitest";
 import { PaperForest } from "../../web/src/core/motion/paperSearch";
+import type { Records } from "../../web/src/core/table/records";
 import { decodeTable } from "../../web/src/core/table/table";
 import { ModalForest } from "../../web/src/core/modal/modalForest";
 import { parseWind, type WindDocument, WindField } from "../../web/src/core/wind/wind";
@@ -21,7 +22,7 @@ const count = trees.x_m.length;
 /** State of the forests after every hundred frames: records found so far, and poses. */
 function* walk(wind: WindDocument): Generator<[string, Float32Array]> {
   const field = new WindField(parseWind(wind));
-  const paper = new PaperForest(TABLE, count);
+  const paper = new PaperForest(TABLE, TABLE.paper as Records, count);
   const modal = new ModalForest(TABLE, count);
   for (const forest of [paper, modal]) forest.setTrees(trees.x_m, trees.z_m, trees.yaw_rad, trees.scale);
   const px = new Float64Array(count);

@@ -15,7 +15,9 @@ import type { SpeciesForest, SpeciesOptions } from "../scene/trees/speciesForest
 import type { Candidate, CompareView } from "./compare/compareView";
 import { ForestClient } from "./forestClient";
 import { FrameStatistics } from "./frameStatistics";
-import { type TreeChange, useKeys } from "./server/api";
+import { PaperMethod } from "./paper/paperMethod";
+import { isRecorded } from "./paper/paperState";
+import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { momentFrom } from "./settings/link";
 import { queryFromSettings, type Settings } from "./settings/settings";
@@ -61,6 +63,7 @@ export class App {
   /** Id of the shared forest in the address. */
   private readonly share = sharedFrom(location.search);
   private readonly catalogue: Catalogue;
+  private readonly paper: PaperMethod;
   private readonly forest: Forest;
   private readonly cards = new ProgressCards();
   private readonly panel: Panel;
@@ -102,10 +105,20 @@ export class App {
     this.panel = new Panel(settings, this.meter.statistics, (key) => this.change(key));
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
       change: (change) => this.treeChanged(change),
-      assetsChanged: () => this.placeTrees(),
+      assetsChanged: () => {
+        this.placeTrees();
+        this.paper.update();
+      },
+      recordsChanged: () => this.takeRecords(),
       connected: (connected) => {
         this.connected = connected;
       },
+      problem: showToast,
+    });
+    this.paper = new PaperMethod(settings, {
+      trees: () => this.catalogue.known,
+      load: (table, records) => this.client.loadRecords(table, records),
+      arrived: () => this.placeTrees(),
       problem: showToast,
     });
     this.studio = new WindStudio(this.stage, settings, {
@@ -119,6 +132,7 @@ export class App {
       },
       compare: () => void this.openCompare(),
       physics: () => this.visit.openPhysics(),
+      cancel: (jobId) => void this.cancel(jobId),
       close: () => this.picker.select(null),
     });
     this.stage.renderer.setAnimationLoop((now) => this.onFrame(now));
@@ -152,7 +166,7 @@ export class App {
     const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
     client.plan(
       placed.flatMap(({ asset, motion, instances }) =>
-        motion ? [{ key: asset.id, motion, ...instances }] : [],
+        motion ? [{ key: asset.id, motion, ...instances, recorded: this.isRecorded(asset.id) }] : [],
       ),
       {
         lookup: settings.lookup,
@@ -168,6 +182,26 @@ export class App {
         this.dirty = true;
       },
     );
+  }
+
+  private isRecorded(id: string): boolean {
+    const known = this.catalogue.find(id);
+    return known !== null && isRecorded(known);
+  }
+
+  /** The server has new records: fetch them if they are needed here, or ask the server to use them. */
+  private takeRecords(): void {
+    this.paper.update();
+    if (this.settings.method === "paper" && this.settings.lookup === "server") this.placeTrees();
+  }
+
+  private async cancel(jobId: string): Promise<void> {
+    try {
+      await cancelJob(jobId);
+    } catch (error) {
+      if (!(error instanceof Problem)) throw error;
+      showToast(error.title, error.hint);
+    }
   }
 
   /** Sets the wind from an untrusted document; throws WindError if it is invalid. */
@@ -189,6 +223,7 @@ export class App {
     if (!adoptPlacement(this.settings, about)) return;
     this.panel.refresh();
     this.placeTrees();
+    this.paper.chosen();
     this.remember();
   }
 
@@ -224,6 +259,7 @@ export class App {
       return;
     }
     if (PLACEMENT_KEYS.includes(key)) this.placeTrees(key !== "lookup");
+    if (key === "method" || key === "lookup") this.paper.chosen();
     if (key === "quality") {
       this.stage.setQuality(this.settings.quality);
       this.forest.options = this.speciesOptions();
@@ -313,6 +349,7 @@ export class App {
     meter.statistics.latency = ms(connection.latency_ms);
     meter.statistics.frameAge = ms(connection.frameAge_ms);
     this.panel.showSpecies(this.catalogue.trees.map((tree) => ({ id: tree.id, name: displayName(tree) })));
+    this.panel.showMethodNote(this.paper.note);
     const status = statusLine({ events: this.connected, lookup: this.settings.lookup, connection });
     element("status").dataset.state = status.state;
     element("status").dataset.lookup = this.settings.lookup;
@@ -324,8 +361,8 @@ export class App {
 
   private showPicked(): void {
     const { figures } = this.picker;
-    const tree = this.catalogue.trees.find(({ id }) => id === figures?.treeId) ?? null;
-    this.pickedCard.show(figures, tree);
+    const known = figures && this.catalogue.find(figures.treeId);
+    this.pickedCard.show(figures, known, known ? this.paper.stateOf(known) : { kind: "missing" });
   }
 
   /** Opens the comparison. The forest stops meanwhile, to leave the processor to it. */
@@ -377,6 +414,15 @@ export class App {
 
   get trees() {
     return this.forest.trees;
+  }
+
+  /** Number of trees that move by the paper's method. */
+  get paperTrees(): number {
+    const groups = this.forest.moving.filter(({ asset }) => {
+      const known = this.catalogue.find(asset.id);
+      return known !== null && this.paper.moves(known);
+    });
+    return groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
   }
 
   get time_s(): number {

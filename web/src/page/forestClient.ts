@@ -13,14 +13,16 @@ import type {
   TreeAt,
   Work,
 } from "../worker/protocol";
-import { tableUrl } from "./server/api";
+import { recordsUrl, tableUrl } from "./server/api";
 
 type Buffers = Float32Array<ArrayBuffer>[];
 
-interface PendingTable {
-  resolve(motion: TableMotion): void;
+interface Pending<Result> {
+  resolve(result: Result): void;
   reject(error: Error): void;
 }
+
+const absolute = (path: string) => new URL(path, document.baseURI).href;
 
 /** Receives changes that other clients make to a shared forest. */
 export interface SharedForestListener {
@@ -57,7 +59,8 @@ export class ForestClient {
   /** The watched tree's figures. */
   watched: Inspection | null = null;
   private readonly worker = startWorker();
-  private readonly waiting = new Map<string, PendingTable[]>();
+  private readonly waiting = new Map<string, Pending<TableMotion>[]>();
+  private readonly waitingRecords = new Map<string, Pending<void>>();
   private epoch = 0;
   private arrived: (() => void) | null = null;
   private spare: Buffers = [];
@@ -81,8 +84,15 @@ export class ForestClient {
     return new Promise((resolve, reject) => {
       const waiting = this.waiting.get(sha256);
       this.waiting.set(sha256, [...(waiting ?? []), { resolve, reject }]);
-      if (!waiting)
-        this.send({ kind: "load", sha256, url: new URL(tableUrl(sha256), document.baseURI).href });
+      if (!waiting) this.send({ kind: "load", sha256, url: absolute(tableUrl(sha256)) });
+    });
+  }
+
+  /** Loads the records of a loaded table, once; the next plan uses them. */
+  loadRecords(table: string, records: string): Promise<void> {
+    return new Promise((resolve, reject) => {
+      this.waitingRecords.set(table, { resolve, reject });
+      this.send({ kind: "loadRecords", table, url: absolute(recordsUrl(records)) });
     });
   }
 
@@ -101,11 +111,12 @@ export class ForestClient {
     const full: ForestPlan = {
       ...plan,
       epoch: this.epoch,
-      groups: groups.map(({ key, motion, placement, ids }) => ({
+      groups: groups.map(({ key, motion, placement, ids, recorded }) => ({
         key,
         table: motion.sha256,
         placement,
         ids,
+        recorded,
       })),
     };
     const socketUrl = new URL("ws/forest", document.baseURI.replace(/^http/, "ws")).href;
@@ -162,12 +173,20 @@ export class ForestClient {
       this.settle(message.motion.sha256, ({ resolve }) => resolve(message.motion));
     else if (message.kind === "tableFailed") {
       this.settle(message.sha256, ({ reject }) => reject(new Error(message.title)));
-    } else if (message.kind === "shared") this.shared.placement(message.about);
+    } else if (message.kind === "records") this.settleRecords(message.table, message.fault);
+    else if (message.kind === "shared") this.shared.placement(message.about);
     else if (message.kind === "sharedWind") this.shared.wind(message.wind);
     else this.problem(message.title, message.hint);
   }
 
-  private settle(sha256: string, end: (waiting: PendingTable) => void): void {
+  private settleRecords(table: string, fault: string | null): void {
+    const waiting = this.waitingRecords.get(table);
+    this.waitingRecords.delete(table);
+    if (fault === null) waiting?.resolve();
+    else waiting?.reject(new Error(fault));
+  }
+
+  private settle(sha256: string, end: (waiting: Pending<TableMotion>) => void): void {
     for (const waiting of this.waiting.get(sha256) ?? []) end(waiting);
     this.waiting.delete(sha256);
   }

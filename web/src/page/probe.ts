@@ -15,6 +15,8 @@ export interface Probe {
   readonly time_s: number;
   readonly readySpecies: string[];
   readonly trees: { moving: number; still: number };
+  /** Number of trees that move by the paper's state search. */
+  readonly paperTrees: number;
   readonly crownDisplacement_m: [number, number, number];
   readonly lookup: "worker" | "server";
   readonly connection: App["connection"];
@@ -70,6 +72,9 @@ export function exposeProbe(app: App): void {
     },
     get trees() {
       return app.trees;
+    },
+    get paperTrees() {
+      return app.paperTrees;
     },
     get crownDisplacement_m() {
       return app.crownDisplacement_m;

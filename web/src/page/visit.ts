@@ -118,8 +118,7 @@ export class Visit {
   }
 
   openPhysics(): void {
-    const catalogue = this.catalogue();
-    this.physics.open(catalogue.trees.map((tree) => ({ tree, tableBytes: catalogue.tableBytes(tree.id) })));
+    this.physics.open(this.catalogue().known);
   }
 
   advance(dt_s: number): void {

@@ -1,34 +1,33 @@
 /** The worker: decodes tables and keeps the pose of every tree, computed here or received from the server. */
 
-import { poseStride } from "../core/motion/poseStride";
-import { decodeTable, type Table } from "../core/table/table";
-import { parseState, sampledPeak, type WindDocument, WindField } from "../core/wind/wind";
+import type { Method } from "../core/motion/method";
+import { parseState, type WindDocument, WindField } from "../core/wind/wind";
 import type { Reply } from "../core/wire/wire";
 import { JumpBlend } from "./motion/blend";
-import { carryGroup, type ShownGroup } from "./motion/carry";
 import { FailoverMotion } from "./motion/failover";
-import { LocalMotion } from "./motion/localMotion";
+import { type LocalGroup, LocalMotion } from "./motion/localMotion";
 import type { MotionSource } from "./motion/motionSource";
 import { SharedMotion } from "./motion/sharedMotion";
+import { ShownPoses, type StartOfGroup } from "./motion/shownPoses";
 import { StreamMotion } from "./motion/streamMotion";
-import type { ForestPlan, FromWorker, GroupPlan, ToWorker, TreeAt } from "./protocol";
-import { forestRequest } from "./stream/forestRequest";
+import type { ForestPlan, FromWorker, ToWorker, TreeAt } from "./protocol";
+import { forestRequest, streamMethod } from "./stream/forestRequest";
 import { motionBuffers, tableMotion } from "./table/tableMotion";
+import { TableStore } from "./table/tableStore";
 
 const scope = self as unknown as {
   onmessage: (event: MessageEvent<ToWorker>) => void;
   postMessage(message: FromWorker, transfer?: Transferable[]): void;
 };
 
-const tables = new Map<string, Table>();
-const tableBytes = new Map<string, number>();
+const store = new TableStore();
 const blend = new JumpBlend();
 let source: MotionSource | null = null;
 let field: WindField | null = null;
 let epoch = 0;
 /** The displayed poses, which the next plan starts from. */
-let shown: Float32Array[] = [];
-let shownGroups: readonly ShownGroup[] = [];
+const shown = new ShownPoses();
+let shownMethod: Method = "modal";
 let watched: TreeAt | null = null;
 
 const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
@@ -36,56 +35,64 @@ const problem = (title: string, hint: string) => scope.postMessage({ kind: "prob
 
 async function load(sha256: string, url: string): Promise<void> {
   try {
-    const response = await fetch(url);
-    if (!response.ok) throw new Error(`the server responded with status ${response.status}`);
-    const bytes = await response.arrayBuffer();
-    const table = decodeTable(bytes);
-    tables.set(sha256, table);
-    tableBytes.set(sha256, bytes.byteLength);
-    const motion = tableMotion(sha256, table, bytes.byteLength);
+    const { table, bytes } = await store.load(sha256, url);
+    const motion = tableMotion(sha256, table, bytes);
     scope.postMessage({ kind: "table", motion }, motionBuffers(motion));
   } catch (error) {
     scope.postMessage({ kind: "tableFailed", sha256, title: `A table could not be read: ${reason(error)}` });
   }
 }
 
-function tableOf({ table }: GroupPlan): Table {
-  const found = tables.get(table);
-  if (!found) throw new Error(`table ${table} is used before it was loaded`);
-  return found;
+async function loadRecords(table: string, url: string): Promise<void> {
+  const fault = await store.loadRecords(table, url).then(() => null, reason);
+  scope.postMessage({ kind: "records", table, fault });
 }
 
-function makeSource(plan: ForestPlan, wind: WindDocument, socketUrl: string): MotionSource {
+const localGroups = ({ groups }: ForestPlan): LocalGroup[] =>
+  groups.map((group) => ({
+    ...group,
+    table: store.table(group.table),
+    records: store.recordsOf(group.table),
+  }));
+
+function makeSource(
+  plan: ForestPlan,
+  wind: WindDocument,
+  socketUrl: string,
+  starts: readonly (StartOfGroup | null)[],
+): MotionSource {
   const time_s = source?.time_s ?? plan.from_s;
   field ??= new WindField(wind);
   const shared = field;
   if (plan.lookup === "worker" || plan.groups.length === 0) {
-    const groups = plan.groups.map((group) => ({ ...group, table: tableOf(group) }));
-    const motion = new LocalMotion(groups, shared, plan, time_s);
+    const motion = new LocalMotion(localGroups(plan), shared, plan, time_s);
+    // A pose of the paper's method may be far from the modal one: there the blend alone is smoother.
+    if (shownMethod === "modal") motion.startAt(starts);
     const before = source instanceof SharedMotion ? source.local : source;
     if (before instanceof LocalMotion) motion.adopt(before);
     return plan.share ? sharing(motion, plan, shared, socketUrl) : motion;
   }
   const groups = plan.groups.map((group) => {
-    const { modeScale, pressure, metadata } = tableOf(group);
-    const sampledPeak_pa = sampledPeak(pressure);
-    return { ...group, scale: modeScale, height_m: metadata.height_m, sampledPeak_pa };
+    const { modeScale, metadata } = store.table(group.table);
+    const { height_m, peak_pressure_pa: sampledPeak_pa } = metadata;
+    return { ...group, scale: modeScale, height_m, sampledPeak_pa };
   });
-  const { method, poseEasing, share } = plan;
+  const { poseEasing, share } = plan;
+  const method = streamMethod(plan.method, plan.groups);
   const options = { url: socketUrl, method, poseEasing, share, onReply, problem };
   const stream = new StreamMotion(groups, shared, options, time_s);
-  const local = plan.groups.map((group) => ({ ...group, table: tableOf(group) }));
   return new FailoverMotion(
     stream,
-    (from_s) => new LocalMotion(local, shared, plan, from_s),
-    () => blend.start(shown.map((poses, g) => ({ poses, known: everyTree(plan.groups[g]) }))),
+    (from_s) => new LocalMotion(localGroups(plan), shared, plan, from_s),
+    () => blend.start(shown.all),
   );
 }
 
 /** Computes the poses here, with the wind and clock of the shared forest. */
 function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: string): SharedMotion {
-  const have = Object.fromEntries(plan.groups.map(({ table }) => [table, tableBytes.get(table) ?? 0]));
-  const request = () => forestRequest("table", plan.groups, wind, local.time_s, { ...plan, have });
+  const have = Object.fromEntries(plan.groups.map(({ table }) => [table, store.bytes(table)]));
+  const method = streamMethod(plan.method, plan.groups);
+  const request = () => forestRequest("table", plan.groups, wind, local.time_s, { ...plan, method, have });
   return new SharedMotion(local, wind, { url, request, onReply, problem });
 }
 
@@ -95,30 +102,23 @@ function onReply(reply: Reply): void {
     scope.postMessage({ kind: "sharedWind", wind: parseState(reply.state).wind });
 }
 
-const everyTree = ({ ids }: GroupPlan) => new Uint8Array(ids.length).fill(1);
-
 function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void {
-  const next = makeSource(plan, wind, socketUrl);
+  const starts = shown.continueAs(localGroups(plan));
+  const next = makeSource(plan, wind, socketUrl, starts);
   source?.dispose();
   source = next;
+  shownMethod = plan.method;
   epoch = plan.epoch;
   watched = null;
-  const groups = plan.groups.map((group) => ({ ...group, table: tableOf(group) }));
-  const carried = groups.map((group) => carryGroup(group, shownGroups, shown));
-  blend.start(carried);
-  shownGroups = groups;
-  shown = groups.map(
-    ({ table, ids }, g) =>
-      carried[g]?.poses ?? new Float32Array(ids.length * poseStride(table.metadata.modes)),
-  );
+  blend.start(starts);
 }
 
 function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
   if (!source || !field) return;
   const begin_ms = performance.now();
   if (source.advance(dt_s, buffers)) blend.apply(buffers, dt_s);
-  else for (const [g, buffer] of buffers.entries()) buffer.set(shown[g]); // no new poses yet
-  for (const [g, buffer] of buffers.entries()) shown[g].set(buffer);
+  else shown.write(buffers); // no new poses yet
+  shown.keep(buffers, dt_s);
   const { time_s, connection, coverage, extrapolationRatio } = source;
   const total_ms = performance.now() - begin_ms;
   const wind_ms = source.takeWind_ms();
@@ -143,6 +143,9 @@ scope.onmessage = ({ data }) => {
   switch (data.kind) {
     case "load":
       void load(data.sha256, data.url);
+      break;
+    case "loadRecords":
+      void loadRecords(data.table, data.url);
       break;
     case "plan":
       setPlan(data.plan, data.wind, data.socketUrl);

@@ -50,8 +50,13 @@ export interface TableMotion {
   readonly crownBasis: Float32Array<ArrayBuffer>;
   readonly height_m: number;
   readonly meshSha256: string;
-  readonly poseEasing: number;
-  readonly records: number;
+  /** Whether the table's file holds the records of the paper's state search. */
+  readonly hasRecords: boolean;
+  /** Whether a better table will replace this one, and what this one leaves out. */
+  readonly preliminary: boolean;
+  /** Whether the trees move by their natural modes alone. */
+  readonly linear: boolean;
+  readonly leftOut: readonly string[];
   readonly bytes: number;
 }
 
@@ -63,6 +68,8 @@ export interface GroupPlan {
   readonly placement: Float32Array<ArrayBuffer>;
   /** Id of each tree: trees of an earlier plan keep their state. */
   readonly ids: Uint32Array<ArrayBuffer>;
+  /** Whether the server has the table's records. */
+  readonly recorded: boolean;
 }
 
 /** One tree of a plan. */
@@ -93,6 +100,7 @@ export interface ForestPlan {
   readonly lookup: LookupPlace;
   /** Start time of the clock; used by the first plan only. */
   readonly from_s: number;
+  /** Trees whose records are not loaded use the modal method. */
   readonly method: Method;
   /** null: the default of each table. */
   readonly poseEasing: number | null;
@@ -102,6 +110,8 @@ export interface ForestPlan {
 
 export type ToWorker =
   | { kind: "load"; sha256: string; url: string }
+  /** Fetches the records of a loaded table, for the next plan. */
+  | { kind: "loadRecords"; table: string; url: string }
   /** The buffers are returned filled, as by `advance`. */
   | {
       kind: "plan";
@@ -131,6 +141,8 @@ export interface Connection {
 export type FromWorker =
   | { kind: "table"; motion: TableMotion }
   | { kind: "tableFailed"; sha256: string; title: string }
+  /** The records of a table are loaded; `fault`: why they are not. */
+  | { kind: "records"; table: string; fault: string | null }
   | {
       kind: "poses";
       epoch: number;

@@ -86,6 +86,23 @@ export class ModalForest extends TreeInstances {
     });
   }
 
+  /**
+   * Starts tree i at a pose [r] (m) that changes by `rate` [r] (m/s) under a world pressure (Pa). The oscillators
+   * determine the further modes, so its first pose may differ a little.
+   */
+  startAt(i: number, pose: Float32Array, rate: Float32Array, pressureX: number, pressureZ: number): void {
+    const { d, own, e, v, shownOf, dt } = this;
+    for (let k = 0; k < d; k++) {
+      const unit = shownOf[k] === 0 ? 0 : 1 / shownOf[k];
+      // A tree s times as large sways s times slower.
+      v[i * own + k] = unit * rate[k] * this.size[i];
+      e[i * own + k] = unit * pose[k] - dt * v[i * own + k];
+    }
+    this.feel(i, pressureX, pressureZ);
+    // From the step before to the start, and to the next step: the tree is displayed between these two.
+    for (let steps = 0; steps < 2; steps++) this.step(i, this.felt.px, this.felt.pz);
+  }
+
   protected step(i: number, px: number, pz: number): void {
     if (this.kernel) this.kernel.step(i, px, pz);
     else this.stepPlainly(i, px, pz);

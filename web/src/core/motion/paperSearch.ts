@@ -4,7 +4,8 @@
  * Nothing is allocated per step.
  */
 
-import { lastRecords, poses, type Table } from "../table/table";
+import { lastRecords, poses, type Records } from "../table/records";
+import type { Table } from "../table/table";
 import { TreeInstances } from "./treeInstances";
 
 /** Pose easing snaps to the record's pose once the offset and its velocity are within half an integer step. */
@@ -34,7 +35,7 @@ export interface LookupOptions {
   readonly stillAir?: boolean;
 }
 
-/** Record search of one table. */
+/** Search among the records of one table. */
 export class TableSearch {
   private readonly error: Float64Array;
   private readonly barred: Uint8Array;
@@ -42,15 +43,15 @@ export class TableSearch {
   private readonly byX: Uint16Array;
   private readonly halfPrecision: number;
 
-  constructor(private readonly table: Table) {
-    const { sigma_pa: sigma, components } = table.metadata;
-    this.error = Float64Array.from(table.mismatches, (count) => count / components);
-    this.barred = lastRecords(table.trajectory);
+  constructor(private readonly records: Records) {
+    const { pressure, metadata } = records;
+    const { sigma_pa: sigma, components } = metadata;
+    this.error = Float64Array.from(records.mismatches, (count) => count / components);
+    this.barred = lastRecords(records.trajectory);
     this.calm = new Uint8Array(this.barred.length);
     for (let j = 0; j < this.calm.length; j++) {
-      this.calm[j] = table.pressure[2 * j] === 0 && table.pressure[2 * j + 1] === 0 ? STILL : MOVING;
+      this.calm[j] = pressure[2 * j] === 0 && pressure[2 * j + 1] === 0 ? STILL : MOVING;
     }
-    const { pressure } = table;
     this.byX = Uint16Array.from(this.calm, (_, j) => j).sort(
       (a, b) => pressure[2 * a] - pressure[2 * b] || a - b,
     );
@@ -67,7 +68,7 @@ export class TableSearch {
   /** First step: among records with a successor, the lowest one of nearest pressure, searched outwards from fx. */
   private nearestPressure(air: number, fx: number, fz: number): number {
     const { byX, calm, barred } = this;
-    const { pressure } = this.table;
+    const { pressure } = this.records;
     let right = this.firstFrom(fx);
     let left = right - 1;
     let best = Number.POSITIVE_INFINITY;
@@ -95,7 +96,7 @@ export class TableSearch {
     let above = this.byX.length;
     while (below < above) {
       const middle = (below + above) >> 1;
-      if (this.table.pressure[2 * this.byX[middle]] < fx) below = middle + 1;
+      if (this.records.pressure[2 * this.byX[middle]] < fx) below = middle + 1;
       else above = middle;
     }
     return below;
@@ -103,7 +104,7 @@ export class TableSearch {
 
   /** Later steps: the candidate of least total error (Eq. 16); ties go to the successor, then to the lowest index. */
   private bestCandidate(state: number, weight: number, air: number, fx: number, fz: number): number {
-    const { offsets, candidate, pressure } = this.table;
+    const { offsets, candidate, pressure } = this.records;
     let best = Number.POSITIVE_INFINITY;
     let found = -1;
     for (let s = offsets[state]; s < offsets[state + 1]; s++) {
@@ -128,24 +129,28 @@ export class PaperForest extends TreeInstances {
   /** [count] last record found, −1 before the first step; the tree is in the state of its successor. */
   readonly record: Int32Array;
   private readonly search: TableSearch;
+  private readonly scale: Float32Array;
   private readonly poses: Int32Array;
   private readonly starts: Uint8Array;
   private readonly easing: number;
   private readonly stillAir: boolean;
   private readonly weight: Float64Array;
 
+  /** `records`: those of the table. */
   constructor(
-    private readonly table: Table,
+    table: Table,
+    private readonly records: Records,
     count: number,
     options: LookupOptions = {},
   ) {
     super(count, table.metadata.modes, table.metadata.dt_s);
-    this.search = new TableSearch(table);
-    this.poses = poses(table);
-    this.starts = new Uint8Array(table.metadata.records);
-    for (const start of table.trajectory.subarray(0, -1)) this.starts[start] = 1;
+    this.scale = table.modeScale;
+    this.search = new TableSearch(records);
+    this.poses = poses(records);
+    this.starts = new Uint8Array(records.metadata.records);
+    for (const start of records.trajectory.subarray(0, -1)) this.starts[start] = 1;
     this.stillAir = options.stillAir ?? true;
-    this.easing = options.poseEasing ?? table.metadata.pose_easing;
+    this.easing = options.poseEasing ?? records.metadata.pose_easing;
     this.record = new Int32Array(count).fill(-1);
     this.weight = new Float64Array(count);
   }
@@ -161,7 +166,7 @@ export class PaperForest extends TreeInstances {
   }
 
   protected step(i: number, fx: number, fz: number): void {
-    const { initial, maximum, growth } = this.table.metadata.weight;
+    const { initial, maximum, growth } = this.records.metadata.weight;
     const state = this.record[i] + 1;
     const air = this.stillAir ? (fx === 0 && fz === 0 ? STILL : MOVING) : ANY;
     let found = this.search.find(state, this.weight[i], air, fx, fz);
@@ -174,9 +179,8 @@ export class PaperForest extends TreeInstances {
   }
 
   private accumulate(i: number, found: number): void {
-    const { now, before } = this;
-    const { dq, metadata } = this.table;
-    const r = metadata.modes;
+    const { now, before, r } = this;
+    const { dq } = this.records;
     for (let k = 0; k < r; k++) {
       before[i * r + k] = now[i * r + k];
       now[i * r + k] += dq[found * r + k];
@@ -185,9 +189,8 @@ export class PaperForest extends TreeInstances {
 
   /** Follows the record's own trajectory; the offset from it decays like a critically damped spring. */
   private ease(i: number, found: number): void {
-    const { now, before, poses: pose, easing } = this;
-    const { dq, metadata } = this.table;
-    const r = metadata.modes;
+    const { now, before, poses: pose, easing, r } = this;
+    const { dq } = this.records;
     const keep = (1 - easing) * (1 - easing);
     const pull = easing * easing;
     let settled = true;
@@ -205,8 +208,7 @@ export class PaperForest extends TreeInstances {
   }
 
   protected show(i: number, part: number): void {
-    const { now, before, q } = this;
-    const scale = this.table.modeScale;
+    const { now, before, q, scale } = this;
     for (let k = 0; k < scale.length; k++) {
       const at = i * scale.length + k;
       q[at] = (before[at] + (now[at] - before[at]) * part) * scale[k];

@@ -1,6 +1,6 @@
 /** Version 5 tables, which differ from version 6 only in names. */
 
-type Json = Record<string, unknown>;
+import type { Container, Json } from "./container";
 
 const FORMER_PREFIX = "tangent.";
 const PREFIX = "modal.";
@@ -17,14 +17,12 @@ function withTrainingError(errors: unknown): unknown {
   return { ...others, training_m: replay_m };
 }
 
-/** Header and metadata of a version 5 table under the names of version 6. */
-export function fromVersion5<Metadata extends Readonly<Record<string, unknown>>>(
-  header: Json,
-  metadata: Metadata,
-): { header: Json; metadata: Metadata } {
+/** A version 5 table under the names of version 6. */
+export function fromVersion5({ header, body, metadata }: Container): Container {
   const tensors = Object.entries(header).map(([name, entry]) => [presentName(name), entry]);
   return {
     header: Object.fromEntries(tensors) as Json,
+    body,
     metadata: { ...metadata, version: 6, errors: withTrainingError(metadata.errors) },
   };
 }

@@ -42,15 +42,6 @@ export function heightFactor(height_m: number, exponent: number, referenceHeight
   return (height_m / referenceHeight_m) ** exponent;
 }
 
-/** Largest pressure magnitude (Pa) of a table's records, packed as x, z, x, z, … */
-export function sampledPeak(samplePressure: Places): number {
-  let peak = 0;
-  for (let i = 0; i + 1 < samplePressure.length; i += 2) {
-    peak = Math.max(peak, samplePressure[i] ** 2 + samplePressure[i + 1] ** 2);
-  }
-  return Math.sqrt(peak);
-}
-
 /**
  * Clamps pressures in place to the largest sampled magnitude and keeps their direction: beyond it every record would
  * be equally wrong.

@@ -10,7 +10,7 @@ export { WindField } from "./field";
 export { changeWind, parseState, steady, type WindState, windAt } from "./glide";
 export { phaseRad } from "./hashing";
 export { CALM_BREEZE, PRESETS, type PresetName, paperWind } from "./presets";
-export { coverage, dynamicPressure, heightFactor, limitPressure, sampledPeak } from "./pressure";
+export { coverage, dynamicPressure, heightFactor, limitPressure } from "./pressure";
 
 let last: { wind: WindDocument; field: WindField } | undefined;
 

@@ -38,6 +38,7 @@ export class CompareView {
   private readonly dialog = make("dialog", "", "compare");
   private readonly canvas = make("canvas", "", "compare-stage");
   private readonly choice = make("select");
+  private method = make("select");
   private readonly status = make("p", "", "compare-status");
   private readonly bar = make("progress");
   private readonly verdict = make("p", "", "compare-verdict");
@@ -93,11 +94,9 @@ export class CompareView {
     this.choice.addEventListener("change", () => void this.start());
     this.again.type = "button";
     this.again.addEventListener("click", () => void this.start());
-    const method = select({ modal: "Modal reduced order", paper: "Paper's state search" }, (value) => {
-      this.shown.method = value as Method;
-      this.shown.worst = value === "paper" ? WORST.coarse : WORST.fine;
-      this.showVerdict();
-    });
+    this.method = select({ modal: "Modal reduced order", paper: "Paper's state search" }, (value) =>
+      this.choose(value as Method),
+    );
     const times = select({ 1: "1×", 3: "3×", 10: "10×" }, (value) => {
       this.shown.times = Number(value);
     });
@@ -115,7 +114,7 @@ export class CompareView {
     });
     row.append(
       labelled("Tree", this.choice),
-      labelled("Method", method),
+      labelled("Method", this.method),
       labelled("Motion scale", times),
       labelled("Show reference", ghost),
       pause,
@@ -168,8 +167,24 @@ export class CompareView {
     }
   }
 
+  private choose(method: Method): void {
+    this.shown.method = method;
+    this.shown.worst = method === "paper" ? WORST.coarse : WORST.fine;
+    this.showVerdict();
+  }
+
+  /** The paper's method can be chosen once the table has records. */
+  private offerMethods(tracks: Tracks): void {
+    const missing = tracks.error.paper === null;
+    for (const option of this.method.options) option.disabled = missing && option.value === "paper";
+    if (!missing || this.shown.method === "modal") return;
+    this.method.value = "modal";
+    this.choose("modal");
+  }
+
   private arrive(tracks: Tracks): void {
     this.tracks = tracks;
+    this.offerMethods(tracks);
     this.place = 0;
     this.bar.hidden = true;
     this.curves.show(tracks);
@@ -197,7 +212,7 @@ export class CompareView {
     if (!this.tracks) return;
     const { sway, error } = this.tracks;
     const most = (share: readonly number[]) => percent(100 * Math.max(...share));
-    const { max, hausdorff } = error[this.shown.method];
+    const { max, hausdorff } = error[this.shown.method] ?? error.modal;
     this.verdict.textContent =
       `Maximum displacement: ${most(sway)} % of tree height. Maximum error: ${most(max)} % of tree height ` +
       `(Hausdorff distance ${most(hausdorff)} %). Full red marks an error of ${percent(100 * this.shown.worst)} %.`;

@@ -40,7 +40,7 @@ export class ComparisonScene {
   /** Shows the comparison at a fractional frame `place`. */
   show(tracks: Tracks, place: number, { method, ghost, times, worst }: Shown): void {
     if (!this.solid || !this.ghost) return;
-    poseAt(tracks.q[method], tracks.modes, place, this.pose);
+    poseAt(tracks.q[method] ?? tracks.q.modal, tracks.modes, place, this.pose);
     this.solid.nodes.bend(this.pose, times);
     poseAt(tracks.q.fem, tracks.modes, place, this.pose);
     this.ghost.nodes.bend(this.pose, times);

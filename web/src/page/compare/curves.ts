@@ -78,7 +78,8 @@ export class Curves {
     const inPercent = (share: readonly number[]) =>
       share.map((value) => Math.min(Math.max(100 * value, DECADES[0]), DECADES[1]));
     const { modal, paper } = error;
-    this.plot.setData([time_s, ...[sway, modal.max, modal.hausdorff, paper.max].map(inPercent)]);
+    const drawn = [sway, modal.max, modal.hausdorff, paper?.max ?? []];
+    this.plot.setData([time_s, ...drawn.map(inPercent)]);
   }
 
   /** Moves the cursor to a time. */

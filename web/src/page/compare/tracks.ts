@@ -2,19 +2,22 @@
 import { decode } from "@msgpack/msgpack";
 import { entryOfMethod, type Method } from "../../core/motion/method";
 
-export type TrackName = "fem" | Method;
-
 export interface Tracks {
   readonly frames: number;
   readonly dt_s: number;
   readonly height_m: number;
   readonly modes: number;
-  /** [frames, modes] coordinates of the table's modes, m. */
-  readonly q: Readonly<Record<TrackName, Float32Array>>;
+  /** [frames, modes] coordinates of the table's modes, m; null for a method that the table cannot use. */
+  readonly q: Readonly<Record<"fem" | "modal", Float32Array> & Record<"paper", Float32Array | null>>;
   /** [frames] largest node displacement of the reference solution, relative to the height. */
   readonly sway: readonly number[];
-  /** [frames] largest node error against the reference, and Hausdorff distance, relative to the height. */
-  readonly error: Readonly<Record<Method, { max: readonly number[]; hausdorff: readonly number[] }>>;
+  readonly error: Readonly<Record<"modal", Errors> & Record<"paper", Errors | null>>;
+}
+
+/** [frames] largest node error against the reference, and Hausdorff distance, relative to the height. */
+export interface Errors {
+  readonly max: readonly number[];
+  readonly hausdorff: readonly number[];
 }
 
 type Json = Record<string, unknown>;
@@ -51,7 +54,8 @@ export function decodeTracks(file: Uint8Array): Tracks {
   const [frames, modes] = [number(all, "frames"), number(all, "modes")];
   const tracks = object(all.tracks, "the tracks are missing");
   const errors = object(all.error, "the errors are missing");
-  const errorOf = (name: Method) => {
+  const recorded = (tracks.paper ?? null) !== null;
+  const errorOf = (name: Method): Errors => {
     const of = object(entryOfMethod(errors, name), `the error of ${name} is missing`);
     return { max: series(of, "max", frames), hausdorff: series(of, "hausdorff", frames) };
   };
@@ -63,10 +67,10 @@ export function decodeTracks(file: Uint8Array): Tracks {
     q: {
       fem: floats(tracks.fem, "fem", frames * modes),
       modal: floats(entryOfMethod(tracks, "modal"), "modal", frames * modes),
-      paper: floats(tracks.paper, "paper", frames * modes),
+      paper: recorded ? floats(tracks.paper, "paper", frames * modes) : null,
     },
     sway: series(all, "sway", frames),
-    error: { modal: errorOf("modal"), paper: errorOf("paper") },
+    error: { modal: errorOf("modal"), paper: recorded ? errorOf("paper") : null },
   };
 }
 

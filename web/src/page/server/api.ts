@@ -11,6 +11,8 @@ export interface Tree {
   state: TreeState;
   height_m: number | null;
   table_sha256: string | null;
+  /** Records of the paper's method that belong to the table; a table may also hold them itself. */
+  records_sha256?: string | null;
   mesh_sha256: string | null;
   job_id: string | null;
   report: Record<string, unknown> | null;
@@ -29,6 +31,8 @@ export interface Job {
   pictures?: Record<string, string>;
   error: { title?: string; hint?: string } | string | null;
 }
+
+export const isActive = (job: Job | null): job is Job => job?.state === "queued" || job?.state === "running";
 
 export interface TreeChange {
   tree: Tree;
@@ -146,7 +150,14 @@ export async function jobPictures(jobId: string): Promise<Record<string, string>
 export const pictureUrl = (jobId: string, name: string, sha256: string) =>
   `api/jobs/${encodeURIComponent(jobId)}/pictures/${encodeURIComponent(name)}?${sha256.slice(0, 8)}`;
 
+/** Ends a build. What it has published so far is kept. */
+export async function cancelJob(jobId: string): Promise<void> {
+  await fetchApi(`api/jobs/${encodeURIComponent(jobId)}/cancel`, { method: "POST" });
+}
+
 export const tableUrl = (sha256: string) => `api/tables/${sha256}`;
+
+export const recordsUrl = (sha256: string) => `api/records/${sha256}`;
 
 export async function fetchMesh(sha256: string): Promise<ArrayBuffer> {
   return (await fetchApi(`api/meshes/${sha256}`)).arrayBuffer();

@@ -3,25 +3,37 @@
 import type { TreeAsset } from "../../scene/forest";
 import { readTreeModel } from "../../scene/trees/mesh/treeMesh";
 import type { TableMotion } from "../../worker/protocol";
-import { fetchMesh, followEvents, Problem, type Tree, type TreeChange } from "./api";
+import { fetchMesh, followEvents, type Job, Problem, type Tree, type TreeChange } from "./api";
 
 export interface CatalogueEvents {
   /** A tree or its job changed. */
   change(change: TreeChange): void;
   /** The assets of the forest changed: place the trees again. */
   assetsChanged(): void;
+  /** The server has new records of the paper's method. */
+  recordsChanged(): void;
   connected(connected: boolean): void;
   problem(title: string, hint: string): void;
 }
 
+/** A tree of the forest, its last job, and its table once that is loaded. */
+export interface KnownTree {
+  readonly tree: Tree;
+  readonly job: Job | null;
+  readonly motion: TableMotion | null;
+}
+
 interface Entry {
   tree: Tree;
+  job: Job | null;
   readonly asset: TreeAsset;
   /** Hashes of the newest mesh and table, loaded or being loaded. */
   mesh: string | null;
   table: string | null;
   motion: TableMotion | null;
 }
+
+const knownTree = ({ tree, job, asset }: Entry): KnownTree => ({ tree, job, motion: asset.motion });
 
 export class Catalogue {
   private readonly entries = new Map<string, Entry>();
@@ -54,9 +66,13 @@ export class Catalogue {
     return [...this.entries.values()].map(({ tree }) => tree);
   }
 
-  /** Size of a tree's table in bytes; null until it is loaded. */
-  tableBytes(id: string): number | null {
-    return this.entries.get(id)?.asset.motion?.bytes ?? null;
+  get known(): KnownTree[] {
+    return [...this.entries.values()].map(knownTree);
+  }
+
+  find(id: string): KnownTree | null {
+    const entry = this.entries.get(id);
+    return entry ? knownTree(entry) : null;
   }
 
   /** Number of trees whose motion is still being computed. */
@@ -67,7 +83,7 @@ export class Catalogue {
   private receive(change: TreeChange): void {
     const { tree } = change;
     if (change.deleted || tree.state === "failed") this.remove(tree.id);
-    else if (tree.state !== "uploaded") this.keep(tree); // uploads join once they are submitted
+    else if (tree.state !== "uploaded") this.keep(change); // uploads join once they are submitted
     this.events.change(change);
   }
 
@@ -75,14 +91,17 @@ export class Catalogue {
     if (this.entries.delete(id)) this.events.assetsChanged();
   }
 
-  private keep(tree: Tree): void {
+  private keep({ tree, job }: TreeChange): void {
     let entry = this.entries.get(tree.id);
     if (!entry) {
       const asset: TreeAsset = { id: tree.id, species: tree.species, model: null, motion: null };
-      entry = { tree, asset, mesh: null, table: null, motion: null };
+      entry = { tree, job, asset, mesh: null, table: null, motion: null };
       this.entries.set(tree.id, entry);
     }
+    const recorded = (entry.tree.records_sha256 ?? null) !== (tree.records_sha256 ?? null);
     entry.tree = tree;
+    entry.job = job;
+    if (recorded) this.events.recordsChanged();
     void this.follow(entry).catch((error: unknown) => this.report(error));
   }
 

@@ -1,11 +1,11 @@
 /** The settings panel. */
-import { type FolderApi, Pane } from "tweakpane";
+import { type BladeApi, type FolderApi, Pane } from "tweakpane";
 import { type PlainWind, withinTurn, withPlain } from "../../core/wind/edit";
 import type { Statistics } from "../frameStatistics";
 import { LIMITS, type Settings } from "../settings/settings";
 import { WIND_LIMITS } from "../settings/windQuery";
 import { labelInputs } from "./accessible";
-import { element } from "./dom";
+import { element, make } from "./dom";
 
 export type SettingKey = keyof Settings;
 
@@ -16,6 +16,8 @@ export class Panel {
   private readonly pane: Pane;
   private readonly species: FolderApi;
   private readonly changed: (key: SettingKey) => void;
+  /** What keeps trees from using the chosen method. */
+  private readonly methodNote = make("p", "", "method-note");
   private shownSpecies = "";
   /** True during refresh(): Tweakpane reports a refresh as a change, with values clamped to the slider limits. */
   private refreshing = false;
@@ -81,11 +83,13 @@ export class Panel {
 
   private lookup(folder: FolderApi): void {
     this.choice(folder, "lookup", "Computed", { "In this browser": "worker", "On the server": "server" });
-    this.choice(folder, "method", "Method", {
+    const method = this.choice(folder, "method", "Method", {
       "Modal reduced order": "modal",
       "Paper's state search": "paper",
     });
     const advanced = folder.addFolder({ title: "Advanced", expanded: false });
+    method.element.after(this.methodNote);
+    this.methodNote.hidden = true;
     const easing = { own: this.settings.poseEasing !== null };
     const slider = () => {
       advanced
@@ -111,14 +115,21 @@ export class Panel {
     key: "flutter" | "quality" | "lookup" | "method",
     label: string,
     options?: object,
-  ): void {
-    folder
+  ): BladeApi {
+    return folder
       .addBinding(
         this.settings,
         key,
         options ? { label, options: options as Record<string, string> } : { label },
       )
       .on("change", () => this.changed(key));
+  }
+
+  /** Shows a text below the choice of method; an empty one hides it. */
+  showMethodNote(words: string): void {
+    if (this.methodNote.textContent === words) return;
+    this.methodNote.textContent = words;
+    this.methodNote.hidden = words === "";
   }
 
   private figures(folder: FolderApi): void {

@@ -1,25 +1,23 @@
 /** A dialog with one card per tree of the forest that lists its physical properties. */
-import type { Tree } from "../server/api";
+import { paperStateOf, stateWords } from "../paper/paperState";
+import type { KnownTree } from "../server/catalogue";
 import { make } from "./dom";
 import { factsOf } from "./physics";
 import { displayName } from "./words";
 
-export interface KnownTree {
-  readonly tree: Tree;
-  readonly tableBytes: number | null;
-}
-
-function card({ tree, tableBytes }: KnownTree): HTMLElement {
+function card(known: KnownTree): HTMLElement {
+  const { tree, motion } = known;
   const root = make("article", "", "physics-card");
   const list = make("dl");
-  for (const { name, value, meaning } of factsOf(tree, tableBytes)) {
+  for (const { name, value, meaning } of factsOf(tree, motion?.bytes ?? null)) {
     const row = make("div");
     const term = make("dt", name);
     term.append(make("small", meaning));
     row.append(term, make("dd", value));
     list.append(row);
   }
-  root.append(make("h3", displayName(tree)), list);
+  const state = stateWords(known, paperStateOf(known, false));
+  root.append(make("h3", displayName(tree)), make("p", state, "physics-state"), list);
   return root;
 }
 
@@ -51,7 +49,7 @@ export class PhysicsCards {
 
   open(trees: readonly KnownTree[]): void {
     if (this.dialog.open) return;
-    const ready = trees.filter(({ tree }) => tree.state === "ready");
+    const ready = trees.filter(({ tree }) => tree.state === "ready" || tree.state === "preliminary");
     this.cards.replaceChildren(...ready.map(card));
     if (ready.length === 0) this.cards.append(make("p", "No tree has been computed yet."));
     this.dialog.showModal();

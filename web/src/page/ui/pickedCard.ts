@@ -1,5 +1,7 @@
 /** Card of the selected tree: its current motion, pictures of its model, and actions. */
+import { onlyRecordsLeft, type PaperState, stateWords } from "../paper/paperState";
 import { jobPictures, pictureUrl, type Tree } from "../server/api";
+import type { KnownTree } from "../server/catalogue";
 import type { PickedFigures } from "../treePicker";
 import { element, make } from "./dom";
 import { displayName } from "./words";
@@ -8,6 +10,8 @@ export interface PickedTools {
   follow(following: boolean): void;
   compare(): void;
   physics(): void;
+  /** Ends the computation of this job. */
+  cancel(jobId: string): void;
   close(): void;
 }
 
@@ -37,9 +41,12 @@ export class PickedCard {
   private readonly root = make("article", "", "card picked");
   private readonly heading = make("h2");
   private readonly list = make("dl");
+  private readonly words = make("span");
+  private readonly cancel = make("button", "Cancel", "picked-cancel");
   private readonly pictures = make("div", "", "job-pictures");
   private readonly follow = make("button", "Follow");
   private shownId = "";
+  private jobId = "";
 
   constructor(tools: PickedTools) {
     this.root.hidden = true;
@@ -64,19 +71,24 @@ export class PickedCard {
       button("Physics", () => tools.physics()),
       close,
     );
-    for (const made of row.querySelectorAll("button")) made.type = "button";
-    this.root.append(this.heading, this.list, this.pictures, row);
+    this.cancel.setAttribute("aria-label", "Cancel the computation of the paper's method");
+    this.cancel.addEventListener("click", () => tools.cancel(this.jobId));
+    const state = make("p", "", "picked-state");
+    state.append(this.words, this.cancel);
+    this.root.append(this.heading, this.list, state, this.pictures, row);
+    for (const made of [this.cancel, ...row.querySelectorAll("button")]) made.type = "button";
     element("progress").before(this.root);
   }
 
   /** Shows the current figures of the tree; null hides the card. */
-  show(figures: PickedFigures | null, tree: Tree | null): void {
-    this.root.hidden = !figures || !tree;
-    if (!figures || !tree) {
+  show(figures: PickedFigures | null, known: KnownTree | null, paper: PaperState): void {
+    this.root.hidden = !figures || !known;
+    if (!figures || !known) {
       this.shownId = "";
       this.follow.setAttribute("aria-pressed", "false");
       return;
     }
+    const { tree } = known;
     if (this.shownId !== tree.id) {
       this.shownId = tree.id;
       this.heading.textContent = displayName(tree);
@@ -88,6 +100,16 @@ export class PickedCard {
       return row;
     });
     this.list.replaceChildren(...rows);
+    this.showState(known, paper);
+  }
+
+  private showState(known: KnownTree, paper: PaperState): void {
+    const words = stateWords(known, paper);
+    const { job } = known;
+    const cancellable = onlyRecordsLeft(job);
+    this.jobId = cancellable ? job.id : "";
+    this.cancel.hidden = !cancellable;
+    if (this.words.textContent !== words) this.words.textContent = words;
   }
 
   private async showPictures(tree: Tree): Promise<void> {

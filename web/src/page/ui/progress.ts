@@ -1,5 +1,7 @@
 /** Progress cards, one for each tree whose table is being computed. */
-import { type Job, pictureUrl, type TreeChange } from "../server/api";
+
+import { onlyRecordsLeft } from "../paper/paperState";
+import { isActive, type Job, pictureUrl, type TreeChange } from "../server/api";
 import { element, make } from "./dom";
 import { displayName, progressLine } from "./words";
 
@@ -36,8 +38,8 @@ export class ProgressCards {
   private readonly cards = new Map<string, Card>();
 
   update({ tree, job }: TreeChange): void {
-    const active = job?.state === "queued" || job?.state === "running";
-    if (job && active) this.show(tree.id, displayName(tree), job);
+    // The records of the paper's method follow quietly once the table is complete.
+    if (isActive(job) && !onlyRecordsLeft(job)) this.show(tree.id, displayName(tree), job);
     else if (job?.state === "failed") this.fail(tree.id, displayName(tree), job);
     else this.finish(tree.id, tree.state === "ready" ? "Added to the forest" : "Cancelled");
   }

@@ -19,7 +19,7 @@ async function send(file: File): Promise<void> {
     if (!(await new OwnTreeDialog(tree).open())) return;
     showToast(
       `Computing ${displayName(tree)}`,
-      "It is added to the forest when its motion has been computed.",
+      "It joins the forest with a first, simple motion; the full table follows.",
       "good",
     );
   } catch (error) {

@@ -1,7 +1,7 @@
 /** Texts of the page: progress, summary and status lines. Pure. */
 
-import type { Connection } from "../../worker/protocol";
-import type { Job, Tree } from "../server/api";
+import type { Connection, TableMotion } from "../../worker/protocol";
+import { isActive, type Job, type Tree } from "../server/api";
 
 const STAGES: Record<string, string> = {
   queued: "Waiting in the queue",
@@ -12,6 +12,7 @@ const STAGES: Record<string, string> = {
   sampling: "Simulating winds",
   reducing: "Reducing the model",
   table: "Writing the table",
+  records: "Computing the paper's method",
   done: "Done",
 };
 
@@ -19,6 +20,19 @@ const capital = (text: string) => text.charAt(0).toUpperCase() + text.slice(1);
 
 export const displayName = (tree: Pick<Tree, "name" | "species">) =>
   capital(tree.name || tree.species || "Tree");
+
+/** How complete a tree's table is, and what a preliminary one leaves out. */
+export function tableWords(
+  motion: Pick<TableMotion, "preliminary" | "linear" | "leftOut"> | null,
+  job: Job | null,
+): string {
+  if (!motion) return "No motion yet.";
+  if (!motion.preliminary) return "Complete table.";
+  const follows = isActive(job) ? "; the full table follows" : "";
+  const kind = motion.linear ? "First motion from the natural modes" : "Preliminary table";
+  const without = motion.leftOut.length > 0 ? ` It leaves out: ${motion.leftOut.join("; ")}.` : "";
+  return `${kind}${follows}.${without}`;
+}
 
 export function timeLeft(seconds: number | null): string {
   if (seconds === null || !Number.isFinite(seconds)) return "";

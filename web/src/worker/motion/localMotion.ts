@@ -4,18 +4,22 @@ import { ModalForest } from "../../core/modal/modalForest";
 import type { Method } from "../../core/motion/method";
 import { PaperForest } from "../../core/motion/paperSearch";
 import { poseStride } from "../../core/motion/poseStride";
+import type { Records } from "../../core/table/records";
 import type { Table } from "../../core/table/table";
-import { sampledPeak, type WindField } from "../../core/wind/wind";
+import type { WindField } from "../../core/wind/wind";
 import type { Connection, Inspection, TreeAt } from "../protocol";
 import { rowsBefore, type ShownGroup } from "./carry";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motionSource";
+import type { StartOfGroup } from "./shownPoses";
 
 /** Maximum step of wind and poses, so that the motion does not depend on the frame rate. */
 const MAX_STEP_S = 1 / 30;
 
 export interface LocalGroup extends ShownGroup {
   readonly table: Table;
+  /** Records of the table; without them its trees use the modal method. */
+  readonly records: Records | null;
   readonly placement: Float32Array;
 }
 
@@ -38,15 +42,34 @@ export class LocalMotion implements MotionSource {
     public time_s: number,
   ) {
     this.groups = groups.map((group) => {
-      const { table, placement } = group;
+      const { table, records, placement } = group;
+      const { height_m, peak_pressure_pa, modes } = table.metadata;
       const count = placement.length / 4;
       const options = poseEasing === null ? {} : { poseEasing };
       const lookup =
-        method === "modal" ? new ModalForest(table, count) : new PaperForest(table, count, options);
-      const own = new GroupWind(placement, table.metadata.height_m, sampledPeak(table.pressure));
+        method === "paper" && records
+          ? new PaperForest(table, records, count, options)
+          : new ModalForest(table, count);
+      const own = new GroupWind(placement, height_m, peak_pressure_pa);
       lookup.setTrees(own.x, own.z, own.column(2), own.column(3));
-      return { group, lookup, wind: own, modes: table.metadata.modes };
+      return { group, lookup, wind: own, modes };
     });
+  }
+
+  /** Starts the trees of the modal method where and as fast as they are displayed; `adopt` has precedence. */
+  startAt(starts: readonly (StartOfGroup | null)[]): void {
+    for (const [g, { lookup, wind, modes }] of this.groups.entries()) {
+      const start = starts[g];
+      if (!start || !(lookup instanceof ModalForest)) continue;
+      wind.update(this.field, this.time_s);
+      const stride = poseStride(modes);
+      for (let tree = 0; tree < lookup.count; tree++) {
+        if (start.known[tree] === 0) continue;
+        const pose = start.poses.subarray(tree * stride, tree * stride + modes);
+        const rate = start.rates.subarray(tree * stride, tree * stride + modes);
+        lookup.startAt(tree, pose, rate, wind.pressureX[tree], wind.pressureZ[tree]);
+      }
+    }
   }
 
   /** Takes over the state of trees that existed before with the same table and method. */

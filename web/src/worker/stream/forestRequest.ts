@@ -10,6 +10,11 @@ export interface PlannedGroup {
   readonly placement: Float32Array;
 }
 
+/** The server moves all groups by one method: the paper's only if it has the records of every table. */
+export function streamMethod(method: Method, groups: readonly { readonly recorded: boolean }[]): Method {
+  return groups.every(({ recorded }) => recorded) ? method : "modal";
+}
+
 export interface PlanOptions {
   readonly method: Method;
   readonly poseEasing: number | null;

@@ -1,7 +1,7 @@
 /** Extracts the part of a table that drawing needs. Pure. */
 
 import { poseStride } from "../../core/motion/poseStride";
-import { poses, type Table } from "../../core/table/table";
+import type { Table } from "../../core/table/table";
 import type { TableMotion } from "../protocol";
 import { coarserNodes } from "./nodeLevels";
 
@@ -30,47 +30,17 @@ export function crownBasisOf(table: Table): Float32Array<ArrayBuffer> {
   return mean.map((sum) => sum / Math.max(1, nodes));
 }
 
-/** Margin for motion beyond the sampled range. */
-const BEYOND = 1.25;
-const TIPS = 8;
-
-/** The nodes that move most in the first two modes: tips of the longest shoots. */
-function tips(table: Table): number[] {
-  const { modes } = table.metadata;
-  const nodes = Array.from({ length: table.nodeRest.length / 3 }, (_, node) => node);
-  const far = nodes.map((node) => {
-    const rows = [0, 1, 2].map((axis) => (node * 3 + axis) * modes);
-    return rows.reduce(
-      (sum, row) => sum + table.nodeBasis[row] ** 2 + (table.nodeBasis[row + 1] || 0) ** 2,
-      0,
-    );
-  });
-  return nodes.sort((a, b) => far[b] - far[a]).slice(0, TIPS);
+/** What a preliminary table leaves out, in words. */
+function leftOutOf({ metadata }: Table): string[] {
+  const { left_out } = (metadata.provenance ?? {}) as { left_out?: unknown };
+  return Array.isArray(left_out) ? left_out.filter((word) => typeof word === "string").slice(0, 12) : [];
 }
 
-/** Largest displacement (m) of any part of the tree over the poses of all records. */
-export function reach_m(table: Table): number {
-  const { modes, records } = table.metadata;
-  const { modeScale, nodeBasis } = table;
-  const pose = poses(table);
-  let most = 0;
-  for (const tip of tips(table)) {
-    for (let record = 0; record < records; record++) {
-      let square = 0;
-      for (let axis = 0; axis < 3; axis++) {
-        let moved = 0;
-        const row = (tip * 3 + axis) * modes;
-        for (let k = 0; k < modes; k++) moved += nodeBasis[row + k] * modeScale[k] * pose[record * modes + k];
-        square += moved * moved;
-      }
-      most = Math.max(most, square);
-    }
-  }
-  return BEYOND * Math.sqrt(most);
-}
+const isPreliminary = ({ metadata }: Table) =>
+  (metadata.provenance as { preliminary?: unknown } | undefined)?.preliminary === true;
 
 export function tableMotion(sha256: string, table: Table, bytes: number): TableMotion {
-  const { modes, primitives, height_m, mesh_sha256, pose_easing, records } = table.metadata;
+  const { modes, primitives, height_m, mesh_sha256, reach_m } = table.metadata;
   const stride = poseStride(modes);
   const basis = padBasis(table.nodeBasis, modes, stride);
   const nodes = table.nodeRest.length / 3;
@@ -83,14 +53,16 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     basis,
     rest_m: Float32Array.from(table.nodeRest),
     levels: [{ nodes, quads: stride / 4, modes, of, basis }, ...coarserNodes(table)],
-    reach_m: reach_m(table),
+    reach_m,
     vertexNode: Uint16Array.from(table.vertexNode),
     primitives: primitives.map(({ name, kind, vertices }) => ({ name, kind, vertices })),
     crownBasis: crownBasisOf(table),
     height_m,
     meshSha256: mesh_sha256,
-    poseEasing: pose_easing,
-    records,
+    hasRecords: table.paper !== null,
+    preliminary: isPreliminary(table),
+    linear: table.modal.pose.length === 0,
+    leftOut: leftOutOf(table),
     bytes,
   };
 }

@@ -1,0 +1,46 @@
+"""Golden table of linear oscillators, as a build's first table: every mode is an oscillator, none is coupled.
+
+python -m tests.golden.make_linear
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from galewood.modal import force_terms, shape_terms
+from galewood.table import Table, decode, encode
+
+from tests.golden.make import sway_steps
+
+HERE = Path(__file__).resolve().parent
+LEFT_OUT = ["large deflections", "streamlining"]
+
+
+def linear_table(table: Table) -> Table:
+    """The oscillators of a table without couplings, without further modes and without records."""
+    d = len(table.modal_step)
+    provenance = {**table.metadata["provenance"], "preliminary": True, "left_out": LEFT_OUT}
+    return replace(
+        table,
+        metadata={**table.metadata, "modes": d, "provenance": provenance},
+        mode_scale=table.mode_scale[:d],
+        node_basis=table.node_basis[:, :, :d],
+        modal_force=np.zeros((force_terms(0), d), np.float32),
+        modal_pose=np.zeros((d + 2 + shape_terms(0), 0), np.float32),
+        modal_limits=table.modal_limits[:3],
+        paper=None,
+    )
+
+
+def main() -> None:
+    table = linear_table(decode((HERE / "pole.safetensors").read_bytes()))
+    (HERE / "pole-linear.safetensors").write_bytes(encode(table))
+    text = json.dumps(sway_steps(table), separators=(",", ":"))
+    (HERE / "sway-linear.json").write_text(text + "\n")
+
+
+if __name__ == "__main__":
+    main()

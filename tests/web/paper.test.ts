@@ -1,0 +1,132 @@
+/** The paper's method: fetched on demand, and its state in words. */
+import { describe, expect, test } from "vitest";
+import { PaperMethod } from "../../web/src/page/paper/paperMethod";
+import { isRecorded, onlyRecordsLeft, paperNote, paperStateOf, paperWords } from "../../web/src/page/paper/paperState";
+import type { Job, Tree } from "../../web/src/page/server/api";
+import type { KnownTree } from "../../web/src/page/server/catalogue";
+import { tableWords } from "../../web/src/page/ui/words";
+import type { TableMotion } from "../../web/src/worker/protocol";
+import { streamMethod } from "../../web/src/worker/stream/forestRequest";
+
+const motion = (given: Partial<TableMotion> = {}) =>
+  ({ sha256: "t", hasRecords: false, preliminary: false, linear: false, leftOut: [], ...given }) as TableMotion;
+const tree = (given: Partial<Tree> = {}) =>
+  ({ id: "ash", name: "ash", state: "ready", table_sha256: "t", ...given }) as Tree;
+const running = (stage: string, fraction = 0.4) => ({ id: "j", state: "running", stage, fraction }) as Job;
+const known = (given: Partial<KnownTree> = {}): KnownTree => ({ tree: tree(), job: null, motion: motion(), ...given });
+
+describe("the state of the paper's method", () => {
+  test.each([
+    ["not computed", known()],
+    ["ready", known({ motion: motion({ hasRecords: true }) })],
+    ["ready", known({ tree: tree({ records_sha256: "r" }) })],
+    ["not computed", known({ tree: tree({ records_sha256: "r", table_sha256: "newer" }) })],
+    ["follows the full table", known({ job: running("sampling") })],
+    ["being computed, 40 %", known({ job: running("records") })],
+    ["ready", known({ job: running("records"), tree: tree({ records_sha256: "r" }) })],
+    ["not computed", known({ job: { ...running("records"), state: "cancelled" } })],
+  ])("%s", (words, given) => expect(paperWords(paperStateOf(given, false))).toBe(words));
+
+  test("loading comes first", () => expect(paperWords(paperStateOf(known(), true))).toBe("loading"));
+
+  test("the note names the trees that cannot use it yet", () => {
+    const noteOf = (...all: KnownTree[]) =>
+      paperNote(all.map((one) => ({ known: one, state: paperStateOf(one, false) })));
+    expect(noteOf(known({ motion: motion({ hasRecords: true }) }))).toBe("");
+    expect(noteOf(known())).toBe("Ash: not computed\nInstead: modal reduced order.");
+    expect(noteOf(known({ job: running("records", 0.07) }))).toBe(
+      "Ash: being computed, 7 %\nUntil then: modal reduced order.",
+    );
+    expect(noteOf(...Array.from({ length: 6 }, () => known())).split("\n")).toHaveLength(6);
+  });
+
+  test("a build of which only the records are left is quiet", () => {
+    expect(onlyRecordsLeft(running("records"))).toBe(true);
+    expect(onlyRecordsLeft(running("table"))).toBe(false);
+    expect(onlyRecordsLeft(null)).toBe(false);
+  });
+
+  test("the server uses it only with the records of every tree", () => {
+    expect(streamMethod("paper", [{ recorded: true }, { recorded: true }])).toBe("paper");
+    expect(streamMethod("paper", [{ recorded: true }, { recorded: false }])).toBe("modal");
+    expect(streamMethod("modal", [{ recorded: true }])).toBe("modal");
+  });
+});
+
+test("a preliminary table says what it leaves out, and that another one follows", () => {
+  const first = motion({ preliminary: true, linear: true, leftOut: ["large deflections", "gusts"] });
+  expect(tableWords(null, null)).toBe("No motion yet.");
+  expect(tableWords(motion(), running("records"))).toBe("Complete table.");
+  expect(tableWords(first, running("sampling"))).toBe(
+    "First motion from the natural modes; the full table follows. It leaves out: large deflections; gusts.",
+  );
+  expect(tableWords(motion({ preliminary: true }), null)).toBe("Preliminary table.");
+  expect(tableWords(motion({ preliminary: true, leftOut: ["some runs"] }), running("sampling"))).toBe(
+    "Preliminary table; the full table follows. It leaves out: some runs.",
+  );
+});
+
+/** A page whose records files are delivered by the test. */
+function started(trees: KnownTree[]) {
+  const settings: { method: "modal" | "paper"; lookup: "worker" | "server" } = { method: "modal", lookup: "worker" };
+  const asked: { table: string; records: string; resolve(): void; reject(error: Error): void }[] = [];
+  const events: string[] = [];
+  const paper = new PaperMethod(settings, {
+    trees: () => trees,
+    load: (table, records) => new Promise((resolve, reject) => asked.push({ table, records, resolve, reject })),
+    arrived: () => events.push("arrived"),
+    problem: (_, hint) => events.push(hint),
+  });
+  const settle = () => new Promise((done) => setTimeout(done));
+  return { settings, asked, events, paper, trees, settle };
+}
+
+describe("records are fetched", () => {
+  test("once, and only when the paper's method is chosen and computed here", async () => {
+    const { settings, asked, events, paper, trees, settle } = started([known({ tree: tree({ records_sha256: "r" }) })]);
+    paper.update();
+    settings.lookup = "server";
+    settings.method = "paper";
+    paper.chosen();
+    expect(asked).toHaveLength(0);
+    expect(paper.moves(trees[0])).toBe(true);
+    settings.lookup = "worker";
+    paper.chosen();
+    paper.update();
+    expect(asked).toMatchObject([{ table: "t", records: "r" }]);
+    expect(paper.note).toBe("Ash: loading\nUntil then: modal reduced order.");
+    expect(paper.moves(trees[0])).toBe(false);
+    asked[0].resolve();
+    await settle();
+    expect([events, paper.note, paper.moves(trees[0])]).toEqual([["arrived"], "", true]);
+  });
+
+  test("when the server has them at last", () => {
+    const { settings, asked, paper, trees } = started([known({ job: running("records") })]);
+    settings.method = "paper";
+    paper.chosen();
+    expect(asked).toHaveLength(0);
+    trees[0] = known({ tree: tree({ records_sha256: "r" }) });
+    paper.update();
+    expect(asked).toHaveLength(1);
+  });
+
+  test("again after a failure, when the method is chosen again", async () => {
+    const { settings, asked, events, paper, settle } = started([known({ tree: tree({ records_sha256: "r" }) })]);
+    settings.method = "paper";
+    paper.chosen();
+    asked[0].reject(new Error("these records belong to another table"));
+    await settle();
+    paper.update();
+    expect([events, asked.length]).toEqual([["these records belong to another table"], 1]);
+    paper.chosen();
+    expect(asked).toHaveLength(2);
+  });
+
+  test("not for a table that holds them", () => {
+    const { settings, asked, paper, trees } = started([known({ motion: motion({ hasRecords: true }) })]);
+    settings.method = "paper";
+    paper.chosen();
+    expect([asked.length, paper.note, paper.moves(trees[0]), isRecorded(trees[0])]).toEqual([0, "", true, true]);
+  });
+});
