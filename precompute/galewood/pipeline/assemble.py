@@ -49,10 +49,10 @@ class TableSettings:
     """Largest weight; None: derived from ``weight_leverage``."""
     weight_growth: float = 0.01
     pose_easing: float = 0.08
-    truncation_share: float = 6e-4
+    truncation_share: float = 8.6e-4
     """Largest vertex error of the reduced basis over the height."""
-    node_share: float = 5e-4
-    """Largest deviation of a vertex from its node at RMS motion, over the height."""
+    node_share: float = 7.2e-4
+    """Largest deviation of a vertex from its node at the RMS motion of the training runs, over the height."""
     node_sway_share: float = 0.03
     """The same over the largest RMS motion of the tree, so that stiff trees also bend smoothly."""
 
