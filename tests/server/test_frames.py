@@ -15,7 +15,7 @@ from galewood.player.paper_search import PaperForest, lookup_arrays
 from galewood.table.format import decode
 from galewood.wind.evaluation import Wind, steady
 from galewood_server.settings import Settings
-from galewood_server.storage.files import FileStore
+from galewood_server.storage.stores import Stores
 from galewood_server.storage.table_cache import TableCache
 from galewood_server.stream import wire
 from galewood_server.stream.client_buffer import ClientBuffer
@@ -195,10 +195,10 @@ async def until(holds: Callable[[], bool]) -> None:
 
 @pytest.fixture
 def forests(tmp_path: Path) -> Forests:
-    store = FileStore(tmp_path)
-    FileStoreWith.sha256 = store.put(POLE)
+    stores = Stores(tmp_path)
+    FileStoreWith.sha256 = stores.tables.put(POLE)
     limits = Settings(server_trees=100, shared_forests=2, shared_forest_idle_s=0.05)
-    return Forests(limits, TableCache(store))
+    return Forests(limits, TableCache(stores), lambda table_sha256: None)
 
 
 def test_clients_of_a_shared_forest_share_one_simulation(forests: Forests) -> None:

@@ -4,7 +4,7 @@ from galewood.pipeline.assemble import Surroundings, TableSettings, assemble_tab
 from galewood.pipeline.build import build_table, build_tree
 from galewood.pipeline.options import BuildOptions, BuildResult, Progress, build_options
 from galewood.pipeline.report import render_mesh
-from galewood.pipeline.shipped import ShippedTree, build_key, read_shipped, write_shipped
+from galewood.shipped import ShippedTree, build_key, read_shipped, write_shipped
 
 __all__ = [
     "BuildOptions",

@@ -4,7 +4,6 @@ from galewood.sampling.design_speed import DesignWind, design_wind
 from galewood.sampling.plan import Samples, planned, simulate
 from galewood.sampling.recording import (
     DIRECTIONS_DEG,
-    SAMPLING_VERSION,
     SampledRun,
     SampleWind,
     Trajectory,
@@ -24,7 +23,6 @@ from galewood.sampling.training_winds import SEED
 
 __all__ = [
     "DIRECTIONS_DEG",
-    "SAMPLING_VERSION",
     "SEED",
     "DesignWind",
     "SampleTask",

@@ -19,6 +19,7 @@ HASH_COLUMNS = {
     "sources": "source_sha256",
     "meshes": "mesh_sha256",
     "tables": "table_sha256",
+    "records": "records_sha256",
     "models": "model_sha256",
 }
 KEPT_ANALYSES = 12
@@ -42,11 +43,17 @@ def store_referenced(session: Session, stores: Stores, kind: str, data: bytes) -
     return stores.named(kind).put(data)
 
 
-def mark_replaced(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:
-    """Mark the files that a tree is about to lose; `files`: column -> new hash."""
+def no_table() -> dict[str, str | None]:
+    """The columns of everything that belongs to one table, without a file."""
+    return {"table_sha256": None, "records_sha256": None, "model_sha256": None}
+
+
+def replace_files(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:
+    """Set the files of a tree and mark those that it loses as garbage; `files`: column -> new hash."""
     for kind, field in HASH_COLUMNS.items():
         if field in files and getattr(tree, field) != files[field]:
             mark_garbage(session, kind, getattr(tree, field))
+            setattr(tree, field, files[field])
 
 
 def mark_tree_files(session: Session, tree: Tree) -> None:

@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from galewood.sampling import SAMPLING_VERSION
 from galewood.table import VERSION, read_metadata
 from galewood.util import write_whole
+from galewood.versions import SAMPLING_VERSION
 
 PICTURE = ".png"
 
