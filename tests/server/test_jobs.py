@@ -99,7 +99,9 @@ def test_a_stop_while_the_cluster_starts_leaves_no_process(start_server: StartSe
 
 def in_records(api: httpx.Client, job: dict[str, Any]) -> bool:
     now = api.get(f"/api/jobs/{job['id']}").json()
-    return bool(now["stage"] == "records" and api.get(f"/api/trees/{job['tree_id']}").json()["state"] == "ready")
+    return bool(
+        now["stage"] == "records" and api.get(f"/api/trees/{job['tree_id']}").json()["state"] == "ready"
+    )
 
 
 def test_the_next_build_starts_while_records_are_computed(start_server: StartServer) -> None:

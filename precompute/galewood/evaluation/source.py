@@ -163,7 +163,7 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
     provenance = table.metadata["provenance"]
     by_name = zip(provenance["winds"], provenance["frames"], strict=True)
     frames = next((count for name, count in by_name if name.startswith("cosine")), BuildOptions.frames)
-    elements = sampled_elements(mesh, extract_skeleton(mesh), int(table.metadata["sampled_elements"]))
+    elements = sampled_elements(mesh, extract_skeleton(mesh), _sampled_elements(table))
     speed_m_s = float(table.metadata["design_speed_m_s"])
     samples = planned(
         model, speed_m_s, mesh.tets[elements], cache_dir,
@@ -173,12 +173,18 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
     return samples
 
 
+def _sampled_elements(table: Table) -> int:
+    """Number of elements at which the runs of a table were recorded."""
+    known = {**table.metadata["provenance"], **(table.paper.metadata if table.paper else {})}
+    return int(known.get("sampled_elements", BuildOptions.sampled_elements))
+
+
 def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
     """The table's modes on the vertices of the wood, computed as in the build. Raises SourceError."""
     samples = samples_of(table, model, mesh, cache_dir, workers)
     settings = TableSettings(**table.metadata["provenance"]["table_settings"])
     training = ModalTraining(
-        oscillators_of(model), model.settings, samples.training_runs(), sizes_for(settings.modes)
+        oscillators_of(model), model.settings, samples.default_runs(), sizes_for(settings.modes)
     )
     tolerance_m = settings.truncation_share * float(table.metadata["height_m"])
     mass_kg = model.mass_kg[: model.vertex_count]
@@ -186,7 +192,7 @@ def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
         size = size_of(training, len(table.modal_step))
     except ValueError as error:
         raise SourceError(str(error)) from error
-    return reduction_modes(samples.recorded_runs(), mass_kg, tolerance_m, training, size)[1]
+    return reduction_modes((), mass_kg, tolerance_m, training, size)[1]
 
 
 def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:

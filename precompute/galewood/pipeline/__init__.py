@@ -1,7 +1,7 @@
 """From a mesh file to a table file: the pipeline, its options, progress and report."""
 
 from galewood.pipeline.assemble import Surroundings, TableSettings, assemble_table, internal_states
-from galewood.pipeline.build import build_table, build_tree
+from galewood.pipeline.build import build_table, build_tree, model_of
 from galewood.pipeline.options import BuildOptions, BuildResult, Progress, build_options
 from galewood.pipeline.report import render_mesh
 from galewood.shipped import ShippedTree, build_key, read_shipped, write_shipped
@@ -19,6 +19,7 @@ __all__ = [
     "build_table",
     "build_tree",
     "internal_states",
+    "model_of",
     "read_shipped",
     "render_mesh",
     "write_shipped",

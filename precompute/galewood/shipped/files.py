@@ -51,7 +51,7 @@ def write_shipped(folder: Path, name: str, key: str, tree: ShippedTree) -> None:
         write_whole(folder / file, content)
     index = {
         "key": key,
-        "software": read_metadata(tree.table)["provenance"]["software"],
+        "software": read_metadata(tree.table)["provenance"].get("software"),
         "tets_name": tree.tets_name,
         "files": {file: hashlib.sha256(content).hexdigest() for file, content in contents.items()},
         "report": tree.report,

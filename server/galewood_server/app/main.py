@@ -42,12 +42,13 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
         app.state.service = service = _service(settings, importer or limited_importer(settings))
         app.state.feed = ChangeFeed(service)
         app.state.metrics.registry.register(ServiceCollector(service))
+        await asyncio.to_thread(builtin_trees.register, service)
         tasks = [
             asyncio.create_task(work)
             for work in (
                 Supervisor(service).run(),
                 app.state.feed.run(),
-                builtin_trees.register(service),
+                builtin_trees.queue_outdated_uploads(service),
                 asyncio.to_thread(startup_warnings.log_startup_warnings, settings),
             )
         ]

@@ -23,7 +23,7 @@ HASH_COLUMNS = {
     "models": "model_sha256",
 }
 KEPT_ANALYSES = 12
-ANALYSIS_INPUTS = ("table_sha256", "model_sha256", "mesh_sha256")
+ANALYSIS_INPUTS = ("table_sha256", "records_sha256", "model_sha256", "mesh_sha256")
 
 
 def mark_garbage(session: Session, kind: str, sha256: str | None) -> None:
@@ -92,7 +92,7 @@ def referenced_files(session: Session) -> dict[str, set[str]]:
 def files_in_use(session: Session) -> set[str]:
     """Hashes of the input files of active analyses."""
     settings = session.scalars(select(Job.settings).where(Job.state.in_(ACTIVE), Job.kind != "build")).all()
-    return {str(one[field]) for one in settings for field in ANALYSIS_INPUTS if field in one}
+    return {str(one[field]) for one in settings for field in ANALYSIS_INPUTS if one.get(field)}
 
 
 def collect_garbage(sessions: Sessions, stores: Stores, grace_s: float) -> int:
