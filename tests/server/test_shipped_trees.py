@@ -10,6 +10,7 @@ from pathlib import Path
 import httpx
 import pytest
 from galewood.shipped import ShippedTree, build_key, write_shipped
+from galewood.wind import Wind
 
 from tests.server.conftest import NO_CLUSTER, REPOSITORY, Server, wait_until
 
@@ -114,7 +115,7 @@ def test_a_shipped_table_replaces_an_older_one(start_server: StartServer, specie
 
 def test_a_shipped_tree_can_be_compared(start_server: StartServer, species: Path) -> None:
     with start(start_server, species).client() as api:
-        answer = api.post("/api/trees/small/comparisons", json={"wind": {}})
+        answer = api.post("/api/trees/small/comparisons", json={"wind": Wind().document()})
         assert answer.status_code == 202, answer.text
         url = answer.headers["location"]
         wait_until(lambda: api.get(url).json()["state"] == "done")
