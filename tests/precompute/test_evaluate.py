@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,8 +25,8 @@ from galewood.evaluation.source import Source, SourceError, distinct, find_model
 from galewood.evaluation.winds import long_gusts, noise, perlin, unseen_winds
 from galewood.fem.dynamics import Simulator
 from galewood.mesh.types import ImportOptions
-from galewood.pipeline.build import BuildOptions, build_table
-from galewood.sampling.runner import run_task
+from galewood.pipeline.build import BuildOptions, build_table, model_of
+from galewood.sampling.runner import content_hash, run_task
 from galewood.table.format import Table, decode
 from typer.testing import CliRunner
 
@@ -88,17 +89,17 @@ def test_hausdorff_distance_matches_brute_force() -> None:
 
 
 def test_a_sampled_wind_is_its_own_nearest_sample() -> None:
-    start, end = TABLE.trajectory[:2].astype(int)
-    track = nearest_sample(TABLE, TABLE.pressure_pa[start:end].astype(np.float64))
-    assert np.allclose(track, TABLE.pose()[start:end] * TABLE.mode_scale, atol=1e-6)
+    start, end = TABLE.records.trajectory[:2].astype(int)
+    track = nearest_sample(TABLE, TABLE.records.pressure_pa[start:end].astype(np.float64))
+    assert np.allclose(track, TABLE.records.pose()[start:end] * TABLE.mode_scale, atol=1e-6)
 
 
 def test_poses_of_the_modal_model_follow_a_sampled_run() -> None:
-    start, end = TABLE.trajectory[1:3].astype(int)
+    start, end = TABLE.records.trajectory[1:3].astype(int)
     track, extrapolation_ratio = played(
-        TABLE, TABLE.pressure_pa[start:end].astype(np.float64), METHODS["modal"]
+        TABLE, TABLE.records.pressure_pa[start:end].astype(np.float64), METHODS["modal"]
     )
-    true = TABLE.pose()[start + 1 : end] * TABLE.mode_scale
+    true = TABLE.records.pose()[start + 1 : end] * TABLE.mode_scale
     assert np.abs(track[:-1] - true).max() < 6e-4 * np.abs(true).max()
     assert 0 < extrapolation_ratio < 1.3
 
@@ -153,26 +154,28 @@ def test_the_plot_is_written(tmp_path: Path) -> None:
     assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
 
 
+OPTIONS = BuildOptions(
+    mesh_import=ImportOptions(species="maple"),
+    target_tets=TARGET_TETS,
+    sampled_elements=8,
+    design_speed_m_s=14.0,
+    frames=60,
+)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Table of a small tree with its mesh beside it, and the cache of its build."""
     path = tmp_path_factory.mktemp("evaluate")
-    options = BuildOptions(
-        mesh_import=ImportOptions(species="maple"),
-        target_tets=TARGET_TETS,
-        sampled_elements=8,
-        design_speed_m_s=14.0,
-        frames=60,
-    )
     cache = cache_with_tets(path / "cache", tmp_path_factory)
     built = build_table(
         small_tree_glb(),
         "tree.glb",
-        options,
+        OPTIONS,
         lambda tasks, done: [run_task(t) for t in tasks],
         cache_dir=cache,
     )
-    (path / "tree.gwt").write_bytes(built.table)
+    (path / "tree.gwt").write_bytes(built.whole_table())
     (path / "tree.glb").write_bytes(built.render_glb)
     return path
 
@@ -219,6 +222,21 @@ def test_the_error_of_a_tree_at_rest_is_the_sway(
     rest = found["rest-pose"]
     assert np.isclose(rest["max_error"], sway_of(reference) / float(table.metadata["height_m"]))
     assert found["modal"]["max_error"] < 0.0035 * rest["max_error"]
+
+
+def test_without_records_only_the_default_method_is_evaluated(
+    folder: Path, table: Table, reference: ReferenceRun
+) -> None:
+    alone = replace(table, paper=None)
+    source = source_of(alone, folder / "tree.glb", folder / "cache", workers=1)
+    found = compare_methods(alone, source, reference)
+    assert set(found) == {"modal", "rest-pose", "floor"}
+    assert set(compare_methods(table, source, reference)) > set(found)
+
+
+def test_the_model_of_a_mesh_is_that_of_its_build(folder: Path, table: Table) -> None:
+    model = model_of(small_tree_glb(), "tree.glb", OPTIONS, folder / "cache")
+    assert content_hash(model) == table.metadata["provenance"]["model_sha256"]
 
 
 def test_distinct_vertices_represent_all_vertices() -> None:

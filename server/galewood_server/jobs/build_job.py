@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 from galewood.options import BuildRequest
@@ -33,6 +35,9 @@ from galewood_server.storage import (
 Build = Callable[..., BuildResult]
 RECORDS_PRIORITY = -10
 """Priority of the simulations of that stage on the cluster; those of other builds have 0."""
+
+LOADED_EARLY = ("scipy.signal", "distributed")
+"""Modules that are slow to load and first needed after meshing."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +78,7 @@ class RunningBuild:
         self._reporter = ProgressReporter(job_lease)
         self._transfer = BlobTransfer(settings.store_url, job_lease.job_id) if settings.store_url else None
         flag = settings.cancel_flag(job_lease.job_id)
+        self._loading: threading.Thread | None = None
         self._runner = DaskRunner(address, flag, self._reporter.set_samples, self._transfer)
 
     def run(self, build: Build) -> None:
@@ -94,6 +100,9 @@ class RunningBuild:
             self._transfer.delete_runs(self._runner.runs)
 
     def _on_progress(self, progress: Progress) -> None:
+        if progress.stage == "meshing" and self._loading is None:
+            self._loading = threading.Thread(target=load_early, name="load-early", daemon=True)
+            self._loading.start()
         self._reporter.report(progress.stage, progress.fraction, progress.message)
 
     def _on_table(self, result: BuildResult) -> None:
@@ -104,6 +113,12 @@ class RunningBuild:
 
     def _model(self) -> bytes | None:
         return self._runner.model.read_bytes() if self._runner.model else None
+
+
+def load_early() -> None:
+    """Load what later stages need while this process waits for the mesher's."""
+    for module in LOADED_EARLY:
+        import_module(module)
 
 
 def run_build(
