@@ -31,9 +31,8 @@ from galewood.table.format import Table, decode
 from typer.testing import CliRunner
 
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
-from tests.precompute.test_table import FILE
 
-TABLE = decode(FILE)
+TABLE = decode((Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes())
 
 
 def test_an_exact_track_has_no_error_and_the_error_of_a_resting_one_is_the_sway() -> None:
