@@ -52,6 +52,8 @@ def fake_build(
     report = {"options": json.loads(json.dumps(str(options)))}
     result = BuildResult(b"table of " + source[:64], None, b"glTF" + source[:64], report)
     on_table(result)
+    if filename.startswith("bare"):
+        return result
     compute_records(filename, cache_dir, progress)
     return replace(result, records=b"records of " + source[:64])
 

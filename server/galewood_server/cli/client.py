@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import httpx
+from galewood.table import decode, encode
 from httpx_sse import connect_sse
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosedError
@@ -97,6 +98,13 @@ class Client:
         ServiceError; ValueError if they are damaged.
         """
         return self._file("records", sha256)
+
+    def whole_table(self, tree: Json) -> bytes:
+        """The table of a tree in one file, with the paper's records if they are computed. ServiceError."""
+        table = self.table(tree["table_sha256"])
+        if not tree["records_sha256"]:
+            return table
+        return encode(decode(table, self.records(tree["records_sha256"])))
 
     def _file(self, kind: str, sha256: str) -> bytes:
         answer = self._http.get(f"/api/{kind}/{sha256}")

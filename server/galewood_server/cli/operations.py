@@ -39,7 +39,7 @@ def upload(
             tree = client.upload(mesh, **assumptions)
             tree = tree if inspect else _compute(client, tree["id"])
             if out is not None and tree["table_sha256"]:
-                out.write_bytes(_whole_table(client, tree))
+                out.write_bytes(client.whole_table(tree))
     except ServiceError as error:
         console.print(f"[red]{error.title}[/red] {error.hint}")
         raise typer.Exit(1) from None
@@ -48,16 +48,6 @@ def upload(
         raise typer.Exit(1) from None
     write_figures(json_out, tree)
     console.print_json(data=tree)
-
-
-def _whole_table(client: Any, tree: dict[str, Any]) -> bytes:
-    """The table of a tree in one file, with the paper's records if they are computed."""
-    table: bytes = client.table(tree["table_sha256"])
-    if not tree["records_sha256"]:
-        return table
-    from galewood.table import decode, encode
-
-    return encode(decode(table, client.records(tree["records_sha256"])))
 
 
 def _compute(client: Any, tree_id: str) -> dict[str, Any]:
