@@ -18,9 +18,10 @@ PYTEST ?= $(BIN)/python -m pytest
 # All that a wheel is made of, beside the page.
 WHEEL_SOURCES := $(shell find precompute server assets -type f -not -path '*/__pycache__/*' 2>/dev/null) \
 	pyproject.toml setup.py README.md LICENSE NOTICE
+KERNEL_SOURCES := $(shell grep -rl numba precompute/galewood --include='*.py' 2>/dev/null)
 WEB_SOURCES := $(shell find web/src web/public -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json
 
-.PHONY: help run build wheel test check docs test-python test-species test-wheel test-distributed test-web test-e2e browser bench format species golden clean
+.PHONY: help run build wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-web test-e2e browser bench format species golden clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -46,8 +47,16 @@ web/node_modules/.stamp: web/package-lock.json
 web/dist/index.html: web/node_modules/.stamp $(WEB_SOURCES)
 	@cd web && npm run --silent build -- --logLevel warn
 
+# The longest step of a first build: done here, beside the page's set-up, so that no visitor waits for it.
+build/.kernels: $(VENV)/.base $(KERNEL_SOURCES)
+	@echo "Compiling the numeric kernels (once)"
+	@mkdir -p build
+	@$(BIN)/galewood compile
+	@touch $@
+
 # ---- everyday --------------------------------------------------------------------------------------
-build: $(VENV)/.base web/dist/index.html ## set everything up and build the page
+build: $(VENV)/.base ## set everything up, compile the kernels and build the page
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=line build/.kernels web/dist/index.html
 
 wheel: build/wheel/.made ## one wheel with everything to install elsewhere, in build/wheel
 
@@ -61,9 +70,15 @@ run: build ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DA
 
 test: ## set everything up and run every test
 	@# what only reads the sources runs side by side, and so do both set-ups; the tests follow one after the other
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target check docs test-web
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target build/.kernels check docs test-web
 	@$(MAKE) --no-print-directory test-python
 	@$(MAKE) --no-print-directory test-e2e
+
+test-fast: $(VENV)/.dev web/node_modules/.stamp build/.kernels ## the unit tests of both languages: no browser, no server, no build
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-web test-python-fast
+
+test-python-fast: $(VENV)/.dev
+	$(PYTEST) -n 2 --dist loadfile -m "not slow and not species"
 
 check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type checkers of both languages, of the container files too
 	$(BIN)/ruff check .
@@ -108,8 +123,9 @@ format: $(VENV)/.dev web/node_modules/.stamp ## rewrite the sources in the proje
 	$(BIN)/ruff format .
 	cd web && npm run --silent format
 
-species: web/node_modules/.stamp ## grow the three species again
+species: web/node_modules/.stamp build/.kernels ## grow the three species again, and build their shipped tables
 	cd web && npm run --silent grow
+	$(BIN)/galewood ship
 
 golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make

@@ -1,12 +1,19 @@
-"""The longest files first, so that no process of a parallel run ends with one of them alone."""
+"""Order of the tests, and which of them `make test-fast` leaves out."""
 
 import pytest
 
 LONGEST = (
-    "test_wheel", "test_accuracy", "test_build_end_to_end", "test_jobs", "test_leases", "test_verify_species",
+    "test_wheel", "test_build_end_to_end", "test_accuracy", "test_jobs", "test_leases", "test_verify_species",
     "test_paper", "test_evaluations", "test_evaluate", "test_api", "test_pipeline", "test_untrusted_uploads",
     "test_determinism",
 )  # fmt: skip
+"""The longest files come first, so that no process of a parallel run ends with one of them alone."""
+SLOW = {
+    *LONGEST, "test_tutorial", "test_verify_planted", "test_openapi", "test_wind_statistics", "test_corpus",
+    "test_tetrahedra", "test_bench",
+}  # fmt: skip
+"""Files that build a tree or simulate for long."""
+SLOW_FIXTURES = {"start_server", "server", "api"}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -15,3 +22,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return LONGEST.index(name) if name in LONGEST else len(LONGEST)
 
     items.sort(key=place)
+    for item in items:
+        if item.path.stem in SLOW or SLOW_FIXTURES & set(getattr(item, "fixturenames", ())):
+            item.add_marker("slow")

@@ -41,7 +41,10 @@ class Built:
 def build(name: str, folder: Path, design_speed_m_s: float = 18.0, workers: int = 2) -> Built:
     """Build a species as `galewood build` does, without the comparison with the quadratic reference."""
     options = BuildOptions(
-        mesh_import=ImportOptions(species=name), design_speed_m_s=design_speed_m_s, reference_frames=0
+        mesh_import=ImportOptions(species=name),
+        design_speed_m_s=design_speed_m_s,
+        reference_frames=0,
+        paper=False,
     )
     mesh, cache = SPECIES / f"{name}.glb", folder / "cache"
     result = build_table(mesh.read_bytes(), mesh.name, options, cache_dir=cache)

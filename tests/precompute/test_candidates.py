@@ -1,9 +1,13 @@
 """Candidate lists against a search of all records: equal results for any pressure and allowed weight."""
 
+import math
+from typing import Any
+
 import numpy as np
 import pytest
 from galewood.pipeline.assemble import internal_states, spread_pa
 from galewood.player.paper_search import ANY, best_candidate, brute_force, nearest_pressure
+from galewood.search import candidates, contenders, envelope
 from galewood.search.candidates import Rule, Search, air_of, build_search, gain_bound
 from galewood.search.similarity import InternalStates, compared, mismatch_rows
 
@@ -70,30 +74,103 @@ def test_candidates_of_a_swaying_beam_match_brute_force(seed: int) -> None:
     assert wrong == 0
 
 
-@pytest.mark.parametrize(
-    ("seed", "initial", "maximum", "sigma_pa"),
-    [(6, 0.36, 0.38, 2.0), (7, 0.05, 0.6, 1.0), (8, 0.3, 0.33, 9.0)],
-)
-def test_candidates_of_random_states_match_brute_force(
-    seed: int, initial: float, maximum: float, sigma_pa: float
-) -> None:
-    print("seed", seed)
-    rng = np.random.default_rng(seed)
+def random_runs(rng: np.random.Generator, digits: int = 7) -> tuple[InternalStates, np.ndarray, np.ndarray]:
+    """States, pressures and starts of 400 random records, partly in still air; few ``digits`` cause ties."""
     z, q = 400, 6
     path = np.cumsum(rng.normal(size=(z, q, 12)), axis=0) * 0.02 + rng.choice([-1, 1], size=(z, q, 12))
+    path = np.round(path, digits)
     states = InternalStates(
         *(part.astype(np.float32) for part in (path[..., :3], path[..., 3:6], path[..., 6:]))
     )
-    pressure = (np.cumsum(rng.normal(size=(z, 2)), axis=0)).astype(np.float32)
-    starts = np.array([0, 90, 200, 310, z])
+    pressure = np.round(np.cumsum(rng.normal(size=(z, 2)), axis=0), digits).astype(np.float32)
     pressure[150:200] = 0.0
     pressure[380:] = 0.0
+    return states, pressure, np.array([0, 90, 200, 310, z])
+
+
+RULES = [
+    (6, 0.36, 0.38, 2.0, 7),
+    (7, 0.05, 0.6, 1.0, 7),
+    (8, 0.3, 0.33, 9.0, 7),
+    (10, 0.3, 0.4, 2.0, 1),
+    (11, 0.01, 0.02, 3.0, 1),
+    (12, 0.9, 0.95, 0.5, 1),
+]
+"""Seed, smallest and largest weight, σ in Pa, and digits of the values."""
+
+
+@pytest.mark.parametrize(("seed", "initial", "maximum", "sigma_pa", "digits"), RULES)
+def test_candidates_of_random_states_match_brute_force(
+    seed: int, initial: float, maximum: float, sigma_pa: float, digits: int
+) -> None:
+    print("seed", seed)
+    rng = np.random.default_rng(seed)
+    states, pressure, starts = random_runs(rng, digits)
+    z = len(pressure)
     wrong, search = differences(
         states, pressure, starts, Rule(states.components, sigma_pa, initial, maximum), rng
     )
     print("candidates per state", len(search.record) / z)
     assert wrong == 0
     assert len(search.record) < 0.9 * z * z
+
+
+@pytest.mark.parametrize("head", [0, 5, 12, 1000])
+@pytest.mark.parametrize("rare", [0.0, 0.2, 2.0])
+@pytest.mark.parametrize("digits", [1, 7])
+def test_counting_in_stages_finds_all_mismatches(
+    monkeypatch: pytest.MonkeyPatch, head: int, rare: float, digits: int
+) -> None:
+    monkeypatch.setattr(contenders, "HEAD", head)
+    monkeypatch.setattr(contenders, "RARE", rare)
+    states, _, _ = random_runs(np.random.default_rng(13), digits)
+    layout = compared(states)
+    parts, exact = contenders.stages(layout), mismatch_rows(layout, 37, 96)
+    rows = contenders.lower_bounds(parts, 37, 96)
+    assert (rows <= exact).all()
+    bounds, chosen = rows.copy(), np.random.default_rng(14).random(rows.shape) < 0.5
+    contenders.complete(parts, 37, chosen, rows)
+    assert (rows == np.where(chosen, exact, bounds)).all()
+
+
+@pytest.mark.parametrize(("seed", "initial", "maximum", "sigma_pa", "digits"), RULES)
+def test_records_ruled_out_by_their_bounds_change_nothing(
+    monkeypatch: pytest.MonkeyPatch, seed: int, initial: float, maximum: float, sigma_pa: float, digits: int
+) -> None:
+    print("seed", seed)
+    states, pressure, starts = random_runs(np.random.default_rng(seed), digits)
+    layout, air = compared(states), air_of(pressure, starts)
+    rule = Rule(states.components, sigma_pa, initial, maximum)
+    monkeypatch.setattr(contenders, "HEAD", 20)
+    found = build_search(layout, air, rule)
+
+    def choose_all(*arguments: Any) -> None:
+        arguments[-1][:] = True
+
+    monkeypatch.setattr(candidates, "_choose_rows", choose_all)
+    complete = build_search(layout, air, rule)
+    for name, value in vars(complete).items():
+        assert np.array_equal(getattr(found, name), value), name
+
+
+def test_the_gaussian_of_the_envelope_is_far_more_accurate_than_the_margin() -> None:
+    for exponent in np.linspace(0.0, 60.0, 5000):
+        error = envelope._gaussian(float(exponent)) - math.exp(-exponent)  # pyright: ignore[reportPrivateUsage]
+        assert abs(error) < 0.02 * candidates.MARGIN
+
+
+def test_the_search_can_be_cancelled() -> None:
+    class Cancelled(Exception):
+        pass
+
+    def cancel(fraction: float) -> None:
+        raise Cancelled
+
+    states, pressure, starts = random_runs(np.random.default_rng(15))
+    with pytest.raises(Cancelled):
+        build_search(
+            compared(states), air_of(pressure, starts), Rule(states.components, 2.0, 0.3, 0.4), cancel
+        )
 
 
 def test_nearest_pressure_matches_a_full_search() -> None:

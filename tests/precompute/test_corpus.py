@@ -39,7 +39,7 @@ def test_real_tree(path, tmp_path, monkeypatch):
         assert error.code in UNSUPPORTED  # rejected with a specific error rather than misread
         report_row(path.name, error.code)
         return
-    report, table = built.report, decode(built.table)
+    report, table = built.report, decode(built.whole_table())
     meshing, model = report["meshing"], report["model"]
     first_hz = model["frequencies_hz"][0]
     wood_faces = sum(part["faces"] for part in report["import"]["parts"] if part["kind"] == "wood")
@@ -54,7 +54,7 @@ def test_real_tree(path, tmp_path, monkeypatch):
     assert meshing["lost_extent"] <= 0.03
     assert 0.05 < first_hz < 20.0
     assert np.isfinite(table.node_basis.astype(np.float64)).all()
-    assert len(table.dq) == table.metadata["records"] > 500
+    assert len(table.records.dq) == table.records.metadata["records"] > 500
 
 
 def report_row(*cells):

@@ -93,11 +93,11 @@ def test_a_loop_has_no_seam(table: Table) -> None:
 
 
 def test_a_sampled_run_has_the_poses_of_the_table(table: Table) -> None:
-    named = {**table.metadata, "provenance": {"winds": ["still", "breeze"]}}
-    table = replace(table, metadata=named)
+    named = {**table.records.metadata, "winds": ["still", "breeze"]}
+    table = replace(table, paper=replace(table.records, metadata=named))
     q = sampled(table, "breeze")
-    first, last = int(table.trajectory[1]), int(table.trajectory[2])
-    assert np.array_equal(q, table.pose()[first:last] * table.mode_scale.astype(np.float64))
+    first, last = int(table.records.trajectory[1]), int(table.records.trajectory[2])
+    assert np.array_equal(q, table.records.pose()[first:last] * table.mode_scale.astype(np.float64))
     with pytest.raises(KeyError, match="no run"):
         sampled(table, "hurricane")
 

@@ -14,14 +14,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from galewood.table.format import TENSORS, Table, decode, encode
+from galewood.table.records import RECORD_TENSORS
 
-from tests.golden.make import beam_table, sway_steps, version_5
+from tests.golden.make import beam_table, sway_steps, version_5, version_6
 
 GOLDEN = Path(__file__).parents[1] / "golden"
-STORED, STORED_5 = (GOLDEN / name for name in ("pole.safetensors", "pole-v5.safetensors"))
-INVARIANT = (
-    "mode_scale", "node_rest_m", "vertex_node", "pressure_pa", "trajectory", "offsets", "modal_limits",
-)  # fmt: skip
+STORED, STORED_5, STORED_6 = (GOLDEN / f"pole{name}.safetensors" for name in ("", "-v5", "-v6"))
+ALONE, RECORDS = (GOLDEN / f"pole-{name}.safetensors" for name in ("table", "records"))
+INVARIANT = ("mode_scale", "node_rest_m", "vertex_node", "modal_limits")
+INVARIANT_RECORDS = ("pressure_pa", "trajectory", "offsets")
 
 
 @cache
@@ -42,7 +43,8 @@ def nodes(table: Table, poses: list[list[float]]) -> np.ndarray:
 
 def sampled(table: Table) -> np.ndarray:
     """(z, n, 3) m of every record's pose."""
-    return np.einsum("nir,zr->zni", table.node_basis.astype(np.float64), table.pose() * table.mode_scale)
+    q = table.records.pose() * table.mode_scale
+    return np.einsum("nir,zr->zni", table.node_basis.astype(np.float64), q)
 
 
 def poles(table: Table) -> tuple[np.ndarray, np.ndarray]:
@@ -61,8 +63,10 @@ def test_the_stored_table_is_what_the_code_makes() -> None:
     }
     for name, value in old.metadata["errors"].items():
         assert new.metadata["errors"][name] == pytest.approx(value, rel=1e-3, abs=1e-9), name
-    for name in INVARIANT:
-        first, second = getattr(old, name), getattr(new, name)
+    assert new.records.metadata == old.records.metadata
+    pairs = [(name, getattr(old, name), getattr(new, name)) for name in INVARIANT]
+    pairs += [(name, getattr(old.records, name), getattr(new.records, name)) for name in INVARIANT_RECORDS]
+    for name, first, second in pairs:
         assert first.shape == second.shape, name
         np.testing.assert_allclose(second.astype(np.float64), first, rtol=1e-5, atol=1e-7, err_msg=name)
     assert np.abs(sampled(new) - sampled(old)).max() < 1e-4 * np.abs(sampled(old)).max()
@@ -86,11 +90,26 @@ def test_a_wrong_coefficient_is_found_by_these_comparisons() -> None:
     assert np.abs(found - golden).max() > 1e-4 * np.abs(golden).max()
 
 
-def test_version_5_is_the_same_table_under_other_names() -> None:
-    assert STORED_5.read_bytes() == version_5(STORED.read_bytes())
+def test_versions_5_and_6_are_the_same_table_under_other_names() -> None:
+    assert STORED_6.read_bytes() == version_6(STORED.read_bytes())
+    assert STORED_5.read_bytes() == version_5(STORED_6.read_bytes())
     assert b'"tangent.step"' in STORED_5.read_bytes() and b'"modal.step"' not in STORED_5.read_bytes()
-    old, new = decode(STORED_5.read_bytes()), stored()
-    assert old.metadata == new.metadata
+    for old in (decode(STORED_5.read_bytes()), decode(STORED_6.read_bytes())):
+        same_tensors(old, stored())
+        assert sway_steps(old) == sway_steps(stored())
+        for name in ("reach_m", "peak_pressure_pa"):  # derived from the records, not from the training runs
+            assert old.metadata[name] == pytest.approx(stored().metadata[name], rel=0.5)
+
+
+def test_the_records_may_come_in_a_file_of_their_own() -> None:
+    alone, records = ALONE.read_bytes(), RECORDS.read_bytes()
+    assert decode(alone).paper is None
+    same_tensors(decode(alone, records), stored())
+    assert encode(decode(alone, records)) == STORED.read_bytes()
+
+
+def same_tensors(one: Table, other: Table) -> None:
     for field, _, _ in TENSORS.values():
-        assert np.array_equal(getattr(old, field), getattr(new, field)), field
-    assert sway_steps(old) == sway_steps(new)
+        assert np.array_equal(getattr(one, field), getattr(other, field)), field
+    for field, _, _ in RECORD_TENSORS.values():
+        assert np.array_equal(getattr(one.records, field), getattr(other.records, field)), field

@@ -29,7 +29,7 @@ def test_a_larger_size_is_chosen_only_if_the_smallest_misses_the_training_runs(
     beam = Beam()
     runs = training_runs(beam, 2.0)
     given = ModalTraining(beam.oscillators(), scheme(beam), runs, sizes=[FEW, MORE])
-    fitted = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4 * beam.height_m, given)
+    fitted = fit_smallest(given, beam.mass_kg, beam.height_m, 1e-4 * beam.height_m)
     assert len(fitted.modal.step) == expected.dynamic
     assert fitted.modal.coupled == expected.coupled
     again = training_error_m(fitted.modal, fitted.subspace, runs, beam.dt_s)
@@ -50,7 +50,7 @@ def test_further_runs_are_requested_once_and_only_if_the_smallest_size_is_insuff
         return more
 
     given = ModalTraining(beam.oscillators(), scheme(beam), runs, [FEW, Size(4, 2, 6), MORE], further)
-    modal = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4, given).modal
+    modal = fit_smallest(given, beam.mass_kg, beam.height_m, 1e-4).modal
     assert len(calls) == requests
     strongest_pa = max(np.linalg.norm(run.pressure_pa, axis=1).max() for run in (runs, more)[requests])
     assert modal.limits[2] == pytest.approx(strongest_pa)
@@ -76,7 +76,7 @@ def test_simulated_training_runs_match_a_single_tree() -> None:
     beam = Beam()
     runs = training_runs(beam, 8.0)
     given = ModalTraining(beam.oscillators(), scheme(beam), runs, sizes=[MORE])
-    modal = fit_smallest(runs, beam.mass_kg, beam.height_m, 1e-4, given).modal
+    modal = fit_smallest(given, beam.mass_kg, beam.height_m, 1e-4).modal
     winds = [rng.normal(size=(frames, 2)) * 10.0 for frames in (30, 47)]
     for wind, track in zip(winds, simulated_q(modal, winds, beam.dt_s), strict=True):
         single = ModalForest(modal, beam.dt_s, np.ones(modal.modes, np.float32), 1)

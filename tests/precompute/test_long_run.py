@@ -45,16 +45,24 @@ def test_the_key_covers_the_model_and_the_modes() -> None:
     assert len({key(), key(of=source(mass_kg=2.0)), key(of=source(mode=2.0))}) == 3
 
 
-@pytest.mark.parametrize("field", ["modal_force", "dq", "mode_scale", "node_basis", "pressure_pa"])
+@pytest.mark.parametrize("field", ["modal_force", "mode_scale", "node_basis"])
 def test_the_key_covers_the_tensors_of_the_table(field: str) -> None:
     values = getattr(TABLE, field).copy()
     values.flat[-1] += 1
     assert key(replace(TABLE, **{field: values})) != key()
 
 
+@pytest.mark.parametrize("field", ["dq", "pressure_pa"])
+def test_the_key_covers_the_records_of_the_table(field: str) -> None:
+    values = getattr(TABLE.records, field).copy()
+    values.flat[-1] += 1
+    assert key(replace(TABLE, paper=replace(TABLE.records, **{field: values}))) != key()
+
+
 def test_the_key_covers_the_search_parameters_of_the_table() -> None:
-    eased = TABLE.metadata | {"pose_easing": 0.5 * TABLE.metadata["pose_easing"]}
-    assert key(replace(TABLE, metadata=eased)) != key()
+    metadata = TABLE.records.metadata
+    eased = metadata | {"pose_easing": 0.5 * metadata["pose_easing"]}
+    assert key(replace(TABLE, paper=replace(TABLE.records, metadata=eased))) != key()
 
 
 @pytest.mark.parametrize("package", [galewood.modal, galewood.player])

@@ -13,7 +13,7 @@ from tests.golden.make import paper_steps
 GOLDEN = Path(__file__).parents[1] / "golden"
 TABLE = decode((GOLDEN / "pole.safetensors").read_bytes())
 DT_S = TABLE.metadata["dt_s"]
-STRONG = 0.7 * float(np.abs(TABLE.pressure_pa).max())
+STRONG = 0.7 * float(np.abs(TABLE.records.pressure_pa).max())
 
 
 def blown(forest: PaperForest, pressure: tuple[float, float], steps: int) -> np.ndarray:
@@ -80,10 +80,10 @@ def test_turning_a_tree_is_equivalent_to_turning_the_wind() -> None:
 
 def walk_by_brute_force(pressure_pa: np.ndarray, still_air: bool) -> np.ndarray:
     """(T,) records of Algorithm 1, each found among all candidates, with none of the search's shortcuts."""
-    metadata = TABLE.metadata
+    metadata = TABLE.records.metadata
     initial, maximum, growth = (metadata["weight"][name] for name in ("initial", "maximum", "growth"))
-    air = TABLE.pressure_pa.astype(np.float64)
-    calm, last = np.asarray(~air.any(axis=1)), TABLE.trajectory[1:].astype(int) - 1
+    air = TABLE.records.pressure_pa.astype(np.float64)
+    calm, last = np.asarray(~air.any(axis=1)), TABLE.records.trajectory[1:].astype(int) - 1
     record, weight, found = -1, 0.0, []
     for f in pressure_pa:
         moving, state = bool(f.any()), record + 1
@@ -91,10 +91,10 @@ def walk_by_brute_force(pressure_pa: np.ndarray, still_air: bool) -> np.ndarray:
         if state == 0 or (still_air and moving and calm[state]):
             error, pool = squared, np.setdiff1d(np.arange(len(air)), last)
         else:
-            row = slice(int(TABLE.offsets[state]), int(TABLE.offsets[state + 1]))
-            pool = TABLE.candidate[row].astype(int)
+            row = slice(int(TABLE.records.offsets[state]), int(TABLE.records.offsets[state + 1]))
+            pool = TABLE.records.candidate[row].astype(int)
             error = np.full(len(air), np.inf)
-            internal = TABLE.mismatches[row] / float(metadata["components"])
+            internal = TABLE.records.mismatches[row] / float(metadata["components"])
             external = -np.expm1(-squared[pool] / (2 * float(metadata["sigma_pa"]) ** 2))
             error[pool] = (1 - weight) * internal + weight * external
         allowed = pool[calm[pool] != moving] if still_air else pool
@@ -124,7 +124,7 @@ def test_the_records_are_those_of_a_brute_force_walk(still_air: bool) -> None:
     assert len(np.unique(expected)) > 20
     assert records == expected.tolist()
     # A shown pose is the one before the step that was just made.
-    exact = np.cumsum(TABLE.dq[expected].astype(np.float64), axis=0) * TABLE.mode_scale
+    exact = np.cumsum(TABLE.records.dq[expected].astype(np.float64), axis=0) * TABLE.mode_scale
     assert np.allclose(poses[1:], exact[:-1], atol=1e-5)
 
 
@@ -134,8 +134,10 @@ def test_the_literal_method_sums_the_increments_of_its_records() -> None:
     for step in range(200):
         wind = STRONG * np.cos(0.2 * step)
         forest.advance(DT_S, [wind], [0.1 * wind])
-        total += TABLE.dq[forest.record[0]]
-        assert np.allclose(forest.q[0], (total - TABLE.dq[forest.record[0]]) * TABLE.mode_scale, atol=1e-6)
+        total += TABLE.records.dq[forest.record[0]]
+        assert np.allclose(
+            forest.q[0], (total - TABLE.records.dq[forest.record[0]]) * TABLE.mode_scale, atol=1e-6
+        )
 
 
 def test_eased_motion_is_smooth_and_stays_near_the_recorded_poses() -> None:
@@ -144,10 +146,10 @@ def test_eased_motion_is_smooth_and_stays_near_the_recorded_poses() -> None:
     track = np.concatenate([calm, blown(forest, (-STRONG, 0.0), 100), blown(forest, (0.0, STRONG), 200)])[
         :, 0
     ]
-    reach = np.abs(TABLE.pose() * TABLE.mode_scale).max()
+    reach = np.abs(TABLE.records.pose() * TABLE.mode_scale).max()
     assert np.abs(track).max() < 2.5 * reach
     bends = np.abs(np.diff(track, 2, axis=0)).max()
-    recorded = np.abs(np.diff(TABLE.dq.astype(float) * TABLE.mode_scale, axis=0)).max()
+    recorded = np.abs(np.diff(TABLE.records.dq.astype(float) * TABLE.mode_scale, axis=0)).max()
     assert bends < 3 * recorded
 
 

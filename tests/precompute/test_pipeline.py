@@ -1,7 +1,7 @@
 """The build pipeline on a small tree: from a mesh file to a table, artefacts, cancellation and resumption."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import pytest
 from galewood.mesh.types import ImportOptions
 from galewood.pipeline.build import build_table
 from galewood.pipeline.options import BuildOptions, BuildResult, Progress
+from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.sampling.runner import SampleTask, run_task
 from galewood.table.format import decode
@@ -34,16 +35,23 @@ class Built:
     cache: Path
     progress: list[Progress] = field(default_factory=list[Progress])
     out: dict[str, bytes] = field(default_factory=dict[str, bytes])
-    left_at_preliminary: int = 0
+    left_at: dict[str, int] = field(default_factory=dict[str, int])
+    """Runs of the default method still missing when an artefact was published."""
+    default: BuildResult | None = None
     result: BuildResult | None = None
 
     def sampled(self, tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
         for count, task in enumerate(tasks, 1):
+            for name in ("first.table", "early.table"):
+                if name not in self.out:
+                    self.left_at[name] = len(tasks) - count + 1
             run_task(task)
             done(count)
-            if "preliminary.table" not in self.out:
-                self.left_at_preliminary = len(tasks) - count
         return [task.path for task in tasks]
+
+    def complete(self, default: BuildResult) -> None:
+        self.default = default
+        assert self.progress[-1].stage == "table"
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +64,7 @@ def built(mesh: bytes, tmp_path_factory: pytest.TempPathFactory) -> Built:
     build = Built(cache_with_tets(tmp_path_factory.mktemp("built") / "cache", tmp_path_factory))
     publish = build.out.__setitem__
     build.result = build_table(
-        mesh, "tree.glb", OPTIONS, build.sampled, build.progress.append, build.cache, publish
+        mesh, "tree.glb", OPTIONS, build.sampled, build.progress.append, build.cache, publish, build.complete
     )
     return build
 
@@ -69,11 +77,12 @@ def in_this_process(tasks: Sequence[SampleTask], done: Callable[[int], None]) ->
 
 def test_a_mesh_becomes_a_table_that_moves(built: Built) -> None:
     assert built.result
-    table, reports = decode(built.result.table), built.progress
+    table, reports = decode(built.result.whole_table()), built.progress
     assert reports[0].stage == "import"
     assert reports[-1].stage == "done"
     assert reports[-1].fraction == 1.0
-    assert all(a.fraction <= b.fraction + 1e-9 for a, b in pairwise(reports))
+    for own in ([p for p in reports if (p.stage == "records") == paper] for paper in (False, True)):
+        assert all(a.fraction <= b.fraction + 1e-9 for a, b in pairwise(own))
     assert table.metadata["species"] == "maple"
     assert sum(p["vertices"] for p in table.metadata["primitives"]) == len(table.vertex_node)
     forest = PaperForest(table, 1)
@@ -93,18 +102,61 @@ def test_the_report_covers_every_stage_and_the_reference_model(built: Built) -> 
     assert reference["trajectory_error"] < 0.2
 
 
-def test_pictures_and_a_preliminary_table_are_published_during_the_build(built: Built) -> None:
-    assert set(built.out) >= {"tetrahedra.png", "skeleton.png", "preliminary.table"}
+def test_pictures_are_published_during_the_build(built: Built) -> None:
     for name in ("tetrahedra.png", "skeleton.png"):
         assert built.out[name].startswith(b"\x89PNG")
         assert len(built.out[name]) <= 200_000
+
+
+def test_a_first_and_an_early_table_precede_the_complete_one(built: Built) -> None:
+    assert built.result and built.default
+    first, early = decode(built.out["first.table"]), decode(built.out["early.table"])
+    complete = decode(built.default.table)
+    assert "first.table" not in built.left_at, "the first table needs no run"
+    assert built.left_at["early.table"] > 5
+    for table, stage in ((first, "first"), (early, "early"), (complete, "complete")):
+        assert table.metadata["provenance"]["stage"] == stage
+        assert table.metadata["mesh_sha256"] == complete.metadata["mesh_sha256"]
+        assert table.paper is None
+    assert first.metadata["provenance"]["left_out"]
+    assert early.metadata["provenance"]["preliminary"] is True
+    assert "preliminary" not in complete.metadata["provenance"]
+
+
+def test_the_first_table_is_exact_for_small_sway(built: Built) -> None:
+    """In a light wind the natural modes alone move like the model fitted to the simulated runs."""
+    assert built.default
+    tables = decode(built.out["first.table"]), decode(built.default.table)
+    crowns: list[np.ndarray] = []
+    for table in tables:
+        forest = ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, 1)
+        top = int(np.argmax(table.node_rest_m[:, 1]))
+        track = [np.zeros(3)]
+        for frame in range(120):
+            forest.advance(1 / 30, [0.5 if frame < 40 else 0.0], [0.3])
+            track.append(table.node_basis[top].astype(np.float64) @ forest.q[0])
+        crowns.append(np.array(track))
+    largest = np.abs(crowns[1]).max()
+    assert largest > 0
+    assert np.abs(crowns[0] - crowns[1]).max() < 0.05 * largest
+
+
+def test_the_records_follow_in_a_file_of_their_own(built: Built) -> None:
+    assert built.result and built.default
+    assert built.default.records is None
+    assert built.result.table == built.default.table
+    assert built.result.records
+    records = decode(built.result.table, built.result.records).records
+    assert len(records.dq) == sum(records.metadata["frames"])
+    assert decode(built.result.whole_table()).paper is not None
+
+
+def test_the_records_can_be_left_out(mesh: bytes, built: Built) -> None:
+    options = replace(OPTIONS, paper=False, reference_frames=0)
+    alone = build_table(mesh, "tree.glb", options, in_this_process, cache_dir=built.cache)
     assert built.result
-    preliminary, whole = decode(built.out["preliminary.table"]), decode(built.result.table)
-    assert built.left_at_preliminary > 30
-    assert preliminary.metadata["provenance"]["preliminary"] is True
-    assert "preliminary" not in whole.metadata["provenance"]
-    assert 0 < len(preliminary.dq) < len(whole.dq) / 2
-    assert preliminary.metadata["mesh_sha256"] == whole.metadata["mesh_sha256"]
+    assert alone.records is None
+    assert alone.table == built.result.table == alone.whole_table()
 
 
 def test_an_interrupted_build_continues_from_the_cache(mesh: bytes, built: Built) -> None:

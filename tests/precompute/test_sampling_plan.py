@@ -1,4 +1,4 @@
-"""Order of the runs of a table: those of the preliminary table come first."""
+"""Order of the runs of a table: those of the early table come first."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -17,11 +17,11 @@ def task(wind: SampleWind, folder: Path) -> SampleTask:
 
 @pytest.fixture()
 def samples(tmp_path: Path) -> Samples:
-    recorded = [task(wind, tmp_path) for wind in sample_winds(12.0, 1 / 30)]
-    training, further = (
-        [task(wind, tmp_path) for wind in winds(12.0, 1 / 30)] for winds in (training_winds, further_winds)
+    default, paper, further = (
+        [task(wind, tmp_path) for wind in winds(12.0, 1 / 30)]
+        for winds in (training_winds, sample_winds, further_winds)
     )
-    return Samples(recorded, training, further)
+    return Samples(default, paper, further)
 
 
 def recording_runner(events: list[str]) -> TrajectoryRunner:
@@ -40,48 +40,47 @@ def recording_runner(events: list[str]) -> TrajectoryRunner:
 
 
 def simulated_events(samples: Samples) -> list[str]:
-    """The sequence of events: the winds that are run, and the preliminary table."""
+    """The sequence of events: the winds that are run, and the early table."""
     events: list[str] = []
     shares: list[float] = []
-    simulate(samples, recording_runner(events), shares.append, lambda: events.append("preliminary"))
+    simulate(samples, recording_runner(events), shares.append, lambda: events.append("early"))
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
     return events
 
 
-def test_preliminary_runs_come_first_and_the_preliminary_table_follows(samples: Samples) -> None:
-    first, all_winds = samples.first(), {wind.name for wind in samples.winds}
+def test_the_runs_of_the_early_table_come_first_and_the_paper_s_are_left_for_later(samples: Samples) -> None:
+    first = [task.wind.name for task in samples.first().default]
     events = simulated_events(samples)
-    assert events.count("preliminary") == 1
-    at = events.index("preliminary")
-    assert set(events[:at]) == {wind.name for wind in first.winds}
-    assert set(events) - {"preliminary"} == all_winds
+    assert events.count("early") == 1
+    assert events[: events.index("early")] == first
+    assert {*events} - {"early"} == {task.wind.name for task in samples.default}
     assert simulated_events(samples) == []
 
 
-def test_resumed_build_has_its_preliminary_table_at_once(samples: Samples) -> None:
-    for one in (*samples.first().recorded, *samples.first().training):
+def test_a_resumed_build_has_its_early_table_at_once(samples: Samples) -> None:
+    for one in samples.first().default:
         one.path.touch()
-    assert simulated_events(samples)[0] == "preliminary"
+    assert simulated_events(samples)[0] == "early"
 
 
-def test_preliminary_winds_cover_all_directions_and_speeds(samples: Samples) -> None:
-    first = samples.first()
-    frames = sum(len(wind.pressure_pa) for wind in first.winds)
-    assert frames < 0.4 * sum(len(wind.pressure_pa) for wind in samples.winds)
-    cosine = [wind for wind in first.winds if wind.name.startswith("cosine")]
-    total = np.sum([wind.pressure_pa.sum(axis=0) for wind in cosine], axis=0)
-    assert np.linalg.norm(total) < 1e-6 * np.abs(cosine[0].pressure_pa).sum()
-    assert len({np.linalg.norm(wind.pressure_pa, axis=1).max().round(6) for wind in cosine}) == 3
-    assert any(wind.fade_frames for wind in first.winds)
-    assert any(wind.name.startswith("learn-noise") for wind in first.winds)
-    assert any(wind.name.startswith("learn-gust") for wind in first.winds)
+def test_the_first_default_runs_are_about_a_third_at_all_levels_and_some_of_them_stop(
+    samples: Samples,
+) -> None:
+    winds = [task.wind.pressure_pa for task in samples.first().default]
+    assert 6 <= len(winds) < 0.4 * len(samples.default)
+    peaks = sorted(np.linalg.norm(wind, axis=1).max() for wind in winds)
+    assert peaks[0] < 0.7 * peaks[-1]
+    assert {bool(wind[-1].any()) for wind in winds} == {True, False}
 
 
-def test_faded_runs_are_not_used_for_training(samples: Samples) -> None:
-    names = [Path(run.path).name for run in samples.training_runs()]  # type: ignore[attr-defined]
-    assert not [name for name in names if name.startswith("gust")]
-    assert len(names) == 1 + 36 + 20
+def test_the_default_method_needs_a_third_of_the_frames_and_no_recorded_states(samples: Samples) -> None:
+    assert not [task.wind.name for task in samples.default if task.wind.recorded or task.wind.fade_frames]
+    assert all(task.wind.recorded for task in samples.paper)
+    assert not {task.path for task in samples.default} & {task.path for task in samples.paper}
+    frames = [sum(len(task.wind.pressure_pa) for task in some) for some in (samples.default, samples.paper)]
+    assert frames[0] <= 4000 < frames[1] / 1.8
+    assert [len(runs) for runs in (samples.default_runs(), samples.paper_runs())] == [20, 43]
 
 
 def test_additional_winds_are_run_only_on_request(samples: Samples) -> None:

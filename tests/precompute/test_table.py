@@ -1,44 +1,65 @@
 """The table file: lossless round trip, and refusal of invalid files."""
 
+import hashlib
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from galewood.table.format import TENSORS, Table, TableError, decode, encode
+from galewood.table import decode, encode, encode_records, with_records
+from galewood.table.container import TableError, read_metadata
+from galewood.table.format import TENSORS, Table
+from galewood.table.records import RECORD_TENSORS, decode_records
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from safetensors.numpy import load, save
 
-FILE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
+GOLDEN = Path(__file__).parents[1] / "golden"
+FILE = (GOLDEN / "pole.safetensors").read_bytes()
+ALONE, RECORDS = ((GOLDEN / f"pole-{name}.safetensors").read_bytes() for name in ("table", "records"))
 TABLE = decode(FILE)
+FIELDS = TENSORS | RECORD_TENSORS
+
+
+def value(table: Table, name: str) -> Any:
+    return getattr(table if name in TENSORS else table.records, FIELDS[name][0])
 
 
 def changed(name: str, values: np.ndarray) -> Table:
-    return replace(TABLE, **{TENSORS[name][0]: values})
+    field = FIELDS[name][0]
+    if name in TENSORS:
+        return replace(TABLE, **{field: values})
+    return replace(TABLE, paper=replace(TABLE.records, **{field: values}))
 
 
-def rewritten(metadata: dict[str, object] | None = None, **tensors: np.ndarray | None) -> bytes:
-    content = {**load(FILE), **{name.replace("__", "."): value for name, value in tensors.items()}}
-    text = json.dumps(TABLE.metadata | (metadata or {}))
-    return save({name: value for name, value in content.items() if value is not None}, {"galewood": text})
+def rewritten(
+    metadata: dict[str, object] | None = None,
+    paper: dict[str, object] | None = None,
+    **tensors: np.ndarray | None,
+) -> bytes:
+    content = {**load(FILE), **{name.replace("__", "."): tensor for name, tensor in tensors.items()}}
+    whole = TABLE.metadata | {"paper": TABLE.records.metadata | (paper or {})}
+    text = json.dumps(whole | (metadata or {}))
+    return save({name: tensor for name, tensor in content.items() if tensor is not None}, {"galewood": text})
 
 
 def test_the_round_trip_is_bit_identical() -> None:
     assert encode(TABLE) == FILE
     again = decode(encode(TABLE))
-    for field, dtype, _ in TENSORS.values():
-        assert getattr(again, field).dtype == dtype
-        assert np.array_equal(getattr(again, field), getattr(TABLE, field))
+    for name, (_, dtype, _) in FIELDS.items():
+        assert value(again, name).dtype == dtype
+        assert np.array_equal(value(again, name), value(TABLE, name))
 
 
 def test_poses_are_prefix_sums_within_each_trajectory() -> None:
-    pose = TABLE.pose()
-    for start, end in zip(TABLE.trajectory[:-1], TABLE.trajectory[1:], strict=True):
+    records = TABLE.records
+    pose = records.pose()
+    for start, end in zip(records.trajectory[:-1], records.trajectory[1:], strict=True):
         assert not pose[start].any()
         for i in range(int(start), int(end) - 1):
-            assert np.array_equal(pose[i + 1], pose[i] + TABLE.dq[i])
+            assert np.array_equal(pose[i + 1], pose[i] + records.dq[i])
 
 
 @pytest.mark.parametrize("share", [0.0, 1e-5, 1e-3, 0.3, 0.999])
@@ -48,21 +69,20 @@ def test_refuses_truncated_files(share: float) -> None:
 
 
 def test_refuses_another_version_naming_both() -> None:
-    with pytest.raises(TableError, match="version 7; this reader knows versions 5 and 6"):
-        decode(rewritten({"version": 7}))
+    with pytest.raises(TableError, match="version 8; this reader knows versions 5 to 7"):
+        decode(rewritten({"version": 8}))
 
 
 @pytest.mark.parametrize(
     "metadata",
     [
         {"format": "else"},
-        {"records": 12},
         {"modes": 0},
-        {"sigma_pa": float("nan")},
-        {"weight": {"initial": 0.5, "maximum": 0.4, "growth": 0.1}},
-        {"weight": {"initial": 0.5, "maximum": 1.0, "growth": 0.1}},
         {"primitives": []},
-        {"pose_easing": True},
+        {"reach_m": None},
+        {"peak_pressure_pa": -1.0},
+        {"paper": None},
+        {"paper": []},
     ],
 )
 def test_refuses_invalid_metadata(metadata: dict[str, object]) -> None:
@@ -70,18 +90,73 @@ def test_refuses_invalid_metadata(metadata: dict[str, object]) -> None:
         decode(rewritten(metadata))
 
 
+@pytest.mark.parametrize(
+    "paper",
+    [
+        {"records": 12},
+        {"sigma_pa": float("nan")},
+        {"weight": {"initial": 0.5, "maximum": 0.4, "growth": 0.1}},
+        {"weight": {"initial": 0.5, "maximum": 1.0, "growth": 0.1}},
+        {"pose_easing": True},
+    ],
+)
+def test_refuses_invalid_metadata_of_the_records(paper: dict[str, object]) -> None:
+    with pytest.raises(TableError):
+        decode(rewritten(paper=paper))
+
+
+def test_a_table_without_records_says_so() -> None:
+    table = decode(ALONE)
+    assert table.paper is None
+    assert encode(table) == ALONE
+    with pytest.raises(TableError, match="no records of the paper's state search"):
+        _ = table.records
+
+
+def test_records_of_their_own_file_belong_to_one_table() -> None:
+    sha256 = hashlib.sha256(ALONE).hexdigest()
+    records, belongs_to = decode_records(RECORDS)
+    assert belongs_to == sha256
+    assert encode_records(records, sha256) == RECORDS
+    assert encode(with_records(decode(ALONE), RECORDS, sha256)) == FILE
+    with pytest.raises(TableError, match="another table"):
+        decode(ALONE, encode_records(records, "0" * 64))
+    with pytest.raises(TableError, match=r"samples\.dq"):
+        narrow = replace(records, dq=np.ascontiguousarray(records.dq[:, :-1]))
+        decode(ALONE, encode_records(narrow, sha256))
+
+
+@pytest.mark.parametrize("part", [ALONE, RECORDS])
+def test_a_table_is_not_a_records_file(part: bytes) -> None:
+    wrong = decode_records if part is ALONE else decode
+    with pytest.raises(TableError, match="not a galewood-"):
+        wrong(part)
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-3, 0.3, 0.999])
+def test_refuses_truncated_records(share: float) -> None:
+    with pytest.raises(TableError):
+        decode_records(RECORDS[: int(share * len(RECORDS))])
+
+
+def test_refuses_records_of_another_version() -> None:
+    text = json.dumps(read_metadata(RECORDS) | {"version": 2})
+    with pytest.raises(TableError, match="records version 2"):
+        decode_records(save(load(RECORDS), {"galewood": text}))
+
+
 def test_refuses_missing_unknown_and_mistyped_tensors() -> None:
     with pytest.raises(TableError, match=r"missing tensor samples\.dq"):
         decode(rewritten(samples__dq=None))
     with pytest.raises(TableError, match=r"unknown tensor samples\.more"):
-        decode(rewritten(samples__more=TABLE.dq))
+        decode(rewritten(samples__more=TABLE.records.dq))
     with pytest.raises(TableError, match=r"samples\.dq: expected int16"):
-        decode(rewritten(samples__dq=TABLE.dq.astype(np.int32)))
+        decode(rewritten(samples__dq=TABLE.records.dq.astype(np.int32)))
 
 
 @pytest.mark.parametrize("name", ["modes.scale", "nodes.basis", "nodes.rest_m", "samples.pressure_pa"])
 def test_refuses_non_finite_numbers(name: str) -> None:
-    values = getattr(TABLE, TENSORS[name][0]).copy()
+    values = value(TABLE, name).copy()
     values.flat[0] = np.inf
     with pytest.raises(TableError, match=name):
         encode(changed(name, values))
@@ -94,11 +169,11 @@ def test_refuses_a_sampled_range_without_all_coupled_speeds() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "place", "value"),
+    ("name", "place", "number"),
     [
         ("render.vertex_node", 0, 60000),
         ("search.record", 5, 60000),
-        ("search.record", 0, int(TABLE.trajectory[1]) - 1),
+        ("search.record", 0, int(TABLE.records.trajectory[1]) - 1),
         ("search.mismatch_steps", -1, 60000),
         ("search.offsets", 1, 0),
         ("search.offsets", -1, 3),
@@ -106,9 +181,9 @@ def test_refuses_a_sampled_range_without_all_coupled_speeds() -> None:
         ("samples.trajectory", -1, 9),
     ],
 )
-def test_refuses_indices_out_of_range(name: str, place: int, value: int) -> None:
-    values = getattr(TABLE, TENSORS[name][0]).copy()
-    values[place] = value
+def test_refuses_indices_out_of_range(name: str, place: int, number: int) -> None:
+    values = value(TABLE, name).copy()
+    values[place] = number
     with pytest.raises(TableError, match=name.split(".")[0]):
         encode(changed(name, values))
 

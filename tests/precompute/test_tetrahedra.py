@@ -7,12 +7,22 @@ import pytest
 from galewood.mesh.repair import Surface, face_components, open_edges, volume
 from galewood.sandbox.limited_process import Limits, run_limited
 from galewood.tets.meshing import tetrahedralise
-from galewood.tets.quality import boundary_faces, largest_component, lost_extent, restore_volume, tet_volumes
+from galewood.tets.polish import polished
+from galewood.tets.quality import (
+    boundary_faces,
+    largest_component,
+    lost_extent,
+    quality_report,
+    restore_volume,
+    tet_volumes,
+)
+from galewood.tets.refine import refined
 from galewood.tets.thicken import inscribed_radius, surface_samples, thicken
-from galewood.tets.wrap import decimate, inside, wrap
+from galewood.tets.wrap import decimate, votes_for_inside, whole_part, wrap
 from galewood.util import MeshError
 
 from tests.precompute import tree_meshes as make
+from tests.precompute.tet_meshes import grid_mesh, y_mesh
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +70,7 @@ def test_inside_agrees_with_the_exact_union_of_two_balls():
     both = make.joined(
         *(Surface(np.array(ball.vertices) + c, np.array(ball.faces, dtype=np.int32)) for c in centres)
     )
-    got = inside(both.vertices[both.faces], (24, 20, 20))
+    got = votes_for_inside(both.vertices[both.faces], (24, 20, 20)) >= 2
     points = random.integers(0, (24, 20, 20), (2000, 3))
     gap = np.linalg.norm(points[:, None] - centres, axis=2).min(axis=1)
     clear = np.abs(gap - 6.0) > 0.15  # the icosphere lies slightly inside the ball
@@ -112,9 +122,68 @@ def test_volume_is_restored_by_a_uniform_offset(meshed):
     assert (after > 0).all()
 
 
+def test_polishing_repairs_displaced_vertices_and_keeps_the_shape():
+    seed, cell = 7, 0.1
+    bar = grid_mesh(lambda points: np.ones(len(points), bool), (0, 0, 0), (0.6, 2.0, 0.6), cell)
+    faces = boundary_faces(bar.tets)
+    inner = np.setdiff1d(np.arange(len(bar.vertices_m)), faces)
+    random = np.random.default_rng(seed)
+    shaken = bar.vertices_m.copy()
+    shaken[inner] += random.uniform(-0.3, 0.3, (len(inner), 3)) * cell
+    assert (tet_volumes(shaken, bar.tets) > 0).all(), f"seed {seed}"
+    before, moved = quality_report(shaken, bar.tets), polished(shaken, bar.tets, 0.2 * cell)
+    after = quality_report(moved, bar.tets)
+    assert after["shape_min"] > before["shape_min"] + 0.1, f"seed {seed}"
+    assert (tet_volumes(moved, bar.tets) > 0).all()
+    assert after["volume_m3"] == pytest.approx(2.0 * 0.36, rel=0.01)
+    assert np.linalg.norm(moved - shaken, axis=1)[np.unique(faces)].max() <= 0.2 * cell * (1 + 1e-9)
+
+
+def test_a_regular_tetrahedron_stays_where_it_is():
+    corners = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    tets = np.array([[0, 1, 3, 2]], dtype=np.int32)
+    assert tet_volumes(corners, tets)[0] > 0
+    assert (polished(corners, tets, 1.0) == corners).all()
+
+
+def test_splitting_long_edges_keeps_solid_surface_and_shapes():
+    coarse = y_mesh(cell=0.11)
+    vertices, tets = refined(coarse.vertices_m, coarse.tets, 3 * len(coarse.tets))
+    assert 3 * len(coarse.tets) <= len(tets) < 3.2 * len(coarse.tets)
+    volumes = tet_volumes(vertices, tets)
+    assert (volumes > 0).all()
+    assert volumes.sum() == pytest.approx(tet_volumes(coarse.vertices_m, coarse.tets).sum(), rel=1e-12)
+    assert largest_component(vertices, tets)[2] == 0
+    skin = Surface(vertices, boundary_faces(tets))
+    assert not len(open_edges(skin.faces))
+    assert volume(skin) == pytest.approx(volumes.sum(), rel=1e-12)
+    worst = quality_report(coarse.vertices_m, coarse.tets)["shape_min"]
+    assert quality_report(vertices, tets)["shape_min"] > 0.4 * worst
+
+
+def test_meshes_with_enough_tets_are_not_split():
+    coarse = y_mesh(cell=0.11)
+    assert refined(coarse.vertices_m, coarse.tets, len(coarse.tets))[1] is coarse.tets
+
+
+def test_a_part_behind_a_pinched_edge_counts_as_lost():
+    corners = np.array([[0.0, 0, 0], [0, 1, 0], [1, 0.5, 0], [0.5, 0.5, 1], [-1, 0.5, 0], [-0.5, 0.5, 0.5]])
+    tets = np.array([[0, 2, 1, 3], [0, 1, 4, 5]], dtype=np.int32)  # they share the edge 0-1 only
+    size = tet_volumes(corners, tets)
+    tets[size < 0] = tets[size < 0][:, [0, 1, 3, 2]]
+    kept, share = whole_part(Surface(corners, boundary_faces(tets)))
+    assert sorted(map(tuple, kept)) == sorted(map(tuple, corners[[0, 1, 2, 3]]))
+    assert share == pytest.approx(np.abs(size).max() / np.abs(size).sum())
+
+
 def test_mesher_crash_raises_mesh_error():
     bad: Any = {"vertices": np.zeros((4, 3)), "faces": np.array([[0, 1, 2], [1, 2, 3]], dtype=np.int32)}
-    settings = {"epsilon": np.float64(1e-3), "edge_length": np.float64(0.05), "stop_energy": np.float64(30.0)}
+    settings: Any = {
+        "epsilon": np.float64(1e-3),
+        "edge_length": np.float64(0.05),
+        "stop_energy": np.float64(30.0),
+    }
+    settings["passes"] = np.array(2)
     with pytest.raises(MeshError) as caught:
         run_limited(
             "galewood.sandbox.tetwild:tetrahedralise_surface",

@@ -25,7 +25,7 @@ def test_a_steady_wind_is_turned_into_the_frame_of_the_tree(yaw_rad: float) -> N
 
 def test_a_storm_is_limited_to_the_strongest_sampled_pressure() -> None:
     wind = steady(Wind(mean_speed_m_s=60.0, gustiness=0.0))
-    peak = np.sqrt(np.square(POLE.pressure_pa.astype(np.float64)).sum(axis=1).max())
+    peak = np.sqrt(np.square(POLE.records.pressure_pa.astype(np.float64)).sum(axis=1).max())
     assert np.allclose(np.linalg.norm(pressure_at(POLE, wind, Place(), 5), axis=1), peak, rtol=1e-5)
 
 

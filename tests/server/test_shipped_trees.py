@@ -45,7 +45,7 @@ def species(tmp_path: Path) -> Path:
 
 
 def ship(folder: Path, source: bytes) -> None:
-    key = build_key(source, {"species": "maple", "height_m": 3.0})
+    key = build_key(source, {"species": "maple", "height_m": 3})
     write_shipped(folder / "shipped", "small", key, SHIPPED)
 
 

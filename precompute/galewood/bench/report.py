@@ -46,11 +46,13 @@ def _samples(f: Figures) -> list[str]:
 def _build(f: Figures) -> list[str]:
     wall, cpu, peak, table = f["wall_s"], f["cpu_s"], f["peak_memory_mb"], f["table"]
     stages = ", ".join(f"{name} {wall[name]:.1f} ({cpu[name]:.1f})" for name in wall if name != "total")
-    published = ", ".join(f"{name} after {s:.0f} s" for name, s in f["published_after_s"].items())
+    published = ", ".join(
+        f"{name} after {of['wall_s']:.1f} ({of['cpu_s']:.1f})" for name, of in f["published"].items()
+    )
     return [
         f"Build of {f['tree']}: {wall['total']:.1f} s, {cpu['total']:.1f} CPU seconds",
         f"  by stage, seconds (CPU seconds): {stages}",
-        f"  published during the build: {published}",
+        f"  published, after seconds (CPU seconds): {published}",
         f"  peak memory: {peak['parent']:.0f} MB in the build process, {peak['largest_worker']:.0f} MB in "
         f"the largest worker, {peak['all_at_the_same_time']:.0f} MB in all processes together",
         f"  table: {table['bytes'] / 1e6:.2f} MB, deflated {table['deflated_bytes'] / 1e6:.2f} MB, "

@@ -52,7 +52,7 @@ Artefacts = Annotated[
         "--artefacts",
         "--pictures",
         file_okay=False,
-        help="Folder for the pictures and the preliminary table, written as soon as they exist.",
+        help="Folder for the pictures and the preliminary tables, written as soon as they exist.",
     ),
 ]
 
@@ -96,13 +96,14 @@ def build(
         console.print(f"[red]{error.title}[/red] {error.hint}")
         raise typer.Exit(1) from None
     out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_bytes(result.table)
+    table = result.whole_table()
+    out.write_bytes(table)
     out.with_suffix(".glb").write_bytes(result.render_glb)
     write_figures(json_out, {**result.report, "table_bytes": len(result.table)})
     for warning in result.report["import"].get("warnings", []):
         console.print(f"[yellow]Warning:[/yellow] {warning}")
     seconds = sum(result.report["seconds"].values())
-    console.print(f"{out}: {len(result.table) / 1e6:.1f} MB in {seconds:.0f} s")
+    console.print(f"{out}: {len(table) / 1e6:.1f} MB in {seconds:.0f} s")
 
 
 def _request(chosen: dict[str, Any], wood: Path | None) -> BuildRequest:

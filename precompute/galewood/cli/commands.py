@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,6 +17,9 @@ from galewood.cli.tools import (
     without_frames,
     write_figures,
 )
+
+if TYPE_CHECKING:  # loaded only by the commands that need it
+    from galewood.pipeline import BuiltinMesh
 
 app = typer.Typer(
     no_args_is_help=True, add_completion=False, help="Tables of simulated tree motion, made and played."
@@ -184,6 +187,9 @@ def bench(
 def verify(
     quick: Annotated[bool, typer.Option(help="Elements, bars and poles only, no species.")] = False,
     species_dir: Annotated[Path, typer.Option(help="Folder of the species.")] = Path("assets/species"),
+    shipped: Annotated[
+        bool, typer.Option("--shipped", help="Only the shipped tables: build each again and compare.")
+    ] = False,
     docs: Annotated[Path | None, typer.Option(help="Markdown page whose table of checks to rewrite.")] = None,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
@@ -191,7 +197,11 @@ def verify(
     """Check the finite elements against exact solutions, a beam frame, another program and each other."""
     from galewood.verify import Scope, run_checks, written_into
 
-    scope = Scope(species_dir=None if quick else species_dir, cache_dir=cache_dir)
+    scope = Scope(
+        species_dir=None if quick else species_dir,
+        cache_dir=cache_dir,
+        shipped=species_dir if shipped else None,
+    )
     with console.status("Checking"):
         figures = run_checks(scope, lambda check: console.print(check.line()))
     write_figures(json_out, figures)
@@ -200,3 +210,46 @@ def verify(
     console.print(f"{'all passed' if figures['passed'] else 'FAILED'} in {figures['seconds']:.0f} s")
     if not figures["passed"]:
         raise typer.Exit(1)
+
+
+@app.command()
+def ship(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Built-in trees; none: those out of date.")
+    ] = None,
+    species_dir: Annotated[Path, typer.Option(help="Folder of the built-in trees.")] = Path("assets/species"),
+    cache_dir: CacheDir = Path("data/cache"),
+) -> None:
+    """Build the tables that are distributed with the built-in trees, where they are out of date."""
+    from galewood.pipeline import SHIPPED_FOLDER, builtin_meshes, outdated
+
+    meshes = {mesh.name: mesh for mesh in builtin_meshes(species_dir)}
+    unknown = set(names or ()) - set(meshes)
+    if unknown:
+        raise typer.BadParameter(f"unknown tree {sorted(unknown)[0]!r}; known: {', '.join(meshes)}")
+    chosen = [meshes[name] for name in names] if names else list(outdated(species_dir))
+    for mesh in chosen:
+        _ship(mesh, species_dir, cache_dir)
+        console.print(f"{mesh.name}: written to {species_dir / SHIPPED_FOLDER}")
+    if not chosen:
+        console.print("All shipped tables are up to date.")
+
+
+def _ship(mesh: BuiltinMesh, species_dir: Path, cache_dir: Path) -> None:
+    from galewood.pipeline import SHIPPED_FOLDER
+    from galewood.pipeline import ship as ship_tree
+
+    with progress_bar() as bar:
+        report = progress_reporter(bar)
+        folder = species_dir / SHIPPED_FOLDER
+        ship_tree(mesh, folder, cache_dir, lambda progress: report(progress.fraction, progress.message))
+
+
+@app.command("compile")
+def compile_command() -> None:
+    """Compile the numeric kernels now; otherwise the first build does, which then takes much longer."""
+    from galewood.pipeline import compile_kernels
+
+    with progress_bar() as bar:
+        report = progress_reporter(bar)
+        compile_kernels(lambda fraction: report(fraction, "Compiling the numeric kernels"))

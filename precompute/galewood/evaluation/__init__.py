@@ -6,7 +6,7 @@ from galewood.evaluation.measures import FRAMES_SHOWN, hausdorff
 from galewood.evaluation.plot import error_figure
 from galewood.evaluation.reference_runs import ReferenceTask, read_reference_run, run_references
 from galewood.evaluation.report import run_evaluation
-from galewood.evaluation.source import Source, SourceError, samples_of, source_of
+from galewood.evaluation.source import Source, SourceError, recorded_runs, samples_of, source_of
 from galewood.evaluation.tracks import Comparison, Place, comparison_tracks, nodes_on_wood
 from galewood.evaluation.winds import along
 
@@ -29,6 +29,7 @@ __all__ = [
     "nodes_on_wood",
     "played",
     "read_reference_run",
+    "recorded_runs",
     "run_evaluation",
     "run_references",
     "samples_of",

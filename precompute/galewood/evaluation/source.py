@@ -21,9 +21,17 @@ from galewood.fem import FemModel, load_model
 from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
 from galewood.model import render_binding
 from galewood.pipeline import BuildOptions, TableSettings
-from galewood.reduction import ModalTraining, Subspace, oscillators_of, render_basis, size_of, sizes_for
+from galewood.reduction import (
+    ModalTraining,
+    Subspace,
+    linear_motion,
+    oscillators_of,
+    render_basis,
+    size_of,
+    sizes_for,
+)
 from galewood.reduction import shown_modes as reduction_modes
-from galewood.sampling import Samples, content_hash, planned, run_in_processes, simulate
+from galewood.sampling import SampledRun, Samples, content_hash, planned, run_in_processes, simulate
 from galewood.skeleton import extract_skeleton, sampled_elements
 from galewood.table import Metadata, Table
 from galewood.tets import TetMesh
@@ -159,7 +167,7 @@ def _same_nodes(table: Table, tree: TreeMesh) -> bool:
 
 
 def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int = 2) -> Samples:
-    """The runs that a table was built from, read from the cache or simulated again."""
+    """The runs that a table was built from; those of the default method are simulated if they are missing."""
     provenance = table.metadata["provenance"]
     by_name = zip(provenance["winds"], provenance["frames"], strict=True)
     frames = next((count for name, count in by_name if name.startswith("cosine")), BuildOptions.frames)
@@ -169,7 +177,9 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
         model, speed_m_s, mesh.tets[elements], cache_dir,
         frames=int(frames), seed=int(provenance.get("seed", BuildOptions.seed)),
     )  # fmt: skip
-    simulate(samples, partial(run_in_processes, workers=workers), lambda done: None, lambda: None)
+    stage = provenance.get("stage")
+    wanted = Samples((), ()) if stage == "first" else samples.first() if stage == "early" else samples
+    simulate(wanted, partial(run_in_processes, workers=workers), lambda done: None, lambda: None)
     return samples
 
 
@@ -179,20 +189,29 @@ def _sampled_elements(table: Table) -> int:
     return int(known.get("sampled_elements", BuildOptions.sampled_elements))
 
 
+def recorded_runs(samples: Samples, workers: int = 2) -> list[SampledRun]:
+    """The runs of the paper's records, simulated now if they are missing."""
+    run_in_processes(samples.paper, lambda done: None, workers)
+    return samples.paper_runs()
+
+
 def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int) -> Subspace:
     """The table's modes on the vertices of the wood, computed as in the build. Raises SourceError."""
     samples = samples_of(table, model, mesh, cache_dir, workers)
+    mass_kg, body = model.mass_kg[: model.vertex_count], oscillators_of(model)
+    stage = table.metadata["provenance"].get("stage")
+    if stage == "first":
+        winds_pa = [task.wind.pressure_pa for task in samples.default]
+        return linear_motion(body, mass_kg, winds_pa, model.settings).subspace
+    runs = (samples.first() if stage == "early" else samples).default_runs()
     settings = TableSettings(**table.metadata["provenance"]["table_settings"])
-    training = ModalTraining(
-        oscillators_of(model), model.settings, samples.default_runs(), sizes_for(settings.modes)
-    )
+    training = ModalTraining(body, model.settings, runs, sizes_for(settings.modes))
     tolerance_m = settings.truncation_share * float(table.metadata["height_m"])
-    mass_kg = model.mass_kg[: model.vertex_count]
     try:
         size = size_of(training, len(table.modal_step))
     except ValueError as error:
         raise SourceError(str(error)) from error
-    return reduction_modes((), mass_kg, tolerance_m, training, size)[1]
+    return reduction_modes(training, mass_kg, tolerance_m, size)[1]
 
 
 def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:

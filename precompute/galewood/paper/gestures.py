@@ -18,6 +18,7 @@ from galewood.evaluation import (
     hausdorff,
     played,
     read_reference_run,
+    recorded_runs,
     run_references,
     samples_of,
 )
@@ -110,7 +111,7 @@ def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace
     samples = samples_of(table, source.model, source.mesh, plan.cache_dir, plan.workers)
     chosen = [
         run
-        for run, task in zip(samples.paper_runs(), samples.paper, strict=True)
+        for run, task in zip(recorded_runs(samples, plan.workers), samples.paper, strict=True)
         if task.wind.name.startswith("cosine") and task.wind.direction_deg == TARGET_DIRECTION_DEG
     ]
     mass_kg = source.model.mass_kg[: source.model.vertex_count]
@@ -118,7 +119,7 @@ def own_table(plan: Plan, table: Table, source: Source) -> tuple[Table, Subspace
     own = small_table(table, source, chosen)
     training = _training(source, chosen)
     size = size_of(training, len(own.modal_step))
-    return own, shown_modes(chosen, mass_kg, tolerance_m, training, size)[1]
+    return own, shown_modes(training, mass_kg, tolerance_m, size)[1]
 
 
 def _training(source: Source, runs: Sequence[SampledRun]) -> ModalTraining:

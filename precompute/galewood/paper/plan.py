@@ -130,5 +130,5 @@ def built(plan: Plan, notes: Notes, species: str, on_progress: OnProgress) -> tu
             cache_dir=plan.cache_dir,
         )
         write_whole(path.with_suffix(".glb"), result.render_glb)
-        write_whole(path, result.table)
+        write_whole(path, result.whole_table())
     return decode(path.read_bytes()), path, path.with_suffix(".glb")

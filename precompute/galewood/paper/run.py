@@ -6,7 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from galewood.evaluation import Source, beyond, error_figure, evaluate_table, samples_of, source_of
+from galewood.evaluation import (
+    Source,
+    beyond,
+    error_figure,
+    evaluate_table,
+    recorded_runs,
+    samples_of,
+    source_of,
+)
 from galewood.paper.gestures import Fig3, Fig5, paper_directions, paper_gestures
 from galewood.paper.pictures import draw_directions, draw_elements, draw_gestures, draw_winds, save_small
 from galewood.paper.plan import Notes, OnProgress, Plan, built
@@ -118,7 +126,7 @@ def _unseen(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, Any]:
 def _search_differences(plan: Plan, tree: Tree, on_progress: OnProgress) -> dict[str, int]:
     source = tree.source
     samples = samples_of(tree.table, source.model, source.mesh, plan.cache_dir, plan.workers)
-    return against_brute_force(plan, tree.table, samples.recorded_runs(), on_progress)
+    return against_brute_force(plan, tree.table, recorded_runs(samples, plan.workers), on_progress)
 
 
 def _part(on_progress: OnProgress, first: float, last: float, name: str = "") -> OnProgress:

@@ -114,7 +114,7 @@ def against_brute_force(
     """
     literal, rng = Literal(table, runs), np.random.default_rng(plan.seed)
     literal.compare_all()
-    peak = float(np.linalg.norm(table.pressure_pa, axis=1).max())
+    peak = float(np.linalg.norm(table.records.pressure_pa, axis=1).max())
     queries = differences = 0
     states: set[int] = set()
     while queries < plan.queries:
@@ -139,7 +139,7 @@ def against_brute_force(
 
 def _winds(rng: np.random.Generator, table: Table, peak: float) -> npt.NDArray[np.float32]:
     """(TREES, 2) Pa in single precision, so that both searches get exactly the same pressures."""
-    own = table.pressure_pa[rng.integers(0, len(table.pressure_pa), TREES)].astype(np.float64)
+    own = table.records.pressure_pa[rng.integers(0, len(table.records.pressure_pa), TREES)].astype(np.float64)
     angle, size = rng.uniform(0, 2 * np.pi, TREES), peak * np.sqrt(rng.uniform(0, 1.69, TREES))
     size[2 * TREES // 3 :] *= 0.02
     any_wind = size[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)

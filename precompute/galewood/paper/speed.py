@@ -127,7 +127,7 @@ def step_us(table: Table, method: str, plan: Plan, trees: int = TREES) -> float:
 def exhaustive_us(runs: Sequence[SampledRun], table: Table, plan: Plan) -> float:
     """CPU time, µs, of one step of one tree if its state is compared with every record, as printed."""
     literal, rng = Literal(table, runs), np.random.default_rng(plan.seed)
-    peak = float(np.abs(table.pressure_pa).max())
+    peak = float(np.abs(table.records.pressure_pa).max())
     state = literal.find(-1, 0.0, (peak, 0.0))
     best = np.inf
     for _ in range(REPEATS):

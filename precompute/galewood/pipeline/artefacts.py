@@ -1,4 +1,4 @@
-"""Artefacts that a build publishes before it is done: pictures and the preliminary table."""
+"""Artefacts that a build publishes before it is done: pictures and preliminary tables."""
 
 from __future__ import annotations
 

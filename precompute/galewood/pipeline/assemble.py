@@ -95,7 +95,7 @@ def assemble_first(
 ) -> Table:
     """A table from the natural modes alone: linear motion, without any simulation.
 
-    ``winds_pa`` (T, 2) are the winds for which the shapes are chosen.
+    ``winds_pa`` (T, 2) are the winds whose motion decides which vertices share a node.
     """
     motion = linear_motion(body, of.mass_kg, winds_pa, fem)
     return _table(motion.modal, motion.subspace, motion.q, winds_pa, {}, of)
@@ -104,7 +104,7 @@ def assemble_first(
 def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
     """The table of the default method, fitted to the training runs."""
     tolerance_m = of.settings.truncation_share * of.height_m
-    fitted = fit_smallest((), of.mass_kg, of.height_m, tolerance_m, training)
+    fitted = fit_smallest(training, of.mass_kg, of.height_m, tolerance_m)
     subspace = fitted.subspace
     errors = {
         "truncation_max_m": subspace.max_error_m,

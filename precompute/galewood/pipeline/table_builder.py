@@ -50,11 +50,11 @@ class TableBuilder:
         winds = [task.wind for task in samples.default]
         of = self._surroundings([])
         table = assemble_first(self.oscillators, [wind.pressure_pa for wind in winds], self.options.fem, of)
-        return _preliminary(table, LEFT_OUT_OF_FIRST)
+        return _preliminary(table, "first", LEFT_OUT_OF_FIRST)
 
     def early(self, samples: Samples) -> Table:
         """The table of the first runs only."""
-        return _preliminary(self.default(samples.first()).table, LEFT_OUT_OF_EARLY)
+        return _preliminary(self.default(samples.first()).table, "early", LEFT_OUT_OF_EARLY)
 
     def default(self, samples: Samples, further: Callable[[], Sequence[SampledRun]] = tuple) -> DefaultPart:
         """The complete table of the default method.
@@ -76,6 +76,7 @@ class TableBuilder:
             further_runs,
         )
         part = assemble_default(training, self._surroundings([]))
+        part.table.metadata["provenance"]["stage"] = "complete"
         part.table.metadata["provenance"].update(_winds([task.wind for task in tasks]))
         return part
 
@@ -99,6 +100,6 @@ def _winds(winds: Sequence[SampleWind]) -> dict[str, list[object]]:
     return {"winds": [wind.name for wind in winds], "frames": [len(wind.pressure_pa) for wind in winds]}
 
 
-def _preliminary(table: Table, left_out: list[str]) -> Table:
-    table.metadata["provenance"] |= {"preliminary": True, "left_out": left_out}
+def _preliminary(table: Table, stage: str, left_out: list[str]) -> Table:
+    table.metadata["provenance"] |= {"stage": stage, "preliminary": True, "left_out": left_out}
     return table

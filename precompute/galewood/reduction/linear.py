@@ -14,7 +14,7 @@ import numpy as np
 from galewood.fem import FemSettings
 from galewood.modal import ModalTensors, force_terms, shape_terms
 from galewood.reduction.modal_fit import ModalRun, sampled_range, sway_coordinates
-from galewood.reduction.oscillators import Oscillators, first_of, propagators, reduced, response
+from galewood.reduction.oscillators import Oscillators, first_of, leading_oscillators, propagators, response
 from galewood.reduction.pod import Subspace, spanned_by
 from galewood.reduction.training import SIZES
 from galewood.util import Floats
@@ -33,12 +33,12 @@ class LinearMotion:
 def linear_motion(
     body: Oscillators, mass_kg: Floats, winds_pa: Sequence[Floats], settings: FemSettings
 ) -> LinearMotion:
-    """The linear model of a body with the shapes that move most under the winds (T, 2) Pa.
+    """The linear model of a body, and its motion under winds (T, 2) Pa.
 
     ``mass_kg`` (n,) are the masses of the vertices of the shapes.
     """
     size = SIZES[0]
-    own = reduced(first_of(body, size.natural), winds_pa, settings, size.dynamic)
+    own = leading_oscillators(first_of(body, size.natural), settings, size.dynamic)
     subspace = spanned_by(own.shapes, mass_kg)
     step = propagators(own.omega, np.diag(own.damping), settings)
     runs = [_linear_run(own, step, subspace.scale, wind, settings.dt_s) for wind in winds_pa]

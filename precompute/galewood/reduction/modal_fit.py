@@ -22,7 +22,7 @@ from galewood.modal import (
     write_force_terms,
     write_pose_terms,
 )
-from galewood.reduction.oscillators import Oscillators, propagators, reduced, response
+from galewood.reduction.oscillators import Oscillators, propagators, response
 from galewood.reduction.pod import Subspace
 from galewood.util import Array, Floats
 
@@ -88,13 +88,6 @@ def fit_modal_model(
     step[:, [0, 3]] -= 1.0
     tensors = (step, ritz.load, sway, force, shown, pose, limits)
     return ModalTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
-
-
-def leading_oscillators(
-    body: Oscillators, runs: Sequence[RunLike], settings: FemSettings, dynamic: int
-) -> Oscillators:
-    """The ``dynamic`` oscillators that best represent the motion of a body in the winds of the runs."""
-    return reduced(body, [np.asarray(run.pressure_pa, np.float64) for run in runs], settings, dynamic)
 
 
 def modal_run(run: RunLike, ritz: Oscillators, mass_kg: Floats, subspace: Subspace, dt_s: float) -> ModalRun:

@@ -1,7 +1,7 @@
 """The oscillators of the modal model: the linear motion of a tree in few coordinates.
 
 The natural modes of the finite-element model are many and closely spaced, while the wind loads only two
-spatial fields. The responses of many natural modes to the sampled winds are therefore reduced by proper
+spatial fields. The responses of many natural modes to two oscillating winds are therefore reduced by proper
 orthogonal decomposition (POD); the model is projected on the result and diagonalised (Rayleigh–Ritz).
 """
 
@@ -16,6 +16,13 @@ from galewood.fem import FemModel, FemSettings, natural_modes
 from galewood.util import Floats
 
 NATURAL_MODES = 120
+REDUCTION_PERIODS_S = (3.0, 2.5)
+"""Periods of the winds whose linear responses select the oscillators.
+
+Smooth winds: after noise and gusts, fast modes that hardly move the tree would displace slow ones.
+"""
+REDUCTION_DEPTH = 0.5
+REDUCTION_S = 6.0
 TRAPEZIUM = 1 - np.sqrt(0.5)
 """Implicit coefficient of TR-BDF2."""
 
@@ -102,6 +109,18 @@ def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, d
     squared, mix = squared[order], mix[order]
     mix *= np.sign(mix[np.arange(dynamic), np.argmax(np.abs(mix), axis=1)])[:, None]
     return Oscillators(np.sqrt(squared), mix @ body.damping @ mix.T, mix @ body.shapes, mix @ body.load)
+
+
+def leading_oscillators(body: Oscillators, settings: FemSettings, dynamic: int) -> Oscillators:
+    """The ``dynamic`` oscillators that best represent the linear motion of a body in an oscillating wind."""
+    return reduced(body, reduction_winds(settings.dt_s), settings, dynamic)
+
+
+def reduction_winds(dt_s: float) -> list[Floats]:
+    """Winds (T, 2) along x and along z, of pressure about 1: a linear response needs no scale."""
+    time_s = np.arange(round(REDUCTION_S / dt_s)) * dt_s
+    series = [1.0 - REDUCTION_DEPTH * np.cos(2 * np.pi * time_s / s) for s in REDUCTION_PERIODS_S]
+    return [np.outer(pressure, side) for pressure in series for side in np.eye(2)]
 
 
 def _linear_motion(body: Oscillators, step: Floats, wind: Floats) -> Floats:

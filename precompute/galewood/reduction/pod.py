@@ -153,8 +153,8 @@ def quantum(coordinates: Iterable[Floats]) -> np.float32:
 def quantise(coordinates: Iterable[Floats], step: np.float32 | None = None) -> QuantisedMotion:
     """Quantise trajectories of coordinates (T + 1, r): the poses are rounded, dq are their differences.
 
-    ``step`` is the unit; None: ``quantum`` of these trajectories. Raises ValueError if the motion does not fit
-    in the integers.
+    ``step`` is the unit; None: ``quantum`` of these trajectories. Raises ValueError if the motion does
+    not fit in the integers.
     """
     tracks = list(coordinates)
     step = quantum(tracks) if step is None else step

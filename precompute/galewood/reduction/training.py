@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from galewood.fem import FemSettings
 from galewood.modal import ModalTensors
-from galewood.reduction.modal_fit import fit_modal_model, leading_oscillators
-from galewood.reduction.oscillators import Oscillators, first_of
+from galewood.reduction.modal_fit import fit_modal_model
+from galewood.reduction.oscillators import Oscillators, first_of, leading_oscillators
 from galewood.reduction.pod import Subspace, fit_subspace, thinned
 from galewood.reduction.training_error import training_error_m
 from galewood.sampling import SampledRun
@@ -16,7 +16,7 @@ from galewood.util import Floats
 
 LEAST_FURTHER, MOST_FURTHER = 4, 8
 """Fewest and most POD modes in addition to the shapes of the oscillators."""
-TRAINING_ERROR_SHARE = 2e-3
+TRAINING_ERROR_SHARE = 3e-3
 """A larger size is tried if the training error exceeds this share of the height."""
 
 
@@ -66,32 +66,28 @@ class Fitted:
 
 
 def shown_modes(
-    runs: Sequence[SampledRun], mass_kg: Floats, tolerance_m: float, training: ModalTraining, size: Size
+    training: ModalTraining, mass_kg: Floats, tolerance_m: float, size: Size
 ) -> tuple[Oscillators, Subspace]:
-    """The oscillators of a size, and the output modes: their shapes and a few POD modes."""
-    every = (*runs, *training.runs)
-    snapshots = thinned((run.displacement_m for run in every), sum(len(run.pressure_pa) + 1 for run in every))
-    body = first_of(training.body, size.natural)
-    own = leading_oscillators(body, training.runs, training.scheme, size.dynamic)
+    """The oscillators of a size, and the output modes: their shapes and a few POD modes of the runs."""
+    frames = sum(len(run.pressure_pa) + 1 for run in training.runs)
+    snapshots = thinned((run.displacement_m for run in training.runs), frames)
+    own = leading_oscillators(first_of(training.body, size.natural), training.scheme, size.dynamic)
     return own, fit_subspace(
         snapshots, mass_kg, tolerance_m, leading=own.shapes, least=LEAST_FURTHER, most=MOST_FURTHER
     )
 
 
-def fit_smallest(
-    runs: Sequence[SampledRun], mass_kg: Floats, height_m: float, tolerance_m: float, training: ModalTraining
-) -> Fitted:
+def fit_smallest(training: ModalTraining, mass_kg: Floats, height_m: float, tolerance_m: float) -> Fitted:
     """Fit the smallest modal model whose training error is small enough, or else the most accurate.
 
-    ``runs`` are the recorded runs; with the training runs they determine the output modes, up to the vertex
-    error ``tolerance_m``.
+    The training runs also determine the output modes, up to the vertex error ``tolerance_m``.
     """
     tried: list[Fitted] = []
     further: Sequence[SampledRun] = ()
     for size in training.sizes:
         if len(tried) == 1:
             further = training.further()
-        tried.append(_fit(runs, mass_kg, tolerance_m, training, size, further))
+        tried.append(_fit(training, mass_kg, tolerance_m, size, further))
         if tried[-1].training_error_m <= TRAINING_ERROR_SHARE * height_m:
             return tried[-1]
     return min(tried, key=lambda fitted: fitted.training_error_m)
@@ -107,15 +103,14 @@ def size_of(training: ModalTraining, dynamic: int) -> Size:
 
 
 def _fit(
-    runs: Sequence[SampledRun],
+    training: ModalTraining,
     mass_kg: Floats,
     tolerance_m: float,
-    training: ModalTraining,
     size: Size,
     further: Sequence[SampledRun],
 ) -> Fitted:
     """Fit one size. The ``further`` runs do not change the output modes."""
-    own, subspace = shown_modes(runs, mass_kg, tolerance_m, training, size)
+    own, subspace = shown_modes(training, mass_kg, tolerance_m, size)
     modal = fit_modal_model(
         own, mass_kg, (*training.runs, *further), subspace, training.scheme, coupled=size.coupled
     )

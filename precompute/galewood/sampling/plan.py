@@ -8,7 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from galewood.sampling.recording import DIRECTIONS_DEG, SampledRun, StoredRun, sample_winds
+from galewood.sampling.recording import SampledRun, SampleWind, StoredRun, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner, sample_tasks
 from galewood.sampling.training_winds import SEED, further_winds, training_winds
 from galewood.util import Array
@@ -16,47 +16,46 @@ from galewood.util import Array
 if TYPE_CHECKING:
     from galewood.fem import FemModel
 
-FIRST_NAMES = {
-    "still-000",
-    *(f"cosine-{k}-{direction:03.0f}" for k in (1, 3, 5) for direction in DIRECTIONS_DEG[::2]),
-    *(f"gust-{direction:03.0f}" for direction in DIRECTIONS_DEG[::3]),
-}
-"""Runs of the preliminary table: weak, medium and strong winds from three directions, and two gusts."""
-FIRST_TRAINING = slice(0, None, 3)
-"""The preliminary table uses every third training wind."""
+FIRST_DEFAULT = slice(0, None, 3)
+"""The early table uses every third run of the default method."""
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Runs recorded for the paper's state search, and runs that only train the modal model."""
+    """The runs of a table; those of the default method and of the paper's state search are disjoint."""
 
     default: Sequence[SampleTask]
-    """Runs that the modal model is fitted to."""
+    """The runs that the modal model is fitted to; each follows the FEM dynamics to its end."""
     paper: Sequence[SampleTask]
-    """Recorded runs of the paper's state search."""
+    """The runs whose states are recorded for the paper's state search."""
     further: Sequence[SampleTask] = ()
-    """Additional training runs, simulated only for trees that deflect strongly."""
+    """Additional runs for the modal model, simulated only for trees that deflect strongly."""
+
+    @property
+    def winds(self) -> list[SampleWind]:
+        return [task.wind for task in (*self.default, *self.paper)]
 
     @property
     def ready(self) -> bool:
+        """Whether all runs of the default method exist."""
         return all(task.path.exists() for task in self.default)
-
-    def paper_runs(self) -> list[SampledRun]:
-        return [StoredRun(task.path) for task in self.paper]
 
     def default_runs(self) -> list[SampledRun]:
         return [StoredRun(task.path) for task in self.default]
 
+    def paper_runs(self) -> list[SampledRun]:
+        return [StoredRun(task.path) for task in self.paper]
+
     def further_runs(
         self, runner: TrajectoryRunner, on_progress: Callable[[float], None]
     ) -> list[SampledRun]:
-        """The additional training runs, simulated now if they are missing."""
+        """The additional runs of the modal model, simulated now if they are missing."""
         runner(self.further, lambda number: on_progress(number / max(len(self.further), 1)))
         return [StoredRun(task.path) for task in self.further]
 
     def first(self) -> Samples:
-        """The runs of the preliminary table, in the same order."""
-        return Samples(self.default[FIRST_TRAINING], ())
+        """The runs of the early table, in the same order."""
+        return Samples(self.default[FIRST_DEFAULT], ())
 
 
 def planned(
@@ -64,16 +63,14 @@ def planned(
 ) -> Samples:
     """All winds up to the given maximum speed, to be recorded at the given vertices.
 
-    ``frames`` is the length of each cosine wind, ``seed`` that of the noise and gusts of the training winds.
+    ``frames`` is the length of each of the paper's cosine winds, ``seed`` that of the training winds.
     """
     dt_s = model.settings.dt_s
-    winds = sample_winds(speed_m_s, dt_s, frames)
-    more = training_winds(speed_m_s, dt_s, seed=seed)
+    default = training_winds(speed_m_s, dt_s, seed=seed)
+    paper = sample_winds(speed_m_s, dt_s, frames)
     further = further_winds(speed_m_s, dt_s, seed=seed)
-    tasks = iter(sample_tasks(model, [*winds, *more, *further], points, cache_dir))
-    paper, own, additional = (list(islice(tasks, len(some))) for some in (winds, more, further))
-    free = [task for task in paper if not task.wind.fade_frames]
-    return Samples([*free, *own], paper, additional)
+    tasks = iter(sample_tasks(model, [*default, *paper, *further], points, cache_dir))
+    return Samples(*(list(islice(tasks, len(some))) for some in (default, paper, further)))
 
 
 def simulate(
@@ -84,7 +81,7 @@ def simulate(
 ) -> None:
     """Simulate the missing runs of the default method, those of the early table first.
 
-    ``at_first`` is called as soon as those are complete, unless they are the only ones.
+    ``at_first`` is called as soon as the first ones are complete, unless they are the only ones.
     """
     first = samples.first()
     taken = {task.path for task in first.default}

@@ -1,6 +1,7 @@
-"""Training winds of the modal model in addition to the paper's cosines: noise and gusts from all directions.
+"""Training winds of the modal model: gusty winds with turning headings, half of which stop abruptly.
 
-Cosine winds alone excite too little of the motion: every operator fitted to them diverged under other winds.
+Cosine winds alone excite too little of the motion: every operator fitted to them diverged under other winds
+(docs/design/0013-training-runs.md).
 """
 
 from __future__ import annotations
@@ -13,56 +14,80 @@ from galewood.sampling.recording import SampleWind
 from galewood.util import Floats
 from galewood.wind import dynamic_pressure
 
-NOISE_WINDS, GUST_WINDS = 14, 6
-FRAMES = 300
-LEVELS = (0.35, 0.55, 0.75, 0.95)
-"""Peak speeds relative to the design speed."""
-INTENSITY = 0.35
 SEED = 1
+WINDS, FRAMES = 20, 200
+LEVELS = (0.5, 0.75, 1.0, 1.2)
+"""Of the training winds, in turn: the mean speed is ``MEAN_SHARE`` × level × the design speed."""
+MEAN_SHARE = 0.75
+GUSTINESS = 0.45
+"""Standard deviation of the speed over its mean."""
+TURNS = 0.5
+"""Turns of the heading during a wind, in addition to its variation."""
+CALM_FRAMES = 60
+"""Still air at the end of every second wind: a free decay after an abrupt stop."""
+GOLDEN_RAD = np.pi * (3.0 - np.sqrt(5.0))
+"""Between the headings at which successive winds start, so that any few of them differ."""
+
 FURTHER_NOISE_WINDS, FURTHER_GUST_WINDS = 42, 6
+FURTHER_FRAMES = 300
 FURTHER_LEVELS = (0.55, 0.75, 0.95)
 """Levels of the additional winds for trees that deflect strongly: strong winds, in which single limbs bend.
 """
+FURTHER_GUSTINESS = 0.35
 
 
 def training_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) -> list[SampleWind]:
-    """Noise with varying heading and single gusts, at several speeds."""
-    rng = np.random.default_rng(seed)
-    noises = _noises(rng, "learn", NOISE_WINDS, LEVELS, design_speed_m_s, dt_s)
-    return noises + [_gust(rng, f"learn-gust-{k:02d}", k, design_speed_m_s, dt_s) for k in range(GUST_WINDS)]
+    """Noise with a turning heading at several speeds, at most the design speed; every second one stops."""
+    rng = np.random.default_rng((seed, 2))
+    first_rad = rng.uniform(0, 2 * np.pi)
+    turn_rad = TURNS * np.linspace(0, 2 * np.pi, FRAMES)
+    winds: list[SampleWind] = []
+    for k in range(WINDS):
+        mean_m_s = MEAN_SHARE * LEVELS[k % len(LEVELS)] * design_speed_m_s
+        speed_m_s = np.clip(noisy_speed(rng, mean_m_s, GUSTINESS, FRAMES, dt_s), 0.0, design_speed_m_s)
+        if k % 2:
+            speed_m_s[-CALM_FRAMES:] = 0.0
+        start_rad, side = first_rad + k * GOLDEN_RAD, 1.0 if k % 3 else -1.0
+        heading_rad = start_rad + side * turn_rad + _wander(rng, FRAMES, dt_s)
+        winds.append(_wind(f"learn-{k:02d}", start_rad, speed_m_s, heading_rad))
+    return winds
 
 
 def further_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) -> list[SampleWind]:
     """Additional winds for trees for which these are not sufficient."""
     rng = np.random.default_rng((seed, 1))
-    noises = _noises(rng, "further", FURTHER_NOISE_WINDS, FURTHER_LEVELS, design_speed_m_s, dt_s)
+    noises = [
+        noise_wind(rng, f"further-noise-{k:02d}", mean_m_s, dt_s, FURTHER_FRAMES, most_m_s=design_speed_m_s)
+        for k, mean_m_s in enumerate(_further_means(design_speed_m_s))
+    ]
     gusts = range(FURTHER_GUST_WINDS)
     return noises + [_gust(rng, f"further-gust-{k:02d}", k, design_speed_m_s, dt_s) for k in gusts]
 
 
-def _noises(
-    rng: np.random.Generator,
-    name: str,
-    count: int,
-    levels: Sequence[float],
-    design_speed_m_s: float,
-    dt_s: float,
-) -> list[SampleWind]:
-    means_m_s = [0.75 * design_speed_m_s * levels[k % len(levels)] for k in range(count)]
-    return [
-        noise_wind(rng, f"{name}-noise-{k:02d}", mean_m_s, dt_s, FRAMES, most_m_s=design_speed_m_s)
-        for k, mean_m_s in enumerate(means_m_s)
-    ]
+def _further_means(design_speed_m_s: float) -> Sequence[float]:
+    levels = (FURTHER_LEVELS[k % len(FURTHER_LEVELS)] for k in range(FURTHER_NOISE_WINDS))
+    return [MEAN_SHARE * design_speed_m_s * level for level in levels]
 
 
 def noise_wind(
     rng: np.random.Generator, name: str, mean_m_s: float, dt_s: float, frames: int, *, most_m_s: float
 ) -> SampleWind:
     """Wind whose speed has a −5/3 spectrum about its mean and whose heading varies about a random one."""
-    speed = np.clip(mean_m_s * (1.0 + INTENSITY * noise(rng, frames, dt_s, 5 / 3)), 0.0, most_m_s)
-    start = rng.uniform(0, 2 * np.pi)
-    heading = start + rng.uniform(0.3, 0.7) * noise(rng, frames, dt_s, 2.0)
-    return _wind(name, start, speed, heading)
+    speed_m_s = np.clip(noisy_speed(rng, mean_m_s, FURTHER_GUSTINESS, frames, dt_s), 0.0, most_m_s)
+    start_rad = rng.uniform(0, 2 * np.pi)
+    return _wind(name, start_rad, speed_m_s, start_rad + _wander(rng, frames, dt_s))
+
+
+def noisy_speed(
+    rng: np.random.Generator, mean_m_s: float, gustiness: float, frames: int, dt_s: float
+) -> Floats:
+    """(frames,) speed, m/s, that varies about its mean with a −5/3 spectrum."""
+    return mean_m_s * (1.0 + gustiness * noise(rng, frames, dt_s, 5 / 3))
+
+
+def _wander(rng: np.random.Generator, frames: int, dt_s: float) -> Floats:
+    """(frames,) random variation of a heading, radians."""
+    return rng.uniform(0.3, 0.7) * noise(rng, frames, dt_s, 2.0)
 
 
 def noise(rng: np.random.Generator, frames: int, dt_s: float, beta: float) -> Floats:
@@ -77,12 +102,12 @@ def noise(rng: np.random.Generator, frames: int, dt_s: float, beta: float) -> Fl
 
 def _gust(rng: np.random.Generator, name: str, k: int, design_speed_m_s: float, dt_s: float) -> SampleWind:
     """One gust, gradual or abrupt, followed by still air."""
-    time_s = np.arange(FRAMES) * dt_s
+    time_s = np.arange(FURTHER_FRAMES) * dt_s
     share = np.clip((time_s - rng.uniform(0, 1)) / rng.uniform(0.8, 4), 0, 1)
     rise = np.sin(np.pi * share) ** 2 if k % 2 == 0 else ((share > 0) & (share < 1)).astype(np.float64)
     heading = rng.uniform(0, 2 * np.pi)
     speed = design_speed_m_s * (0.5 + 0.1 * k) * rise
-    return _wind(name, heading, speed, np.full(FRAMES, heading))
+    return _wind(name, heading, speed, np.full(FURTHER_FRAMES, heading))
 
 
 def _wind(name: str, start_rad: float, speed_m_s: Floats, heading_rad: Floats) -> SampleWind:

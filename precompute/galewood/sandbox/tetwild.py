@@ -12,7 +12,7 @@ def tetrahedralise_surface(arguments: Arrays) -> Arrays:
     """Fill a closed surface with tetrahedra.
 
     In: vertices (n, 3), faces (m, 3), epsilon and edge_length (relative to the bounding-box diagonal),
-    stop_energy. Out: vertices (k, 3), tets (t, 4).
+    stop_energy, passes (largest number of optimisation passes). Out: vertices (k, 3), tets (t, 4).
     """
     from pytetwild.pytetwild import tetrahedralize  # imports pyvista, which only this child needs
 
@@ -22,6 +22,8 @@ def tetrahedralise_surface(arguments: Arrays) -> Arrays:
         epsilon=float(arguments["epsilon"]),
         edge_length_fac=float(arguments["edge_length"]),
         stop_energy=float(arguments["stop_energy"]),
+        simplify=False,  # the caller has decimated the surface
+        num_opt_iter=int(arguments["passes"]),
         num_threads=usable_cores(),
         vtk_ordering=True,  # otherwise all tets are inverted
         quiet=True,

@@ -17,9 +17,10 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+from galewood.search.contenders import Stages, complete, lower_bounds, stages
 from galewood.search.envelope import keep_winners
-from galewood.search.similarity import Compared, mismatch_rows
-from galewood.util import Array
+from galewood.search.similarity import Compared
+from galewood.util import Array, Floats
 
 MARGIN = 1e-9
 """A candidate is dropped only if it loses by more than any rounding error."""
@@ -101,16 +102,19 @@ def last_records(trajectory: Array) -> npt.NDArray[np.bool_]:
 
 
 @numba.njit(cache=True, nogil=True)
-def _ordered(row, components, order):  # pragma: no cover  (compiled)
-    """Sort the records by (mismatches, index), by counting sort."""
+def _ordered(row, chosen, components, order):  # pragma: no cover  (compiled)
+    """Sort the chosen records by (mismatches, index), by counting sort; return their number."""
     bucket = np.zeros(components + 2, np.int32)
     for j in range(len(row)):
-        bucket[row[j] + 1] += 1
+        if chosen[j]:
+            bucket[row[j] + 1] += 1
     for e in range(components + 1):
         bucket[e + 1] += bucket[e]
     for j in range(len(row)):
-        order[bucket[row[j]]] = j
-        bucket[row[j]] += 1
+        if chosen[j]:
+            order[bucket[row[j]]] = j
+            bucket[row[j]] += 1
+    return bucket[components]
 
 
 @numba.njit(cache=True, nogil=True)
@@ -125,9 +129,9 @@ def cells_of(pressure, sigma, lowest):  # pragma: no cover  (compiled)
 
 
 @numba.njit(cache=True, nogil=True)
-def _beats(k, j, error, row, pressure, scale, leverage, gain, components):  # pragma: no cover  (compiled)
-    """Whether record k, which precedes j, beats j under every pressure."""
-    slack = error - row[k] / components
+def _beats(k, j, error, own, pressure, scale, leverage, gain):  # pragma: no cover  (compiled)
+    """Whether record k of error ``own``, which precedes j, beats j under every pressure."""
+    slack = error - own
     dx = pressure[j, 0] - pressure[k, 0]
     dz = pressure[j, 1] - pressure[k, 1]
     if dx == 0.0 and dz == 0.0:
@@ -137,8 +141,30 @@ def _beats(k, j, error, row, pressure, scale, leverage, gain, components):  # pr
 
 
 @numba.njit(cache=True, nogil=True)
+def _choose_rows(first, bounds, pressure, calm, barred, sigma, leverage, gain, components, chosen):
+    """Choose the records that may be candidates of the states first, first + 1, …
+
+    bounds (n, z): lower bounds of the mismatches. The others are those that ``_pairs`` would drop because of
+    the successor, whatever their mismatches are.
+    """  # pragma: no cover  (compiled)
+    scale = GAIN_STEPS_PER_SIGMA / sigma
+    for i in range(len(bounds)):
+        c = first + i
+        for j in range(bounds.shape[1]):
+            if barred[c] or j == c:
+                chosen[i, j] = True
+            elif barred[j]:
+                chosen[i, j] = False
+            elif calm[j]:
+                chosen[i, j] = not calm[c]
+            else:
+                error = bounds[i, j] / components - MARGIN
+                chosen[i, j] = not _beats(c, j, error, 0.0, pressure, scale, leverage[1], gain)
+
+
+@numba.njit(cache=True, nogil=True)
 def _pairs(
-    c, row, pressure, cells, calm, barred, scale, leverage, gain, components, order, kept, head, after
+    c, row, chosen, pressure, cells, calm, barred, scale, leverage, gain, components, order, kept, head, after
 ):
     """Write the candidates of state c that no nearby candidate beats to ``kept``; return their number.
 
@@ -147,7 +173,7 @@ def _pairs(
     restricted to either; but a state of still air is never queried for moving air only. All still records
     have the same pressure, so only the first of them is kept.
     """  # pragma: no cover  (compiled)
-    _ordered(row, components, order)
+    number = _ordered(row, chosen, components, order)
     across = calm[c] and not barred[c]
     head[:] = -1  # last kept moving record of each cell; ``after`` links to the one kept before it
     count, still_kept = 0, False
@@ -159,7 +185,7 @@ def _pairs(
         hopeless[int(calm[c])] = 2 * MARGIN + leverage
         if across:
             hopeless[:] = 2 * MARGIN + leverage
-    for i in range(len(row)):
+    for i in range(number):
         j = order[i]
         if barred[j] or j == c:
             continue
@@ -172,13 +198,17 @@ def _pairs(
             still_kept = True
         else:
             use_successor = count > 0 and kept[0] == c and (across or not calm[c])
-            beaten = use_successor and _beats(c, j, error, row, pressure, scale, leverage, gain, components)
+            beaten = use_successor and _beats(
+                c, j, error, row[c] / components, pressure, scale, leverage, gain
+            )
             for side in AROUND:
                 if beaten:
                     break
                 s = head[cells[j] + side]
                 while s >= 0 and not beaten:
-                    beaten = _beats(kept[s], j, error, row, pressure, scale, leverage, gain, components)
+                    k = kept[s]
+                    own = row[k] / components
+                    beaten = _beats(k, j, error, own, pressure, scale, leverage, gain)
                     s = after[s]
         if not beaten:
             kept[count] = j
@@ -203,8 +233,9 @@ def _sort_successor(c, row, kept, count):  # pragma: no cover  (compiled)
 
 @numba.njit(cache=True, nogil=True)
 def _prune_rows(
-    first, rows, pressure, cells, calm, barred, sigma, leverage, gain, components, counts, record, mismatches
-):  # pragma: no cover  (compiled)
+    first, rows, chosen, pressure, cells, calm, barred, sigma, leverage, gain, components, counts, record,
+    mismatches
+):  # fmt: skip  # pragma: no cover  (compiled)
     order, kept, after = (
         np.empty(rows.shape[1], np.int32),
         np.empty(rows.shape[1], np.int32),
@@ -217,6 +248,7 @@ def _prune_rows(
         count = _pairs(
             c,
             row,
+            chosen[i],
             pressure,
             cells,
             calm,
@@ -239,30 +271,52 @@ def _prune_rows(
             mismatches[i, s] = row[kept[s]]
 
 
-def prune(first: int, rows: Array, air: Air, rule: Rule) -> tuple[Array, Array, Array]:
-    """Candidates of the states first, first + 1, …, given their mismatches ``rows`` (n, z).
+@dataclass(frozen=True)
+class Builder:
+    """What the candidates of all states depend on."""
 
-    Returns the number of candidates of each state (n,), and all records and mismatches, concatenated.
-    """
-    counts = np.empty(len(rows), np.int64)
-    record, mismatches = np.empty_like(rows), np.empty_like(rows)
-    cells = cells_of(air.pressure, rule.sigma_pa, air.pressure.min(axis=0))
-    _prune_rows(
-        first, rows, air.pressure, cells, air.calm, air.barred, rule.sigma_pa, rule.leverage, gain_bound(),
-        rule.components, counts, record, mismatches,
-    )  # fmt: skip
-    inside = np.arange(rows.shape[1])[None, :] < counts[:, None]
-    return counts, record[inside], mismatches[inside]
+    parts: Stages
+    air: Air
+    rule: Rule
+    cells: npt.NDArray[np.int32]  # (z,) grid cell of each pressure
+    gain: Floats  # ``gain_bound``
+
+    def candidates(self, first: int, last: int) -> tuple[Array, Array, Array]:
+        """Candidates of the states [first, last).
+
+        Returns the number of candidates of each state (n,), and all records and mismatches, concatenated.
+        """
+        air, rule = self.air, self.rule
+        rows = lower_bounds(self.parts, first, last)
+        chosen = np.empty(rows.shape, np.bool_)
+        _choose_rows(
+            first, rows, air.pressure, air.calm, air.barred, rule.sigma_pa, rule.leverage, self.gain,
+            rule.components, chosen,
+        )  # fmt: skip
+        complete(self.parts, first, chosen, rows)
+        counts = np.empty(len(rows), np.int64)
+        record, mismatches = np.empty_like(rows), np.empty_like(rows)
+        _prune_rows(
+            first, rows, chosen, air.pressure, self.cells, air.calm, air.barred, rule.sigma_pa, rule.leverage,
+            self.gain, rule.components, counts, record, mismatches,
+        )  # fmt: skip
+        return (
+            counts,
+            np.concatenate([record[i, :n] for i, n in enumerate(counts)]),
+            np.concatenate([mismatches[i, :n] for i, n in enumerate(counts)]),
+        )
 
 
 def build_search(
     layout: Compared, air: Air, rule: Rule, on_progress: Callable[[float], None] = lambda fraction: None
 ) -> Search:
-    """Compare all pairs of records and keep the candidates; ``on_progress`` gets the fraction done."""
+    """Find the candidates of all states; ``on_progress`` gets the fraction done and may raise to cancel."""
     z = len(layout.rank)
+    cells = cells_of(air.pressure, rule.sigma_pa, air.pressure.min(axis=0))
+    builder = Builder(stages(layout), air, rule, cells, gain_bound())
 
     def chunk(first: int) -> tuple[Array, Array, Array]:
-        return prune(first, mismatch_rows(layout, first, min(first + CHUNK, z)), air, rule)
+        return builder.candidates(first, min(first + CHUNK, z))
 
     parts: list[tuple[Array, Array, Array]] = []
     # Threads instead of numba's parallel loops: the kernels release the GIL, and builds may run concurrently.

@@ -21,58 +21,121 @@ SMALLEST_BOX = 1.0 / 12.0
 """Smallest half-width of a box, in σ: if that is not decisive, the candidate stays."""
 NEAR = 1.4
 """Rivals are the successor and the candidates within this distance, in σ."""
+LANES = 8
+BLOCK = 4 * LANES
+"""Rivals that are compared at a time, as vectors of LANES numbers."""
 DEPTH = 64
-"""Capacity of the stack of boxes."""
+"""Capacity of the stack of boxes; a radius has at most 9 subdivisions, each of which adds 3 boxes."""
+_TERMS = np.array([(-1.0) ** n / math.factorial(n) for n in range(6)])
+"""Taylor series of exp(−t) for small t."""
+_REDUCTIONS = 7
 
 
 @numba.njit(cache=True, nogil=True)
-def _beats(gap, near_j, k_at, apart, x, z, reach, leverage):  # pragma: no cover  (compiled)
-    """Compare rival k with j in a box (centre x, z, half-diagonal ``reach``, in σ).
+def _gaussian(exponent):  # pragma: no cover  (compiled)
+    """exp(−exponent) for exponent ≥ 0, by sums and products only, so that loops over it become vector code.
 
-    Returns 1 if k is cheaper in the whole box, 2 if only at its centre, 0 if not even there. gap: E_j − E_k;
-    near_j: 1 − g_j at the centre.
+    The error is below 10⁻¹¹, far less than the margin of the rules.
     """
-    kx, kz = x - k_at[0], z - k_at[1]
-    better = math.exp(-0.5 * (kx * kx + kz * kz)) - near_j
-    change = reach * min(apart, STEEPEST)  # the Hessian of g has norm 1/σ² at most
-    if gap + leverage[0] * (better - change) > 0.0 and gap + leverage[1] * (better - change) > 0.0:
-        return 1
-    return 2 if gap + leverage[0] * better > 0.0 and gap + leverage[1] * better > 0.0 else 0
+    t = min(exponent, 32.0) * 0.5**_REDUCTIONS
+    p = _TERMS[5]
+    for n in range(4, -1, -1):
+        p = p * t + _TERMS[n]
+    for _ in range(_REDUCTIONS):
+        p = p * p
+    return p
 
 
 @numba.njit(cache=True, nogil=True)
-def _may_win(error, j_at, errors, at, apart, count, radius, leverage, margin):  # pragma: no cover  (compiled)
-    """Whether record j may win somewhere within ``radius`` (σ) against ``count`` rivals."""
-    stack = np.empty((DEPTH, 3))
-    stack[0] = j_at[0], j_at[1], radius
-    depth, last = 1, 0
+def _cheaper(rivals, first, last, x, z, near_j, reach):  # pragma: no cover  (compiled)
+    """Compare j with the rivals [first, last) in a box: centre (x, z) and half-diagonal ``reach`` in σ.
+
+    rivals: see ``_may_win``; near_j: 1 − g_j at the centre. Returns the numbers of rivals that are cheaper in
+    the whole box, and at its centre.
+    """
+    k_x, k_z = rivals[0, first:last], rivals[1, first:last]
+    need, slope = rivals[2, first:last], rivals[3, first:last]
+    everywhere, centre = 0, 0
+    for k in range(last - first):  # vector code: no branches, and the number is not a constant
+        dx, dz = x - k_x[k], z - k_z[k]
+        lead = (_gaussian(0.5 * (dx * dx + dz * dz)) - near_j) - need[k]
+        everywhere += lead > reach * slope[k]  # the Hessian of g has norm 1/σ² at most
+        centre += lead > 0.0
+    return everywhere, centre
+
+
+@numba.njit(cache=True, nogil=True)
+def _settle(rivals, count, start, x, z, near_j, reach):  # pragma: no cover  (compiled)
+    """Compare j with ``count`` rivals in a box, beginning with those from ``start`` on; see ``_cheaper``.
+
+    Returns (1 if some rival is cheaper in the whole box, 2 if one is cheaper only at the centre, otherwise 0;
+    the new ``start``: the rivals that settled a box are the first to compare in the next).
+    """
+    total, first = 0, start
+    while True:
+        everywhere, centre = _cheaper(rivals, first, min(first + BLOCK, count), x, z, near_j, reach)
+        if everywhere:
+            return 1, first
+        total += centre
+        first = first + BLOCK if first + BLOCK < count else 0
+        if first == start:
+            return 2 if total else 0, start
+
+
+@numba.njit(cache=True, nogil=True)
+def _may_win(j_at, rivals, count, radius, stack):  # pragma: no cover  (compiled)
+    """Whether record j may win somewhere within ``radius`` (σ) against ``count`` rivals.
+
+    rivals: (4, n), n a multiple of LANES: x and z in σ, the advantage g_j − g_k above which rival k is
+    cheaper for every λ, and the largest slope of g_j − g_k.
+    """
+    stack[0, 0], stack[0, 1], stack[0, 2] = j_at[0], j_at[1], radius  # whole rows take long to compile
+    depth, start = 1, 0
     while depth > 0:
         depth -= 1
-        x, z, half = stack[depth]
-        reach = half * math.sqrt(2.0)
-        if math.hypot(x - j_at[0], z - j_at[1]) - reach > radius:
-            continue
+        x, z, half = stack[depth, 0], stack[depth, 1], stack[depth, 2]
         jx, jz = x - j_at[0], z - j_at[1]
-        near_j = math.exp(-0.5 * (jx * jx + jz * jz))
-        centre_beaten = beaten = False
-        for i in range(count):
-            k = (last + i) % count  # start with the rival that won the last box
-            gap = error - errors[k] - margin
-            found = _beats(gap, near_j, at[k], apart[k], x, z, reach, leverage)
-            if found == 1:
-                beaten, last = True, k
-                break
-            centre_beaten = centre_beaten or found == 2
-        if beaten:
+        reach, squared = half * math.sqrt(2.0), jx * jx + jz * jz
+        if math.sqrt(squared) - reach > radius:
             continue
-        if not centre_beaten or half < SMALLEST_BOX or depth + 4 > DEPTH:
+        found, start = _settle(rivals, count, start, x, z, _gaussian(0.5 * squared), reach)
+        if found == 1:
+            continue
+        if found == 0 or half < SMALLEST_BOX or depth + 4 > DEPTH:
             return True
         for s in range(4):
             side_x = 0.5 * half if s % 2 else -0.5 * half
             side_z = 0.5 * half if s // 2 else -0.5 * half
-            stack[depth] = x + side_x, z + side_z, 0.5 * half
+            stack[depth, 0], stack[depth, 1], stack[depth, 2] = x + side_x, z + side_z, 0.5 * half
             depth += 1
     return False
+
+
+@numba.njit(cache=True, nogil=True)
+def _rivals_of(s, errors, at, leverage, margin, squared, near, rivals):  # pragma: no cover  (compiled)
+    """Write the rivals of candidate s to ``rivals`` (4, n), see ``_may_win``; return their number.
+
+    They include s itself, and fill the last vector with rivals that are never cheaper, as s is not.
+    """
+    at_x, at_z = at[0], at[1]
+    x, z, own = at_x[s], at_z[s], errors[s] - margin
+    of_more, of_less = 1.0 / leverage[0], 1.0 / leverage[1]
+    for k in range(len(errors)):
+        dx, dz = at_x[k] - x, at_z[k] - z
+        squared[k] = dx * dx + dz * dz
+    near[0] = 0
+    n = 1
+    for k in range(1, len(errors)):
+        near[n] = k
+        n += squared[k] <= NEAR * NEAR
+    for i in range(n):
+        k = near[i]
+        gap = errors[k] - own
+        rivals[0, i], rivals[1, i] = at_x[k], at_z[k]
+        rivals[2, i] = gap * (of_more if gap > 0.0 else of_less)
+        rivals[3, i] = min(math.sqrt(squared[k]), STEEPEST)
+    rivals[2, n : n + LANES] = np.inf  # never cheaper: completes the last vector
+    return (n + LANES - 1) // LANES * LANES
 
 
 @numba.njit(cache=True, nogil=True)
@@ -83,37 +146,24 @@ def keep_winners(c, row, pressure, calm, sigma, leverage, components, margin, ke
     w / (1 − w) at both ends of the range of w. Candidates of the other air than that of the state belong to
     separate queries and stay, except those of moving air for a state of still air.
     """  # pragma: no cover  (compiled)
-    errors, at = np.empty(count), np.empty((count, 2))
+    errors, at = np.empty(count), np.empty((2, count))
     for s in range(count):
-        errors[s] = row[kept[s]] / components
-        at[s] = pressure[kept[s], 0] / sigma, pressure[kept[s], 1] / sigma
-    rivals = np.empty(count)
-    rival_at, apart = np.empty((count, 2)), np.empty(count)
-    stays = np.ones(count, np.bool_)
+        k = kept[s]
+        errors[s] = row[k] / components
+        at[0, s], at[1, s] = pressure[k, 0] / sigma, pressure[k, 1] / sigma
+        if calm[k] and not calm[c]:
+            at[0, s] = np.inf  # nobody's rival
+    rivals, stack = np.zeros((4, count + LANES)), np.empty((DEPTH, 3))
+    squared, near = np.empty(count), np.empty(count + 1, np.int64)
+    remain = 1
     for s in range(1, count):
-        if calm[kept[s]] and not calm[c]:
-            continue
-        if errors[s] <= margin:
-            continue  # may win at any distance
-        room = (errors[s] - margin) / leverage[1]
-        if room >= 1.0:
-            stays[s] = False
-            continue
-        n = 0
-        for k in range(count):
-            dx, dz = at[k, 0] - at[s, 0], at[k, 1] - at[s, 1]
-            squared = dx * dx + dz * dz
-            if k == s or (k > 0 and squared > NEAR * NEAR):
-                continue
-            if calm[c] or not calm[kept[k]]:
-                rivals[n], apart[n] = errors[k], math.sqrt(squared)
-                rival_at[n] = at[k]
-                n += 1
-        radius = math.sqrt(-2.0 * math.log(room))
-        stays[s] = _may_win(errors[s], at[s], rivals, rival_at, apart, n, radius, leverage, margin)
-    remain = 0
-    for s in range(count):
-        if stays[s]:
-            kept[remain] = kept[s]
-            remain += 1
+        room = (errors[s] - margin) / leverage[1]  # the largest g at which s can win
+        stays = True  # also if it may win at any distance, or belongs to another query
+        if at[0, s] < np.inf and errors[s] > margin:
+            stays = False
+            if room < 1.0:
+                n = _rivals_of(s, errors, at, leverage, margin, squared, near, rivals)
+                stays = _may_win(at[:, s], rivals, n, math.sqrt(-2.0 * math.log(room)), stack)
+        kept[remain] = kept[s]
+        remain += stays
     return remain

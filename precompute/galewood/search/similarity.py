@@ -68,15 +68,16 @@ def compared(states: InternalStates) -> Compared:
     value = np.concatenate([part.reshape(z, -1) for part in parts], axis=1).astype(np.float32)
     rms = np.sqrt(np.mean(np.square(value, dtype=np.float64), axis=0))
     half = np.maximum(np.abs(value) * np.float32(RELATIVE_RANGE), (RANGE_FLOOR * rms).astype(np.float32))
-    columns = np.empty((3, value.shape[1], z), np.uint16)
+    value, half = np.ascontiguousarray(value.T), np.ascontiguousarray(half.T)
+    columns = np.empty((3, len(value), z), np.uint16)
 
     def rank(k: int) -> None:
-        order = np.argsort(value[:, k])
-        ordered, reach = value[order, k], half[order, k]
+        order = np.argsort(value[k])
+        ordered, reach = value[k][order], half[k][order]
         _write_ranks(order, ordered, ordered - reach, ordered + reach, *columns[:, k])
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(rank, range(value.shape[1])))
+        list(pool.map(rank, range(len(value))))
     return Compared(*(np.ascontiguousarray(column.T) for column in columns))
 
 

@@ -1,8 +1,9 @@
-"""Tetrahedral meshing of the wood: thicken, wrap, decimate, fill, restore the volume, check, cache.
+"""Tetrahedral meshing of the wood: thicken, wrap, decimate, fill, restore the volume, polish, check, cache.
 
 Thin branches are thickened to a radius the mesher resolves (the radius ratio is kept per tet); a distance
-grid yields one closed surface; decimation sets the number of tets; fTetWild fills the surface; finally the
-surface is offset to restore the volume lost by decimation and meshing.
+grid yields one closed surface; decimation sets the number of tets; fTetWild fills the surface, in few of its
+slow passes. Then the surface is offset to restore the volume lost by decimation and meshing, long edges are
+split if there are too few tets, and the vertices of the worst tets are moved.
 """
 
 from __future__ import annotations
@@ -16,18 +17,26 @@ import numpy as np
 from galewood.mesh import Surface, TreeMesh, volume
 from galewood.sandbox import Limits, run_limited
 from galewood.tets.cache import cache_key, cached_path, load_cached, store_cached
+from galewood.tets.polish import polished
 from galewood.tets.quality import largest_component, lost_extent, quality_report, restore_volume, tet_volumes
 from galewood.tets.radius_ratio import radius_ratio
-from galewood.tets.thicken import thicken
-from galewood.tets.wrap import decimate, wrap
-from galewood.util import Floats, Int32s, MeshError
+from galewood.tets.refine import refined
+from galewood.tets.thicken import Thickened, thicken
+from galewood.tets.wrap import decimate, whole_part, wrap
+from galewood.util import Floats, Int32s, Ints, MeshError
 
 FLOOR = 2.8e-3  # smallest radius, relative to the diagonal
 ENVELOPE = 0.3  # fTetWild's envelope relative to the floor; a smaller one gives more tets
 CELLS_PER_FLOOR = 1.5
-EDGE_LENGTH = 0.05  # relative to the diagonal
+EDGE_LENGTH = 0.08  # relative to the diagonal
 STOP_ENERGY = 30.0
-TETS_PER_FACE = 0.95
+PASSES = 2  # of fTetWild's optimisation; more cost half a second each and gain less than polishing does
+TETS_PER_FACE = 1.1
+FILLED_UP = 0.7  # of the target: with fewer tets, long edges are split
+POLISHED_WITHIN = 0.2  # of the floor: how far polishing slides a vertex along the surface; 0.6 softens limbs
+BAD_SHAPE, BAD_WITHIN = 0.05, 0.5  # vertices of such tets may slide further
+RAISES = 4  # of the floor, before the shell is filled
+MUCH_LOST = 0.1
 FEWEST, MOST = 0.55, 1.45  # relative to the target
 MAX_LOST_EXTENT = 0.03
 MAX_LOST_VOLUME = 1e-3  # in disconnected pieces
@@ -50,8 +59,19 @@ class Recipe:
     """Parameters varied between attempts; `floor` is relative to the diagonal, `envelope` to the floor."""
 
     faces: int
+    fewest: int  # tets; long edges are split until there are as many
     floor: float = FLOOR
     envelope: float = ENVELOPE
+
+
+@dataclass(frozen=True)
+class Shell:
+    """The thickened wood as one closed surface, decimated, and the volume it had before."""
+
+    floor_m: float
+    raised: Thickened
+    volume_m3: float
+    decimated: Surface
 
 
 def tetrahedralise(tree: TreeMesh, target_tets: int = 5500, cache_dir: Path | None = None) -> TetMesh:
@@ -81,11 +101,12 @@ def kept_tetrahedra(tree: TreeMesh, target_tets: int, cache_dir: Path) -> Path:
 
 
 def _attempts(surface: Surface, target_tets: int) -> TetMesh:
-    recipe = Recipe(faces=round(target_tets / TETS_PER_FACE))
+    recipe = Recipe(faces=round(target_tets / TETS_PER_FACE), fewest=round(FILLED_UP * target_tets))
     tried: list[str] = []
     best: TetMesh | None = None
     for _ in range(ATTEMPTS):
-        mesh = _attempt(surface, recipe)
+        recipe, shell = _connected_shell(surface, recipe)
+        mesh = _attempt(surface, shell, recipe)
         count, lost = len(mesh.tets), mesh.report["lost_extent"]
         tried.append(f"floor {recipe.floor:.4f}, {recipe.faces} faces: {count} tets, {lost:.1%} lost")
         if best is None or _penalty(mesh, target_tets) < _penalty(best, target_tets):
@@ -127,20 +148,39 @@ def _penalty(mesh: TetMesh, target_tets: int) -> float:
     return off + 10.0 * max(mesh.report["lost_extent"] - MAX_LOST_EXTENT, 0.0)
 
 
-def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
-    diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
-    floor_m = recipe.floor * diagonal
+def _connected_shell(surface: Surface, recipe: Recipe) -> tuple[Recipe, Shell]:
+    """The shell to fill, at the lowest floor at which decimation leaves it in one piece.
+
+    Such a floor may not exist, for instance if the input itself is in pieces; then the last floor is used.
+    """
+    shell = _shell(surface, recipe)
+    for _ in range(RAISES):
+        vertices, share = whole_part(shell.decimated)
+        lost = lost_extent(surface.vertices, vertices)
+        if share >= 1.0 - MAX_LOST_VOLUME and lost <= MAX_LOST_EXTENT:
+            break
+        recipe = replace(recipe, floor=recipe.floor * (1.4 if max(1.0 - share, lost) > MUCH_LOST else 1.2))
+        shell = _shell(surface, recipe)
+    return recipe, shell
+
+
+def _shell(surface: Surface, recipe: Recipe) -> Shell:
+    floor_m = recipe.floor * float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
     raised = thicken(surface, floor_m)
     solid = wrap(raised.surface, floor_m / CELLS_PER_FLOOR)
-    shell = decimate(solid, recipe.faces)
+    return Shell(floor_m, raised, volume(solid), decimate(solid, recipe.faces))
+
+
+def _attempt(surface: Surface, shell: Shell, recipe: Recipe) -> TetMesh:
     result = run_limited(
         "galewood.sandbox.tetwild:tetrahedralise_surface",
         {
-            "vertices": shell.vertices,
-            "faces": shell.faces,
+            "vertices": shell.decimated.vertices,
+            "faces": shell.decimated.faces,
             "epsilon": np.array(recipe.floor * recipe.envelope),
             "edge_length": np.array(EDGE_LENGTH),
             "stop_energy": np.array(STOP_ENERGY),
+            "passes": np.array(PASSES),
         },
         TETWILD_LIMITS,
         what="Meshing the wood",
@@ -155,15 +195,15 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
     vertices, tets, dropped = largest_component(result["vertices"], result["tets"])
     meshed = float(np.abs(tet_volumes(result["vertices"], result["tets"])).sum())
     kept = float(tet_volumes(vertices, tets).sum())
-    vertices = restore_volume(vertices, tets, volume(solid))
-    ratio = radius_ratio(raised, vertices, tets, floor_m)
+    vertices, tets = _finished(vertices, tets, shell, recipe.fewest)
+    ratio = radius_ratio(shell.raised, vertices, tets, shell.floor_m)
     report: dict[str, Any] = quality_report(vertices, tets) | {
         "components_dropped": dropped,
         "lost_volume": 1.0 - kept / meshed,
-        "floor_radius_m": floor_m,
+        "floor_radius_m": shell.floor_m,
         "thickened_share": float((ratio < 1).mean()),
         "lost_extent": lost_extent(surface.vertices, vertices),
-        "surface_faces": len(shell.faces),
+        "surface_faces": len(shell.decimated.faces),
     }
     warnings: list[str] = []
     if dropped:
@@ -171,3 +211,12 @@ def _attempt(surface: Surface, recipe: Recipe) -> TetMesh:
         warnings.append(f"Meshing dropped {dropped} disconnected pieces ({share:.2%} of the wood).")
     report["warnings"] = warnings
     return TetMesh(vertices, np.ascontiguousarray(tets, dtype=np.int32), ratio, report)
+
+
+def _finished(vertices: Floats, tets: Ints, shell: Shell, fewest: int) -> tuple[Floats, Ints]:
+    """Restore the volume, split long edges if there are too few tets, and improve the worst tets."""
+    vertices = restore_volume(vertices, tets, shell.volume_m3)
+    vertices, tets = refined(vertices, tets, fewest)
+    vertices = polished(vertices, tets, POLISHED_WITHIN * shell.floor_m)
+    vertices = polished(vertices, tets, BAD_WITHIN * shell.floor_m, BAD_SHAPE)
+    return restore_volume(vertices, tets, shell.volume_m3), tets

@@ -58,7 +58,7 @@ def restore_volume(vertices: Floats, tets: Ints, wanted: float) -> Floats:
     held = np.zeros(len(vertices), dtype=bool)
     for _ in range(GROWTH_ROUNDS):
         missing = wanted - float(tet_volumes(result, tets).sum())
-        normal, area = _normals_and_area(result, faces)
+        normal, area = vertex_normals(result, faces)
         if abs(missing) < 1e-4 * wanted:
             break
         move = normal * (missing / area)
@@ -73,7 +73,8 @@ def restore_volume(vertices: Floats, tets: Ints, wanted: float) -> Floats:
     return result
 
 
-def _normals_and_area(vertices: Floats, faces: Ints) -> tuple[Floats, float]:
+def vertex_normals(vertices: Floats, faces: Ints) -> tuple[Floats, float]:
+    """Unit normals (n, 3), zero at vertices without faces, and the total area of the faces."""
     corners = vertices[faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     total = np.zeros_like(vertices)

@@ -7,10 +7,12 @@ from __future__ import annotations
 import fast_simplification
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from skimage.measure import marching_cubes
 
 from galewood.mesh import Surface, compact, face_components, signed_volumes
-from galewood.tets.wrap_kernels import band_distance, crossings
+from galewood.tets.wrap_kernels import band_squares, signed, vote
 from galewood.util import Floats
 
 BAND_CELLS = 2.0
@@ -33,19 +35,18 @@ def signed_distance(surface: Surface, cell: float) -> tuple[NDArray[np.float32],
     extent = surface.vertices.max(axis=0) - low + MARGIN_CELLS * cell
     shape = tuple(int(n) for n in np.ceil(extent / cell) + 1)
     triangles = np.ascontiguousarray(((surface.vertices - low) / cell)[surface.faces])
-    distance = band_distance(triangles, shape, BAND_CELLS)
-    return np.where(inside(triangles, shape), -distance, distance), low
+    field = band_squares(triangles, shape, BAND_CELLS)
+    signed(field, votes_for_inside(triangles, shape))
+    return field, low
 
 
-def inside(triangles: Floats, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Grid points inside the union, by majority vote of three rays (one per axis)."""
+def votes_for_inside(triangles: Floats, shape: tuple[int, ...]) -> NDArray[np.int8]:
+    """How many of three rays, one per axis, place each grid point inside the union; two are a majority."""
     votes = np.zeros(shape, dtype=np.int8)
+    jitter = np.array([JITTER, JITTER * 1.618])
     for axis in range(3):
-        order = [(axis + 1) % 3, (axis + 2) % 3, axis]  # a cyclic permutation preserves the winding
-        turned = np.ascontiguousarray(triangles[:, :, order]) + np.array([JITTER, JITTER * 1.618, 0.0])
-        count = crossings(turned, tuple(shape[k] for k in order))
-        votes += np.transpose(count != 0, np.argsort(order))
-    return votes >= 2
+        vote(triangles, axis, jitter, votes)
+    return votes
 
 
 def without_inner_shells(surface: Surface) -> Surface:
@@ -64,3 +65,21 @@ def decimate(surface: Surface, faces: int) -> Surface:
     triangles = np.ascontiguousarray(surface.faces, dtype=np.int32)
     simplified = fast_simplification.simplify(points, triangles, target_count=faces, agg=AGGRESSIVENESS)
     return compact(Surface(simplified[0].astype(np.float64), simplified[1].astype(np.int32)))
+
+
+def whole_part(surface: Surface) -> tuple[Floats, float]:
+    """Vertices of the largest part of a closed surface, and its share of the volume.
+
+    Decimation can pinch a twig until four faces share an edge. Such an edge does not connect its faces here,
+    because a tetrahedral mesh falls apart there.
+    """
+    edges = np.sort(surface.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    _, edge, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    edge = edge.reshape(-1)
+    order = np.argsort(edge, kind="stable")
+    pair = (order // 3)[(count == 2)[edge[order]]].reshape(-1, 2)
+    graph = coo_matrix((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(len(surface.faces),) * 2)
+    parts, of_face = connected_components(graph, directed=False)
+    volumes = signed_volumes(surface, of_face, parts)
+    largest = surface.faces[of_face == np.argmax(volumes)]
+    return surface.vertices[np.unique(largest)], float(volumes.max() / max(volumes.sum(), 1e-300))

@@ -1,4 +1,4 @@
-"""Compiled kernels for wrapping: distances near the triangles, winding counts, inscribed balls."""
+"""Compiled kernels for wrapping: distances near the triangles, winding numbers, inscribed balls."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ def _point_triangle(px, py, pz, t):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True)
-def band_distance(triangles, shape, band):  # type: ignore[no-untyped-def]
-    """Distance in cells from each grid point to triangles (m, 3, 3) in cells, at most `band`."""
+def band_squares(triangles, shape, band):  # type: ignore[no-untyped-def]
+    """Squared distance from each grid point to triangles (m, 3, 3), all in cells, at most `band` squared."""
     field = np.full(shape, np.float32(band * band))
     for f in range(len(triangles)):
         t = triangles[f]
@@ -62,41 +62,63 @@ def band_distance(triangles, shape, band):  # type: ignore[no-untyped-def]
                     square = _point_triangle(float(i), float(j), float(k), t)
                     if square < field[i, j, k]:
                         field[i, j, k] = square
-    return np.sqrt(field)
+    return field
 
 
 @numba.njit(cache=True, nogil=True)
-def crossings(triangles, shape):  # type: ignore[no-untyped-def]
-    """Winding number at grid points, from the triangles (m, 3, 3) crossed along the last axis.
+def vote(triangles, axis, jitter, votes):  # type: ignore[no-untyped-def]
+    """Add 1 to the votes of all grid points inside, by the triangles (m, 3, 3) crossed along `axis`.
 
-    Overlapping closed components add up, so a point is inside their union if its count is not zero.
+    Overlapping closed components add up, so a point is inside their union if its winding number is not zero.
+    `jitter` (2,) moves the rays in the two other axes. Rays that meet no triangle cost nothing.
     """
-    change = np.zeros((shape[0], shape[1], shape[2] + 1), np.int16)
+    one, two = (axis + 1) % 3, (axis + 2) % 3  # a cyclic permutation preserves the winding
+    wide, high, deep = votes.shape[one], votes.shape[two], votes.shape[axis]
+    stride = (votes.shape[1] * votes.shape[2], votes.shape[2], 1)
+    flat = votes.reshape(-1)
+    change = np.zeros((wide, high, deep + 1), np.int16)
+    met = np.zeros((wide, high), np.bool_)
     for f in range(len(triangles)):
-        t = triangles[f]
-        area = (t[1, 0] - t[0, 0]) * (t[2, 1] - t[0, 1]) - (t[2, 0] - t[0, 0]) * (t[1, 1] - t[0, 1])
+        ax, ay, az = triangles[f, 0, one] + jitter[0], triangles[f, 0, two] + jitter[1], triangles[f, 0, axis]
+        bx, by, bz = triangles[f, 1, one] + jitter[0], triangles[f, 1, two] + jitter[1], triangles[f, 1, axis]
+        cx, cy, cz = triangles[f, 2, one] + jitter[0], triangles[f, 2, two] + jitter[1], triangles[f, 2, axis]
+        area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
         if area == 0.0:
             continue
-        x0, x1 = min(t[0, 0], t[1, 0], t[2, 0]), max(t[0, 0], t[1, 0], t[2, 0])
-        y0, y1 = min(t[0, 1], t[1, 1], t[2, 1]), max(t[0, 1], t[1, 1], t[2, 1])
-        for i in range(max(0, int(np.ceil(x0))), min(shape[0] - 1, int(np.floor(x1))) + 1):
-            for j in range(max(0, int(np.ceil(y0))), min(shape[1] - 1, int(np.floor(y1))) + 1):
-                u = ((t[1, 0] - i) * (t[2, 1] - j) - (t[2, 0] - i) * (t[1, 1] - j)) / area
-                v = ((t[2, 0] - i) * (t[0, 1] - j) - (t[0, 0] - i) * (t[2, 1] - j)) / area
+        x0, x1 = min(ax, bx, cx), max(ax, bx, cx)
+        y0, y1 = min(ay, by, cy), max(ay, by, cy)
+        for i in range(max(0, int(np.ceil(x0))), min(wide - 1, int(np.floor(x1))) + 1):
+            for j in range(max(0, int(np.ceil(y0))), min(high - 1, int(np.floor(y1))) + 1):
+                u = ((bx - i) * (cy - j) - (cx - i) * (by - j)) / area
+                v = ((cx - i) * (ay - j) - (ax - i) * (cy - j)) / area
                 w = 1.0 - u - v
                 if u < 0 or v < 0 or w < 0:
                     continue
-                z = u * t[0, 2] + v * t[1, 2] + w * t[2, 2]
-                k = min(max(int(np.ceil(z)), 0), shape[2])
+                k = min(max(int(np.ceil(u * az + v * bz + w * cz)), 0), deep)
                 change[i, j, k] += -1 if area > 0 else 1
-    count = np.zeros((shape[0], shape[1], shape[2]), np.int16)
-    for i in range(shape[0]):
-        for j in range(shape[1]):
+                met[i, j] = True
+    for i in range(wide):
+        for j in range(high):
+            if not met[i, j]:
+                continue
+            at = i * stride[one] + j * stride[two]
             total = 0
-            for k in range(shape[2]):
+            for k in range(deep):
                 total += change[i, j, k]
-                count[i, j, k] = total
-    return count
+                if total != 0:
+                    flat[at + k * stride[axis]] += 1
+
+
+@numba.njit(cache=True, nogil=True)
+def signed(square, votes):  # type: ignore[no-untyped-def]
+    """Replace squared distances by distances, negative where at least two rays voted for inside."""
+    values, inside = square.reshape(-1), votes.reshape(-1)
+    far, root = np.float32(-1.0), np.float32(0.0)
+    for n in range(len(values)):
+        if values[n] != far:  # most points lie outside the band and have the same value
+            far = values[n]
+            root = np.sqrt(far)
+        values[n] = -root if inside[n] >= 2 else root
 
 
 @numba.njit(cache=True, nogil=True)

@@ -1,13 +1,13 @@
 """Runs the checks of `galewood verify` and formats their results."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from itertools import chain
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from galewood.verify import beam_checks, element_checks, motion_checks, species_checks
+from galewood.verify import beam_checks, element_checks, motion_checks, shipped_checks, species_checks
 from galewood.verify.checks import Check
 from galewood.verify.specimens import cached_mesher
 
@@ -16,20 +16,28 @@ from galewood.verify.specimens import cached_mesher
 class Scope:
     """Scope of the verification: elements, bars and poles; with `species_dir` also the trees in that folder.
 
-    Their tetrahedral meshes are cached in `cache_dir`.
+    Their tetrahedral meshes are cached in `cache_dir`. With `shipped`, only the shipped tables of that folder
+    are checked.
     """
 
     species_dir: Path | None = None
     cache_dir: Path = Path("data/cache")
+    shipped: Path | None = None
 
 
 def verify_table(scope: Scope, report: Callable[[Check], None] = lambda check: None) -> list[Check]:
     """Run all checks of the scope; `report` is called with each check when it is done."""
+    if scope.shipped is not None:
+        return _reported(shipped_checks.checks(scope.shipped), report)
     groups = [element_checks.checks(), beam_checks.checks(), motion_checks.checks()]
     if scope.species_dir is not None:
         groups.append(species_checks.checks(scope.species_dir, cached_mesher(scope.cache_dir)))
+    return _reported(chain.from_iterable(groups), report)
+
+
+def _reported(checks: Iterable[Check], report: Callable[[Check], None]) -> list[Check]:
     found: list[Check] = []
-    for check in chain.from_iterable(groups):
+    for check in checks:
         found.append(check)
         report(check)
     return found

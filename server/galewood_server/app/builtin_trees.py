@@ -6,7 +6,7 @@ import asyncio
 import logging
 from pathlib import Path
 
-from galewood.shipped import build_key, read_shipped
+from galewood.shipped import SHIPPED_FOLDER, build_key, read_shipped
 from pydantic import BaseModel, TypeAdapter
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -17,8 +17,6 @@ from galewood_server.jobs import fingerprint, queue_job
 from galewood_server.storage import ACTIVE, Tree
 
 log = logging.getLogger("galewood.builtin_trees")
-SHIPPED_FOLDER = "shipped"
-"""Folder of the shipped tables, beside the meshes."""
 
 
 class BuiltinTree(BaseModel):
