@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,15 +25,14 @@ from galewood.evaluation.source import Source, SourceError, distinct, find_model
 from galewood.evaluation.winds import long_gusts, noise, perlin, unseen_winds
 from galewood.fem.dynamics import Simulator
 from galewood.mesh.types import ImportOptions
-from galewood.pipeline.build import BuildOptions, build_table
-from galewood.sampling.runner import run_task
+from galewood.pipeline.build import BuildOptions, build_table, model_of
+from galewood.sampling.runner import content_hash, run_task
 from galewood.table.format import Table, decode
 from typer.testing import CliRunner
 
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
-from tests.precompute.test_table import FILE
 
-TABLE = decode(FILE)
+TABLE = decode((Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes())
 
 
 def test_an_exact_track_has_no_error_and_the_error_of_a_resting_one_is_the_sway() -> None:
@@ -153,22 +153,24 @@ def test_the_plot_is_written(tmp_path: Path) -> None:
     assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
 
 
+OPTIONS = BuildOptions(
+    mesh_import=ImportOptions(species="maple"),
+    target_tets=TARGET_TETS,
+    sampled_elements=8,
+    design_speed_m_s=14.0,
+    frames=60,
+)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Table of a small tree with its mesh beside it, and the cache of its build."""
     path = tmp_path_factory.mktemp("evaluate")
-    options = BuildOptions(
-        mesh_import=ImportOptions(species="maple"),
-        target_tets=TARGET_TETS,
-        sampled_elements=8,
-        design_speed_m_s=14.0,
-        frames=60,
-    )
     cache = cache_with_tets(path / "cache", tmp_path_factory)
     built = build_table(
         small_tree_glb(),
         "tree.glb",
-        options,
+        OPTIONS,
         lambda tasks, done: [run_task(t) for t in tasks],
         cache_dir=cache,
     )
@@ -219,6 +221,21 @@ def test_the_error_of_a_tree_at_rest_is_the_sway(
     rest = found["rest-pose"]
     assert np.isclose(rest["max_error"], sway_of(reference) / float(table.metadata["height_m"]))
     assert found["modal"]["max_error"] < 0.0035 * rest["max_error"]
+
+
+def test_without_records_only_the_default_method_is_evaluated(
+    folder: Path, table: Table, reference: ReferenceRun
+) -> None:
+    alone = replace(table, paper=None)
+    source = source_of(alone, folder / "tree.glb", folder / "cache", workers=1)
+    found = compare_methods(alone, source, reference)
+    assert set(found) == {"modal", "rest-pose", "floor"}
+    assert set(compare_methods(table, source, reference)) > set(found)
+
+
+def test_the_model_of_a_mesh_is_that_of_its_build(folder: Path, table: Table) -> None:
+    model = model_of(small_tree_glb(), "tree.glb", OPTIONS, folder / "cache")
+    assert content_hash(model) == table.metadata["provenance"]["model_sha256"]
 
 
 def test_distinct_vertices_represent_all_vertices() -> None:

@@ -10,6 +10,7 @@ import json
 import os
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from galewood.pipeline.options import BuildOptions, BuildResult, Progress
@@ -31,6 +32,7 @@ def fake_build(
     progress: Callable[[Progress], None],
     cache_dir: Path,
     publish: Callable[[str, bytes], None],
+    on_table: Callable[[BuildResult], None],
 ) -> BuildResult:
     if filename.startswith("fail"):
         raise ValueError("a build that fails")
@@ -47,9 +49,34 @@ def fake_build(
         time.sleep(step_s)
         with log.open("a") as file:
             file.write(f"{step}\n")
-    return BuildResult(
-        b"table of " + source[:64], b"glTF" + source[:64], {"options": json.loads(json.dumps(str(options)))}
-    )
+    report = {"options": json.loads(json.dumps(str(options)))}
+    result = BuildResult(b"table of " + source[:64], None, b"glTF" + source[:64], report)
+    on_table(result)
+    if filename.startswith("bare"):
+        return result
+    compute_records(filename, cache_dir, progress)
+    return replace(result, records=b"records of " + source[:64])
+
+
+def compute_records(filename: str, cache_dir: Path, progress: Callable[[Progress], None]) -> None:
+    """The stage "records"; it lasts while the file exists that `hold_records` makes."""
+    progress(Progress("records", 0.0, "records"))
+    while held(cache_dir, filename).exists():
+        progress(Progress("records", 0.5, "records"))
+        time.sleep(0.02)
+
+
+def held(cache_dir: Path, filename: str) -> Path:
+    """The file that keeps builds of a mesh in the stage "records"."""
+    return cache_dir / f"hold-records-{filename}"
+
+
+def hold_records(data_dir: Path, filename: str) -> Path:
+    """Keep builds of a mesh in the stage "records" until the returned file is removed."""
+    path = held(data_dir / "cache", filename)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.touch()
+    return path
 
 
 def _model(cache_dir: Path) -> Path:

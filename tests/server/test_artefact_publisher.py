@@ -14,7 +14,7 @@ from galewood.table import format as table_format
 from galewood.util.cancelled import Cancelled
 from galewood_server.jobs.analysis_files import PLOT, store_result
 from galewood_server.jobs.artefact_publisher import ArtefactPublisher
-from galewood_server.jobs.build_job import BuildInputs, publish_result
+from galewood_server.jobs.build_job import BuildInputs, publish_result, publish_table
 from galewood_server.jobs.leases import claim
 from galewood_server.jobs.progress import JobLease
 from galewood_server.jobs.queue import add_job
@@ -25,7 +25,8 @@ from galewood_server.storage.models import Garbage, Job, JobKind, Tree, utc_now
 from galewood_server.storage.stores import Stores
 from sqlalchemy import select, update
 
-POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
+POLE = (Path(__file__).parents[1] / "golden" / "pole-table.safetensors").read_bytes()
+RECORDS = b"records of the table"
 MESH = b"glTF of the tree"
 
 
@@ -33,6 +34,9 @@ def known(sha256: str | None) -> str:
     """The name of a file that the tree has."""
     assert sha256
     return sha256
+
+
+INPUTS = BuildInputs("t", b"", "t.obj", BuildOptions(), "fingerprint")
 
 
 class Build:
@@ -56,16 +60,23 @@ class Build:
         self.job_lease = JobLease(self.sessions, *claimed)
         self.publish = ArtefactPublisher(self.job_lease, self.stores)
 
-    def table(self, height_m: float) -> bytes:
+    def table(self, height_m: float, model: str = "model") -> bytes:
         """A table of the mesh, different for each height."""
         pole = table_format.decode(POLE)
         mesh_sha256 = self.stores.meshes.put(MESH)
-        metadata = {**pole.metadata, "height_m": height_m, "mesh_sha256": mesh_sha256}
+        provenance = {"model_sha256": model}
+        metadata = {
+            **pole.metadata, "height_m": height_m, "mesh_sha256": mesh_sha256, "provenance": provenance
+        }  # fmt: skip
         return table_format.encode(replace(pole, metadata=metadata))
 
-    def finish(self, table: bytes) -> None:
-        order = BuildInputs("t", b"", "t.obj", BuildOptions(), "fingerprint")
-        publish_result(self.job_lease, self.stores, order, BuildResult(table, MESH, {}), b"model")
+    def default(self, table: bytes) -> None:
+        """Publish the complete table; the records follow."""
+        publish_table(self.job_lease, self.stores, INPUTS, BuildResult(table, None, MESH, {}), b"model")
+
+    def finish(self, table: bytes, records: bytes | None = None) -> None:
+        result = BuildResult(table, records, MESH, {"done": True})
+        publish_result(self.job_lease, self.stores, INPUTS, result, b"model")
 
     @property
     def tree(self) -> Tree:
@@ -90,10 +101,13 @@ def build(tmp_path: Path) -> Build:
 
 
 def test_the_preliminary_table_is_replaced_by_the_complete_one(build: Build) -> None:
-    early, full = build.table(3.0), build.table(4.0)
+    first, early, full = build.table(2.0), build.table(3.0), build.table(4.0)
     build.publish("render.glb", MESH)
     assert build.tree.state == "building" and build.stores.meshes.get(known(build.tree.mesh_sha256)) == MESH
-    build.publish("preliminary.table", early)
+    build.publish("first.table", first)
+    assert build.tree.state == "preliminary"
+    assert build.stores.tables.get(known(build.tree.table_sha256)) == first
+    build.publish("early.table", early)
     assert build.tree.state == "preliminary"
     old = known(build.tree.table_sha256)
     assert build.stores.tables.get(old) == early
@@ -102,15 +116,67 @@ def test_the_preliminary_table_is_replaced_by_the_complete_one(build: Build) -> 
     assert build.stores.models.get(known(build.tree.model_sha256)) == b"model"
     assert build.stores.tables.has(old)  # clients may still fetch it
     assert build.collect_garbage(grace_s=600) == 0 and build.stores.tables.has(old)
-    assert build.collect_garbage() == 1 and not build.stores.tables.has(old)
+    assert build.collect_garbage() == 2 and not build.stores.tables.has(old)
     assert build.stores.tables.has(known(build.tree.table_sha256))
+
+
+def test_a_resumed_build_keeps_the_early_table(build: Build) -> None:
+    build.publish("first.table", build.table(2.0))
+    build.publish("early.table", build.table(3.0))
+    early = build.tree.table_sha256
+    build.publish("first.table", build.table(2.0))
+    assert build.tree.table_sha256 == early
+    build.publish("first.table", build.table(2.0, "another model"))
+    assert build.tree.table_sha256 != early
+
+
+def test_the_table_is_ready_before_its_records(build: Build) -> None:
+    build.publish("early.table", build.table(3.0))
+    build.default(build.table(4.0))
+    tree, job = build.tree, build.job
+    assert (tree.state, tree.records_sha256, tree.fingerprint) == ("ready", None, "fingerprint")
+    assert (job.state, job.stage, job.fraction) == ("running", "records", 0.0)
+    assert build.stores.models.get(known(tree.model_sha256)) == b"model"
+    build.finish(build.table(4.0), RECORDS)
+    done = build.tree
+    assert done.table_sha256 == tree.table_sha256 and done.report == {"done": True}
+    assert build.stores.records.get(known(done.records_sha256)) == RECORDS
+    assert build.job.state == "done"
+
+
+def test_a_build_that_ends_without_records_keeps_its_table(build: Build) -> None:
+    build.default(build.table(4.0))
+    build.job_lease.end("cancelled", "Cancelled")
+    assert (build.tree.state, build.tree.records_sha256, build.job.state) == ("ready", None, "cancelled")
+
+
+def test_records_are_replaced_with_their_table(build: Build) -> None:
+    build.finish(build.table(4.0), RECORDS)
+    records = known(build.tree.records_sha256)
+    build.next()
+    build.default(build.table(4.0))  # the same table keeps its records
+    assert build.tree.records_sha256 == records
+    build.default(build.table(5.0))
+    assert build.tree.records_sha256 is None
+    assert build.stores.records.has(records)  # clients may still fetch it
+    build.collect_garbage()
+    assert not build.stores.records.has(records)
+
+
+def test_a_preliminary_table_has_no_records(build: Build) -> None:
+    build.finish(build.table(4.0), RECORDS)
+    with build.sessions.begin() as session:
+        session.execute(update(Tree).values(table_sha256=build.stores.tables.put(b"of another age")))
+    build.next()
+    build.publish("first.table", build.table(2.0))
+    assert (build.tree.state, build.tree.records_sha256) == ("preliminary", None)
 
 
 def test_a_preliminary_table_does_not_replace_a_complete_one(build: Build) -> None:
     build.finish(build.table(4.0))
     full = build.tree.table_sha256
     build.next()
-    build.publish("preliminary.table", build.table(3.0))
+    build.publish("early.table", build.table(3.0))
     assert build.tree.table_sha256 == full and build.tree.state == "ready"
     build.collect_garbage()
     assert list(build.stores.tables.names()) == [full]
@@ -120,7 +186,7 @@ def test_a_preliminary_table_replaces_an_unreadable_one(build: Build) -> None:
     with build.sessions.begin() as session:
         session.execute(update(Tree).values(table_sha256=build.stores.tables.put(b"of another age")))
     early = build.table(3.0)
-    build.publish("preliminary.table", early)
+    build.publish("early.table", early)
     assert build.stores.tables.get(known(build.tree.table_sha256)) == early
 
 
@@ -138,7 +204,7 @@ def test_pictures_are_stored_by_name(build: Build) -> None:
 def test_a_build_without_a_valid_lease_publishes_nothing(build: Build) -> None:
     with build.sessions.begin() as session:
         session.execute(update(Job).values(lease="another's"))
-    build.publish("preliminary.table", build.table(3.0))
+    build.publish("early.table", build.table(3.0))
     build.publish("skeleton.png", b"a picture")
     build.finish(build.table(4.0))
     assert build.tree.table_sha256 is None and build.job.pictures == {}

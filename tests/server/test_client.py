@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +12,7 @@ import anyio
 import httpx
 import numpy as np
 import pytest
+from galewood.table import decode
 from galewood_server.access.keys import new_key
 from galewood_server.cli.client import Client, ServiceError, stream
 from galewood_server.cli.commands import app
@@ -68,6 +70,22 @@ def test_problems_become_service_errors(server: Server, mesh: Path) -> None:
     assert unknown.value.status == 422 and unknown.value.hint
 
 
+def test_a_whole_table_has_its_records() -> None:
+    golden = Path(__file__).parents[1] / "golden"
+    files = {
+        "/api/tables": (golden / "pole-table.safetensors").read_bytes(),
+        "/api/records": (golden / "pole-records.safetensors").read_bytes(),
+    }
+    answer = httpx.MockTransport(
+        lambda request: httpx.Response(200, content=files[request.url.path.rsplit("/", 1)[0]])
+    )
+    table, records = (hashlib.sha256(data).hexdigest() for data in files.values())
+    with Client("http://server", transport=answer) as client:
+        whole = client.whole_table({"table_sha256": table, "records_sha256": records})
+        assert decode(whole).records.metadata == decode(*files.values()).records.metadata
+        assert client.whole_table({"table_sha256": table, "records_sha256": None}) == files["/api/tables"]
+
+
 def test_a_damaged_download_is_rejected() -> None:
     damaged = httpx.MockTransport(lambda _: httpx.Response(200, content=b"other bytes"))
     with Client("http://server", transport=damaged) as client, pytest.raises(ValueError, match="damaged"):
@@ -92,6 +110,7 @@ def test_a_broken_event_stream_is_resumed(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_the_upload_command_writes_the_table(server: Server, mesh: Path, tmp_path: Path) -> None:
     table, report = tmp_path / "oak.gwt", tmp_path / "oak.json"
+    mesh = mesh.with_name("bare.obj")
     mesh.write_bytes(b"another oak")
     arguments = ["upload", str(mesh), "--server", server.url, "--out", str(table), "--json", str(report)]
     refused = run(app, arguments)

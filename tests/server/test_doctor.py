@@ -25,7 +25,8 @@ def settings(tmp_path: Path) -> Settings:
     migrate(settings.database)
     stores = Stores(settings.data_dir)
     files = {
-        kind: stores.named(kind).put(f"{kind} of a tree".encode()) for kind in ("sources", "meshes", "models")
+        kind: stores.named(kind).put(f"{kind} of a tree".encode())
+        for kind in ("sources", "meshes", "models", "records")
     }
     table = stores.tables.put(b"table of a tree")
     picture = stores.pictures.put(b"a picture")
@@ -38,6 +39,7 @@ def settings(tmp_path: Path) -> Settings:
             mesh_sha256=files["meshes"],
             model_sha256=files["models"],
             table_sha256=table,
+            records_sha256=files["records"],
             fingerprint="f" * 64,
         )
         tree.jobs.append(Job(id="job", state="done", pictures={"skeleton": picture}))
@@ -60,7 +62,7 @@ def test_an_intact_store_has_no_faults(settings: Settings) -> None:
     assert [one.kind for one in run_checks(settings) if one.kind == "version"] == ["version"]
 
 
-@pytest.mark.parametrize("kind", ["sources", "meshes", "tables", "models", "pictures"])
+@pytest.mark.parametrize("kind", ["sources", "meshes", "tables", "records", "models", "pictures"])
 def test_a_missing_file_is_reported_and_repaired(settings: Settings, kind: str) -> None:
     store = Stores(settings.data_dir).named(kind)
     (name,) = store.names()
@@ -72,7 +74,7 @@ def test_a_missing_file_is_reported_and_repaired(settings: Settings, kind: str) 
         return
     assert still == [] == faults(settings)
     tree = tree_of(settings)
-    assert tree.state == ("ready" if kind == "pictures" else "uploaded")
+    assert tree.state == ("ready" if kind in ("pictures", "records") else "uploaded")
     assert tree.jobs[0].pictures == ({} if kind == "pictures" else tree.jobs[0].pictures)
 
 

@@ -15,7 +15,7 @@ from galewood.player.paper_search import PaperForest, lookup_arrays
 from galewood.table.format import decode
 from galewood.wind.evaluation import Wind, steady
 from galewood_server.settings import Settings
-from galewood_server.storage.files import FileStore
+from galewood_server.storage.stores import Stores
 from galewood_server.storage.table_cache import TableCache
 from galewood_server.stream import wire
 from galewood_server.stream.client_buffer import ClientBuffer
@@ -27,7 +27,8 @@ from galewood_server.stream.session_error import SessionError
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
+GOLDEN = Path(__file__).parents[1] / "golden"
+POLE = (GOLDEN / "pole.safetensors").read_bytes()
 Poses = npt.NDArray[np.int32]
 
 
@@ -195,10 +196,28 @@ async def until(holds: Callable[[], bool]) -> None:
 
 @pytest.fixture
 def forests(tmp_path: Path) -> Forests:
-    store = FileStore(tmp_path)
-    FileStoreWith.sha256 = store.put(POLE)
+    stores = Stores(tmp_path)
+    FileStoreWith.sha256 = stores.tables.put(POLE)
     limits = Settings(server_trees=100, shared_forests=2, shared_forest_idle_s=0.05)
-    return Forests(limits, TableCache(store))
+    return Forests(limits, TableCache(stores), lambda table_sha256: None)
+
+
+def test_the_papers_method_waits_for_its_records(tmp_path: Path) -> None:
+    stores, known = Stores(tmp_path), dict[str, str]()
+    table = stores.tables.put((GOLDEN / "pole-table.safetensors").read_bytes())
+    records = stores.records.put((GOLDEN / "pole-records.safetensors").read_bytes())
+    forests = Forests(Settings(), TableCache(stores), known.get)
+    groups = (wire.Group(table, 2),)
+
+    async def play() -> None:
+        await forests.join(plan(2, groups=groups), steady(Wind()), FakeSink())
+        with pytest.raises(SessionError, match="still being computed") as refused:
+            await forests.join(plan(2, groups=groups, method="paper"), steady(Wind()), FakeSink())
+        assert refused.value.failure.code == "no-records"
+        known[table] = records
+        await forests.join(plan(2, groups=groups, method="paper"), steady(Wind()), FakeSink())
+
+    asyncio.run(play())
 
 
 def test_clients_of_a_shared_forest_share_one_simulation(forests: Forests) -> None:

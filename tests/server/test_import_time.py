@@ -10,7 +10,7 @@ from tests.server.conftest import REPOSITORY
 
 HEAVY = (
     "dask", "distributed", "galewood.fem", "galewood.mesh", "galewood.model", "galewood.pipeline",
-    "galewood.reduction", "galewood.sampling", "scipy.sparse.linalg", "trimesh",
+    "galewood.reduction", "galewood.sampling", "alembic", "matplotlib", "numba", "scipy", "trimesh",
 )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import httpx
 import psutil
 
 from tests.server.conftest import NO_CLUSTER, Server, command_line, wait_until
-from tests.server.fake_job import STEPS
+from tests.server.fake_job import STEPS, hold_records
 from tests.server.test_rest_api import upload
 
 StartServer = Callable[..., Server]
@@ -82,11 +82,77 @@ def test_a_graceful_stop_leaves_no_process(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="1")
     with server.client() as api:
         running(api, begin(api))
-        family = server.family()
-        assert len(family) >= 3  # the job, the cluster, a worker
+        family = wait_until(lambda: len(found := server.family()) >= 3 and found)  # job, cluster, a worker
     server.stop()
     assert gone(family)
     assert "Traceback" not in server.log()
+
+
+def test_a_stop_while_the_cluster_starts_leaves_no_process(start_server: StartServer) -> None:
+    server = start_server(FAKE_STEP_S="1")
+    with server.client() as api:
+        begin(api)
+        family = wait_until(lambda: len(found := server.family()) >= 2 and found)  # job, cluster
+    server.stop()
+    assert gone(family)
+
+
+def in_records(api: httpx.Client, job: dict[str, Any]) -> bool:
+    now = api.get(f"/api/jobs/{job['id']}").json()
+    return bool(
+        now["stage"] == "records" and api.get(f"/api/trees/{job['tree_id']}").json()["state"] == "ready"
+    )
+
+
+def test_the_next_build_starts_while_records_are_computed(start_server: StartServer) -> None:
+    server = start_server(FAKE_STEP_S="0.01", **NO_CLUSTER)
+    held = hold_records(server.data_dir, "a.obj")
+    with server.client() as api:
+        first, second = begin(api, "a.obj"), begin(api, "b.obj")
+        wait_until(lambda: state(api, second) == "done")
+        assert in_records(api, first) and state(api, first) == "running"
+        table = api.get(f"/api/trees/{first['tree_id']}").json()
+        assert table["table_sha256"] and table["records_sha256"] is None
+        held.unlink()
+        wait_until(lambda: state(api, first) == "done")
+        done = api.get(f"/api/trees/{first['tree_id']}").json()
+        assert done["table_sha256"] == table["table_sha256"] and done["records_sha256"]
+
+
+def test_cancelling_in_stage_records_keeps_the_table(start_server: StartServer) -> None:
+    server = start_server(FAKE_STEP_S="0.01", **NO_CLUSTER)
+    held = hold_records(server.data_dir, "a.obj")
+    with server.client() as api:
+        job = begin(api, "a.obj")
+        wait_until(lambda: in_records(api, job))
+        api.post(f"/api/jobs/{job['id']}/cancel")
+        wait_until(lambda: state(api, job) == "cancelled")
+        tree = api.get(f"/api/trees/{job['tree_id']}").json()
+        assert (tree["state"], tree["records_sha256"]) == ("ready", None)
+        held.unlink()
+        again = api.post("/api/jobs", json={"tree_id": tree["id"]})
+        assert again.status_code == 202
+        wait_until(lambda: state(api, again.json()) == "done")
+        done = api.get(f"/api/trees/{tree['id']}").json()
+        assert done["table_sha256"] == tree["table_sha256"] and done["records_sha256"]
+
+
+def test_a_job_resumes_in_stage_records_after_a_crash(start_server: StartServer) -> None:
+    server = start_server(FAKE_STEP_S="0.01", **NO_CLUSTER)
+    held = hold_records(server.data_dir, "a.obj")
+    with server.client() as api:
+        job = begin(api, "a.obj")
+        wait_until(lambda: in_records(api, job))
+        tree = api.get(f"/api/trees/{job['tree_id']}").json()
+        family = server.family()
+        server.kill()
+    wait_until(lambda: gone(family), 10)
+    held.unlink()
+    again = start_server(FAKE_STEP_S="0.01", **NO_CLUSTER)
+    with again.client() as api:
+        wait_until(lambda: state(api, job) == "done")
+        done = api.get(f"/api/trees/{tree['id']}").json()
+        assert done["table_sha256"] == tree["table_sha256"] and done["records_sha256"]
 
 
 def test_a_second_server_on_the_same_folder_does_not_start(start_server: StartServer) -> None:

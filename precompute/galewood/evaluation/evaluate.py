@@ -34,6 +34,14 @@ METHODS: dict[str, Make] = {
 }
 
 
+PAPER_METHODS = ("paper", "paper-literal")
+
+
+def methods_of(table: Table) -> dict[str, Make]:
+    """The methods of a table; those of the paper only if it has their records."""
+    return {name: make for name, make in METHODS.items() if table.paper or name not in PAPER_METHODS}
+
+
 def played(table: Table, pressure_pa: Floats, make: Make) -> tuple[Floats, float]:
     """Play one tree of the table under ``pressure_pa`` (T, 2).
 
@@ -114,10 +122,14 @@ def reference_tasks(
 
 
 def compare_methods(table: Table, source: Source, reference: ReferenceRun, lead: int = 0) -> dict[str, Any]:
-    """Error figures of all methods and both baselines on one wind; ``lead`` frames of it are a lead-in."""
+    """Error figures of all methods and both baselines on one wind; ``lead`` frames of it are a lead-in.
+
+    Without the paper's records, those are the modal model and the tree at rest.
+    """
     pressure = reference.pressure_pa
-    tracks = {method: played(table, pressure, make) for method, make in METHODS.items()}
-    tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
+    tracks = {method: played(table, pressure, make) for method, make in methods_of(table).items()}
+    if table.paper:
+        tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
     tracks["rest-pose"] = (np.zeros((len(pressure), source.subspace.modes)), 1.0)
     found = {
         method: {

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from galewood.evaluation.evaluate import METHODS, OnProgress
+from galewood.evaluation.evaluate import METHODS, OnProgress, methods_of
 from galewood.evaluation.measures import ErrorByFrame, errors, joined, windows
 from galewood.evaluation.reference_runs import ReferenceTask, read_reference_run, run_references
 from galewood.evaluation.source import Source
@@ -101,7 +101,7 @@ def _wind(table: Table, source: Source, cache_dir: Path, frames: int, sway: floa
 
 def _run(table: Table, source: Source, wind: Floats, on_progress: OnProgress) -> dict[str, Any]:
     simulator = Simulator(source.model)
-    forests = {name: METHODS[name](table) for name in METHODS_SHOWN}
+    forests = {name: make(table) for name, make in methods_of(table).items() if name in METHODS_SHOWN}
     dt_s, height_m = float(table.metadata["dt_s"]), float(table.metadata["height_m"])
     parts: dict[str, list[ErrorByFrame]] = {name: [] for name in forests}
     late: dict[str, Floats] = {}  # right after a step, q is the pose before that step

@@ -40,14 +40,16 @@ def run_evaluation(
     long: int,
     workers: int,
     reference_dir: Path | None = None,
+    records: Path | None = None,
 ) -> dict[str, Any]:
     """Evaluate a table file and return JSON-able figures.
 
     Reference runs are cached in ``reference_dir``, by default in ``cache_dir``. ``plot`` is a picture to
-    write, ``long`` the number of frames of the long run (0: none). Raises TableError, SourceError, MeshError,
+    write, ``long`` the number of frames of the long run (0: none), ``records`` the table's records file if
+    it has one; without records the paper's methods are left out. Raises TableError, SourceError, MeshError,
     and FloatingPointError if a reference simulation diverges.
     """
-    decoded = decode(table.read_bytes())
+    decoded = decode(table.read_bytes(), records.read_bytes() if records else None)
     source = source_of(
         decoded, mesh or mesh_of(table), cache_dir, share(on_progress, 0.0, 0.1), model=model, workers=workers
     )

@@ -169,11 +169,9 @@ def _same_nodes(table: Table, tree: TreeMesh) -> bool:
 def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int = 2) -> Samples:
     """The runs that a table was built from; those of the default method are simulated if they are missing."""
     provenance = table.metadata["provenance"]
-    paper = table.paper.metadata if table.paper else {}
-    by_name = zip(paper.get("winds", ()), paper.get("frames", ()), strict=True)
+    by_name = zip(provenance["winds"], provenance["frames"], strict=True)
     frames = next((count for name, count in by_name if name.startswith("cosine")), BuildOptions.frames)
-    count = int(paper.get("sampled_elements", BuildOptions.sampled_elements))
-    elements = sampled_elements(mesh, extract_skeleton(mesh), count)
+    elements = sampled_elements(mesh, extract_skeleton(mesh), _sampled_elements(table))
     speed_m_s = float(table.metadata["design_speed_m_s"])
     samples = planned(
         model, speed_m_s, mesh.tets[elements], cache_dir,
@@ -183,6 +181,12 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
     wanted = Samples((), ()) if stage == "first" else samples.first() if stage == "early" else samples
     simulate(wanted, partial(run_in_processes, workers=workers), lambda done: None, lambda: None)
     return samples
+
+
+def _sampled_elements(table: Table) -> int:
+    """Number of elements at which the runs of a table were recorded."""
+    known = {**table.metadata["provenance"], **(table.paper.metadata if table.paper else {})}
+    return int(known.get("sampled_elements", BuildOptions.sampled_elements))
 
 
 def recorded_runs(samples: Samples, workers: int = 2) -> list[SampledRun]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse
 
-from galewood.evaluation.evaluate import METHODS, played
+from galewood.evaluation.evaluate import methods_of, played
 from galewood.evaluation.measures import hausdorff
 from galewood.evaluation.source import tets_of
 from galewood.fem import FemModel, Simulator
@@ -47,7 +47,7 @@ class Errors:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Coordinates of all three motions, their common pressure, and their errors."""
+    """Coordinates of all motions, their common pressure, and their errors; "paper" only with its records."""
 
     pressure_pa: Floats  # (frames, 2) in the tree's own frame
     q: dict[str, Floats]  # fem, modal, paper: (frames, r)
@@ -91,9 +91,10 @@ def comparison_tracks(
         np.linalg.lstsq(basis, reference.reshape(frames, -1).T, rcond=None)[0].T, np.float64
     )
     q, errors = {"fem": projected}, {}
-    for k, name in enumerate(COMPARED):
+    makes = methods_of(table)
+    for k, name in enumerate(name for name in COMPARED if name in makes):
         on_progress(0.8 + 0.1 * k, "Comparing")
-        q[name], _ = played(table, pressure_pa, METHODS[name])
+        q[name], _ = played(table, pressure_pa, makes[name])
         errors[name] = _errors((q[name] @ basis.T).reshape(reference.shape), reference, rest_m, height_m)
     left_out = _farthest((projected @ basis.T).reshape(reference.shape) - reference, height_m)
     on_progress(1.0, "Done")

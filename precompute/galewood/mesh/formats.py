@@ -9,7 +9,6 @@ from pathlib import PurePath
 from typing import Any
 
 import numpy as np
-import trimesh
 
 from galewood.mesh.gltf import read_glb, read_gltf
 from galewood.mesh.obj import read_obj
@@ -142,6 +141,8 @@ def _ply_count(words: list[str]) -> int:
 
 
 def _through_trimesh(data: bytes, file_type: str) -> list[RawPart]:
+    import trimesh  # slow to load, and most uploads are GLB files
+
     try:
         mesh: Any = trimesh.load(io.BytesIO(data), file_type=file_type, process=False)
         positions = np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3)

@@ -1,12 +1,12 @@
 """From a mesh file to a table file: the pipeline, its options, progress and report."""
 
 from galewood.pipeline.assemble import Surroundings, TableSettings, assemble_table, internal_states
-from galewood.pipeline.build import build_table, build_tree
+from galewood.pipeline.build import build_table, build_tree, model_of
 from galewood.pipeline.options import BuildOptions, BuildResult, Progress, build_options
 from galewood.pipeline.rehearsal import compile_kernels
 from galewood.pipeline.report import render_mesh
-from galewood.pipeline.shipped import ShippedTree, build_key, read_shipped, write_shipped
-from galewood.pipeline.shipping import SHIPPED_FOLDER, BuiltinMesh, builtin_meshes, outdated, ship
+from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship
+from galewood.shipped import SHIPPED_FOLDER, ShippedTree, build_key, read_shipped, write_shipped
 
 __all__ = [
     "SHIPPED_FOLDER",
@@ -25,6 +25,7 @@ __all__ = [
     "builtin_meshes",
     "compile_kernels",
     "internal_states",
+    "model_of",
     "outdated",
     "read_shipped",
     "render_mesh",

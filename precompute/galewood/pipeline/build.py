@@ -82,6 +82,18 @@ def build_tree(
     return _build(tree, render_glb, options, Environment(Stages(progress), cache_dir))
 
 
+def model_of(source: bytes, filename: str, options: BuildOptions, cache_dir: Path) -> FemModel:
+    """The finite-element model of a tree mesh, as in a build. Raises MeshError.
+
+    The tetrahedra come from ``cache_dir`` if it has them; meshing again gives a slightly different model.
+    """
+    stages = Stages(lambda progress: None)
+    tree, _ = import_mesh_sandboxed(source, filename, options.mesh_import)
+    with WorkerPool(1) as pool:
+        solid = _solid(tree, options, Environment(stages, cache_dir), ArtefactPublisher(pool, None))
+    return build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem)
+
+
 @dataclass(frozen=True)
 class Solid:
     """A tree's wood as a finite-element mesh, with what hangs on it."""

@@ -50,6 +50,7 @@ def describe(
             "fem": asdict(options.fem),
             "table_settings": asdict(options.table),
             "seed": options.seed,
+            "sampled_elements": options.sampled_elements,
         },
     }
 

@@ -1,4 +1,4 @@
-"""Builds the tables that are distributed with the software (shipped.py describes the files)."""
+"""Builds the tables that are distributed with the software (galewood.shipped describes the files)."""
 
 from __future__ import annotations
 
@@ -11,10 +11,8 @@ from typing import Any
 from galewood.options import BuildRequest
 from galewood.pipeline.build import build_table
 from galewood.pipeline.options import Progress, build_options
-from galewood.pipeline.shipped import PICTURE, ShippedTree, build_key, read_shipped, write_shipped
+from galewood.shipped import PICTURE, SHIPPED_FOLDER, ShippedTree, build_key, read_shipped, write_shipped
 
-SHIPPED_FOLDER = "shipped"
-"""Folder of the shipped files, beside the meshes of the built-in trees."""
 TETS = "tets-"
 
 

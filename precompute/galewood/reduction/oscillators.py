@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter
 
 from galewood.fem import FemModel, FemSettings, natural_modes
 from galewood.sampling import GOLDEN_RAD, noise
@@ -88,6 +87,8 @@ def propagators(omega: Floats, damping: Floats, settings: FemSettings) -> Floats
 
 def response(step: Floats, force: Floats) -> Floats:
     """(T + 1, m) motion from rest of one oscillator (6,) under stepwise constant forces (T, m)."""
+    from scipy.signal import lfilter  # slow to load
+
     r00, r01, r10, r11, s0, s1 = step
     poles = [1.0, -(r00 + r11), r00 * r11 - r01 * r10]
     moved = lfilter([s0, r01 * s1 - r11 * s0], poles, force, axis=0)

@@ -4,7 +4,6 @@ from galewood.sampling.design_speed import DesignWind, design_wind
 from galewood.sampling.plan import Samples, planned, simulate
 from galewood.sampling.recording import (
     DIRECTIONS_DEG,
-    SAMPLING_VERSION,
     SampledRun,
     SampleWind,
     Trajectory,
@@ -25,7 +24,6 @@ from galewood.sampling.training_winds import GOLDEN_RAD, SEED, noise
 __all__ = [
     "DIRECTIONS_DEG",
     "GOLDEN_RAD",
-    "SAMPLING_VERSION",
     "SEED",
     "DesignWind",
     "SampleTask",

@@ -16,10 +16,9 @@ from typing import Protocol
 import numpy as np
 
 from galewood.util import Array, Floats, write_arrays
+from galewood.versions import SAMPLING_VERSION
 from galewood.wind import dynamic_pressure
 
-SAMPLING_VERSION = 3
-"""Part of every trajectory's hash; increase it when the recorded data changes."""
 DIRECTIONS_DEG = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
 COSINE_WINDS = (
     # Never nearly calm: records of low pressure while a tree swings back would match in light winds.

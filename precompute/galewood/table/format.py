@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from galewood.modal import ModalTensors, force_terms, shape_terms
 from galewood.table.container import (
     Layout,
     Metadata,
@@ -38,6 +38,9 @@ from galewood.table.records import (
     read_records,
     record_tensors,
 )
+
+if TYPE_CHECKING:
+    from galewood.modal import ModalTensors
 
 FORMAT = "galewood-table"
 VERSION = 7
@@ -67,6 +70,8 @@ class Table:
     @property
     def modal(self) -> ModalTensors:
         """Tensors of the modal model."""
+        from galewood.modal import ModalTensors  # loads numba, which readers of metadata do not need
+
         return ModalTensors(
             self.modal_step, self.modal_load, self.modal_sway,
             self.modal_force, self.modal_shown, self.modal_pose, self.modal_limits,
@@ -168,6 +173,8 @@ def check_metadata(metadata: Metadata) -> None:
 
 
 def _check_shapes(table: Table) -> None:
+    from galewood.modal import force_terms, shape_terms
+
     r, n = int(table.metadata["modes"]), len(table.node_rest_m)
     vertices = sum(int(p["vertices"]) for p in table.metadata["primitives"])
     d = len(table.modal_step)

@@ -4,6 +4,7 @@ from galewood.util.arrays import Array, Floats, Int32s, Int64s, Ints, Singles
 from galewood.util.atomic_file import write_arrays, write_whole
 from galewood.util.cancelled import Cancelled
 from galewood.util.errors import MeshError, Reason
+from galewood.util.lazy import lazily
 from galewood.util.process_usage import PeakMemory, cpu_seconds
 from galewood.util.worker_pool import WorkerPool, usable_cores
 
@@ -20,6 +21,7 @@ __all__ = [
     "Singles",
     "WorkerPool",
     "cpu_seconds",
+    "lazily",
     "usable_cores",
     "write_arrays",
     "write_whole",

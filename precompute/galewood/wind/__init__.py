@@ -1,19 +1,43 @@
-"""The wind field; in: wind document, positions, time; out: velocity or pressure vectors."""
+"""The wind field; in: wind document, positions, time; out: velocity or pressure vectors.
 
+Documents are cheap to import; the names that evaluate the wind load numba and are loaded when first used.
+"""
+
+from typing import TYPE_CHECKING
+
+from galewood.util import lazily
 from galewood.wind.document import MODELS, Wind, WindError, parse_wind
-from galewood.wind.evaluation import wind_pressure
-from galewood.wind.field import WindField
 from galewood.wind.presets import PRESETS
-from galewood.wind.pressure import (
-    STREAMLINED_EXPONENT,
-    dynamic_pressure,
-    height_factor,
-    limit_pressure,
-    sampled_peak_pa,
-    to_tree_frame,
-)
 from galewood.wind.transition import WindState, change_wind, parse_wind_or_state
 
+if TYPE_CHECKING:
+    from galewood.wind.evaluation import wind_pressure
+    from galewood.wind.field import WindField
+    from galewood.wind.pressure import (
+        STREAMLINED_EXPONENT,
+        dynamic_pressure,
+        height_factor,
+        limit_pressure,
+        sampled_peak_pa,
+        to_tree_frame,
+    )
+
+_PRESSURE = (
+    "STREAMLINED_EXPONENT",
+    "dynamic_pressure",
+    "height_factor",
+    "limit_pressure",
+    "sampled_peak_pa",
+    "to_tree_frame",
+)
+__getattr__ = lazily(
+    __name__,
+    {
+        "WindField": "galewood.wind.field",
+        "wind_pressure": "galewood.wind.evaluation",
+        **dict.fromkeys(_PRESSURE, "galewood.wind.pressure"),
+    },
+)
 __all__ = [
     "MODELS",
     "PRESETS",

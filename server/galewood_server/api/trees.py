@@ -114,6 +114,7 @@ def _remove_files(session: Session, service: Service, tree: Tree) -> None:
     remove_unshared(session, service.stores.sources, Tree.source_sha256, tree.source_sha256)
     remove_unshared(session, service.stores.meshes, Tree.mesh_sha256, tree.mesh_sha256)
     remove_unshared(session, service.stores.tables, Tree.table_sha256, tree.table_sha256)
+    remove_unshared(session, service.stores.records, Tree.records_sha256, tree.records_sha256)
 
 
 def remove_unshared(

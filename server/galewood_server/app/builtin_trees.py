@@ -1,4 +1,4 @@
-"""Built-in trees: registered at startup and computed in the background."""
+"""Built-in trees: registered at startup; those that are not shipped are computed in the background."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ import asyncio
 import logging
 from pathlib import Path
 
+from galewood.shipped import SHIPPED_FOLDER, build_key, read_shipped
 from pydantic import BaseModel, TypeAdapter
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from galewood_server.app import shipped_trees
 from galewood_server.context import Service
 from galewood_server.jobs import fingerprint, queue_job
 from galewood_server.storage import ACTIVE, Tree
@@ -40,17 +42,20 @@ def read_builtin_trees(folder: Path) -> list[BuiltinTree]:
     return sorted(entries, key=lambda entry: (folder / entry.file).stat().st_size)
 
 
-async def register(service: Service) -> None:
-    """Add the built-in trees to the database and queue builds of missing or outdated tables."""
-    await asyncio.to_thread(_queue_outdated_uploads, service)
+def register(service: Service) -> None:
+    """Add the built-in trees to the database, with their shipped tables, and queue builds of other tables."""
     if not service.settings.builtin_trees:
-        service.wake_supervisor()
         return
     try:
-        for entry in await asyncio.to_thread(read_builtin_trees, service.settings.species_dir):
-            await asyncio.to_thread(_register, service, entry)
+        for entry in read_builtin_trees(service.settings.species_dir):
+            _register(service, entry)
     except (OSError, ValueError):
         log.exception("the built-in trees cannot be read from %s", service.settings.species_dir)
+
+
+async def queue_outdated_uploads(service: Service) -> None:
+    """Queue builds of uploads whose tables are outdated."""
+    await asyncio.to_thread(_queue_outdated_uploads, service)
     service.wake_supervisor()
 
 
@@ -78,8 +83,14 @@ def _register(service: Service, entry: BuiltinTree) -> None:
     with service.sessions.begin() as session:
         tree = _upsert(session, entry, source_sha256)
         current = fingerprint(source_sha256, tree.options, {})
-        busy = tree.job is not None and tree.job.state in ACTIVE
-        if not busy and (tree.fingerprint != current or not tree.table_sha256):
+        if tree.fingerprint == current and tree.table_sha256:
+            return
+        folder = service.settings.species_dir / SHIPPED_FOLDER
+        shipped = read_shipped(folder, entry.id, build_key(source, tree.options))
+        if shipped:
+            shipped_trees.install(session, service, tree, shipped, current)
+            log.info("%s: its table is shipped", entry.name)
+        elif tree.job is None or tree.job.state not in ACTIVE:
             queue_job(session, tree, {})
             log.info("queued %s to be computed", entry.name)
 

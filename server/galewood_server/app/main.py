@@ -7,6 +7,7 @@ import fcntl
 import logging
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 from typing import TextIO
 
@@ -25,7 +26,7 @@ from galewood_server.http import install_error_handlers
 from galewood_server.jobs import Supervisor
 from galewood_server.ops import Metrics, Tracing, configure_logging
 from galewood_server.settings import Settings
-from galewood_server.storage import Stores, TableCache, migrate, open_database
+from galewood_server.storage import Stores, TableCache, migrate, open_database, records_of
 from galewood_server.stream import Forests, SocketProtocol
 
 log = logging.getLogger("galewood")
@@ -41,12 +42,13 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
         app.state.service = service = _service(settings, importer or limited_importer(settings))
         app.state.feed = ChangeFeed(service)
         app.state.metrics.registry.register(ServiceCollector(service))
+        await asyncio.to_thread(builtin_trees.register, service)
         tasks = [
             asyncio.create_task(work)
             for work in (
                 Supervisor(service).run(),
                 app.state.feed.run(),
-                builtin_trees.register(service),
+                builtin_trees.queue_outdated_uploads(service),
                 asyncio.to_thread(startup_warnings.log_startup_warnings, settings),
             )
         ]
@@ -75,11 +77,12 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
 
 def _service(settings: Settings, importer: MeshImporter) -> Service:
     stores = Stores(settings.data_dir, settings.store_url)
+    sessions = open_database(settings.database)
     return Service(
         settings=settings,
-        sessions=open_database(settings.database),
+        sessions=sessions,
         stores=stores,
-        forests=Forests(settings, TableCache(stores.tables)),
+        forests=Forests(settings, TableCache(stores), partial(records_of, sessions)),
         server_name=f"galewood {VERSION}",
         importer=importer,
         loop=asyncio.get_running_loop(),

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import httpx
+from galewood.table import decode, encode
 from httpx_sse import connect_sse
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosedError
@@ -89,10 +90,27 @@ class Client:
 
     def table(self, sha256: str) -> bytes:
         """Download a table and verify its hash. ServiceError; ValueError if it is damaged."""
-        answer = self._http.get(f"/api/tables/{sha256}")
+        return self._file("tables", sha256)
+
+    def records(self, sha256: str) -> bytes:
+        """Download the records of a table (`records_sha256`) and verify their hash.
+
+        ServiceError; ValueError if they are damaged.
+        """
+        return self._file("records", sha256)
+
+    def whole_table(self, tree: Json) -> bytes:
+        """The table of a tree in one file, with the paper's records if they are computed. ServiceError."""
+        table = self.table(tree["table_sha256"])
+        if not tree["records_sha256"]:
+            return table
+        return encode(decode(table, self.records(tree["records_sha256"])))
+
+    def _file(self, kind: str, sha256: str) -> bytes:
+        answer = self._http.get(f"/api/{kind}/{sha256}")
         _check(answer)
         if hashlib.sha256(answer.content).hexdigest() != sha256:
-            raise ValueError("the downloaded table is damaged")
+            raise ValueError(f"the downloaded file of {kind} is damaged")
         return answer.content
 
     def cancel(self, job_id: str, kind: str = "jobs") -> Json:

@@ -118,9 +118,14 @@ def _missing(session: Session, stores: Stores, repair: bool) -> Iterator[Finding
 
 
 def _clear_reference(tree: Tree, field: str) -> None:
-    """Clear a reference; the tree is computed again at the next start or on request."""
+    """Clear a reference; the tree is computed again at the next start or on request.
+
+    Without its records the tree keeps its table.
+    """
     setattr(tree, field, None)
-    tree.fingerprint = tree.table_sha256 = None
+    tree.fingerprint = None
+    if field != HASH_COLUMNS["records"]:
+        tree.table_sha256 = tree.records_sha256 = None
 
 
 def _missing_of_job(job: Job, stores: Stores, repair: bool) -> Iterator[Finding]:
@@ -166,7 +171,9 @@ def _remove_stale_copies(settings: Settings, stores: Stores, repair: bool) -> No
         return
     for coding in PREFERRED:
         for path in (settings.cache_dir / "encoded" / coding).rglob("*"):
-            if path.is_file() and not (stores.tables.has(path.name) or stores.meshes.has(path.name)):
+            if path.is_file() and not any(
+                store.has(path.name) for store in (stores.tables, stores.records, stores.meshes)
+            ):
                 path.unlink(missing_ok=True)
     for path in (settings.cache_dir / "thumbnails").glob("*.png"):
         if not stores.meshes.has(path.stem):

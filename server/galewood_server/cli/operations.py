@@ -39,7 +39,7 @@ def upload(
             tree = client.upload(mesh, **assumptions)
             tree = tree if inspect else _compute(client, tree["id"])
             if out is not None and tree["table_sha256"]:
-                out.write_bytes(client.table(tree["table_sha256"]))
+                out.write_bytes(client.whole_table(tree))
     except ServiceError as error:
         console.print(f"[red]{error.title}[/red] {error.hint}")
         raise typer.Exit(1) from None

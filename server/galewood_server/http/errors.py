@@ -68,7 +68,7 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
 
 def not_found(kind: str, name: str) -> ProblemError:
     """404 for an unknown tree, job, table or mesh."""
-    title = f"There is no such {kind}"
+    title = f"There {'are' if kind == 'records' else 'is'} no such {kind}"
     return ProblemError(404, f"no-such-{kind}", title, detail=f"{name[:80]!r} was not found.", hint="")
 
 

@@ -37,7 +37,11 @@ class JobOut(BaseModel):
 
 
 class TreeOut(BaseModel):
-    """A tree: `state` is `ready` once it has a complete table; `job_id` is its newest build job."""
+    """A tree: `state` is `ready` once it has a complete table; `job_id` is its newest build job.
+
+    `records_sha256` is null until the records of the paper's state search are computed, and for tables of
+    older versions, which contain them.
+    """
 
     model_config = ConfigDict(from_attributes=True)
 
@@ -48,6 +52,7 @@ class TreeOut(BaseModel):
     state: TreeState
     height_m: float | None
     table_sha256: str | None
+    records_sha256: str | None
     mesh_sha256: str | None
     job_id: str | None
     report: dict[str, Any]
@@ -71,10 +76,11 @@ class JobList(BaseModel):
 
 
 class TableOut(BaseModel):
-    """The current table of a tree."""
+    """The current table of a tree; `records_sha256` is the file of the paper's records, once it exists."""
 
     sha256: str
     size_bytes: int
+    records_sha256: str | None
     tree_id: str
     name: str
     species: str | None

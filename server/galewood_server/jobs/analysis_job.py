@@ -13,6 +13,7 @@ from galewood.table import Table, decode
 from galewood.wind import parse_wind_or_state
 
 from galewood_server.jobs.analysis_files import store_result
+from galewood_server.jobs.model_job import with_model
 from galewood_server.jobs.progress import JobLease, ProgressReporter
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, JobKind, Stores
@@ -26,6 +27,7 @@ def run_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores:
     with job_lease.sessions() as session:
         request = dict(session.get_one(Job, job_lease.job_id).settings)
     reporter = ProgressReporter(job_lease)
+    request = with_model(job_lease, reporter, request, settings, stores)
     reporter.report("model", 0.0, "Fetching table and model")
     if kind == "comparison":
         _compare(job_lease, reporter, request, stores)
@@ -38,7 +40,10 @@ def run_analysis(job_lease: JobLease, kind: JobKind, settings: Settings, stores:
 def _compare(
     job_lease: JobLease, reporter: ProgressReporter, request: dict[str, Any], stores: Stores
 ) -> None:
-    table = decode(stores.tables.get(request["table_sha256"]))
+    records = request.get("records_sha256")
+    table = decode(
+        stores.tables.get(request["table_sha256"]), stores.records.get(records) if records else None
+    )
     model = load_model(stores.models.path(request["model_sha256"]))
     place = Place(**{name: request[name] for name in Place.__dataclass_fields__})
 

@@ -1,20 +1,31 @@
-"""Artefacts that a running build publishes: preview images, the render mesh and the preliminary table."""
+"""Artefacts that a running build publishes: preview images, the render mesh and preliminary tables."""
 
 from __future__ import annotations
 
 import logging
 import threading
 
-from galewood.table import TableError, read_metadata
+from galewood.table import Metadata, TableError, read_metadata
 from galewood.util import Cancelled
 from sqlalchemy.orm import Session
 
 from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.progress import JobLease
-from galewood_server.storage import Job, Stores, Tree, mark_garbage, mark_replaced, store_referenced, utc_now
+from galewood_server.storage import (
+    Job,
+    Stores,
+    Tree,
+    mark_garbage,
+    no_table,
+    replace_files,
+    store_referenced,
+    utc_now,
+)
 
 log = logging.getLogger("galewood.job")
-PRELIMINARY, MESH, PICTURE, TETS = "preliminary.table", "render.glb", ".png", "tets-"
+FIRST, EARLY = "first.table", "early.table"
+"""Preliminary tables: of the natural modes alone, and of the first training runs."""
+MESH, PICTURE, TETS = "render.glb", ".png", "tets-"
 
 
 class ArtefactPublisher:
@@ -41,10 +52,8 @@ class ArtefactPublisher:
             self._transfer.store_tetrahedra(name, content)
         elif name == MESH:
             self._publish_mesh(content)
-        elif name == PRELIMINARY:
-            mesh_sha256 = str(read_metadata(content)["mesh_sha256"])
-            if self._stores.meshes.has(mesh_sha256):
-                self._publish_preliminary_table(content, mesh_sha256)
+        elif name in (FIRST, EARLY):
+            self._publish_preliminary_table(name, content)
 
     def _publish_picture(self, name: str, picture: bytes) -> None:
         with self._job_lease.sessions.begin() as session:
@@ -63,27 +72,41 @@ class ArtefactPublisher:
                 mark_garbage(session, "meshes", tree.mesh_sha256)
                 tree.mesh_sha256, tree.updated_at = mesh_sha256, utc_now()
 
-    def _publish_preliminary_table(self, table: bytes, mesh_sha256: str) -> None:
-        """Set the preliminary table unless the tree has a complete, readable table."""
-        table_sha256 = self._stores.tables.put(table)
+    def _publish_preliminary_table(self, name: str, table: bytes) -> None:
+        """Set a preliminary table unless the tree has a better one."""
+        metadata = read_metadata(table)
+        mesh_sha256 = str(metadata["mesh_sha256"])
+        if not self._stores.meshes.has(mesh_sha256):
+            return
+        files = no_table() | {"table_sha256": self._stores.tables.put(table), "mesh_sha256": mesh_sha256}
         with self._job_lease.sessions.begin() as session:
             tree = self._tree(session)
-            if tree.table_sha256 and not tree.preliminary and self._readable(tree.table_sha256):
-                mark_garbage(session, "tables", table_sha256)
+            if self._has_better(tree, name, metadata):
+                mark_garbage(session, "tables", files["table_sha256"])
                 return
-            files = {"table_sha256": table_sha256, "mesh_sha256": mesh_sha256, "model_sha256": None}
-            mark_replaced(session, tree, files)
+            replace_files(session, tree, files)
             store_referenced(session, self._stores, "tables", table)
-            tree.table_sha256, tree.mesh_sha256 = table_sha256, mesh_sha256
-            tree.preliminary, tree.model_sha256, tree.updated_at = True, None, utc_now()
+            tree.preliminary, tree.updated_at = True, utc_now()
+
+    def _has_better(self, tree: Tree, name: str, metadata: Metadata) -> bool:
+        """Whether the tree has a complete table or, in a resumed build, already an early one."""
+        present = self._metadata(tree.table_sha256)
+        if present is None or not tree.preliminary:
+            return present is not None
+        return name == FIRST and model_of(metadata) is not None and model_of(present) == model_of(metadata)
 
     def _tree(self, session: Session) -> Tree:
         self._job_lease.check(session)
         return session.get_one(Job, self._job_lease.job_id).tree
 
-    def _readable(self, sha256: str) -> bool:
+    def _metadata(self, sha256: str | None) -> Metadata | None:
+        """The metadata of a stored table; None if there is no readable one."""
         try:
-            read_metadata(self._stores.tables.get(sha256))
+            return read_metadata(self._stores.tables.get(sha256)) if sha256 else None
         except (TableError, OSError):
-            return False
-        return True
+            return None
+
+
+def model_of(metadata: Metadata) -> str | None:
+    """Hash of the FEM model that a table was built from."""
+    return metadata.get("provenance", {}).get("model_sha256")

@@ -1,20 +1,23 @@
-"""Build job: computes the table of a tree and stores it."""
+"""Build job: computes the table of a tree and its records, and stores them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 from galewood.options import BuildRequest
 from galewood.pipeline import BuildOptions, BuildResult, Progress, build_options
-from sqlalchemy import update
+from sqlalchemy.orm import Session
 
 from galewood_server.jobs.artefact_publisher import ArtefactPublisher
 from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.dask_runner import DaskRunner
+from galewood_server.jobs.processes import lower_priority
 from galewood_server.jobs.progress import JobLease, ProgressReporter
-from galewood_server.jobs.queue import end_job
+from galewood_server.jobs.queue import RECORDS, end_job
 from galewood_server.jobs.table_fingerprint import fingerprint
 from galewood_server.settings import Settings
 from galewood_server.storage import (
@@ -23,12 +26,18 @@ from galewood_server.storage import (
     Sessions,
     Stores,
     Tree,
-    mark_replaced,
+    no_table,
+    replace_files,
     store_referenced,
     utc_now,
 )
 
 Build = Callable[..., BuildResult]
+RECORDS_PRIORITY = -10
+"""Priority of the simulations of that stage on the cluster; those of other builds have 0."""
+
+LOADED_EARLY = ("scipy.signal", "distributed")
+"""Modules that are slow to load and first needed after meshing."""
 
 
 @dataclass(frozen=True)
@@ -56,46 +65,117 @@ def read_build_inputs(sessions: Sessions, stores: Stores, job_id: str) -> BuildI
         )
 
 
-def run_build(job_lease: JobLease, address: str, settings: Settings, stores: Stores, build: Build) -> None:
-    """Compute and store a table. Raises MeshError, EngineLostError, Cancelled."""
-    inputs = read_build_inputs(job_lease.sessions, stores, job_lease.job_id)
-    reporter = ProgressReporter(job_lease)
-    transfer = BlobTransfer(settings.store_url, job_lease.job_id) if settings.store_url else None
-    runner = DaskRunner(address, settings.cancel_flag(job_lease.job_id), reporter.set_samples, transfer)
-    publisher = ArtefactPublisher(job_lease, stores, transfer)
-    if transfer:
-        transfer.fetch_tetrahedra(settings.cache_dir / "tets")
+class RunningBuild:
+    """A build: what it reports, publishes and stores on its way."""
 
-    def on_progress(progress: Progress) -> None:
-        reporter.report(progress.stage, progress.fraction, progress.message)
+    def __init__(
+        self, job_lease: JobLease, address: Callable[[], str], settings: Settings, stores: Stores
+    ) -> None:
+        self._job_lease = job_lease
+        self._settings = settings
+        self._stores = stores
+        self._inputs = read_build_inputs(job_lease.sessions, stores, job_lease.job_id)
+        self._reporter = ProgressReporter(job_lease)
+        self._transfer = BlobTransfer(settings.store_url, job_lease.job_id) if settings.store_url else None
+        flag = settings.cancel_flag(job_lease.job_id)
+        self._loading: threading.Thread | None = None
+        self._runner = DaskRunner(address, flag, self._reporter.set_samples, self._transfer)
 
-    result = build(
-        inputs.source, inputs.filename, inputs.options, runner, on_progress, settings.cache_dir, publisher
-    )
-    model = runner.model.read_bytes() if runner.model else None
-    publish_result(job_lease, stores, inputs, result, model)
-    if transfer:
-        transfer.delete_runs(runner.runs)
+    def run(self, build: Build) -> None:
+        """Compute and store the table and its records."""
+        if self._transfer:
+            self._transfer.fetch_tetrahedra(self._settings.cache_dir / "tets")
+        result = build(
+            self._inputs.source,
+            self._inputs.filename,
+            self._inputs.options,
+            self._runner,
+            self._on_progress,
+            self._settings.cache_dir,
+            ArtefactPublisher(self._job_lease, self._stores, self._transfer),
+            self._on_table,
+        )
+        publish_result(self._job_lease, self._stores, self._inputs, result, self._model())
+        if self._transfer:
+            self._transfer.delete_runs(self._runner.runs)
+
+    def _on_progress(self, progress: Progress) -> None:
+        if progress.stage == "meshing" and self._loading is None:
+            self._loading = threading.Thread(target=load_early, name="load-early", daemon=True)
+            self._loading.start()
+        self._reporter.report(progress.stage, progress.fraction, progress.message)
+
+    def _on_table(self, result: BuildResult) -> None:
+        """Store the complete table; what follows, the paper's records, is less urgent."""
+        publish_table(self._job_lease, self._stores, self._inputs, result, self._model())
+        self._runner.priority = RECORDS_PRIORITY
+        lower_priority()
+
+    def _model(self) -> bytes | None:
+        return self._runner.model.read_bytes() if self._runner.model else None
+
+
+def load_early() -> None:
+    """Load what later stages need while this process waits for the mesher's."""
+    for module in LOADED_EARLY:
+        import_module(module)
+
+
+def run_build(
+    job_lease: JobLease, address: Callable[[], str], settings: Settings, stores: Stores, build: Build
+) -> None:
+    """Compute and store a table and its records. Raises MeshError, EngineLostError, Cancelled.
+
+    `address` is called when the first training runs are to be simulated; it waits for the cluster.
+    """
+    RunningBuild(job_lease, address, settings, stores).run(build)
+
+
+def publish_table(
+    job_lease: JobLease, stores: Stores, inputs: BuildInputs, result: BuildResult, model: bytes | None
+) -> None:
+    """Store the complete table of a running build: its tree is ready, while the job continues.
+
+    Raises Cancelled.
+    """
+    files = _put(stores, result, model)
+    with job_lease.sessions.begin() as session:
+        job_lease.check(session)
+        _set_table(session, stores, inputs, files, result)
+        job = session.get_one(Job, job_lease.job_id)
+        job.stage, job.fraction, job.seconds_left = RECORDS, 0.0, None
 
 
 def publish_result(
     job_lease: JobLease, stores: Stores, inputs: BuildInputs, result: BuildResult, model: bytes | None
 ) -> None:
     """Store the files, then, in one transaction, reference them by the tree and set the job to done."""
-    outputs = {"tables": result.table, "meshes": result.render_glb} | ({"models": model} if model else {})
-    files: dict[str, str | None] = {"model_sha256": None}
-    files |= {HASH_COLUMNS[kind]: stores.named(kind).put(data) for kind, data in outputs.items()}
-    tree: dict[str, Any] = {
-        **files,
-        "preliminary": False,
-        "report": result.report,
-        "fingerprint": inputs.fingerprint,
-        "updated_at": utc_now(),
-    }
+    files = _put(stores, result, model)
     done: dict[str, Any] = {"stage": "done", "fraction": 1.0}
     with job_lease.sessions.begin() as session:
         if end_job(session, job_lease.job_id, "done", message="Done", lease=job_lease.lease, **done):
-            mark_replaced(session, session.get_one(Tree, inputs.tree_id), files)
-            for kind, data in outputs.items():
-                store_referenced(session, stores, kind, data)
-            session.execute(update(Tree).where(Tree.id == inputs.tree_id).values(**tree))
+            _set_table(session, stores, inputs, files, result)
+
+
+def _put(stores: Stores, result: BuildResult, model: bytes | None) -> dict[str, bytes]:
+    """Store the files of a result, to keep the transaction short that references them: kind -> content."""
+    files = {"tables": result.table, "meshes": result.render_glb}
+    files |= {"models": model} if model else {}
+    files |= {"records": result.records} if result.records else {}
+    for kind, data in files.items():
+        stores.named(kind).put(data)
+    return files
+
+
+def _set_table(
+    session: Session, stores: Stores, inputs: BuildInputs, files: Mapping[str, bytes], result: BuildResult
+) -> None:
+    """Reference the files of a result by its tree, which keeps the records of an unchanged table."""
+    tree = session.get_one(Tree, inputs.tree_id)
+    hashes = {
+        HASH_COLUMNS[kind]: store_referenced(session, stores, kind, data) for kind, data in files.items()
+    }
+    kept = {"records_sha256": tree.records_sha256} if tree.table_sha256 == hashes["table_sha256"] else {}
+    replace_files(session, tree, {**no_table(), **kept, **hashes})
+    tree.preliminary, tree.report = False, result.report
+    tree.fingerprint, tree.updated_at = inputs.fingerprint, utc_now()

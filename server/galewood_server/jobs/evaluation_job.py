@@ -46,6 +46,7 @@ def _run(
 ) -> dict[str, Any]:
     table, mesh = stores.tables.path(request["table_sha256"]), folder / "tree.glb"
     mesh.write_bytes(stores.meshes.get(request["mesh_sha256"]))
+    records = request.get("records_sha256")
 
     def on_progress(share: float, message: str) -> None:
         reporter.report("evaluating", share, message)
@@ -55,6 +56,7 @@ def _run(
             table, mesh, stores.models.path(request["model_sha256"]), settings.cache_dir, on_progress,
             plot=folder / PLOT, frames=request["frames"], strength=strength_of(table, request),
             sway=request.get("sway"), seed=request["seed"], long=0, workers=1, reference_dir=folder,
+            records=stores.records.path(records) if records else None,
         )  # fmt: skip
     except SourceError as error:
         raise JobFailedError("The table does not match the stored model. Compute the tree again.") from error

@@ -1,6 +1,7 @@
 """Child process that runs one job.
 
-`python -m galewood_server.jobs.job_process JOB_ID LEASE SCHEDULER_ADDRESS`
+`python -m galewood_server.jobs.job_process JOB_ID LEASE`; the parent writes the address of the cluster, as a
+line, to standard input when the cluster runs.
 """
 
 from __future__ import annotations
@@ -25,7 +26,11 @@ EXIT_TRY_AGAIN = 75  # EX_TEMPFAIL: the supervisor queues the job again
 
 
 def run_job(
-    job_lease: JobLease, address: str, settings: Settings, build: Build, analysis: Analysis | None = None
+    job_lease: JobLease,
+    address: Callable[[], str],
+    settings: Settings,
+    build: Build,
+    analysis: Analysis | None = None,
 ) -> None:
     """Run a job; every failure is stored as its final state."""
     job_id = job_lease.job_id
@@ -48,7 +53,11 @@ def run_job(
 
 
 def _work(
-    job_lease: JobLease, address: str, settings: Settings, build: Build, analysis: Analysis | None
+    job_lease: JobLease,
+    address: Callable[[], str],
+    settings: Settings,
+    build: Build,
+    analysis: Analysis | None,
 ) -> None:
     stores = Stores(settings.data_dir, settings.store_url)
     kind = _kind(job_lease.sessions, job_lease.job_id)
@@ -73,11 +82,12 @@ def _kind(sessions: Sessions, job_id: str) -> JobKind:
 def main(build: Build, analysis: Analysis | None = None) -> None:
     """Run the job given on the command line at low priority; end with the server. Tests pass `analysis`."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
-    die_with_parent()
+    address = die_with_parent()
     os.nice(NICENESS)
-    job_id, lease, address = sys.argv[1:4]
+    job_id, lease = sys.argv[1:3]
     settings = Settings()
-    run_job(JobLease(open_database(settings.database), job_id, lease), address, settings, build, analysis)
+    job_lease = JobLease(open_database(settings.database), job_id, lease)
+    run_job(job_lease, address.result, settings, build, analysis)
 
 
 if __name__ == "__main__":

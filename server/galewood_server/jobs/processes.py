@@ -6,9 +6,13 @@ import asyncio
 import os
 import sys
 import threading
+from concurrent.futures import Future
 
 import psutil
 from galewood.threads import SINGLE_THREADED
+
+LOWER = 5
+"""By how much `lower_priority` lowers it."""
 
 
 def kill_tree(pid: int) -> None:
@@ -25,12 +29,19 @@ def kill_tree(pid: int) -> None:
             continue
 
 
-def die_with_parent() -> None:
-    """In a child process: exit with all descendants when the parent closes standard input or dies."""
+def die_with_parent() -> Future[str]:
+    """In a child process: exit with all descendants when the parent closes standard input or dies.
+
+    The result is the first line that the parent sends (`send_line`).
+    """
+    line: Future[str] = Future()
 
     def watch() -> None:
-        while os.read(0, 1024):
-            pass
+        received = b""
+        while chunk := os.read(0, 1024):
+            received += chunk
+            if b"\n" in received and not line.done():
+                line.set_result(received.partition(b"\n")[0].decode())
         for child in psutil.Process().children(recursive=True):
             try:
                 child.kill()
@@ -39,6 +50,23 @@ def die_with_parent() -> None:
         os._exit(1)
 
     threading.Thread(target=watch, name="die-with-parent", daemon=True).start()
+    return line
+
+
+def lower_priority() -> None:
+    """Lower the priority of this process and of its children further."""
+    this = psutil.Process()
+    for process in (this, *this.children(recursive=True)):
+        try:
+            process.nice(min(process.nice() + LOWER, 19))
+        except psutil.NoSuchProcess:
+            continue
+
+
+def send_line(process: asyncio.subprocess.Process, text: str) -> None:
+    """Send a line to a child process, unless it has ended."""
+    if process.returncode is None and process.stdin and not process.stdin.is_closing():
+        process.stdin.write(text.encode() + b"\n")
 
 
 async def start_module(

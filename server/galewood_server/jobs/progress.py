@@ -57,6 +57,7 @@ class ProgressReporter:
         # time and fraction of the first report, because a resumed job does not start at 0
         self._began: tuple[float, float] | None = None
         self._last_report: tuple[float, str] = (-1.0, "")
+        self._last_fraction = 0.0
         self._samples: tuple[int, int] | None = None
 
     def set_samples(self, done: int, total: int) -> None:
@@ -68,7 +69,9 @@ class ProgressReporter:
         now_s = time.monotonic()
         if now_s - self._last_report[0] < REPORT_S and stage == self._last_report[1]:
             return
-        self._last_report = (now_s, stage)
+        if fraction < self._last_fraction:  # stage "records" counts from 0 again
+            self._began = None
+        self._last_report, self._last_fraction = (now_s, stage), fraction
         values: dict[str, Any] = {"stage": stage, "fraction": fraction, "message": message}
         if self._samples:
             values["samples_done"], values["samples_total"] = self._samples

@@ -7,13 +7,17 @@ from typing import Any
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
-from galewood_server.http import ProblemError, not_found
 from galewood_server.storage import ACTIVE, Job, JobKind, Tree, utc_now
+
+RECORDS = "records"
+"""Stage of a build that computes the paper's records, after the complete table of the default method."""
 
 
 def queue_job(session: Session, tree: Tree, settings: dict[str, Any]) -> Job:
     """Queue a build of a tree's table. ProblemError 409 if one is already queued or running."""
     if tree.job and tree.job.state in ACTIVE:
+        from galewood_server.http import ProblemError  # loads FastAPI, which job processes do not need
+
         raise ProblemError(
             409,
             "already-building",
@@ -69,5 +73,7 @@ def find_job(session: Session, job_id: str, kind: JobKind = "build") -> Job:
     """A job by its id and kind. ProblemError 404."""
     job = session.scalars(select(Job).where(Job.id == job_id, Job.kind == kind)).one_or_none()
     if job is None:
+        from galewood_server.http import not_found
+
         raise not_found("job" if kind == "build" else kind, job_id)
     return job

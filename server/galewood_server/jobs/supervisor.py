@@ -12,9 +12,9 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from galewood_server.context import Service
 from galewood_server.jobs import leases
-from galewood_server.jobs.cluster.embedded import Cluster, ClusterError
+from galewood_server.jobs.cluster.embedded import Cluster, ClusterError, Handover
 from galewood_server.jobs.processes import start_module, stop
-from galewood_server.jobs.queue import end_job
+from galewood_server.jobs.queue import RECORDS, end_job
 from galewood_server.storage import Job, JobKind, collect_garbage, forget_analysis_folders
 
 log = logging.getLogger("galewood.jobs")
@@ -25,6 +25,10 @@ QUEUES: dict[str, tuple[JobKind, ...]] = {
     "evaluations": ("evaluation",),
 }
 """Queue -> job kinds. Comparisons take seconds and are interactive, so they do not wait for other kinds."""
+STAGES_WITHOUT_CLUSTER = ("queued", "import")
+"""Stages of a build in which the cluster is not started yet, so that it does not compete with the import."""
+BUILDS_IN_STAGE_RECORDS = 3
+"""Largest number of builds in stage "records" that run in addition to `concurrent_jobs` other builds."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,14 @@ class Claim:
     queue: str
 
 
+@dataclass(frozen=True)
+class JobStatus:
+    """What the supervisor needs to know of a running job."""
+
+    cancelled: bool = False
+    stage: str = ""
+
+
 class Supervisor:
     """Starts and supervises job processes. The state of jobs is kept only in the database."""
 
@@ -44,6 +56,8 @@ class Supervisor:
         self._cluster = Cluster(service.settings)
         self._owner = leases.server_identity(service.settings.data_dir)
         self._running: dict[Claim, asyncio.Task[None]] = {}
+        self._in_records: set[str] = set()
+        """Running builds that compute only the paper's records."""
         self._collected_s = time.monotonic()
 
     async def run(self) -> None:
@@ -54,7 +68,7 @@ class Supervisor:
         try:
             while True:
                 await self._start_jobs()
-                await self._cluster.close_if_idle(busy=self._running_count("builds") > 0)
+                await self._cluster.close_if_idle(busy=self._running_builds > 0)
                 await self._collect_garbage()
                 await self._pause()
         finally:
@@ -102,8 +116,17 @@ class Supervisor:
             log.info("garbage collection removed %d file(s)", removed)
 
     def _running_count(self, queue: str) -> int:
+        """Running jobs that count for the limit of a queue."""
         self._running = {claim: task for claim, task in self._running.items() if not task.done()}
-        return sum(claim.queue == queue for claim in self._running)
+        count = sum(claim.queue == queue for claim in self._running)
+        if queue != "builds":
+            return count
+        in_records = sum(claim.job_id in self._in_records for claim in self._running)
+        return count - min(in_records, BUILDS_IN_STAGE_RECORDS)
+
+    @property
+    def _running_builds(self) -> int:
+        return sum(claim.queue == "builds" and not task.done() for claim, task in self._running.items())
 
     async def _start_waiting(self, queue: str) -> None:
         settings = self._service.settings
@@ -129,6 +152,8 @@ class Supervisor:
             await self._run_process(claim, renewal)
         finally:
             renewal.cancel()
+            self._in_records.discard(claim.job_id)
+            self._service.jobs_changed.set()  # the next job starts now, not at the next poll
 
     async def _renew_lease(self, claim: Claim) -> None:
         """Renew the lease until it is lost."""
@@ -148,39 +173,56 @@ class Supervisor:
             return leases.renew(session, claim.job_id, claim.lease, self._service.settings.lease_s)
 
     async def _run_process(self, claim: Claim, renewal: asyncio.Task[None]) -> None:
+        settings = self._service.settings
+        process = await start_module(
+            settings.job_module, claim.job_id, claim.lease, environment=settings.environment()
+        )
+        handover = Handover(self._cluster, process) if claim.queue == "builds" else None
         try:
-            address = await self._cluster.address() if claim.queue == "builds" else ""
+            cancelled = await self._wait_for_end(process, claim, renewal, handover)
         except ClusterError as error:
             await asyncio.to_thread(self._record_exit, claim, str(error))
             return
-        settings = self._service.settings
-        process = await start_module(
-            settings.job_module, claim.job_id, claim.lease, address, environment=settings.environment()
-        )
-        try:
-            cancelled = await self._wait_for_end(process, claim, renewal)
         finally:
+            if handover:
+                handover.close()
             await stop(process)
         code = process.returncode
         reason = None if cancelled else f"The job process ended with exit code {code}."
         await asyncio.to_thread(self._record_exit, claim, reason)
 
     async def _wait_for_end(
-        self, process: asyncio.subprocess.Process, claim: Claim, renewal: asyncio.Task[None]
+        self,
+        process: asyncio.subprocess.Process,
+        claim: Claim,
+        renewal: asyncio.Task[None],
+        handover: Handover | None,
     ) -> bool:
-        """Wait until the process, cluster or lease ends (False) or the job is cancelled or deleted (True)."""
-        needs_cluster = claim.queue == "builds"
-        while (
-            process.returncode is None and not renewal.done() and not (needs_cluster and self._cluster.lost)
-        ):
+        """Wait until the process, cluster or lease ends (False) or the job is cancelled or deleted (True).
+
+        ClusterError if the cluster that the job needs could not be started.
+        """
+        while process.returncode is None and not renewal.done() and not (handover and handover.lost):
             try:
                 async with asyncio.timeout(POLL_S):
                     await process.wait()
             except TimeoutError:
-                if await asyncio.to_thread(self._cancel_requested, claim.job_id):
+                status = await asyncio.to_thread(self._status, claim.job_id)
+                if status.cancelled:
                     await asyncio.to_thread(self._set_cancel_flag, claim.job_id)
                     return True
+                self._note_stage(claim, status.stage, handover)
         return False
+
+    def _note_stage(self, claim: Claim, stage: str, handover: Handover | None) -> None:
+        """Start the cluster when a build is about to need it, and the next build when only records remain."""
+        if handover is None or not stage:
+            return
+        if stage not in STAGES_WITHOUT_CLUSTER:
+            handover.start()
+        if stage == RECORDS and claim.job_id not in self._in_records:
+            self._in_records.add(claim.job_id)
+            self._service.jobs_changed.set()
 
     def _set_cancel_flag(self, job_id: str) -> None:
         """Signal the cancellation to the workers, because Dask cannot stop running tasks."""
@@ -191,14 +233,14 @@ class Supervisor:
 
             BlobTransfer(settings.store_url, job_id).set_cancel_flag()
 
-    def _cancel_requested(self, job_id: str) -> bool:
+    def _status(self, job_id: str) -> JobStatus:
         try:
             with self._service.sessions() as session:
                 job = session.get(Job, job_id)
-                return job is None or job.cancel_requested
+                return JobStatus(job.cancel_requested, job.stage) if job else JobStatus(cancelled=True)
         except SQLAlchemyError:
             log.exception("job %s could not be read", job_id)
-            return False
+            return JobStatus()
 
     def _record_exit(self, claim: Claim, crash: str | None) -> None:
         """Update a job that ended without a final state: cancelled (crash is None), requeued or failed."""

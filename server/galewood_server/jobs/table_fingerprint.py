@@ -8,6 +8,7 @@ from importlib.metadata import version
 from typing import Any
 
 from galewood.table import VERSION
+from galewood.versions import SAMPLING_VERSION
 
 BUILD_VERSION = 2
 """Increase it when builds store additional files (2: the model)."""
@@ -15,8 +16,6 @@ BUILD_VERSION = 2
 
 def fingerprint(source_sha256: str, options: dict[str, Any], settings: dict[str, Any]) -> str:
     """SHA-256 of source, options, settings and versions; a table with another fingerprint is outdated."""
-    from galewood.sampling import SAMPLING_VERSION  # imported here: loads numba
-
     versions = [version("galewood"), VERSION, SAMPLING_VERSION, BUILD_VERSION]
     parts = json.dumps([source_sha256, options, settings, versions], sort_keys=True)
     return hashlib.sha256(parts.encode()).hexdigest()

@@ -17,9 +17,10 @@ from galewood_server.storage.garbage import (
     forget_analysis_folders,
     forget_old_analyses,
     mark_garbage,
-    mark_replaced,
     mark_tree_files,
+    no_table,
     referenced_files,
+    replace_files,
     store_referenced,
 )
 from galewood_server.storage.models import (
@@ -34,6 +35,7 @@ from galewood_server.storage.models import (
     utc_now,
 )
 from galewood_server.storage.object_store import fetch, list_keys, open_bucket, stored
+from galewood_server.storage.records import records_of
 from galewood_server.storage.stores import STORE_NAMES, Stores
 from galewood_server.storage.table_cache import TableCache
 
@@ -65,14 +67,16 @@ __all__ = [
     "is_hash",
     "list_keys",
     "mark_garbage",
-    "mark_replaced",
     "mark_tree_files",
     "migrate",
     "migration_config",
     "new_id",
+    "no_table",
     "open_bucket",
     "open_database",
+    "records_of",
     "referenced_files",
+    "replace_files",
     "store_referenced",
     "stored",
     "utc_now",

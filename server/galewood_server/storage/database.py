@@ -5,16 +5,20 @@ from __future__ import annotations
 import fcntl
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from alembic import command
-from alembic.config import Config
-from sqlalchemy import Engine, create_engine, event, func, select
+from sqlalchemy import Engine, create_engine, event, func, select, text
+from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session, sessionmaker
 
 from galewood_server.storage.models import utc_now
 
+if TYPE_CHECKING:
+    from alembic.config import Config
+
 Sessions = sessionmaker[Session]
+HEAD = "0004"
+"""The newest schema revision, known without loading Alembic; a test compares it with the migrations."""
 
 
 def open_database(url: str) -> Sessions:
@@ -41,6 +45,10 @@ def _prepare_sqlite(connection: Any, _record: object) -> None:
 
 def migrate(url: str) -> None:
     """Migrate the database to the newest schema, creating it if necessary. Serialises concurrent calls."""
+    if _revision(url) == HEAD:
+        return
+    from alembic import command
+
     if not url.startswith("sqlite:///"):
         command.upgrade(migration_config(url), "head")  # env.py takes an advisory lock
         return
@@ -51,8 +59,24 @@ def migrate(url: str) -> None:
         command.upgrade(migration_config(url), "head")
 
 
+def _revision(url: str) -> str | None:
+    """The schema revision of a database; None if it has none or does not exist."""
+    if url.startswith("sqlite:///") and not Path(url.removeprefix("sqlite:///")).exists():
+        return None
+    engine = create_engine(with_driver(url))
+    try:
+        with engine.connect() as connection:
+            return connection.execute(text("SELECT version_num FROM alembic_version")).scalar()
+    except SQLAlchemyError:
+        return None
+    finally:
+        engine.dispose()
+
+
 def migration_config(url: str) -> Config:
     """Alembic's configuration for a database URL."""
+    from alembic.config import Config
+
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
     config.attributes["url"] = url

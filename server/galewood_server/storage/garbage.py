@@ -19,10 +19,11 @@ HASH_COLUMNS = {
     "sources": "source_sha256",
     "meshes": "mesh_sha256",
     "tables": "table_sha256",
+    "records": "records_sha256",
     "models": "model_sha256",
 }
 KEPT_ANALYSES = 12
-ANALYSIS_INPUTS = ("table_sha256", "model_sha256", "mesh_sha256")
+ANALYSIS_INPUTS = ("table_sha256", "records_sha256", "model_sha256", "mesh_sha256")
 
 
 def mark_garbage(session: Session, kind: str, sha256: str | None) -> None:
@@ -42,11 +43,17 @@ def store_referenced(session: Session, stores: Stores, kind: str, data: bytes) -
     return stores.named(kind).put(data)
 
 
-def mark_replaced(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:
-    """Mark the files that a tree is about to lose; `files`: column -> new hash."""
+def no_table() -> dict[str, str | None]:
+    """The columns of everything that belongs to one table, without a file."""
+    return {"table_sha256": None, "records_sha256": None, "model_sha256": None}
+
+
+def replace_files(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:
+    """Set the files of a tree and mark those that it loses as garbage; `files`: column -> new hash."""
     for kind, field in HASH_COLUMNS.items():
         if field in files and getattr(tree, field) != files[field]:
             mark_garbage(session, kind, getattr(tree, field))
+            setattr(tree, field, files[field])
 
 
 def mark_tree_files(session: Session, tree: Tree) -> None:
@@ -85,7 +92,7 @@ def referenced_files(session: Session) -> dict[str, set[str]]:
 def files_in_use(session: Session) -> set[str]:
     """Hashes of the input files of active analyses."""
     settings = session.scalars(select(Job.settings).where(Job.state.in_(ACTIVE), Job.kind != "build")).all()
-    return {str(one[field]) for one in settings for field in ANALYSIS_INPUTS if field in one}
+    return {str(one[field]) for one in settings for field in ANALYSIS_INPUTS if one.get(field)}
 
 
 def collect_garbage(sessions: Sessions, stores: Stores, grace_s: float) -> int:

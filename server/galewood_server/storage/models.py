@@ -61,6 +61,8 @@ class Tree(Base):
     source_sha256: Mapped[str] = mapped_column(String(64))
     mesh_sha256: Mapped[str | None] = mapped_column(String(64))
     table_sha256: Mapped[str | None] = mapped_column(String(64))
+    # the records of the paper's state search, which belong to this table and follow it
+    records_sha256: Mapped[str | None] = mapped_column(String(64))
     # the FEM model of the table's training runs
     model_sha256: Mapped[str | None] = mapped_column(String(64))
     # the table is preliminary (from the first few winds); the build will replace it

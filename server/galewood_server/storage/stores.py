@@ -6,7 +6,7 @@ from pathlib import Path
 
 from galewood_server.storage.files import FileStore
 
-STORE_NAMES = ("sources", "meshes", "tables", "models", "pictures", "results")
+STORE_NAMES = ("sources", "meshes", "tables", "records", "models", "pictures", "results")
 
 
 class Stores:
@@ -23,6 +23,7 @@ class Stores:
         self.sources = self._named["sources"]
         self.meshes = self._named["meshes"]
         self.tables = self._named["tables"]
+        self.records = self._named["records"]
         self.models = self._named["models"]
         self.pictures = self._named["pictures"]
         self.results = self._named["results"]

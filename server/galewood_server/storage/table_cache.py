@@ -5,25 +5,31 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 
-from galewood.table import Table, decode
+from galewood.table import Table, decode, with_records
 
-from galewood_server.storage.files import FileStore
+from galewood_server.storage.stores import Stores
 
 
 class TableCache:
     """LRU cache of decoded tables, shared by all clients. Thread-safe."""
 
-    def __init__(self, store: FileStore, capacity: int = 16) -> None:
-        self._store = store
+    def __init__(self, stores: Stores, capacity: int = 16) -> None:
+        self._stores = stores
         self._capacity = capacity
         self._tables: OrderedDict[str, Table] = OrderedDict()
         self._lock = threading.Lock()
 
-    def take(self, sha256: str) -> Table:
-        """A table by its hash. FileNotFoundError, TableError."""
+    def take(self, sha256: str, records_sha256: str | None = None) -> Table:
+        """A table by its hash, with the records of the given file unless it holds them itself.
+
+        FileNotFoundError, TableError.
+        """
         with self._lock:
             if sha256 not in self._tables:
-                self._tables[sha256] = decode(self._store.get(sha256))
+                self._tables[sha256] = decode(self._stores.tables.get(sha256))
+            if records_sha256 and self._tables[sha256].paper is None:
+                records = self._stores.records.get(records_sha256)
+                self._tables[sha256] = with_records(self._tables[sha256], records, sha256)
             self._tables.move_to_end(sha256)
             while len(self._tables) > self._capacity:
                 self._tables.popitem(last=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from galewood_server.stream.forest import ForestStepper
 
 log = logging.getLogger("galewood.stream")
+RecordsOf = Callable[[str], str | None]
+"""The records file of a table, both by their hashes; None: there is none."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +47,10 @@ def cores() -> int:
 class Forests:
     """Creates, shares and ends forests. Runs in the event loop, except for slow operations."""
 
-    def __init__(self, settings: Settings, table_cache: TableCache) -> None:
+    def __init__(self, settings: Settings, table_cache: TableCache, records_of: RecordsOf) -> None:
         self._settings = settings
         self._table_cache = table_cache
+        self._records_of = records_of
         self._shared: dict[str, LiveForest] = {}
         self._join_lock = asyncio.Lock()
         threads = cores()
@@ -134,10 +138,23 @@ class Forests:
 
     def _tables(self, plan: Forest) -> list[Table]:
         try:
+            if plan.method == "paper":
+                return [self._with_records(group.table) for group in plan.groups]
             return [self._table_cache.take(group.table) for group in plan.groups]
         except (FileNotFoundError, TableError) as error:
             log.warning("a table is missing or unreadable: %s", error)
             raise SessionError("no-such-table", "A table of this forest is missing or unreadable") from None
+
+    def _with_records(self, table_sha256: str) -> Table:
+        table = self._table_cache.take(table_sha256, self._records_of(table_sha256))
+        if table.paper is None:
+            raise SessionError(
+                "no-records",
+                "The paper's method is still being computed for this tree",
+                "Wait until its job is done, or choose the default method.",
+                TRY_AGAIN_LATER,
+            )
+        return table
 
     def _evict_empty_forest(self) -> None:
         if len(self._shared) < self._settings.shared_forests:

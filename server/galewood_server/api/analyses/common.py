@@ -42,12 +42,12 @@ def analysis_fields(job: Job) -> dict[str, Any]:
 
 
 def computed_tree(session: Session, tree_id: str) -> Tree:
-    """A tree that has a table and a FEM model. ProblemError 404, 409."""
+    """A tree that has a complete table. ProblemError 404, 409."""
     tree = session.get(Tree, tree_id)
     if tree is None:
         raise not_found("tree", tree_id)
-    if not tree.table_sha256 or not tree.model_sha256:
-        title, hint = "This tree has no table yet", "Compute the tree first."
+    if not tree.table_sha256 or tree.preliminary:
+        title, hint = "This tree has no complete table yet", "Compute the tree first."
         raise ProblemError(409, "not-computed", title, hint=hint)
     return tree
 

@@ -1,4 +1,4 @@
-"""Comparisons: one tree's motion under one wind by FEM and by both lookup methods of its table."""
+"""Comparisons: one tree's motion under one wind by FEM and by the methods of its table."""
 
 from __future__ import annotations
 

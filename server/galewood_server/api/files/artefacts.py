@@ -1,4 +1,4 @@
-"""Tables and meshes by content hash: immutable, cacheable, with support for range requests."""
+"""Tables, records and meshes by content hash: immutable, cacheable, with support for range requests."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from galewood_server.storage import PREFERRED, FileStore, coding_of, encoded_fil
 router = APIRouter(prefix="/api", tags=["artefacts"])
 IMMUTABLE = "public, max-age=31536000, immutable"
 _RANGE = re.compile(r"bytes=\s*(\d+-\d*|-\d+)(\s*,\s*(\d+-\d*|-\d+)){0,15}\s*")
+COMPRESSED = ("table", "records")
 BINARY: dict[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 
 
@@ -37,6 +38,15 @@ def get_table(sha256: str, request: Request, service: ServiceDep) -> Response:
     return _file(request, service, service.stores.tables, "table", sha256, "application/octet-stream")
 
 
+@router.get(
+    "/records/{sha256}", response_class=FileResponse, responses=_responses("application/octet-stream")
+)
+@router.head("/records/{sha256}", include_in_schema=False)
+def get_records(sha256: str, request: Request, service: ServiceDep) -> Response:
+    """The records of the paper's state search for one table (docs/formats/table.md), like a table file."""
+    return _file(request, service, service.stores.records, "records", sha256, "application/octet-stream")
+
+
 @router.get("/meshes/{sha256}", response_class=FileResponse, responses=_responses("model/gltf-binary"))
 @router.head("/meshes/{sha256}", include_in_schema=False)
 def get_mesh(sha256: str, request: Request, service: ServiceDep) -> Response:
@@ -53,7 +63,8 @@ def _file(
     if ranges is not None and not _RANGE.fullmatch(ranges):
         raise ProblemError(400, "bad-range", "Invalid Range header", hint="Send bytes=FIRST-LAST.")
     # ranges refer to the uncompressed bytes
-    coding = coding_of(request.headers.get("accept-encoding", "")) if kind == "table" and not ranges else None
+    compressed = kind in COMPRESSED and not ranges
+    coding = coding_of(request.headers.get("accept-encoding", "")) if compressed else None
     folder = service.settings.cache_dir / "encoded"
     path = encoded_file(folder, sha256, coding, lambda: store.get(sha256)) if coding else None
     etag = f'"{sha256}-{coding}"' if path else f'"{sha256}"'

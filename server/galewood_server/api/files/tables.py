@@ -29,6 +29,7 @@ from galewood_server.storage import Tree
 
 router = APIRouter(prefix="/api/tables", tags=["tables"])
 ORDER = (Tree.created_at, Tree.id)
+OWN_FIELDS = ("name", "species", "height_m", "mesh_sha256", "records_sha256")
 
 
 class TableMetadata(BaseModel):
@@ -66,7 +67,7 @@ def _out(service: Service, tree: Tree) -> TableOut | None:
     size = service.stores.tables.size(tree.table_sha256 or "")
     if size is None:
         return None
-    fields = {name: getattr(tree, name) for name in ("name", "species", "height_m", "mesh_sha256")}
+    fields = {name: getattr(tree, name) for name in OWN_FIELDS}
     return TableOut(sha256=tree.table_sha256 or "", size_bytes=size, tree_id=tree.id, **fields)
 
 

@@ -44,15 +44,19 @@ def connected(address: str) -> Generator[Any]:
 
 
 def map_on_cluster(
-    client: Any, work: Callable[[Item], Result], items: Sequence[Item], done: Callable[[int, Item], None]
+    client: Any,
+    work: Callable[[Item], Result],
+    items: Sequence[Item],
+    done: Callable[[int, Item], None],
+    priority: int = 0,
 ) -> None:
-    """Apply `work` to every item in the worker processes.
+    """Apply `work` to every item in the worker processes, after all items of a higher priority.
 
     `done` is called with the number of finished items and the last one; it may raise to cancel the others.
     """
     from distributed import as_completed
 
-    futures: list[Any] = client.map(work, items, pure=False, retries=2)
+    futures: list[Any] = client.map(work, items, pure=False, retries=2, priority=priority)
     item_of = {future.key: item for future, item in zip(futures, items, strict=True)}
     try:
         finished = cast(Iterable[Any], as_completed(futures, loop=client.loop))

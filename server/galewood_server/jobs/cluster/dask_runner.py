@@ -28,16 +28,19 @@ class DaskRunner:
 
     def __init__(
         self,
-        address: str,
+        address: Callable[[], str],
         flag: Path,
         on_samples: Callable[[int, int], None] = lambda on_done, total: None,
         transfer: BlobTransfer | None = None,
     ) -> None:
-        """`on_samples(done, total)` is called with the number of finished runs before each report."""
+        """`address` is called when runs are missing; `on_samples(done, total)` with the number of finished
+        runs before each report."""
         self._address = address
         self._flag = flag
         self._on_samples = on_samples
         self._transfer = transfer
+        self.priority = 0
+        """Priority of the runs on the cluster."""
         self.model: Path | None = None
         """File of the FEM model of the last call."""
         self.runs: list[Path] = []
@@ -70,14 +73,15 @@ class DaskRunner:
                 raise EngineLostError("a run finished by a worker is missing in the bucket")
             report(count)
 
-        with connected(self._address) as client:
+        with connected(self._address()) as client:
             if transfer:
-                map_on_cluster(
-                    client, run_and_upload, [transfer.upload_model(task) for task in missing], fetched
-                )
+                uploaded = [transfer.upload_model(task) for task in missing]
+                map_on_cluster(client, run_and_upload, uploaded, fetched, self.priority)
             else:
                 items = [CancellableTask(task, flag) for task in missing]
-                map_on_cluster(client, run_unless_cancelled, items, lambda count, _: report(count))
+                map_on_cluster(
+                    client, run_unless_cancelled, items, lambda count, _: report(count), self.priority
+                )
 
 
 def run_unless_cancelled(item: CancellableTask) -> str:

@@ -6,7 +6,7 @@ import asyncio
 import json
 import time
 
-from galewood_server.jobs.processes import start_module, stop
+from galewood_server.jobs.processes import send_line, start_module, stop
 from galewood_server.settings import Settings
 
 START_S = 90.0
@@ -26,6 +26,11 @@ class Cluster:
         self._address = ""
         self._starting = asyncio.Lock()
         self._used_s = time.monotonic()
+
+    @property
+    def external(self) -> bool:
+        """Whether the cluster is operated by someone else."""
+        return self._settings.scheduler_url is not None
 
     async def address(self) -> str:
         """The scheduler's address. Starts or restarts the embedded cluster if necessary. ClusterError."""
@@ -53,9 +58,11 @@ class Cluster:
             async with asyncio.timeout(START_S):
                 line = await process.stdout.readline()
             self._address = str(json.loads(line)["address"])
-        except (TimeoutError, ValueError, KeyError) as error:
+        except BaseException as error:  # including the end of the server meanwhile
             await stop(process)
-            raise ClusterError("the simulation workers could not be started") from error
+            if isinstance(error, (TimeoutError, ValueError, KeyError)):
+                raise ClusterError("the simulation workers could not be started") from error
+            raise
         self._process = process
 
     @property
@@ -75,3 +82,35 @@ class Cluster:
         if self._process:
             await stop(self._process, CLOSE_S)
             self._process = None
+
+
+class Handover:
+    """Starts the cluster for a job process that is already running, and sends it the address."""
+
+    def __init__(self, cluster: Cluster, process: asyncio.subprocess.Process) -> None:
+        self._cluster = cluster
+        self._process = process
+        self._task: asyncio.Task[None] | None = None
+        if cluster.external:
+            self.start()
+
+    def start(self) -> None:
+        """Start the cluster, once."""
+        if self._task is None:
+            self._task = asyncio.create_task(self._send())
+
+    async def _send(self) -> None:
+        send_line(self._process, await self._cluster.address())
+
+    @property
+    def lost(self) -> bool:
+        """Whether the cluster ended unexpectedly after the job got its address. ClusterError."""
+        if self._task is None or not self._task.done():
+            return False
+        self._task.result()
+        return self._cluster.lost
+
+    def close(self) -> None:
+        """Stop waiting for the cluster."""
+        if self._task:
+            self._task.cancel()

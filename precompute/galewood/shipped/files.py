@@ -14,10 +14,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from galewood.sampling import SAMPLING_VERSION
 from galewood.table import VERSION, read_metadata
 from galewood.util import write_whole
+from galewood.versions import SAMPLING_VERSION
 
+SHIPPED_FOLDER = "shipped"
+"""Folder of the shipped files, beside the meshes of the built-in trees."""
 PICTURE = ".png"
 
 
@@ -39,7 +41,9 @@ class ShippedTree:
 def build_key(source: bytes, options: dict[str, Any]) -> str:
     """Hash of everything that a shipped tree was built from: mesh, options and versions of the formats."""
     source_sha256 = hashlib.sha256(source).hexdigest()
-    parts = json.dumps([source_sha256, options, VERSION, SAMPLING_VERSION], sort_keys=True)
+    # 14 and 14.0 are the same height
+    plain = {name: int(v) if isinstance(v, float) and v.is_integer() else v for name, v in options.items()}
+    parts = json.dumps([source_sha256, plain, VERSION, SAMPLING_VERSION], sort_keys=True)
     return hashlib.sha256(parts.encode()).hexdigest()
 
 
@@ -51,7 +55,7 @@ def write_shipped(folder: Path, name: str, key: str, tree: ShippedTree) -> None:
         write_whole(folder / file, content)
     index = {
         "key": key,
-        "software": read_metadata(tree.table)["provenance"]["software"],
+        "software": read_metadata(tree.table)["provenance"].get("software"),
         "tets_name": tree.tets_name,
         "files": {file: hashlib.sha256(content).hexdigest() for file, content in contents.items()},
         "report": tree.report,

@@ -1,0 +1,12 @@
+"""The results of a build that are distributed with the software: file format, reading and writing."""
+
+from galewood.shipped.files import (
+    PICTURE,
+    SHIPPED_FOLDER,
+    ShippedTree,
+    build_key,
+    read_shipped,
+    write_shipped,
+)
+
+__all__ = ["PICTURE", "SHIPPED_FOLDER", "ShippedTree", "build_key", "read_shipped", "write_shipped"]

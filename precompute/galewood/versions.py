@@ -1,0 +1,6 @@
+"""Versions of intermediate results, by which outdated ones are recognised without loading their packages."""
+
+from __future__ import annotations
+
+SAMPLING_VERSION = 3
+"""Part of every training run's hash; increase it when the recorded data changes."""

@@ -1,0 +1,49 @@
+"""Built-in trees whose tables are distributed with the software."""
+
+from __future__ import annotations
+
+from galewood.shipped import ShippedTree
+from galewood.util import write_whole
+from sqlalchemy.orm import Session
+
+from galewood_server.context import Service
+from galewood_server.jobs import request_cancel
+from galewood_server.storage import (
+    ACTIVE,
+    HASH_COLUMNS,
+    Job,
+    Tree,
+    no_table,
+    replace_files,
+    store_referenced,
+    utc_now,
+)
+
+MESSAGE = "Shipped with the software"
+
+
+def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree, fingerprint: str) -> None:
+    """Store the files of a shipped tree as if they had just been computed; an active build is cancelled.
+
+    Its model is not distributed: the first analysis that needs it computes it from the tetrahedra.
+    """
+    tets = service.settings.cache_dir / "tets" / shipped.tets_name
+    if not tets.exists():
+        write_whole(tets, shipped.tets)
+    if tree.job and tree.job.state in ACTIVE:
+        request_cancel(session, tree.job)
+    files = {"tables": shipped.table, "records": shipped.records, "meshes": shipped.render_glb}
+    hashes = {
+        HASH_COLUMNS[kind]: store_referenced(session, service.stores, kind, data)
+        for kind, data in files.items()
+    }
+    replace_files(session, tree, {**no_table(), **hashes})
+    tree.preliminary, tree.report = False, shipped.report
+    tree.fingerprint, tree.updated_at = fingerprint, utc_now()
+    pictures = {
+        name: store_referenced(session, service.stores, "pictures", picture)
+        for name, picture in shipped.pictures.items()
+    }
+    # pictures belong to a job, which also tells when and how the table was made
+    job = Job(tree_id=tree.id, state="done", stage="done", fraction=1.0, message=MESSAGE, pictures=pictures)
+    tree.jobs.append(job)

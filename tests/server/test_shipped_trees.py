@@ -1,0 +1,123 @@
+"""Built-in trees whose tables are distributed with the software."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import httpx
+import pytest
+from galewood.shipped import ShippedTree, build_key, write_shipped
+from galewood.wind import Wind
+
+from tests.server.conftest import NO_CLUSTER, REPOSITORY, Server, wait_until
+
+StartServer = Callable[..., Server]
+GOLDEN = REPOSITORY / "tests" / "golden"
+SOURCE = b"mesh of a small tree"
+SHIPPED = ShippedTree(
+    table=(GOLDEN / "pole-table.safetensors").read_bytes(),
+    records=(GOLDEN / "pole-records.safetensors").read_bytes(),
+    render_glb=b"glTF of the small tree",
+    tets=b"tetrahedra",
+    tets_name="tets-abc.npz",
+    report={"import": {"species": "maple"}},
+    pictures={"skeleton.png": b"\x89PNG of the skeleton"},
+)
+
+
+def sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+@pytest.fixture
+def species(tmp_path: Path) -> Path:
+    """A folder with one built-in tree and its shipped table."""
+    folder = tmp_path / "species"
+    folder.mkdir()
+    (folder / "small.obj").write_bytes(SOURCE)
+    entry = {"id": "small", "name": "Small", "file": "small.obj", "species": "maple", "height_m": 3.0}
+    (folder / "species.json").write_text(json.dumps([entry]))
+    ship(folder, SOURCE)
+    return folder
+
+
+def ship(folder: Path, source: bytes) -> None:
+    key = build_key(source, {"species": "maple", "height_m": 3})
+    write_shipped(folder / "shipped", "small", key, SHIPPED)
+
+
+def start(start_server: StartServer, species: Path) -> Server:
+    environment = {"GALEWOOD_BUILTIN_SPECIES": "true", "GALEWOOD_SPECIES_DIR": str(species)}
+    return start_server(FAKE_STEP_S="0.01", **environment, **NO_CLUSTER)
+
+
+def test_a_shipped_tree_is_ready_at_the_first_request(start_server: StartServer, species: Path) -> None:
+    server = start(start_server, species)
+    with server.client() as api:
+        tree = api.get("/api/trees/small").json()
+        assert (tree["state"], tree["report"]) == ("ready", SHIPPED.report)
+        assert tree["table_sha256"] == sha256(SHIPPED.table)
+        assert api.get(f"/api/records/{tree['records_sha256']}").content == SHIPPED.records
+        assert api.get(f"/api/meshes/{tree['mesh_sha256']}").content == SHIPPED.render_glb
+        (job,) = api.get("/api/jobs").json()["jobs"]
+        assert (job["state"], job["id"]) == ("done", tree["job_id"])
+        picture = api.get(f"/api/jobs/{job['id']}/pictures/skeleton.png")
+        assert picture.content == SHIPPED.pictures["skeleton.png"]
+        # the same table is not computed again
+        assert api.post("/api/jobs", json={"tree_id": "small"}).status_code == 200
+    assert (server.data_dir / "cache" / "tets" / "tets-abc.npz").read_bytes() == SHIPPED.tets
+
+
+def test_a_restart_does_not_install_it_again(start_server: StartServer, species: Path) -> None:
+    server = start(start_server, species)
+    with server.client() as api:
+        before = api.get("/api/trees/small").json()
+    server.stop()
+    with start(start_server, species).client() as api:
+        assert api.get("/api/trees/small").json() == before
+        assert api.get("/api/jobs").json()["total"] == 1
+
+
+def test_another_mesh_is_computed(start_server: StartServer, species: Path) -> None:
+    (species / "small.obj").write_bytes(b"another mesh")
+    with start(start_server, species).client() as api:
+        tree = ready(api)
+        assert tree["table_sha256"] == sha256(b"table of another mesh")
+
+
+def test_a_damaged_shipped_table_is_computed(start_server: StartServer, species: Path) -> None:
+    (species / "shipped" / "small.table").write_bytes(b"damaged")
+    with start(start_server, species).client() as api:
+        assert ready(api)["table_sha256"] == sha256(b"table of " + SOURCE)
+
+
+def ready(api: httpx.Client) -> dict[str, str]:
+    address = "/api/trees/small"
+    found: dict[str, str] = wait_until(lambda: (now := api.get(address).json())["state"] == "ready" and now)
+    return found
+
+
+def test_a_shipped_table_replaces_an_older_one(start_server: StartServer, species: Path) -> None:
+    ship(species, b"of a later mesh")
+    server = start(start_server, species)
+    with server.client() as api:
+        old = ready(api)
+    server.stop()
+    (species / "small.obj").write_bytes(b"of a later mesh")
+    with start(start_server, species).client() as api:
+        tree = api.get("/api/trees/small").json()
+        assert tree["table_sha256"] == sha256(SHIPPED.table) != old["table_sha256"]
+        assert tree["state"] == "ready" and tree["job_id"] != old["job_id"]
+
+
+def test_a_shipped_tree_can_be_compared(start_server: StartServer, species: Path) -> None:
+    with start(start_server, species).client() as api:
+        answer = api.post("/api/trees/small/comparisons", json={"wind": Wind().document()})
+        assert answer.status_code == 202, answer.text
+        url = answer.headers["location"]
+        wait_until(lambda: api.get(url).json()["state"] == "done")
+        settings = api.get(url).json()["settings"]
+        assert settings["records_sha256"] == sha256(SHIPPED.records) and settings["model_sha256"] is None
