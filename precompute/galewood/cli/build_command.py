@@ -135,7 +135,10 @@ def _request_parameters() -> list[inspect.Parameter]:
     for name, field in BuildRequest.model_fields.items():
         if name == "wood":
             continue
-        names = ["--" + name.replace("_", "-"), *([OLD_NAMES[name]] if name in OLD_NAMES else [])]
+        flag = name.replace("_", "-")
+        switch = field.annotation == (bool | None)
+        names = [f"--{flag}/--no-{flag}" if switch else f"--{flag}"]
+        names += [OLD_NAMES[name]] if name in OLD_NAMES else []
         kind = list[str] | None if name == "wood_materials" else field.annotation
         option = typer.Option(*names, help=field.description)
         found.append(_parameter(name, Annotated[kind, option], None))

@@ -31,7 +31,16 @@ from galewood.reduction import (
     sizes_for,
 )
 from galewood.reduction import shown_modes as reduction_modes
-from galewood.sampling import SampledRun, Samples, content_hash, planned, run_in_processes, simulate
+from galewood.sampling import (
+    ALL_COSINES,
+    COSINE,
+    SampledRun,
+    Samples,
+    content_hash,
+    planned,
+    run_in_processes,
+    simulate,
+)
 from galewood.skeleton import extract_skeleton, sampled_elements
 from galewood.table import Metadata, Table
 from galewood.tets import TetMesh
@@ -169,13 +178,15 @@ def _same_nodes(table: Table, tree: TreeMesh) -> bool:
 def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int = 2) -> Samples:
     """The runs that a table was built from; those of the default method are simulated if they are missing."""
     provenance = table.metadata["provenance"]
-    by_name = zip(provenance["winds"], provenance["frames"], strict=True)
-    frames = next((count for name, count in by_name if name.startswith("cosine")), BuildOptions.frames)
+    paper = table.paper.metadata if table.paper else provenance
+    by_name = zip(paper["winds"], paper["frames"], strict=True)
+    cosines = [int(count) for name, count in by_name if name.startswith(COSINE)]
     elements = sampled_elements(mesh, extract_skeleton(mesh), _sampled_elements(table))
     speed_m_s = float(table.metadata["design_speed_m_s"])
     samples = planned(
         model, speed_m_s, mesh.tets[elements], cache_dir,
-        frames=int(frames), seed=int(provenance.get("seed", BuildOptions.seed)),
+        frames=cosines[0] if cosines else BuildOptions.frames,
+        seed=int(provenance.get("seed", BuildOptions.seed)), all_winds=len(cosines) == ALL_COSINES,
     )  # fmt: skip
     stage = provenance.get("stage")
     wanted = Samples((), ()) if stage == "first" else samples.first() if stage == "early" else samples

@@ -50,7 +50,7 @@ class BuildRequest(ImportRequest):
         default=None, gt=0, le=60, description="Strongest wind of the training runs, m/s."
     )
     frames: int | None = Field(
-        default=None, ge=2, le=1800, description="Frames of each of the 36 cosine winds."
+        default=None, ge=2, le=1800, description="Frames of each of the paper's cosine winds."
     )
     seed: int | None = Field(
         default=None, ge=0, lt=2**31, description="Seed of the noise and gusts of the training runs."
@@ -63,6 +63,9 @@ class BuildRequest(ImportRequest):
     )
     paper: bool | None = Field(
         default=None, description="Whether to compute the records of the paper's method; default: yes."
+    )
+    all_cosine_winds: bool | None = Field(
+        default=None, description="Record all 36 cosine winds of the paper instead of 18; default: no."
     )
     wood: WoodDocument | None = Field(
         default=None, description="Constants of a wood of your own; they take precedence over the species."

@@ -60,6 +60,7 @@ class Plan:
             target_tets=self.target_tets,
             sampled_elements=self.elements[0],
             frames=self.record_frames,
+            all_cosine_winds=True,
         )
 
 

@@ -76,6 +76,8 @@ class BuildOptions:
     """Frames of the run that compares the model with the quadratic reference model; 0: no comparison."""
     paper: bool = True
     """Whether the records of the paper's state search are computed after the default method's table."""
+    all_cosine_winds: bool = False
+    """Whether the paper's records come from all its 36 cosine winds, not from 18 of them."""
     fem: FemSettings = field(default_factory=FemSettings)
     table: TableSettings = field(default_factory=TableSettings)
 

@@ -3,6 +3,8 @@
 from galewood.sampling.design_speed import DesignWind, design_wind
 from galewood.sampling.plan import Samples, planned, simulate
 from galewood.sampling.recording import (
+    ALL_COSINES,
+    COSINE,
     DIRECTIONS_DEG,
     SampledRun,
     SampleWind,
@@ -22,6 +24,8 @@ from galewood.sampling.runner import (
 from galewood.sampling.training_winds import GOLDEN_RAD, SEED, noise
 
 __all__ = [
+    "ALL_COSINES",
+    "COSINE",
     "DIRECTIONS_DEG",
     "GOLDEN_RAD",
     "SEED",

@@ -8,7 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from galewood.sampling.recording import SampledRun, SampleWind, StoredRun, sample_winds
+from galewood.sampling.recording import COSINE, SampledRun, SampleWind, StoredRun, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner, sample_tasks
 from galewood.sampling.training_winds import SEED, further_winds, training_winds
 from galewood.util import Array
@@ -16,6 +16,8 @@ from galewood.util import Array
 if TYPE_CHECKING:
     from galewood.fem import FemModel
 
+UNRECORDED = tuple(f"{COSINE}{k}-" for k in (0, 2, 4))
+"""Cosine winds without which the paper's method errs no more (docs/design/0013-training-runs.md)."""
 FIRST_DEFAULT = slice(0, None, 3)
 """The early table uses every third run of the default method."""
 
@@ -62,19 +64,28 @@ class Samples:
 
 
 def planned(
-    model: FemModel, speed_m_s: float, points: Array, cache_dir: Path, *, frames: int = 180, seed: int = SEED
+    model: FemModel,
+    speed_m_s: float,
+    points: Array,
+    cache_dir: Path,
+    *,
+    frames: int = 180,
+    seed: int = SEED,
+    all_winds: bool = False,
 ) -> Samples:
     """All winds up to the given maximum speed, to be recorded at the given vertices.
 
-    ``frames`` is the length of each of the paper's cosine winds, ``seed`` that of the training winds.
+    ``frames`` is the length of each of the paper's cosine winds, ``seed`` that of the training winds. Three
+    of the paper's six cosine winds are recorded, in six directions, or with ``all_winds`` all six.
     """
     dt_s = model.settings.dt_s
     default = training_winds(speed_m_s, dt_s, seed=seed)
     paper = sample_winds(speed_m_s, dt_s, frames)
     further = further_winds(speed_m_s, dt_s, seed=seed)
     tasks = iter(sample_tasks(model, [*default, *paper, *further], points, cache_dir))
-    own, recorded, more = (list(islice(tasks, len(some))) for some in (default, paper, further))
-    cosines = [task for task in recorded if task.wind.name.startswith("cosine")]
+    own, every, more = (list(islice(tasks, len(some))) for some in (default, paper, further))
+    cosines = [task for task in every if task.wind.name.startswith(COSINE)]
+    recorded = [task for task in every if all_winds or not task.wind.name.startswith(UNRECORDED)]
     return Samples(own, recorded, [*cosines, *more])
 
 
