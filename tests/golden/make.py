@@ -185,6 +185,10 @@ def main() -> None:
     table = beam_table()
     (HERE / "pole.safetensors").write_bytes(encode(table))
     (HERE / "pole-v6.safetensors").write_bytes(version_6(encode(table)))
+    derived = {
+        name: decode(version_6(encode(table))).metadata[name] for name in ("reach_m", "peak_pressure_pa")
+    }
+    (HERE / "pole-v6.json").write_text(json.dumps(derived) + "\n")
     (HERE / "pole-v5.safetensors").write_bytes(version_5(version_6(encode(table))))
     alone = encode(replace(table, paper=None))
     (HERE / "pole-table.safetensors").write_bytes(alone)
