@@ -49,7 +49,8 @@ def table(tree: galewood.Tree, cache_dir: Path) -> galewood.MotionTable:
     built = galewood.build(
         tree, on_progress=lambda now: stages.append(now.stage), cache_dir=cache_dir, **QUICK
     )
-    assert list(dict.fromkeys(stages)) == ["meshing", "skeleton", "model", "sampling", "table", "done"]
+    expected = ["meshing", "skeleton", "model", "sampling", "table", "records", "done"]
+    assert list(dict.fromkeys(stages)) == expected
     return built
 
 

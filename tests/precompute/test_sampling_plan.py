@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from galewood.sampling.plan import Samples, planned, simulate
-from galewood.sampling.recording import SampleWind, sample_winds
+from galewood.sampling.recording import DIRECTIONS_DEG, SampleWind, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner
 from galewood.sampling.training_winds import further_winds, training_winds
 from galewood.verify.motion_checks import laden_pole
@@ -98,8 +98,18 @@ def test_additional_winds_are_run_only_on_request(samples: Samples) -> None:
 
 def test_the_cosine_runs_of_the_paper_are_also_further_runs_in_the_same_files(tmp_path: Path) -> None:
     model, points = laden_pole(), np.arange(4)
-    samples = planned(model, 12.0, points, tmp_path, frames=5)
-    assert [len(some) for some in (samples.default, samples.paper, samples.further)] == [20, 43, 36 + 48]
-    shared = {task.path for task in samples.paper} & {task.path for task in samples.further}
-    assert len(shared) == 36
-    assert not {task.path for task in samples.default} & {task.path for task in samples.further}
+    for all_winds, cosines in ((False, 18), (True, 36)):
+        samples = planned(model, 12.0, points, tmp_path, frames=5, all_winds=all_winds)
+        counts = [len(some) for some in (samples.default, samples.paper, samples.further)]
+        assert counts == [20, 1 + cosines + 6, 36 + 48]
+        shared = {task.path for task in samples.paper} & {task.path for task in samples.further}
+        assert len(shared) == cosines
+        assert not {task.path for task in samples.default} & {task.path for task in samples.further}
+
+
+def test_the_recorded_winds_are_weak_medium_and_strong_in_all_directions(tmp_path: Path) -> None:
+    samples = planned(laden_pole(), 12.0, np.arange(4), tmp_path, frames=5)
+    cosines = [task.wind for task in samples.paper if task.wind.name.startswith("cosine")]
+    assert {(wind.name.split("-")[1], wind.direction_deg) for wind in cosines} == {
+        (level, direction) for level in "135" for direction in DIRECTIONS_DEG
+    }

@@ -127,6 +127,7 @@ def test_an_existing_table_is_not_computed_again(api: httpx.Client) -> None:
     tree = built(api, b"twice asked")
     again = api.post("/api/jobs", json={"tree_id": tree["id"]})
     assert (again.status_code, again.json()["id"]) == (200, tree["job_id"])
+    wait_until(lambda: api.get(f"/api/jobs/{tree['job_id']}").json()["state"] == "done")
     other = api.post("/api/jobs", json={"tree_id": tree["id"], "settings": {"design_speed_m_s": 9}})
     assert other.status_code == 202 and other.json()["id"] != tree["job_id"]
     api.post(f"/api/jobs/{other.json()['id']}/cancel")
