@@ -33,25 +33,29 @@ export async function forest(page: Page): Promise<void> {
 export const sway_m = (page: Page) => page.evaluate(() => Math.hypot(...window.galewood!.crownDisplacement_m));
 
 /**
- * Waits until the crowns stand still in a steady wind: over 3 s of the forest's time their mean horizontal
- * displacement varies by less than 5 %. Returns it (x, z).
+ * Waits until the mean horizontal displacement of the crowns in a steady wind no longer changes: over two spans of
+ * 2 s of the forest's time, about a period of the slowest tree each, it differs by less than 3 %. Returns it (x, z).
  */
 export async function steadyDisplacement_m(page: Page): Promise<[number, number]> {
   const samples = await page.evaluateHandle(() => [] as [number, number, number][]);
-  await page.waitForFunction(
+  const found = await page.waitForFunction(
     (kept) => {
+      const span_s = 2;
       const { time_s, crownDisplacement_m } = window.galewood!;
       if (kept.at(-1)?.[0] !== time_s) kept.push([time_s, crownDisplacement_m[0], crownDisplacement_m[2]]);
-      while (kept.length > 1 && kept[1][0] <= time_s - 3) kept.shift();
-      if (kept[0][0] > time_s - 3) return false;
-      const range = (k: 1 | 2) => Math.max(...kept.map((at) => at[k])) - Math.min(...kept.map((at) => at[k]));
-      return Math.hypot(range(1), range(2)) < 0.05 * Math.hypot(crownDisplacement_m[0], crownDisplacement_m[2]);
+      while (kept.length > 1 && kept[1][0] <= time_s - 2 * span_s) kept.shift();
+      if (kept[0][0] > time_s - 2 * span_s) return null;
+      const mean = (part: [number, number, number][], k: 1 | 2) =>
+        part.reduce((sum, at) => sum + at[k], 0) / part.length;
+      const halves = [true, false].map((late) => kept.filter((at) => at[0] > time_s - span_s === late));
+      const [late, early] = halves.map((part) => [mean(part, 1), mean(part, 2)] as [number, number]);
+      const change = Math.hypot(late[0] - early[0], late[1] - early[1]);
+      return change < 0.03 * Math.hypot(...late) ? late : null;
     },
     samples,
     { timeout: 180_000 },
   );
-  const [, x, z] = (await samples.jsonValue()).at(-1)!;
-  return [x, z];
+  return (await found.jsonValue())!;
 }
 
 /** Waits for more frames. */

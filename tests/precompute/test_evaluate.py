@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,7 +27,7 @@ from galewood.evaluation.winds import long_gusts, noise, perlin, unseen_winds
 from galewood.fem.dynamics import Simulator
 from galewood.mesh.types import ImportOptions
 from galewood.pipeline.build import BuildOptions, build_table, model_of
-from galewood.sampling.runner import content_hash, run_task
+from galewood.sampling.runner import SampleTask, content_hash, run_task
 from galewood.table.format import Table, decode
 from typer.testing import CliRunner
 
@@ -162,6 +163,14 @@ OPTIONS = BuildOptions(
 )
 
 
+def in_this_process(tasks: Sequence[SampleTask], done: Callable[[int], None]) -> list[Path]:
+    paths: list[Path] = []
+    for task in tasks:
+        paths.append(run_task(task))
+        done(len(paths))
+    return paths
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Table of a small tree with its mesh beside it, and the cache of its build."""
@@ -171,8 +180,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         small_tree_glb(),
         "tree.glb",
         OPTIONS,
-        lambda tasks, done: [run_task(t) for t in tasks],
+        in_this_process,
         cache_dir=cache,
+        publish=lambda name, content: path.joinpath(name).write_bytes(content),
     )
     (path / "tree.gwt").write_bytes(built.whole_table())
     (path / "tree.glb").write_bytes(built.render_glb)
@@ -201,6 +211,18 @@ def test_the_source_of_a_table_is_recovered(table: Table, source: Source, refere
     left = floor(table, source, reference.displacement_m)
     assert left["truncation"] < 2e-9
     assert left["truncation"] <= left["truncation_and_nodes"] < 6e-6
+
+
+@pytest.mark.parametrize("stage", ["first", "early"])
+def test_preliminary_tables_are_evaluated_like_complete_ones(
+    stage: str, folder: Path, source: Source, reference: ReferenceRun
+) -> None:
+    table = decode((folder / f"{stage}.table").read_bytes())
+    own = source_of(table, folder / "tree.glb", folder / "cache", workers=1)
+    assert own.subspace.modes == len(table.mode_scale)
+    found = compare_methods(table, own, reference)
+    assert set(found) == {"modal", "rest-pose", "floor"}
+    assert found["modal"]["max_error"] < found["rest-pose"]["max_error"]
 
 
 def test_the_error_of_the_projected_reference_solution_is_the_truncation(

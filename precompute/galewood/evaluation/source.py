@@ -189,7 +189,9 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
         seed=int(provenance.get("seed", BuildOptions.seed)), all_winds=len(cosines) == ALL_COSINES,
     )  # fmt: skip
     stage = provenance.get("stage")
-    wanted = Samples((), ()) if stage == "first" else samples.first() if stage == "early" else samples
+    if stage == "first":  # made from the natural modes alone
+        return samples
+    wanted = samples.first() if stage == "early" else samples
     simulate(wanted, partial(run_in_processes, workers=workers), lambda done: None, lambda: None)
     return samples
 
