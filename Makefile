@@ -69,10 +69,10 @@ run: build ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DA
 	@$(BIN)/galewood serve
 
 test: ## set everything up and run every test
-	@# what only reads the sources runs side by side, and so do both set-ups; the tests follow one after the other
+	@# what only reads the sources runs side by side, and so do both set-ups; the tests follow
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target build/.kernels check docs test-web
-	@$(MAKE) --no-print-directory test-python
-	@$(MAKE) --no-print-directory test-e2e
+	@# the browser's tests wait for much of their time; the Python tests use it
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-python test-e2e
 
 test-fast: $(VENV)/.dev web/node_modules/.stamp build/.kernels ## the unit tests of both languages: no browser, no server, no build
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-web test-python-fast

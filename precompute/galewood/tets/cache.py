@@ -11,7 +11,7 @@ import numpy as np
 
 from galewood.util import Floats, Int32s, Ints, write_arrays
 
-RECIPE_VERSION = 6  # increase it when the recipe changes, to invalidate cached meshes
+RECIPE_VERSION = 7  # increase it when the recipe changes, to invalidate cached meshes
 
 
 def cache_key(vertices: Floats, faces: Ints, target_tets: int) -> str:

@@ -31,12 +31,14 @@ CELLS_PER_FLOOR = 1.5
 EDGE_LENGTH = 0.08  # relative to the diagonal
 STOP_ENERGY = 30.0
 PASSES = 2  # of fTetWild's optimisation; more cost half a second each and gain less than polishing does
-TETS_PER_FACE = 1.1
+TETS_PER_FACE = 0.95
 FILLED_UP = 0.7  # of the target: with fewer tets, long edges are split
 POLISHED_WITHIN = 0.2  # of the floor: how far polishing slides a vertex along the surface; 0.6 softens limbs
 BAD_SHAPE, BAD_WITHIN = 0.05, 0.5  # vertices of such tets may slide further
-RAISES = 4  # of the floor, before the shell is filled
-MUCH_LOST = 0.1
+RAISES, RAISE = (
+    5,
+    1.2,
+)  # of the floor, before the shell is filled: a floor as low as possible keeps the stiffness
 FEWEST, MOST = 0.55, 1.45  # relative to the target
 MAX_LOST_EXTENT = 0.03
 MAX_LOST_VOLUME = 1e-3  # in disconnected pieces
@@ -159,7 +161,7 @@ def _connected_shell(surface: Surface, recipe: Recipe) -> tuple[Recipe, Shell]:
         lost = lost_extent(surface.vertices, vertices)
         if share >= 1.0 - MAX_LOST_VOLUME and lost <= MAX_LOST_EXTENT:
             break
-        recipe = replace(recipe, floor=recipe.floor * (1.4 if max(1.0 - share, lost) > MUCH_LOST else 1.2))
+        recipe = replace(recipe, floor=recipe.floor * RAISE)
         shell = _shell(surface, recipe)
     return recipe, shell
 
