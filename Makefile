@@ -70,7 +70,7 @@ run: build ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DA
 
 test: ## set everything up and run every test
 	@# what only reads the sources runs side by side, and so do both set-ups; the tests follow
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target build/.kernels check docs test-web
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target build/.kernels wheel check docs test-web
 	@# the browser's tests wait for much of their time; the Python tests use it
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-python test-e2e
 
