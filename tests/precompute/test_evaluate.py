@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import scipy.sparse
 from galewood.cli.commands import app
+from galewood.cli.tools import file_writer
 from galewood.evaluation.evaluate import METHODS, compare, compare_methods, floor, nearest_sample, played
 from galewood.evaluation.long_run import beyond, long_run
 from galewood.evaluation.measures import errors, figures, growth, hausdorff, joined, windows
@@ -182,7 +183,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         OPTIONS,
         in_this_process,
         cache_dir=cache,
-        publish=lambda name, content: path.joinpath(name).write_bytes(content),
+        publish=file_writer(path),
     )
     (path / "tree.gwt").write_bytes(built.whole_table())
     (path / "tree.glb").write_bytes(built.render_glb)
