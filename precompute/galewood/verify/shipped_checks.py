@@ -24,8 +24,8 @@ from galewood.verify.checks import Check, absolute, skipped
 
 FRAMES = 300
 SEED = 77_003
-SAME_MESH, OTHER_MESH = 1e-6, 0.03
-"""Limits of the frequencies: built from the same tetrahedra, and meshed again."""
+SAME_MESH, OTHER_MESH = 1e-6, 0.05
+"""Limits of the worst of ten frequencies: same tetrahedra, and meshed again (meshes scatter by 3 %)."""
 SAME_ERRORS = 1.05
 """The errors of the shipped table may be this much larger than those of the rebuilt one."""
 ORDINARY_ERROR = 0.005
