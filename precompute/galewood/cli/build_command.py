@@ -99,7 +99,7 @@ def build(
     table = result.whole_table()
     out.write_bytes(table)
     out.with_suffix(".glb").write_bytes(result.render_glb)
-    write_figures(json_out, {**result.report, "table_bytes": len(result.table)})
+    write_figures(json_out, {**result.report, "table_bytes": len(table)})
     for warning in result.report["import"].get("warnings", []):
         console.print(f"[yellow]Warning:[/yellow] {warning}")
     seconds = sum(result.report["seconds"].values())

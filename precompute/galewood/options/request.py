@@ -52,9 +52,7 @@ class BuildRequest(ImportRequest):
     frames: int | None = Field(
         default=None, ge=2, le=1800, description="Frames of each of the paper's cosine winds."
     )
-    seed: int | None = Field(
-        default=None, ge=0, lt=2**31, description="Seed of the noise and gusts of the training runs."
-    )
+    seed: int | None = Field(default=None, ge=0, lt=2**31, description="Seed of the training winds.")
     modes: int | None = Field(
         default=None,
         ge=2,

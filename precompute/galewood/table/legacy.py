@@ -7,6 +7,7 @@ import numpy as np
 from galewood.table.container import Metadata, TableError
 from galewood.table.records import poses
 from galewood.util import Array
+from galewood.wind import sampled_peak_pa
 
 PAPER_NAMES = (
     "records",
@@ -68,7 +69,7 @@ def _peak_pa(tensors: dict[str, Array]) -> float:
     pressure = np.asarray(tensors.get("samples.pressure_pa", np.zeros((1, 2))), np.float64)
     if pressure.ndim != 2 or pressure.shape[1] != 2 or not len(pressure):
         raise TableError("tensor samples.pressure_pa: expected float32 of rank 2")
-    return float(np.hypot(pressure[:, 0], pressure[:, 1]).max())
+    return sampled_peak_pa(pressure)
 
 
 def _reach_m(tensors: dict[str, Array]) -> float:
