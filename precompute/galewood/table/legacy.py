@@ -7,7 +7,6 @@ import numpy as np
 from galewood.table.container import Metadata, TableError
 from galewood.table.records import poses
 from galewood.util import Array
-from galewood.wind import sampled_peak_pa
 
 PAPER_NAMES = (
     "records",
@@ -66,7 +65,9 @@ def _provenance(metadata: Metadata, name: str) -> list[object]:
 
 
 def _peak_pa(tensors: dict[str, Array]) -> float:
-    pressure = np.asarray(tensors.get("samples.pressure_pa", np.zeros((1, 2))), np.float64)
+    from galewood.wind import sampled_peak_pa  # loads compiled kernels, which only old files need
+
+    pressure = np.asarray(tensors.get("samples.pressure_pa", np.zeros((1, 2))), np.float32)
     if pressure.ndim != 2 or pressure.shape[1] != 2 or not len(pressure):
         raise TableError("tensor samples.pressure_pa: expected float32 of rank 2")
     return sampled_peak_pa(pressure)
