@@ -108,17 +108,19 @@ def test_pictures_are_published_during_the_build(built: Built) -> None:
         assert len(built.out[name]) <= 200_000
 
 
-def test_a_first_and_an_early_table_precede_the_complete_one(built: Built) -> None:
+def test_preliminary_tables_precede_the_complete_one(built: Built) -> None:
     assert built.result and built.default
-    first, early = decode(built.out["first.table"]), decode(built.out["early.table"])
+    beams, first, early = (decode(built.out[f"{name}.table"]) for name in ("beams", "first", "early"))
     complete = decode(built.default.table)
-    assert "first.table" not in built.left_at, "the first table needs no run"
+    tables = [name for name in built.out if name.endswith(".table")]
+    assert tables == ["beams.table", "first.table", "early.table"]
+    assert list(built.left_at) == ["early.table"], "the first two need no run"
     assert built.left_at["early.table"] > 5
-    for table, stage in ((first, "first"), (early, "early"), (complete, "complete")):
+    for table, stage in ((beams, "beams"), (first, "first"), (early, "early"), (complete, "complete")):
         assert table.metadata["provenance"]["stage"] == stage
         assert table.metadata["mesh_sha256"] == complete.metadata["mesh_sha256"]
         assert table.paper is None
-    assert first.metadata["provenance"]["left_out"]
+    assert beams.metadata["provenance"]["left_out"] and first.metadata["provenance"]["left_out"]
     assert early.metadata["provenance"]["preliminary"] is True
     assert "preliminary" not in complete.metadata["provenance"]
 

@@ -104,6 +104,8 @@ def test_the_preliminary_table_is_replaced_by_the_complete_one(build: Build) -> 
     first, early, full = build.table(2.0), build.table(3.0), build.table(4.0)
     build.publish("render.glb", MESH)
     assert build.tree.state == "building" and build.stores.meshes.get(known(build.tree.mesh_sha256)) == MESH
+    build.publish("beams.table", build.table(1.0, "no model"))
+    assert build.tree.state == "preliminary"
     build.publish("first.table", first)
     assert build.tree.state == "preliminary"
     assert build.stores.tables.get(known(build.tree.table_sha256)) == first
@@ -116,7 +118,7 @@ def test_the_preliminary_table_is_replaced_by_the_complete_one(build: Build) -> 
     assert build.stores.models.get(known(build.tree.model_sha256)) == b"model"
     assert build.stores.tables.has(old)  # clients may still fetch it
     assert build.collect_garbage(grace_s=600) == 0 and build.stores.tables.has(old)
-    assert build.collect_garbage() == 2 and not build.stores.tables.has(old)
+    assert build.collect_garbage() == 3 and not build.stores.tables.has(old)
     assert build.stores.tables.has(known(build.tree.table_sha256))
 
 
@@ -125,6 +127,7 @@ def test_a_resumed_build_keeps_the_early_table(build: Build) -> None:
     build.publish("early.table", build.table(3.0))
     early = build.tree.table_sha256
     build.publish("first.table", build.table(2.0))
+    build.publish("beams.table", build.table(1.0, "no model"))
     assert build.tree.table_sha256 == early
     build.publish("first.table", build.table(2.0, "another model"))
     assert build.tree.table_sha256 != early

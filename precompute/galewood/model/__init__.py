@@ -1,5 +1,6 @@
 """Construction of the finite-element model; in: TetMesh, Skeleton, wood, foliage; out: a FemModel."""
 
+from galewood.model.beam_tree import BeamModel, beam_model
 from galewood.model.binding import render_binding
 from galewood.model.comparison import gusty_pressure, trajectory_difference
 from galewood.model.construction import GRAVITY_M_S2, LumpedMassesLike, MeshLike, SkeletonLike, build_model
@@ -9,10 +10,12 @@ from galewood.model.reference import compare_with_reference, reference_model
 
 __all__ = [
     "GRAVITY_M_S2",
+    "BeamModel",
     "LumpedMasses",
     "LumpedMassesLike",
     "MeshLike",
     "SkeletonLike",
+    "beam_model",
     "bind_foliage",
     "build_model",
     "compare_with_reference",

@@ -72,7 +72,7 @@ def _anchor_primitive(primitive: RenderPrimitive, height_m: float, mesh: TetMesh
     pieces = foliage_pieces(primitive)
     anchors = nearest_tets(primitive.positions_m, mesh)
     index, weight = _rigid(anchors, pieces, mesh)
-    large = _piece_size(primitive.positions_m, pieces) > CROWN_SIZE * height_m
+    large = piece_size(primitive.positions_m, pieces) > CROWN_SIZE * height_m
     if large.any():
         loose = large[pieces]
         index, weight = _padded(index, weight, 4 * CROWN_NEIGHBOURS)
@@ -91,7 +91,8 @@ def foliage_pieces(primitive: RenderPrimitive) -> Ints:
     return piece.astype(np.int32)
 
 
-def _piece_size(positions_m: Floats, piece: Ints) -> Floats:
+def piece_size(positions_m: Floats, piece: Ints) -> Floats:
+    """Diagonal (count,) of the bounding box of each component, m."""
     count = int(piece.max()) + 1
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     np.minimum.at(low, piece, positions_m)
@@ -99,15 +100,15 @@ def _piece_size(positions_m: Floats, piece: Ints) -> Floats:
     return np.linalg.norm(high - low, axis=1)
 
 
-def nearest_of_pieces(anchors: Anchors, piece: Ints) -> Ints:
-    """For each component (count,), its vertex nearest to the wood."""
-    order = np.lexsort((anchors.distance_m, piece))
+def nearest_of_pieces(distance_m: Floats, piece: Ints) -> Ints:
+    """For each component (count,), its vertex nearest to the wood, given the distances (n,) of all."""
+    order = np.lexsort((distance_m, piece))
     _, first = np.unique(piece[order], return_index=True)
     return order[first].astype(np.int32)
 
 
 def _rigid(anchors: Anchors, piece: Ints, mesh: TetMesh) -> tuple[Ints, Floats]:
-    holder = nearest_of_pieces(anchors, piece)[piece]
+    holder = nearest_of_pieces(anchors.distance_m, piece)[piece]
     return mesh.tets[anchors.tet[holder]].copy(), anchors.weight[holder].copy()
 
 

@@ -1,7 +1,8 @@
-"""Effect of the foliage on the wood: mass and wind area, lumped at tet vertices."""
+"""Effect of the foliage on the wood: mass and wind area, lumped at the points of a model."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -45,42 +46,64 @@ class LumpedMasses:
     report: dict[str, Any]
 
 
-def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> LumpedMasses:
-    """Leaf mass and wind area at the vertices of the tetrahedral mesh.
+@dataclass(frozen=True)
+class CrownLoads:
+    """Per point: leaf mass (n,) kg and drag area (n,) m², Cd·A including the height profile; and a report."""
 
-    The silhouette area of the whole tree, averaged over directions, is distributed in proportion to each
-    part's projected area.
-    """
-    leaf_area = np.zeros(len(mesh.vertices_m))
-    projected = np.zeros(len(mesh.vertices_m))
-    for primitive in tree.primitives:
-        area = vertex_areas(primitive) * alpha_coverage(primitive.material)
-        if primitive.kind == "leaves":
-            spread = _spread(primitive, area, mesh)
-            leaf_area += spread
-            projected += RANDOM_PROJECTION * spread
-        else:
-            projected += CONVEX_PROJECTION * _spread(primitive, area, mesh)
+    mass_kg: Floats
+    drag_area_m2: Floats
+    report: dict[str, Any]
+
+
+def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> LumpedMasses:
+    """Leaf mass and wind area at the vertices of the tetrahedral mesh."""
     wood_mass = float(
         (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
     )
-    leaf_mass, capped = _leaf_mass(leaf_area, wood_mass)
+    crown = crown_loads(
+        tree, wood, mesh.vertices_m[:, 1], lambda primitive, area: _spread(primitive, area, mesh), wood_mass
+    )
+    fixed = root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32)
+    report = crown.report | {"clamped_lowest_share": CLAMPED_SHARE}
+    return LumpedMasses(crown.mass_kg, crown.drag_area_m2, fixed, report)
+
+
+def crown_loads(
+    tree: TreeMesh,
+    wood: WoodLike,
+    height_m: Floats,
+    spread: Callable[[RenderPrimitive, Floats], Floats],
+    wood_mass_kg: float,
+) -> CrownLoads:
+    """Leaf mass and wind area at points of a model at the heights (n,).
+
+    ``spread`` distributes an amount (v,) at the vertices of a primitive to the points (n,). The silhouette
+    area of the whole tree, averaged over directions, is distributed in proportion to each part's projected
+    area.
+    """
+    leaf_area, projected = np.zeros(len(height_m)), np.zeros(len(height_m))
+    for primitive in tree.primitives:
+        area = spread(primitive, vertex_areas(primitive) * alpha_coverage(primitive.material))
+        if primitive.kind == "leaves":
+            leaf_area += area
+            projected += RANDOM_PROJECTION * area
+        else:
+            projected += CONVEX_PROJECTION * area
+    leaf_mass, capped = _leaf_mass(leaf_area, wood_mass_kg)
     silhouette = silhouette_area(*_triangles(tree))
     frontal = projected * (silhouette / max(float(projected.sum()), 1e-300))
-    profile = np.clip(mesh.vertices_m[:, 1] / tree.height_m, 0.0, 1.0) ** PROFILE_EXPONENT
-    return LumpedMasses(
-        mass_kg=leaf_mass,
-        drag_area_m2=wood.drag_coefficient * frontal * profile,
-        fixed=root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32),
-        report={
+    profile = np.clip(height_m / tree.height_m, 0.0, 1.0) ** PROFILE_EXPONENT
+    return CrownLoads(
+        leaf_mass,
+        wood.drag_coefficient * frontal * profile,
+        {
             "silhouette_m2": silhouette,
             "leaf_area_m2": float(leaf_area.sum()),
             "leaf_mass_kg": float(leaf_mass.sum()),
             "leaf_mass_capped": capped,
-            "wood_mass_kg": wood_mass,
+            "wood_mass_kg": wood_mass_kg,
             "drag_coefficient": wood.drag_coefficient,
             "profile_exponent": PROFILE_EXPONENT,
-            "clamped_lowest_share": CLAMPED_SHARE,
         },
     )
 
@@ -109,7 +132,7 @@ def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh) -> Floats
     holder = np.arange(len(amount))
     if primitive.kind == "leaves":
         pieces = foliage_pieces(primitive)
-        holder = nearest_of_pieces(anchors, pieces)[pieces]
+        holder = nearest_of_pieces(anchors.distance_m, pieces)[pieces]
     parts = anchors.weight[holder] * amount[:, None]
     return np.asarray(
         np.bincount(mesh.tets[anchors.tet[holder]].ravel(), parts.ravel(), len(mesh.vertices_m)),

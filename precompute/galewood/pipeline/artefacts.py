@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable
-from concurrent.futures import CancelledError, Future
+from concurrent.futures import CancelledError
 from typing import ParamSpec
 
 from galewood.util import WorkerPool
@@ -17,9 +17,9 @@ Publish = Callable[[str, bytes], None]
 
 
 class ArtefactPublisher:
-    """Draws pictures in the worker pool and publishes each when it is done; does nothing without ``publish``.
+    """Publishes artefacts as soon as they are done; does nothing without ``publish``.
 
-    A picture that fails is logged and does not fail the build.
+    Pictures are drawn in the worker pool. What fails in the background is logged and does not fail the build.
     """
 
     def __init__(self, pool: WorkerPool, publish: Publish | None) -> None:
@@ -37,11 +37,21 @@ class ArtefactPublisher:
         """Start drawing a picture in the worker pool; it is published when it is done."""
         if self._publish:
             future = self._pool.start(picture, *args, **kwargs)
-            future.add_done_callback(lambda drawn: self._drawn(name, drawn))
+            future.add_done_callback(lambda drawn: self._publish_safely(name, drawn.result))
 
-    def _drawn(self, name: str, drawn: Future[bytes]) -> None:
+    def compute(self, name: str, make: Callable[[], bytes]) -> Callable[[], None]:
+        """Start computing an artefact in a thread, and publish it; the returned function waits for that.
+
+        The workers are still starting when the first table is wanted, and this process waits for the mesher.
+        """
+        thread = threading.Thread(target=self._publish_safely, args=(name, make), name=name, daemon=True)
+        if self._publish:
+            thread.start()
+        return lambda: thread.join() if self._publish else None
+
+    def _publish_safely(self, name: str, make: Callable[[], bytes]) -> None:
         try:
-            self.publish(name, drawn.result)
+            self.publish(name, make)
         except CancelledError:
             pass  # the build was cancelled
         except Exception:

@@ -21,6 +21,7 @@ from galewood.model import (
 from galewood.pictures import skeleton_png, tetrahedra_png
 from galewood.pipeline.artefacts import ArtefactPublisher, Publish
 from galewood.pipeline.assemble import DefaultPart, RenderMesh
+from galewood.pipeline.beam_table import beam_table
 from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
 from galewood.pipeline.report import build_report, render_mesh
 from galewood.pipeline.table_builder import TableBuilder
@@ -32,7 +33,7 @@ from galewood.util import Array, WorkerPool
 from galewood.wood import Wood, wood_of_species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
-"""Modules that the worker processes import during meshing, so that compiled kernels load early."""
+"""Modules that the worker processes import during the import, so that compiled kernels load early."""
 OnTable = Callable[[BuildResult], None]
 """Receives the complete table of the default method, before the paper's records are computed."""
 
@@ -60,15 +61,16 @@ def build_table(
 ) -> BuildResult:
     """Build the table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
-    ``publish`` receives "render.glb", "tets-….npz" (the file in the cache), "tetrahedra.png", "skeleton.png",
-    "first.table" and "early.table" as soon as they exist; ``on_table`` the complete table of the default
-    method, before the paper's records are computed. ``runner`` simulates the training runs, by default in
-    worker processes on this machine.
+    ``publish`` receives "render.glb", "beams.table", "tets-….npz" (the file in the cache), "tetrahedra.png",
+    "skeleton.png", "first.table" and "early.table" as soon as they exist; ``on_table`` the complete table of
+    the default method, before the paper's records are computed. ``runner`` simulates the training runs, by
+    default in worker processes on this machine.
     """
-    stages = Stages(progress)
-    stages.enter("import")
-    tree, render_glb = import_mesh_sandboxed(source, filename, options.mesh_import)
-    return _build(tree, render_glb, options, Environment(stages, cache_dir, runner, publish, on_table))
+    on = Environment(Stages(progress), cache_dir, runner, publish, on_table)
+    on.stages.enter("import")
+    with _workers(runner) as pool:
+        tree, render_glb = import_mesh_sandboxed(source, filename, options.mesh_import)
+        return _build(tree, render_glb, options, on, pool)
 
 
 def build_tree(
@@ -79,7 +81,8 @@ def build_tree(
     cache_dir: Path = Path("data/cache"),
 ) -> BuildResult:
     """Build the table of an imported tree; otherwise like ``build_table``."""
-    return _build(tree, render_glb, options, Environment(Stages(progress), cache_dir))
+    with _workers(None) as pool:
+        return _build(tree, render_glb, options, Environment(Stages(progress), cache_dir), pool)
 
 
 def model_of(source: bytes, filename: str, options: BuildOptions, cache_dir: Path) -> FemModel:
@@ -108,37 +111,43 @@ class Solid:
     """Vertices at which the paper's states are recorded."""
 
 
-def _build(tree: TreeMesh, render_glb: bytes, options: BuildOptions, on: Environment) -> BuildResult:
+def _workers(runner: TrajectoryRunner | None) -> WorkerPool:
+    """Worker processes: one per core, or a single one if the training runs are simulated elsewhere."""
+    return WorkerPool(1 if runner else None, warm=WARM_MODULES)
+
+
+def _build(
+    tree: TreeMesh, render_glb: bytes, options: BuildOptions, on: Environment, pool: WorkerPool
+) -> BuildResult:
     stages = on.stages
-    with WorkerPool(1 if on.runner else None, warm=WARM_MODULES) as pool:
-        artefacts = ArtefactPublisher(pool, on.publish)
-        artefacts.publish("render.glb", lambda: render_glb)
-        solid = _solid(tree, options, on, artefacts)
-        stages.enter("model")
-        model = build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem)
-        wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
-        samples = planned(
-            model, wind.speed_m_s, solid.points, on.cache_dir,
-            frames=options.frames, seed=options.seed, all_winds=options.all_cosine_winds,
-        )  # fmt: skip
-        builder = TableBuilder(tree, model, wind, solid.surface, options, render_glb)
-        artefacts.publish("first.table", lambda: encode(builder.first(samples)))
-        run = on.runner or partial(run_in_processes, pool=pool)
-        default = _default(builder, samples, run, artefacts, stages)
-        report = partial(
-            build_report, tree, solid.mesh, solid.skeleton, solid.lumped, model, wind, default.table
-        )
-        result = BuildResult(encode(default.table), None, render_glb, report(None, None, stages))
-        if on.on_table:
-            on.on_table(result)
-        stages.enter("records")
-        reference = _start_comparison(pool, model, solid, options.reference_frames)
-        records = _records(builder, default, samples, run, stages) if options.paper else None
-        compared = reference()
-        stages.enter("done")
-        sha256 = hashlib.sha256(result.table).hexdigest()
-        encoded = encode_records(records, sha256) if records else None
-        return replace(result, records=encoded, report=report(records, compared, stages))
+    artefacts = ArtefactPublisher(pool, on.publish)
+    artefacts.publish("render.glb", lambda: render_glb)
+    beams = artefacts.compute("beams.table", lambda: beam_table(tree, options, render_glb))
+    solid = _solid(tree, options, on, artefacts)
+    stages.enter("model")
+    model = build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem)
+    wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
+    samples = planned(
+        model, wind.speed_m_s, solid.points, on.cache_dir,
+        frames=options.frames, seed=options.seed, all_winds=options.all_cosine_winds,
+    )  # fmt: skip
+    builder = TableBuilder(tree, model, wind, solid.surface, options, render_glb)
+    beams()
+    artefacts.publish("first.table", lambda: encode(builder.first(samples)))
+    run = on.runner or partial(run_in_processes, pool=pool)
+    default = _default(builder, samples, run, artefacts, stages)
+    report = partial(build_report, tree, solid.mesh, solid.skeleton, solid.lumped, model, wind, default.table)
+    result = BuildResult(encode(default.table), None, render_glb, report(None, None, stages))
+    if on.on_table:
+        on.on_table(result)
+    stages.enter("records")
+    reference = _start_comparison(pool, model, solid, options.reference_frames)
+    records = _records(builder, default, samples, run, stages) if options.paper else None
+    compared = reference()
+    stages.enter("done")
+    sha256 = hashlib.sha256(result.table).hexdigest()
+    encoded = encode_records(records, sha256) if records else None
+    return replace(result, records=encoded, report=report(records, compared, stages))
 
 
 def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: ArtefactPublisher) -> Solid:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from importlib import metadata
 from typing import Any
 
@@ -27,26 +27,36 @@ def render_mesh(tree: TreeMesh, binding: scipy.sparse.csr_matrix) -> RenderMesh:
     return RenderMesh(np.concatenate([p.positions_m for p in tree.primitives]), binding, primitives)
 
 
+@dataclass(frozen=True)
+class Body:
+    """What a table says of the model it was made from: frequencies, name of the wood, size and identity."""
+
+    frequencies_hz: list[float]
+    wood: str
+    identity: dict[str, Any]
+
+
+def body_of(model: FemModel) -> Body:
+    """The description of a finite-element model."""
+    identity = {"tetrahedra": len(model.elements), "model_sha256": content_hash(model)}
+    return Body(model.report["frequencies_hz"], model.report["wood"], identity)
+
+
 def describe(
-    tree: TreeMesh,
-    model: FemModel,
-    wind: DesignWind,
-    options: BuildOptions,
-    render_glb: bytes,
+    tree: TreeMesh, body: Body, design_speed_m_s: float, options: BuildOptions, render_glb: bytes
 ) -> Metadata:
     """Metadata of a table that is known before its motion."""
     return {
         "species": tree.species or "default",
         "height_m": tree.height_m,
         "dt_s": options.fem.dt_s,
-        "design_speed_m_s": wind.speed_m_s,
+        "design_speed_m_s": design_speed_m_s,
         "mesh_sha256": hashlib.sha256(render_glb).hexdigest(),
-        "frequencies_hz": model.report["frequencies_hz"],
+        "frequencies_hz": body.frequencies_hz,
         "provenance": {
             "software": _version(),
-            "wood": model.report["wood"],
-            "tetrahedra": len(model.elements),
-            "model_sha256": content_hash(model),
+            "wood": body.wood,
+            **body.identity,
             "fem": asdict(options.fem),
             "table_settings": asdict(options.table),
             "seed": options.seed,

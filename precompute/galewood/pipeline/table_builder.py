@@ -17,7 +17,7 @@ from galewood.pipeline.assemble import (
     assemble_records,
 )
 from galewood.pipeline.options import BuildOptions
-from galewood.pipeline.report import describe
+from galewood.pipeline.report import body_of, describe
 from galewood.reduction import ModalTraining, Oscillators, oscillators_of, sizes_for
 from galewood.sampling import DesignWind, SampledRun, Samples, SampleTask, SampleWind
 from galewood.table import Records, Table
@@ -90,7 +90,8 @@ class TableBuilder:
         return records
 
     def _surroundings(self, winds: list[SampleWind]) -> Surroundings:
-        description = describe(self.tree, self.model, self.wind, self.options, self.render_glb)
+        body, speed_m_s = body_of(self.model), self.wind.speed_m_s
+        description = describe(self.tree, body, speed_m_s, self.options, self.render_glb)
         description["provenance"].update(_winds(winds))
         mass_kg = self.model.mass_kg[: self.model.vertex_count]
         return Surroundings(mass_kg, self.surface, description, self.options.table)

@@ -1,7 +1,7 @@
 """Training runs; in: a FemModel and winds; out: snapshots of motion and state, one file per run."""
 
-from galewood.sampling.design_speed import DesignWind, design_wind
-from galewood.sampling.plan import Samples, planned, simulate
+from galewood.sampling.design_speed import MAX_SWAY_SHARE, DesignWind, design_wind
+from galewood.sampling.plan import Samples, default_winds, planned, simulate
 from galewood.sampling.recording import (
     ALL_COSINES,
     COSINE,
@@ -28,6 +28,7 @@ __all__ = [
     "COSINE",
     "DIRECTIONS_DEG",
     "GOLDEN_RAD",
+    "MAX_SWAY_SHARE",
     "SEED",
     "DesignWind",
     "SampleTask",
@@ -37,6 +38,7 @@ __all__ = [
     "Trajectory",
     "TrajectoryRunner",
     "content_hash",
+    "default_winds",
     "design_wind",
     "noise",
     "planned",

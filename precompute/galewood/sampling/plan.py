@@ -63,6 +63,11 @@ class Samples:
         return Samples(self.default[FIRST_DEFAULT], ())
 
 
+def default_winds(speed_m_s: float, dt_s: float, seed: int = SEED) -> list[SampleWind]:
+    """The winds of the default method's runs, up to the given speed."""
+    return training_winds(speed_m_s, dt_s, seed=seed)
+
+
 def planned(
     model: FemModel,
     speed_m_s: float,
@@ -79,7 +84,7 @@ def planned(
     of the paper's six cosine winds are recorded, in six directions, or with ``all_winds`` all six.
     """
     dt_s = model.settings.dt_s
-    default = training_winds(speed_m_s, dt_s, seed=seed)
+    default = default_winds(speed_m_s, dt_s, seed)
     paper = sample_winds(speed_m_s, dt_s, frames)
     further = further_winds(speed_m_s, dt_s, seed=seed)
     tasks = iter(sample_tasks(model, [*default, *paper, *further], points, cache_dir))

@@ -1,13 +1,19 @@
-"""Branch skeleton; in: a TetMesh; out: branches with radii, fibre direction of every tetrahedron."""
+"""Branch skeleton; in: a TetMesh, or just the surface of the wood; out: branches with radii, and the fibre
+direction of every tetrahedron."""
 
+from galewood.skeleton.centre import branch_lines
 from galewood.skeleton.extraction import Skeleton, extract_skeleton, sampled_elements
+from galewood.skeleton.outline import Outline, outline_of
 from galewood.skeleton.radius_correction import with_corrected_radii
 from galewood.skeleton.roots import CLAMPED_SHARE, root_vertices
 
 __all__ = [
     "CLAMPED_SHARE",
+    "Outline",
     "Skeleton",
+    "branch_lines",
     "extract_skeleton",
+    "outline_of",
     "root_vertices",
     "sampled_elements",
     "with_corrected_radii",

@@ -19,7 +19,7 @@ FIT_STEPS = 1.5
 FIT_RADII = 1.0
 
 
-def branch_lines(branch: Ints, parent: Ints) -> list[Ints]:
+def branch_lines(branch: Ints) -> list[Ints]:
     """Point indices of each branch from its base outwards (parents precede children in the arrays)."""
     order = np.argsort(branch, kind="stable")
     return np.split(order, np.flatnonzero(np.diff(branch[order])) + 1)
@@ -36,7 +36,7 @@ def l1_centred(
 ) -> Floats:
     """Move points to the L1 median of the samples of their own branch, across the branch only."""
     result = points_m.copy()
-    for line in branch_lines(branch, parent):
+    for line in branch_lines(branch):
         own = samples_m[sample_branch == branch[line[0]]]
         inner = line[1:-1]  # the base lies in the parent and the tip has wood on one side only
         if len(own) < 8 or not len(inner):
@@ -87,7 +87,7 @@ def fitted_lines(
 ) -> tuple[Floats, Floats]:
     """Points (p, 3) and unit tangents (p, 3) from a weighted linear fit around each point of its branch."""
     fitted, tangent = points_m.copy(), np.zeros_like(points_m)
-    for line in branch_lines(branch, parent):
+    for line in branch_lines(branch):
         base = parent[line[0]]
         if len(line) == 1:
             start = points_m[base] if base >= 0 else points_m[line[0]] - (0.0, 1.0, 0.0)

@@ -13,7 +13,7 @@ import numpy as np
 from galewood.skeleton.centre import fitted_lines, l1_centred
 from galewood.skeleton.levels import Sections, cut_sections, geodesic_distance, inner_faces
 from galewood.skeleton.roots import root_vertices
-from galewood.skeleton.tree import Tree, branches, linked_tree, meetings, without_spurs
+from galewood.skeleton.tree import Tree, branches, linked_tree, meetings, section_radii, without_spurs
 from galewood.tets import TetMesh
 from galewood.util import Floats, Int32s, Ints
 
@@ -52,9 +52,9 @@ def extract_skeleton(mesh: TetMesh) -> Skeleton:
     sections = cut_sections(vertices, tets, distance, faces, step_m)
     base = vertices[roots].mean(axis=0)
     tree = linked_tree(sections, vertices, tets, distance, base)
-    tree, replacement = without_spurs(tree, _radii(tree, tree.points_m))
+    tree, replacement = without_spurs(tree, section_radii(tree, tree.points_m))
     branch = branches(tree.points_m, tree.parent)
-    radius = _radii(tree, tree.points_m)
+    radius = section_radii(tree, tree.points_m)
     owner = _owners(mesh, sections, tree, replacement, radius)
     samples = np.einsum("sk,mkd->msd", SAMPLES_OF_TET, vertices[tets]).reshape(-1, 3)
     centred = l1_centred(
@@ -81,18 +81,6 @@ def extract_skeleton(mesh: TetMesh) -> Skeleton:
     )
 
 
-def _radii(tree: Tree, points_m: Floats) -> Floats:
-    """Radius (p,) of the circle with the area of each section projected along the axis."""
-    along = points_m - points_m[np.maximum(tree.parent, 0)]
-    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
-    whole = np.linalg.norm(tree.area_m2, axis=1)
-    projected = np.abs(np.einsum("ij,ij->i", tree.area_m2, along))
-    radius = np.sqrt(np.maximum(projected, 0.5 * whole) / np.pi)
-    children = np.flatnonzero(tree.parent == 0)
-    radius[0] = radius[children].max() if len(children) else 0.0
-    return radius
-
-
 def _owners(mesh: TetMesh, sections: Sections, tree: Tree, replacement: Ints, radius_m: Floats) -> Ints:
     """The skeleton point (m,) each tet belongs to: the nearest link of its slab component, in units of its
     radius.
@@ -110,7 +98,7 @@ def _owners(mesh: TetMesh, sections: Sections, tree: Tree, replacement: Ints, ra
     order = np.argsort(sections.pair_piece, kind="stable")
     bounds = np.flatnonzero(np.diff(sections.pair_piece[order])) + 1
     for chosen in np.split(order, bounds):
-        tets = np.unique(sections.pair_tet[chosen])
+        tets = np.unique(sections.pair_cell[chosen])
         for point in links.get(int(sections.pair_piece[chosen[0]]), [0]):
             start = tree.points_m[max(int(tree.parent[point]), 0)]
             gap = segment_distance(centre[tets], start, tree.points_m[point]) / max(radius_m[point], 1e-9)

@@ -29,7 +29,7 @@ class Tree:
 
 
 def linked_tree(
-    sections: Sections, vertices_m: Floats, tets: Ints, distance_m: Floats, base_m: Floats
+    sections: Sections, vertices_m: Floats, cells: Ints, distance_m: Floats, base_m: Floats
 ) -> Tree:
     """Link each section to the one below; the base comes first, and each twig ends with a tip."""
     lower: dict[int, list[int]] = {}
@@ -38,13 +38,15 @@ def linked_tree(
     points, parent, area, pieces = [base_m], [-1], [np.zeros(3)], [-1]
     for index in range(len(sections.level)):
         candidates = lower.get(int(sections.below[index]), [])
-        gaps = [float(np.linalg.norm(sections.centre_m[c] - sections.centre_m[index])) for c in candidates]
+        if not candidates:  # the first section of all, or of a limb that is a surface of its own
+            candidates = np.flatnonzero(sections.level < sections.level[index]).tolist()
+        gaps = np.linalg.norm(sections.centre_m[candidates] - sections.centre_m[index], axis=1)
         points.append(sections.centre_m[index])
         parent.append(candidates[int(np.argmin(gaps))] + 1 if candidates else 0)
         area.append(sections.area_m2[index])
         pieces.append(int(sections.below[index]))
     has_upper = set(sections.below.tolist())
-    far = _farthest(sections, tets, distance_m)
+    far = _farthest(sections, cells, distance_m)
     for piece, indices in lower.items():
         if piece not in has_upper and piece in far:
             section = indices[0] + 1
@@ -55,6 +57,18 @@ def linked_tree(
     return Tree(
         np.array(points), np.array(parent, dtype=np.int32), np.array(area), np.array(pieces, dtype=np.int32)
     )
+
+
+def section_radii(tree: Tree, points_m: Floats) -> Floats:
+    """Radius (p,) of the circle with the area of each section projected along the axis."""
+    along = points_m - points_m[np.maximum(tree.parent, 0)]
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+    whole = np.linalg.norm(tree.area_m2, axis=1)
+    projected = np.abs(np.einsum("ij,ij->i", tree.area_m2, along))
+    radius = np.sqrt(np.maximum(projected, 0.5 * whole) / np.pi)
+    children = np.flatnonzero(tree.parent == 0)
+    radius[0] = radius[children].max() if len(children) else 0.0
+    return radius
 
 
 def meetings(sections: Sections) -> int:
@@ -74,9 +88,9 @@ def _tip(last_m: Floats, before_m: Floats, far_m: Floats) -> Floats:
     return last_m + along * max(float((far_m - last_m) @ along), 0.0)
 
 
-def _farthest(sections: Sections, tets: Ints, distance_m: Floats) -> dict[int, int]:
+def _farthest(sections: Sections, cells: Ints, distance_m: Floats) -> dict[int, int]:
     """The vertex of greatest distance in each slab component."""
-    corners = tets[sections.pair_tet]
+    corners = cells[sections.pair_cell]
     best = corners[np.arange(len(corners)), np.argmax(distance_m[corners], axis=1)]
     order = np.argsort(distance_m[best])
     return dict(zip(sections.pair_piece[order].tolist(), best[order].tolist(), strict=True))

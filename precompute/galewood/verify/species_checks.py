@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import KDTree
 
+from galewood.beams import frame_frequencies
 from galewood.model import gusty_pressure, trajectory_difference
 from galewood.util import Floats
-from galewood.verify.beam_frame import frame_frequencies
 from galewood.verify.checks import Check, absolute, relative
 from galewood.verify.motion_checks import ring_down
 from galewood.verify.skeleton_match import branches_found, fibre_errors

@@ -11,17 +11,18 @@ from typing import Any
 
 import numpy as np
 
+from galewood.beams import Frame, joined_frame
 from galewood.fem import Element, FemModel, FemSettings
 from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
 from galewood.model import LumpedMasses, bind_foliage, build_model
 from galewood.skeleton import Skeleton, extract_skeleton, with_corrected_radii
 from galewood.tets import TetMesh, tetrahedralise
 from galewood.util import Floats
-from galewood.verify.beam_frame import Frame
-from galewood.verify.beam_frame_tree import read_frame
 from galewood.wood import Wood, wood_of_species
 
 NAMES = ("poplar", "maple", "apricot")
+BEAMS_PER_LINK = 4
+"""Of the generator's skeleton."""
 TARGETS = (3000, 5500, 8000)
 Mesher = Callable[[str, TreeMesh, int], TetMesh]
 """Returns the tetrahedra of a species' wood, given its name, tree and target count."""
@@ -60,6 +61,14 @@ class Specimen:
     def reference_of(self, name: str) -> Floats:
         """Column of the generator's skeleton as an array."""
         return np.array(self.generated[name])
+
+
+def read_frame(path: Path, beams_per_link: int = BEAMS_PER_LINK) -> Frame:
+    """Read the frame from a generator's skeleton file (columns points_m, radius_m, parent, branch)."""
+    columns = json.loads(path.read_text())
+    points, radius = np.array(columns["points_m"], float), np.array(columns["radius_m"], float)
+    parent, branch = np.array(columns["parent"]), np.array(columns["branch"])
+    return joined_frame(points, radius, parent, branch, beams_per_link)
 
 
 def read_tree(folder: Path, name: str) -> TreeMesh:

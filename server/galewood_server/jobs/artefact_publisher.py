@@ -23,8 +23,8 @@ from galewood_server.storage import (
 )
 
 log = logging.getLogger("galewood.job")
-FIRST, EARLY = "first.table", "early.table"
-"""Preliminary tables: of the natural modes alone, and of the first training runs."""
+BEAMS, FIRST, EARLY = "beams.table", "first.table", "early.table"
+"""Preliminary tables: of beams along the branches, of the natural modes, of the first training runs."""
 MESH, PICTURE, TETS = "render.glb", ".png", "tets-"
 
 
@@ -52,7 +52,7 @@ class ArtefactPublisher:
             self._transfer.store_tetrahedra(name, content)
         elif name == MESH:
             self._publish_mesh(content)
-        elif name in (FIRST, EARLY):
+        elif name in (BEAMS, FIRST, EARLY):
             self._publish_preliminary_table(name, content)
 
     def _publish_picture(self, name: str, picture: bytes) -> None:
@@ -89,9 +89,9 @@ class ArtefactPublisher:
             tree.preliminary, tree.updated_at = True, utc_now()
 
     def _has_better(self, tree: Tree, name: str, metadata: Metadata) -> bool:
-        """Whether the tree has a complete table or, in a resumed build, already an early one."""
+        """Whether the tree has a complete table or, in a resumed build, already a later preliminary one."""
         present = self._metadata(tree.table_sha256)
-        if present is None or not tree.preliminary:
+        if present is None or not tree.preliminary or name == BEAMS:
             return present is not None
         return name == FIRST and model_of(metadata) is not None and model_of(present) == model_of(metadata)
 

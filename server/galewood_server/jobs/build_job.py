@@ -37,7 +37,7 @@ RECORDS_PRIORITY = -10
 """Priority of the simulations of that stage on the cluster; those of other builds have 0."""
 
 LOADED_EARLY = ("scipy.signal", "distributed")
-"""Modules that are slow to load and first needed after meshing."""
+"""Modules that are slow to load, in the order in which they are needed."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class RunningBuild:
             self._transfer.delete_runs(self._runner.runs)
 
     def _on_progress(self, progress: Progress) -> None:
-        if progress.stage == "meshing" and self._loading is None:
+        if self._loading is None:
             self._loading = threading.Thread(target=load_early, name="load-early", daemon=True)
             self._loading.start()
         self._reporter.report(progress.stage, progress.fraction, progress.message)
@@ -116,7 +116,7 @@ class RunningBuild:
 
 
 def load_early() -> None:
-    """Load what later stages need while this process waits for the mesher's."""
+    """Load what later stages need while this process waits for those of the import and the mesher."""
     for module in LOADED_EARLY:
         import_module(module)
 

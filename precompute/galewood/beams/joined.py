@@ -1,33 +1,28 @@
-"""Builds the beam frame of a tree from a skeleton with exact radii: branches joined to their parents."""
+"""Builds the beam frame of a tree from its branches, each joined to its parent limb."""
 
 from __future__ import annotations
-
-import json
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from galewood.util import Floats, Int64s
-from galewood.verify.beam_frame import Frame
+from galewood.beams.frame import Frame
+from galewood.util import Floats, Int64s, Ints
 
-PIECES = 4
-"""Beam elements per link of the skeleton."""
 SNAP = 0.02
 """Share of a link: a branch that starts this close to an end of it starts at that end."""
 
-
-def read_frame(path: Path) -> Frame:
-    """Read the frame from a generator's skeleton file (columns points_m, radius_m, parent, branch)."""
-    columns = json.loads(path.read_text())
-    points, radius = np.array(columns["points_m"], float), np.array(columns["radius_m"], float)
-    return frame(points, radius, np.array(columns["parent"]), np.array(columns["branch"]))
+SHORTEST_M = 1e-4
+"""Shortest beam."""
 
 
-def frame(points_m: Floats, radius_m: Floats, parent: Int64s, branch: Int64s) -> Frame:
-    """Subdivide the links; each branch starts at the nearest point of the axis of its parent branch."""
-    builder = _Builder(points_m, radius_m)
+def joined_frame(points_m: Floats, radius_m: Floats, parent: Ints, branch: Ints, pieces: int = 1) -> Frame:
+    """The frame of branches that each start at the nearest point of the axis of their parent branch.
+
+    points_m (p, 3), radius_m (p,), parent (p,) with −1 at the root and branch (p,), the trunk being 0; each
+    link becomes ``pieces`` beams.
+    """
+    builder = _Builder(points_m, radius_m, pieces)
     order = [np.flatnonzero(branch == number) for number in range(int(branch.max()) + 1)]
     order.sort(key=lambda own: int(own[0]))
     for own in order:
@@ -39,8 +34,8 @@ def frame(points_m: Floats, radius_m: Floats, parent: Int64s, branch: Int64s) ->
 class _Builder:
     """Builds the frame branch by branch, parents first."""
 
-    def __init__(self, points_m: Floats, radius_m: Floats) -> None:
-        self._points, self._radius = points_m, radius_m
+    def __init__(self, points_m: Floats, radius_m: Floats, pieces: int) -> None:
+        self._points, self._radius, self._pieces = points_m, radius_m, pieces
         self._nodes: list[Floats] = []
         self._girth: list[float] = []
         self._of_branch: dict[int, list[int]] = {}
@@ -49,7 +44,7 @@ class _Builder:
 
     def add_branch(self, own: Int64s, number: int, parent: int) -> None:
         """Add a branch through the points `own`; `parent` is its parent branch (−1: the ground)."""
-        places, girth = _resampled(self._points[own], self._radius[own])
+        places, girth = _resampled(*_distinct(self._points[own], self._radius[own]), self._pieces)
         hidden = np.zeros(len(places) - 1, bool)
         joint = -1
         if parent >= 0:
@@ -103,9 +98,16 @@ class _Builder:
         return Frame(points[kept], index[ends], radius, np.array([h for _, _, h in links]))
 
 
-def _resampled(points_m: Floats, radius_m: Floats) -> tuple[Floats, Floats]:
+def _distinct(points_m: Floats, radius_m: Floats) -> tuple[Floats, Floats]:
+    """The line without points that coincide with the one before; at least two remain."""
+    apart = np.linalg.norm(np.diff(points_m, axis=0), axis=1) > SHORTEST_M
+    kept = np.concatenate([[True], apart])
+    return points_m[kept], radius_m[kept]
+
+
+def _resampled(points_m: Floats, radius_m: Floats, pieces: int) -> tuple[Floats, Floats]:
     knots = np.arange(len(points_m))
-    fine = np.linspace(0, len(points_m) - 1, PIECES * (len(points_m) - 1) + 1)
+    fine = np.linspace(0, len(points_m) - 1, pieces * (len(points_m) - 1) + 1)
     places = np.column_stack([np.interp(fine, knots, points_m[:, k]) for k in range(3)])
     return places, np.interp(fine, knots, radius_m)
 

@@ -1,8 +1,7 @@
-"""A tree as a space frame of round Euler–Bernoulli beams: an independent model to verify the tetrahedra with.
+"""A tree as a space frame of round Euler–Bernoulli beams.
 
-It shares only the material constants with the FEM: no tetrahedra, no extracted skeleton, no radius
-correction. Its points come from a skeleton with exact radii, as written by a tree generator
-(`beam_frame_tree.py`).
+It needs no tetrahedra, so it moves a tree before its wood is meshed. It shares only the material constants
+with the finite elements, so it also verifies them, on skeletons with exact radii.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
-from scipy.sparse.linalg import eigsh
 
 from galewood.util import Floats, Int64s
 from galewood.wood import Wood
@@ -40,20 +38,43 @@ class Frame:
         return float((np.pi * self.radius_m**2 * self.length_m)[~self.hidden].sum())
 
 
+@dataclass(frozen=True)
+class FrameModes:
+    """Lowest natural modes of a frame: frequencies_hz (k,), mass-normalised shapes (k, n, 6), 1/√kg.
+
+    The last axis holds displacement and rotation (rad) of a point.
+    """
+
+    frequencies_hz: Floats
+    shapes: Floats
+
+
 def frame_frequencies(
     tree: Frame, wood: Wood, clamped_m: float, count: int, point_mass_kg: Floats | None = None
 ) -> Floats:
-    """(count,) lowest frequencies, Hz, without gravity; points not above `clamped_m` are clamped.
+    """(count,) lowest frequencies, Hz; otherwise like ``frame_modes``."""
+    return frame_modes(tree, wood, clamped_m, count, point_mass_kg).frequencies_hz
+
+
+def frame_modes(
+    tree: Frame, wood: Wood, clamped_m: float, count: int, point_mass_kg: Floats | None = None
+) -> FrameModes:
+    """The ``count`` lowest modes, without gravity; points not above `clamped_m` are clamped.
 
     `point_mass_kg` (n,) is additional mass at the points, such as foliage.
     """
+    from scipy.sparse.linalg import eigsh  # slow to load
+
     stiffness, mass = frame_matrices(tree, wood)
     if point_mass_kg is not None:
         mass = mass + _lumped(point_mass_kg)
     free = np.flatnonzero(np.repeat(tree.points_m[:, 1] > clamped_m, 6))
     stiffness, mass = csc_array(stiffness[free][:, free]), csc_array(mass[free][:, free])
-    squares = eigsh(stiffness, count, M=mass, sigma=0, return_eigenvectors=False, v0=np.ones(len(free)))
-    return np.sqrt(np.sort(squares)) / (2 * np.pi)
+    squares, vectors = eigsh(stiffness, count, M=mass, sigma=0, v0=np.ones(len(free)))
+    order = np.argsort(squares)
+    shapes = np.zeros((count, 6 * len(tree.points_m)))
+    shapes[:, free] = vectors[:, order].T
+    return FrameModes(np.sqrt(squares[order]) / (2 * np.pi), shapes.reshape(count, -1, 6))
 
 
 def _lumped(mass_kg: Floats) -> csc_array:

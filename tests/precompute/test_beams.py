@@ -4,10 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.verify import beam_frame_tree
-from galewood.verify.beam_frame import frame_frequencies, frame_matrices
-from galewood.verify.beam_frame_tree import frame, read_frame
+from galewood.beams import frame_frequencies, frame_matrices, joined_frame
 from galewood.verify.beams import pole_frequencies
+from galewood.verify.specimens import read_frame
 from galewood.wood.species import wood_of_species
 
 WOOD = wood_of_species("maple")
@@ -20,7 +19,7 @@ def pole(direction, tip_ratio=1.0, links=12):
     share = np.linspace(0, 1, links + 1)
     points = share[:, None] * LENGTH_M * np.array(direction) / np.linalg.norm(direction)
     radius = RADIUS_M * (1 + (tip_ratio - 1) * share)
-    return frame(points, radius, np.arange(-1, links), np.zeros(links + 1, int))
+    return joined_frame(points, radius, np.arange(-1, links), np.zeros(links + 1, int), 4)
 
 
 @pytest.mark.parametrize("direction", [(0, 1, 0), (1, 2, 3)])
@@ -41,8 +40,8 @@ def test_the_tip_deflection_of_an_l_shaped_wire():
     up = np.column_stack([np.zeros(links + 1), np.linspace(0, leg, links + 1), np.zeros(links + 1)])
     out = up[-1] + np.column_stack([np.linspace(0, leg, links + 1)[1:], np.zeros(links), np.zeros(links)])
     points = np.concatenate([up, out])
-    tree = frame(points, np.full(len(points), RADIUS_M), np.arange(-1, len(points) - 1),
-                 np.zeros(len(points), int))  # fmt: skip
+    radius, parent = np.full(len(points), RADIUS_M), np.arange(-1, len(points) - 1)
+    tree = joined_frame(points, radius, parent, np.zeros(len(points), int))
     stiffness, _ = frame_matrices(tree, WOOD)
     free = np.flatnonzero(np.repeat(tree.points_m[:, 1] > 0, 6))
     tip = int(np.argmax(tree.points_m[:, 0]))
@@ -59,17 +58,12 @@ def test_the_tip_deflection_of_an_l_shaped_wire():
 def test_links_inside_a_limb_have_no_mass():
     points = np.array([[0, 0, 0], [0, 1, 0], [0, 2, 0], [0, 1, 0], [1, 1, 0]], float)
     radius = np.array([0.1, 0.1, 0.1, 0.02, 0.02])
-    tree = frame(points, radius, np.array([-1, 0, 1, 1, 3]), np.array([0, 0, 0, 1, 1]))
+    tree = joined_frame(points, radius, np.array([-1, 0, 1, 1, 3]), np.array([0, 0, 0, 1, 1]), 4)
     exact = np.pi * (0.1**2 * 2 + 0.02**2 * 0.9)
     assert tree.volume_m3() == pytest.approx(exact, rel=5e-3)
 
 
-def test_frequencies_converge_with_smaller_pieces(monkeypatch):
-    first = frame_frequencies(
-        read_frame(SPECIES / "apricot.skeleton.json"), wood_of_species("apricot"), 0.0, 10
-    )
-    monkeypatch.setattr(beam_frame_tree, "PIECES", 8)
-    second = frame_frequencies(
-        read_frame(SPECIES / "apricot.skeleton.json"), wood_of_species("apricot"), 0.0, 10
-    )
+def test_frequencies_converge_with_smaller_pieces():
+    path, wood = SPECIES / "apricot.skeleton.json", wood_of_species("apricot")
+    first, second = (frame_frequencies(read_frame(path, beams), wood, 0.0, 10) for beams in (4, 8))
     np.testing.assert_allclose(first, second, rtol=0.01)

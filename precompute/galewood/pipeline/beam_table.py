@@ -1,0 +1,59 @@
+"""The table of the first second: natural modes of beams along the branches, before the wood is meshed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from galewood.fem import rayleigh
+from galewood.mesh import TreeMesh
+from galewood.model import BeamModel, beam_model
+from galewood.pipeline.assemble import Surroundings, assemble_first
+from galewood.pipeline.options import BuildOptions
+from galewood.pipeline.report import Body, describe, render_mesh
+from galewood.reduction import Oscillators
+from galewood.sampling import MAX_SWAY_SHARE, default_winds
+from galewood.table import encode
+from galewood.wind import STREAMLINED_EXPONENT, dynamic_pressure
+from galewood.wood import wood_of_species
+
+LEFT_OUT = [
+    "the shape of the wood: its branches move as round beams",
+    "the weight of the tree",
+    "the change of stiffness, damping and wind load with the sway",
+    "the curved paths of branches that bend far",
+]
+
+
+def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> bytes:
+    """A preliminary table file of an imported tree, within a second.
+
+    Raises ValueError if the surface of the wood has no branches that beams could follow.
+    """
+    wood = options.wood or wood_of_species(tree.species or "default")
+    model = beam_model(tree, wood)
+    speed_m_s = _design_speed(model, options.design_speed_m_s, tree.height_m)
+    body = Body(model.frequencies_hz[:10].tolist(), wood.name, {"beams": model.beams})
+    of = Surroundings(
+        model.mass_kg,
+        render_mesh(tree, model.binding),
+        describe(tree, body, speed_m_s, options, render_glb),
+        options.table,
+    )
+    winds = [wind.pressure_pa for wind in default_winds(speed_m_s, options.fem.dt_s, options.seed)]
+    table = assemble_first(_oscillators(model, wood.damping_ratio, options), winds, options.fem, of)
+    table.metadata["provenance"] |= {"stage": "beams", "preliminary": True, "left_out": LEFT_OUT}
+    return encode(table)
+
+
+def _design_speed(model: BeamModel, asked_m_s: float, height_m: float) -> float:
+    """The requested speed, reduced if its steady pressure would bend the beams too far."""
+    share = model.sway_m(float(dynamic_pressure(asked_m_s))) / height_m
+    return asked_m_s * min(1.0, (MAX_SWAY_SHARE / max(share, 1e-9)) ** (1.0 / STREAMLINED_EXPONENT))
+
+
+def _oscillators(model: BeamModel, damping_ratio: float, options: BuildOptions) -> Oscillators:
+    omega = 2 * np.pi * model.frequencies_hz
+    first_hz = float(model.frequencies_hz[0])
+    alpha, beta = rayleigh(damping_ratio, first_hz, options.fem.damping_frequency_ratio)
+    damping = np.diag(alpha + beta * omega**2)
+    return Oscillators(omega, damping, model.shapes.reshape(len(omega), -1), model.load)
