@@ -7,8 +7,9 @@ from galewood.modal import ModalTensors
 from galewood.player.modal_forest import ModalForest
 from galewood.reduction.modal_fit import ridge_fit
 from galewood.reduction.oscillators import propagators, response
-from galewood.sampling.training_winds import noise_wind, training_winds
+from galewood.sampling.training_winds import noise, training_winds
 from galewood.table.format import decode
+from galewood.wind import dynamic_pressure
 
 from tests.golden.beam import Beam
 from tests.precompute.test_table import FILE
@@ -28,13 +29,19 @@ def masses(q: np.ndarray) -> np.ndarray:
     return moved[TABLE.vertex_node][:12:2]
 
 
+def noisy_pressure_pa(rng: np.random.Generator, frames: int) -> np.ndarray:
+    """(frames, 2) wind with a mean of 7 m/s and a heading that varies about a random one."""
+    speed_m_s = np.clip(7.0 * (1.0 + 0.35 * noise(rng, frames, DT_S, 5 / 3)), 0.0, 12.0)
+    heading = rng.uniform(0, 2 * np.pi) + rng.uniform(0.3, 0.7) * noise(rng, frames, DT_S, 2.0)
+    return dynamic_pressure(speed_m_s)[:, None] * np.column_stack([np.cos(heading), np.sin(heading)])
+
+
 def sway_error(
     seed: int, frames: int, calm_from: int, period: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Largest error and displacement of each frame, over the height, in noise that ends at ``calm_from``."""
     rng = np.random.default_rng(seed)
-    wind = noise_wind(rng, "unseen", 7.0, DT_S, period or frames, most_m_s=12.0).pressure_pa
-    wind = np.resize(wind, (frames, 2))
+    wind = np.resize(noisy_pressure_pa(rng, period or frames), (frames, 2))
     wind[calm_from:] = 0
     beam, trees = Beam(), forest()
     error, sway = np.empty(frames), np.empty(frames)

@@ -138,9 +138,7 @@ def kept_model(path: Path, metadata: Metadata, cache_dir: Path) -> Path:
 def _model_sha256(metadata: Metadata) -> str:
     sha256 = metadata["provenance"].get("model_sha256")
     if metadata["provenance"].get("stage") == "beams":
-        raise SourceError(
-            "this preliminary table was made from beams, before the model: evaluate the complete table instead"
-        )
+        raise SourceError("this preliminary table was made from beams: evaluate the complete table instead")
     if not isinstance(sha256, str):
         raise SourceError("this table does not name its model, as an older version built it: build it again")
     return sha256

@@ -33,7 +33,7 @@ class Samples:
     further: Sequence[SampleTask] = ()
     """Additional runs for the modal model, only for trees that deflect strongly.
 
-    They include the paper's cosine runs, in the same files, so that those are simulated once.
+    They include 18 of the paper's cosine runs, in the same files, so that those are simulated once.
     """
 
     @property
@@ -89,9 +89,9 @@ def planned(
     further = further_winds(speed_m_s, dt_s, seed=seed)
     tasks = iter(sample_tasks(model, [*default, *paper, *further], points, cache_dir))
     own, every, more = (list(islice(tasks, len(some))) for some in (default, paper, further))
-    cosines = [task for task in every if task.wind.name.startswith(COSINE)]
-    recorded = [task for task in every if all_winds or not task.wind.name.startswith(UNRECORDED)]
-    return Samples(own, recorded, [*cosines, *more])
+    recorded = [task for task in every if not task.wind.name.startswith(UNRECORDED)]
+    cosines = [task for task in recorded if task.wind.name.startswith(COSINE)]
+    return Samples(own, every if all_winds else recorded, [*cosines, *more])
 
 
 def simulate(

@@ -6,8 +6,6 @@ Cosine winds alone excite too little of the motion: every operator fitted to the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from galewood.sampling.recording import SampleWind
@@ -28,21 +26,22 @@ CALM_FRAMES = 60
 GOLDEN_RAD = np.pi * (3.0 - np.sqrt(5.0))
 """Between the headings at which successive winds start, so that any few of them differ."""
 
-FURTHER_NOISE_WINDS, FURTHER_GUST_WINDS = 42, 6
-FURTHER_FRAMES = 300
-FURTHER_LEVELS = (0.55, 0.75, 0.95)
-"""Levels of the additional winds for trees that deflect strongly: strong winds, in which single limbs bend.
-"""
-FURTHER_GUSTINESS = 0.35
+FURTHER_WINDS = 20
+"""Additional winds for trees that bend far, which continue the sequence."""
 
 
-def training_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) -> list[SampleWind]:
-    """Noise with a turning heading at several speeds, at most the design speed; every second one stops."""
+def training_winds(
+    design_speed_m_s: float, dt_s: float, *, seed: int = SEED, count: int = WINDS
+) -> list[SampleWind]:
+    """Noise with a turning heading at several speeds, at most the design speed; every second one stops.
+
+    A smaller ``count`` gives the first of them.
+    """
     rng = np.random.default_rng((seed, 2))
     first_rad = rng.uniform(0, 2 * np.pi)
     turn_rad = TURNS * np.linspace(0, 2 * np.pi, FRAMES)
     winds: list[SampleWind] = []
-    for k in range(WINDS):
+    for k in range(count):
         mean_m_s = MEAN_SHARE * LEVELS[k % len(LEVELS)] * design_speed_m_s
         speed_m_s = np.clip(noisy_speed(rng, mean_m_s, GUSTINESS, FRAMES, dt_s), 0.0, design_speed_m_s)
         if k % 2:
@@ -55,27 +54,7 @@ def training_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) ->
 
 def further_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) -> list[SampleWind]:
     """Additional winds for trees for which these are not sufficient."""
-    rng = np.random.default_rng((seed, 1))
-    noises = [
-        noise_wind(rng, f"further-noise-{k:02d}", mean_m_s, dt_s, FURTHER_FRAMES, most_m_s=design_speed_m_s)
-        for k, mean_m_s in enumerate(_further_means(design_speed_m_s))
-    ]
-    gusts = range(FURTHER_GUST_WINDS)
-    return noises + [_gust(rng, f"further-gust-{k:02d}", k, design_speed_m_s, dt_s) for k in gusts]
-
-
-def _further_means(design_speed_m_s: float) -> Sequence[float]:
-    levels = (FURTHER_LEVELS[k % len(FURTHER_LEVELS)] for k in range(FURTHER_NOISE_WINDS))
-    return [MEAN_SHARE * design_speed_m_s * level for level in levels]
-
-
-def noise_wind(
-    rng: np.random.Generator, name: str, mean_m_s: float, dt_s: float, frames: int, *, most_m_s: float
-) -> SampleWind:
-    """Wind whose speed has a −5/3 spectrum about its mean and whose heading varies about a random one."""
-    speed_m_s = np.clip(noisy_speed(rng, mean_m_s, FURTHER_GUSTINESS, frames, dt_s), 0.0, most_m_s)
-    start_rad = rng.uniform(0, 2 * np.pi)
-    return _wind(name, start_rad, speed_m_s, start_rad + _wander(rng, frames, dt_s))
+    return training_winds(design_speed_m_s, dt_s, seed=seed, count=WINDS + FURTHER_WINDS)[WINDS:]
 
 
 def noisy_speed(
@@ -98,16 +77,6 @@ def noise(rng: np.random.Generator, frames: int, dt_s: float, beta: float) -> Fl
     turned = amplitude * np.exp(2j * np.pi * rng.random(len(frequency)))
     series = np.fft.irfft(turned, 2 * frames)[:frames]
     return (series - series.mean()) / series.std()
-
-
-def _gust(rng: np.random.Generator, name: str, k: int, design_speed_m_s: float, dt_s: float) -> SampleWind:
-    """One gust, gradual or abrupt, followed by still air."""
-    time_s = np.arange(FURTHER_FRAMES) * dt_s
-    share = np.clip((time_s - rng.uniform(0, 1)) / rng.uniform(0.8, 4), 0, 1)
-    rise = np.sin(np.pi * share) ** 2 if k % 2 == 0 else ((share > 0) & (share < 1)).astype(np.float64)
-    heading = rng.uniform(0, 2 * np.pi)
-    speed = design_speed_m_s * (0.5 + 0.1 * k) * rise
-    return _wind(name, heading, speed, np.full(FURTHER_FRAMES, heading))
 
 
 def _wind(name: str, start_rad: float, speed_m_s: Floats, heading_rad: Floats) -> SampleWind:
