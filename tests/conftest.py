@@ -21,9 +21,13 @@ SLOW_FIXTURES = {"start_server", "server", "api"}
 
 @pytest.fixture(scope="module")
 def one_worker() -> Iterator[None]:
-    """Builds of the module have one worker process: to load a second one takes longer than their runs."""
+    """Builds of the module have one worker process, and only if they find work for it.
+
+    To load a second one, or one that only waits, takes longer than the runs of a small tree.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(worker_pool, "usable_cores", lambda: 1)
+        patch.setattr("galewood.pipeline.build.WARM_MODULES", ())
         yield
 
 
