@@ -1,6 +1,9 @@
 """Order of the tests, and which of them `make test-fast` leaves out."""
 
+from collections.abc import Iterator
+
 import pytest
+from galewood.util import worker_pool
 
 LONGEST = (
     "test_wheel", "test_build_end_to_end", "test_accuracy", "test_jobs", "test_leases", "test_verify_species",
@@ -14,6 +17,18 @@ SLOW = {
 }  # fmt: skip
 """Files that build a tree or simulate for long."""
 SLOW_FIXTURES = {"start_server", "server", "api"}
+
+
+@pytest.fixture(scope="module")
+def one_worker() -> Iterator[None]:
+    """Builds of the module have one worker process, and only if they find work for it.
+
+    To load a second one, or one that only waits, takes longer than the runs of a small tree.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worker_pool, "usable_cores", lambda: 1)
+        patch.setattr("galewood.pipeline.build.WARM_MODULES", ())
+        yield
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

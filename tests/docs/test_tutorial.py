@@ -14,12 +14,19 @@ import pytest
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
 
 TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorial.md"
+HEIGHT_M = 12.0
+"""As in the tutorial, so that its tree is meshed already."""
 QUICK: dict[str, Any] = {
     "target_tets": TARGET_TETS,
     "sampled_elements": 8,
-    "frames": 12,
+    "frames": 16,
+    "design_speed_m_s": 14.0,
     "reference_frames": 0,
 }
+"""As in tests/precompute/test_api.py, so that the runs are simulated once for both."""
+
+
+pytestmark = pytest.mark.usefixtures("one_worker")
 
 
 def python_blocks(page: str) -> list[tuple[int, str]]:
@@ -32,7 +39,7 @@ def test_the_code_of_the_tutorial_runs(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    cache_with_tets(tmp_path / "cache", tmp_path_factory)
+    cache_with_tets(tmp_path / "cache", tmp_path_factory, HEIGHT_M, share_runs=True)
     monkeypatch.setenv("GALEWOOD_CACHE_DIR", str(tmp_path / "cache"))
     Path("mytree.glb").write_bytes(small_tree_glb())
     monkeypatch.setattr(galewood, "build", partial(galewood.build, **QUICK), raising=False)

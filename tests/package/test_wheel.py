@@ -82,8 +82,12 @@ class Installation:
         constraints = self.here / "locked.txt"
         lock = (REPOSITORY / "requirements" / "base.txt").read_text()
         constraints.write_text("\n".join(re.findall(r"(?m)^\S+==\S+", lock)) + "\n")
+        pip = [sys.executable, "-m", "pip", "--python", self.environment / "bin" / "python", "install"]
         options = ["--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "--no-compile"]
-        installed = self.run("python", "-m", "pip", "install", *options, "--constraint", constraints, what)
+        installed = subprocess.run(
+            [*pip, *options, "--constraint", constraints, what],
+            cwd=self.here, env=self.variables(), capture_output=True, text=True,
+        )  # fmt: skip
         assert installed.returncode == 0, installed.stderr
 
     def processes(self) -> list[psutil.Process]:
@@ -126,7 +130,8 @@ def installation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Installat
     folder = tmp_path_factory.mktemp("installed")
     assert not folder.resolve().is_relative_to(REPOSITORY)
     (folder / "here").mkdir()
-    subprocess.run([sys.executable, "-m", "venv", folder / "environment"], check=True)
+    # without a pip of its own, which takes seconds to set up: ours installs into it
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder / "environment"], check=True)
     made = Installation(folder / "environment", folder / "here")
     yield made
     made.remove()
@@ -136,9 +141,11 @@ def installation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Installat
 def alone(installation: Installation, wheel: Path) -> Alone:
     installation.install(str(wheel))
     (installation.here / "tree.glb").write_bytes(small_tree_glb())
+    build = ("build", "tree.glb", "--out", "tree.gwt", *QUICK)
     return Alone(
         installation,
-        installation.run("galewood", "build", "tree.glb", "--out", "tree.gwt", *QUICK),
+        # every kernel is compiled here, to run for a moment: the usual optimisation takes most of the build
+        installation.run("galewood", *build, NUMBA_OPT="1"),
         installation.run("python", "-c", DECODE, "tree.gwt"),
         installation.run("galewood", "serve"),
         installation.run("galewood", "key"),

@@ -1,4 +1,6 @@
-"""The small tree's tetrahedra, meshed once for all files of a test run, whichever process runs them."""
+"""The small tree's tetrahedra and simulated runs, made once for all files of a test run, by whichever process
+runs the first of them.
+"""
 
 from __future__ import annotations
 
@@ -9,28 +11,39 @@ from pathlib import Path
 import pytest
 from galewood.mesh.importer import read_tree
 from galewood.mesh.types import ImportOptions
-from galewood.tets.meshing import tetrahedralise
+from galewood.tets.meshing import kept_tetrahedra, tetrahedralise
 
 from tests.precompute.tree_meshes import BRANCHES, cards, glb_bytes, y_tree
 
 TARGET_TETS = 800
 
 
-def small_tree_glb() -> bytes:
-    return glb_bytes(y_tree(), cards([end for _, end in BRANCHES]))
+def small_tree_glb(species: str = "") -> bytes:
+    """The small tree; the name of its wood may tell a species."""
+    return glb_bytes(y_tree(), cards([end for _, end in BRANCHES]), species)
 
 
-def cache_with_tets(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A build's cache at ``folder`` that has the small tree's tetrahedra already."""
+def cache_with_tets(
+    folder: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+    height_m: float | None = None,
+    *,
+    share_runs: bool = False,
+) -> Path:
+    """A build's cache at ``folder`` with the small tree's tetrahedra, of the given height or its own.
+
+    With ``share_runs`` it has the simulated runs of the other caches made with it, and they have its own.
+    """
     base = tmp_path_factory.getbasetemp()
     # under xdist every process has a folder of its own below the run's
-    shared = (base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base) / "shared-tets"
-    shared.mkdir(exist_ok=True)
+    shared = (base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base) / "shared-cache"
     folder.mkdir(parents=True)
-    (folder / "tets").symlink_to(shared, target_is_directory=True)
+    for name in ("tets", "models", "trajectories") if share_runs else ("tets",):
+        (shared / name).mkdir(parents=True, exist_ok=True)
+        (folder / name).symlink_to(shared / name, target_is_directory=True)
     with (shared / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # one meshes, the others wait for it
-        if not any(shared.glob("*.npz")):
-            tree = read_tree(small_tree_glb(), "tree.glb", ImportOptions(species="maple"))
-            tetrahedralise(tree, TARGET_TETS, shared)
+        tree = read_tree(small_tree_glb(), "tree.glb", ImportOptions(species="maple", height_m=height_m))
+        if not kept_tetrahedra(tree, TARGET_TETS, shared / "tets").exists():
+            tetrahedralise(tree, TARGET_TETS, shared / "tets")
     return folder

@@ -13,6 +13,8 @@ from galewood.paper.text import table
 
 from tests.precompute.shared_tets import cache_with_tets, small_tree_glb
 
+pytestmark = pytest.mark.usefixtures("one_worker")
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:

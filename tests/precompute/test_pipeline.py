@@ -26,6 +26,10 @@ OPTIONS = BuildOptions(
     frames=12,
     reference_frames=12,
 )
+UNCOMPARED = replace(OPTIONS, reference_frames=0)
+"""For the builds whose report is not looked at."""
+
+pytestmark = pytest.mark.usefixtures("one_worker")
 
 
 @dataclass
@@ -154,7 +158,7 @@ def test_the_records_follow_in_a_file_of_their_own(built: Built) -> None:
 
 
 def test_the_records_can_be_left_out(mesh: bytes, built: Built) -> None:
-    options = replace(OPTIONS, paper=False, reference_frames=0)
+    options = replace(UNCOMPARED, paper=False)
     alone = build_table(mesh, "tree.glb", options, in_this_process, cache_dir=built.cache)
     assert built.result
     assert alone.records is None
@@ -172,7 +176,7 @@ def test_an_interrupted_build_continues_from_the_cache(mesh: bytes, built: Built
     runs = sorted((built.cache / "trajectories").glob("*.npz"))
     runs[3].unlink()
     runs[7].write_bytes(runs[7].read_bytes()[:-100])
-    again = build_table(mesh, "tree.glb", OPTIONS, run, cache_dir=built.cache)
+    again = build_table(mesh, "tree.glb", UNCOMPARED, run, cache_dir=built.cache)
     assert len(simulated) == 2
     assert built.result
     assert again.table == built.result.table
@@ -185,7 +189,7 @@ def test_an_exception_in_the_progress_cancels_the_build(mesh: bytes, built: Buil
             raise Cancelled
 
     with pytest.raises(Cancelled):
-        build_table(mesh, "tree.glb", OPTIONS, in_this_process, stop, built.cache)
+        build_table(mesh, "tree.glb", UNCOMPARED, in_this_process, stop, built.cache)
 
 
 def test_a_file_that_is_not_a_mesh_is_refused(tmp_path: Path) -> None:

@@ -64,17 +64,17 @@ def cards(centres, size=0.3) -> Surface:
     return Surface(vertices, (corner + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3).astype(np.int32))
 
 
-def as_tree(wood: Surface, leaves: Surface | None = None) -> TreeMesh:
-    """A TreeMesh created directly from surfaces, without the mesh import."""
-    primitives = [RenderPrimitive("wood_0", "wood", wood.vertices, wood.faces)]
+def as_tree(wood: Surface, leaves: Surface | None = None, species: str = "") -> TreeMesh:
+    """A TreeMesh created directly from surfaces, without the mesh import; its parts may name a species."""
+    primitives = [RenderPrimitive(f"wood_0 {species}".strip(), "wood", wood.vertices, wood.faces)]
     if leaves is not None:
         primitives.append(RenderPrimitive("leaves_0", "leaves", leaves.vertices, leaves.faces))
     top = max(float(p.positions_m[:, 1].max()) for p in primitives)
     return TreeMesh(primitives, wood.vertices, wood.faces, top, None, {})
 
 
-def glb_bytes(wood: Surface, leaves: Surface | None = None) -> bytes:
-    return render_glb(as_tree(wood, leaves))
+def glb_bytes(wood: Surface, leaves: Surface | None = None, species: str = "") -> bytes:
+    return render_glb(as_tree(wood, leaves, species))
 
 
 def obj_bytes(surface: Surface, head="") -> bytes:

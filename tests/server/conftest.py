@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import hashlib
+import http.client
 import os
 import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +21,7 @@ import httpx
 import psutil
 import psycopg
 import pytest
+from galewood_server.storage.database import migrate
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 # fake builds need no cluster: with an external address, none is started
@@ -52,6 +56,15 @@ def shared_services(folder: Path) -> dict[str, str]:
     return {"GALEWOOD_DATABASE_URL": f"{postgres}/{name}", "GALEWOOD_STORE_URL": f"{store}/{name}"}
 
 
+@cache
+def empty_database() -> bytes:
+    """A migrated SQLite database: a server that finds one does not load Alembic."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "empty.sqlite")
+        migrate(f"sqlite:///{path}")
+        return path.read_bytes()
+
+
 @dataclass
 class Server:
     """A server process; `stop` ends it gracefully, `kill` simulates a crash."""
@@ -84,6 +97,9 @@ class Server:
         }
 
     def start(self, *arguments: str) -> Server:
+        database = self.data_dir / "galewood.sqlite"
+        if "fake" in self.module and not database.exists():  # the real one makes its own
+            database.write_bytes(empty_database())
         with (self.data_dir.parent / "server.log").open("ab") as log:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", self.module, *arguments],
@@ -98,10 +114,15 @@ class Server:
 
     def _answers(self) -> bool:
         assert self.process and self.process.poll() is None, self.log()
+        # asked many times while a server starts: httpx would load all certificates each time
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=5)
         try:
-            return httpx.get(f"{self.url}/healthz", timeout=5).status_code == 200
-        except httpx.TransportError:
+            connection.request("GET", "/healthz")
+            return connection.getresponse().status == 200
+        except (OSError, http.client.HTTPException):
             return False
+        finally:
+            connection.close()
 
     def log(self) -> str:
         return (self.data_dir.parent / "server.log").read_text(errors="replace")

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from galewood.mesh.types import ImportOptions
 from galewood.util import MeshError
 from galewood_server.app.main import create_app, run
 from galewood_server.settings import Settings
+
+if TYPE_CHECKING:  # the package loads scipy, which a fake has no use for
+    from galewood.mesh.types import ImportOptions
 
 
 def fake_importer(data: bytes, filename: str, options: ImportOptions) -> Any:

@@ -22,7 +22,7 @@ from tests.server.test_forest_stream import BREEZE, Client
 from tests.server.test_jobs import gone, state
 from tests.server.test_rest_api import assert_problem, progress, upload
 
-SMALL = {"target_tets": 500, "sampled_elements": 5, "frames": 60}
+SMALL = {"target_tets": 500, "sampled_elements": 5, "frames": 20}
 LONG_S = 600.0  # timeout for steps that take seconds on an idle machine
 BAD: dict[str, tuple[bytes, str, set[int]]] = {
     "empty": (b"", "tree.glb", {400}),
