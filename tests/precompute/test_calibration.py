@@ -5,7 +5,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from galewood.fem.model import Element, FemModel, FemSettings
+from galewood.fem.model import FemModel
+from galewood.fem.settings import Element, FemSettings
 from galewood.model.calibration import random_couples
 from galewood.model.construction import build_model
 from galewood.model.reference import compare_with_reference

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from galewood.fem.dynamics import Simulator
-from galewood.fem.model import FemModel, FemSettings, Scheme, load_model, save_model
+from galewood.fem.model import FemModel, load_model, save_model
 from galewood.fem.modes import frequencies
+from galewood.fem.settings import FemSettings, Scheme
 from galewood.model.comparison import trajectory_difference
 from galewood.model.construction import build_model
 from galewood.verify.bars import polygon_bar

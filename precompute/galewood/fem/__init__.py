@@ -1,16 +1,54 @@
-"""Corotational finite elements; in: elements, masses, loads; out: rest pose, natural modes, motion."""
+"""Corotational finite elements; in: elements, masses, loads; out: rest pose, natural modes, motion.
 
-from galewood.fem.assembly import ElementSystem
-from galewood.fem.damping import damping_report, rayleigh, shown_ratio
-from galewood.fem.dynamics import Simulator
-from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
-from galewood.fem.model import Element, FemModel, FemSettings, Scheme, load_model, save_model
-from galewood.fem.modes import Modes, natural_modes, tangent_modes
-from galewood.fem.prestress import rest_prestress
-from galewood.fem.quadratic import elevate, midside_parents, node_mass_shares
-from galewood.fem.solver import NotPositiveDefinite
-from galewood.fem.statics import RestPose, balanced_pose, gravity_rest_pose, solve_static
+Settings are cheap to import; all other names are loaded when they are first used.
+"""
 
+from typing import TYPE_CHECKING
+
+from galewood.fem.settings import Element, FemSettings, Scheme
+from galewood.util import lazily
+
+if TYPE_CHECKING:
+    from galewood.fem.assembly import ElementSystem
+    from galewood.fem.damping import damping_report, rayleigh, shown_ratio
+    from galewood.fem.dynamics import Simulator
+    from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
+    from galewood.fem.model import FemModel, load_model, save_model
+    from galewood.fem.modes import Modes, natural_modes, tangent_modes
+    from galewood.fem.prestress import rest_prestress
+    from galewood.fem.quadratic import elevate, midside_parents, node_mass_shares
+    from galewood.fem.solver import NotPositiveDefinite
+    from galewood.fem.statics import RestPose, balanced_pose, gravity_rest_pose, solve_static
+
+__getattr__ = lazily(
+    __name__,
+    {
+        "ElementSystem": "galewood.fem.assembly",
+        "damping_report": "galewood.fem.damping",
+        "rayleigh": "galewood.fem.damping",
+        "shown_ratio": "galewood.fem.damping",
+        "Simulator": "galewood.fem.dynamics",
+        "PAIRS": "galewood.fem.elasticity",
+        "gradients": "galewood.fem.elasticity",
+        "moduli": "galewood.fem.elasticity",
+        "stiffness_blocks": "galewood.fem.elasticity",
+        "FemModel": "galewood.fem.model",
+        "load_model": "galewood.fem.model",
+        "save_model": "galewood.fem.model",
+        "Modes": "galewood.fem.modes",
+        "natural_modes": "galewood.fem.modes",
+        "tangent_modes": "galewood.fem.modes",
+        "rest_prestress": "galewood.fem.prestress",
+        "elevate": "galewood.fem.quadratic",
+        "midside_parents": "galewood.fem.quadratic",
+        "node_mass_shares": "galewood.fem.quadratic",
+        "NotPositiveDefinite": "galewood.fem.solver",
+        "RestPose": "galewood.fem.statics",
+        "balanced_pose": "galewood.fem.statics",
+        "gravity_rest_pose": "galewood.fem.statics",
+        "solve_static": "galewood.fem.statics",
+    },
+)
 __all__ = [
     "PAIRS",
     "Element",

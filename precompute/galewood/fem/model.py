@@ -3,47 +3,13 @@
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from galewood.fem.assembly import ElementSystem
+from galewood.fem.settings import FemSettings
 from galewood.util import Floats, Int32s, write_arrays
-
-Scheme = Literal["backward-euler", "tr-bdf2"]
-Element = Literal["fitted", "linear", "quadratic"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class FemSettings:
-    """Simulation settings; ValueError if a value is out of range.
-
-    dt_s is the table's time step, which is divided into `substeps` equal steps of `scheme`. `j_max` and
-    `tolerance` (relative to the first residual) belong to the paper's Algorithm 2. The damping ratio of the
-    wood applies at the first natural frequency and at `damping_frequency_ratio` times it (Rayleigh's two
-    targets).
-    """
-
-    dt_s: float = 1 / 30
-    substeps: int = 1
-    scheme: Scheme = "tr-bdf2"
-    element: Element = "fitted"
-    j_max: int = 1
-    tolerance: float = 1e-6
-    damping_frequency_ratio: float = 3.0
-    gravity: bool = True
-
-    def __post_init__(self) -> None:
-        if not 1e-4 <= self.dt_s <= 1:
-            raise ValueError("dt_s must lie between 0.0001 and 1 s")
-        if not 1 <= self.substeps <= 64 or not 1 <= self.j_max <= 50:
-            raise ValueError("substeps must lie in 1..64 and j_max in 1..50")
-        if self.scheme not in ("backward-euler", "tr-bdf2"):
-            raise ValueError(f"unknown scheme {self.scheme!r}: backward-euler or tr-bdf2")
-        if self.element not in ("fitted", "linear", "quadratic"):
-            raise ValueError(f"unknown element {self.element!r}: fitted, linear or quadratic")
-        if not 1 < self.damping_frequency_ratio <= 100:
-            raise ValueError("damping_frequency_ratio must lie above 1 and at most at 100")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,14 +1,36 @@
 """Mesh import; in: the bytes of a file; out: a TreeMesh (metres, wood and foliage separated) and a render
 GLB.
+
+The types are cheap to import; all other names are loaded when they are first used.
 """
 
-from galewood.mesh.classification import weld_keeping_faces
-from galewood.mesh.gltf import read_glb
-from galewood.mesh.gltf_material import alpha_coverage, base_image
-from galewood.mesh.repair import Surface, compact, face_components, signed_volumes, volume
-from galewood.mesh.sandboxed import import_mesh_sandboxed
-from galewood.mesh.types import ImportOptions, Material, RawPart, RenderPrimitive, TreeMesh
+from typing import TYPE_CHECKING
 
+from galewood.mesh.types import ImportOptions, Material, RawPart, RenderPrimitive, TreeMesh
+from galewood.util import lazily
+
+if TYPE_CHECKING:
+    from galewood.mesh.classification import weld_keeping_faces
+    from galewood.mesh.gltf import read_glb
+    from galewood.mesh.gltf_material import alpha_coverage, base_image
+    from galewood.mesh.repair import Surface, compact, face_components, signed_volumes, volume
+    from galewood.mesh.sandboxed import import_mesh_sandboxed
+
+__getattr__ = lazily(
+    __name__,
+    {
+        "weld_keeping_faces": "galewood.mesh.classification",
+        "read_glb": "galewood.mesh.gltf",
+        "alpha_coverage": "galewood.mesh.gltf_material",
+        "base_image": "galewood.mesh.gltf_material",
+        "Surface": "galewood.mesh.repair",
+        "compact": "galewood.mesh.repair",
+        "face_components": "galewood.mesh.repair",
+        "signed_volumes": "galewood.mesh.repair",
+        "volume": "galewood.mesh.repair",
+        "import_mesh_sandboxed": "galewood.mesh.sandboxed",
+    },
+)
 __all__ = [
     "ImportOptions",
     "Material",

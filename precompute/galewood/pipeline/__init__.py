@@ -1,13 +1,39 @@
-"""From a mesh file to a table file: the pipeline, its options, progress and report."""
+"""From a mesh file to a table file: the pipeline, its options, progress and report.
 
-from galewood.pipeline.assemble import Surroundings, TableSettings, assemble_table, internal_states
-from galewood.pipeline.build import build_table, build_tree, model_of
+Options and results are cheap to import; all other names are loaded when they are first used.
+"""
+
+from typing import TYPE_CHECKING
+
 from galewood.pipeline.options import BuildOptions, BuildResult, Progress, build_options
-from galewood.pipeline.rehearsal import compile_kernels
-from galewood.pipeline.report import render_mesh
-from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship
+from galewood.pipeline.table_settings import TableSettings
 from galewood.shipped import SHIPPED_FOLDER, ShippedTree, build_key, read_shipped, write_shipped
+from galewood.util import lazily
 
+if TYPE_CHECKING:
+    from galewood.pipeline.assemble import Surroundings, assemble_table, internal_states
+    from galewood.pipeline.build import build_table, build_tree, model_of
+    from galewood.pipeline.rehearsal import compile_kernels
+    from galewood.pipeline.report import render_mesh
+    from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship
+
+__getattr__ = lazily(
+    __name__,
+    {
+        "Surroundings": "galewood.pipeline.assemble",
+        "assemble_table": "galewood.pipeline.assemble",
+        "internal_states": "galewood.pipeline.assemble",
+        "build_table": "galewood.pipeline.build",
+        "build_tree": "galewood.pipeline.build",
+        "model_of": "galewood.pipeline.build",
+        "compile_kernels": "galewood.pipeline.rehearsal",
+        "render_mesh": "galewood.pipeline.report",
+        "BuiltinMesh": "galewood.pipeline.shipping",
+        "builtin_meshes": "galewood.pipeline.shipping",
+        "outdated": "galewood.pipeline.shipping",
+        "ship": "galewood.pipeline.shipping",
+    },
+)
 __all__ = [
     "SHIPPED_FOLDER",
     "BuildOptions",

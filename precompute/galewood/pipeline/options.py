@@ -10,7 +10,7 @@ from typing import Any, Literal
 from galewood.fem import FemSettings
 from galewood.mesh import ImportOptions
 from galewood.options import BuildRequest, ImportRequest, import_options
-from galewood.pipeline.assemble import TableSettings
+from galewood.pipeline.table_settings import TableSettings
 from galewood.sampling import SEED
 from galewood.table import decode, encode
 from galewood.util import cpu_seconds

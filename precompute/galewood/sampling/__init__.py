@@ -1,28 +1,66 @@
-"""Training runs; in: a FemModel and winds; out: snapshots of motion and state, one file per run."""
+"""Training runs; in: a FemModel and winds; out: snapshots of motion and state, one file per run.
 
-from galewood.sampling.design_speed import MAX_SWAY_SHARE, DesignWind, design_wind
-from galewood.sampling.plan import Samples, default_winds, planned, simulate
-from galewood.sampling.recording import (
-    ALL_COSINES,
-    COSINE,
-    DIRECTIONS_DEG,
-    SampledRun,
-    SampleWind,
-    Trajectory,
-    read_trajectory,
-    sample_trajectory,
-    sample_winds,
-)
-from galewood.sampling.runner import (
-    SampleTask,
-    TrajectoryRunner,
-    content_hash,
-    run_in_processes,
-    run_task,
-    sample_tasks,
-)
-from galewood.sampling.training_winds import GOLDEN_RAD, SEED, noise
+All names but the seed are loaded when they are first used.
+"""
 
+from typing import TYPE_CHECKING
+
+from galewood.sampling.seed import SEED
+from galewood.util import lazily
+
+if TYPE_CHECKING:
+    from galewood.sampling.design_speed import MAX_SWAY_SHARE, DesignWind, design_wind
+    from galewood.sampling.plan import Samples, default_winds, planned, simulate
+    from galewood.sampling.recording import (
+        ALL_COSINES,
+        COSINE,
+        DIRECTIONS_DEG,
+        SampledRun,
+        SampleWind,
+        Trajectory,
+        read_trajectory,
+        sample_trajectory,
+        sample_winds,
+    )
+    from galewood.sampling.runner import (
+        SampleTask,
+        TrajectoryRunner,
+        content_hash,
+        run_in_processes,
+        run_task,
+        sample_tasks,
+    )
+    from galewood.sampling.training_winds import GOLDEN_RAD, noise
+
+__getattr__ = lazily(
+    __name__,
+    {
+        "MAX_SWAY_SHARE": "galewood.sampling.design_speed",
+        "DesignWind": "galewood.sampling.design_speed",
+        "design_wind": "galewood.sampling.design_speed",
+        "Samples": "galewood.sampling.plan",
+        "default_winds": "galewood.sampling.plan",
+        "planned": "galewood.sampling.plan",
+        "simulate": "galewood.sampling.plan",
+        "ALL_COSINES": "galewood.sampling.recording",
+        "COSINE": "galewood.sampling.recording",
+        "DIRECTIONS_DEG": "galewood.sampling.recording",
+        "SampledRun": "galewood.sampling.recording",
+        "SampleWind": "galewood.sampling.recording",
+        "Trajectory": "galewood.sampling.recording",
+        "read_trajectory": "galewood.sampling.recording",
+        "sample_trajectory": "galewood.sampling.recording",
+        "sample_winds": "galewood.sampling.recording",
+        "SampleTask": "galewood.sampling.runner",
+        "TrajectoryRunner": "galewood.sampling.runner",
+        "content_hash": "galewood.sampling.runner",
+        "run_in_processes": "galewood.sampling.runner",
+        "run_task": "galewood.sampling.runner",
+        "sample_tasks": "galewood.sampling.runner",
+        "GOLDEN_RAD": "galewood.sampling.training_winds",
+        "noise": "galewood.sampling.training_winds",
+    },
+)
 __all__ = [
     "ALL_COSINES",
     "COSINE",

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from galewood.sampling.recording import COSINE, SampledRun, SampleWind, StoredRun, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner, sample_tasks
-from galewood.sampling.training_winds import SEED, further_winds, training_winds
+from galewood.sampling.seed import SEED
+from galewood.sampling.training_winds import further_winds, training_winds
 from galewood.util import Array
 
 if TYPE_CHECKING:

@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from galewood.sampling.recording import SampleWind
+from galewood.sampling.seed import SEED
 from galewood.util import Floats
 from galewood.wind import dynamic_pressure
 
-SEED = 1
 WINDS, FRAMES = 20, 200
 LEVELS = (0.5, 0.75, 1.0, 1.2)
 """Of the training winds, in turn: the mean speed is ``MEAN_SHARE`` × level × the design speed."""

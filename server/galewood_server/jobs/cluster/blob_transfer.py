@@ -12,12 +12,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import obstore
-from galewood.sampling import SampleTask, run_task
 from galewood.util import Cancelled, write_whole
 
 from galewood_server.storage import fetch, list_keys, open_bucket, stored
+
+if TYPE_CHECKING:
+    from galewood.sampling import SampleTask
 
 POLL_S = 0.5
 
@@ -96,6 +99,8 @@ def flag_key(job_id: str) -> str:
 
 def run_and_upload(item: TransferredTask) -> str:
     """In a worker: simulate and store a run, unless it exists or the job was cancelled. Returns its key."""
+    from galewood.sampling import run_task  # loads the solver, which only workers need
+
     bucket, key = open_bucket(item.url), run_key(item.task.path)
     if stored(bucket, key) is not None:
         return key

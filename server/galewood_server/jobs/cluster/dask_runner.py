@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from galewood.sampling import SampleTask, run_task
 from galewood.util import Cancelled
 
 from galewood_server.jobs.cluster.blob_transfer import BlobTransfer, TransferredTask, run_and_upload
 from galewood_server.jobs.cluster.dask_cluster import EngineLostError, connected, map_on_cluster
+
+if TYPE_CHECKING:
+    from galewood.sampling import SampleTask
 
 
 @dataclass(frozen=True)
@@ -86,6 +89,7 @@ class DaskRunner:
 
 def run_unless_cancelled(item: CancellableTask) -> str:
     """In a worker: simulate a run and check the cancel flag between frames, as Dask cannot stop a task."""
+    from galewood.sampling import run_task  # loads the solver, which only workers need
 
     def check_cancelled(_fraction: float) -> None:
         if item.flag.exists():

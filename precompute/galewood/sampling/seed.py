@@ -1,0 +1,3 @@
+"""The seed of the training winds."""
+
+SEED = 1
