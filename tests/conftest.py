@@ -1,19 +1,25 @@
 """Order of the tests, and which of them `make test-fast` leaves out."""
 
+import os
 from collections.abc import Iterator
 
 import pytest
+from galewood.threads import SINGLE_THREADED
+
+# As in the service: the tests run in one process per core. numpy reads these variables when it is loaded.
+os.environ.update(SINGLE_THREADED)
+
 from galewood.util import worker_pool
 
 LONGEST = (
-    "test_wheel", "test_build_end_to_end", "test_accuracy", "test_jobs", "test_leases", "test_verify_species",
-    "test_paper", "test_evaluations", "test_evaluate", "test_api", "test_pipeline", "test_untrusted_uploads",
-    "test_determinism",
+    "test_wheel", "test_build_end_to_end", "test_accuracy", "test_verify_planted", "test_jobs", "test_leases",
+    "test_verify_species", "test_paper", "test_evaluations", "test_evaluate", "test_api", "test_pipeline",
+    "test_untrusted_uploads", "test_determinism",
 )  # fmt: skip
 """The longest files come first, so that no process of a parallel run ends with one of them alone."""
 SLOW = {
-    *LONGEST, "test_tutorial", "test_verify_planted", "test_openapi", "test_wind_statistics", "test_corpus",
-    "test_tetrahedra", "test_bench",
+    *LONGEST, "test_tutorial", "test_openapi", "test_wind_statistics", "test_corpus", "test_tetrahedra",
+    "test_bench",
 }  # fmt: skip
 """Files that build a tree or simulate for long."""
 SLOW_FIXTURES = {"start_server", "server", "api"}
