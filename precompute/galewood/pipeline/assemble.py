@@ -175,7 +175,8 @@ def _nodes(vertex_basis: Floats, q: Floats, of: Surroundings) -> Nodes:
 
 def _reach_m(nodes: Nodes, q: Floats) -> float:
     """Largest displacement of any node under the motion q (T, r), m."""
-    return max(float(np.linalg.norm(q @ node.T, axis=1).max()) for node in nodes.basis.astype(np.float64))
+    squared = (np.square(q @ node.T) for node in nodes.basis.astype(np.float64))
+    return float(np.sqrt(max((x[:, 0] + x[:, 1] + x[:, 2]).max() for x in squared)))
 
 
 def internal_states(runs: Sequence[SampledRun]) -> InternalStates:
