@@ -58,9 +58,11 @@ def poles(table: Table) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.timeout(1200)
 def test_the_stored_table_is_what_the_code_makes() -> None:
     old, new = stored(), regenerated()
-    assert {name: old.metadata[name] for name in old.metadata if name != "errors"} == {
-        name: new.metadata[name] for name in new.metadata if name != "errors"
+    rounded = {"errors", "reach_m"}  # the last digits depend on the BLAS library and its threads
+    assert {name: old.metadata[name] for name in old.metadata if name not in rounded} == {
+        name: new.metadata[name] for name in new.metadata if name not in rounded
     }
+    assert new.metadata["reach_m"] == pytest.approx(old.metadata["reach_m"], rel=1e-9)
     for name, value in old.metadata["errors"].items():
         assert new.metadata["errors"][name] == pytest.approx(value, rel=1e-3, abs=1e-9), name
     assert new.records.metadata == old.records.metadata

@@ -74,18 +74,26 @@ async def start_module(
 ) -> asyncio.subprocess.Process:
     """Start `python -m module` in a new session, so that Ctrl-C reaches only the server.
 
-    Its standard output is piped if `listen`, otherwise discarded; standard error is inherited.
+    Its standard output is piped if `listen`, otherwise discarded; standard error is inherited. A process that
+    starts while the caller is cancelled is ended again.
     """
-    return await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-m",
-        module,
-        *arguments,
-        stdin=asyncio.subprocess.PIPE,
-        stdout=asyncio.subprocess.PIPE if listen else asyncio.subprocess.DEVNULL,
-        env={**environment, **SINGLE_THREADED},
-        start_new_session=True,
+    starting = asyncio.ensure_future(
+        asyncio.create_subprocess_exec(
+            sys.executable,
+            "-m",
+            module,
+            *arguments,
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE if listen else asyncio.subprocess.DEVNULL,
+            env={**environment, **SINGLE_THREADED},
+            start_new_session=True,
+        )
     )
+    try:
+        return await asyncio.shield(starting)
+    except asyncio.CancelledError:
+        await stop(await starting)
+        raise
 
 
 async def stop(process: asyncio.subprocess.Process, patience_s: float = 0.0) -> None:
