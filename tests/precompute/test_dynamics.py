@@ -119,11 +119,11 @@ def test_model_file_round_trip_is_exact(tmp_path: Path) -> None:
     assert runs[0].u.tobytes() == runs[1].u.tobytes()
 
 
-def test_tree_that_cannot_stand_keeps_its_shape_with_a_warning() -> None:
+def test_a_tree_that_would_buckle_is_weightless_with_a_warning() -> None:
     bar = polygon_bar(sides=5, radius_m=0.004, length_m=6.0, layers=30)
     model = build_model(bar, bar, wood_of_species("poplar"), bar, FemSettings(element="quadratic"))
-    assert model.report["rest_pose"]["kind"] == "balanced"
-    assert "cannot carry" in model.report["rest_pose"]["warning"]
+    assert model.report["rest_pose"]["kind"] == "weightless"
+    assert "buckle" in model.report["rest_pose"]["warning"]
     simulator = Simulator(model)
     simulator.step(np.zeros(2))
     assert np.abs(simulator.u).max() < 1e-12

@@ -15,10 +15,17 @@ if TYPE_CHECKING:
     from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
     from galewood.fem.model import FemModel, load_model, save_model
     from galewood.fem.modes import Modes, natural_modes, tangent_modes
-    from galewood.fem.prestress import rest_prestress
+    from galewood.fem.prestress import rest_prestress, strain_under
     from galewood.fem.quadratic import elevate, midside_parents, node_mass_shares
     from galewood.fem.solver import NotPositiveDefinite
-    from galewood.fem.statics import RestPose, balanced_pose, gravity_rest_pose, solve_static
+    from galewood.fem.statics import (
+        RestPose,
+        SagsTooFar,
+        gravity_rest_pose,
+        loaded_pose,
+        solve_static,
+        weightless_pose,
+    )
 
 __getattr__ = lazily(
     __name__,
@@ -39,12 +46,15 @@ __getattr__ = lazily(
         "natural_modes": "galewood.fem.modes",
         "tangent_modes": "galewood.fem.modes",
         "rest_prestress": "galewood.fem.prestress",
+        "strain_under": "galewood.fem.prestress",
         "elevate": "galewood.fem.quadratic",
         "midside_parents": "galewood.fem.quadratic",
         "node_mass_shares": "galewood.fem.quadratic",
         "NotPositiveDefinite": "galewood.fem.solver",
         "RestPose": "galewood.fem.statics",
-        "balanced_pose": "galewood.fem.statics",
+        "SagsTooFar": "galewood.fem.statics",
+        "loaded_pose": "galewood.fem.statics",
+        "weightless_pose": "galewood.fem.statics",
         "gravity_rest_pose": "galewood.fem.statics",
         "solve_static": "galewood.fem.statics",
     },
@@ -58,14 +68,15 @@ __all__ = [
     "Modes",
     "NotPositiveDefinite",
     "RestPose",
+    "SagsTooFar",
     "Scheme",
     "Simulator",
-    "balanced_pose",
     "damping_report",
     "elevate",
     "gradients",
     "gravity_rest_pose",
     "load_model",
+    "loaded_pose",
     "midside_parents",
     "moduli",
     "natural_modes",
@@ -76,5 +87,7 @@ __all__ = [
     "shown_ratio",
     "solve_static",
     "stiffness_blocks",
+    "strain_under",
     "tangent_modes",
+    "weightless_pose",
 ]

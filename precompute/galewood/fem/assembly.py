@@ -29,7 +29,8 @@ class ElementSystem:
     """The elements of a mesh, renumbered for its solver.
 
     rest_m (N,3), elements (m, 4|10), grad (m,4,3), blocks (m,10,3,3), fixed (k,): clamped nodes. prestress
-    (m,10) N/m: contribution of the rest-pose stress to the diagonals of the tangent's blocks. `order` maps
+    (m,10) N/m: contribution of the rest-pose stress to the diagonals of the tangent's blocks. strain_m
+    (m, 4|10, 3): strain of the given shape, as displacements of each element's nodes. `order` maps
     internal to mesh node numbers: free nodes in elimination order, then the fixed ones.
     """
 
@@ -41,6 +42,7 @@ class ElementSystem:
         blocks: Floats,
         fixed: Int32s,
         prestress: Floats | None = None,
+        strain_m: Floats | None = None,
     ) -> None:
         free = np.setdiff1d(np.arange(len(rest_m)), fixed)
         compact = np.full(len(rest_m), -1, np.int64)
@@ -56,6 +58,7 @@ class ElementSystem:
         self.grad = np.ascontiguousarray(grad)
         self.blocks = np.ascontiguousarray(blocks.reshape(len(blocks), 10, 9))
         self.prestress = np.zeros((len(blocks), 10)) if prestress is None else np.ascontiguousarray(prestress)
+        self.strain = np.zeros((*elements.shape, 3)) if strain_m is None else np.ascontiguousarray(strain_m)
         self.slots, self.flips = self._scatter_map()
         self._linear = None if self.quadratic else self._batches()
         self.values = np.zeros((self.solver.blocks + 1, 9))
@@ -70,7 +73,7 @@ class ElementSystem:
         wanted[nodes] = True
         touching = wanted[self.elements].any(axis=1)
         part = copy(self)
-        for name in ("elements", "grad", "blocks", "prestress", "slots", "flips"):
+        for name in ("elements", "grad", "blocks", "prestress", "strain", "slots", "flips"):
             setattr(part, name, np.ascontiguousarray(getattr(self, name)[touching]))
         part._linear = None if self.quadratic else part._batches()
         return part
@@ -87,9 +90,15 @@ class ElementSystem:
         if self._linear:
             self._linear = self._linear.with_prestress(self.prestress)
 
+    def set_strain(self, strain_m: Floats) -> None:
+        """Replace the strain of the given shape (m, 4|10, 3), m."""
+        self.strain = np.ascontiguousarray(strain_m)
+        if self._linear:
+            self._linear = self._batches()
+
     def _batches(self) -> LinearBatches:
         return linear_batches(
-            self.rest, self.elements, self.grad, self.blocks, self.prestress, self._lower_slots
+            self.rest, self.elements, self.grad, self.blocks, self.prestress, self.strain, self._lower_slots
         )
 
     def _scatter_map(self) -> tuple[Int32s, NDArray[np.bool_]]:
@@ -126,7 +135,8 @@ class ElementSystem:
             self._linear.run(u, w, scale, matrix, self.values, out)
             return
         c = _COMBINATION
-        mesh = (self.rest, self.elements, self.grad, self.blocks, self.prestress, self.slots, self.flips)
+        shape = (self.rest, self.elements, self.grad, self.strain)
+        mesh = (*shape, self.blocks, self.prestress, self.slots, self.flips)
         terms = (c.rows, c.columns, c.start, c.coefficient, c.block, c.transposed)
         _assemble10(*terms, *mesh, u, w, scale, matrix, self.values, out)
 
@@ -148,7 +158,9 @@ def _node_pairs(elements: NDArray[np.int64]) -> Int32s:
 
 
 @numba.njit(**JIT)
-def _pose(rest: Floats, u: Floats, w: Floats, elements: Int32s, grad: Floats, e: int, d: Floats) -> Nine:
+def _pose(
+    rest: Floats, u: Floats, w: Floats, elements: Int32s, grad: Floats, strain: Floats, e: int, d: Floats
+) -> Nine:
     """Rotation of element e; d (k,3) ← nodal displacements relative to that rotation, in world axes.
 
     All differences are relative to the element's first node and computed from displacements rather than
@@ -172,12 +184,16 @@ def _pose(rest: Floats, u: Floats, w: Floats, elements: Int32s, grad: Floats, e:
     r = nearest_rotation((h0, h1, h2, h3, h4, h5, h6, h7, h8))
     for a in range(elements.shape[1]):
         n = elements[e, a]
-        x0 = rest[n, 0] - rest[n0, 0]
-        x1 = rest[n, 1] - rest[n0, 1]
-        x2 = rest[n, 2] - rest[n0, 2]
-        d[a, 0] = u[n, 0] - u[n0, 0] + w[n, 0] - w[n0, 0] + ((1.0 - r[0]) * x0 - r[1] * x1 - r[2] * x2)
-        d[a, 1] = u[n, 1] - u[n0, 1] + w[n, 1] - w[n0, 1] + ((1.0 - r[4]) * x1 - r[3] * x0 - r[5] * x2)
-        d[a, 2] = u[n, 2] - u[n0, 2] + w[n, 2] - w[n0, 2] + ((1.0 - r[8]) * x2 - r[6] * x0 - r[7] * x1)
+        s0, s1, s2 = (
+            strain[e, a, 0] - strain[e, 0, 0], strain[e, a, 1] - strain[e, 0, 1],
+            strain[e, a, 2] - strain[e, 0, 2],
+        )  # fmt: skip
+        x0 = rest[n, 0] - rest[n0, 0] - s0
+        x1 = rest[n, 1] - rest[n0, 1] - s1
+        x2 = rest[n, 2] - rest[n0, 2] - s2
+        d[a, 0] = u[n, 0] - u[n0, 0] + w[n, 0] - w[n0, 0] + s0 + ((1.0 - r[0]) * x0 - r[1] * x1 - r[2] * x2)
+        d[a, 1] = u[n, 1] - u[n0, 1] + w[n, 1] - w[n0, 1] + s1 + ((1.0 - r[4]) * x1 - r[3] * x0 - r[5] * x2)
+        d[a, 2] = u[n, 2] - u[n0, 2] + w[n, 2] - w[n0, 2] + s2 + ((1.0 - r[8]) * x2 - r[6] * x0 - r[7] * x1)
     return r
 
 
@@ -268,6 +284,7 @@ def _assemble10(
     rest: Floats,
     elements: Int32s,
     grad: Floats,
+    strain: Floats,
     blocks: Floats,
     prestress: Floats,
     slots: Int32s,
@@ -286,7 +303,7 @@ def _assemble10(
     d, f = np.empty((10, 3)), np.empty((10, 3))
     rotated = np.empty((20, 9))
     for e in range(len(elements)):
-        r = _pose(rest, u, w, elements, grad, e, d)
+        r = _pose(rest, u, w, elements, grad, strain, e, d)
         f[:] = 0.0
         for p in range(10):
             k = _rotated(r, blocks, e, p)

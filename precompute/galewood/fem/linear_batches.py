@@ -39,7 +39,8 @@ INNER = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))
 class LinearBatches:
     """Linear elements in kernel layout: batch after batch, row after row, eight elements wide.
 
-    Rows per batch: corners 4, slots 10, gradients 9, edges from the first corner 9, blocks 54, prestress 6.
+    Rows per batch: corners 4, slots 10, gradients 9, edges from the first corner 9, strained 9 (how far each
+    edge is strained in the given shape), blocks 54, prestress 6.
     The last batch is padded with elements of zero stiffness that map to the unused slot. `pick` and `flat`
     index the stored values among an element's ten blocks and ten prestress values.
     """
@@ -48,6 +49,7 @@ class LinearBatches:
     slots: Int32s
     gradients: Floats
     edges: Floats
+    strained: Floats
     blocks: Floats
     prestress: Floats
     pick: NDArray[np.int64]
@@ -64,25 +66,38 @@ class LinearBatches:
 
     def run(self, u: Floats, w: Floats, scale: float, matrix: bool, values: Floats, out: Floats) -> None:
         """Add forces (N,3) to `out` and, if `matrix`, scale · stiffness to `values` (s,9)."""
-        arrays = (self.corners, self.slots, self.gradients, self.edges, self.blocks, self.prestress)
-        _assemble(SIMD_WIDTH, *arrays, u, w, scale, matrix, values, out)
+        shape = (self.corners, self.slots, self.gradients, self.edges, self.strained)
+        _assemble(SIMD_WIDTH, *shape, self.blocks, self.prestress, u, w, scale, matrix, values, out)
 
 
 def linear_batches(
-    rest_m: Floats, elements: Int32s, grad: Floats, blocks: Floats, prestress: Floats, slots_of: SlotsOf
+    rest_m: Floats,
+    elements: Int32s,
+    grad: Floats,
+    blocks: Floats,
+    prestress: Floats,
+    strain_m: Floats | None,
+    slots_of: SlotsOf,
 ) -> LinearBatches:
-    """Batches of elements (m,4), blocks (m,10,9), prestress (m,10), with nodes in elimination order."""
+    """Batches of elements (m,4), blocks (m,10,9), prestress (m,10), with nodes in elimination order.
+
+    ``strain_m`` (m,4,3) is the strain of the given shape as displacements of the corners; None: unstrained.
+    """
     order = np.argsort(-elements, axis=1, kind="stable")
     corners = np.take_along_axis(elements, order, axis=1)
     slots = np.stack([slots_of(corners[:, a], corners[:, b]) for a, b in PAIRS], axis=1)
     spare = int(slots_of(np.full(1, len(rest_m), np.int32), np.zeros(1, np.int32))[0])
     edges = rest_m[corners[:, 1:]] - rest_m[corners[:, :1]]
+    strained = np.zeros_like(edges)
+    if strain_m is not None:
+        corner = np.take_along_axis(strain_m, order[:, :, None], axis=1)
+        strained = corner[:, 1:] - corner[:, :1]
     gradients = np.take_along_axis(grad, order[:, 1:, None], axis=1)
     pick, flat = _stored_indices(order)
     none: Floats = np.zeros(0)
     batches = LinearBatches(
-        _batched(corners), _batched(slots, spare), _batched(gradients), _batched(edges),
-        none, none, pick, flat,
+        _batched(corners), _batched(slots, spare), _batched(gradients), _batched(edges - strained),
+        _batched(strained), none, none, pick, flat,
     )  # fmt: skip
     return batches.with_blocks(blocks).with_prestress(prestress)
 
@@ -197,19 +212,33 @@ def _rotations(simd_width: int, f: Floats, det: Floats, r: Floats, step: Floats)
 
 @numba.njit(**INLINED)
 def _relative_displacement(
-    simd_width: int, r: Floats, d: Floats, w: Floats, edges: Floats, x: int, out: Floats
+    simd_width: int,
+    r: Floats,
+    d: Floats,
+    w: Floats,
+    edges: Floats,
+    strained: Floats,
+    x: int,
+    out: Floats,
 ) -> None:
-    """out (9 rows) ← d + w + (I − R) X: the corners' displacement relative to the rotation."""
+    """out (9 rows) ← d + w + s + (I − R) X: the corners' displacement relative to the rotation.
+
+    X are the unstrained edges, and X + s those of the given shape.
+    """
     for a in range(3):
         o, e = 24 * a, x + 24 * a
         for i in range(simd_width):
             x0, x1, x2 = edges[e + i], edges[e + 8 + i], edges[e + 16 + i]
-            out[o + i] = d[o + i] + w[o + i] + ((1.0 - r[i]) * x0 - r[i + 8] * x1 - r[i + 16] * x2)
+            s0, s1, s2 = strained[e + i], strained[e + 8 + i], strained[e + 16 + i]
+            out[o + i] = d[o + i] + w[o + i] + s0 + ((1.0 - r[i]) * x0 - r[i + 8] * x1 - r[i + 16] * x2)
             out[o + 8 + i] = (
-                d[o + 8 + i] + w[o + 8 + i] + ((1.0 - r[i + 32]) * x1 - r[i + 24] * x0 - r[i + 40] * x2)
+                d[o + 8 + i] + w[o + 8 + i] + s1 + ((1.0 - r[i + 32]) * x1 - r[i + 24] * x0 - r[i + 40] * x2)
             )
             out[o + 16 + i] = (
-                d[o + 16 + i] + w[o + 16 + i] + ((1.0 - r[i + 64]) * x2 - r[i + 48] * x0 - r[i + 56] * x1)
+                d[o + 16 + i]
+                + w[o + 16 + i]
+                + s2
+                + ((1.0 - r[i + 64]) * x2 - r[i + 48] * x0 - r[i + 56] * x1)
             )
 
 
@@ -309,6 +338,7 @@ def _assemble(
     slots: Int32s,
     gradients: Floats,
     edges: Floats,
+    strained: Floats,
     blocks: Floats,
     prestress: Floats,
     u: Floats,
@@ -325,7 +355,7 @@ def _assemble(
         _gather(simd_width, corners, 32 * e, w, dw)
         _deformation(simd_width, du, gradients, 72 * e, deformed, det)
         _rotations(simd_width, deformed, det, r, step)
-        _relative_displacement(simd_width, r, du, dw, edges, 72 * e, d)
+        _relative_displacement(simd_width, r, du, dw, edges, strained, 72 * e, d)
         for p in range(6):
             _rotate_block(simd_width, r, blocks, 432 * e + 72 * p, k, 288 + 72 * p)
         _stress(simd_width, prestress, 48 * e, dw, f)

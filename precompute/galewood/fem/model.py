@@ -18,7 +18,9 @@ class FemModel:
 
     nodes_m (N,3), elements (m, 4|10), grad (m,4,3) 1/m, blocks (m,10,3,3) N/m, mass_kg (N,), drag_area_m2
     (N,), fixed (k,), gravity_n (N,3) N, u_rest (N,3) m, prestress (m,10) N/m (`prestress.py`). alpha (1/s)
-    and beta (s) are Rayleigh's coefficients. The report can be serialised to JSON.
+    and beta (s) are Rayleigh's coefficients. The report can be serialised to JSON. strain_m (m, 4|10, 3) m is
+    the strain that the given shape has under its weight, as displacements of each element's nodes; None: the
+    given shape is unstrained.
     """
 
     nodes_m: Floats
@@ -36,10 +38,12 @@ class FemModel:
     beta: float
     settings: FemSettings
     report: dict[str, Any]
+    strain_m: Floats | None = None
 
     def system(self) -> ElementSystem:
         """The element system with its solver, including the symbolic analysis."""
-        return ElementSystem(self.nodes_m, self.elements, self.grad, self.blocks, self.fixed, self.prestress)
+        shape = (self.nodes_m, self.elements, self.grad, self.blocks, self.fixed)
+        return ElementSystem(*shape, self.prestress, self.strain_m)
 
 
 _ARRAYS = (
@@ -66,6 +70,8 @@ def save_model(model: FemModel, path: Path) -> None:
         "report": model.report,
     }
     arrays: dict[str, Any] = {name: getattr(model, name) for name in _ARRAYS}
+    if model.strain_m is not None:
+        arrays["strain_m"] = model.strain_m
     write_arrays(path, header=np.frombuffer(json.dumps(header).encode(), np.uint8), **arrays)
 
 
@@ -73,6 +79,7 @@ def load_model(path: Path) -> FemModel:
     """Read a model written by `save_model`, bit for bit."""
     with np.load(path, allow_pickle=False) as file:
         header = json.loads(file["header"].tobytes())
-        arrays: dict[str, Any] = {name: file[name] for name in _ARRAYS}
+        names = (*_ARRAYS, "strain_m") if "strain_m" in file.files else _ARRAYS
+        arrays: dict[str, Any] = {name: file[name] for name in names}
     settings = FemSettings(**header.pop("settings"))
     return FemModel(settings=settings, **header, **arrays)

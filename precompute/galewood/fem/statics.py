@@ -8,7 +8,11 @@ from galewood.fem.assembly import ElementSystem
 from galewood.util import Floats
 
 LARGEST_SAG = 0.1
-"""Sag over height above which the given shape is assumed to include the effect of gravity."""
+"""Sag over height above which the given shape is taken as already bent by the weight."""
+
+
+class SagsTooFar(ArithmeticError):
+    """The static equilibrium is farther from the given shape than a real tree's would be."""
 
 
 class RestPose(NamedTuple):
@@ -22,21 +26,38 @@ class RestPose(NamedTuple):
 def gravity_rest_pose(system: ElementSystem, gravity_n: Floats, height_m: float) -> RestPose:
     """Static equilibrium under gravity by Newton's method; nodes in mesh order.
 
-    A tree that is too flexible to stand would collapse. Then the given shape is taken as the rest pose and
-    gravity as balanced, as if the tree had grown under its load. The report states which of the two was used.
+    Raises SagsTooFar if the tree would collapse, or hang far from its given shape.
     """
     u, iterations, converged = solve_static(system, gravity_n)
     sag = float(np.abs(u).max()) / height_m if np.isfinite(u).all() else float("inf")
     if converged and sag <= LARGEST_SAG:
         return RestPose(u, gravity_n, {"kind": "sagged", "sag_fraction": sag, "iterations": iterations})
-    return balanced_pose(gravity_n, "it sags too far")
+    raise SagsTooFar
 
 
-def balanced_pose(gravity_n: Floats, why: str) -> RestPose:
-    """The given shape as the rest pose, with gravity balanced; `why` is included in the warning."""
-    warning = f"this tree cannot carry its own weight ({why}); its given shape is used as the rest pose"
+def loaded_pose(system: ElementSystem, gravity_n: Floats) -> Floats:
+    """Small displacement (N,3), m, whose strain balances gravity in the given shape; nodes in mesh order.
+
+    For a shape that has grown, or was scanned, under its own weight. One linear solution: the strain is small
+    even where the displacement is not.
+    """
+    load = gravity_n[system.order]
+    load[system.free :] = 0
+    zero = np.zeros_like(load)
+    system.assemble(zero, zero, 1.0, np.zeros(len(load)), zero.copy())
+    system.solver.factorise(system.values)
+    system.solver.solve(load)
+    return _in_mesh_order(system, load)
+
+
+def weightless_pose(gravity_n: Floats) -> RestPose:
+    """The given shape as the rest pose without any weight, for a tree that would buckle under it."""
+    warning = (
+        "this tree would buckle under its own weight, so its weight is left out: it sways a little too fast; "
+        "thicker wood or a smaller height would make it stand"
+    )
     return RestPose(
-        np.zeros_like(gravity_n), np.zeros_like(gravity_n), {"kind": "balanced", "warning": warning}
+        np.zeros_like(gravity_n), np.zeros_like(gravity_n), {"kind": "weightless", "warning": warning}
     )
 
 

@@ -13,11 +13,12 @@ from galewood.fem import (
     Modes,
     NotPositiveDefinite,
     RestPose,
-    balanced_pose,
+    SagsTooFar,
     damping_report,
     elevate,
     gradients,
     gravity_rest_pose,
+    loaded_pose,
     midside_parents,
     moduli,
     natural_modes,
@@ -25,6 +26,8 @@ from galewood.fem import (
     rayleigh,
     rest_prestress,
     stiffness_blocks,
+    strain_under,
+    weightless_pose,
 )
 from galewood.model.calibration import fit_factors, reference_target
 from galewood.util import Floats, Int32s
@@ -174,25 +177,41 @@ def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[
 
 def _finished(model: FemModel, wood: Wood, report: dict[str, Any]) -> FemModel:
     """The model with its gravity rest pose, frequencies and damping."""
-    height_m = float(np.ptp(model.nodes_m[:, 1]))
     system = model.system()
-    pose = gravity_rest_pose(system, model.gravity_n, height_m)
     try:
-        model, modes = _at_rest(model, system, pose)
+        model, modes, rest_pose = _under_weight(model, system)
     except NotPositiveDefinite:
         # The equilibrium is unstable: the weight exceeds the buckling load.
-        pose = balanced_pose(model.gravity_n, "it would buckle")
-        model, modes = _at_rest(model, system, pose)
+        pose = weightless_pose(model.gravity_n)
+        model, modes = _at_rest(model, model.system(), pose)
+        rest_pose = pose.report
     frequencies = [float(f) for f in modes.frequencies_hz]
     alpha, beta = rayleigh(wood.damping_ratio, frequencies[0], model.settings.damping_frequency_ratio)
     report = {
         **report,
         "mass_kg": float(model.mass_kg.sum()),
-        "rest_pose": pose.report,
+        "rest_pose": rest_pose,
         "frequencies_hz": frequencies,
         "damping": damping_report(model.settings, alpha, beta, frequencies[0], wood.damping_ratio),
     }
     return replace(model, alpha=alpha, beta=beta, report=report)
+
+
+def _under_weight(model: FemModel, system: ElementSystem) -> tuple[FemModel, Modes, dict[str, Any]]:
+    """The model in equilibrium with its weight: bent by it or, if too far, as given and already loaded.
+
+    Raises NotPositiveDefinite if the equilibrium is unstable.
+    """
+    try:
+        pose = gravity_rest_pose(system, model.gravity_n, float(np.ptp(model.nodes_m[:, 1])))
+        return *_at_rest(model, system, pose), pose.report
+    except (SagsTooFar, NotPositiveDefinite):
+        system.set_prestress(np.zeros_like(model.prestress))
+        strain = strain_under(model, loaded_pose(system, model.gravity_n))
+        loaded = replace(model, strain_m=strain)
+        system.set_strain(strain)
+        pose = RestPose(np.zeros_like(model.u_rest), model.gravity_n, {"kind": "loaded"})
+        return *_at_rest(loaded, system, pose), pose.report
 
 
 def _at_rest(model: FemModel, system: ElementSystem, pose: RestPose) -> tuple[FemModel, Modes]:

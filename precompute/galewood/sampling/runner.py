@@ -72,6 +72,8 @@ def content_hash(model: FemModel) -> str:
     digest = hashlib.sha256(repr((model.alpha, model.beta, model.settings)).encode())
     for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest"):
         digest.update(np.ascontiguousarray(getattr(model, name)).tobytes())
+    if model.strain_m is not None:
+        digest.update(np.ascontiguousarray(model.strain_m).tobytes())
     return digest.hexdigest()
 
 
