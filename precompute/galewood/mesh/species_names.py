@@ -13,7 +13,7 @@ NAMES = {
     "ash": r"(?<![a-z])ash(?![a-z])|fraxinus|esche|fr[êe]ne",
     "birch": r"birch|betula|birke|bouleau",
     "oak": r"(?<![a-z])oaks?(?![a-z])|quercus|eiche|ch[êe]ne",
-    "sycamore": r"sycamore|platan",
+    "sycamore": r"sycamore|(?<!pseudo)platan",
 }
 
 

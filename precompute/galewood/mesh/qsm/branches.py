@@ -15,8 +15,6 @@ BREAST_HEIGHT_M = 1.3
 SHORTEST_M = 1e-3
 LEAST_OF_THICKEST = 0.5
 """Least radius of an extension, relative to the thickest child of the same cylinder."""
-LEAST_SHORTENED = 0.8
-"""Length of a smoothed line, relative to its cylinders, down to which its volume is preserved."""
 
 
 @dataclass(frozen=True)
@@ -118,10 +116,8 @@ def _line(tree: Cylinders, own: Int64s, limb: Line | None, spacing: float) -> Li
     mean = np.add.reduceat(area * length, first) / span
     mean = np.minimum(_tapering(mean, span), most)
     between = (mean[:-1] * span[1:] + mean[1:] * span[:-1]) / (span[:-1] + span[1:])
-    points = _smoothed(points[np.append(0, last + 1)])
-    shorter = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum() / length.sum())
-    area = np.concatenate([mean[:1], between, mean[-1:]]) / max(shorter, LEAST_SHORTENED)
-    return Line(points, np.sqrt(np.minimum(area, most)))
+    radius = np.sqrt(np.concatenate([mean[:1], between, mean[-1:]]))
+    return Line(_smoothed(points[np.append(0, last + 1)]), radius)
 
 
 def _joints(tree: Cylinders, own: Int64s) -> Floats:
@@ -146,7 +142,7 @@ def _groups(length: Floats, radius: Floats, spacing: float) -> Int64s:
 
 
 def _smoothed(points: Floats) -> Floats:
-    """Each inner point moved half-way to the middle of its neighbours."""
+    """Each inner point moved a quarter of the way to the middle of its neighbours."""
     result = points.copy()
-    result[1:-1] = 0.5 * points[1:-1] + 0.25 * (points[:-2] + points[2:])
+    result[1:-1] = 0.75 * points[1:-1] + 0.125 * (points[:-2] + points[2:])
     return result
