@@ -85,9 +85,12 @@ def _text(data: bytes) -> str:
 
 
 def _header(text: str) -> list[str]:
-    """Fields of the first line that is not blank."""
-    line = text.lstrip().split("\n", 1)[0]
-    return next(csv.reader([line.strip()], delimiter=_separator(line)), [])
+    """Fields of the first line that is not blank; none if it is not text."""
+    line = next(iter(text.lstrip().splitlines()), "")
+    try:
+        return next(csv.reader([line], delimiter=_separator(line)), [])
+    except csv.Error:
+        return []
 
 
 def _separator(header: str) -> str:
@@ -122,14 +125,15 @@ def _rows(text: str, columns: dict[str, int]) -> dict[str, Floats]:
     separator = _separator(lines[0])
     width = max(columns.values()) + 1
     values: list[list[float]] = []
-    for number, fields in enumerate(csv.reader(lines[1:], delimiter=separator), start=2):
-        if not any(field.strip() for field in fields):
+    for number, line in enumerate(lines[1:], start=2):
+        if not line.strip():
             continue
         try:
+            fields = next(csv.reader([line], delimiter=separator))
             if len(fields) < width:
                 raise ValueError("too few fields")
             values.append([_number(fields[at], separator) for at in columns.values()])
-        except ValueError as error:
+        except (ValueError, csv.Error) as error:
             raise MeshError(
                 "csv-syntax",
                 "malformed",
