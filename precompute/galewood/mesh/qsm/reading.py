@@ -27,6 +27,8 @@ from galewood.util import MeshError
 QsmFormat = Literal["treeqsm", "csv"]
 MIN_RADIUS_MM = 10.0
 MOST_FACES = 60_000
+MANY_BRANCHES = 500
+"""More than these cannot be meshed without being thickened (docs/how-to/scanned-trees.md)."""
 SPACINGS = (2.0, 3.0, 4.5, 7.0, 10.0, 15.0, 25.0)
 """Distances of the rings of a tube, relative to its radius: the first with few enough faces."""
 
@@ -163,6 +165,11 @@ def _warnings(report: dict[str, Any], models: int, options: ImportOptions) -> li
         found.append(
             f"{dropped['thin_branches']} branches thinner than the smallest radius were dropped "
             f"({dropped['thin_volume_m3'] / report['wood_volume_m3']:.1%} of the volume)."
+        )
+    if report["branches"] - dropped["thin_branches"] > MANY_BRANCHES:
+        found.append(
+            "With so many branches, thin ones are simulated thicker and heavier than they are, and the tree "
+            "sways too slowly. Dropping more of them (--min-radius-mm 25) helps."
         )
     if not options.bare:
         found.append("A scan has no leaves: they were added, with an assumed area.")
