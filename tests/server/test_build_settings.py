@@ -11,6 +11,8 @@ from galewood.cli import app
 from galewood.options import BuildRequest
 from galewood.pipeline.options import BuildOptions, build_options
 from galewood.wood.species import SPECIES
+from galewood_server.http import IMPORT_FIELDS
+from galewood_server.http.multipart import FIELDS, UPLOAD_FORM
 from galewood_server.http.schemas import BuildSettings, JobRequest
 from pydantic import ValidationError
 
@@ -60,3 +62,15 @@ def test_command_line_rest_and_python_have_the_same_options() -> None:
         assert f"--{name.replace('_', '-')}" in options
     assert set(BuildSettings.model_fields) == set(BuildRequest.model_fields)
     assert {"--tets", "--elements", "--design-speed", "--wind-frames"} <= options  # former names
+
+
+def test_the_form_of_an_upload_has_every_import_option() -> None:
+    assert set(FIELDS) == {"name", *IMPORT_FIELDS}
+    schema = UPLOAD_FORM["requestBody"]["content"]["multipart/form-data"]["schema"]
+    assert set(schema["properties"]) == {"file", *FIELDS}
+
+
+def test_options_of_scanned_trees_reach_the_import() -> None:
+    found = options_of({"dbh_cm": 31.5, "min_radius_mm": 0, "bare": True}).mesh_import
+    assert (found.dbh_cm, found.min_radius_mm, found.bare) == (31.5, 0.0, True)
+    assert not options_of({}).mesh_import.bare

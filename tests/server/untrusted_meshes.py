@@ -6,10 +6,11 @@ import io
 import json
 import struct
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tests.precompute import cylinder_models
 from tests.server.sample_meshes import greedy_ply, nowhere_obj, pole_obj, truncated_glb, zip_file
 
 
@@ -112,7 +113,8 @@ def moved(obj: bytes, by_m: float, first: int) -> bytes:
 
 def cases() -> list[Case]:
     """All cases."""
-    pole = pole_obj()
+    pole, scan = pole_obj(), cylinder_models.y_model()
+    circle = cylinder_models.archi(replace(scan, parent=np.zeros_like(scan.parent)))
     vertices = pole.count(b"\nv ") + 1
     flat = b"\n".join(b"v %d 0 %d" % (i, j) for i in range(4) for j in range(4)) + b"\nf 1 2 6 5\nf 2 3 7 6\n"
     broken, empty = ("truncated", "unreadable", "not-a-glb", "wrong-count"), ("empty-file", "no-file")
@@ -138,4 +140,9 @@ def cases() -> list[Case]:
         Case("not UTF-8", "a.obj", b"# p\xe9ch\xe9\n" + scaled_pole(1.01), 201),
         Case("a library elsewhere", "a.obj", b"mtllib ../../../../etc/passwd\n" + scaled_pole(1.02), 201),
         Case("millimetres", "mm.obj", scaled_pole(1030), 201),
+        Case("a scanned tree", "a.mat", cylinder_models.treeqsm(scan), 201),
+        Case("a scanned tree as a table", "a.csv", cylinder_models.simpleforest(scan.scaled(1.1)), 201),
+        Case("a truncated scan", "a.mat", cylinder_models.treeqsm(scan)[:400], 400, ("unreadable",)),
+        Case("a scan as HDF5", "a.mat", b"\x89HDF\r\n\x1a\n" + bytes(500), 415, ("mat-version",)),
+        Case("a scan in a circle", "a.csv", circle, 422, ("cylinder-cycle",)),
     ]

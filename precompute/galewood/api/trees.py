@@ -57,15 +57,21 @@ def read(
     height_m: float | None = None,
     up_axis: Literal["x", "y", "z"] | None = None,
     wood_materials: list[str] | None = None,
+    dbh_cm: float | None = None,
+    min_radius_mm: float | None = None,
+    bare: bool = False,
 ) -> Tree:
-    """Read a tree from a GLB, OBJ, PLY or STL file, in a sandboxed child process.
+    """Read a tree from a GLB, OBJ, PLY or STL file or a scan (MAT, CSV), in a sandboxed child process.
 
     Args:
-        path: The mesh file.
+        path: The mesh file, or the cylinders of a scanned tree.
         species: Wood species (``galewood.SPECIES``); by default guessed from the names in the file.
         height_m: Height of the tree; by default the file's unit is guessed.
         up_axis: Axis that points up; by default guessed from the shape.
         wood_materials: Names of the materials, nodes or meshes that are wood.
+        dbh_cm: Scanned tree: scale all radii to this diameter of the trunk at 1.3 m.
+        min_radius_mm: Scanned tree: drop branches thinner than this; by default 10 mm.
+        bare: Scanned tree: add no leaves.
 
     Raises:
         MeshError: The file cannot be read or is not a tree; the error says what to do.
@@ -73,7 +79,13 @@ def read(
         pydantic.ValidationError: An option is out of range.
     """
     request = ImportRequest(
-        species=species, height_m=height_m, up_axis=up_axis, wood_materials=wood_materials
+        species=species,
+        height_m=height_m,
+        up_axis=up_axis,
+        wood_materials=wood_materials,
+        dbh_cm=dbh_cm,
+        min_radius_mm=min_radius_mm,
+        bare=bare,
     )
     path = Path(path)
     mesh, render_glb = import_mesh_sandboxed(path.read_bytes(), path.name, import_options(request))

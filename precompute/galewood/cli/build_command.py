@@ -27,7 +27,14 @@ OLD_NAMES = {
     "frames": "--wind-frames",
 }
 """Options had these names before they followed the REST interface; they are still accepted."""
-Mesh = Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL file.")]
+Mesh = Annotated[
+    Path,
+    typer.Argument(
+        exists=True,
+        dir_okay=False,
+        help="GLB, OBJ, PLY or STL file, or the cylinders of a scanned tree (MAT, CSV).",
+    ),
+]
 Out = Annotated[Path, typer.Option(help="Table file to write; the mesh it moves is written beside it.")]
 WoodFile = Annotated[
     Path | None,

@@ -32,11 +32,13 @@ class Choice:
 
 
 def choose_up_axis(vertices: Floats, faces: Ints, file_format: str, options: ImportOptions) -> Choice:
-    """The up axis: the given one, else +Y for glTF, else whichever of +Y and +Z has the more compact base."""
+    """The up axis: the given one, else that of the format, else +Y or +Z: where the base is more compact."""
     if options.up_axis is not None:
         return Choice(options.up_axis, "given", assumed=False)
     if file_format in ("glb", "gltf"):
         return Choice("y", "glTF is +Y up", assumed=False)
+    if file_format in ("treeqsm", "csv"):
+        return Choice("z", "cylinder models are +Z up", assumed=False)
     points = surface_points(vertices, faces)
     scores = {axis: base_score(points, AXES[axis]) for axis in ("y", "z")}
     best = max(scores, key=lambda axis: scores[axis])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import Any
 
@@ -12,7 +13,8 @@ import numpy as np
 
 from galewood.mesh.gltf import read_glb, read_gltf
 from galewood.mesh.obj import read_obj
-from galewood.mesh.types import RawPart
+from galewood.mesh.qsm import HDF5, has_cylinder_columns, read_qsm
+from galewood.mesh.types import ImportOptions, RawPart
 from galewood.util import MeshError
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -30,11 +32,21 @@ FOREIGN = {
     b"\x7fELF": "a program",
     b"MZ": "a program", b"<": "an HTML or XML page", b"\x28\xb5\x2f\xfd": "a Zstandard file",
 }  # fmt: skip
-ACCEPTED = "Upload a GLB, OBJ, PLY or STL file."
+ACCEPTED = "Upload a GLB, OBJ, PLY or STL file, or the cylinders of a scanned tree (MAT, CSV)."
 
 
-def read_parts(data: bytes, filename: str) -> tuple[str, list[RawPart]]:
-    """The format name and the parts of a file.
+@dataclass(frozen=True)
+class FileContent:
+    """The name of a file's format and its parts; of a scanned tree also a report and warnings."""
+
+    file_format: str
+    parts: list[RawPart]
+    qsm: dict[str, Any] | None = None
+    warnings: list[str] = field(default_factory=list[str])
+
+
+def read_parts(data: bytes, filename: str, options: ImportOptions) -> FileContent:
+    """The format and the parts of a file.
 
     Raises MeshError with reason "malformed", "too-large" or "unsupported".
     """
@@ -48,16 +60,21 @@ def read_parts(data: bytes, filename: str) -> tuple[str, list[RawPart]]:
             "Reduce the number of faces.",
         )
     kind = detect_format(data, filename)
-    return kind, READERS[kind](data)
+    if kind == "treeqsm" or kind == "csv":
+        scanned = read_qsm(data, kind, options)
+        return FileContent(kind, scanned.parts, scanned.report, scanned.warnings)
+    return FileContent(kind, READERS[kind](data))
 
 
 def detect_format(data: bytes, filename: str) -> str:
-    """The format ("glb", "gltf", "ply", "stl" or "obj") by content, else by the file name."""
+    """The format ("glb", "gltf", "ply", "stl", "obj", "treeqsm", "csv") by content, else by the file name."""
     head = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
     if data[:4] == b"glTF":
         return "glb"
     if re.match(rb"ply\s", data[:8]):
         return "ply"
+    if data.startswith((b"MATLAB ", HDF5)):
+        return "treeqsm"
     for magic, what in FOREIGN.items():
         if head.startswith(magic):
             raise MeshError("unsupported-type", "unsupported", f"The file is {what}, not a mesh.", ACCEPTED)
@@ -67,6 +84,8 @@ def detect_format(data: bytes, filename: str) -> str:
 
 
 def _by_content_without_magic(data: bytes, suffix: str) -> str:
+    if suffix == ".csv" or has_cylinder_columns(data):
+        return "csv"
     if suffix == ".stl" or _is_binary_stl(data) or re.match(rb"\s*solid\b[^\0]*\bfacet\b", data[:1024]):
         return "stl"
     if re.search(rb"^[ \t]*v[ \t]+\S", data, re.MULTILINE):

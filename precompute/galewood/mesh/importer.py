@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from galewood.mesh.axis import AXES, choose_scale, choose_up_axis, to_y_up
+from galewood.mesh.axis import AXES, Choice, choose_scale, choose_up_axis, to_y_up
 from galewood.mesh.classification import ClassifiedPart, classify_parts, welded_wood, without_strays
 from galewood.mesh.formats import read_parts
 from galewood.mesh.render_mesh import render_glb
@@ -33,6 +33,7 @@ __all__ = [
 MAX_FACES = 600_000
 MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
 BASE_SLAB = 0.02
+QSM_UNIT = Choice("m", "cylinder models are in metres", assumed=False)
 
 
 def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) -> TreeMesh:
@@ -42,8 +43,8 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     """
     options = options or ImportOptions()
     _check_options(options)
-    file_format, parts = read_parts(data, filename)
-    parts = _usable(parts)
+    content = read_parts(data, filename, options)
+    file_format, parts = content.file_format, _usable(content.parts)
     vertices, faces = _joined(parts)
     up = choose_up_axis(vertices, faces, file_format, options)
     _check_volume(vertices)
@@ -54,7 +55,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     wood, strays, repairs, wood_warnings = solid_wood(welded_wood(pieces))
     pieces = without_strays(pieces, wood.vertices, strays)
     raw_height = _height(pieces)
-    scale, unit = choose_scale(raw_height, species, options)
+    scale, unit = (1.0, QSM_UNIT) if content.qsm else choose_scale(raw_height, species, options)
     origin = _base_centre(wood)
     pieces = [
         ClassifiedPart(_transformed(s.part, np.eye(3), origin, scale), s.kind, s.reason) for s in pieces
@@ -77,8 +78,10 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
         "parts": [_part_report(s) for s in pieces],
         "repairs": repairs,
         "roots": {"origin_in_file": origin.tolist(), "clamped_lowest_share": BASE_SLAB},
-        "warnings": warnings + wood_warnings,
+        "warnings": content.warnings + warnings + wood_warnings,
     }
+    if content.qsm:
+        report["qsm"] = content.qsm
     return TreeMesh(
         primitives=_primitives(pieces),
         wood_vertices_m=np.ascontiguousarray((wood.vertices - origin) * scale),

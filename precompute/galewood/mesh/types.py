@@ -22,6 +22,9 @@ class ImportOptions:
     height_m: float | None = None
     up_axis: Axis | None = None
     wood: tuple[str, ...] | None = None  # names of materials, nodes or meshes that are wood
+    dbh_cm: float | None = None  # of a scanned tree, like the fields below: diameter at breast height
+    min_radius_mm: float | None = None  # thinner branches are dropped
+    bare: bool = False  # no leaves are added
 
 
 @dataclass(frozen=True)

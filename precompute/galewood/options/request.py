@@ -30,6 +30,21 @@ class ImportRequest(BaseModel):
     wood_materials: list[MaterialName] | None = Field(
         default=None, min_length=1, max_length=64, description="Materials, nodes or meshes that are wood."
     )
+    dbh_cm: float | None = Field(
+        default=None,
+        gt=0.5,
+        le=1500,
+        description="Scanned tree: scale all radii to this diameter of the trunk at 1.3 m, cm.",
+    )
+    min_radius_mm: float | None = Field(
+        default=None,
+        ge=0,
+        le=500,
+        description="Scanned tree: drop branches thinner than this, mm; default: 10.",
+    )
+    bare: bool | None = Field(
+        default=None, description="Scanned tree: add no leaves; default: leaves at the ends of branches."
+    )
 
     @field_validator("species")
     @classmethod
@@ -75,4 +90,12 @@ def import_options(request: ImportRequest) -> ImportOptions:
     from galewood.mesh import ImportOptions
 
     wood = tuple(request.wood_materials) if request.wood_materials else None
-    return ImportOptions(request.species, request.height_m, request.up_axis, wood)
+    return ImportOptions(
+        request.species,
+        request.height_m,
+        request.up_axis,
+        wood,
+        request.dbh_cm,
+        request.min_radius_mm,
+        bool(request.bare),
+    )

@@ -12,7 +12,9 @@ from galewood_server.cli.extras import needs_extras
 
 
 def upload(
-    mesh: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY or STL.")],
+    mesh: Annotated[
+        Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY, STL, MAT or CSV.")
+    ],
     server: Annotated[str, typer.Option(help="URL of the service.")] = "http://127.0.0.1:8000",
     key: Annotated[
         str | None, typer.Option(envvar="GALEWOOD_KEY", help="API key, if the service requires one.")

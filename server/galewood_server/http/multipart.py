@@ -16,7 +16,9 @@ from galewood_server.http.errors import ProblemError
 
 FORM_OVERHEAD_BYTES = 64 * 1024  # boundaries, part headers and the text fields
 DRAIN_S = 2.0
-FIELDS = ("species", "height_m", "name", "up_axis", "wood_materials")
+FIELDS = (
+    "species", "height_m", "name", "up_axis", "wood_materials", "dbh_cm", "min_radius_mm", "bare",
+)  # fmt: skip
 UPLOAD_FORM: dict[str, Any] = {
     "requestBody": {
         "required": True,
@@ -27,7 +29,12 @@ UPLOAD_FORM: dict[str, Any] = {
                     "required": ["file"],
                     "additionalProperties": False,
                     "properties": {
-                        "file": {"type": "string", "format": "binary", "description": "GLB, OBJ, PLY or STL"},
+                        "file": {
+                            "type": "string",
+                            "format": "binary",
+                            "description": "GLB, OBJ, PLY or STL, or the cylinders of a scanned tree: "
+                            "MAT or CSV",
+                        },
                         "species": {"type": "string", "description": "See GET /api/species"},
                         "height_m": {"type": "number", "exclusiveMinimum": 0.1, "maximum": 150},
                         "name": {"type": "string", "maxLength": 200},
@@ -36,6 +43,19 @@ UPLOAD_FORM: dict[str, Any] = {
                             "type": "string",
                             "description": "Comma-separated names of wood materials, nodes or meshes",
                         },
+                        "dbh_cm": {
+                            "type": "number",
+                            "exclusiveMinimum": 0.5,
+                            "maximum": 1500,
+                            "description": "Scanned tree: diameter of the trunk at 1.3 m",
+                        },
+                        "min_radius_mm": {
+                            "type": "number",
+                            "minimum": 0,
+                            "maximum": 500,
+                            "description": "Scanned tree: thinner branches are dropped",
+                        },
+                        "bare": {"type": "boolean", "description": "Scanned tree: add no leaves"},
                     },
                 }
             }

@@ -1,0 +1,66 @@
+"""Leaf cards for a scanned tree, which is bare: clusters of two crossed squares at the ends of branches.
+
+Assumption: the one-sided leaf area is 2,500 times the basal area (the cross-section of the trunk at breast
+height). A closed broadleaved stand with a leaf area index of 5 and a basal area of 20 m²/ha has this ratio;
+that of single trees varies by a factor of two or more.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from galewood.mesh.types import Material, RawPart
+from galewood.util import Floats
+
+LEAF_AREA_PER_BASAL_AREA = 2500.0
+LARGEST_CARD_M = 0.25
+MOST_CLUSTERS = 5000
+MATERIAL = {
+    "name": "leaves",
+    "pbrMetallicRoughness": {
+        "baseColorFactor": [0.22, 0.36, 0.1, 1.0],
+        "metallicFactor": 0.0,
+        "roughnessFactor": 0.9,
+    },
+    "doubleSided": True,
+}
+
+
+def leaf_cards(places_m: Floats, direction: Floats, trunk_diameter_m: float) -> RawPart:
+    """Leaves at places (k, 3) that point in the directions (k, 3), unit vectors; k is at least 1."""
+    area_m2 = LEAF_AREA_PER_BASAL_AREA * np.pi / 4 * trunk_diameter_m**2
+    needed = int(np.ceil(area_m2 / (2 * LARGEST_CARD_M**2)))
+    count = min(max(len(places_m), needed), max(MOST_CLUSTERS, len(places_m)))
+    size_m = float(np.sqrt(area_m2 / (2 * count)))
+    at = np.arange(count) % len(places_m)
+    random = np.random.default_rng(0)
+    scatter = random.normal(size=(count, 3)) * size_m * 0.5 * np.cbrt(count / len(places_m) - 1)
+    return _crossed(places_m[at] + scatter, _leaning(direction[at], random), size_m)
+
+
+def _leaning(direction: Floats, random: np.random.Generator) -> Floats:
+    """Unit vectors (k, 3) about the directions."""
+    leaning = direction + 0.4 * random.normal(size=direction.shape)
+    return leaning / np.maximum(np.linalg.norm(leaning, axis=1, keepdims=True), 1e-9)
+
+
+def _crossed(base: Floats, up: Floats, size_m: float) -> RawPart:
+    """Two squares for each base (k, 3), which contain the direction up (k, 3) and cross at right angles."""
+    side: Floats = np.cross(up, np.eye(3)[np.argmin(np.abs(up), axis=1)])
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    sides: Floats = np.stack([side, np.cross(up, side)], axis=1)  # (k, 2, 3)
+    uv = np.array([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]])
+    across, along = uv[:, 0] - 0.5, 1.0 - uv[:, 1]
+    corner = across[:, None] * sides[:, :, None] + along[:, None] * up[:, None, None]
+    positions: Floats = (base[:, None, None] + size_m * corner).reshape(-1, 3)
+    normals: Floats = np.repeat(np.cross(sides, up[:, None]).reshape(-1, 3), 4, axis=0)
+    first = 4 * np.arange(2 * len(base))[:, None, None]
+    faces = (first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3).astype(np.int32)
+    return RawPart(
+        labels=("leaves",),
+        positions=positions,
+        faces=faces,
+        normals=normals,
+        uv=np.tile(uv, (2 * len(base), 1)),
+        material=Material(json=MATERIAL),
+    )

@@ -1,0 +1,176 @@
+"""A scanned tree from the bytes of a cylinder model: tubes of wood, leaf cards, and a report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from galewood.mesh.qsm.branches import (
+    TRUNK,
+    Branch,
+    Line,
+    branch_lines,
+    chained,
+    diameter_at_breast_height,
+    smoothed_radii,
+)
+from galewood.mesh.qsm.cylinders import Cylinders, checked_tree
+from galewood.mesh.qsm.leaves import leaf_cards
+from galewood.mesh.qsm.tables import read_table
+from galewood.mesh.qsm.treeqsm import read_treeqsm
+from galewood.mesh.qsm.tubes import tube, tube_faces
+from galewood.mesh.types import ImportOptions, RawPart
+from galewood.util import MeshError
+
+QsmFormat = Literal["treeqsm", "csv"]
+MIN_RADIUS_MM = 10.0
+MOST_FACES = 60_000
+MANY_BRANCHES = 500
+"""More than these cannot be meshed without being thickened (docs/how-to/scanned-trees.md)."""
+SPACINGS = (2.0, 3.0, 4.5, 7.0, 10.0, 15.0, 25.0)
+"""Distances of the rings of a tube, relative to its radius: the first with few enough faces."""
+
+
+@dataclass(frozen=True)
+class ScannedTree:
+    """Parts of a scanned tree (wood first), z up, in metres, and what was found and assumed."""
+
+    parts: list[RawPart]
+    report: dict[str, Any]
+    warnings: list[str]
+
+
+def read_qsm(data: bytes, file_format: QsmFormat, options: ImportOptions) -> ScannedTree:
+    """The tree of a cylinder model. Raises MeshError if it is damaged or is not one tree."""
+    raw, models = read_treeqsm(data) if file_format == "treeqsm" else (read_table(data), 1)
+    if options.height_m is not None and raw.height_m > 0:
+        raw = raw.scaled(options.height_m / raw.height_m)
+    tree, loose = checked_tree(raw)
+    branches = chained(tree)
+    tree, dbh_m = _fitted(tree, branches[0], options.dbh_cm)
+    kept = _thick_enough(tree, branches, options.min_radius_mm)
+    lines = _lines(tree, [branches[number] for number in kept], kept)
+    parts = [_wood(lines)]
+    if not options.bare:
+        parts.append(_leaves(tree, branches, kept, lines, dbh_m))
+    report = {
+        "cylinders": len(tree.radius_m),
+        "branches": len(branches),
+        "height_m": tree.height_m,
+        "dbh_cm": None if dbh_m is None else 100 * dbh_m,
+        "wood_volume_m3": float(tree.volume_m3.sum()),
+        "dropped": _dropped(tree, branches, kept, loose),
+    }
+    return ScannedTree(parts, report, _warnings(report, models, options))
+
+
+def _fitted(tree: Cylinders, trunk: Branch, dbh_cm: float | None) -> tuple[Cylinders, float | None]:
+    """The tree with its radii scaled to the given diameter at breast height, and that diameter, m."""
+    dbh_m = diameter_at_breast_height(tree, trunk)
+    if dbh_cm is None:
+        return tree, dbh_m
+    if dbh_m is None:
+        raise MeshError(
+            "no-breast-height",
+            "unsuitable",
+            "The trunk does not reach breast height (1.3 m), so its diameter there cannot be fitted.",
+            "Leave out the diameter at breast height.",
+        )
+    return replace(tree, radius_m=tree.radius_m * (dbh_cm / 100 / dbh_m)), dbh_cm / 100
+
+
+def _thick_enough(tree: Cylinders, branches: list[Branch], min_radius_mm: float | None) -> list[int]:
+    """Numbers of the branches that are kept: as thick as the limit, or with such a branch on them."""
+    least = (MIN_RADIUS_MM if min_radius_mm is None else min_radius_mm) / 1000
+    thickest = np.array([smoothed_radii(tree, branch.cylinders)[0] for branch in branches])
+    for number in range(len(branches) - 1, 0, -1):
+        parent = branches[number].parent
+        thickest[parent] = max(thickest[parent], thickest[number])
+    kept = np.flatnonzero(thickest >= least)
+    if not len(kept):
+        raise MeshError(
+            "all-thin",
+            "unsuitable",
+            f"Every branch is thinner than the smallest radius, {1000 * least:g} mm.",
+            "Choose a smaller one (--min-radius-mm), and check that the model is in metres.",
+        )
+    return kept.tolist()
+
+
+def _lines(tree: Cylinders, branches: list[Branch], kept: list[int]) -> list[Line]:
+    """Lines of the kept branches, with so few points that their tubes stay within the number of faces."""
+    number = {old: new for new, old in enumerate(kept)} | {TRUNK: TRUNK}
+    renumbered = [replace(branch, parent=number[branch.parent]) for branch in branches]
+    lines: list[Line] = []
+    for spacing in SPACINGS:
+        lines = branch_lines(tree, renumbered, spacing)
+        if sum(tube_faces(line) for line in lines) <= MOST_FACES:
+            break
+    return lines
+
+
+def _wood(lines: list[Line]) -> RawPart:
+    tubes = [tube(line) for line in lines]
+    offsets = np.cumsum([0, *(len(vertices) for vertices, _ in tubes[:-1])])
+    faces = [own + offset for (_, own), offset in zip(tubes, offsets, strict=True)]
+    return RawPart(
+        labels=("wood",),
+        positions=np.concatenate([vertices for vertices, _ in tubes]),
+        faces=np.concatenate(faces).astype(np.int32),
+    )
+
+
+def _leaves(
+    tree: Cylinders, branches: list[Branch], kept: list[int], lines: list[Line], dbh_m: float | None
+) -> RawPart:
+    """Leaves at the tips of the kept branches, and where a dropped one leaves them."""
+    there = set(kept)
+    twigs = [
+        branch.cylinders[0]
+        for number, branch in enumerate(branches)
+        if number not in there and branch.parent in there
+    ]
+    places = np.array([*(line.points_m[-1] for line in lines), *tree.start_m[twigs]])
+    way = np.array(
+        [*(line.points_m[-1] - line.points_m[-2] for line in lines), *(tree.end_m - tree.start_m)[twigs]]
+    )
+    direction = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
+    return leaf_cards(places, direction, dbh_m or 2 * float(lines[0].radius_m[0]))
+
+
+def _dropped(tree: Cylinders, branches: list[Branch], kept: list[int], loose: int) -> dict[str, Any]:
+    there = set(kept)
+    thin = [branch.cylinders for number, branch in enumerate(branches) if number not in there]
+    own = np.concatenate([np.zeros(0, np.int64), *thin])
+    return {
+        "loose_cylinders": loose,
+        "thin_branches": len(thin),
+        "thin_cylinders": len(own),
+        "thin_volume_m3": float(tree.volume_m3[own].sum()),
+    }
+
+
+def _warnings(report: dict[str, Any], models: int, options: ImportOptions) -> list[str]:
+    found: list[str] = []
+    dropped = report["dropped"]
+    if models > 1:
+        found.append(f"The file has {models} models of the tree; the first is used.")
+    if dropped["loose_cylinders"]:
+        found.append(
+            f"{dropped['loose_cylinders']} cylinders have no connection with the trunk and were dropped."
+        )
+    if dropped["thin_branches"]:
+        found.append(
+            f"{dropped['thin_branches']} branches thinner than the smallest radius were dropped "
+            f"({dropped['thin_volume_m3'] / report['wood_volume_m3']:.1%} of the volume)."
+        )
+    if report["branches"] - dropped["thin_branches"] > MANY_BRANCHES:
+        found.append(
+            "With so many branches, thin ones are simulated thicker and heavier than they are, and the tree "
+            "sways too slowly. Dropping more of them (--min-radius-mm 25) helps."
+        )
+    if not options.bare:
+        found.append("A scan has no leaves: they were added, with an assumed area.")
+    return found
