@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from galewood.mesh import qsm
 from galewood.mesh.gltf import read_glb, read_gltf
 from galewood.mesh.obj import read_obj
-from galewood.mesh.qsm import HDF5, has_cylinder_columns, read_qsm
 from galewood.mesh.types import ImportOptions, RawPart
 from galewood.util import MeshError
 
@@ -61,7 +61,7 @@ def read_parts(data: bytes, filename: str, options: ImportOptions) -> FileConten
         )
     kind = detect_format(data, filename)
     if kind == "treeqsm" or kind == "csv":
-        scanned = read_qsm(data, kind, options)
+        scanned = qsm.read_qsm(data, kind, options)
         return FileContent(kind, scanned.parts, scanned.report, scanned.warnings)
     return FileContent(kind, READERS[kind](data))
 
@@ -73,7 +73,7 @@ def detect_format(data: bytes, filename: str) -> str:
         return "glb"
     if re.match(rb"ply\s", data[:8]):
         return "ply"
-    if data.startswith((b"MATLAB ", HDF5)):
+    if data.startswith((b"MATLAB ", qsm.HDF5)):
         return "treeqsm"
     for magic, what in FOREIGN.items():
         if head.startswith(magic):
@@ -84,7 +84,7 @@ def detect_format(data: bytes, filename: str) -> str:
 
 
 def _by_content_without_magic(data: bytes, suffix: str) -> str:
-    if suffix == ".csv" or has_cylinder_columns(data):
+    if suffix == ".csv" or qsm.has_cylinder_columns(data):
         return "csv"
     if suffix == ".stl" or _is_binary_stl(data) or re.match(rb"\s*solid\b[^\0]*\bfacet\b", data[:1024]):
         return "stl"

@@ -17,8 +17,8 @@ from scipy.spatial import KDTree
 from galewood.skeleton.levels import EDGES_OF_TRIANGLE
 from galewood.util import Floats, Ints
 
-MARGIN = 0.1
-"""Largest gap between a limb and the one that bears it, relative to the height of the wood."""
+MARGIN = 0.03
+"""Largest gap between a limb and the one that bears it, relative to the height; else the nearest one does."""
 DEEPEST = 3.0
 """Deepest that a limb reaches into the one that bears it, relative to the mean radius of that one."""
 MOST_PIECES = 16
@@ -49,11 +49,13 @@ def bridges(vertices_m: Floats, faces: Ints) -> Ints:
     pairs: list[Ints] = [np.zeros((0, 2), np.int64)]
     values: list[Floats] = [np.zeros(0)]
     for number, limb in _limbs(vertices_m, faces, part, normal, radius_m):
-        low, high = limb.points_m.min(axis=0) - margin_m, limb.points_m.max(axis=0) + margin_m
+        reach_m = margin_m + DEEPEST * limb.radius_m
+        low, high = limb.points_m.min(axis=0) - reach_m, limb.points_m.max(axis=0) + reach_m
         near = ((vertices_m >= low) & (vertices_m <= high)).all(axis=1) & (rank[part] > rank[number])
         own = np.flatnonzero(near)
         if len(own):
-            value, point = _gaps(vertices_m[own], limb)
+            value, point = _gaps(vertices_m[own], limb, reach_m)
+            own, value, point = (rows[np.isfinite(value)] for rows in (own, value, point))
             best = _best(value, part[own])
             pairs.append(np.column_stack([own[best], limb.vertex[point[best]]]))
             values.append(value[best])
@@ -62,9 +64,13 @@ def bridges(vertices_m: Floats, faces: Ints) -> Ints:
     return np.concatenate([chosen, _left_over(vertices_m, part, count, chosen)])
 
 
-def _gaps(places_m: Floats, limb: _Limb) -> tuple[Floats, Ints]:
-    """Distance of places (k, 3) from a limb, negative inside it, and its nearest point (k,)."""
-    gap, point = _nearest(limb.points_m, places_m)
+def _gaps(places_m: Floats, limb: _Limb, reach_m: float) -> tuple[Floats, Ints]:
+    """Distance of places (k, 3) from a limb, negative inside it, and its nearest point (k,).
+
+    Places farther away than ``reach_m`` are infinitely far.
+    """
+    gap, point = _nearest(limb.points_m, places_m, reach_m)
+    point = np.where(np.isfinite(gap), point, 0)
     depth = -np.einsum("ij,ij->i", places_m - limb.points_m[point], limb.normal[point])
     inside = (depth > 0.5 * gap) & (depth < DEEPEST * limb.radius_m)
     return np.where(inside, -depth, gap), point
@@ -105,9 +111,12 @@ def _left_over(vertices_m: Floats, part: Ints, count: int, chosen: Ints) -> Ints
         taken.append(np.column_stack([outer[best], inner[nearest[best]]]))
 
 
-def _nearest(points_m: Floats, places_m: Floats) -> tuple[Floats, Ints]:
-    """Distance (k,) of places (k, 3) from the nearest of some points, and its index (k,)."""
-    gap, index = KDTree(points_m).query(places_m)
+def _nearest(points_m: Floats, places_m: Floats, reach_m: float = np.inf) -> tuple[Floats, Ints]:
+    """Distance (k,) of places (k, 3) from the nearest of some points, and its index (k,).
+
+    A place with no point within ``reach_m`` is infinitely far.
+    """
+    gap, index = KDTree(points_m).query(places_m, distance_upper_bound=reach_m)
     return np.asarray(gap, np.float64), np.asarray(index, np.int64)
 
 
