@@ -55,7 +55,8 @@ def bridges(vertices_m: Floats, faces: Ints) -> Ints:
         own = np.flatnonzero(near)
         if len(own):
             value, point = _gaps(vertices_m[own], limb, reach_m)
-            own, value, point = (rows[np.isfinite(value)] for rows in (own, value, point))
+            near = np.isfinite(value)
+            own, value, point = own[near], value[near], point[near]
             best = _best(value, part[own])
             pairs.append(np.column_stack([own[best], limb.vertex[point[best]]]))
             values.append(value[best])
