@@ -18,10 +18,11 @@ TABLE = decode((Path(__file__).parents[1] / "golden" / "pole.safetensors").read_
 MODEL_ARRAYS = ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest")
 
 
-def source(mass_kg: float = 1.0, mode: float = 1.0) -> Source:
+def source(mass_kg: float = 1.0, mode: float = 1.0, strain_m: float | None = None) -> Source:
     """A source with only the attributes that the key reads."""
     arrays = dict.fromkeys(MODEL_ARRAYS, np.zeros(3)) | {"mass_kg": np.full(3, mass_kg)}
-    model = SimpleNamespace(alpha=0.1, beta=0.01, settings="settings", **arrays)
+    strain = None if strain_m is None else np.full((1, 4, 3), strain_m)
+    model = SimpleNamespace(alpha=0.1, beta=0.01, settings="settings", strain_m=strain, **arrays)
     return cast(
         Source, SimpleNamespace(model=model, subspace=SimpleNamespace(basis=np.full((3, 3, 1), mode)))
     )
@@ -42,7 +43,8 @@ def test_the_key_covers_the_settings(setting: dict[str, Any]) -> None:
 
 
 def test_the_key_covers_the_model_and_the_modes() -> None:
-    assert len({key(), key(of=source(mass_kg=2.0)), key(of=source(mode=2.0))}) == 3
+    others = (source(mass_kg=2.0), source(mode=2.0), source(strain_m=0.0), source(strain_m=1e-3))
+    assert len({key(), *(key(of=other) for other in others)}) == 5
 
 
 @pytest.mark.parametrize("field", ["modal_force", "mode_scale", "node_basis"])
