@@ -89,8 +89,8 @@ check: $(VENV)/.dev web/node_modules/.stamp ## linters, formatters and type chec
 	$(BIN)/check-jsonschema --quiet --builtin-schema vendor.compose-spec docker-compose.yml
 	$(BIN)/hadolint Dockerfile
 
-test-python: $(VENV)/.dev wheel ## the Python tests, three files at a time (many wait for a server); the installed wheel's among them
-	$(PYTEST) -n 3 --dist loadfile
+test-python: $(VENV)/.dev wheel ## the Python tests, two files at a time; the installed wheel's among them
+	$(PYTEST) -n 2 --dist loadfile
 
 test-species: $(VENV)/.dev ## the claimed accuracy of all three species, in every unseen wind (ten minutes and more)
 	$(PYTEST) -m species -rP tests/precompute/test_species_accuracy.py

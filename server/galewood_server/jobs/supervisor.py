@@ -184,9 +184,9 @@ class Supervisor:
             await asyncio.to_thread(self._record_exit, claim, str(error))
             return
         finally:
-            if handover:
-                handover.close()
             await stop(process)
+            if handover:
+                await handover.close()
         code = process.returncode
         reason = None if cancelled else f"The job process ended with exit code {code}."
         await asyncio.to_thread(self._record_exit, claim, reason)

@@ -110,7 +110,8 @@ class Handover:
         self._task.result()
         return self._cluster.lost
 
-    def close(self) -> None:
-        """Stop waiting for the cluster."""
+    async def close(self) -> None:
+        """Stop waiting for the cluster; one that is starting for this job alone has ended afterwards."""
         if self._task:
             self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
