@@ -1,15 +1,22 @@
 """Branches from the surface of the wood alone, and the motion of a tree of beams along them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from galewood.beams import frame_frequencies, frame_matrices, frame_modes
 from galewood.mesh.importer import read_tree
 from galewood.mesh.types import ImportOptions
 from galewood.model.beam_tree import beam_model, frame_of
+from galewood.pipeline import BuildOptions
+from galewood.pipeline.beam_table import beam_table
+from galewood.sampling import MAX_SWAY_SHARE
 from galewood.skeleton import outline_of
 from galewood.skeleton.bridges import bridges
+from galewood.table import decode
 from galewood.verify.beams import pole_frequencies
 from galewood.verify.specimens import NAMES, read_frame
+from galewood.wind import dynamic_pressure
 from galewood.wood.species import wood_of_species
 
 from tests.precompute.shared_tets import small_tree_glb
@@ -120,3 +127,14 @@ def test_the_steady_sway_is_proportional_to_the_pressure():
     model = beam_model(tree, WOOD)
     assert model.sway_m(200.0) == pytest.approx(2 * model.sway_m(100.0))
     assert model.sway_m(100.0) > 0
+
+
+def test_beams_that_would_bend_too_far_get_a_weaker_design_wind():
+    tree = read_tree(small_tree_glb(), "tree.glb", ImportOptions(species="maple"))
+    asked, limp = 60.0, replace(WOOD, young_longitudinal_pa=1e7)
+    metadata = decode(beam_table(tree, BuildOptions(design_speed_m_s=asked, wood=limp), b"")).metadata
+    speed_m_s = metadata["design_speed_m_s"]
+    assert speed_m_s < asked
+    share = beam_model(tree, limp).sway_m(float(dynamic_pressure(speed_m_s))) / tree.height_m
+    assert share == pytest.approx(MAX_SWAY_SHARE, rel=1e-6)
+    assert metadata["provenance"]["stage"] == "beams" and metadata["provenance"]["preliminary"]

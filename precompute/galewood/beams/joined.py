@@ -99,7 +99,7 @@ class _Builder:
 
 
 def _distinct(points_m: Floats, radius_m: Floats) -> tuple[Floats, Floats]:
-    """The line without points that coincide with the one before; at least two remain."""
+    """The line without points that coincide with the one before."""
     apart = np.linalg.norm(np.diff(points_m, axis=0), axis=1) > SHORTEST_M
     kept = np.concatenate([[True], apart])
     return points_m[kept], radius_m[kept]

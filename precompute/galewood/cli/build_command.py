@@ -107,7 +107,9 @@ def build(
     out.write_bytes(table)
     out.with_suffix(".glb").write_bytes(result.render_glb)
     write_figures(json_out, {**result.report, "table_bytes": len(table)})
-    for warning in result.report["import"].get("warnings", []):
+    rest_pose = result.report["model"]["rest_pose"]
+    of_model = [rest_pose["warning"]] if "warning" in rest_pose else []
+    for warning in [*result.report["import"].get("warnings", []), *of_model]:
         console.print(f"[yellow]Warning:[/yellow] {warning}")
     seconds = sum(result.report["seconds"].values())
     console.print(f"{out}: {len(table) / 1e6:.1f} MB in {seconds:.0f} s")

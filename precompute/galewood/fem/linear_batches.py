@@ -76,22 +76,20 @@ def linear_batches(
     grad: Floats,
     blocks: Floats,
     prestress: Floats,
-    strain_m: Floats | None,
+    strain_m: Floats,
     slots_of: SlotsOf,
 ) -> LinearBatches:
     """Batches of elements (m,4), blocks (m,10,9), prestress (m,10), with nodes in elimination order.
 
-    ``strain_m`` (m,4,3) is the strain of the given shape as displacements of the corners; None: unstrained.
+    ``strain_m`` (m,4,3) is the strain of the given shape, as displacements of the corners.
     """
     order = np.argsort(-elements, axis=1, kind="stable")
     corners = np.take_along_axis(elements, order, axis=1)
     slots = np.stack([slots_of(corners[:, a], corners[:, b]) for a, b in PAIRS], axis=1)
     spare = int(slots_of(np.full(1, len(rest_m), np.int32), np.zeros(1, np.int32))[0])
     edges = rest_m[corners[:, 1:]] - rest_m[corners[:, :1]]
-    strained = np.zeros_like(edges)
-    if strain_m is not None:
-        corner = np.take_along_axis(strain_m, order[:, :, None], axis=1)
-        strained = corner[:, 1:] - corner[:, :1]
+    corner = np.take_along_axis(strain_m, order[:, :, None], axis=1)
+    strained = corner[:, 1:] - corner[:, :1]
     gradients = np.take_along_axis(grad, order[:, 1:, None], axis=1)
     pick, flat = _stored_indices(order)
     none: Floats = np.zeros(0)
