@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         solve_static,
         weightless_pose,
     )
+    from galewood.fem.support import Support, supporting_factors
 
 __getattr__ = lazily(
     __name__,
@@ -57,6 +58,8 @@ __getattr__ = lazily(
         "weightless_pose": "galewood.fem.statics",
         "gravity_rest_pose": "galewood.fem.statics",
         "solve_static": "galewood.fem.statics",
+        "Support": "galewood.fem.support",
+        "supporting_factors": "galewood.fem.support",
     },
 )
 __all__ = [
@@ -71,6 +74,7 @@ __all__ = [
     "SagsTooFar",
     "Scheme",
     "Simulator",
+    "Support",
     "damping_report",
     "elevate",
     "gradients",
@@ -88,6 +92,7 @@ __all__ = [
     "solve_static",
     "stiffness_blocks",
     "strain_under",
+    "supporting_factors",
     "tangent_modes",
     "weightless_pose",
 ]
