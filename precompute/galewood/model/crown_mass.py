@@ -8,7 +8,7 @@ twigs.
 Their mass is that of measured branches, weighed fresh with all their side branches: m = 0.0419 d^2.79 kg, d
 in cm. Fitted (residual 34 %) to the 21 branches of 1.2 to 9.9 cm in the table "branch diameter – branch dry
 weight" of the course FES 519b, Yale (yale.edu/fes519b/totoket/allom/brdat.txt). Their species is not stated;
-a ratio of dry to fresh mass of 0.65 suggests hardwood without leaves. Together: 533 d^0.79 kg per m² of trunk.
+a dry mass of 0.65 of the fresh one suggests hardwood without leaves. Together: 533 d^0.79 kg per m² of trunk.
 
 Assumed: the cross-section at breast height stands for that below the crown, which is smaller, and for that of
 the twigs, which together are thicker than the limbs they grow from. Twigs hang where leaves hang (again the

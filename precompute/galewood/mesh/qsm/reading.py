@@ -26,10 +26,10 @@ from galewood.util import Floats, MeshError
 
 QsmFormat = Literal["treeqsm", "csv"]
 MIN_RADIUS_MM = 10.0
-MOST_BRANCHES = 350
+MOST_BRANCHES = 200
 """Branches up to which thin ones are kept; more are not resolved by the mesher at its usual size."""
 MOST_FACES = 60_000
-MANY_BRANCHES = 500
+MANY_BRANCHES = 300
 """More than these cannot be meshed without being thickened (docs/how-to/scanned-trees.md)."""
 SPACINGS = (2.0, 3.0, 4.5, 7.0, 10.0, 15.0, 25.0)
 """Distances of the rings of a tube, relative to its radius: the first with few enough faces."""
@@ -188,7 +188,7 @@ def _warnings(report: dict[str, Any], models: int, options: ImportOptions) -> li
     if report["branches"] - dropped["thin_branches"] > MANY_BRANCHES:
         found.append(
             "With so many branches, thin ones are simulated thicker and heavier than they are, and the tree "
-            "sways too slowly. Dropping more of them (--min-radius-mm 25) helps."
+            "sways too slowly. Without --min-radius-mm, only as many are kept as can be simulated."
         )
     if not options.bare:
         found.append("A scan has no leaves: they were added, with an assumed area.")
