@@ -105,9 +105,9 @@ def _supported_report(support: Support, limbs: Limbs) -> dict[str, Any]:
     mass, whole = float(limbs.mass_kg[held].sum()), float(limbs.mass_kg.sum())
     count = len(np.unique(limbs.limb[held]))
     note = (
-        f"{count} limbs ({mass:.3g} kg of wood, {mass / whole:.0%}) would buckle under their own weight with "
-        "their given radii, so they are simulated stiffer, by a factor of up to "
-        f"{support.factor.max():.3g}."
+        f"{'A limb' if count == 1 else f'{count} limbs'} ({mass:.3g} kg of wood, {mass / whole:.0%}) would "
+        "buckle under the tree's own weight with the given radii. They are simulated stiffer, by a factor of up "
+        f"to {support.factor.max():.3g}, and keep their weight."
     )
     return {
         "load_factor": support.load_factor,

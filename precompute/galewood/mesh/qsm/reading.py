@@ -182,8 +182,10 @@ def _warnings(report: dict[str, Any], models: int, options: ImportOptions) -> li
         )
     if dropped["thin_branches"]:
         found.append(
-            f"{dropped['thin_branches']} branches thinner than the smallest radius were dropped "
-            f"({dropped['thin_volume_m3'] / report['wood_volume_m3']:.1%} of the volume)."
+            f"{dropped['thin_branches']} branches thinner than the smallest radius "
+            f"({report['min_radius_mm']:g} mm) were dropped "
+            f"({dropped['thin_volume_m3'] / report['wood_volume_m3']:.1%} of the volume); they weigh on "
+            "their limbs, with a mass estimated from the trunk."
         )
     if report["branches"] - dropped["thin_branches"] > MANY_BRANCHES:
         found.append(
