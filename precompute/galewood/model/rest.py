@@ -106,8 +106,8 @@ def _supported_report(support: Support, limbs: Limbs) -> dict[str, Any]:
     count = len(np.unique(limbs.limb[held]))
     note = (
         f"{'A limb' if count == 1 else f'{count} limbs'} ({mass:.3g} kg of wood, {mass / whole:.0%}) would "
-        "buckle under the tree's own weight with the given radii. They are simulated stiffer, by a factor of up "
-        f"to {support.factor.max():.3g}, and keep their weight."
+        "buckle under the tree's own weight with the given radii. They are simulated stiffer, by a factor of "
+        f"up to {support.factor.max():.3g}, and keep their weight."
     )
     return {
         "load_factor": support.load_factor,
