@@ -126,6 +126,16 @@ def test_a_pole_has_no_twigs() -> None:
         assert not found.mass_kg.any()
 
 
+def test_wood_whose_branches_cannot_be_followed_gets_no_twigs(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: Any) -> None:
+        raise ValueError("no branches")
+
+    monkeypatch.setattr(crown_mass, "outline_of", fail)
+    found = loads(as_a_mesh(read()))
+    assert found.report == {"added_twig_mass_kg": 0.0}
+    assert found.mass_kg.tolist() == [0.0, 0.0]
+
+
 def test_the_outline_of_a_comb_has_its_limbs() -> None:
     tree = read(bare=True)
     outline = outline_of(tree.wood_vertices_m, tree.wood_faces)

@@ -42,6 +42,9 @@ LIMB_SHARE = 0.5
 """Radius, relative to the trunk's, below which a limb bears twigs if the tree has no leaves."""
 SOURCE = "pipe model; fresh branch mass 0.0419 d^2.79 kg (21 branches, FES 519b, Yale)"
 
+Spread = Callable[[RenderPrimitive, Floats], Floats]
+"""Distributes an amount (v,) at the vertices of a primitive to the points (n,) of a model."""
+
 
 @dataclass(frozen=True)
 class TwigLoads:
@@ -64,7 +67,7 @@ def twig_mass_per_area(finest_cm: float) -> float:
 
 def twig_loads(
     tree: TreeMesh,
-    spread: Callable[[RenderPrimitive, Floats], Floats],
+    spread: Spread,
     wood_mass_kg: float,
     drawn_kg: float = 0.0,
     outline: Outline | None = None,
@@ -73,9 +76,18 @@ def twig_loads(
 
     ``spread`` is that of ``crown_loads``.
     """
-    outline = outline or outline_of(tree.wood_vertices_m, tree.wood_faces)
-    weight = _weight(tree, outline, spread)
-    trunk_cm, finest_cm = _trunk_cm(tree, outline), _finest_cm(tree, outline)
+    leaves = any(part.kind == "leaves" for part in tree.primitives)
+    drawn = _scanned(tree)
+    if drawn and leaves:  # no outline is needed, which takes a while
+        weight = _like_leaves(tree, spread)
+    else:
+        outline = outline or _outline(tree)
+        if outline is None:
+            none = spread(tree.primitives[0], np.zeros(len(tree.primitives[0].positions_m)))
+            return TwigLoads(none, {"added_twig_mass_kg": 0.0})
+        drawn = drawn or _drawn(outline)
+        weight = _like_leaves(tree, spread) if leaves else _along_limbs(tree, outline, spread)
+    trunk_cm, finest_cm = drawn
     if finest_cm is None or not weight.any():
         return TwigLoads(np.zeros_like(weight), {"added_twig_mass_kg": 0.0})
     allometric = np.pi / 4 * (trunk_cm / 100) ** 2 * twig_mass_per_area(finest_cm)
@@ -91,6 +103,14 @@ def twig_loads(
     return TwigLoads(mass, report)
 
 
+def _outline(tree: TreeMesh) -> Outline | None:
+    """The branches of the drawn wood; None if its surface has none that can be followed."""
+    try:
+        return outline_of(tree.wood_vertices_m, tree.wood_faces)
+    except (ValueError, IndexError):
+        return None
+
+
 def trunk_diameter_cm(points_m: Floats, radius_m: Floats, branch: np.ndarray[Any, Any]) -> float:
     """Diameter of the trunk (branch 0) 1.3 m above its base, on a low tree at a ninth of its height; cm."""
     trunk = branch == 0
@@ -100,32 +120,37 @@ def trunk_diameter_cm(points_m: Floats, radius_m: Floats, branch: np.ndarray[Any
     return 200 * float(np.interp(at_m, height[rising], radius_m[trunk][rising]))
 
 
-def _trunk_cm(tree: TreeMesh, outline: Outline) -> float:
-    scanned = tree.report.get("qsm", {}).get("dbh_cm")
-    return float(scanned or trunk_diameter_cm(outline.points_m, outline.radius_m, outline.branch))
+def _scanned(tree: TreeMesh) -> tuple[float, float | None] | None:
+    """Diameters, cm, of a scanned tree's trunk, and below which its branches were cut; as in ``_drawn``."""
+    scan = tree.report.get("qsm", {})
+    if not scan.get("dbh_cm"):
+        return None
+    limbs = scan["branches"] - scan["dropped"]["thin_branches"] - 1
+    return float(scan["dbh_cm"]), 0.2 * float(scan["min_radius_mm"]) if limbs >= FEWEST_BRANCHES else None
 
 
-def _finest_cm(tree: TreeMesh, outline: Outline) -> float | None:
-    """Diameter of the finest branches that are drawn: of those that bear no others, at their base; cm.
+def _drawn(outline: Outline) -> tuple[float, float | None]:
+    """Diameters, cm, of the trunk and of the finest branches: of those that bear no others, at their base.
 
-    Of a scanned tree, that below which branches were cut. None if there are hardly any branches.
+    The second is None if there are hardly any branches.
     """
+    trunk_cm = trunk_diameter_cm(outline.points_m, outline.radius_m, outline.branch)
     first = np.flatnonzero((outline.parent >= 0) & (outline.branch[outline.parent] != outline.branch))
     if len(first) < FEWEST_BRANCHES:
-        return None
-    cut = tree.report.get("qsm", {}).get("min_radius_mm")
-    if cut is not None:
-        return 0.2 * float(cut)
+        return trunk_cm, None
     bearing = np.unique(outline.branch[outline.parent[first]])
     last = first[~np.isin(outline.branch[first], bearing)]
-    return 200 * float(np.median(outline.radius_m[last]))
+    return trunk_cm, 200 * float(np.median(outline.radius_m[last]))
 
 
-def _weight(tree: TreeMesh, outline: Outline, spread: Callable[[RenderPrimitive, Floats], Floats]) -> Floats:
-    """Where twigs hang, relative (n,): like the leaves, or evenly along the limbs."""
-    leaves = [part for part in tree.primitives if part.kind == "leaves"]
-    if leaves:
-        return np.sum([spread(p, vertex_areas(p) * alpha_coverage(p.material)) for p in leaves], axis=0)
+def _like_leaves(tree: TreeMesh, spread: Spread) -> Floats:
+    """(n,) relative: as the leaves are spread."""
+    leaves = (part for part in tree.primitives if part.kind == "leaves")
+    return np.sum([spread(p, vertex_areas(p) * alpha_coverage(p.material)) for p in leaves], axis=0)
+
+
+def _along_limbs(tree: TreeMesh, outline: Outline, spread: Spread) -> Floats:
+    """(n,) relative: evenly along all limbs, which are thinner than the trunk."""
     near, trunk_m = KDTree(outline.points_m), outline.radius_m[outline.branch == 0].max()
     parts: list[Floats] = []
     for part in (p for p in tree.primitives if p.kind == "wood"):
