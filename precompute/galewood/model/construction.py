@@ -194,18 +194,19 @@ def _finished(
     system = model.system()
     resting = at_rest(model, system, limbs)
     model, frequencies = resting.model, resting.frequencies()
-    alpha, beta = rayleigh(wood.damping_ratio, frequencies[0], model.settings.damping_frequency_ratio)
+    settings = model.settings.resolved(frequencies[0])
+    alpha, beta = rayleigh(wood.damping_ratio, frequencies[0], settings.damping_frequency_ratio)
     report = {
         **report,
         "mass_kg": float(model.mass_kg.sum()),
         "rest_pose": resting.report,
         "frequencies_hz": frequencies,
         "sway": sway_report(model, resting.modes),
-        "damping": damping_report(model.settings, alpha, beta, frequencies[0], wood.damping_ratio),
+        "damping": damping_report(settings, alpha, beta, frequencies[0], wood.damping_ratio),
     }
     if leaf_mass_kg.any():
         report["bare"] = _bare(model, system, limbs, leaf_mass_kg)
-    return replace(model, alpha=alpha, beta=beta, report=report)
+    return replace(model, alpha=alpha, beta=beta, settings=settings, report=report)
 
 
 def _bare(model: FemModel, system: ElementSystem, limbs: Limbs, leaf_mass_kg: Floats) -> dict[str, Any]:
