@@ -98,3 +98,29 @@ def test_a_supported_tree_stands_still_and_its_sway_decays() -> None:
         far.append(float(np.abs(simulator.u).max()))
     assert far[0] < 1e-6, "at rest before the push"
     assert max(far[-200:]) < max(far[15:215])
+
+
+def leaning(degrees: float) -> Any:
+    """A slender pole that leans so far, 9 m long."""
+    bar = polygon_bar(sides=6, radius_m=0.02, length_m=9.0, layers=60)
+    turn = np.radians(degrees)
+    rotation = np.array([[np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    return replace(bar, vertices_m=bar.vertices_m @ rotation.T, tet_fibre=bar.tet_fibre @ rotation.T)
+
+
+def test_a_slightly_leaning_pole_is_pressed_by_the_weight_along_it() -> None:
+    pole = leaning(10)
+    weight = 9.81 * WOOD.density_kg_m3 * pole.area_m2 * 9.0 * np.cos(np.radians(10))
+    exact = weight * 9.0**2 / (7.8373 * WOOD.young_longitudinal_pa * pole.second_moment_m4)
+    assert built(pole, "fitted").report["rest_pose"]["load_factor"] == pytest.approx(exact, rel=0.02)
+
+
+def test_a_lying_pole_gives_way_sideways_at_the_load_of_beam_theory() -> None:
+    """Lateral-torsional buckling of a cantilever: W L² = 12.85 √(E I G J) (textbook value, unchecked)."""
+    pole = leaning(90)
+    bending = WOOD.young_longitudinal_pa * pole.second_moment_m4
+    twisting = WOOD.shear_longitudinal_pa * 2 * pole.second_moment_m4
+    weight = 9.81 * WOOD.density_kg_m3 * pole.area_m2 * 9.0
+    exact = weight * 9.0**2 / (12.85 * np.sqrt(bending * twisting))
+    found = built(pole, "quadratic").report["rest_pose"]["load_factor"]
+    assert found == pytest.approx(exact, rel=0.12)

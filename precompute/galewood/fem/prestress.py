@@ -18,7 +18,7 @@ from galewood.util import Floats
 
 def rest_prestress(model: FemModel) -> Floats:
     """(m,10) N/m for the corner pairs of each element, in the model's rest pose."""
-    away = _stretched(model) if model.strain_m is None else model.strain_m[:, :4] - model.strain_m[:, :1]
+    away = _stretched(model) if model.strain_m is None else _strained(model, model.strain_m)
     force = np.zeros_like(away)
     for p, (i, j) in enumerate(PAIRS):
         force[:, i] += np.einsum("eij,ej->ei", model.blocks[:, p], away[:, j])
@@ -36,6 +36,15 @@ def _stretched(model: FemModel) -> Floats:
     return np.einsum("eij,eaj->eai", stretch, rest - rest[:, :1])
 
 
+def _strained(model: FemModel, strain_m: Floats) -> Floats:
+    """(m,4,3) displacements of the corners by the mean strain of each element.
+
+    Those of a quadratic element's own corners would include the shear with which a linear one locks.
+    """
+    rest = model.nodes_m[model.elements[:, :4]]
+    return np.einsum("eij,eaj->eai", _gradient(strain_m, model.grad), rest - rest[:, :1])
+
+
 def strain_under(model: FemModel, u_m: Floats) -> Floats:
     """(m, 4|10, 3) displacements u (N,3) of each element's nodes, m, without its infinitesimal rotation."""
     bent = replace(model, u_rest=u_m)
@@ -47,12 +56,16 @@ def strain_under(model: FemModel, u_m: Floats) -> Floats:
 
 def mean_gradient(model: FemModel) -> Floats:
     """(m,3,3) mean displacement gradient of each element in the rest pose."""
-    u = model.u_rest[model.elements]
-    if model.elements.shape[1] == 4:
-        return np.einsum("eai,eaj->eij", u, model.grad)
+    return _gradient(model.u_rest[model.elements], model.grad)
+
+
+def _gradient(u: Floats, grad: Floats) -> Floats:
+    """(m,3,3) mean gradient of displacements u (m, 4|10, 3) of the nodes of each element."""
+    if u.shape[1] == 4:
+        return np.einsum("eai,eaj->eij", u, grad)
     # The mean gradient of a quadratic shape function is zero at a corner and, at a midside node, the sum
     # of those of its two corners.
     total = np.zeros((len(u), 3, 3))
     for k, (i, j) in enumerate(EDGES):
-        total += np.einsum("ei,ej->eij", u[:, 4 + k], model.grad[:, i] + model.grad[:, j])
+        total += np.einsum("ei,ej->eij", u[:, 4 + k], grad[:, i] + grad[:, j])
     return total

@@ -17,6 +17,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from galewood.fem.assembly import ElementSystem
 from galewood.fem.elasticity import PAIRS
+from galewood.fem.quadratic import combination
 from galewood.util import Floats, Int32s
 
 STANDS = 0.7
@@ -116,11 +117,24 @@ def _needed(system: ElementSystem, load: Floats, shapes: Floats, limb: Int32s) -
 
 
 def _energy(system: ElementSystem, shape: Floats) -> Floats:
-    """Twice the elastic energy (m,) of the elements' corners in a shape (N,3), J."""
-    corner = shape[system.elements[:, :4]]
+    """Twice the elastic energy (m,) of the elements in a shape (N,3), J."""
+    moved = shape[system.elements]
     blocks = system.blocks.reshape(-1, 10, 3, 3)
-    total = np.zeros(len(corner))
-    for p, (i, j) in enumerate(PAIRS):
-        twice = 1.0 if i == j else 2.0
-        total += twice * np.einsum("ea,eab,eb->e", corner[:, i], blocks[:, p], corner[:, j])
+    total = np.zeros(len(moved))
+    for i, j, coefficient, block in _terms(system.quadratic):
+        weight = coefficient if i == j else 2.0 * coefficient
+        total += weight * np.einsum("ea,eab,eb->e", moved[:, i], blocks[:, block], moved[:, j])
     return total
+
+
+def _terms(quadratic: bool) -> list[tuple[int, int, float, int]]:
+    """Row, column, coefficient and linear block of each term of an element's stiffness; each pair once."""
+    if not quadratic:
+        return [(i, j, 1.0, block) for block, (i, j) in enumerate(PAIRS)]
+    whole = combination()
+    terms: list[tuple[int, int, float, int]] = []
+    for pair, (a, b) in enumerate(zip(whole.rows.tolist(), whole.columns.tolist(), strict=True)):
+        for t in range(whole.start[pair], whole.start[pair + 1]):
+            row, column = (b, a) if whole.transposed[t] else (a, b)
+            terms.append((row, column, float(whole.coefficient[t]), int(whole.block[t])))
+    return terms
