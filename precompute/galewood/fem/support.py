@@ -21,7 +21,9 @@ from galewood.fem.quadratic import combination
 from galewood.util import Floats, Int32s
 
 STANDS = 0.7
-"""Largest weight over buckling load of a tree that stands; above it, hardly any stiffness is left."""
+"""Largest weight over buckling load of a supported tree; above it, hardly any stiffness is left."""
+MARGIN = 1.02
+"""Of the stiffening that reaches it, so that it is reached in few rounds."""
 HOLDING = 0.8
 """Share of a mode's elastic energy in the limbs that are stiffened for it."""
 MODES = 24
@@ -56,7 +58,8 @@ def supporting_factors(system: ElementSystem, prestress: Floats, limb: Int32s) -
         first = first or float(load[0])
         if load[0] <= STANDS:
             return Support(factor, True, number, first)
-        factor = np.minimum(factor * _needed(system, load, shapes, limb), STIFFEST)
+        needed = _factors(load) if number == 0 else MARGIN * load / STANDS
+        factor = np.minimum(factor * _on_limbs(system, load, needed, shapes, limb), STIFFEST)
     return Support(factor, False, ROUNDS, first)
 
 
@@ -102,17 +105,22 @@ def _load_factors(system: ElementSystem, geometric: csc_matrix) -> tuple[Floats,
     return load[falling], shapes
 
 
-def _needed(system: ElementSystem, load: Floats, shapes: Floats, limb: Int32s) -> Floats:
-    """Factors (m,) for the limbs that hold the modes whose load factor is too large."""
+def _factors(load: Floats) -> Floats:
+    """Stiffness factors (k,) for modes of these load factors: 1 + ν for those that fall."""
+    return np.where(load > 1, 1 + load, MARGIN * load / STANDS)
+
+
+def _on_limbs(system: ElementSystem, load: Floats, needed: Floats, shapes: Floats, limb: Int32s) -> Floats:
+    """Factors (m,): those needed by each mode whose load factor is too large, on the limbs that hold it."""
     factor = np.ones(int(limb.max()) + 1)
-    for one, shape in zip(load, shapes, strict=True):
+    for one, least, shape in zip(load, needed, shapes, strict=True):
         if one <= STANDS:
             break
         energy = np.bincount(limb, _energy(system, shape), len(factor))
         most = np.argsort(-energy)
         before = np.concatenate([[0.0], np.cumsum(energy[most])[:-1]]) / energy.sum()
         holding = most[before < HOLDING]
-        factor[holding] = np.maximum(factor[holding], 1.0 + one)
+        factor[holding] = np.maximum(factor[holding], least)
     return factor[limb]
 
 
