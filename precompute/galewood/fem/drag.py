@@ -35,7 +35,9 @@ class Drag:
     drag_area_m2, exposed_area_m2 (N,) with the wind profile squared; wind_profile (N,) in 0..1.
     """
 
-    def __init__(self, drag_area_m2: Floats, exposed_area_m2: Floats | None, wind_profile: Floats | None) -> None:
+    def __init__(
+        self, drag_area_m2: Floats, exposed_area_m2: Floats | None, wind_profile: Floats | None
+    ) -> None:
         sheltered = drag_area_m2
         self.exposed_m2 = sheltered if exposed_area_m2 is None else np.maximum(exposed_area_m2, sheltered)
         self.share = np.ones_like(sheltered)
@@ -53,7 +55,14 @@ class Drag:
 
         The arrays of the result are overwritten by the next call.
         """
-        _drag(self._nodes, *self._parts, velocity_m_s, float(pressure_pa[0]), float(pressure_pa[1]), *self._loads)
+        _drag(
+            self._nodes,
+            *self._parts,
+            velocity_m_s,
+            float(pressure_pa[0]),
+            float(pressure_pa[1]),
+            *self._loads,
+        )
         return self._loads
 
 

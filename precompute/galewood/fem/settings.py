@@ -7,7 +7,7 @@ from typing import Literal
 Scheme = Literal["backward-euler", "tr-bdf2"]
 Element = Literal["fitted", "linear", "quadratic"]
 
-LARGEST_PHASE_RAD = 0.2
+LARGEST_PHASE_RAD = 0.18
 """Largest phase of the first natural mode that a step may cover."""
 
 

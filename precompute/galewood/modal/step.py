@@ -180,4 +180,11 @@ def working_room(modal: ModalTensors) -> tuple[Array, ...]:
     rooms = [np.zeros((height, BATCH)) for height in heights]
     total = np.zeros((max(d, modal.pose.shape[1]), BATCH))
     moved = np.zeros((3 * len(modal.drag_point) + 3, BATCH))
-    return (*rooms, np.zeros((3, 2, BATCH)), np.zeros((terms, BATCH)), total, moved, np.zeros(BATCH, np.int64))
+    return (
+        *rooms,
+        np.zeros((3, 2, BATCH)),
+        np.zeros((terms, BATCH)),
+        total,
+        moved,
+        np.zeros(BATCH, np.int64),
+    )

@@ -50,7 +50,9 @@ class WindShape:
     def at(self, peak_m_s: float) -> SampleWind:
         """The wind at a peak speed."""
         x, z = self.velocity[0]
-        return SampleWind(self.name, float(np.degrees(np.arctan2(z, x))), self.pressure_pa(peak_m_s), recorded=False)
+        return SampleWind(
+            self.name, float(np.degrees(np.arctan2(z, x))), self.pressure_pa(peak_m_s), recorded=False
+        )
 
 
 @dataclass(frozen=True)
