@@ -65,8 +65,8 @@ __getattr__ = lazily(
 __all__ = [
     "LEAST_PROFILE",
     "PAIRS",
-    "Element",
     "Drag",
+    "Element",
     "ElementSystem",
     "FemModel",
     "FemSettings",

@@ -13,11 +13,11 @@ from scipy.sparse import csr_matrix, vstack
 from scipy.spatial import KDTree
 
 from galewood.beams import Frame, frame_modes, joined_frame
+from galewood.fem import LEAST_PROFILE
 from galewood.mesh import RenderPrimitive, TreeMesh
 from galewood.model.binding import CROWN_SIZE, foliage_pieces, nearest_of_pieces, piece_size
 from galewood.model.foliage import crown_loads
 from galewood.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
-from galewood.fem import LEAST_PROFILE
 from galewood.util import Floats, Ints
 from galewood.wood import Wood
 
@@ -35,7 +35,7 @@ class BeamModel:
     Each point of the frame is four particles: itself, and one beside it along each axis, so that particles
     hold its rotation. The shapes (k, 4n, 3) are mass-normalised, 1/√kg; load (k, 2) is the modal force per
     Pa of wind along x and z. ``binding`` (v, 4n) moves the render vertices with the particles. The last three
-    (4n,) are the drag area without shelter, m², the share of it that is left in shelter, and the wind profile.
+    (4n,) are the drag area without shelter, m², the share of it in shelter, and the wind profile.
     """
 
     frequencies_hz: Floats

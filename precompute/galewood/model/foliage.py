@@ -22,7 +22,7 @@ MOST_LEAF_MASS = 0.5  # relative to the mass of the wood
 PROFILE_EXPONENT = 0.4  # of the pressure over height; the speed grows with about the fifth root
 RANDOM_PROJECTION = 0.5  # mean projected area of a flat leaf over its one-sided area
 LEAF_DRAG_COEFFICIENT = 0.4
-"""Drag area of leaves over their one-sided area, in air that moves among them (calibrated, docs/physics.md)."""
+"""Drag area of leaves over their one-sided area, in the air among them (calibrated, docs/physics.md)."""
 CONVEX_PROJECTION = 0.25  # mean projected area of a convex body over its surface (Cauchy)
 
 
@@ -39,8 +39,8 @@ class WoodLike(Protocol):
 class LumpedMasses:
     """Per tet vertex: added mass (n,) kg and drag area (n,) m²; also the fixed vertices (k,).
 
-    The drag area is Cd·A of the silhouette, the exposed area that of all leaves and wood without shelter; both
-    include the height profile of the pressure, whose root is wind_profile (`galewood.fem.drag`).
+    The drag area is Cd·A of the silhouette, the exposed area that of all leaves and wood without shelter;
+    both include the height profile of the pressure, whose root is wind_profile (`galewood.fem.drag`).
     """
 
     mass_kg: Floats
