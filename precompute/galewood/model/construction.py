@@ -23,11 +23,13 @@ from galewood.fem import (
     moduli,
     natural_modes,
     node_mass_shares,
+    on_springs,
     rayleigh,
     rest_prestress,
     stiffness_blocks,
     strain_under,
     weightless_pose,
+    with_ground_reaction,
 )
 from galewood.model.calibration import fit_factors, reference_target
 from galewood.util import Floats, Int32s
@@ -187,7 +189,10 @@ def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[
 
 
 def _finished(model: FemModel, wood: Wood, report: dict[str, Any]) -> FemModel:
-    """The model with its gravity rest pose, frequencies and damping."""
+    """The model with its foundation, gravity rest pose, frequencies and damping."""
+    if (stiffness := model.settings.root_stiffness_nm_rad) is not None:
+        model = on_springs(model, stiffness)
+        report = {**report, "root_stiffness_nm_rad": stiffness}
     system = model.system()
     try:
         model, modes, rest_pose = _under_weight(model, system)
@@ -218,10 +223,12 @@ def _under_weight(model: FemModel, system: ElementSystem) -> tuple[FemModel, Mod
         return *_at_rest(model, system, pose), pose.report
     except (SagsTooFar, NotPositiveDefinite):
         system.set_prestress(np.zeros_like(model.prestress))
-        strain = strain_under(model, loaded_pose(system, model.gravity_n))
+        strained = loaded_pose(system, model.gravity_n)
+        strain = strain_under(model, strained)
         loaded = replace(model, strain_m=strain)
         system.set_strain(strain)
-        pose = RestPose(np.zeros_like(model.u_rest), model.gravity_n, {"kind": "loaded"})
+        borne = with_ground_reaction(model, strained)
+        pose = RestPose(np.zeros_like(model.u_rest), borne, {"kind": "loaded"})
         return *_at_rest(loaded, system, pose), pose.report
 
 

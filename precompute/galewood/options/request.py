@@ -80,6 +80,12 @@ class BuildRequest(ImportRequest):
     all_cosine_winds: bool | None = Field(
         default=None, description="Record all 36 cosine winds of the paper instead of 18; default: no."
     )
+    root_stiffness_knm: float | None = Field(
+        default=None,
+        ge=0.001,
+        le=1e9,
+        description="Rotational stiffness of the root plate, kN·m/rad; default: rigid ground.",
+    )
     wood: WoodDocument | None = Field(
         default=None, description="Constants of a wood of your own; they take precedence over the species."
     )

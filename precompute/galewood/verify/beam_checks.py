@@ -16,6 +16,7 @@ from galewood.verify.beams import (
     sag,
     shear_tip,
     softening,
+    sprung_pole_frequency,
     tip_deflection,
 )
 from galewood.verify.checks import Check, relative
@@ -38,6 +39,8 @@ FREQUENCY_LIMITS: dict[tuple[Element, str], float] = {
     ("fitted", "second"): 0.03,
 }
 """Euler-Bernoulli theory has no shear, which lowers the second frequency of the solid pole by about 1 %."""
+SPRUNG_LIMITS = {0.5: 0.001, 5.0: 0.003}
+"""Rotational stiffness of the ground over E I / L, and the limit of the first frequency's error."""
 ELASTICA_LIMITS = {0.2: 0.00015, 0.4: 0.0008}
 """Sway of the elastica over its length, and the limit of the tip's error over the sway."""
 NAMES: dict[Element, str] = {"quadratic": "reference", "fitted": "fast"}
@@ -56,6 +59,8 @@ def checks() -> Iterator[Check]:
     yield _sagging()
     yield from _pole_frequencies()
     yield _softened()
+    for ratio, limit in SPRUNG_LIMITS.items():
+        yield sprung(ratio, limit, "quadratic")
     for sway, limit in ELASTICA_LIMITS.items():
         yield bent_far(sway, limit)
 
@@ -72,6 +77,20 @@ def tip_under_force(model: FemModel, bar: Bar, axis: int = 0) -> float:
     load[bar.tip, axis] = 1.0 / len(bar.tip)
     u, _, _ = solve_static(model.system(), load)
     return float(u[bar.tip, axis].mean())
+
+
+def sprung(ratio: float, limit: float, element: Element) -> Check:
+    """First frequency of a uniform pole on a rotational spring of stiffness ratio · E I / L."""
+    bar = polygon_bar(sides=12, rings=2, radius_m=RADIUS_M, length_m=LENGTH_M, layers=40)
+    bending = WOOD.young_longitudinal_pa * bar.second_moment_m4
+    settings = FemSettings(element=element, gravity=False, root_stiffness_nm_rad=ratio * bending / LENGTH_M)
+    found = build_model(bar, bar, WOOD, bar, settings).report["frequencies_hz"][0]
+    clamped, _ = pole_frequencies(
+        LENGTH_M, WOOD.young_longitudinal_pa, WOOD.density_kg_m3, bar.area_m2, bar.second_moment_m4
+    )
+    exact = sprung_pole_frequency(float(clamped), ratio)
+    note = f"{exact / clamped:.0%} of the clamped pole's"
+    return relative(f"pole on a root plate of {ratio:g} E I / L, reference", exact, found, "Hz", limit, note)
 
 
 def bent_far(sway: float, limit: float) -> Check:

@@ -15,6 +15,10 @@ def tip_deflection(force_n: float, length_m: float, young_pa: float, second_mome
     return force_n * length_m**3 / (3 * young_pa * second_moment_m4)
 
 
+CLAMPED_NUMBER = 1.8751040687119611
+"""First wave number of a clamped pole: cos λ cosh λ = −1."""
+
+
 class Section(NamedTuple):
     """Stiffness of a uniform beam: bending E I, N m², stretching E A, N, and shear κ G A, N."""
 
@@ -49,6 +53,23 @@ def elastica_tip(force_n: float, length_m: float, section: Section) -> tuple[flo
     bracket = (0.0, 1.01 * force_n * length_m / section.bending_n_m2)
     found = tip(root_scalar(moment_at_tip, bracket=bracket, xtol=1e-15, rtol=1e-14).root)
     return float(found[2]), float(found[3])
+
+
+def sprung_pole_frequency(clamped_hz: float, stiffness_ratio: float) -> float:
+    """First frequency, Hz, of a uniform pole that stands on a rotational spring.
+
+    `clamped_hz` is that of the clamped pole and `stiffness_ratio` = k_θ L / E I. The wave number λ solves
+    1 + cos λ cosh λ = (λ / ratio) (sin λ cosh λ − cos λ sinh λ) (Euler–Bernoulli; for a soft spring the pole
+    turns about its foot, λ⁴ → 3 ratio).
+    """
+
+    def excess(number: float) -> float:
+        sine, cosine = np.sin(number), np.cos(number)
+        turning = sine * np.cosh(number) - cosine * np.sinh(number)
+        return float(1 + cosine * np.cosh(number) - number / stiffness_ratio * turning)
+
+    first = root_scalar(excess, bracket=(1e-6, CLAMPED_NUMBER + 1e-9), xtol=1e-14).root
+    return clamped_hz * (first / CLAMPED_NUMBER) ** 2
 
 
 def sag(weight_n_m: float, length_m: float, young_pa: float, second_moment_m4: float) -> float:
