@@ -78,7 +78,7 @@ def pull_and_release(
     part = _main_part(model, mode)
     force, u = _pulled(model, _rope(model, mode), part, sway * height)
     steps = int(np.ceil(2 * np.pi * mode.frequency_hz * model.settings.dt_s / FINEST_STEP))
-    finer = replace(model, settings=replace(model.settings, substeps=min(max(steps, 1), 64)))
+    finer = replace(model, settings=replace(model.settings, substeps=min(max(steps, model.settings.substeps, 1), 64)))
     simulator = Simulator(finer)
     simulator.displace(u)
     frames = int(np.ceil(cycles / mode.frequency_hz / model.settings.dt_s))
