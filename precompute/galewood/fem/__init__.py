@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         solve_static,
         weightless_pose,
     )
+    from galewood.fem.support import Support, supporting_factors
 
 __getattr__ = lazily(
     __name__,
@@ -63,13 +64,15 @@ __getattr__ = lazily(
         "weightless_pose": "galewood.fem.statics",
         "gravity_rest_pose": "galewood.fem.statics",
         "solve_static": "galewood.fem.statics",
+        "Support": "galewood.fem.support",
+        "supporting_factors": "galewood.fem.support",
     },
 )
 __all__ = [
     "LEAST_PROFILE",
     "PAIRS",
-    "Element",
     "Drag",
+    "Element",
     "ElementSystem",
     "FemModel",
     "FemSettings",
@@ -79,6 +82,7 @@ __all__ = [
     "SagsTooFar",
     "Scheme",
     "Simulator",
+    "Support",
     "damping_report",
     "elevate",
     "gradients",
@@ -97,6 +101,7 @@ __all__ = [
     "solve_static",
     "stiffness_blocks",
     "strain_under",
+    "supporting_factors",
     "tangent_modes",
     "weightless_pose",
     "with_ground_reaction",

@@ -9,7 +9,7 @@ import numpy as np
 from galewood.fem import FemModel, natural_modes
 from galewood.util import Floats
 
-MODES = 16
+MODES = 24
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class SwayMode:
     number: int
     """1: the lowest mode."""
     mass_share: float
-    """Effective horizontal mass over the mass of the tree."""
+    """Effective horizontal mass over the mass that is free to move."""
     direction: tuple[float, float]
     """Unit vector (x, z) in which the mode moves the mass."""
     shape: Floats
@@ -39,7 +39,7 @@ def main_sway_mode(model: FemModel) -> SwayMode:
         float(modes.frequencies_hz[best]),
         float(modes.frequencies_hz[0]),
         best + 1,
-        float(effective[best] / model.mass_kg.sum()),
+        float(effective[best] / (model.mass_kg.sum() - model.mass_kg[model.fixed].sum())),
         (float(x), float(z)),
         modes.shapes[best],
     )

@@ -40,7 +40,7 @@ class ImportRequest(BaseModel):
         default=None,
         ge=0,
         le=500,
-        description="Scanned tree: drop branches thinner than this, mm; default: 10.",
+        description="Scanned tree: drop branches thinner than this, mm; default: 10, or what leaves 200.",
     )
     bare: bool | None = Field(
         default=None, description="Scanned tree: add no leaves; default: leaves at the ends of branches."
