@@ -16,6 +16,7 @@ from galewood.beams import Frame, frame_modes, joined_frame
 from galewood.fem import LEAST_PROFILE
 from galewood.mesh import RenderPrimitive, TreeMesh
 from galewood.model.binding import CROWN_SIZE, foliage_pieces, nearest_of_pieces, piece_size
+from galewood.model.crown_mass import twig_loads
 from galewood.model.foliage import crown_loads
 from galewood.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
 from galewood.util import Floats, Ints
@@ -66,7 +67,8 @@ class _Feet:
 
 def beam_model(tree: TreeMesh, wood: Wood) -> BeamModel:
     """The beam model of a tree. Raises ValueError if the surface has no branches."""
-    frame = frame_of(outline_of(tree.wood_vertices_m, tree.wood_faces))
+    outline = outline_of(tree.wood_vertices_m, tree.wood_faces)
+    frame = frame_of(outline)
     feet = [_feet(primitive.positions_m, frame) for primitive in tree.primitives]
     of = {id(primitive): foot for primitive, foot in zip(tree.primitives, feet, strict=True)}
 
@@ -78,14 +80,16 @@ def beam_model(tree: TreeMesh, wood: Wood) -> BeamModel:
 
     wood_mass = frame.volume_m3() * wood.density_kg_m3
     crown = crown_loads(tree, wood, frame.points_m[:, 1], spread, wood_mass)
+    drawn_kg = crown.report.get("twig_mass_kg", 0.0)
+    hung_kg = crown.mass_kg + twig_loads(tree, spread, wood_mass, drawn_kg, outline).mass_kg
     clamped_m = CLAMPED_SHARE * float(np.ptp(frame.points_m[:, 1]))
     free = 6 * int((frame.points_m[:, 1] > clamped_m).sum())
-    modes = frame_modes(frame, wood, clamped_m, min(MODES, free // 2), crown.mass_kg)
+    modes = frame_modes(frame, wood, clamped_m, min(MODES, free // 2), hung_kg)
     arm_m = ARM_SHARE * tree.height_m
     return BeamModel(
         modes.frequencies_hz,
         _at_particles(modes.shapes, arm_m),
-        _on_points(_point_mass(frame, wood) + crown.mass_kg),
+        _on_points(_point_mass(frame, wood) + hung_kg),
         np.einsum("kni,n->ki", modes.shapes[:, :, [0, 2]], crown.drag_area_m2),
         _binding(tree, frame, feet, arm_m),
         len(frame.links),

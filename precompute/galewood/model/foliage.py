@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
 
 from galewood.mesh import RenderPrimitive, TreeMesh, alpha_coverage
 from galewood.model.binding import foliage_pieces, nearest_of_pieces, nearest_tets, render_binding
+from galewood.model.crown_mass import twig_loads, vertex_areas
 from galewood.model.silhouette import silhouette_area
 from galewood.skeleton import CLAMPED_SHARE, root_vertices
 from galewood.tets import TetMesh, tet_volumes
@@ -41,6 +43,7 @@ class LumpedMasses:
 
     The drag area is Cd·A of the silhouette, the exposed area that of all leaves and wood without shelter;
     both include the height profile of the pressure, whose root is wind_profile (`galewood.fem.drag`).
+    leaf_mass_kg (n,) is the leaves' part of the mass, the rest is twigs; empty: there are no leaves.
     """
 
     mass_kg: Floats
@@ -49,31 +52,34 @@ class LumpedMasses:
     report: dict[str, Any]
     exposed_area_m2: Floats | None = None
     wind_profile: Floats | None = None
+    leaf_mass_kg: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)
 class CrownLoads:
-    """Per point: leaf mass (n,) kg and areas (n,) as in ``LumpedMasses``; and a report."""
+    """Per point (n,): mass of what is drawn besides wood, areas as in ``LumpedMasses``; and a report."""
 
     mass_kg: Floats
     drag_area_m2: Floats
     exposed_area_m2: Floats
     wind_profile: Floats
     report: dict[str, Any]
+    leaf_mass_kg: Floats
 
 
 def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> LumpedMasses:
-    """Leaf mass and wind area at the vertices of the tetrahedral mesh."""
+    """Mass of leaves and twigs, and wind area, at the vertices of the tetrahedral mesh."""
     wood_mass = float(
         (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
     )
-    crown = crown_loads(
-        tree, wood, mesh.vertices_m[:, 1], lambda primitive, area: _spread(primitive, area, mesh), wood_mass
-    )
+    spread = partial(_spread, mesh=mesh)
+    crown = crown_loads(tree, wood, mesh.vertices_m[:, 1], spread, wood_mass)
+    twigs = twig_loads(tree, spread, wood_mass, crown.report.get("twig_mass_kg", 0.0))
     fixed = root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32)
-    report = crown.report | {"clamped_lowest_share": CLAMPED_SHARE}
+    report = crown.report | twigs.report | {"clamped_lowest_share": CLAMPED_SHARE}
     areas = (crown.exposed_area_m2, crown.wind_profile)
-    return LumpedMasses(crown.mass_kg, crown.drag_area_m2, fixed, report, *areas)
+    mass = crown.mass_kg + twigs.mass_kg
+    return LumpedMasses(mass, crown.drag_area_m2, fixed, report, *areas, crown.leaf_mass_kg)
 
 
 def crown_loads(
@@ -118,6 +124,7 @@ def crown_loads(
             "exposed_drag_area_m2": float((exposed * profile).sum()),
             "profile_exponent": PROFILE_EXPONENT,
         },
+        leaf_mass,
     )
 
 
@@ -126,17 +133,6 @@ def _leaf_mass(leaf_area: Floats, wood_mass_kg: float) -> tuple[Floats, bool]:
     most = MOST_LEAF_MASS * wood_mass_kg
     total = float(mass.sum())
     return (mass * (most / total), True) if total > most else (mass, False)
-
-
-def vertex_areas(primitive: RenderPrimitive) -> Floats:
-    """Area (n,) of the faces around each vertex; each corner gets a third of its face."""
-    corners = primitive.positions_m[primitive.faces]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    share = np.linalg.norm(cross, axis=1) / 6.0
-    return np.asarray(
-        np.bincount(primitive.faces.ravel(), np.repeat(share, 3), len(primitive.positions_m)),
-        dtype=np.float64,
-    )
 
 
 def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh) -> Floats:
