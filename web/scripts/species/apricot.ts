@@ -2,12 +2,13 @@ import { apricotBark } from "./bark-picture";
 import { ovate } from "./leaf-shapes";
 import type { Species } from "./species";
 
-/** A small orchard tree: short stem and wide round crown with crooked boughs. */
+/** Grown in the open: short stem and wide round crown with crooked boughs. */
 export const apricot: Species = {
   id: "apricot",
   name: "Apricot",
   wood: "apricot",
-  height_m: 6,
+  form: "open",
+  height_m: 10,
   habit: {
     seed: 606,
     options: {
@@ -44,25 +45,39 @@ export const apricot: Species = {
     leader: [[0.8, 0.5], [0.5], []],
   },
   girth: {
-    breast_radius_m: 0.09,
-    breast_height_m: 0.7,
-    tip_radius_m: 0.008,
+    breast_radius_m: 0.152,
+    taper: 1.15,
+    bough_radius_m: 0.065,
+    tip_radius_m: 0.009,
     exponent: 0.5,
     flare: 0.3,
     flare_height_m: 0.2,
   },
   cut: { segments: [9, 5, 4], bark_tile_m: [0.55, 1.1] },
-  foliage: {
-    cards: 2700,
-    size_m: 0.42,
-    scatter: 0.25,
-    angle_deg: [70, 60, 40],
+  twigs: {
+    count: 420,
+    length_m: [0.85, 0.8, 0.65],
+    scatter: 0.4,
+    radius_m: 0.0085,
+    angle_deg: [62, 54, 44],
     density: [
       [0, 0, 0, 0.3, 0.7, 1, 1.2],
-      [0, 0.4, 0.9, 1.2],
+      [0, 0.5, 0.9, 1.2],
       [0.5, 1, 1.2],
     ],
-    reach_m: 0.32,
+    rise: 0.5,
+    nodes: 4,
+    perNode: 1,
+    side_angle_deg: 58,
+    side_length: 0.42,
+    zigzag: 0.16,
+    colour: [0.16, 0.075, 0.05],
+  },
+  foliage: {
+    cards: 2700,
+    size_m: 0.46,
+    scatter: 0.25,
+    angle_deg: [55, 45, 30],
     lift: 0.08,
     shade: 0.5,
     bough_tint: 0.2,
@@ -101,4 +116,49 @@ export const apricot: Species = {
   },
   bark: apricotBark(37),
   barkRelief: 3.5,
+};
+
+/** Grown in a closed wood: a slender stem with a short, irregular crown. */
+export const apricotForest: Species = {
+  ...apricot,
+  id: "apricot-forest",
+  name: "Apricot, forest-grown",
+  form: "forest",
+  height_m: 12.5,
+  habit: {
+    ...apricot.habit,
+    seed: 617,
+    branching: [
+      {
+        count: [0, 8, 8],
+        start: 1,
+        angle_deg: [70, 66, 60, 54, 46, 34],
+        length: [3, 3.8, 4.4, 4.4, 3.6, 2.4],
+        steepest: 1,
+        scatter: 0.16,
+      },
+      { ...apricot.habit.branching[1], length: [2.4, 2.2, 2] },
+    ],
+    leader: [[0.75, 0.7], [0.5], []],
+  },
+  girth: {
+    ...apricot.girth,
+    breast_radius_m: 0.0595,
+    taper: 1,
+    bough_radius_m: 0.016,
+    tip_radius_m: 0.007,
+    flare: 0.25,
+  },
+  twigs: {
+    ...apricot.twigs,
+    count: 200,
+    radius_m: 0.0075,
+    density: [
+      [0, 0, 0, 0, 0.2, 0.7, 1.2],
+      [0, 0.5, 0.9, 1.2],
+      [0.5, 1, 1.2],
+    ],
+    length_m: [0.7, 0.65, 0.55],
+  },
+  foliage: { ...apricot.foliage, cards: 1100, size_m: 0.36 },
 };
