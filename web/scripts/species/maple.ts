@@ -130,8 +130,8 @@ export const mapleForest: Species = {
     seed: 713,
     branching: [
       {
-        count: [1, 10, 8],
-        start: 0.95,
+        count: [0, 12],
+        start: 1,
         angle_deg: [72, 68, 62, 56, 44, 30],
         length: [7, 8, 9.5, 10.5, 9, 5.5],
         steepest: 1,
@@ -139,13 +139,13 @@ export const mapleForest: Species = {
       },
       { ...maple.habit.branching[1], length: [7, 6.5, 5] },
     ],
-    leader: [[0.7, 0.6], [0.5], []],
+    leader: [[0.95, 0.25], [0.5], []],
   },
   girth: {
     ...maple.girth,
-    breast_radius_m: 0.1,
-    taper: 0.75,
-    bough_radius_m: 0.031,
+    breast_radius_m: 0.103,
+    taper: 0.68,
+    bough_radius_m: 0.03,
     tip_radius_m: 0.01,
     flare: 0.35,
   },

@@ -129,8 +129,8 @@ export const poplarForest: Species = {
     seed: 311,
     branching: [
       {
-        count: [1, 13, 11],
-        start: 0.95,
+        count: [0, 20],
+        start: 1,
         angle_deg: [80, 74, 66, 60, 50, 38],
         length: [5, 6, 8.5, 10, 8.5, 4.5],
         steepest: 1,
@@ -138,13 +138,13 @@ export const poplarForest: Species = {
       },
       poplar.habit.branching[1],
     ],
-    leader: [[0.6, 0.6], [0.45], []],
+    leader: [[0.95, 0.22], [0.45], []],
   },
   girth: {
     ...poplar.girth,
-    breast_radius_m: 0.1,
-    taper: 0.75,
-    bough_radius_m: 0.028,
+    breast_radius_m: 0.104,
+    taper: 0.7,
+    bough_radius_m: 0.026,
     tip_radius_m: 0.009,
     flare: 0.3,
   },
