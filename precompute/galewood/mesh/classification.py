@@ -1,4 +1,4 @@
-"""Classification of parts as wood, twigs or foliage: names, alpha, flat cards, colour, then shape and position.
+"""Classification of parts as wood, twigs or foliage: names, alpha, flat cards, colour, shape and position.
 
 The first criterion that applies decides. Only names tell twigs from other wood.
 """

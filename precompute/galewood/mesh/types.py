@@ -69,7 +69,7 @@ class RenderPrimitive:
 
 @dataclass(frozen=True)
 class TreeMesh:
-    """A tree ready for meshing: render primitives (wood, twigs, leaves), welded wood surface, import report."""
+    """A tree ready for meshing: render primitives (wood, twigs, leaves), welded wood surface, report."""
 
     primitives: list[RenderPrimitive]
     wood_vertices_m: Floats

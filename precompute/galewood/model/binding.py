@@ -1,8 +1,8 @@
 """Binding of rendered to simulated geometry: barycentric weights of render vertices in the tetrahedra.
 
 Wood vertices follow the tet that contains them. Each connected piece of foliage or twigs follows the single
-point where it is nearest to the wood, so that leaf cards are not deformed. Only pieces as large as a crown follow
-the wood vertex by vertex.
+point where it is nearest to the wood, so that leaf cards are not deformed. Only pieces as large as a crown
+follow the wood vertex by vertex.
 """
 
 from __future__ import annotations

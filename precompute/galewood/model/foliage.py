@@ -49,7 +49,10 @@ class LumpedMasses:
 
 @dataclass(frozen=True)
 class CrownLoads:
-    """Per point: mass (n,) kg of leaves and drawn twigs, and drag area (n,) m², Cd·A including the height profile; and a report."""
+    """Per point: mass (n,) kg of leaves and drawn twigs, and drag area (n,) m²; and a report.
+
+    The drag area is Cd·A including the height profile.
+    """
 
     mass_kg: Floats
     drag_area_m2: Floats

@@ -10,7 +10,7 @@ export const apricot: Species = {
   form: "open",
   height_m: 10,
   habit: {
-    seed: 606,
+    seed: 642,
     options: {
       type: "deciduous",
       trellis: { enabled: false },
@@ -46,8 +46,8 @@ export const apricot: Species = {
   },
   girth: {
     breast_radius_m: 0.152,
-    taper: 1.0,
-    bough_radius_m: 0.065,
+    taper: 1.1,
+    bough_radius_m: 0.055,
     tip_radius_m: 0.009,
     exponent: 0.5,
     flare: 0.3,
@@ -55,13 +55,13 @@ export const apricot: Species = {
   },
   cut: { segments: [9, 5, 4], bark_tile_m: [0.55, 1.1] },
   twigs: {
-    count: 420,
-    length_m: [0.85, 0.8, 0.65],
+    count: 450,
+    length_m: [0.95, 0.9, 0.75],
     scatter: 0.4,
-    radius_m: 0.0085,
+    radius_m: 0.0095,
     angle_deg: [62, 54, 44],
     density: [
-      [0, 0, 0, 0.3, 0.7, 1, 1.2],
+      [0, 0, 0, 0.3, 0.6, 0.7, 0.7],
       [0, 0.5, 0.9, 1.2],
       [0.5, 1, 1.2],
     ],
@@ -127,26 +127,26 @@ export const apricotForest: Species = {
   height_m: 12.5,
   habit: {
     ...apricot.habit,
-    seed: 617,
+    seed: 620,
     branching: [
       {
-        count: [0, 9],
+        count: [0, 8],
         start: 1,
         angle_deg: [70, 66, 60, 54, 46, 34],
         length: [2.2, 3, 3.5, 3.6, 3.2, 2.2],
         steepest: 1,
         scatter: 0.16,
       },
-      { ...apricot.habit.branching[1], length: [2.4, 2.2, 2] },
+      { ...apricot.habit.branching[1], count: [3, 1], length: [2.4, 2.2, 2] },
     ],
     leader: [[0.95, 0.25], [0.5], []],
   },
   girth: {
     ...apricot.girth,
-    breast_radius_m: 0.0625,
-    taper: 0.8,
-    bough_radius_m: 0.0145,
-    tip_radius_m: 0.007,
+    breast_radius_m: 0.0605,
+    taper: 0.95,
+    bough_radius_m: 0.0175,
+    tip_radius_m: 0.0095,
     flare: 0.25,
   },
   twigs: {

@@ -8,7 +8,7 @@ export const maple: Species = {
   name: "Maple",
   wood: "maple",
   form: "open",
-  height_m: 16,
+  height_m: 17,
   habit: {
     seed: 707,
     options: {
@@ -29,7 +29,7 @@ export const maple: Species = {
         count: [12, 5, 1],
         start: 0.27,
         angle_deg: [72, 66, 58, 48, 38, 28],
-        length: [17, 19, 18.5, 16, 12, 6],
+        length: [17, 19, 18.5, 16, 11, 4.5],
         steepest: 1,
         scatter: 0.14,
       },
@@ -42,26 +42,26 @@ export const maple: Species = {
         scatter: 0.2,
       },
     ],
-    leader: [[0.46, 0.5], [0.5], []],
+    leader: [[0.48, 0.36], [0.5], []],
   },
   girth: {
-    breast_radius_m: 0.185,
-    taper: 1.15,
+    breast_radius_m: 0.172,
+    taper: 1.27,
     bough_radius_m: 0.085,
-    tip_radius_m: 0.011,
+    tip_radius_m: 0.013,
     exponent: 0.5,
     flare: 0.4,
     flare_height_m: 0.3,
   },
   cut: { segments: [9, 5, 4], bark_tile_m: [0.7, 1.4] },
   twigs: {
-    count: 420,
-    length_m: [1.3, 1.2, 0.95],
+    count: 450,
+    length_m: [1.4, 1.3, 1.1],
     scatter: 0.35,
-    radius_m: 0.0105,
+    radius_m: 0.0115,
     angle_deg: [58, 50, 42],
     density: [
-      [0, 0, 0, 0, 0.4, 0.8, 1.2],
+      [0, 0, 0, 0, 0.4, 0.7, 0.7],
       [0, 0.5, 0.9, 1.2],
       [0.4, 1, 1.2],
     ],
@@ -127,7 +127,7 @@ export const mapleForest: Species = {
   height_m: 19,
   habit: {
     ...maple.habit,
-    seed: 713,
+    seed: 711,
     branching: [
       {
         count: [0, 12],
@@ -144,9 +144,9 @@ export const mapleForest: Species = {
   girth: {
     ...maple.girth,
     breast_radius_m: 0.103,
-    taper: 0.68,
+    taper: 0.85,
     bough_radius_m: 0.03,
-    tip_radius_m: 0.01,
+    tip_radius_m: 0.0105,
     flare: 0.35,
   },
   twigs: {

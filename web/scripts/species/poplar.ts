@@ -9,7 +9,7 @@ export const poplar: Species = {
   name: "Poplar",
   wood: "poplar",
   form: "open",
-  height_m: 18,
+  height_m: 19,
   habit: {
     seed: 303,
     options: {
@@ -44,9 +44,9 @@ export const poplar: Species = {
     leader: [[0.34, 0.4], [0.45], []],
   },
   girth: {
-    breast_radius_m: 0.18,
-    taper: 1.18,
-    bough_radius_m: 0.085,
+    breast_radius_m: 0.172,
+    taper: 1.25,
+    bough_radius_m: 0.07,
     tip_radius_m: 0.011,
     exponent: 0.5,
     flare: 0.35,
@@ -54,13 +54,13 @@ export const poplar: Species = {
   },
   cut: { segments: [8, 5, 4], bark_tile_m: [0.7, 1.6] },
   twigs: {
-    count: 420,
-    length_m: [1.15, 1.05, 0.85],
+    count: 460,
+    length_m: [1.3, 1.2, 1],
     scatter: 0.35,
-    radius_m: 0.0105,
+    radius_m: 0.0115,
     angle_deg: [52, 46, 38],
     density: [
-      [0, 0, 0, 0.1, 0.4, 0.9, 1.2],
+      [0, 0, 0, 0.1, 0.4, 0.7, 0.7],
       [0.1, 0.7, 1, 1.1],
       [0.5, 1, 1.1],
     ],
@@ -126,13 +126,13 @@ export const poplarForest: Species = {
   height_m: 19,
   habit: {
     ...poplar.habit,
-    seed: 311,
+    seed: 320,
     branching: [
       {
-        count: [0, 20],
+        count: [0, 14],
         start: 1,
         angle_deg: [80, 74, 66, 60, 50, 38],
-        length: [5, 6, 8.5, 10, 8.5, 4.5],
+        length: [6, 7.5, 10, 11.5, 9.5, 5.5],
         steepest: 1,
         scatter: 0.15,
       },
@@ -143,9 +143,9 @@ export const poplarForest: Species = {
   girth: {
     ...poplar.girth,
     breast_radius_m: 0.104,
-    taper: 0.7,
-    bough_radius_m: 0.026,
-    tip_radius_m: 0.009,
+    taper: 0.85,
+    bough_radius_m: 0.035,
+    tip_radius_m: 0.01,
     flare: 0.3,
   },
   twigs: {

@@ -31,8 +31,10 @@ export interface Girth {
   flare_height_m: number;
 }
 
+/** Radius of the stem's tip over that of a limb's. */
+const STEM_TIP = 1.8;
 /** No branch is thicker at its base than this share of its parent's radius. */
-const MOST_OF_PARENT = 0.8;
+const MOST_OF_PARENT = 0.65;
 const BREAST_HEIGHT_M = 1.3;
 
 /** Scales and moves the tree in place: base at the origin, top of the wood at `height_m`. */
@@ -60,7 +62,8 @@ export function setGirth(nodes: SkeletonNode[], girth: Girth): void {
     if (node.level > 0) continue;
     const share = (top_m - node.position.y) / (top_m - BREAST_HEIGHT_M);
     const swelling = girth.flare * Math.exp(-node.position.y / girth.flare_height_m);
-    node.radius = Math.max(tip_radius_m, breast_radius_m * share ** taper * (1 + swelling));
+    const end_m = STEM_TIP * tip_radius_m;
+    node.radius = (end_m + (breast_radius_m - end_m) * share ** taper) * (1 + swelling);
   }
   setLimbs(nodes, girth);
 }
