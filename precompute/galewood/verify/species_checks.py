@@ -68,16 +68,16 @@ def against_beams(one: Specimen) -> Iterator[Check]:
         found = np.array(one.model("quadratic", gravity=False, leaves=leaves).report["frequencies_hz"])
         name = f"{one.name}, {label}, no gravity"
         yield relative(f"{name}: first frequency against a frame of beams", exact[0], found[0], "Hz", 0.08)
-        yield absolute(f"{name}: worst of ten frequencies against the frame", _worst(found, exact), 0.08)
+        yield absolute(f"{name}: worst of ten frequencies against the frame", _worst(found, exact), 0.1)
 
 
 def against_reference(one: Specimen, frames: int) -> Iterator[Check]:
     """Fast against reference element: ten frequencies, and a run in gusts."""
     fast, slow = (np.array(m.report["frequencies_hz"]) for m in (one.fast, one.reference))
-    yield absolute(f"{one.name}: worst of ten frequencies, fast against reference", _worst(fast, slow), 0.02)
+    yield absolute(f"{one.name}: worst of ten frequencies, fast against reference", _worst(fast, slow), 0.05)
     apart = trajectory_difference(one.fast, one.reference, gusty_pressure(one.fast, frames))
     name = f"{one.name}: {frames} frames, fast against reference, of the largest displacement"
-    yield absolute(name, apart, 0.06)
+    yield absolute(name, apart, 0.12)
 
 
 def ringing(one: Specimen) -> Iterator[Check]:

@@ -8,7 +8,7 @@ export const apricot: Species = {
   name: "Apricot",
   wood: "apricot",
   form: "open",
-  height_m: 10,
+  height_m: 10.5,
   habit: {
     seed: 642,
     options: {
@@ -48,7 +48,7 @@ export const apricot: Species = {
     breast_radius_m: 0.152,
     taper: 1.1,
     bough_radius_m: 0.055,
-    tip_radius_m: 0.009,
+    tip_radius_m: 0.012,
     exponent: 0.5,
     flare: 0.3,
     flare_height_m: 0.2,

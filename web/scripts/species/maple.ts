@@ -48,7 +48,7 @@ export const maple: Species = {
     breast_radius_m: 0.172,
     taper: 1.27,
     bough_radius_m: 0.085,
-    tip_radius_m: 0.013,
+    tip_radius_m: 0.0155,
     exponent: 0.5,
     flare: 0.4,
     flare_height_m: 0.3,
