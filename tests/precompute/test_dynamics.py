@@ -130,7 +130,7 @@ def test_a_tree_that_would_buckle_is_weightless_with_a_warning() -> None:
 
 
 @pytest.mark.parametrize(
-    "bad", [{"dt_s": 0.0}, {"substeps": 0}, {"j_max": 0}, {"scheme": "euler"}, {"element": "hex"}]
+    "bad", [{"dt_s": 0.0}, {"substeps": -1}, {"j_max": 0}, {"scheme": "euler"}, {"element": "hex"}]
 )
 def test_impossible_settings_are_rejected(bad: dict[str, object]) -> None:
     with pytest.raises(ValueError):
