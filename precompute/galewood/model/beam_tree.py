@@ -149,12 +149,12 @@ def _feet(vertices_m: Floats, frame: Frame) -> _Feet:
 def _binding(tree: TreeMesh, frame: Frame, feet: list[_Feet], arm_m: float) -> csr_matrix:
     """Weights (render vertices, particles): a vertex turns with the beam it is nearest to.
 
-    A piece of foliage is not deformed: it moves as its vertex that is nearest to the wood.
+    A piece of foliage or a twig is not deformed: it moves as its vertex that is nearest to the wood.
     """
     rows: list[csr_matrix] = []
     for primitive, own in zip(tree.primitives, feet, strict=True):
         place, foot = primitive.positions_m, own
-        if primitive.kind == "leaves":
+        if primitive.kind != "wood":
             piece = foliage_pieces(primitive)
             holder = nearest_of_pieces(own.distance_m, piece)[piece]
             loose = piece_size(place, piece) > CROWN_SIZE * tree.height_m
