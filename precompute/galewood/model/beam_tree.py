@@ -15,7 +15,7 @@ from scipy.spatial import KDTree
 from galewood.beams import Frame, frame_modes, joined_frame
 from galewood.mesh import RenderPrimitive, TreeMesh
 from galewood.model.binding import CROWN_SIZE, foliage_pieces, nearest_of_pieces, piece_size
-from galewood.model.foliage import crown_loads
+from galewood.model.foliage import crown_loads, without_leaves
 from galewood.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
 from galewood.util import Floats, Ints
 from galewood.wood import Wood
@@ -59,8 +59,11 @@ class _Feet:
     distance_m: Floats
 
 
-def beam_model(tree: TreeMesh, wood: Wood) -> BeamModel:
-    """The beam model of a tree. Raises ValueError if the surface has no branches."""
+def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
+    """The beam model of a tree. Raises ValueError if the surface has no branches.
+
+    Without ``leaves`` they still move, but have neither mass nor wind load.
+    """
     frame = frame_of(outline_of(tree.wood_vertices_m, tree.wood_faces))
     feet = [_feet(primitive.positions_m, frame) for primitive in tree.primitives]
     of = {id(primitive): foot for primitive, foot in zip(tree.primitives, feet, strict=True)}
@@ -72,7 +75,8 @@ def beam_model(tree: TreeMesh, wood: Wood) -> BeamModel:
         return np.bincount(ends.ravel(), shares.ravel(), len(frame.points_m)).astype(np.float64)
 
     wood_mass = frame.volume_m3() * wood.density_kg_m3
-    crown = crown_loads(tree, wood, frame.points_m[:, 1], spread, wood_mass)
+    loaded = tree if leaves else without_leaves(tree)
+    crown = crown_loads(loaded, wood, frame.points_m[:, 1], spread, wood_mass)
     clamped_m = CLAMPED_SHARE * float(np.ptp(frame.points_m[:, 1]))
     free = 6 * int((frame.points_m[:, 1] > clamped_m).sum())
     modes = frame_modes(frame, wood, clamped_m, min(MODES, free // 2), crown.mass_kg)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -55,17 +55,26 @@ class CrownLoads:
     report: dict[str, Any]
 
 
-def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> LumpedMasses:
-    """Leaf mass and wind area at the vertices of the tetrahedral mesh."""
+def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = True) -> LumpedMasses:
+    """Leaf mass and wind area at the vertices of the tetrahedral mesh; without ``leaves``, of the wood alone."""
     wood_mass = float(
         (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
     )
     crown = crown_loads(
-        tree, wood, mesh.vertices_m[:, 1], lambda primitive, area: _spread(primitive, area, mesh), wood_mass
+        tree if leaves else without_leaves(tree),
+        wood,
+        mesh.vertices_m[:, 1],
+        lambda primitive, area: _spread(primitive, area, mesh),
+        wood_mass,
     )
     fixed = root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32)
     report = crown.report | {"clamped_lowest_share": CLAMPED_SHARE}
     return LumpedMasses(crown.mass_kg, crown.drag_area_m2, fixed, report)
+
+
+def without_leaves(tree: TreeMesh) -> TreeMesh:
+    """The tree in winter: only its wood weighs something and catches the wind."""
+    return replace(tree, primitives=[part for part in tree.primitives if part.kind != "leaves"])
 
 
 def crown_loads(

@@ -23,7 +23,7 @@ from galewood.pipeline.artefacts import ArtefactPublisher, Publish
 from galewood.pipeline.assemble import DefaultPart, RenderMesh
 from galewood.pipeline.beam_table import beam_table
 from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
-from galewood.pipeline.report import build_report, render_mesh
+from galewood.pipeline.report import bears_leaves, build_report, render_mesh
 from galewood.pipeline.table_builder import TableBuilder
 from galewood.sampling import Samples, TrajectoryRunner, design_wind, planned, run_in_processes, simulate
 from galewood.skeleton import Skeleton, extract_skeleton, sampled_elements, with_corrected_radii
@@ -35,7 +35,8 @@ from galewood.wood import Wood, wood_of_species
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Modules that the worker processes import during the import, so that compiled kernels load early."""
 OnTable = Callable[[BuildResult], None]
-"""Receives the complete table of the default method, before the paper's records are computed."""
+"""Receives the complete table of the default method, before the paper's records are computed; with them again
+if the table of the bare tree follows."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,8 @@ def build_table(
     """Build the table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
     ``publish`` receives "render.glb", "beams.table", "tets-….npz" (the file in the cache), "tetrahedra.png",
-    "skeleton.png", "first.table" and "early.table" as soon as they exist; ``on_table`` the complete table of
-    the default method, before the paper's records are computed. ``runner`` simulates the training runs, by
+    "skeleton.png", "first.table", "early.table" and "bare.table" as soon as they exist; ``on_table`` the
+    complete table of the default method, before the paper's records are computed. ``runner`` simulates the training runs, by
     default in worker processes on this machine.
     """
     on = Environment(Stages(progress), cache_dir, runner, publish, on_table)
@@ -138,16 +139,24 @@ def _build(
     default = _default(builder, samples, run, artefacts, stages)
     report = partial(build_report, tree, solid.mesh, solid.skeleton, solid.lumped, model, wind, default.table)
     result = BuildResult(encode(default.table), None, render_glb, report(None, None, stages))
+    builds_bare = options.bare_table and bears_leaves(tree, options)
     if on.on_table:
         on.on_table(result)
     stages.enter("records")
     reference = _start_comparison(pool, model, solid, options.reference_frames)
     records = _records(builder, default, samples, run, stages) if options.paper else None
     compared = reference()
+    if records:
+        sha256 = hashlib.sha256(result.table).hexdigest()
+        result = replace(result, records=encode_records(records, sha256))
+    if builds_bare:
+        if on.on_table and records:
+            on.on_table(replace(result, report=report(records, compared, stages)))
+        stages.enter("bare")
+        result = replace(result, bare_table=_bare_table(builder, solid, run, on))
+        artefacts.publish("bare.table", lambda: result.bare_table or b"")
     stages.enter("done")
-    sha256 = hashlib.sha256(result.table).hexdigest()
-    encoded = encode_records(records, sha256) if records else None
-    return replace(result, records=encoded, report=report(records, compared, stages))
+    return replace(result, report=report(records, compared, stages))
 
 
 def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: ArtefactPublisher) -> Solid:
@@ -163,7 +172,7 @@ def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: Ar
     mesh = with_corrected_radii(tree, mesh, skeleton)
     elements = sampled_elements(mesh, skeleton, options.sampled_elements)
     artefacts.draw("skeleton.png", skeleton_png, mesh, skeleton, elements)
-    lumped = bind_foliage(tree, mesh, wood)
+    lumped = bind_foliage(tree, mesh, wood, leaves=options.foliage == "leaf")
     surface = render_mesh(tree, render_binding(tree, mesh))
     return Solid(tree, mesh, skeleton, lumped, wood, surface, mesh.tets[elements])
 
@@ -191,6 +200,22 @@ def _records(
     count = max(len(samples.paper), 1)
     run(samples.paper, lambda number: stages.report(0.6 * number / count))
     return builder.records(default, samples, lambda share: stages.report(0.6 + 0.4 * share))
+
+
+def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: Environment) -> bytes:
+    """The table of the same tree without its leaves, of the same vertices; its paper's records are left out."""
+    options = replace(builder.options, foliage="bare", paper=False)
+    lumped = bind_foliage(solid.tree, solid.mesh, solid.wood, leaves=False)
+    model = build_model(solid.mesh, solid.skeleton, solid.wood, lumped, options.fem)
+    wind = design_wind(Simulator(model), options.design_speed_m_s, solid.tree.height_m, options.fem.dt_s)
+    samples = planned(
+        model, wind.speed_m_s, solid.points, on.cache_dir,
+        frames=options.frames, seed=options.seed, all_winds=options.all_cosine_winds,
+    )  # fmt: skip
+    simulate(samples, run, lambda share: on.stages.report(0.7 * share), lambda: None)
+    bare = replace(builder, model=model, wind=wind, options=options)
+    further = partial(samples.further_runs, run, lambda share: on.stages.report(0.7 + 0.2 * share, FURTHER))
+    return encode(bare.default(samples, further).table)
 
 
 def _start_comparison(

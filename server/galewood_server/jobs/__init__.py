@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from galewood.util import lazily
 
 from galewood_server.jobs.analysis_files import PLOT
-from galewood_server.jobs.queue import RECORDS, add_job, find_job, queue_job, request_cancel
+from galewood_server.jobs.queue import AFTER_TABLE, add_job, find_job, queue_job, request_cancel
 from galewood_server.jobs.table_fingerprint import fingerprint
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __getattr__ = lazily(__name__, {"Supervisor": "galewood_server.jobs.supervisor"})
 __all__ = [
     "PLOT",
-    "RECORDS",
+    "AFTER_TABLE",
     "Supervisor",
     "add_job",
     "find_job",
