@@ -199,7 +199,7 @@ def test_a_file_that_is_not_a_mesh_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_tree_also_gets_a_table_without_its_leaves(mesh: bytes, built: Built) -> None:
-    """It is that of a build with the leaves left out, moves the same vertices, and changes the other in nothing."""
+    """It is that of a build with the leaves left out, and the other table is the same as without it."""
     assert built.result and built.default
     out: dict[str, bytes] = {}
     complete: list[BuildResult] = []

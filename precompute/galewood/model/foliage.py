@@ -56,7 +56,10 @@ class CrownLoads:
 
 
 def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = True) -> LumpedMasses:
-    """Leaf mass and wind area at the vertices of the tetrahedral mesh; without ``leaves``, of the wood alone."""
+    """Leaf mass and wind area at the vertices of the tetrahedral mesh.
+
+    Without ``leaves`` the masses are zero, and the wind area is that of the wood alone.
+    """
     wood_mass = float(
         (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
     )

@@ -35,8 +35,8 @@ from galewood.wood import Wood, wood_of_species
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Modules that the worker processes import during the import, so that compiled kernels load early."""
 OnTable = Callable[[BuildResult], None]
-"""Receives the complete table of the default method, before the paper's records are computed; with them again
-if the table of the bare tree follows."""
+"""Receives the complete table of the default method, before the paper's records are computed; and again with
+them if the table of the bare tree follows."""
 
 
 @dataclass(frozen=True)
@@ -203,7 +203,7 @@ def _records(
 
 
 def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: Environment) -> bytes:
-    """The table of the same tree without its leaves, of the same vertices; its paper's records are left out."""
+    """The table of the same tree and the same vertices without its leaves; it has no records."""
     options = replace(builder.options, foliage="bare", paper=False)
     lumped = bind_foliage(solid.tree, solid.mesh, solid.wood, leaves=False)
     model = build_model(solid.mesh, solid.skeleton, solid.wood, lumped, options.fem)

@@ -1,9 +1,9 @@
 """Tables that are distributed with the software, beside the meshes of the built-in trees.
 
 A folder holds for each tree ``name``: ``name.json`` (what it was built from, the report of the build, the
-hashes of the files), ``name.table``, ``name.bare.table`` (that of the tree without its leaves; may be missing),
-``name.records.gz`` (of ``name.table``), ``name.glb`` (the render mesh), ``name.tets.npz``
-(the tetrahedra, because the mesher is not repeatable) and pictures, ``name.*.png``.
+hashes of the files), ``name.table``, ``name.bare.table`` (of the tree without its leaves; it may be missing),
+``name.records.gz`` (of ``name.table``), ``name.glb`` (the render mesh), ``name.tets.npz`` (the tetrahedra,
+because the mesher is not repeatable) and pictures, ``name.*.png``.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ def whole(metadata: Metadata, name: str, high: int) -> int:
 
 
 def foliage_of(metadata: Metadata) -> Foliage:
-    """Whether a table was made from the tree in leaf, as those that do not say so, or bare. Raises TableError."""
+    """Whether a table was made from the tree in leaf or bare; without the key: in leaf. Raises TableError."""
     found = metadata.get("foliage", "leaf")
     need(found in ("leaf", "bare"), f"metadata foliage: expected 'leaf' or 'bare', not {found!r:.40}")
     return "bare" if found == "bare" else "leaf"

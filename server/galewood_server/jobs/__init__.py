@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 # job processes import this package too and have no use for what the supervisor loads
 __getattr__ = lazily(__name__, {"Supervisor": "galewood_server.jobs.supervisor"})
 __all__ = [
-    "PLOT",
     "AFTER_TABLE",
+    "PLOT",
     "Supervisor",
     "add_job",
     "find_job",
