@@ -64,8 +64,8 @@ def build_table(
 
     ``publish`` receives "render.glb", "beams.table", "tets-….npz" (the file in the cache), "tetrahedra.png",
     "skeleton.png", "first.table", "early.table" and "bare.table" as soon as they exist; ``on_table`` the
-    complete table of the default method, before the paper's records are computed. ``runner`` simulates the training runs, by
-    default in worker processes on this machine.
+    complete table of the default method, before the paper's records are computed. ``runner`` simulates the
+    training runs, by default in worker processes on this machine.
     """
     on = Environment(Stages(progress), cache_dir, runner, publish, on_table)
     on.stages.enter("import")

@@ -215,7 +215,7 @@ class Supervisor:
         return False
 
     def _note_stage(self, claim: Claim, stage: str, handover: Handover | None) -> None:
-        """Start the cluster when a build is about to need it, and the next build when its table is complete."""
+        """Start the cluster when a build is about to need it, the next build when its table is complete."""
         if handover is None or not stage:
             return
         if stage not in STAGES_WITHOUT_CLUSTER:
