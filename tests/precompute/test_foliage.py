@@ -72,12 +72,12 @@ def test_leaf_mass_is_capped_and_bare_trees_have_none(mesh):
 
 
 def test_leaves_that_are_left_out_load_nothing(mesh):
-    whole, wood = tree(leaf_cards()), tree()
+    whole = tree(leaf_cards())
+    wood = replace(tree(), height_m=whole.height_m)
     left_out, without = bind_foliage(whole, mesh, WOOD, leaves=False), bind_foliage(wood, mesh, WOOD)
-    heights = whole.height_m / wood.height_m  # the same speed at the same height above the ground
-    assert left_out.mass_kg.sum() == 0
-    assert left_out.report["silhouette_m2"] == without.report["silhouette_m2"]
-    assert left_out.drag_area_m2 * heights**0.4 == pytest.approx(without.drag_area_m2, rel=1e-9, abs=1e-12)
+    assert left_out.mass_kg.sum() == 0 < bind_foliage(whole, mesh, WOOD).mass_kg.sum()
+    assert left_out.report == without.report
+    assert (left_out.drag_area_m2 == without.drag_area_m2).all()
 
 
 def test_wood_follows_exactly_and_each_leaf_card_rigidly(mesh):

@@ -31,7 +31,7 @@ import { PickedCard } from "./ui/pickedCard";
 import { ProgressCards } from "./ui/progress";
 import { SceneryBar } from "./ui/scenery";
 import { showToast } from "./ui/toast";
-import { displayName, statusLine, summary } from "./ui/words";
+import { statusLine, summary } from "./ui/words";
 import { Visit } from "./visit";
 import { WindStudio } from "./windStudio";
 
@@ -115,6 +115,7 @@ export class App {
       },
       problem: showToast,
     });
+    this.catalogue.bare = this.playsBareTables;
     this.paper = new PaperMethod(settings, {
       trees: () => this.catalogue.known,
       load: (table, records) => this.client.loadRecords(table, records),
@@ -252,8 +253,16 @@ export class App {
     this.dirty = true;
   }
 
+  /** A shared forest plays the tables in leaf, because all its clients must play the same ones in any season. */
+  private get playsBareTables(): boolean {
+    return this.settings.season === "winter" && this.share === null;
+  }
+
   private change(key: SettingKey): void {
-    if (key === "season") this.applyScenery();
+    if (key === "season") {
+      this.applyScenery();
+      this.catalogue.bare = this.playsBareTables;
+    }
     if (key === "wind") {
       this.changeWind(this.settings.wind, "panel");
       return;
@@ -348,7 +357,7 @@ export class App {
     meter.statistics.stream = live ? `${connection.kB_s.toFixed(0)} kB/s` : "off";
     meter.statistics.latency = ms(connection.latency_ms);
     meter.statistics.frameAge = ms(connection.frameAge_ms);
-    this.panel.showSpecies(this.catalogue.trees.map((tree) => ({ id: tree.id, name: displayName(tree) })));
+    this.panel.showSpecies(this.catalogue.kinds);
     this.panel.showMethodNote(this.paper.note);
     const status = statusLine({ events: this.connected, lookup: this.settings.lookup, connection });
     element("status").dataset.state = status.state;
@@ -380,8 +389,9 @@ export class App {
   }
 
   /** A candidate for the comparison, at the place of the picked tree or of the first of its species. */
-  private candidate(id: string, { model, motion, instances }: SpeciesForest): Candidate[] {
+  private candidate(id: string, { model, instances }: SpeciesForest): Candidate[] {
     const tree = this.catalogue.trees.find((known) => known.id === id);
+    const motion = this.catalogue.leafMotion(id);
     if (!tree || !motion) return [];
     const picked = this.picker.figures?.treeId === id ? (this.picker.moving?.tree ?? 0) : 0;
     const [x_m, z_m, yaw_rad] = instances.placement.subarray(4 * picked, 4 * picked + 3);

@@ -1,6 +1,7 @@
 /** Messages between main thread and worker. Types only: neither side imports the other. */
 
 import type { Method } from "../core/motion/method";
+import type { Foliage } from "../core/table/table";
 import type { WindDocument, WindState } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
 
@@ -50,6 +51,8 @@ export interface TableMotion {
   readonly crownBasis: Float32Array<ArrayBuffer>;
   readonly height_m: number;
   readonly meshSha256: string;
+  /** Whether the table was made from the tree in leaf or bare. */
+  readonly foliage: Foliage;
   /** Whether the table's file holds the records of the paper's state search. */
   readonly hasRecords: boolean;
   /** Whether a better table will replace this one, and what this one leaves out. */
