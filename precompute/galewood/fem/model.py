@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from galewood.fem.assembly import ElementSystem
+from galewood.fem.drag import Drag
 from galewood.fem.settings import FemSettings
 from galewood.util import Floats, Int32s, write_arrays
 
@@ -20,7 +21,8 @@ class FemModel:
     (N,), fixed (k,), gravity_n (N,3) N, u_rest (N,3) m, prestress (m,10) N/m (`prestress.py`). alpha (1/s)
     and beta (s) are Rayleigh's coefficients. The report can be serialised to JSON. strain_m (m, 4|10, 3) m is
     the strain that the given shape has under its weight, as displacements of each element's nodes; None: the
-    given shape is unstrained.
+    given shape is unstrained. exposed_area_m2 (N,) is the drag area without shelter and wind_profile (N,) the
+    wind speed at the nodes over that at the top (`drag.py`); None: no shelter, the same speed everywhere.
     """
 
     nodes_m: Floats
@@ -39,11 +41,20 @@ class FemModel:
     settings: FemSettings
     report: dict[str, Any]
     strain_m: Floats | None = None
+    exposed_area_m2: Floats | None = None
+    wind_profile: Floats | None = None
 
     def system(self) -> ElementSystem:
         """The element system with its solver, including the symbolic analysis."""
         shape = (self.nodes_m, self.elements, self.grad, self.blocks, self.fixed)
         return ElementSystem(*shape, self.prestress, self.strain_m)
+
+    def drag(self, order: Int32s) -> Drag:
+        """The drag of the nodes in the given order (N,)."""
+        exposed, profile = (
+            None if array is None else array[order] for array in (self.exposed_area_m2, self.wind_profile)
+        )
+        return Drag(self.drag_area_m2[order], exposed, profile)
 
 
 _ARRAYS = (
@@ -58,6 +69,8 @@ _ARRAYS = (
     "u_rest",
     "prestress",
 )
+_OPTIONAL_ARRAYS = ("strain_m", "exposed_area_m2", "wind_profile")
+"""Arrays of a model that may be None."""
 
 
 def save_model(model: FemModel, path: Path) -> None:
@@ -70,8 +83,7 @@ def save_model(model: FemModel, path: Path) -> None:
         "report": model.report,
     }
     arrays: dict[str, Any] = {name: getattr(model, name) for name in _ARRAYS}
-    if model.strain_m is not None:
-        arrays["strain_m"] = model.strain_m
+    arrays |= {name: array for name in _OPTIONAL_ARRAYS if (array := getattr(model, name)) is not None}
     write_arrays(path, header=np.frombuffer(json.dumps(header).encode(), np.uint8), **arrays)
 
 
@@ -79,7 +91,7 @@ def load_model(path: Path) -> FemModel:
     """Read a model written by `save_model`, bit for bit."""
     with np.load(path, allow_pickle=False) as file:
         header = json.loads(file["header"].tobytes())
-        names = (*_ARRAYS, "strain_m") if "strain_m" in file.files else _ARRAYS
+        names = (*_ARRAYS, *(name for name in _OPTIONAL_ARRAYS if name in file.files))
         arrays: dict[str, Any] = {name: file[name] for name in names}
     settings = FemSettings(**header.pop("settings"))
     return FemModel(settings=settings, **header, **arrays)

@@ -42,6 +42,9 @@ game's needle) would hang like a thread under its leaves, and the tree would be 
 The built-in species have ratios of at least 0.22 and are not affected.
 """
 
+OPTIONAL_LUMPED = ("exposed_area_m2", "wind_profile")
+"""Attributes of lumped masses that may be missing: without them the crown has no shelter (`fem/drag.py`)."""
+
 
 class MeshLike(Protocol):
     """The part of a TetMesh used here: vertices (n,3) m, tets (m,4), original over thickened radius (m,)."""
@@ -148,6 +151,7 @@ def _raw(material: Material, lumped: LumpedMassesLike, settings: FemSettings, el
     gravity, area = np.zeros((len(nodes), 3)), np.zeros(len(nodes))
     gravity[:, 1] = -GRAVITY_M_S2 * mass * settings.gravity
     area[:count] = lumped.drag_area_m2
+    exposed, profile = (_at_nodes(getattr(lumped, name, None), len(nodes)) for name in OPTIONAL_LUMPED)
     return FemModel(
         nodes_m=nodes,
         elements=elements,
@@ -164,7 +168,14 @@ def _raw(material: Material, lumped: LumpedMassesLike, settings: FemSettings, el
         beta=0.0,
         settings=replace(settings, element=element),
         report={},
+        exposed_area_m2=exposed,
+        wind_profile=profile,
     )
+
+
+def _at_nodes(of_vertices: Floats | None, count: int) -> Floats | None:
+    """Values at the vertices, continued by zeros at the nodes in the middle of edges."""
+    return None if of_vertices is None else np.concatenate([of_vertices, np.zeros(count - len(of_vertices))])
 
 
 def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[FemModel, dict[str, Any]]:

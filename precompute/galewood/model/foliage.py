@@ -21,6 +21,8 @@ LEAF_MASS_KG_M2 = 0.2  # fresh leaf including its petiole, per one-sided area
 MOST_LEAF_MASS = 0.5  # relative to the mass of the wood
 PROFILE_EXPONENT = 0.4  # of the pressure over height; the speed grows with about the fifth root
 RANDOM_PROJECTION = 0.5  # mean projected area of a flat leaf over its one-sided area
+LEAF_DRAG_COEFFICIENT = 0.4
+"""Drag area of leaves over their one-sided area, in air that moves among them (calibrated, docs/physics.md)."""
 CONVEX_PROJECTION = 0.25  # mean projected area of a convex body over its surface (Cauchy)
 
 
@@ -37,21 +39,26 @@ class WoodLike(Protocol):
 class LumpedMasses:
     """Per tet vertex: added mass (n,) kg and drag area (n,) m²; also the fixed vertices (k,).
 
-    The drag area is Cd·A including the height profile of the pressure.
+    The drag area is Cd·A of the silhouette, the exposed area that of all leaves and wood without shelter; both
+    include the height profile of the pressure, whose root is wind_profile (`galewood.fem.drag`).
     """
 
     mass_kg: Floats
     drag_area_m2: Floats
     fixed: Int32s
     report: dict[str, Any]
+    exposed_area_m2: Floats | None = None
+    wind_profile: Floats | None = None
 
 
 @dataclass(frozen=True)
 class CrownLoads:
-    """Per point: leaf mass (n,) kg and drag area (n,) m², Cd·A including the height profile; and a report."""
+    """Per point: leaf mass (n,) kg and areas (n,) as in ``LumpedMasses``; and a report."""
 
     mass_kg: Floats
     drag_area_m2: Floats
+    exposed_area_m2: Floats
+    wind_profile: Floats
     report: dict[str, Any]
 
 
@@ -72,7 +79,8 @@ def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = T
     )
     fixed = root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32)
     report = crown.report | {"clamped_lowest_share": CLAMPED_SHARE}
-    return LumpedMasses(crown.mass_kg, crown.drag_area_m2, fixed, report)
+    areas = (crown.exposed_area_m2, crown.wind_profile)
+    return LumpedMasses(crown.mass_kg, crown.drag_area_m2, fixed, report, *areas)
 
 
 def without_leaves(tree: TreeMesh) -> TreeMesh:
@@ -93,21 +101,24 @@ def crown_loads(
     area of the whole tree, averaged over directions, is distributed in proportion to each part's projected
     area.
     """
-    leaf_area, projected = np.zeros(len(height_m)), np.zeros(len(height_m))
+    leaf_area, wood_area = np.zeros(len(height_m)), np.zeros(len(height_m))
     for primitive in tree.primitives:
         area = spread(primitive, vertex_areas(primitive) * alpha_coverage(primitive.material))
         if primitive.kind == "leaves":
             leaf_area += area
-            projected += RANDOM_PROJECTION * area
         else:
-            projected += CONVEX_PROJECTION * area
+            wood_area += area
     leaf_mass, capped = _leaf_mass(leaf_area, wood_mass_kg)
     silhouette = silhouette_area(*_triangles(tree))
+    projected = RANDOM_PROJECTION * leaf_area + CONVEX_PROJECTION * wood_area
     frontal = projected * (silhouette / max(float(projected.sum()), 1e-300))
     profile = np.clip(height_m / tree.height_m, 0.0, 1.0) ** PROFILE_EXPONENT
+    exposed = LEAF_DRAG_COEFFICIENT * leaf_area + wood.drag_coefficient * CONVEX_PROJECTION * wood_area
     return CrownLoads(
         leaf_mass,
         wood.drag_coefficient * frontal * profile,
+        np.maximum(exposed, wood.drag_coefficient * frontal) * profile,
+        np.sqrt(profile),
         {
             "silhouette_m2": silhouette,
             "leaf_area_m2": float(leaf_area.sum()),
@@ -115,6 +126,8 @@ def crown_loads(
             "leaf_mass_capped": capped,
             "wood_mass_kg": wood_mass_kg,
             "drag_coefficient": wood.drag_coefficient,
+            "leaf_drag_coefficient": LEAF_DRAG_COEFFICIENT,
+            "exposed_drag_area_m2": float((exposed * profile).sum()),
             "profile_exponent": PROFILE_EXPONENT,
         },
     )

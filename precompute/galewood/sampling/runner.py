@@ -72,8 +72,9 @@ def content_hash(model: FemModel) -> str:
     digest = hashlib.sha256(repr((model.alpha, model.beta, model.settings)).encode())
     for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest"):
         digest.update(np.ascontiguousarray(getattr(model, name)).tobytes())
-    if model.strain_m is not None:
-        digest.update(np.ascontiguousarray(model.strain_m).tobytes())
+    for name in ("strain_m", "exposed_area_m2", "wind_profile"):
+        if (array := getattr(model, name)) is not None:
+            digest.update(name.encode() + np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()
 
 

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
         dynamic_pressure,
         height_factor,
         limit_pressure,
+        pressure_per_speed,
         sampled_peak_pa,
+        speed_of_pressure,
         to_tree_frame,
     )
 
@@ -27,7 +29,9 @@ _PRESSURE = (
     "dynamic_pressure",
     "height_factor",
     "limit_pressure",
+    "pressure_per_speed",
     "sampled_peak_pa",
+    "speed_of_pressure",
     "to_tree_frame",
 )
 __getattr__ = lazily(
@@ -52,7 +56,9 @@ __all__ = [
     "limit_pressure",
     "parse_wind",
     "parse_wind_or_state",
+    "pressure_per_speed",
     "sampled_peak_pa",
+    "speed_of_pressure",
     "to_tree_frame",
     "wind_pressure",
 ]

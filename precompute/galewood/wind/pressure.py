@@ -28,6 +28,25 @@ def dynamic_pressure(speed_m_s: npt.ArrayLike) -> Floats:
 
 
 @numba.njit(cache=True, nogil=True)
+def pressure_per_speed(speed_m_s):  # pragma: no cover  (compiled)
+    """Dynamic pressure over speed, Pa·s/m, and the exponent with which the pressure grows at that speed."""
+    if speed_m_s <= STREAMLINING_SPEED_M_S:
+        return 0.5 * AIR_DENSITY_KG_M3 * speed_m_s, 2.0
+    start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S
+    ratio = speed_m_s / STREAMLINING_SPEED_M_S
+    return start * ratio ** (STREAMLINED_EXPONENT - 1.0), STREAMLINED_EXPONENT
+
+
+@numba.njit(cache=True, nogil=True)
+def speed_of_pressure(pressure_pa):  # pragma: no cover  (compiled)
+    """Inverse of ``dynamic_pressure``: the speed, m/s, of a dynamic pressure of at least 0 Pa."""
+    start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
+    if pressure_pa <= start:
+        return math.sqrt(pressure_pa / (0.5 * AIR_DENSITY_KG_M3))
+    return STREAMLINING_SPEED_M_S * (pressure_pa / start) ** (1.0 / STREAMLINED_EXPONENT)
+
+
+@numba.njit(cache=True, nogil=True)
 def pressure_of_velocity(velocity_x, velocity_z, factor):  # pragma: no cover  (compiled)
     """Convert velocities (m/s), each scaled by its height factor, to pressure vectors (Pa) in place."""
     start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S
