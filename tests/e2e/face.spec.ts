@@ -1,5 +1,5 @@
 import AxeBuilder from "@axe-core/playwright";
-import { changedPixels, expect, forest, frames, open, type Picture, picture, SMALL, test } from "./forest";
+import { changedPixels, expect, forest, frames, open, type Picture, picture, SMALL, sway_m, test } from "./forest";
 
 const still = `${SMALL}&speed=0`;
 const panelled = still.replace("panel=0", "panel=1");
@@ -34,6 +34,34 @@ test("every season and the evening look different", async ({ page }) => {
   // The first scene again: no pixel differs.
   expect(share(noon, await scene("summer", 0.5), 0)).toBe(0);
 });
+
+for (const lookup of ["worker", "server"] as const) {
+  test(`in winter trees move by their tables without leaves, and by the others again (${lookup})`, async ({ page }) => {
+    const { trees } = (await (await page.request.get(`${process.env.BASE_URL}/api/trees`)).json()) as {
+      trees: { builtin: boolean; bare_table_sha256: string | null }[];
+    };
+    const bare = trees.filter((tree) => tree.builtin).every((tree) => tree.bare_table_sha256 !== null);
+    test.skip(!bare, "a built-in tree is shipped without such a table");
+    const fetched: string[] = [];
+    page.on("request", (request) => fetched.push(request.url()));
+    const asked = (tree: { bare_table_sha256: string | null }) =>
+      fetched.some((url) => url.endsWith(`/api/tables/${tree.bare_table_sha256}`));
+    await open(page, `${SMALL}&speed=6&season=autumn&lookup=${lookup}`);
+    await forest(page);
+    expect(trees.some(asked)).toBe(false);
+    const bareTrees = () => page.evaluate(() => window.galewood!.bareTrees);
+    const dress = (season: string) => page.evaluate((name) => window.galewood!.dress(name as never, 0.5), season);
+    expect(await bareTrees()).toBe(0);
+    await dress("winter");
+    await expect.poll(bareTrees).toBe(await page.evaluate(() => window.galewood!.trees.moving));
+    if (lookup === "server")
+      await expect.poll(() => page.evaluate(() => window.galewood!.connection.state)).toBe("live");
+    await expect.poll(() => sway_m(page)).toBeGreaterThan(1e-3);
+    await dress("spring");
+    await expect.poll(bareTrees).toBe(0);
+    await expect.poll(() => sway_m(page)).toBeGreaterThan(1e-3);
+  });
+}
 
 test("a shared link restores the picture", async ({ page, context }) => {
   await page.setViewportSize({ width: 480, height: 270 });

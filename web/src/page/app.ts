@@ -435,6 +435,12 @@ export class App {
     return groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
   }
 
+  /** Number of trees that move by a table without leaves. */
+  get bareTrees(): number {
+    const groups = this.forest.moving.filter(({ forest }) => forest.motion?.foliage === "bare");
+    return groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
+  }
+
   get time_s(): number {
     return this.client.time_s;
   }
