@@ -223,6 +223,8 @@ def test_a_tree_also_gets_a_table_without_its_leaves(mesh: bytes, built: Built) 
     assert bare.metadata["frequencies_hz"][0] > leaf.metadata["frequencies_hz"][0]
     leaves_kg = both.report["foliage"]["leaf_mass_kg"]
     assert leaves_kg > 0 == alone.report["foliage"]["leaf_mass_kg"]
+    for part in ("foliage", "model", "design_wind", "table"):
+        assert both.report["bare_table"][part] == alone.report[part]
     mass_kg = both.report["model"]["mass_kg"] - leaves_kg
     assert alone.report["model"]["mass_kg"] == pytest.approx(mass_kg)
 

@@ -187,3 +187,13 @@ test("the forms of a built-in species are one kind, each upload is its own", () 
     { id: "mine", name: "My ash" },
   ]);
 });
+
+test("the other form stands in for one that cannot be loaded", async () => {
+  const { arriving, problems, settle, catalogue } = started();
+  handlers.change({ tree: tree("full"), job: null });
+  expect(catalogue.assets[0].hasTable).toBe(true);
+  arriving.get("full")?.reject(new Error("unreadable"));
+  await settle();
+  expect(problems).toHaveLength(1);
+  expect(catalogue.assets[0].hasTable).toBe(false);
+});

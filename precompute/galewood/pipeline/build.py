@@ -34,6 +34,8 @@ from galewood.wood import Wood, wood_of_species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Modules that the worker processes import during the import, so that compiled kernels load early."""
+OF_BARE_TABLE = ("foliage", "model", "design_wind", "table")
+"""Parts of the report that differ for the tree without its leaves."""
 OnTable = Callable[[BuildResult], None]
 """Receives the complete table of the default method, before the paper's records are computed; and again with
 them if the table of the bare tree follows."""
@@ -139,7 +141,7 @@ def _build(
     default = _default(builder, samples, run, artefacts, stages)
     report = partial(build_report, tree, solid.mesh, solid.skeleton, solid.lumped, model, wind, default.table)
     result = BuildResult(encode(default.table), None, render_glb, report(None, None, stages))
-    builds_bare = options.bare_table and bears_leaves(tree, options)
+    more: dict[str, Any] = {}
     if on.on_table:
         on.on_table(result)
     stages.enter("records")
@@ -149,14 +151,16 @@ def _build(
     if records:
         sha256 = hashlib.sha256(result.table).hexdigest()
         result = replace(result, records=encode_records(records, sha256))
-    if builds_bare:
+    if options.bare_table and bears_leaves(tree, options):
         if on.on_table and records:
             on.on_table(replace(result, report=report(records, compared, stages)))
         stages.enter("bare")
-        result = replace(result, bare_table=_bare_table(builder, solid, run, on))
-        artefacts.publish("bare.table", lambda: result.bare_table or b"")
+        bare = _bare_table(builder, solid, run, on)
+        artefacts.publish("bare.table", lambda: bare.table)
+        result = replace(result, bare_table=bare.table)
+        more = {"bare_table": bare.report}
     stages.enter("done")
-    return replace(result, report=report(records, compared, stages))
+    return replace(result, report=report(records, compared, stages) | more)
 
 
 def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: ArtefactPublisher) -> Solid:
@@ -202,8 +206,16 @@ def _records(
     return builder.records(default, samples, lambda share: stages.report(0.6 + 0.4 * share))
 
 
-def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: Environment) -> bytes:
-    """The table of the same tree and the same vertices without its leaves; it has no records."""
+@dataclass(frozen=True)
+class BareTable:
+    """The table of a tree without its leaves, which has no records, and what the report says of it."""
+
+    table: bytes
+    report: dict[str, Any]
+
+
+def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: Environment) -> BareTable:
+    """Build the table of the same tree and the same vertices without its leaves."""
     options = replace(builder.options, foliage="bare", paper=False)
     lumped = bind_foliage(solid.tree, solid.mesh, solid.wood, leaves=False)
     model = build_model(solid.mesh, solid.skeleton, solid.wood, lumped, options.fem)
@@ -215,7 +227,11 @@ def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: 
     simulate(samples, run, lambda share: on.stages.report(0.7 * share), lambda: None)
     bare = replace(builder, model=model, wind=wind, options=options)
     further = partial(samples.further_runs, run, lambda share: on.stages.report(0.7 + 0.2 * share, FURTHER))
-    return encode(bare.default(samples, further).table)
+    table = bare.default(samples, further).table
+    report = build_report(
+        solid.tree, solid.mesh, solid.skeleton, lumped, model, wind, table, None, None, on.stages
+    )
+    return BareTable(encode(table), {name: report[name] for name in OF_BARE_TABLE})
 
 
 def _start_comparison(

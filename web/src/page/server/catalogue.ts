@@ -162,7 +162,7 @@ export class Catalogue {
     if (recorded) this.events.recordsChanged();
     // The other form of its species may stand in for a tree without a table.
     if (hadTable && !asset.hasTable) this.events.assetsChanged();
-    void this.follow(entry).catch((error: unknown) => this.report(error));
+    void this.follow(entry).catch((error: unknown) => this.failed(entry, error));
   }
 
   /** Fetches new mesh and table in parallel; superseded responses are dropped. */
@@ -228,6 +228,14 @@ export class Catalogue {
       this.bareWanted && bare.motion?.meshSha256 === leaf.motion?.meshSha256 ? bare.motion : null;
     asset.motion = [wanted, leaf.motion].find((motion) => fits(motion, asset.model)) ?? null;
     return asset.motion !== before;
+  }
+
+  /** Of a tree that cannot be loaded the other form is planted, if there is one. */
+  private failed({ asset, leaf }: Entry, error: unknown): void {
+    this.report(error);
+    if (asset.model && leaf.motion) return;
+    asset.hasTable = false;
+    this.events.assetsChanged();
   }
 
   private report(error: unknown): void {
