@@ -14,8 +14,9 @@ from scipy.spatial import KDTree
 
 from galewood.beams import Frame, frame_modes, joined_frame
 from galewood.mesh import RenderPrimitive, TreeMesh
+from galewood.model.bare_tree import without_leaves
 from galewood.model.binding import CROWN_SIZE, foliage_pieces, nearest_of_pieces, piece_size
-from galewood.model.foliage import crown_loads, without_leaves
+from galewood.model.foliage import crown_loads
 from galewood.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
 from galewood.util import Floats, Ints
 from galewood.wood import Wood

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
 from galewood.mesh import RenderPrimitive, TreeMesh, alpha_coverage
+from galewood.model.bare_tree import without_leaves
 from galewood.model.binding import foliage_pieces, nearest_of_pieces, nearest_tets, render_binding
 from galewood.model.silhouette import silhouette_area
 from galewood.skeleton import CLAMPED_SHARE, root_vertices
@@ -81,11 +82,6 @@ def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = T
     report = crown.report | {"clamped_lowest_share": CLAMPED_SHARE}
     areas = (crown.exposed_area_m2, crown.wind_profile)
     return LumpedMasses(crown.mass_kg, crown.drag_area_m2, fixed, report, *areas)
-
-
-def without_leaves(tree: TreeMesh) -> TreeMesh:
-    """The tree in winter: only its wood weighs something and catches the wind."""
-    return replace(tree, primitives=[part for part in tree.primitives if part.kind != "leaves"])
 
 
 def crown_loads(
