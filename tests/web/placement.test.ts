@@ -82,6 +82,8 @@ describe("forms", () => {
     const places = placeTrees(400, 7);
     const planted = plant(MAPLES, places, {});
     expect(planted.map((tree) => tree?.form === "open")).toEqual(atEdge(places));
+    for (const form of ["open", "forest"] as const)
+      expect(plant(MAPLES, places, {}, form).every((tree) => tree?.form === form)).toBe(true);
     expect(plant(MAPLES.slice(0, 1), places, {}).every((tree) => tree?.id === "maple")).toBe(true);
   });
 

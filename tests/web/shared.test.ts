@@ -24,15 +24,17 @@ describe("a shared forest in the address", () => {
 });
 
 test("clients exchange only the settings that determine the placement", () => {
-  const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, method: "paper" as const, wind: PRESETS.still };
+  const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, form: "open" as const, method: "paper" as const, wind: PRESETS.still };
   const yours = { ...DEFAULTS, trees: 5, wind: PRESETS["storm-front"] };
   expect(adoptPlacement(yours, placementOf(mine))).toBe(true);
   expect([yours.trees, yours.forestSeed, yours.method, yours.wind]).toEqual([321, 9, "paper", PRESETS["storm-front"]]);
+  expect(yours.form).toBe("open");
   expect(adoptPlacement(yours, placementOf(mine))).toBe(false);
   expect(adoptPlacement(yours, {})).toBe(false);
   const plain = { ...mine };
   expect(adoptPlacement(plain, placementOf(DEFAULTS))).toBe(true);
   expect([plain.trees, plain.forestSeed, plain.method]).toEqual([DEFAULTS.trees, DEFAULTS.forestSeed, "modal"]);
+  expect(plain.form).toBe("place");
 });
 
 /** A server whose clock is ahead, and which answers pings after random network delays. */

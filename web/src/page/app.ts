@@ -42,6 +42,7 @@ const PLACEMENT_KEYS: SettingKey[] = [
   "trees",
   "density",
   "shares",
+  "form",
   "forestSeed",
   "lookup",
   "method",

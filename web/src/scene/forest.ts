@@ -2,7 +2,7 @@
 import { Group, type WebGLRenderer } from "three";
 import type { Ray } from "../core/math/groundRay";
 import type { TableMotion } from "../worker/protocol";
-import { type Form, plant } from "./forms";
+import { type Form, type FormChoice, plant } from "./forms";
 import { groundHeight_m } from "./ground/landscape";
 import { placeTrees } from "./placement";
 import { leafTint } from "./season/palette";
@@ -59,6 +59,7 @@ export interface PlacementOptions {
   readonly density?: number;
   /** Relative frequency of each species by id; 1 if omitted. */
   readonly shares?: Readonly<Record<string, number>>;
+  readonly form?: FormChoice;
   readonly season?: Season;
 }
 
@@ -70,10 +71,10 @@ export function placeForest(
   assets: readonly TreeAsset[],
   count: number,
   seed: number,
-  { density = 1, shares = {}, season = "autumn" }: PlacementOptions = {},
+  { density = 1, shares = {}, form = "place", season = "autumn" }: PlacementOptions = {},
 ): PlacedSpecies[] {
   const places = placeTrees(count, seed, density);
-  const planted = plant(assets, places, shares);
+  const planted = plant(assets, places, shares, form);
   return assets.flatMap((asset) => {
     const own = places.filter((_, i) => planted[i] === asset);
     if (!asset.model || own.length === 0) return [];

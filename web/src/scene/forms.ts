@@ -4,6 +4,9 @@ import { chooseSpecies, reach_m } from "./placement";
 import type { Placement } from "./trees/instanceData";
 
 export type Form = "open" | "forest";
+/** Which form is planted: the one that suits each place, or the same everywhere. */
+export const FORM_CHOICES = ["place", "open", "forest"] as const;
+export type FormChoice = (typeof FORM_CHOICES)[number];
 
 /** A tree of one form. */
 export interface Grown {
@@ -72,6 +75,7 @@ export function plant<Tree extends Grown & { readonly hasTable: boolean }>(
   trees: readonly Tree[],
   places: readonly Placement[],
   shares: Readonly<Record<string, number>>,
+  form: FormChoice = "place",
 ): (Tree | null)[] {
   const kinds = kindsOf(trees);
   const chosen = chooseSpecies(
@@ -79,6 +83,7 @@ export function plant<Tree extends Grown & { readonly hasTable: boolean }>(
     kinds.map(({ id }) => id),
     shares,
   );
-  const edge = kinds.some(({ open, forest }) => open && forest) ? atEdge(places) : null;
-  return Array.from(chosen, (kind, i) => (kind < 0 ? null : formAt(kinds[kind], edge?.[i] ?? true)));
+  const byPlace = form === "place" && kinds.some(({ open, forest }) => open && forest);
+  const edge = byPlace ? atEdge(places) : places.map(() => form !== "forest");
+  return Array.from(chosen, (kind, i) => (kind < 0 ? null : formAt(kinds[kind], edge[i])));
 }
