@@ -21,7 +21,6 @@ from galewood.evaluation.winds import unseen_winds
 from galewood.player import ModalForest, PaperForest
 from galewood.table import Table
 from galewood.util import Array, Floats
-from galewood.wind import dynamic_pressure
 
 Forest = PaperForest | ModalForest
 Make = Callable[[Table], Forest]
@@ -86,7 +85,8 @@ def evaluate_table(
     """Error figures per unseen wind and method, with a tree at rest and the nearest sampled run as baselines.
 
     ``strength`` is the peak speed over the design speed. With ``sway`` each wind is instead scaled until the
-    reference solution sways by that share of the height, or until the wind peaks at the design speed.
+    reference solution sways by that share of the height, or until the wind is the strongest that the table was
+    made from.
     ``winds`` (pressures (T, 2) Pa by name) replace the default ones.
     """
     winds = winds or _winds(table, frames, strength if sway is None else 0.9, seed)
@@ -116,7 +116,7 @@ def reference_tasks(
     """Reference runs of the winds (T, 2) Pa; ``sway`` as in ``evaluate_table``."""
     if sway is None:
         return [ReferenceTask(source.model_path, wind) for wind in winds]
-    most_pa = float(dynamic_pressure(float(table.metadata["design_speed_m_s"])))
+    most_pa = table.peak_pressure_pa
     sway_m = sway * float(table.metadata["height_m"])
     return [ReferenceTask(source.model_path, wind, sway_m, most_pa) for wind in winds]
 

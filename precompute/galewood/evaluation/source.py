@@ -29,6 +29,7 @@ from galewood.reduction import (
     render_basis,
     size_of,
     sizes_for,
+    training_winds,
 )
 from galewood.reduction import shown_modes as reduction_modes
 from galewood.sampling import (
@@ -185,10 +186,12 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
     cosines = [int(count) for name, count in by_name if name.startswith(COSINE)]
     elements = sampled_elements(mesh, extract_skeleton(mesh), _sampled_elements(table))
     speed_m_s = float(table.metadata["design_speed_m_s"])
+    mass_kg, height_m = model.mass_kg[: model.vertex_count], float(table.metadata["height_m"])
+    seed = int(provenance.get("seed", BuildOptions.seed))
+    winds = training_winds(oscillators_of(model), mass_kg, height_m, model.settings, seed)
     samples = planned(
-        model, speed_m_s, mesh.tets[elements], cache_dir,
-        frames=cosines[0] if cosines else BuildOptions.frames,
-        seed=int(provenance.get("seed", BuildOptions.seed)), all_winds=len(cosines) == ALL_COSINES,
+        model, speed_m_s, mesh.tets[elements], cache_dir, winds,
+        frames=cosines[0] if cosines else BuildOptions.frames, all_winds=len(cosines) == ALL_COSINES,
     )  # fmt: skip
     stage = provenance.get("stage")
     if stage == "first":  # made from the natural modes alone

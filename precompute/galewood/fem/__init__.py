@@ -11,6 +11,7 @@ from galewood.util import lazily
 if TYPE_CHECKING:
     from galewood.fem.assembly import ElementSystem
     from galewood.fem.damping import damping_report, rayleigh, shown_ratio
+    from galewood.fem.drag import LEAST_PROFILE, Drag
     from galewood.fem.dynamics import Simulator
     from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
     from galewood.fem.model import FemModel, load_model, save_model
@@ -34,6 +35,8 @@ __getattr__ = lazily(
         "damping_report": "galewood.fem.damping",
         "rayleigh": "galewood.fem.damping",
         "shown_ratio": "galewood.fem.damping",
+        "LEAST_PROFILE": "galewood.fem.drag",
+        "Drag": "galewood.fem.drag",
         "Simulator": "galewood.fem.dynamics",
         "PAIRS": "galewood.fem.elasticity",
         "gradients": "galewood.fem.elasticity",
@@ -60,8 +63,10 @@ __getattr__ = lazily(
     },
 )
 __all__ = [
+    "LEAST_PROFILE",
     "PAIRS",
     "Element",
+    "Drag",
     "ElementSystem",
     "FemModel",
     "FemSettings",

@@ -22,7 +22,7 @@ def shown_ratio(settings: FemSettings, omega: float, ratio: float) -> float:
 
     `omega` is its angular frequency, 1/s, and `ratio` its physical damping ratio.
     """
-    z = settings.dt_s / settings.substeps * omega * complex(-ratio, np.sqrt(1 - ratio**2))
+    z = settings.dt_s / max(settings.substeps, 1) * omega * complex(-ratio, np.sqrt(1 - ratio**2))
     if settings.scheme == "backward-euler":
         growth = 1 / (1 - z)
     else:

@@ -36,20 +36,24 @@ class Drag:
     """
 
     def __init__(self, drag_area_m2: Floats, exposed_area_m2: Floats | None, wind_profile: Floats | None) -> None:
-        exposed = drag_area_m2 if exposed_area_m2 is None else np.maximum(exposed_area_m2, drag_area_m2)
-        profile = np.ones(len(drag_area_m2)) if wind_profile is None else np.maximum(wind_profile, LEAST_PROFILE)
-        self._nodes = np.flatnonzero(exposed > 0).astype(np.int64)
-        share = np.divide(drag_area_m2, exposed, out=np.ones_like(exposed), where=exposed > 0)
-        self._exposed, self._share, self._profile = (x[self._nodes] for x in (exposed, share, profile))
-        self._loads = DragLoads(np.zeros((len(exposed), 3)), np.zeros((len(exposed), 9)))
+        sheltered = drag_area_m2
+        self.exposed_m2 = sheltered if exposed_area_m2 is None else np.maximum(exposed_area_m2, sheltered)
+        self.share = np.ones_like(sheltered)
+        """(N,) drag area with shelter over that without."""
+        np.divide(sheltered, self.exposed_m2, out=self.share, where=self.exposed_m2 > 0)
+        self.profile = (
+            np.ones_like(sheltered) if wind_profile is None else np.maximum(wind_profile, LEAST_PROFILE)
+        )
+        self._nodes = np.flatnonzero(self.exposed_m2 > 0).astype(np.int64)
+        self._parts = tuple(x[self._nodes] for x in (self.exposed_m2, self.share, self.profile))
+        self._loads = DragLoads(np.zeros((len(sheltered), 3)), np.zeros((len(sheltered), 9)))
 
     def at(self, velocity_m_s: Floats, pressure_pa: Floats) -> DragLoads:
         """Drag at the velocities (N,3), m/s, in a wind whose dynamic pressure is (p_x, p_z), Pa.
 
         The arrays of the result are overwritten by the next call.
         """
-        parts = (self._nodes, self._exposed, self._share, self._profile)
-        _drag(*parts, velocity_m_s, float(pressure_pa[0]), float(pressure_pa[1]), *self._loads)
+        _drag(self._nodes, *self._parts, velocity_m_s, float(pressure_pa[0]), float(pressure_pa[1]), *self._loads)
         return self._loads
 
 

@@ -32,7 +32,8 @@ class Simulator:
         self._gravity = model.gravity_n[order]
         self._start = model.u_rest[order]
         self._vertices = self._system.rank[: model.vertex_count]
-        self._dt = model.settings.dt_s / model.settings.substeps
+        self._substeps = max(model.settings.substeps, 1)
+        self._dt = model.settings.dt_s / self._substeps
         self._force = np.empty_like(self._start)
         self._zero = np.zeros_like(self._start)
         self._near: tuple[bytes, ElementSystem] | None = None
@@ -98,7 +99,7 @@ class Simulator:
         """
         self._pressure = pressure_pa
         self._before[:] = self._u
-        for _ in range(self.model.settings.substeps):
+        for _ in range(self._substeps):
             if self.model.settings.scheme == "backward-euler":
                 self._backward_euler(self._gravity)
             else:

@@ -49,8 +49,8 @@ class FemModel:
         shape = (self.nodes_m, self.elements, self.grad, self.blocks, self.fixed)
         return ElementSystem(*shape, self.prestress, self.strain_m)
 
-    def drag(self, order: Int32s) -> Drag:
-        """The drag of the nodes in the given order (N,)."""
+    def drag(self, order: Int32s | slice = slice(None)) -> Drag:
+        """The drag of the nodes, in mesh order or another one."""
         exposed, profile = (
             None if array is None else array[order] for array in (self.exposed_area_m2, self.wind_profile)
         )

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+from galewood.modal.drag import add_drag, drag_tensors
 from galewood.modal.tensors import ModalTensors
 from galewood.modal.terms import hold as hold
 from galewood.modal.terms import write_force_terms, write_pose_terms, write_sway
@@ -22,16 +23,24 @@ REST = 1e-7
 
 @numba.njit(cache=True, nogil=True)
 def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
-    """Advance all trees of a batch by one table step: linear step plus polynomial force."""
-    step, load, sway, force, _, _, limits = tensors
-    e, v, pressure, ahead, pairs, terms, total, _ = batch
+    """Advance all trees of a batch by one table step: linear step, polynomial force and drag."""
+    step, load, sway, force, _, _, limits, point, inputs, outputs, rest = tensors
+    e, v, pressure, ahead, pairs, terms, total, moved, _ = batch
     write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, terms)
     np.dot(force, terms[: force.shape[1]], total[: len(e)])
     for k in range(len(e)):
+        _, _, c, d, _, s1 = step[k]
+        for lane in range(BATCH):
+            total[k, lane] += load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
+            # the mean of the speeds before and after the step, without the drag
+            rise = c * e[k, lane] + d * v[k, lane] + s1 * total[k, lane]
+            ahead[k, lane] = v[k, lane] + 0.5 * rise
+    if len(point) > 0:
+        add_drag(point, inputs, outputs, rest, ahead, pressure, moved, total[: len(e)])
+    for k in range(len(e)):
         a, b, c, d, s0, s1 = step[k]
         for lane in range(BATCH):
-            pushed = load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
-            x, y, f = e[k, lane], v[k, lane], total[k, lane] + pushed
+            x, y, f = e[k, lane], v[k, lane], total[k, lane]
             e[k, lane] = x + (a * x + b * y + s0 * f)
             v[k, lane] = y + (c * x + d * y + s1 * f)
 
@@ -39,7 +48,7 @@ def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
 @numba.njit(cache=True, nogil=True)
 def _settle(sway, limits, batch):  # pragma: no cover  (compiled)
     """Set trees that hardly move in still air to rest. Writes the sway of e to pairs[0]."""
-    e, v, pressure, _, pairs, _, _, _ = batch
+    e, v, pressure, _, pairs, _, _, _, _ = batch
     write_sway(sway, e, pairs[0])
     small, reach = REST * limits[0], max(abs(sway[0, 0]), abs(sway[1, 0]))
     for lane in range(BATCH):
@@ -63,8 +72,8 @@ def _write_poses(
     tensors, batch, tree, count, now, before, extrapolation_ratio
 ):  # pragma: no cover  (compiled)
     """Move ``now`` to ``before``, write the new poses to ``now``, and the extrapolation ratios."""
-    _, _, _, _, shown, pose, limits = tensors
-    e, _, pressure, _, pairs, terms, total, _ = batch
+    _, _, _, _, shown, pose, limits, _, _, _, _ = tensors
+    e, _, pressure, _, pairs, terms, total, _, _ = batch
     d = len(e)
     for lane in range(count):
         x, y = pairs[0, 0, lane], pairs[0, 1, lane]
@@ -89,7 +98,7 @@ def _step_trees(
     tensors, half_s, batch, count, turned, e, v, now, before, extrapolation_ratio
 ):  # pragma: no cover
     """Step the ``count`` trees whose indices are in the batch."""
-    own_e, own_v, pressure, _, _, _, _, tree = batch
+    own_e, own_v, pressure, _, _, _, _, _, tree = batch
     for lane in range(count):
         i = tree[lane]
         pressure[0, lane], pressure[1, lane] = turned[i, 0], turned[i, 1]
@@ -132,7 +141,7 @@ def advance_trees(
         turned[i, 0] = turn[i, 0] * pressure_x[i] - turn[i, 1] * pressure_z[i]
         turned[i, 1] = turn[i, 1] * pressure_x[i] + turn[i, 0] * pressure_z[i]
         phase[i] += rate[i]
-    tree = batch[7]
+    tree = batch[8]
     for _ in range(MAX_STEPS_PER_ADVANCE):
         count = stepped = 0
         for i in range(len(phase)):
@@ -153,17 +162,22 @@ def advance_trees(
 
 
 def widened(modal: ModalTensors) -> tuple[Floats, ...]:
-    """The tensors in float64, as the step uses them; force (d, F) and pose (r − d, terms) are transposed."""
+    """The tensors in float64, as the step uses them; force (d, F) and pose (r − d, terms) are transposed.
+
+    The last four are those of the drag (``drag_tensors``).
+    """
     t = modal
     tensors = (t.step, t.load, t.sway, t.force.T, t.shown, t.pose.T, t.limits)
-    return tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
+    wide = tuple(np.ascontiguousarray(tensor, np.float64) for tensor in tensors)
+    return *wide, *drag_tensors(t.drag_point, t.drag_shape, t.drag_rest)
 
 
 def working_room(modal: ModalTensors) -> tuple[Array, ...]:
-    """Work arrays of a batch: e, v, pressure, predicted e, three pairs, terms, sums, and the tree indices."""
+    """Work arrays of a batch: e, v, pressure, prediction, three pairs, terms, sums, drag, and tree indices."""
     d = len(modal.step)
     terms = max(len(modal.force), len(modal.pose))
     heights = (d, d, 2, d)
     rooms = [np.zeros((height, BATCH)) for height in heights]
     total = np.zeros((max(d, modal.pose.shape[1]), BATCH))
-    return (*rooms, np.zeros((3, 2, BATCH)), np.zeros((terms, BATCH)), total, np.zeros(BATCH, np.int64))
+    moved = np.zeros((3 * len(modal.drag_point) + 3, BATCH))
+    return (*rooms, np.zeros((3, 2, BATCH)), np.zeros((terms, BATCH)), total, moved, np.zeros(BATCH, np.int64))

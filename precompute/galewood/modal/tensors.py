@@ -26,6 +26,9 @@ class ModalTensors:
     shown: Singles  # (d,) m of q_k per unit of e_k
     pose: Singles  # (d + 2 + 7 + 2c, r − d) m of the other q per unit of each term
     limits: Singles  # (3 + 2c,) sampled range: sway, its speed 1/s, pressure Pa; coupled coordinates, speeds
+    drag_point: Singles  # (m, 2) of each drag point: area, m², and share of the wind's pressure at shelter
+    drag_shape: Singles  # (3, m, d) velocity x, y, z of each point per unit of the oscillators' speeds, 1/√kg
+    drag_rest: Singles  # (d,) area of the motion within the points, m²/kg
 
     @property
     def coupled(self) -> int:

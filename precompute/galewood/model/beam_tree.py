@@ -18,6 +18,7 @@ from galewood.model.bare_tree import without_leaves
 from galewood.model.binding import CROWN_SIZE, foliage_pieces, nearest_of_pieces, piece_size
 from galewood.model.foliage import crown_loads
 from galewood.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
+from galewood.fem import LEAST_PROFILE
 from galewood.util import Floats, Ints
 from galewood.wood import Wood
 
@@ -34,7 +35,8 @@ class BeamModel:
 
     Each point of the frame is four particles: itself, and one beside it along each axis, so that particles
     hold its rotation. The shapes (k, 4n, 3) are mass-normalised, 1/√kg; load (k, 2) is the modal force per
-    Pa of wind along x and z. ``binding`` (v, 4n) moves the render vertices with the particles.
+    Pa of wind along x and z. ``binding`` (v, 4n) moves the render vertices with the particles. The last three
+    (4n,) are the drag area without shelter, m², the share of it that is left in shelter, and the wind profile.
     """
 
     frequencies_hz: Floats
@@ -43,6 +45,9 @@ class BeamModel:
     load: Floats
     binding: csr_matrix
     beams: int
+    exposed_area_m2: Floats
+    sheltered_share: Floats
+    wind_profile: Floats
 
     def sway_m(self, pressure_pa: float) -> float:
         """Largest displacement under a steady wind along x or z, m, for a linear response."""
@@ -85,12 +90,19 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
     return BeamModel(
         modes.frequencies_hz,
         _at_particles(modes.shapes, arm_m),
-        np.repeat(_point_mass(frame, wood) + crown.mass_kg, 4)
-        * np.tile([1.0, 0.0, 0.0, 0.0], len(frame.points_m)),
+        _on_points(_point_mass(frame, wood) + crown.mass_kg),
         np.einsum("kni,n->ki", modes.shapes[:, :, [0, 2]], crown.drag_area_m2),
         _binding(tree, frame, feet, arm_m),
         len(frame.links),
+        _on_points(crown.exposed_area_m2),
+        np.repeat(crown.drag_area_m2 / np.maximum(crown.exposed_area_m2, 1e-12), 4),
+        np.repeat(np.maximum(crown.wind_profile, LEAST_PROFILE), 4),
     )
+
+
+def _on_points(values: Floats) -> Floats:
+    """(4n,) values (n,) of the points on the first of their four particles, zero on the others."""
+    return np.repeat(values, 4) * np.tile([1.0, 0.0, 0.0, 0.0], len(values))
 
 
 def frame_of(branches: Outline) -> Frame:

@@ -197,15 +197,16 @@ def _finished(model: FemModel, wood: Wood, report: dict[str, Any]) -> FemModel:
         model, modes = _at_rest(model, model.system(), pose)
         rest_pose = pose.report
     frequencies = [float(f) for f in modes.frequencies_hz]
-    alpha, beta = rayleigh(wood.damping_ratio, frequencies[0], model.settings.damping_frequency_ratio)
+    settings = model.settings.resolved(frequencies[0])
+    alpha, beta = rayleigh(wood.damping_ratio, frequencies[0], settings.damping_frequency_ratio)
     report = {
         **report,
         "mass_kg": float(model.mass_kg.sum()),
         "rest_pose": rest_pose,
         "frequencies_hz": frequencies,
-        "damping": damping_report(model.settings, alpha, beta, frequencies[0], wood.damping_ratio),
+        "damping": damping_report(settings, alpha, beta, frequencies[0], wood.damping_ratio),
     }
-    return replace(model, alpha=alpha, beta=beta, report=report)
+    return replace(model, alpha=alpha, beta=beta, settings=settings, report=report)
 
 
 def _under_weight(model: FemModel, system: ElementSystem) -> tuple[FemModel, Modes, dict[str, Any]]:

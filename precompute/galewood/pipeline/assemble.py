@@ -163,6 +163,7 @@ def _table(
     return Table(
         metadata, scale, nodes.basis, nodes.rest_m, nodes.vertex_node,
         modal.step, modal.load, modal.sway, modal.force, modal.shown, modal.pose, modal.limits,
+        modal.drag_point, modal.drag_shape, modal.drag_rest,
     )  # fmt: skip
 
 

@@ -10,8 +10,8 @@ from galewood.model import BeamModel, beam_model
 from galewood.pipeline.assemble import Surroundings, assemble_first
 from galewood.pipeline.options import BuildOptions
 from galewood.pipeline.report import Body, describe, render_mesh
-from galewood.reduction import Oscillators
-from galewood.sampling import MAX_SWAY_SHARE, default_winds
+from galewood.reduction import Exposure, Oscillators, training_winds
+from galewood.sampling import MAX_SWAY_SHARE
 from galewood.table import encode
 from galewood.wind import STREAMLINED_EXPONENT, dynamic_pressure
 from galewood.wood import wood_of_species
@@ -39,8 +39,10 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
         describe(tree, body, speed_m_s, options, render_glb),
         options.table,
     )
-    winds = [wind.pressure_pa for wind in default_winds(speed_m_s, options.fem.dt_s, options.seed)]
-    table = assemble_first(_oscillators(model, wood.damping_ratio, options), winds, options.fem, of)
+    oscillators = _oscillators(model, wood.damping_ratio, options)
+    training = training_winds(oscillators, model.mass_kg, tree.height_m, options.fem, options.seed)
+    winds = [wind.pressure_pa for wind in training.default]
+    table = assemble_first(oscillators, winds, options.fem, of)
     table.metadata["provenance"] |= {"stage": "beams", "preliminary": True, "left_out": LEFT_OUT}
     return encode(table)
 
@@ -56,4 +58,5 @@ def _oscillators(model: BeamModel, damping_ratio: float, options: BuildOptions) 
     first_hz = float(model.frequencies_hz[0])
     alpha, beta = rayleigh(damping_ratio, first_hz, options.fem.damping_frequency_ratio)
     damping = np.diag(alpha + beta * omega**2)
-    return Oscillators(omega, damping, model.shapes.reshape(len(omega), -1), model.load)
+    exposure = Exposure(model.exposed_area_m2, model.sheltered_share, model.wind_profile)
+    return Oscillators(omega, damping, model.shapes.reshape(len(omega), -1), model.load, exposure)

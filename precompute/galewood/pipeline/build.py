@@ -130,11 +130,11 @@ def _build(
     stages.enter("model")
     model = build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem)
     wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
-    samples = planned(
-        model, wind.speed_m_s, solid.points, on.cache_dir,
-        frames=options.frames, seed=options.seed, all_winds=options.all_cosine_winds,
-    )  # fmt: skip
     builder = TableBuilder(tree, model, wind, solid.surface, options, render_glb)
+    samples = planned(
+        model, wind.speed_m_s, solid.points, on.cache_dir, builder.training_winds,
+        frames=options.frames, all_winds=options.all_cosine_winds,
+    )  # fmt: skip
     beams()
     artefacts.publish("first.table", lambda: encode(builder.first(samples)))
     run = on.runner or partial(run_in_processes, pool=pool)

@@ -18,7 +18,14 @@ from galewood.pipeline.assemble import (
 )
 from galewood.pipeline.options import BuildOptions
 from galewood.pipeline.report import body_of, describe
-from galewood.reduction import ModalTraining, Oscillators, oscillators_of, sizes_for
+from galewood.reduction import (
+    ModalTraining,
+    Oscillators,
+    TrainingWinds,
+    oscillators_of,
+    sizes_for,
+    training_winds,
+)
 from galewood.sampling import DesignWind, SampledRun, Samples, SampleTask, SampleWind
 from galewood.table import Records, Table
 
@@ -44,6 +51,12 @@ class TableBuilder:
     def oscillators(self) -> Oscillators:
         """Natural modes of the tree; computed once for all its tables."""
         return oscillators_of(self.model)
+
+    @cached_property
+    def training_winds(self) -> TrainingWinds:
+        """The winds of the default method's runs."""
+        body, mass_kg = self.oscillators, self.model.mass_kg[: self.model.vertex_count]
+        return training_winds(body, mass_kg, self.tree.height_m, self.options.fem, self.options.seed)
 
     def first(self, samples: Samples) -> Table:
         """The table of the natural modes alone, for motion before any run is simulated."""

@@ -2,11 +2,13 @@
 
 from galewood.reduction.linear import LinearMotion, linear_motion
 from galewood.reduction.nodes import Nodes, largest_motion_m, make_nodes, render_basis
-from galewood.reduction.oscillators import Oscillators, oscillators_of
+from galewood.reduction.oscillators import Exposure, Oscillators, oscillators_of
 from galewood.reduction.pod import QuantisedMotion, Subspace, quantise, quantum
 from galewood.reduction.training import Fitted, ModalTraining, fit_smallest, shown_modes, size_of, sizes_for
+from galewood.reduction.wind_scale import TrainingWinds, training_winds
 
 __all__ = [
+    "Exposure",
     "Fitted",
     "LinearMotion",
     "ModalTraining",
@@ -14,6 +16,7 @@ __all__ = [
     "Oscillators",
     "QuantisedMotion",
     "Subspace",
+    "TrainingWinds",
     "fit_smallest",
     "largest_motion_m",
     "linear_motion",
@@ -25,4 +28,5 @@ __all__ = [
     "shown_modes",
     "size_of",
     "sizes_for",
+    "training_winds",
 ]

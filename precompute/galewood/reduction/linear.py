@@ -13,7 +13,8 @@ import numpy as np
 
 from galewood.fem import FemSettings
 from galewood.modal import ModalTensors, force_terms, shape_terms
-from galewood.reduction.modal_fit import ModalRun, sampled_range, sway_coordinates
+from galewood.reduction.drag_points import drag_points
+from galewood.reduction.modal_fit import ModalRun, sampled_range, sway_coordinates, typical_speed
 from galewood.reduction.oscillators import Oscillators, first_of, leading_oscillators, propagators, response
 from galewood.reduction.pod import Subspace, spanned_by
 from galewood.reduction.training import SIZES
@@ -47,7 +48,8 @@ def linear_motion(
     step[:, [0, 3]] -= 1.0
     d = len(own.omega)
     none = np.zeros((force_terms(0), d)), np.zeros((d + 2 + shape_terms(0), 0))
-    tensors = (step, own.load, sway, none[0], subspace.scale, none[1], limits)
+    drag = drag_points(own, typical_speed(runs))
+    tensors = (step, own.load, sway, none[0], subspace.scale, none[1], limits, drag.point, drag.shape, drag.rest)
     modal = ModalTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
     return LinearMotion(modal, subspace, [run.q for run in runs])
 

@@ -16,19 +16,25 @@ import numpy as np
 from galewood.fem import FemSettings
 from galewood.modal import (
     ModalTensors,
+    add_drag,
     coupled_of,
+    drag_tensors,
     force_terms,
     shape_terms,
     write_force_terms,
     write_pose_terms,
 )
+from galewood.reduction.drag_points import DragPoints, drag_points
 from galewood.reduction.oscillators import Oscillators, propagators, response
 from galewood.reduction.pod import Subspace
 from galewood.util import Array, Floats
 
-FORCE_RIDGE = 1e-5
+FORCE_RIDGE = 0.3
+"""Ridge parameter of the force, relative to the mean square of each term.
+
+Large, as terms that are alike along the runs would get large coefficients of opposite sign, which are
+unstable elsewhere (docs/design/0005-drift-free-motion.md)."""
 POSE_RIDGE = 1e-7
-"""Ridge parameters, relative to the mean square of each term."""
 LIGHT_SHARE = 0.05
 """Lower bound of a run's sway in its weight, over the largest sway of all runs."""
 
@@ -83,10 +89,12 @@ def fit_modal_model(
     sway = sway_coordinates(ritz, modal)
     limits = sampled_range(sway, modal, min(coupled, len(ritz.omega) - 2))
     weights = run_weights(sway, modal)
-    force = _fit_force(modal, weights, step, ritz.load, sway, limits, settings.dt_s, force_ridge)
+    drag = drag_points(ritz, typical_speed(modal))
+    linear = _Linear(step, ritz.load, drag)
+    force = _fit_force(modal, weights, linear, sway, limits, settings.dt_s, force_ridge)
     shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits)
     step[:, [0, 3]] -= 1.0
-    tensors = (step, ritz.load, sway, force, shown, pose, limits)
+    tensors = (step, ritz.load, sway, force, shown, pose, limits, drag.point, drag.shape, drag.rest)
     return ModalTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
 
 
@@ -151,11 +159,42 @@ def _pose_table(run: ModalRun, sway: Floats, limits: Floats) -> Floats:
     return terms.T
 
 
+@dataclass(frozen=True)
+class _Linear:
+    """What is known before the fit: the oscillators' steps (d, 6), the load (d, 2) and the drag."""
+
+    step: Floats
+    load: Floats
+    drag: DragPoints
+
+    def motion(self, run: ModalRun, dt_s: float) -> Floats:
+        """(T + 1, d) motion under the load of a run's wind and the drag at its speeds."""
+        force = run.pressure @ self.load.T + drag_along(run, self.drag, dt_s)
+        return np.concatenate(
+            [response(row, force[:, k : k + 1]) for k, row in enumerate(self.step)], axis=1
+        )
+
+
+def drag_along(run: ModalRun, drag: DragPoints, dt_s: float) -> Floats:
+    """(T, d) modal force of the drag along a run, at the mean speed of each step; without its steady part."""
+    speed = np.ascontiguousarray(np.diff(run.e, axis=0).T / dt_s)
+    force = np.zeros_like(speed)
+    if len(drag.point):
+        room = np.zeros((3 * len(drag.point) + 3, speed.shape[1]))
+        tensors = drag_tensors(drag.point, drag.shape, drag.rest)
+        add_drag(*tensors, speed, np.ascontiguousarray(run.pressure.T), room, force)
+    return force.T
+
+
+def typical_speed(runs: Sequence[ModalRun]) -> Floats:
+    """(d,) root mean square of the speed of each oscillator."""
+    return np.sqrt(np.mean(np.concatenate([run.v for run in runs]) ** 2, axis=0))
+
+
 def _fit_force(
     runs: Sequence[ModalRun],
     weights: Floats,
-    step: Floats,
-    load: Floats,
+    linear: _Linear,
     sway: Floats,
     limits: Floats,
     dt_s: float,
@@ -163,12 +202,12 @@ def _fit_force(
 ) -> Floats:
     """(F, d) coefficients of the force, fitted to the error of the linear step of each oscillator."""
     terms = [_force_table(run, sway, limits, dt_s / 2) for run in runs]
-    force = np.empty((terms[0].shape[1], len(step)))
-    for k, oscillator in enumerate(step):
+    force = np.empty((terms[0].shape[1], len(linear.step)))
+    known = [linear.motion(run, dt_s) for run in runs]
+    for k, oscillator in enumerate(linear.step):
         moved = np.concatenate([w * response(oscillator, t) for w, t in zip(weights, terms, strict=True)])
-        linear = [response(oscillator, (run.pressure @ load[k])[:, None])[:, 0] for run in runs]
         missed = np.concatenate(
-            [w * (run.e[:, k] - known) for w, run, known in zip(weights, runs, linear, strict=True)]
+            [w * (run.e[:, k] - own[:, k]) for w, run, own in zip(weights, runs, known, strict=True)]
         )
         force[:, k] = ridge_fit(moved, missed[:, None], ridge)[:, 0]
     return force

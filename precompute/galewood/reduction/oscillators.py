@@ -8,7 +8,7 @@ orthogonal decomposition (POD); the model is projected on the result and diagona
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,13 +30,30 @@ GUSTY_MEAN, GUSTINESS, GUSTY_TURN_RAD = 0.4, 0.5, 0.5
 
 
 @dataclass(frozen=True)
+class Exposure:
+    """Wind exposure of a body's vertices, as `galewood.fem.Drag` uses it."""
+
+    area_m2: Floats  # (n,) without shelter
+    share: Floats  # (n,) drag area with shelter over that without
+    profile: Floats  # (n,) wind speed over that at the top
+
+
+NOT_EXPOSED = Exposure(np.zeros(0), np.ones(0), np.ones(0))
+"""Of a body whose wind load does not depend on its motion."""
+
+
+@dataclass(frozen=True)
 class Oscillators:
-    """Mass-normalised modes of a body about its rest pose: ë + C ė + ω² e = load p, u = Σ e_k shape_k."""
+    """Mass-normalised modes of a body about its rest pose: ë + C ė + ω² e = load p, u = Σ e_k shape_k.
+
+    The load is the wind's force on the body at rest; ``exposure`` determines how it changes with the motion.
+    """
 
     omega: Floats  # (k,) 1/s
     damping: Floats  # (k, k) 1/s
     shapes: Floats  # (k, 3n) 1/√kg
     load: Floats  # (k, 2) modal force per Pa
+    exposure: Exposure = NOT_EXPOSED
 
 
 def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
@@ -47,13 +64,19 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
     damping = model.alpha * np.eye(len(shapes)) + model.beta * _elastic(model, shapes)
     load = np.einsum("kni,n->ki", shapes[:, :, [0, 2]], model.drag_area_m2)
     of_vertices = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
-    return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load)
+    drag = model.drag()
+    exposure = Exposure(*(values[: model.vertex_count] for values in (drag.exposed_m2, drag.share, drag.profile)))
+    return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure)
 
 
 def first_of(body: Oscillators, count: int) -> Oscillators:
     """The same body with only its first ``count`` modes."""
-    return Oscillators(
-        body.omega[:count], body.damping[:count, :count], body.shapes[:count], body.load[:count]
+    return replace(
+        body,
+        omega=body.omega[:count],
+        damping=body.damping[:count, :count],
+        shapes=body.shapes[:count],
+        load=body.load[:count],
     )
 
 
@@ -80,8 +103,8 @@ def propagators(omega: Floats, damping: Floats, settings: FemSettings) -> Floats
     for k, (w, c) in enumerate(zip(omega, damping, strict=True)):
         rate = np.array([[0.0, 1.0], [-w * w, -c]])
         if settings.scheme == "backward-euler":
-            once = np.linalg.inv(eye - settings.dt_s / settings.substeps * rate)
-            step = np.linalg.matrix_power(once, settings.substeps)
+            substeps = max(settings.substeps, 1)
+            step = np.linalg.matrix_power(np.linalg.inv(eye - settings.dt_s / substeps * rate), substeps)
         else:
             step = expm(settings.dt_s * rate)
         rows[k] = *step.ravel(), *((step - eye) @ np.linalg.inv(rate) @ np.array([0.0, 1.0]))
@@ -115,7 +138,8 @@ def reduced(body: Oscillators, winds: Sequence[Floats], settings: FemSettings, d
     order = np.argsort(-far * np.sqrt(((motion @ mix.T) ** 2).mean(axis=0)), kind="stable")
     squared, mix = squared[order], mix[order]
     mix *= np.sign(mix[np.arange(dynamic), np.argmax(np.abs(mix), axis=1)])[:, None]
-    return Oscillators(np.sqrt(squared), mix @ body.damping @ mix.T, mix @ body.shapes, mix @ body.load)
+    mixed = (mix @ body.damping @ mix.T, mix @ body.shapes, mix @ body.load)
+    return Oscillators(np.sqrt(squared), *mixed, body.exposure)
 
 
 def leading_oscillators(

@@ -34,7 +34,7 @@ class Size:
     """Whether noise also selects the oscillators."""
 
 
-SIZES = (Size(16, 4, 80), Size(48, 20, 120, gusty=True))
+SIZES = (Size(16, 4, 80), Size(32, 14, 100, gusty=True))
 """Sizes to try, smallest first (docs/design/0005-drift-free-motion.md)."""
 
 

@@ -10,7 +10,7 @@ from galewood.util import lazily
 
 if TYPE_CHECKING:
     from galewood.sampling.design_speed import MAX_SWAY_SHARE, DesignWind, design_wind
-    from galewood.sampling.plan import Samples, default_winds, planned, simulate
+    from galewood.sampling.plan import Samples, planned, simulate
     from galewood.sampling.recording import (
         ALL_COSINES,
         COSINE,
@@ -30,7 +30,15 @@ if TYPE_CHECKING:
         run_task,
         sample_tasks,
     )
-    from galewood.sampling.training_winds import GOLDEN_RAD, noise
+    from galewood.sampling.training_winds import (
+        FURTHER_WINDS,
+        GOLDEN_RAD,
+        STRONGEST_M_S,
+        WINDS,
+        WindShape,
+        noise,
+        training_shapes,
+    )
 
 __getattr__ = lazily(
     __name__,
@@ -39,7 +47,6 @@ __getattr__ = lazily(
         "DesignWind": "galewood.sampling.design_speed",
         "design_wind": "galewood.sampling.design_speed",
         "Samples": "galewood.sampling.plan",
-        "default_winds": "galewood.sampling.plan",
         "planned": "galewood.sampling.plan",
         "simulate": "galewood.sampling.plan",
         "ALL_COSINES": "galewood.sampling.recording",
@@ -57,17 +64,25 @@ __getattr__ = lazily(
         "run_in_processes": "galewood.sampling.runner",
         "run_task": "galewood.sampling.runner",
         "sample_tasks": "galewood.sampling.runner",
+        "FURTHER_WINDS": "galewood.sampling.training_winds",
         "GOLDEN_RAD": "galewood.sampling.training_winds",
+        "STRONGEST_M_S": "galewood.sampling.training_winds",
+        "WINDS": "galewood.sampling.training_winds",
+        "WindShape": "galewood.sampling.training_winds",
         "noise": "galewood.sampling.training_winds",
+        "training_shapes": "galewood.sampling.training_winds",
     },
 )
 __all__ = [
     "ALL_COSINES",
     "COSINE",
     "DIRECTIONS_DEG",
+    "FURTHER_WINDS",
     "GOLDEN_RAD",
     "MAX_SWAY_SHARE",
     "SEED",
+    "STRONGEST_M_S",
+    "WINDS",
     "DesignWind",
     "SampleTask",
     "SampleWind",
@@ -75,8 +90,8 @@ __all__ = [
     "Samples",
     "Trajectory",
     "TrajectoryRunner",
+    "WindShape",
     "content_hash",
-    "default_winds",
     "design_wind",
     "noise",
     "planned",
@@ -87,4 +102,5 @@ __all__ = [
     "sample_trajectory",
     "sample_winds",
     "simulate",
+    "training_shapes",
 ]

@@ -6,12 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from galewood.sampling.recording import COSINE, SampledRun, SampleWind, StoredRun, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner, sample_tasks
-from galewood.sampling.seed import SEED
-from galewood.sampling.training_winds import further_winds, training_winds
 from galewood.util import Array
 
 if TYPE_CHECKING:
@@ -23,6 +21,15 @@ FIRST_DEFAULT = slice(0, None, 3)
 """The early table uses every third run of the default method."""
 
 
+class TrainingWinds(Protocol):
+    """The winds of the default method's runs, and those of the additional runs for trees that bend far."""
+
+    @property
+    def default(self) -> Sequence[SampleWind]: ...
+    @property
+    def further(self) -> Sequence[SampleWind]: ...
+
+
 @dataclass(frozen=True)
 class Samples:
     """The runs of a table; those of the default method and of the paper's state search are disjoint."""
@@ -32,10 +39,7 @@ class Samples:
     paper: Sequence[SampleTask]
     """The runs whose states are recorded for the paper's state search."""
     further: Sequence[SampleTask] = ()
-    """Additional runs for the modal model, only for trees that deflect strongly.
-
-    They include 18 of the paper's cosine runs, in the same files, so that those are simulated once.
-    """
+    """Additional runs for the modal model, only for trees that deflect strongly."""
 
     @property
     def winds(self) -> list[SampleWind]:
@@ -64,35 +68,26 @@ class Samples:
         return Samples(self.default[FIRST_DEFAULT], ())
 
 
-def default_winds(speed_m_s: float, dt_s: float, seed: int = SEED) -> list[SampleWind]:
-    """The winds of the default method's runs, up to the given speed."""
-    return training_winds(speed_m_s, dt_s, seed=seed)
-
-
 def planned(
     model: FemModel,
     speed_m_s: float,
     points: Array,
     cache_dir: Path,
+    training: TrainingWinds,
     *,
     frames: int = 180,
-    seed: int = SEED,
     all_winds: bool = False,
 ) -> Samples:
-    """All winds up to the given maximum speed, to be recorded at the given vertices.
+    """The training winds, and the paper's winds up to the given speed, recorded at the given vertices.
 
-    ``frames`` is the length of each of the paper's cosine winds, ``seed`` that of the training winds. Three
-    of the paper's six cosine winds are recorded, in six directions, or with ``all_winds`` all six.
+    ``frames`` is the length of each of the paper's cosine winds. Three of the six are recorded, in six
+    directions, or with ``all_winds`` all six.
     """
-    dt_s = model.settings.dt_s
-    default = default_winds(speed_m_s, dt_s, seed)
-    paper = sample_winds(speed_m_s, dt_s, frames)
-    further = further_winds(speed_m_s, dt_s, seed=seed)
-    tasks = iter(sample_tasks(model, [*default, *paper, *further], points, cache_dir))
-    own, every, more = (list(islice(tasks, len(some))) for some in (default, paper, further))
+    paper = sample_winds(speed_m_s, model.settings.dt_s, frames)
+    tasks = iter(sample_tasks(model, [*training.default, *paper, *training.further], points, cache_dir))
+    own, every, more = (list(islice(tasks, len(some))) for some in (training.default, paper, training.further))
     recorded = [task for task in every if not task.wind.name.startswith(UNRECORDED)]
-    cosines = [task for task in recorded if task.wind.name.startswith(COSINE)]
-    return Samples(own, every if all_winds else recorded, [*cosines, *more])
+    return Samples(own, every if all_winds else recorded, more)
 
 
 def simulate(

@@ -1,10 +1,13 @@
-"""Training winds of the modal model: gusty winds with turning headings, half of which stop abruptly.
+"""Training winds of the modal model: noise, resonant and crossed gusts, each as strong as a given sway requires.
 
 Cosine winds alone excite too little of the motion: every operator fitted to them diverged under other winds
 (docs/design/0013-training-runs.md).
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,59 +17,113 @@ from galewood.util import Floats
 from galewood.wind import dynamic_pressure
 
 WINDS, FRAMES = 20, 200
-LEVELS = (0.5, 0.75, 1.0, 1.2)
-"""Of the training winds, in turn: the mean speed is ``MEAN_SHARE`` × level × the design speed."""
-MEAN_SHARE = 0.75
-GUSTINESS = 0.45
+FURTHER_WINDS = 20
+"""Additional winds for trees that bend far, which continue the sequence."""
+SWAY_SHARES = (0.2, 0.05, 0.13, 0.03, 0.17, 0.08, 0.1)
+"""Largest sway of the winds, in turn, over the height. Seven, as five kinds of wind alternate."""
+STRONGEST_M_S = 60.0
+"""Limit of the speed, for trees too stiff to sway so far in any wind."""
+GUSTINESS, WHITE_GUSTINESS = 0.45, 0.6
 """Standard deviation of the speed over its mean."""
 TURNS = 0.5
 """Turns of the heading during a wind, in addition to its variation."""
 CALM_FRAMES = 60
-"""Still air at the end of every second wind: a free decay after an abrupt stop."""
+"""Still air at the end of some winds: a free decay after an abrupt stop."""
 GOLDEN_RAD = np.pi * (3.0 - np.sqrt(5.0))
 """Between the headings at which successive winds start, so that any few of them differ."""
 
-FURTHER_WINDS = 20
-"""Additional winds for trees that bend far, which continue the sequence."""
+
+@dataclass(frozen=True)
+class WindShape:
+    """A training wind up to its strength: velocity (T, 2) over its peak, and the sway it shall cause."""
+
+    name: str
+    velocity: Floats
+    sway_share: float
+
+    def pressure_pa(self, peak_m_s: float) -> Floats:
+        """Pressure vectors (T, 2), Pa, at a peak speed."""
+        speed = np.linalg.norm(self.velocity, axis=1)
+        along = self.velocity / np.maximum(speed, 1e-12)[:, None]
+        return dynamic_pressure(peak_m_s * speed)[:, None] * along
+
+    def at(self, peak_m_s: float) -> SampleWind:
+        """The wind at a peak speed."""
+        x, z = self.velocity[0]
+        return SampleWind(self.name, float(np.degrees(np.arctan2(z, x))), self.pressure_pa(peak_m_s), recorded=False)
 
 
-def training_winds(
-    design_speed_m_s: float, dt_s: float, *, seed: int = SEED, count: int = WINDS
-) -> list[SampleWind]:
-    """Noise with a turning heading at several speeds, at most the design speed; every second one stops.
+@dataclass(frozen=True)
+class _Setting:
+    """What a wind is drawn from; ``turn_rad`` (T,) is the steady turn of its heading."""
 
-    A smaller ``count`` gives the first of them.
+    rng: np.random.Generator
+    dt_s: float
+    first_hz: float
+    start_rad: float
+    turn_rad: Floats
+
+    @property
+    def time_s(self) -> Floats:
+        return np.arange(FRAMES) * self.dt_s
+
+    def noise(self, beta: float) -> Floats:
+        return noise(self.rng, FRAMES, self.dt_s, beta)
+
+
+def training_shapes(first_hz: float, dt_s: float, *, seed: int = SEED, count: int = WINDS) -> list[WindShape]:
+    """The training winds of a tree with this first natural frequency. A smaller count gives the first of them.
+
+    Five kinds alternate: noise with a −5/3 spectrum, the same with a stop, square waves near the first
+    frequency, white noise, and two crossed waves near that frequency (sine or square), some with a stop.
     """
     rng = np.random.default_rng((seed, 2))
     first_rad = rng.uniform(0, 2 * np.pi)
     turn_rad = TURNS * np.linspace(0, 2 * np.pi, FRAMES)
-    winds: list[SampleWind] = []
+    shapes: list[WindShape] = []
     for k in range(count):
-        mean_m_s = MEAN_SHARE * LEVELS[k % len(LEVELS)] * design_speed_m_s
-        speed_m_s = np.clip(noisy_speed(rng, mean_m_s, GUSTINESS, FRAMES, dt_s), 0.0, design_speed_m_s)
-        if k % 2:
-            speed_m_s[-CALM_FRAMES:] = 0.0
-        start_rad, side = first_rad + k * GOLDEN_RAD, 1.0 if k % 3 else -1.0
-        heading_rad = start_rad + side * turn_rad + _wander(rng, FRAMES, dt_s)
-        winds.append(_wind(f"learn-{k:02d}", start_rad, speed_m_s, heading_rad))
-    return winds
+        side = 1.0 if k % 3 else -1.0
+        setting = _Setting(rng, dt_s, first_hz, first_rad + k * GOLDEN_RAD, side * turn_rad)
+        velocity = _KINDS[k % len(_KINDS)](setting)
+        if k % 10 in (1, 4, 6):
+            velocity[-CALM_FRAMES:] = 0.0
+        velocity /= np.linalg.norm(velocity, axis=1).max()
+        shapes.append(WindShape(f"training-{k:02d}", velocity, SWAY_SHARES[k % len(SWAY_SHARES)]))
+    return shapes
 
 
-def further_winds(design_speed_m_s: float, dt_s: float, *, seed: int = SEED) -> list[SampleWind]:
-    """Additional winds for trees for which these are not sufficient."""
-    return training_winds(design_speed_m_s, dt_s, seed=seed, count=WINDS + FURTHER_WINDS)[WINDS:]
+def _gusts(of: _Setting) -> Floats:
+    speed = np.clip(1.0 + GUSTINESS * of.noise(5 / 3), 0.0, 1.6)
+    wander = of.rng.uniform(0.3, 0.7) * of.noise(2.0)
+    return _along(speed, of.start_rad + of.turn_rad + wander)
 
 
-def noisy_speed(
-    rng: np.random.Generator, mean_m_s: float, gustiness: float, frames: int, dt_s: float
-) -> Floats:
-    """(frames,) speed, m/s, that varies about its mean with a −5/3 spectrum."""
-    return mean_m_s * (1.0 + gustiness * noise(rng, frames, dt_s, 5 / 3))
+def _white(of: _Setting) -> Floats:
+    speed = np.clip(1.0 + WHITE_GUSTINESS * of.noise(0.0), 0.0, 2.0)
+    return _along(speed, of.start_rad + of.turn_rad + of.rng.uniform(0.3, 1.0) * of.noise(1.0))
 
 
-def _wander(rng: np.random.Generator, frames: int, dt_s: float) -> Floats:
-    """(frames,) random variation of a heading, radians."""
-    return rng.uniform(0.3, 0.7) * noise(rng, frames, dt_s, 2.0)
+def _resonant_square(of: _Setting) -> Floats:
+    """Between a lull and full speed, within a fifth of the first frequency."""
+    frequency, phase = of.first_hz * of.rng.uniform(0.8, 1.2), of.rng.uniform(0, 2 * np.pi)
+    lull = of.rng.uniform(0.0, 0.3)
+    speed = np.where(np.sin(2 * np.pi * frequency * of.time_s + phase) > 0, 1.0, lull)
+    return _along(speed, of.start_rad + of.rng.uniform(0, 0.6) * of.turn_rad)
+
+
+def _crossed(of: _Setting) -> Floats:
+    """Waves along and across a heading, near the first frequency; every second time square ones."""
+    hz = of.first_hz * of.rng.uniform(0.85, 1.15, 2)
+    along, across = np.sin(2 * np.pi * hz[:, None] * of.time_s + [[0.0], [of.rng.uniform(0, 2 * np.pi)]])
+    mean = of.rng.uniform(0.0, 0.5)
+    if of.rng.random() < 0.5:
+        along, across = np.sign(along), np.sign(across)
+    waves = np.stack([mean + (1 - mean) * along, (1 - mean) * across], axis=1)
+    c, s = np.cos(of.start_rad), np.sin(of.start_rad)
+    return waves @ np.array([[c, s], [-s, c]])
+
+
+_KINDS: tuple[Callable[[_Setting], Floats], ...] = (_gusts, _gusts, _resonant_square, _white, _crossed)
 
 
 def noise(rng: np.random.Generator, frames: int, dt_s: float, beta: float) -> Floats:
@@ -79,7 +136,5 @@ def noise(rng: np.random.Generator, frames: int, dt_s: float, beta: float) -> Fl
     return (series - series.mean()) / series.std()
 
 
-def _wind(name: str, start_rad: float, speed_m_s: Floats, heading_rad: Floats) -> SampleWind:
-    along = np.stack([np.cos(heading_rad), np.sin(heading_rad)], axis=1)
-    pressure = dynamic_pressure(speed_m_s)[:, None] * along
-    return SampleWind(name, float(np.degrees(start_rad)), pressure, recorded=False)
+def _along(speed: Floats, heading_rad: Floats) -> Floats:
+    return speed[:, None] * np.stack([np.cos(heading_rad), np.sin(heading_rad)], axis=1)

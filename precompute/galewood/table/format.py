@@ -45,9 +45,10 @@ if TYPE_CHECKING:
     from galewood.modal import ModalTensors
 
 FORMAT = "galewood-table"
-VERSION = 7
-READABLE = (5, 6, 7)
+VERSION = 8
+READABLE = (5, 6, 7, 8)
 MAX_DYNAMIC = 64
+MAX_DRAG_POINTS = 32
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,9 @@ class Table:
     modal_shown: npt.NDArray[np.float32]  # (d,)
     modal_pose: npt.NDArray[np.float32]  # (d + 9 + 2c, r - d)
     modal_limits: npt.NDArray[np.float32]  # (3 + 2c,)
+    modal_drag_point: npt.NDArray[np.float32]  # (m, 2)
+    modal_drag_shape: npt.NDArray[np.float32]  # (3, m, d)
+    modal_drag_rest: npt.NDArray[np.float32]  # (d,)
     paper: Records | None = None
     """Records of the paper's state search, if the table has them."""
 
@@ -77,6 +81,7 @@ class Table:
         return ModalTensors(
             self.modal_step, self.modal_load, self.modal_sway,
             self.modal_force, self.modal_shown, self.modal_pose, self.modal_limits,
+            self.modal_drag_point, self.modal_drag_shape, self.modal_drag_rest,
         )  # fmt: skip
 
     @property
@@ -109,6 +114,9 @@ TENSORS: Layout = {
     "modal.shown": ("modal_shown", np.float32, 1),
     "modal.pose": ("modal_pose", np.float32, 2),
     "modal.limits": ("modal_limits", np.float32, 1),
+    "modal.drag_point": ("modal_drag_point", np.float32, 2),
+    "modal.drag_shape": ("modal_drag_shape", np.float32, 3),
+    "modal.drag_rest": ("modal_drag_rest", np.float32, 1),
 }
 
 
@@ -128,7 +136,7 @@ def decode(data: bytes, records: bytes | None = None) -> Table:
     need(metadata.get("format") == FORMAT, f"not a {FORMAT}: format {metadata.get('format')!r:.40}")
     version = metadata.get("version")
     need(version in READABLE, f"table version {version!r:.40}; this reader knows versions 5 to {VERSION}")
-    metadata, tensors = upgraded(metadata, read_tensors(data), VERSION)
+    metadata, tensors = upgraded(metadata, read_tensors(data))
     extra = set(tensors) - set(TENSORS) - set(RECORD_TENSORS)
     if extra:
         raise TableError(f"unknown tensor {sorted(extra)[0]:.60}")
@@ -190,6 +198,8 @@ def _check_shapes(table: Table) -> None:
     need(2 <= d <= most, f"tensor modal.step: expected 2..{most} rows")
     c, odd = divmod(len(table.modal_limits) - 3, 2)
     need(not odd and 0 <= c <= d - 2, f"tensor modal.limits: expected 3, 5, … {2 * d - 1} numbers")
+    m = len(table.modal_drag_point)
+    need(m <= MAX_DRAG_POINTS, f"tensor modal.drag_point: expected at most {MAX_DRAG_POINTS} rows")
     expected = {
         "modes.scale": (r,),
         "nodes.basis": (n, 3, r),
@@ -202,6 +212,9 @@ def _check_shapes(table: Table) -> None:
         "modal.shown": (d,),
         "modal.pose": (d + 2 + shape_terms(c), r - d),
         "modal.limits": (3 + 2 * c,),
+        "modal.drag_point": (m, 2),
+        "modal.drag_shape": (3, m, d),
+        "modal.drag_rest": (d,),
     }
     check_shapes(table, TENSORS, expected)
 
@@ -216,6 +229,10 @@ def _check_numbers(table: Table) -> None:
 def _check_modal(table: Table) -> None:
     """Check that every oscillator step contracts, so that a bounded wind gives a bounded motion."""
     need(bool((table.modal_limits > 0).all()), "tensor modal.limits: not positive")
+    need(bool((table.modal_drag_rest >= 0).all()), "tensor modal.drag_rest: negative")
+    area, share = table.modal_drag_point[:, 0], table.modal_drag_point[:, 1]
+    inside = (area >= 0).all() and (share >= 0).all() and (share <= 1).all() and bool(area.any() or not len(area))
+    need(bool(inside), "tensor modal.drag_point: expected areas of at least 0, not all 0, and shares in 0..1")
     step = table.modal_step.astype(np.float64)
     r00, r01, r10, r11 = 1.0 + step[:, 0], step[:, 1], step[:, 2], 1.0 + step[:, 3]
     product = r00 * r11 - r01 * r10

@@ -21,15 +21,25 @@ PAPER_NAMES = (
 REACH_MARGIN = 1.25
 
 
-def upgraded(
-    metadata: Metadata, tensors: dict[str, Array], version: int
-) -> tuple[Metadata, dict[str, Array]]:
-    """Metadata and tensors of a file of version 5 or 6 under the names of the present one."""
+def upgraded(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Metadata, dict[str, Array]]:
+    """Metadata and tensors of a file of version 5, 6 or 7 in the layout of version 8."""
     if metadata.get("version") == 5:
         metadata, tensors = _from_version_5(metadata, tensors)
     if metadata.get("version") == 6:
-        metadata = _from_version_6(metadata, tensors, version)
+        metadata = _from_version_6(metadata, tensors)
+    if metadata.get("version") == 7:
+        metadata, tensors = {**metadata, "version": 8}, tensors | _without_drag(tensors)
     return metadata, tensors
+
+
+def _without_drag(tensors: dict[str, Array]) -> dict[str, Array]:
+    """The tensors that version 8 added: no drag points, so the wind's force does not depend on the motion."""
+    d = len(tensors.get("modal.step", ()))
+    return {
+        "modal.drag_point": np.zeros((0, 2), np.float32),
+        "modal.drag_shape": np.zeros((3, 0, d), np.float32),
+        "modal.drag_rest": np.zeros(d, np.float32),
+    }
 
 
 def _from_version_5(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Metadata, dict[str, Array]]:
@@ -42,7 +52,7 @@ def _from_version_5(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Meta
     return {**metadata, "version": 6}, renamed
 
 
-def _from_version_6(metadata: Metadata, tensors: dict[str, Array], version: int) -> Metadata:
+def _from_version_6(metadata: Metadata, tensors: dict[str, Array]) -> Metadata:
     """Version 7 made the records of the paper's search optional and stores what was derived from them."""
     paper = {name: metadata[name] for name in PAPER_NAMES if name in metadata}
     winds = _provenance(metadata, "winds")
@@ -51,7 +61,7 @@ def _from_version_6(metadata: Metadata, tensors: dict[str, Array], version: int)
     count = max(len(tensors.get("samples.trajectory", ())) - 1, 0)
     return {
         **kept,
-        "version": version,
+        "version": 7,
         "paper": {**paper, "winds": winds[:count], "frames": frames[:count]},
         "peak_pressure_pa": _peak_pa(tensors),
         "reach_m": _reach_m(tensors),
