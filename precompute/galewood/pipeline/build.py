@@ -131,10 +131,7 @@ def _build(
     model = build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem)
     wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
     builder = TableBuilder(tree, model, wind, solid.surface, options, render_glb)
-    samples = planned(
-        model, wind.speed_m_s, solid.points, on.cache_dir, builder.training_winds,
-        frames=options.frames, all_winds=options.all_cosine_winds,
-    )  # fmt: skip
+    samples = _planned(builder, solid, on)
     beams()
     artefacts.publish("first.table", lambda: encode(builder.first(samples)))
     run = on.runner or partial(run_in_processes, pool=pool)
@@ -181,6 +178,15 @@ def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: Ar
     return Solid(tree, mesh, skeleton, lumped, wood, surface, mesh.tets[elements])
 
 
+def _planned(builder: TableBuilder, solid: Solid, on: Environment) -> Samples:
+    """The runs of a tree's model, simulated or not."""
+    options = builder.options
+    return planned(
+        builder.model, builder.wind.speed_m_s, solid.points, on.cache_dir, builder.training_winds,
+        frames=options.frames, all_winds=options.all_cosine_winds,
+    )  # fmt: skip
+
+
 def _default(
     builder: TableBuilder,
     samples: Samples,
@@ -220,12 +226,9 @@ def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: 
     lumped = bind_foliage(solid.tree, solid.mesh, solid.wood, leaves=False)
     model = build_model(solid.mesh, solid.skeleton, solid.wood, lumped, options.fem)
     wind = design_wind(Simulator(model), options.design_speed_m_s, solid.tree.height_m, options.fem.dt_s)
-    samples = planned(
-        model, wind.speed_m_s, solid.points, on.cache_dir,
-        frames=options.frames, seed=options.seed, all_winds=options.all_cosine_winds,
-    )  # fmt: skip
-    simulate(samples, run, lambda share: on.stages.report(0.7 * share), lambda: None)
     bare = replace(builder, model=model, wind=wind, options=options)
+    samples = _planned(bare, solid, on)
+    simulate(samples, run, lambda share: on.stages.report(0.7 * share), lambda: None)
     further = partial(samples.further_runs, run, lambda share: on.stages.report(0.7 + 0.2 * share, FURTHER))
     table = bare.default(samples, further).table
     report = build_report(
