@@ -63,6 +63,25 @@ for (const lookup of ["worker", "server"] as const) {
   });
 }
 
+test("a forest is shared by a winter computed here and a winter streamed by the server", async ({ page, context }) => {
+  const { trees } = (await (await page.request.get(`${process.env.BASE_URL}/api/trees`)).json()) as {
+    trees: { builtin: boolean; bare_table_sha256: string | null }[];
+  };
+  const bare = trees.filter((tree) => tree.builtin).every((tree) => tree.bare_table_sha256 !== null);
+  test.skip(!bare, "a built-in tree is shipped without such a table");
+  const shared = `${SMALL}&speed=6&season=winter&share=winter-${Date.now()}`;
+  await open(page, shared);
+  await expect.poll(() => page.evaluate(() => window.galewood?.bareTrees ?? 0)).toBeGreaterThan(0);
+  await expect.poll(() => page.evaluate(() => window.galewood!.connection.state)).toBe("live");
+  const other = await context.newPage();
+  await open(other, `${shared}&lookup=server`);
+  await forest(other);
+  await expect.poll(() => other.evaluate(() => window.galewood!.connection.state)).toBe("live");
+  await expect.poll(() => sway_m(other)).toBeGreaterThan(1e-3);
+  expect(await other.evaluate(() => window.galewood!.bareTrees)).toBe(0);
+  await other.close();
+});
+
 test("a shared link restores the picture", async ({ page, context }) => {
   await page.setViewportSize({ width: 480, height: 270 });
   await context.grantPermissions(["clipboard-read", "clipboard-write"]);

@@ -167,9 +167,12 @@ export class App {
     const { settings, client, forest } = this;
     const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
     client.plan(
-      placed.flatMap(({ asset, motion, instances }) =>
-        motion ? [{ key: asset.id, motion, ...instances, recorded: this.isRecorded(asset.id) }] : [],
-      ),
+      placed.flatMap(({ asset: { id }, motion, instances }) => {
+        const leafTable = this.catalogue.leafMotion(id)?.sha256 ?? motion?.sha256;
+        return motion && leafTable
+          ? [{ key: id, motion, leafTable, ...instances, recorded: this.isRecorded(id) }]
+          : [];
+      }),
       {
         lookup: settings.lookup,
         method: settings.method,
@@ -186,9 +189,11 @@ export class App {
     );
   }
 
+  /** Whether the server has the records of the table by which it knows these trees. */
   private isRecorded(id: string): boolean {
     const known = this.catalogue.find(id);
-    return known !== null && isRecorded(known);
+    if (known === null) return false;
+    return isRecorded(this.share === null ? known : { ...known, motion: this.catalogue.leafMotion(id) });
   }
 
   /** The server has new records: fetch them if they are needed here, or ask the server to use them. */
@@ -254,16 +259,15 @@ export class App {
     this.dirty = true;
   }
 
-  /** A shared forest plays the tables in leaf, because all its clients must play the same ones in any season. */
+  /** The server moves a shared forest by the tables in leaf, because its clients may look at it in any season. */
   private get playsBareTables(): boolean {
-    return this.settings.season === "winter" && this.share === null;
+    const { season, lookup } = this.settings;
+    return season === "winter" && (this.share === null || lookup === "worker");
   }
 
   private change(key: SettingKey): void {
-    if (key === "season") {
-      this.applyScenery();
-      this.catalogue.bare = this.playsBareTables;
-    }
+    if (key === "season") this.applyScenery();
+    if (key === "season" || key === "lookup") this.catalogue.bare = this.playsBareTables;
     if (key === "wind") {
       this.changeWind(this.settings.wind, "panel");
       return;

@@ -68,6 +68,8 @@ export interface GroupPlan {
   /** Id of the species or upload, independent of its table. */
   readonly key: string;
   readonly table: string;
+  /** The table in leaf of the same trees, by which clients of a shared forest in other seasons know them. */
+  readonly leafTable: string;
   readonly placement: Float32Array<ArrayBuffer>;
   /** Id of each tree: trees of an earlier plan keep their state. */
   readonly ids: Uint32Array<ArrayBuffer>;
