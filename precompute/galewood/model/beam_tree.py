@@ -15,6 +15,7 @@ from scipy.spatial import KDTree
 from galewood.beams import Frame, frame_modes, joined_frame
 from galewood.fem import LEAST_PROFILE
 from galewood.mesh import RenderPrimitive, TreeMesh
+from galewood.model.bare_tree import without_leaves
 from galewood.model.binding import CROWN_SIZE, foliage_pieces, nearest_of_pieces, piece_size
 from galewood.model.crown_mass import twig_loads
 from galewood.model.foliage import crown_loads
@@ -65,8 +66,11 @@ class _Feet:
     distance_m: Floats
 
 
-def beam_model(tree: TreeMesh, wood: Wood) -> BeamModel:
-    """The beam model of a tree. Raises ValueError if the surface has no branches."""
+def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
+    """The beam model of a tree. Raises ValueError if the surface has no branches.
+
+    Without ``leaves`` they still move, but have neither mass nor wind load.
+    """
     outline = outline_of(tree.wood_vertices_m, tree.wood_faces)
     frame = frame_of(outline)
     feet = [_feet(primitive.positions_m, frame) for primitive in tree.primitives]
@@ -79,7 +83,8 @@ def beam_model(tree: TreeMesh, wood: Wood) -> BeamModel:
         return np.bincount(ends.ravel(), shares.ravel(), len(frame.points_m)).astype(np.float64)
 
     wood_mass = frame.volume_m3() * wood.density_kg_m3
-    crown = crown_loads(tree, wood, frame.points_m[:, 1], spread, wood_mass)
+    loaded = tree if leaves else without_leaves(tree)
+    crown = crown_loads(loaded, wood, frame.points_m[:, 1], spread, wood_mass)
     drawn_kg = crown.report.get("twig_mass_kg", 0.0)
     hung_kg = crown.mass_kg + twig_loads(tree, spread, wood_mass, drawn_kg, outline).mass_kg
     clamped_m = CLAMPED_SHARE * float(np.ptp(frame.points_m[:, 1]))

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from galewood.mesh import RenderPrimitive, TreeMesh, alpha_coverage
+from galewood.model.bare_tree import without_leaves
 from galewood.model.binding import foliage_pieces, nearest_of_pieces, nearest_tets, render_binding
 from galewood.model.crown_mass import twig_loads, vertex_areas
 from galewood.model.silhouette import silhouette_area
@@ -68,13 +69,18 @@ class CrownLoads:
     leaf_mass_kg: Floats
 
 
-def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> LumpedMasses:
-    """Mass of leaves and twigs, and wind area, at the vertices of the tetrahedral mesh."""
+def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = True) -> LumpedMasses:
+    """Mass of leaves and twigs, and wind area, at the vertices of the tetrahedral mesh.
+
+    Without ``leaves`` the masses are those of the twigs, and the wind area is that of the wood alone.
+    """
     wood_mass = float(
         (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
     )
     spread = partial(_spread, mesh=mesh)
-    crown = crown_loads(tree, wood, mesh.vertices_m[:, 1], spread, wood_mass)
+    loaded = tree if leaves else without_leaves(tree)
+    crown = crown_loads(loaded, wood, mesh.vertices_m[:, 1], spread, wood_mass)
+    # Twigs hang where the leaves do, in winter too.
     twigs = twig_loads(tree, spread, wood_mass, crown.report.get("twig_mass_kg", 0.0))
     fixed = root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32)
     report = crown.report | twigs.report | {"clamped_lowest_share": CLAMPED_SHARE}
