@@ -134,7 +134,7 @@ def test_a_tree_that_no_stiffness_lets_stand_is_weightless_with_a_warning(
 
 
 @pytest.mark.parametrize(
-    "bad", [{"dt_s": 0.0}, {"substeps": 0}, {"j_max": 0}, {"scheme": "euler"}, {"element": "hex"}]
+    "bad", [{"dt_s": 0.0}, {"substeps": -1}, {"j_max": 0}, {"scheme": "euler"}, {"element": "hex"}]
 )
 def test_impossible_settings_are_rejected(bad: dict[str, object]) -> None:
     with pytest.raises(ValueError):

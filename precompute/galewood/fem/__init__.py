@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from galewood.fem.drag import LEAST_PROFILE, Drag
     from galewood.fem.dynamics import Simulator
     from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
+    from galewood.fem.foundation import on_springs, with_ground_reaction
     from galewood.fem.model import FemModel, load_model, save_model
     from galewood.fem.modes import Modes, natural_modes, tangent_modes
     from galewood.fem.prestress import rest_prestress, strain_under
@@ -43,6 +44,8 @@ __getattr__ = lazily(
         "gradients": "galewood.fem.elasticity",
         "moduli": "galewood.fem.elasticity",
         "stiffness_blocks": "galewood.fem.elasticity",
+        "on_springs": "galewood.fem.foundation",
+        "with_ground_reaction": "galewood.fem.foundation",
         "FemModel": "galewood.fem.model",
         "load_model": "galewood.fem.model",
         "save_model": "galewood.fem.model",
@@ -68,8 +71,8 @@ __getattr__ = lazily(
 __all__ = [
     "LEAST_PROFILE",
     "PAIRS",
-    "Element",
     "Drag",
+    "Element",
     "ElementSystem",
     "FemModel",
     "FemSettings",
@@ -90,6 +93,7 @@ __all__ = [
     "moduli",
     "natural_modes",
     "node_mass_shares",
+    "on_springs",
     "rayleigh",
     "rest_prestress",
     "save_model",
@@ -100,4 +104,5 @@ __all__ = [
     "supporting_factors",
     "tangent_modes",
     "weightless_pose",
+    "with_ground_reaction",
 ]

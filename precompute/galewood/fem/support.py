@@ -65,10 +65,12 @@ def supporting_factors(system: ElementSystem, prestress: Floats, limb: Int32s) -
 
 def _geometric(system: ElementSystem, prestress: Floats) -> csc_matrix:
     """K_σ of the free nodes."""
-    blocks = system.blocks.reshape(-1, 10, 3, 3).copy()
+    blocks, foundation = system.blocks.reshape(-1, 10, 3, 3).copy(), system.foundation
     system.set_prestress(prestress)
     system.set_blocks(0 * blocks)
+    system.foundation = None
     matrix = _tangent(system)
+    system.foundation = foundation
     system.set_prestress(0 * prestress)
     system.set_blocks(blocks)
     return matrix

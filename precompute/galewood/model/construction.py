@@ -16,6 +16,7 @@ from galewood.fem import (
     midside_parents,
     moduli,
     node_mass_shares,
+    on_springs,
     rayleigh,
     stiffness_blocks,
 )
@@ -190,7 +191,10 @@ def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[
 def _finished(
     model: FemModel, wood: Wood, limbs: Limbs, leaf_mass_kg: Floats, report: dict[str, Any]
 ) -> FemModel:
-    """The model with its gravity rest pose, frequencies and damping; also its frequencies without leaves."""
+    """The model on its foundation, with rest pose, frequencies (also without leaves) and damping."""
+    if (stiffness := model.settings.root_stiffness_nm_rad) is not None:
+        model = on_springs(model, stiffness)
+        report = {**report, "root_stiffness_nm_rad": stiffness}
     system = model.system()
     resting = at_rest(model, system, limbs)
     model, frequencies = resting.model, resting.frequencies()

@@ -27,6 +27,7 @@ from galewood.fem import (
     strain_under,
     supporting_factors,
     weightless_pose,
+    with_ground_reaction,
 )
 from galewood.util import Floats, Int32s
 
@@ -77,15 +78,16 @@ def _sagged(model: FemModel, system: ElementSystem) -> Resting:
 
 def _loaded(model: FemModel, system: ElementSystem, report: dict[str, Any]) -> Resting:
     """In the given shape, with the strain that balances it. Raises NotPositiveDefinite if it falls."""
-    loaded = replace(model, strain_m=_strain(model, system))
+    u_m = _bearing(model, system)
+    loaded = replace(model, strain_m=strain_under(model, u_m))
     system.set_strain(_given(loaded))
-    pose = RestPose(np.zeros_like(model.u_rest), model.gravity_n, report)
+    pose = RestPose(np.zeros_like(model.u_rest), with_ground_reaction(model, u_m), report)
     return _resting(loaded, system, pose)
 
 
 def _supported(model: FemModel, system: ElementSystem, limbs: Limbs) -> Resting:
     """In the given shape, with limbs stiffened to carry it. Raises NotPositiveDefinite if it falls."""
-    loaded = replace(model, strain_m=_strain(model, system))
+    loaded = replace(model, strain_m=strain_under(model, _bearing(model, system)))
     support = supporting_factors(system, rest_prestress(loaded), limbs.limb)
     if not support.stands:
         raise NotPositiveDefinite("no stiffness lets the tree carry its weight")
@@ -119,10 +121,10 @@ def _supported_report(support: Support, limbs: Limbs) -> dict[str, Any]:
     }
 
 
-def _strain(model: FemModel, system: ElementSystem) -> Floats:
-    """The strain (m, 4|10, 3), m, that balances the weight in the given shape."""
+def _bearing(model: FemModel, system: ElementSystem) -> Floats:
+    """The small displacement (N,3), m, whose strain balances the weight in the given shape."""
     _unload(model, system)
-    return strain_under(model, loaded_pose(system, model.gravity_n))
+    return loaded_pose(system, model.gravity_n)
 
 
 def _unload(model: FemModel, system: ElementSystem) -> None:

@@ -15,12 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from galewood.table.container import (
+    Foliage,
     Layout,
     Metadata,
     TableError,
     check_finite,
     check_shapes,
     fields,
+    foliage_of,
     need,
     number,
     read_metadata,
@@ -93,6 +95,11 @@ class Table:
     def peak_pressure_pa(self) -> float:
         """Largest dynamic pressure of the winds that the table was made from, Pa."""
         return float(self.metadata["peak_pressure_pa"])
+
+    @property
+    def foliage(self) -> Foliage:
+        """Whether the table was made from the tree in leaf or bare."""
+        return foliage_of(self.metadata)
 
 
 TENSORS: Layout = {
@@ -174,6 +181,7 @@ def check_metadata(metadata: Metadata) -> None:
     ):
         number(metadata, name, low, high)
     whole(metadata, "modes", 256)
+    foliage_of(metadata)
     need(isinstance(metadata.get("primitives"), list), "metadata primitives: expected a list")
     for primitive in metadata["primitives"]:
         need(isinstance(primitive, dict), "metadata primitives: expected objects")
@@ -223,7 +231,9 @@ def _check_modal(table: Table) -> None:
     need(bool((table.modal_limits > 0).all()), "tensor modal.limits: not positive")
     need(bool((table.modal_drag_rest >= 0).all()), "tensor modal.drag_rest: negative")
     area, share = table.modal_drag_point[:, 0], table.modal_drag_point[:, 1]
-    inside = (area >= 0).all() and (share >= 0).all() and (share <= 1).all() and bool(area.any() or not len(area))
+    inside = (
+        (area >= 0).all() and (share >= 0).all() and (share <= 1).all() and bool(area.any() or not len(area))
+    )
     need(bool(inside), "tensor modal.drag_point: expected areas of at least 0, not all 0, and shares in 0..1")
     step = table.modal_step.astype(np.float64)
     r00, r01, r10, r11 = 1.0 + step[:, 0], step[:, 1], step[:, 2], 1.0 + step[:, 3]
