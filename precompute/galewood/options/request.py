@@ -43,7 +43,8 @@ class ImportRequest(BaseModel):
         description="Scanned tree: drop branches thinner than this, mm; default: 10, or what leaves 200.",
     )
     bare: bool | None = Field(
-        default=None, description="Scanned tree: add no leaves; default: leaves at the ends of branches."
+        default=None,
+        description="Scanned tree: add no leaves to the mesh; default: leaves at the ends of branches.",
     )
 
     @field_validator("species")
@@ -76,6 +77,15 @@ class BuildRequest(ImportRequest):
     )
     paper: bool | None = Field(
         default=None, description="Whether to compute the records of the paper's method; default: yes."
+    )
+    foliage: Literal["leaf", "bare"] | None = Field(
+        default=None,
+        description="Simulate the tree in leaf (default) or bare: the mesh keeps its leaves, which weigh "
+        "nothing and catch no wind.",
+    )
+    bare_table: bool | None = Field(
+        default=None,
+        description="Also compute a table of the same tree without its leaves, for the winter; default: no.",
     )
     all_cosine_winds: bool | None = Field(
         default=None, description="Record all 36 cosine winds of the paper instead of 18; default: no."

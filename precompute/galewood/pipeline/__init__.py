@@ -5,7 +5,7 @@ Options and results are cheap to import; all other names are loaded when they ar
 
 from typing import TYPE_CHECKING
 
-from galewood.pipeline.options import BuildOptions, BuildResult, Progress, build_options
+from galewood.pipeline.options import BuildOptions, BuildResult, Progress, bare_path, build_options
 from galewood.pipeline.table_settings import TableSettings
 from galewood.shipped import SHIPPED_FOLDER, ShippedTree, build_key, read_shipped, write_shipped
 from galewood.util import lazily
@@ -46,6 +46,7 @@ __all__ = [
     "Surroundings",
     "TableSettings",
     "assemble_table",
+    "bare_path",
     "build_key",
     "build_options",
     "build_table",
