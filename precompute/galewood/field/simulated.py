@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -43,9 +43,8 @@ def tree_of_file(
     ``wood`` overrides the species of the request. Raises MeshError.
     """
     mesh, _ = import_mesh_sandboxed(path.read_bytes(), path.name, import_options(request))
-    if season == "bare":
-        mesh = replace(mesh, primitives=[p for p in mesh.primitives if p.kind != "leaves"])
-    made = tree_model(mesh, wood, target_tets, cache_dir, settings or FemSettings())
+    leaves = season == "leaf"
+    made = tree_model(mesh, wood, target_tets, cache_dir, settings or FemSettings(), leaves)
     warnings = list(mesh.report.get("warnings", []))
     if "warning" in made.fem.report["rest_pose"]:
         warnings.append(made.fem.report["rest_pose"]["warning"])
