@@ -84,6 +84,13 @@ export class Catalogue {
     return [...this.entries.values()].map((entry) => entry.asset);
   }
 
+  /** Whether the mesh and the table of every tree that has them are loaded. */
+  get isLoaded(): boolean {
+    return this.assets.every(
+      ({ hasTable, model, motion }) => !hasTable || (model !== null && motion !== null),
+    );
+  }
+
   /** Names of the trees that move. */
   get ready(): string[] {
     return [...this.entries.values()]
