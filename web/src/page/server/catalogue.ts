@@ -86,8 +86,8 @@ export class Catalogue {
 
   /** Whether the mesh and the table of every tree that has them are loaded. */
   get isLoaded(): boolean {
-    return this.assets.every(
-      ({ hasTable, model, motion }) => !hasTable || (model !== null && motion !== null),
+    return [...this.entries.values()].every(
+      ({ asset, leaf }) => !asset.hasTable || (asset.model !== null && leaf.motion !== null),
     );
   }
 
