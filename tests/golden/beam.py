@@ -1,13 +1,15 @@
 """A small nonlinear system for tiny but valid tables: a pole as lumped masses on a bending spring.
 
-Strain energy W = e + ½ γ e² with e = ½ uᵀKu: conservative, stiffening, with a pose-dependent tangent.
+Strain energy W = e + ½ γ e² with e = ½ uᵀKu: conservative, stiffening, with a pose-dependent tangent. The
+wind acts by its velocity relative to the masses, which shelter each other by half.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import scipy.linalg
-from galewood.reduction.oscillators import Oscillators
+from galewood.fem import Drag
+from galewood.reduction.oscillators import Exposure, Oscillators
 from galewood.util import Array
 
 
@@ -23,6 +25,7 @@ class Beam:
         self.area_m2 = np.linspace(0.02, 0.3, n)
         self.stiffness = _bending(n, height_m / n)
         self.mass = np.repeat(self.mass_kg, 3)
+        self.drag = Drag(self.area_m2, 2 * self.area_m2, None)
         self.damping = 0.3 * np.diag(self.mass) + 0.01 * self.stiffness
         self.reset()
 
@@ -32,9 +35,14 @@ class Beam:
         wind[:, 0, 0] = wind[:, 2, 1] = self.area_m2
         squared, modes = scipy.linalg.eigh(self.stiffness, np.diag(self.mass))
         shapes = modes.T
-        return Oscillators(
-            np.sqrt(squared), shapes @ self.damping @ modes, shapes, shapes @ wind.reshape(-1, 2)
-        )
+        exposure = Exposure(self.drag.exposed_m2, self.drag.share, self.drag.profile)
+        load = shapes @ wind.reshape(-1, 2)
+        return Oscillators(np.sqrt(squared), shapes @ self.damping @ modes, shapes, load, exposure)
+
+    @property
+    def first_hz(self) -> float:
+        """First natural frequency."""
+        return float(self.oscillators().omega[0]) / (2 * np.pi)
 
     def reset(self) -> None:
         self.u, self.v = np.zeros((self.n, 3)), np.zeros((self.n, 3))
@@ -59,10 +67,11 @@ class Beam:
     def step(self, pressure_pa: Array) -> None:
         self._assemble()
         dt, v = self.dt_s, self.v.ravel()
-        wind = np.zeros((self.n, 3))
-        wind[:, [0, 2]] = self.area_m2[:, None] * np.asarray(pressure_pa)
-        matrix = np.diag(self.mass) + dt * self.damping + dt * dt * self._tangent
-        pull = wind.ravel() - self._force - (dt * self._tangent + self.damping) @ v
+        wind = self.drag.at(self.v, np.asarray(pressure_pa))
+        of_drag = np.asarray(scipy.linalg.block_diag(*wind.damping.reshape(-1, 3, 3)))
+        damping = np.asarray(self.damping) + of_drag
+        matrix = np.diag(self.mass) + dt * damping + dt * dt * self._tangent
+        pull = wind.force_n.ravel() - self._force - (dt * self._tangent + self.damping) @ v
         self.v = (v + np.linalg.solve(matrix, dt * pull)).reshape(-1, 3)
         self.u = self.u + dt * self.v
 

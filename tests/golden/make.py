@@ -15,8 +15,8 @@ from galewood.pipeline.assemble import RenderMesh, Surroundings, TableSettings, 
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.reduction.training import ModalTraining, Size
+from galewood.sampling import training_shapes
 from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
-from galewood.sampling.training_winds import training_winds
 from galewood.table.container import read_metadata
 from galewood.table.format import Table, decode, encode
 from galewood.table.legacy import PAPER_NAMES
@@ -83,7 +83,7 @@ def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
         "provenance": {"made_by": "tests/golden/make.py"},
     }
     runs = beam_runs(beam, frames)
-    winds = training_winds(12.0, beam.dt_s)
+    winds = [shape.at(12.0) for shape in training_shapes(beam.first_hz, beam.dt_s)]
     training = [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
     training = ModalTraining(beam.oscillators(), scheme(beam), training, sizes=[Size(5, 3, 5)])
     of = Surroundings(beam.mass_kg, beam_mesh(beam), description, settings)
@@ -157,7 +157,7 @@ def sway_steps(table: Table) -> dict[str, Any]:
 
 
 def version_6(data: bytes) -> bytes:
-    """A whole table of this version as version 6 wrote it: the same tensors, flat metadata."""
+    """A whole table of this version as version 6 wrote it: no drag points, flat metadata."""
     table = decode(data)
     new = ("peak_pressure_pa", "reach_m")
     metadata = {name: value for name, value in table.metadata.items() if name not in new}
@@ -176,7 +176,8 @@ def version_5(data: bytes) -> bytes:
 
 
 def _saved(data: bytes, metadata: dict[str, Any], modal: str) -> bytes:
-    renamed = {name.replace("modal.", modal, 1): tensor for name, tensor in load(data).items()}
+    former = {name: tensor for name, tensor in load(data).items() if not name.startswith("modal.drag_")}
+    renamed = {name.replace("modal.", modal, 1): tensor for name, tensor in former.items()}
     text = json.dumps(metadata, allow_nan=False, separators=(",", ":"))
     return save(renamed, {"galewood": text})
 

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from galewood.pipeline.build import build_table
 from galewood.pipeline.options import BuildOptions
-from galewood.sampling import plan
-from galewood.sampling.training_winds import training_winds
+from galewood.reduction import wind_scale
 from galewood.table.format import decode
 from galewood.util import MeshError
 
@@ -24,14 +23,14 @@ FILES = sorted(p for p in FOLDER.rglob("*") if p.suffix in TYPES) if os.environ.
 UNSUPPORTED = ("draco-compressed", "meshopt-compressed", "external-buffers")
 QUICK = BuildOptions(frames=24, reference_frames=0)
 """All stages of a build, with short winds."""
-TRAINING_SUBSET = slice(0, None, 4)
-"""A subset of the training winds of the modal model."""
+TRAINING_WINDS = 5
+"""Only the first of the training winds of the modal model."""
 
 
 @pytest.mark.skipif(not FILES, reason="CORPUS is not set to a folder with trees")
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
 def test_real_tree(path, tmp_path, monkeypatch):
-    monkeypatch.setattr(plan, "training_winds", lambda *a, **k: training_winds(*a, **k)[TRAINING_SUBSET])
+    monkeypatch.setattr(wind_scale, "WINDS", TRAINING_WINDS)
     begin = perf_counter()
     try:
         built = build_table(path.read_bytes(), path.name, QUICK, cache_dir=CACHE or tmp_path)

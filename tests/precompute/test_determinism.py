@@ -10,7 +10,7 @@ from galewood.fem.model import FemSettings
 from galewood.model.construction import build_model
 from galewood.sampling.design_speed import design_wind
 from galewood.sampling.recording import sample_trajectory, sample_winds
-from galewood.sampling.training_winds import training_winds
+from galewood.sampling.training_winds import training_shapes
 from galewood.skeleton.extraction import sampled_elements
 
 from tests.precompute.apricot import apricot
@@ -29,7 +29,7 @@ def digest() -> str:
     found = hashlib.sha256()
     for part in (model.blocks, model.mass_kg, model.u_rest, model.prestress):
         found.update(part.tobytes())
-    for wind in (sample_winds(speed_m_s, dt_s, FRAMES)[5], training_winds(speed_m_s, dt_s)[0]):
+    for wind in (sample_winds(speed_m_s, dt_s, FRAMES)[5], training_shapes(1.0, dt_s)[0].at(speed_m_s)):
         run = sample_trajectory(simulator, wind, points, dt_s)
         for part in (run.displacement_m, run.velocity, run.force, run.stiffness):
             found.update(part.tobytes())

@@ -97,8 +97,12 @@ def test_versions_5_and_6_are_the_same_table_under_other_names() -> None:
     assert STORED_5.read_bytes() == version_5(STORED_6.read_bytes())
     assert b'"tangent.step"' in STORED_5.read_bytes() and b'"modal.step"' not in STORED_5.read_bytes()
     for old in (decode(STORED_5.read_bytes()), decode(STORED_6.read_bytes())):
-        same_tensors(old, stored())
-        assert sway_steps(old) == sway_steps(stored())
+        without = {
+            name: getattr(old, name) for name in ("modal_drag_point", "modal_drag_shape", "modal_drag_rest")
+        }
+        assert not any(tensor.any() for tensor in without.values())
+        same_tensors(old, replace(stored(), **without))
+        assert sway_steps(old) == sway_steps(replace(stored(), **without))
         for name in ("reach_m", "peak_pressure_pa"):  # derived from the records, not from the training runs
             assert old.metadata[name] == pytest.approx(stored().metadata[name], rel=0.5)
 

@@ -8,7 +8,7 @@ from galewood.reduction.oscillators import propagators, reduced, response
 from galewood.reduction.training import ModalTraining, Size, fit_smallest, size_of
 from galewood.reduction.training_error import simulated_q, training_error_m
 from galewood.sampling.recording import SampledRun, sample_trajectory
-from galewood.sampling.training_winds import training_winds
+from galewood.sampling.training_winds import training_shapes
 
 from tests.golden.beam import Beam
 from tests.golden.make import scheme
@@ -17,7 +17,7 @@ FEW, MORE = Size(2, 0, 6), Size(5, 3, 6)
 
 
 def training_runs(beam: Beam, design_speed_m_s: float) -> list[SampledRun]:
-    winds = training_winds(design_speed_m_s, beam.dt_s)[::3]
+    winds = [shape.at(design_speed_m_s) for shape in training_shapes(beam.first_hz, beam.dt_s)[::3]]
     return [sample_trajectory(beam, wind, np.arange(beam.n), beam.dt_s) for wind in winds]
 
 

@@ -15,7 +15,7 @@ from galewood.skeleton import outline_of
 from galewood.skeleton.bridges import bridges
 from galewood.table import decode
 from galewood.verify.beams import pole_frequencies
-from galewood.verify.specimens import NAMES, read_frame
+from galewood.verify.specimens import FORMS, NAMES, read_frame
 from galewood.wind import dynamic_pressure
 from galewood.wood.species import wood_of_species
 
@@ -89,8 +89,10 @@ def test_separate_bodies_without_any_contact_are_connected():
 @pytest.mark.parametrize("name", NAMES)
 def test_a_species_moves_like_the_frame_of_its_generator(name):
     """The outline comes from the drawn surface, the other frame from the generator's exact skeleton."""
-    tree = read_tree((SPECIES / f"{name}.glb").read_bytes(), f"{name}.glb", ImportOptions(species=name))
-    wood = wood_of_species(name)
+    tree = read_tree(
+        (SPECIES / f"{name}.glb").read_bytes(), f"{name}.glb", ImportOptions(species=FORMS[name][0])
+    )
+    wood = wood_of_species(FORMS[name][0])
     found = frame_of(outline_of(tree.wood_vertices_m, tree.wood_faces))
     exact = read_frame(SPECIES / f"{name}.skeleton.json")
     clamped_m = height_of_clamp(found.points_m)

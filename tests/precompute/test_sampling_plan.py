@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from galewood.reduction import TrainingWinds
 from galewood.sampling.plan import Samples, planned, simulate
 from galewood.sampling.recording import DIRECTIONS_DEG, SampleWind, sample_winds
 from galewood.sampling.runner import SampleTask, TrajectoryRunner
-from galewood.sampling.training_winds import further_winds, training_winds
+from galewood.sampling.training_winds import FURTHER_WINDS, WINDS, training_shapes
 from galewood.verify.motion_checks import laden_pole
 
 
@@ -18,11 +19,19 @@ def task(wind: SampleWind, folder: Path) -> SampleTask:
 
 @pytest.fixture()
 def samples(tmp_path: Path) -> Samples:
+    winds = training()
     default, paper, further = (
-        [task(wind, tmp_path) for wind in winds(12.0, 1 / 30)]
-        for winds in (training_winds, sample_winds, further_winds)
+        [task(wind, tmp_path) for wind in some]
+        for some in (winds.default, sample_winds(12.0, 1 / 30), winds.further)
     )
     return Samples(default, paper, further)
+
+
+def training() -> TrainingWinds:
+    """Training winds whose speed is proportional to the sway that they shall cause."""
+    shapes = training_shapes(0.6, 1 / 30, count=WINDS + FURTHER_WINDS)
+    winds = [shape.at(100 * shape.sway_share) for shape in shapes]
+    return TrainingWinds(winds[:WINDS], winds[WINDS:])
 
 
 def recording_runner(events: list[str]) -> TrajectoryRunner:
@@ -96,19 +105,17 @@ def test_additional_winds_are_run_only_on_request(samples: Samples) -> None:
     assert shares[-1] == 1.0
 
 
-def test_the_cosine_runs_of_the_paper_are_also_further_runs_in_the_same_files(tmp_path: Path) -> None:
+def test_the_runs_of_both_methods_are_planned_once(tmp_path: Path) -> None:
     model, points = laden_pole(), np.arange(4)
     for all_winds, cosines in ((False, 18), (True, 36)):
-        samples = planned(model, 12.0, points, tmp_path, frames=5, all_winds=all_winds)
-        counts = [len(some) for some in (samples.default, samples.paper, samples.further)]
-        assert counts == [20, 1 + cosines + 6, 18 + 20]
-        shared = {task.path for task in samples.paper} & {task.path for task in samples.further}
-        assert len(shared) == 18
-        assert not {task.path for task in samples.default} & {task.path for task in samples.further}
+        samples = planned(model, 12.0, points, tmp_path, training(), frames=5, all_winds=all_winds)
+        parts = [{task.path for task in some} for some in (samples.default, samples.paper, samples.further)]
+        assert [len(part) for part in parts] == [20, 1 + cosines + 6, 20]
+        assert len(set.union(*parts)) == sum(map(len, parts))
 
 
 def test_the_recorded_winds_are_weak_medium_and_strong_in_all_directions(tmp_path: Path) -> None:
-    samples = planned(laden_pole(), 12.0, np.arange(4), tmp_path, frames=5)
+    samples = planned(laden_pole(), 12.0, np.arange(4), tmp_path, training(), frames=5)
     cosines = [task.wind for task in samples.paper if task.wind.name.startswith("cosine")]
     assert {(wind.name.split("-")[1], wind.direction_deg) for wind in cosines} == {
         (level, direction) for level in "135" for direction in DIRECTIONS_DEG

@@ -14,7 +14,7 @@ test("the committed kernel equals its compiled source", { timeout: 60_000 }, asy
 });
 
 /** A table of d oscillators, c coupled coordinates and r modes, with a polynomial force much weaker than the springs. */
-function madeUp(d: number, c: number, r: number, next: () => number): Table {
+function madeUp(d: number, c: number, r: number, m: number, next: () => number): Table {
   const some = (length: number, size: number) => Float32Array.from({ length }, () => size * (2 * next() - 1));
   const step = new Float32Array(6 * d);
   for (let k = 0; k < d; k++) {
@@ -39,15 +39,27 @@ function madeUp(d: number, c: number, r: number, next: () => number): Table {
     force: some(forceTerms(c) * d, 0.05),
     shown: some(d, 1),
     pose: some(poseTerms(d, c) * (r - d), 0.05),
+    dragPoint: Float32Array.from({ length: 2 * m }, (_, at) => (at % 2 ? 1 : 3) * next()),
+    dragShape: some(3 * m * d, 0.2),
+    dragRest: Float32Array.from({ length: d }, () => 0.05 * next()),
   };
   return { ...POLE, modal, metadata: { ...POLE.metadata, modes: r } };
 }
 
-const SIZES = [[16, 4, 24], [48, 12, 60], [5, 3, 5], [17, 2, 26], [8, 0, 9], [16, 0, 16], [20, 6, 20]] as const;
+const SIZES = [
+  [16, 4, 24, 4],
+  [48, 12, 60, 8],
+  [5, 3, 5, 1],
+  [17, 2, 26, 5],
+  [8, 0, 9, 0],
+  [16, 0, 16, 3],
+  [20, 6, 20, 12],
+] as const;
+const TITLE = "%i oscillators, %i coupled, %i modes, %i drag points: agrees with the TypeScript implementation";
 
-test.each(SIZES)("%i oscillators, %i of them coupled, %i modes: agrees with the TypeScript implementation", (d, c, r) => {
+test.each(SIZES)(TITLE, (d, c, r, m) => {
   const next = seededRandom(d);
-  const table = madeUp(d, c, r, next);
+  const table = madeUp(d, c, r, m, next);
   expect(contracts(table.modal.step)).toBe(true);
   const count = 5;
   const forests = [new ModalForest(table, count), new ModalForest(table, count, true)];
@@ -73,7 +85,7 @@ test.each(SIZES)("%i oscillators, %i of them coupled, %i modes: agrees with the 
 });
 
 test("a forest continues from the state of another one of the same table", () => {
-  const table = madeUp(17, 2, 26, seededRandom(5));
+  const table = madeUp(17, 2, 26, 4, seededRandom(5));
   const before = new ModalForest(table, 3);
   const wind = [20, 10, 5];
   for (let frame = 0; frame < 60; frame++) before.advance(1 / 30, wind, wind);
@@ -89,7 +101,7 @@ test("a forest continues from the state of another one of the same table", () =>
 });
 
 test("trees start at rest if the state layout of the previous forest differs", () => {
-  const table = madeUp(16, 2, 21, seededRandom(6));
+  const table = madeUp(16, 2, 21, 3, seededRandom(6));
   const before = new ModalForest(table, 2, true);
   for (let frame = 0; frame < 60; frame++) before.advance(1 / 30, [20, 10], [20, 10]);
   const after = new ModalForest(table, 2);

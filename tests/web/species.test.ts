@@ -22,6 +22,8 @@ const path = (file: string): string =>
 const listed = JSON.parse(readFileSync(path("species.json"), "utf8")) as {
   id: string;
   file: string;
+  species: string;
+  form: string;
   height_m: number;
 }[];
 
@@ -35,7 +37,7 @@ function part(document: GltfDocument, name: string) {
   const array = (attribute: string) => primitive.getAttribute(attribute)?.getArray() as ArrayLike<number>;
   return {
     positions: array("POSITION"),
-    uvs: array("TEXCOORD_0"),
+    uvs: array("TEXCOORD_0") ?? [],
     normals: array("NORMAL"),
     indices: primitive.getIndices()?.getArray() as ArrayLike<number>,
     material: primitive.getMaterial(),
@@ -81,8 +83,15 @@ function distanceToSegment_m(p: Vec, a: Vec, b: Vec): number {
   return Math.hypot(ap[0] - t * ab[0], ap[1] - t * ab[1], ap[2] - t * ab[2]);
 }
 
-it("lists the three species with their files", () => {
+it("lists two forms of each of the three species with their files", () => {
   expect(listed.map(({ id, file }) => [id, file])).toEqual(SPECIES.map(({ id }) => [id, `${id}.glb`]));
+  for (const wood of ["poplar", "maple", "apricot"]) {
+    const forms = listed.filter(({ species }) => species === wood);
+    expect(forms.map(({ id, form }) => [id, form])).toEqual([
+      [wood, "open"],
+      [`${wood}-forest`, "forest"],
+    ]);
+  }
 });
 
 describe.each(SPECIES)("$id", (species) => {
@@ -97,41 +106,45 @@ describe.each(SPECIES)("$id", (species) => {
     regrown = await readGlb(grown.glb);
   }, 120_000);
 
-  it("is a small file with separate wood and leaves", () => {
-    expect(statSync(path(`${species.id}.glb`)).size).toBeLessThan(3e6);
+  it("is a small file with separate wood, twigs and leaves", () => {
+    expect(statSync(path(`${species.id}.glb`)).size).toBeLessThan(2.5e6);
     expect(statSync(path(`${species.id}.skeleton.json`)).size).toBeLessThan(200e3);
     expect(
       committed
         .getRoot()
         .listMeshes()
         .map((mesh) => mesh.getName()),
-    ).toEqual(["wood", "leaves"]);
-    const { wood, leaves } = { wood: part(committed, "wood"), leaves: part(committed, "leaves") };
-    expect(wood.indices.length / 3).toBeGreaterThan(2600);
+    ).toEqual(["wood", "twigs", "leaves"]);
+    const [wood, twigs, leaves] = ["wood", "twigs", "leaves"].map((name) => part(committed, name));
+    expect(wood.indices.length / 3).toBeGreaterThan(1200);
     expect(wood.indices.length / 3).toBeLessThan(3500);
-    expect(leaves.indices.length / 3).toBeGreaterThan(4200);
+    expect(twigs.positions.length / 3).toBeLessThan(12000);
+    expect(leaves.indices.length / 3).toBeGreaterThan(2000);
     expect(leaves.indices.length / 3).toBeLessThan(5600);
     expect(leaves.material?.getAlphaMode()).toBe("MASK");
     expect(leaves.material?.getDoubleSided()).toBe(true);
   });
 
   it("stands on the ground at the origin and has the height of the species", () => {
-    const { positions } = part(committed, "wood");
-    const heights = Array.from({ length: positions.length / 3 }, (_, v) => positions[3 * v + 1]);
-    expect(Math.min(...heights)).toBeCloseTo(0, 4);
-    expect(Math.abs(Math.max(...heights) - species.height_m)).toBeLessThan(0.02 * species.height_m);
+    const heights = (name: string): number[] => {
+      const { positions } = part(committed, name);
+      return Array.from({ length: positions.length / 3 }, (_, v) => positions[3 * v + 1]);
+    };
+    expect(Math.min(...heights("wood"))).toBeCloseTo(0, 4);
+    const top_m = Math.max(...["wood", "twigs", "leaves"].flatMap(heights));
+    expect(Math.abs(top_m - species.height_m)).toBeLessThan(1e-3 * species.height_m);
     expect(Math.hypot(...skeleton.points_m[0])).toBeLessThan(1e-6);
   });
 
-  it.each(["wood", "leaves"])("has only finite numbers and no degenerate triangle in the %s", (name) => {
+  it.each(["wood", "twigs", "leaves"])("has only finite numbers and no degenerate triangle in the %s", (name) => {
     const { positions, normals, uvs, indices } = part(committed, name);
     for (const values of [positions, normals, uvs])
       expect(Array.from(values).every(Number.isFinite)).toBe(true);
     expect(smallestTriangle_m2(positions, indices)).toBeGreaterThan(1e-6);
   });
 
-  it("has closed wood tubes", () => {
-    const { positions, indices } = part(committed, "wood");
+  it.each(["wood", "twigs"])("has closed %s tubes", (name) => {
+    const { positions, indices } = part(committed, name);
     expect(openEdges(positions, indices)).toBe(0);
   });
 
@@ -149,17 +162,18 @@ describe.each(SPECIES)("$id", (species) => {
 
   it("has a stem radius typical of its size", () => {
     const { points_m, radius_m, parent, level } = skeleton;
-    expect(Math.min(...radius_m)).toBeGreaterThanOrEqual(0.008);
+    expect(Math.min(...radius_m)).toBeGreaterThanOrEqual(0.005);
     expect(parent.every((below, i) => below < 0 || radius_m[i] <= radius_m[below] + 1e-4)).toBe(true);
     const trunk = points_m.flatMap((p, i) => (level[i] === 0 && p[1] > 0.5 && p[1] < 2 ? [radius_m[i]] : []));
-    for (const radius of trunk) expect(radius).toBeGreaterThan(0.006 * species.height_m);
-    for (const radius of trunk) expect(radius).toBeLessThan(0.018 * species.height_m);
+    const [most, least] = species.form === "open" ? [60, 30] : [120, 80]; // height over diameter
+    for (const radius of trunk) expect(radius).toBeGreaterThan((0.5 / most) * species.height_m * 0.95);
+    for (const radius of trunk) expect(radius).toBeLessThan((0.5 / least) * species.height_m * 1.1);
   });
 
   it("keeps every leaf card near the wood", () => {
     const { positions } = part(committed, "leaves");
     const { points_m, parent } = skeleton;
-    const limit_m = species.foliage.reach_m + species.foliage.size_m;
+    const limit_m = 1.5 * Math.max(...species.twigs.length_m) + species.foliage.size_m;
     for (let v = 0; v < positions.length / 3; v += 4 * 25) {
       const foot = point(positions, v);
       const nearest = parent.map((p, i) =>
@@ -186,7 +200,7 @@ describe.each(SPECIES)("$id", (species) => {
 
   it("reproduces the committed files", () => {
     expect(grown.skeleton).toBe(readFileSync(path(`${species.id}.skeleton.json`), "utf8"));
-    for (const name of ["wood", "leaves"]) {
+    for (const name of ["wood", "twigs", "leaves"]) {
       const [old, now] = [part(committed, name), part(regrown, name)];
       expect(now.positions).toEqual(old.positions);
       expect(now.indices).toEqual(old.indices);

@@ -117,7 +117,8 @@ describe("the displayed trees do not jump", () => {
     player.tips().forEach((tip, i) => expect(Math.abs(tip - old[i])).toBeLessThan(0.02 * usual.farthest));
     const across = player.play(90);
     expect(usual.farthest).toBeGreaterThan(0.05);
-    expect(across.fastest).toBeLessThan(1.6 * usual.fastest);
+    // The two methods differ by a good part of the sway, which the transition covers in three seconds.
+    expect(across.fastest).toBeLessThan(2.5 * usual.fastest);
   });
 
   test("a full table takes over the sway of the first one", () => {

@@ -8,6 +8,15 @@ const CLAMP_RATIO: f32 = 1.25;
 /** In still air, motion below this fraction of the sampled range is set to zero. */
 const REST_RATIO: f32 = 1e-7;
 
+/** Exponent of the pressure above the speed at which crowns streamline, as in ../src/core/wind/pressure.ts. */
+const STREAMLINED_EXPONENT: f32 = 1.3;
+const STREAMLINING_SPEED_M_S: f32 = 5;
+/** Half the density of air, kg/m³, and the dynamic pressure at that speed, Pa. */
+const HALF_DENSITY: f32 = 0.6;
+const STREAMLINING_PA: f32 = 15;
+
+/** End of the constants that the compiler placed in the memory. */
+export const constantsEnd: usize = __heap_base;
 /** Half the table's step, s. */
 export let halfStep_s: f32 = 0;
 /** Coupled coordinates. */
@@ -31,6 +40,17 @@ export let posePlain: usize = 0;
 export let poseTerms: usize = 0;
 /** [3 + 2c] */
 export let limits: usize = 0;
+/** Drag points, padded to whole vectors, and oscillators whose speeds move them. */
+export let dragPoints: i32 = 0;
+export let dragInputs: i32 = 0;
+/** [3, points] area, m²; share of the pressure in shelter; weight in the mean */
+export let dragPoint: usize = 0;
+/** [inputs, 3 · points] x of all points, then y, z; [3 · points, d]; [d] */
+export let dragIn: usize = 0;
+export let dragOut: usize = 0;
+export let dragRest: usize = 0;
+/** [3 · points] */
+export let dragForce: usize = 0;
 /** Room for the terms, and for one row of oscillators and one of further modes. */
 export let terms: usize = 0;
 export let ahead: usize = 0;
@@ -233,6 +253,101 @@ function isAtRest(position: usize, speed: usize): bool {
   return largest * max(abs(load<f32>(sway)), abs(load<f32>(sway + ownRow))) < small;
 }
 
+/** The mean of the speeds before and after the step, without the drag, into `ahead`. */
+// @ts-ignore: decorator
+@inline
+function writeMeanSpeed(position: usize, speed: usize): void {
+  const half = f32x4.splat(0.5);
+  for (let k: usize = 0; k < ownRow; k += 16) {
+    const b = v128.load(speed + k);
+    const r10 = f32x4.mul(v128.load(stepping + 2 * ownRow + k), v128.load(position + k));
+    const r11 = f32x4.mul(v128.load(stepping + 3 * ownRow + k), b);
+    const s1 = f32x4.mul(v128.load(stepping + 5 * ownRow + k), v128.load(total + k));
+    v128.store(ahead + k, f32x4.add(b, f32x4.mul(half, f32x4.add(f32x4.add(r10, r11), s1))));
+  }
+}
+
+/** The sheltered speed at a pressure (Pa), quadratic up to STREAMLINING_PA. */
+function speedOf(pressure_pa: f32): f32 {
+  if (pressure_pa <= STREAMLINING_PA) return sqrt(pressure_pa / HALF_DENSITY);
+  return STREAMLINING_SPEED_M_S * Mathf.pow(pressure_pa / STREAMLINING_PA, (1.0 as f32) / STREAMLINED_EXPONENT);
+}
+
+/** Pressure over speed at a speed, linear up to STREAMLINING_SPEED_M_S. */
+function perSpeed(speed_m_s: f32): f32 {
+  if (speed_m_s <= STREAMLINING_SPEED_M_S) return HALF_DENSITY * speed_m_s;
+  const ratio = Mathf.pow(speed_m_s / STREAMLINING_SPEED_M_S, STREAMLINED_EXPONENT - (1.0 as f32));
+  return HALF_DENSITY * STREAMLINING_SPEED_M_S * ratio;
+}
+
+// @ts-ignore: decorator
+@inline
+function sheltered(pressure_pa: v128): v128 {
+  let speed = f32x4.sqrt(f32x4.mul(pressure_pa, f32x4.splat((1.0 as f32) / HALF_DENSITY)));
+  if (v128.any_true(f32x4.gt(pressure_pa, f32x4.splat(STREAMLINING_PA)))) {
+    speed = f32x4.replace_lane(speed, 0, speedOf(f32x4.extract_lane(pressure_pa, 0)));
+    speed = f32x4.replace_lane(speed, 1, speedOf(f32x4.extract_lane(pressure_pa, 1)));
+    speed = f32x4.replace_lane(speed, 2, speedOf(f32x4.extract_lane(pressure_pa, 2)));
+    speed = f32x4.replace_lane(speed, 3, speedOf(f32x4.extract_lane(pressure_pa, 3)));
+  }
+  return speed;
+}
+
+// @ts-ignore: decorator
+@inline
+function perSpeeds(speed: v128): v128 {
+  let per = f32x4.mul(speed, f32x4.splat(HALF_DENSITY));
+  if (v128.any_true(f32x4.gt(speed, f32x4.splat(STREAMLINING_SPEED_M_S)))) {
+    per = f32x4.replace_lane(per, 0, perSpeed(f32x4.extract_lane(speed, 0)));
+    per = f32x4.replace_lane(per, 1, perSpeed(f32x4.extract_lane(speed, 1)));
+    per = f32x4.replace_lane(per, 2, perSpeed(f32x4.extract_lane(speed, 2)));
+    per = f32x4.replace_lane(per, 3, perSpeed(f32x4.extract_lane(speed, 3)));
+  }
+  return per;
+}
+
+/** Adds the drag at the speeds in `ahead` to `total`: four points at a time. */
+// @ts-ignore: decorator
+@inline
+function addDrag(px: f32, pz: f32): void {
+  const wind = sqrt(px * px + pz * pz);
+  const along: f32 = wind > 0 ? (1.0 as f32) / wind : 0;
+  const side: usize = 4 * dragPoints;
+  const pressureX = f32x4.splat(px);
+  const pressureZ = f32x4.splat(pz);
+  let mean = f32x4.splat(0);
+  for (let j: usize = 0; j < side; j += 16) {
+    let x = f32x4.splat(0);
+    let y = f32x4.splat(0);
+    let z = f32x4.splat(0);
+    for (let k = 0, at = dragIn + j; k < dragInputs; k++, at += 3 * side) {
+      const speed = v128.load32_splat(ahead + 4 * k);
+      x = f32x4.add(x, f32x4.mul(speed, v128.load(at)));
+      y = f32x4.add(y, f32x4.mul(speed, v128.load(at + side)));
+      z = f32x4.add(z, f32x4.mul(speed, v128.load(at + 2 * side)));
+    }
+    const area = v128.load(dragPoint + j);
+    const share = v128.load(dragPoint + side + j);
+    const air = f32x4.mul(sheltered(f32x4.mul(share, f32x4.splat(wind))), f32x4.splat(along));
+    x = f32x4.sub(f32x4.mul(air, pressureX), x);
+    z = f32x4.sub(f32x4.mul(air, pressureZ), z);
+    const square = f32x4.add(f32x4.mul(x, x), f32x4.add(f32x4.mul(y, y), f32x4.mul(z, z)));
+    const per = perSpeeds(f32x4.sqrt(square));
+    mean = f32x4.add(mean, f32x4.mul(per, v128.load(dragPoint + 2 * side + j)));
+    const steadyX = f32x4.mul(share, pressureX);
+    const steadyZ = f32x4.mul(share, pressureZ);
+    v128.store(dragForce + j, f32x4.mul(area, f32x4.sub(f32x4.mul(per, x), steadyX)));
+    v128.store(dragForce + side + j, f32x4.mul(area, f32x4.neg(f32x4.mul(per, y))));
+    v128.store(dragForce + 2 * side + j, f32x4.mul(area, f32x4.sub(f32x4.mul(per, z), steadyZ)));
+  }
+  const rest = f32x4.splat(sum(mean));
+  for (let k: usize = 0; k < ownRow; k += 16) {
+    const lost = f32x4.mul(f32x4.mul(rest, v128.load(dragRest + k)), v128.load(ahead + k));
+    v128.store(total + k, f32x4.sub(v128.load(total + k), lost));
+  }
+  addRows(dragOut, dragForce, 3 * dragPoints, ownRow, total);
+}
+
 /** Each oscillator's own step under the total force. */
 // @ts-ignore: decorator
 @inline
@@ -295,6 +410,10 @@ export function step(tree: i32, px: f32, pz: f32): void {
     v128.store(total + k, f32x4.add(a, f32x4.mul(z, v128.load(pull + ownRow + k))));
   }
   addRows(force, terms, 44 + 6 * coupled, ownRow, total);
+  if (dragPoints > 0) {
+    writeMeanSpeed(position, speed);
+    addDrag(px, pz);
+  }
   move(position, speed);
   if (px == 0 && pz == 0 && isAtRest(position, speed)) {
     memory.fill(position, 0, ownRow);

@@ -1,4 +1,4 @@
-/** Grows the three species into assets/species/: `npm run grow`. */
+/** Grows all forms of the species into assets/species/: `npm run grow`, or some: `npm run grow poplar maple`. */
 import { mkdirSync, writeFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { growSpecies } from "./species/grow";
@@ -10,21 +10,24 @@ const CREDITS =
   "Galewood (MIT); skeleton grown with @dgreenheck/ez-tree (MIT); leaves and bark drawn by our script";
 
 async function write(species: Species): Promise<void> {
-  const { glb, skeleton, nodes, wood, leaves } = await growSpecies(species);
+  const { glb, skeleton, nodes, wood, twigs, leaves } = await growSpecies(species);
   writeFileSync(`${FOLDER}/${species.id}.glb`, glb);
   writeFileSync(`${FOLDER}/${species.id}.skeleton.json`, skeleton);
   const branchCount = new Set(nodes.map((node) => node.branch)).size;
-  const triangles = `${wood.indices.length / 3} wood and ${leaves.indices.length / 3} leaf triangles`;
+  const [w, t, l] = [wood, twigs, leaves].map(({ indices }) => indices.length / 3);
+  const triangles = `${w} wood, ${t} twig and ${l} leaf triangles`;
   console.log(`${species.id}: ${branchCount} branches, ${triangles}, ${(glb.length / 1e6).toFixed(2)} MB`);
 }
 
 mkdirSync(FOLDER, { recursive: true });
-for (const species of SPECIES) await write(species);
-const list = SPECIES.map(({ id, name, wood, height_m }) => ({
+const wanted = process.argv.slice(3);
+for (const species of SPECIES) if (wanted.length === 0 || wanted.includes(species.id)) await write(species);
+const list = SPECIES.map(({ id, name, wood, form, height_m }) => ({
   id,
   name,
   file: `${id}.glb`,
   species: wood,
+  form,
   height_m,
   credits: CREDITS,
 }));

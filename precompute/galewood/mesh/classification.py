@@ -1,6 +1,6 @@
-"""Classification of parts as wood or foliage: names, alpha, flat cards, colour, then shape and position.
+"""Classification of parts as wood, twigs or foliage: names, alpha, flat cards, colour, shape and position.
 
-The first criterion that applies decides.
+The first criterion that applies decides. Only names tell twigs from other wood.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from galewood.mesh.types import ImportOptions, Kind, RawPart
 from galewood.util import Floats, Ints
 
 WOOD_NAMES = re.compile(
-    r"wood|bark|trunk|branch|stem|twig|timber|stump|\blogs?\b|limb|tronc|stamm|holz|rinde|\bast\b", re.I
+    r"wood|bark|trunk|branch|stem|timber|stump|\blogs?\b|limb|tronc|stamm|holz|rinde|\bast\b", re.I
 )
+TWIG_NAMES = re.compile(r"twig|zweig|brindille", re.I)
 LEAF_NAMES = re.compile(
     r"leaf|leaves|foliage|frond|needle|blossom|flower|petal|fruit|crown|canopy|green|grass|bush|feuill|blatt|laub",
     re.I,
@@ -34,7 +35,7 @@ BLOB_SIZE = 0.12  # relative to the height
 
 @dataclass(frozen=True)
 class ClassifiedPart:
-    """A part that is entirely wood or entirely leaves, and the reason."""
+    """A part that is entirely of one kind, and the reason."""
 
     part: RawPart
     kind: Kind
@@ -48,6 +49,8 @@ def classify_parts(parts: list[RawPart], options: ImportOptions) -> tuple[list[C
     low = min(float(part.positions[:, 1].min()) for part in parts)
     height = max(float(part.positions[:, 1].max()) for part in parts) - low
     result = [piece for part in parts for piece in _classify_part(part, low, height)]
+    if not any(piece.kind == "wood" for piece in result):
+        result = [_thick(piece) for piece in result]
     if any(piece.kind == "wood" for piece in result) or not _has_solid(result):
         return result, []
     warning = (
@@ -57,10 +60,28 @@ def classify_parts(parts: list[RawPart], options: ImportOptions) -> tuple[list[C
 
 
 def _classify_by_option(part: RawPart, wood: tuple[str, ...]) -> ClassifiedPart:
-    chosen = any(label in wood for label in part.labels)
-    return ClassifiedPart(
-        part, "wood" if chosen else "leaves", "named as wood" if chosen else "not named as wood"
-    )
+    if any(label in wood for label in part.labels):
+        return ClassifiedPart(part, "wood", "named as wood")
+    if any(_named_kind(label) == "twigs" for label in part.labels):
+        return ClassifiedPart(part, "twigs", "its name, and not named as wood")
+    return ClassifiedPart(part, "leaves", "not named as wood")
+
+
+def _thick(piece: ClassifiedPart) -> ClassifiedPart:
+    """Twigs of a tree without thicker wood are its wood."""
+    if piece.kind != "twigs":
+        return piece
+    return ClassifiedPart(piece.part, "wood", f"{piece.reason}, and there is no thicker wood")
+
+
+def _named_kind(label: str) -> Kind | None:
+    """What a name says; None if it says nothing, or both wood and leaves. Branches and twigs are wood."""
+    is_wood, is_leaf = WOOD_NAMES.search(label), LEAF_NAMES.search(label)
+    if is_wood and is_leaf:
+        return None
+    if is_wood or is_leaf:
+        return "wood" if is_wood else "leaves"
+    return "twigs" if TWIG_NAMES.search(label) else None
 
 
 def _has_solid(pieces: list[ClassifiedPart]) -> bool:
@@ -70,9 +91,9 @@ def _has_solid(pieces: list[ClassifiedPart]) -> bool:
 
 def _classify_part(part: RawPart, low: float, height: float) -> list[ClassifiedPart]:
     for label in part.labels:  # material names take precedence over node and mesh names
-        is_wood, is_leaf = WOOD_NAMES.search(label), LEAF_NAMES.search(label)
-        if bool(is_wood) != bool(is_leaf):
-            return [ClassifiedPart(part, "wood" if is_wood else "leaves", f"its name {label!r}")]
+        kind = _named_kind(label)
+        if kind:
+            return [ClassifiedPart(part, kind, f"its name {label!r}")]
     if is_cut_out(part.material):
         return [ClassifiedPart(part, "leaves", "its material has alpha cut-outs")]
     return _classify_by_shape(part, low, height)

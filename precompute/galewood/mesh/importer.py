@@ -17,7 +17,7 @@ from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.repair import Surface
 from galewood.mesh.species_names import guess_species
 from galewood.mesh.surface import solid_wood
-from galewood.mesh.types import ImportOptions, Kind, Material, RawPart, RenderPrimitive, TreeMesh
+from galewood.mesh.types import KINDS, ImportOptions, Material, RawPart, RenderPrimitive, TreeMesh
 from galewood.util import Floats, Ints, MeshError
 
 __all__ = [
@@ -206,8 +206,7 @@ def _base_centre(wood: Surface) -> Floats:
 
 def _primitives(pieces: list[ClassifiedPart]) -> list[RenderPrimitive]:
     result: list[RenderPrimitive] = []
-    kinds: tuple[Kind, ...] = ("wood", "leaves")
-    for kind in kinds:
+    for kind in KINDS:
         for number, piece in enumerate(s.part for s in pieces if s.kind == kind):
             result.append(
                 RenderPrimitive(

@@ -16,7 +16,11 @@ from galewood.util import Floats, Ints
 Json = dict[str, Any]
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
-DEFAULT_COLOURS = {"wood": [0.28, 0.2, 0.14, 1.0], "leaves": [0.22, 0.36, 0.1, 1.0]}
+DEFAULT_COLOURS = {
+    "wood": [0.28, 0.2, 0.14, 1.0],
+    "twigs": [0.28, 0.2, 0.14, 1.0],
+    "leaves": [0.22, 0.36, 0.1, 1.0],
+}
 
 
 def render_glb(tree: TreeMesh) -> bytes:

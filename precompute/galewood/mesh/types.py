@@ -10,7 +10,9 @@ from typing import Any, Literal
 
 from galewood.util import Floats, Ints
 
-Kind = Literal["wood", "leaves"]
+Kind = Literal["wood", "twigs", "leaves"]
+"""Wood is meshed. Twigs are wood too thin to be meshed: they are drawn, and hang on it with their mass."""
+KINDS: tuple[Kind, ...] = ("wood", "twigs", "leaves")  # in the order of the primitives
 Axis = Literal["x", "y", "z"]
 
 
@@ -67,7 +69,7 @@ class RenderPrimitive:
 
 @dataclass(frozen=True)
 class TreeMesh:
-    """A tree ready for meshing: render primitives (wood first), welded wood surface, import report."""
+    """A tree ready for meshing: render primitives (wood, twigs, leaves), welded wood surface, report."""
 
     primitives: list[RenderPrimitive]
     wood_vertices_m: Floats

@@ -173,11 +173,18 @@ def widened(modal: ModalTensors) -> tuple[Floats, ...]:
 
 
 def working_room(modal: ModalTensors) -> tuple[Array, ...]:
-    """Work arrays of a batch: e, v, pressure, prediction, three pairs, terms, sums, drag, and tree indices."""
+    """Work arrays of a batch: e, v, pressure, prediction, pairs, terms, sums, drag, and tree indices."""
     d = len(modal.step)
     terms = max(len(modal.force), len(modal.pose))
     heights = (d, d, 2, d)
     rooms = [np.zeros((height, BATCH)) for height in heights]
     total = np.zeros((max(d, modal.pose.shape[1]), BATCH))
     moved = np.zeros((3 * len(modal.drag_point) + 3, BATCH))
-    return (*rooms, np.zeros((3, 2, BATCH)), np.zeros((terms, BATCH)), total, moved, np.zeros(BATCH, np.int64))
+    return (
+        *rooms,
+        np.zeros((3, 2, BATCH)),
+        np.zeros((terms, BATCH)),
+        total,
+        moved,
+        np.zeros(BATCH, np.int64),
+    )

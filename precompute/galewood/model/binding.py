@@ -1,8 +1,8 @@
 """Binding of rendered to simulated geometry: barycentric weights of render vertices in the tetrahedra.
 
-Wood vertices follow the tet that contains them. Each connected piece of foliage follows the single point
-where it is nearest to the wood, so that leaf cards are not deformed. Only pieces as large as a crown follow
-the wood vertex by vertex.
+Wood vertices follow the tet that contains them. Each connected piece of foliage or twigs follows the single
+point where it is nearest to the wood, so that leaf cards are not deformed. Only pieces as large as a crown
+follow the wood vertex by vertex.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ CANDIDATES = 24
 CROWN_SIZE = 0.15  # relative to the height; larger pieces of foliage are not rigid
 CROWN_NEIGHBOURS = 8
 CHUNK = 20_000
+INSIDE_M = 1e-9  # rounding of the distance of a point inside a tetrahedron
 
 
 @dataclass(frozen=True)
@@ -101,8 +102,11 @@ def piece_size(positions_m: Floats, piece: Ints) -> Floats:
 
 
 def nearest_of_pieces(distance_m: Floats, piece: Ints) -> Ints:
-    """For each component (count,), its vertex nearest to the wood, given the distances (n,) of all."""
-    order = np.lexsort((distance_m, piece))
+    """For each component (count,), its vertex nearest to the wood, given the distances (n,) of all.
+
+    Of several inside the wood the first is taken: a twig begins at its base, and may pierce another limb.
+    """
+    order = np.lexsort((np.where(distance_m < INSIDE_M, 0.0, distance_m), piece))
     _, first = np.unique(piece[order], return_index=True)
     return order[first].astype(np.int32)
 

@@ -1,9 +1,10 @@
-"""Effect of the foliage on the wood: mass and wind area, lumped at the points of a model."""
+"""Effect of foliage and twigs on the wood: mass and wind area, lumped at the points of a model."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -11,7 +12,9 @@ import numpy as np
 from galewood.mesh import RenderPrimitive, TreeMesh, alpha_coverage
 from galewood.model.bare_tree import without_leaves
 from galewood.model.binding import foliage_pieces, nearest_of_pieces, nearest_tets, render_binding
+from galewood.model.crown_mass import twig_loads, vertex_areas
 from galewood.model.silhouette import silhouette_area
+from galewood.model.twigs import twig_volumes
 from galewood.skeleton import CLAMPED_SHARE, root_vertices
 from galewood.tets import TetMesh, tet_volumes
 from galewood.util import Floats, Int32s
@@ -23,7 +26,7 @@ MOST_LEAF_MASS = 0.5  # relative to the mass of the wood
 PROFILE_EXPONENT = 0.4  # of the pressure over height; the speed grows with about the fifth root
 RANDOM_PROJECTION = 0.5  # mean projected area of a flat leaf over its one-sided area
 LEAF_DRAG_COEFFICIENT = 0.4
-"""Drag area of leaves over their one-sided area, in air that moves among them (calibrated, docs/physics.md)."""
+"""Drag area of leaves over their one-sided area, in the air among them (calibrated, docs/physics.md)."""
 CONVEX_PROJECTION = 0.25  # mean projected area of a convex body over its surface (Cauchy)
 
 
@@ -40,8 +43,9 @@ class WoodLike(Protocol):
 class LumpedMasses:
     """Per tet vertex: added mass (n,) kg and drag area (n,) m²; also the fixed vertices (k,).
 
-    The drag area is Cd·A of the silhouette, the exposed area that of all leaves and wood without shelter; both
-    include the height profile of the pressure, whose root is wind_profile (`galewood.fem.drag`).
+    The drag area is Cd·A of the silhouette, the exposed area that of all leaves and wood without shelter;
+    both include the height profile of the pressure, whose root is wind_profile (`galewood.fem.drag`).
+    leaf_mass_kg (n,) is the leaves' part of the mass, the rest is twigs; empty: there are no leaves.
     """
 
     mass_kg: Floats
@@ -50,38 +54,39 @@ class LumpedMasses:
     report: dict[str, Any]
     exposed_area_m2: Floats | None = None
     wind_profile: Floats | None = None
+    leaf_mass_kg: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)
 class CrownLoads:
-    """Per point: leaf mass (n,) kg and areas (n,) as in ``LumpedMasses``; and a report."""
+    """Per point: mass (n,) kg of leaves and drawn twigs, and areas (n,) as in ``LumpedMasses``; and a report."""
 
     mass_kg: Floats
     drag_area_m2: Floats
     exposed_area_m2: Floats
     wind_profile: Floats
     report: dict[str, Any]
+    leaf_mass_kg: Floats
 
 
 def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = True) -> LumpedMasses:
-    """Leaf mass and wind area at the vertices of the tetrahedral mesh.
+    """Mass of leaves and twigs, and wind area, at the vertices of the tetrahedral mesh.
 
-    Without ``leaves`` the masses are zero, and the wind area is that of the wood alone.
+    Without ``leaves`` the masses are those of the twigs, and the wind area is that of the wood alone.
     """
     wood_mass = float(
         (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
     )
-    crown = crown_loads(
-        tree if leaves else without_leaves(tree),
-        wood,
-        mesh.vertices_m[:, 1],
-        lambda primitive, area: _spread(primitive, area, mesh),
-        wood_mass,
-    )
+    spread = partial(_spread, mesh=mesh)
+    loaded = tree if leaves else without_leaves(tree)
+    crown = crown_loads(loaded, wood, mesh.vertices_m[:, 1], spread, wood_mass)
+    # Twigs hang where the leaves do, in winter too.
+    twigs = twig_loads(tree, spread, wood_mass, crown.report.get("twig_mass_kg", 0.0))
     fixed = root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32)
-    report = crown.report | {"clamped_lowest_share": CLAMPED_SHARE}
+    report = crown.report | twigs.report | {"clamped_lowest_share": CLAMPED_SHARE}
     areas = (crown.exposed_area_m2, crown.wind_profile)
-    return LumpedMasses(crown.mass_kg, crown.drag_area_m2, fixed, report, *areas)
+    mass = crown.mass_kg + twigs.mass_kg
+    return LumpedMasses(mass, crown.drag_area_m2, fixed, report, *areas, crown.leaf_mass_kg)
 
 
 def crown_loads(
@@ -91,19 +96,21 @@ def crown_loads(
     spread: Callable[[RenderPrimitive, Floats], Floats],
     wood_mass_kg: float,
 ) -> CrownLoads:
-    """Leaf mass and wind area at points of a model at the heights (n,).
+    """Mass of leaves and twigs, and wind area, at points of a model at the heights (n,).
 
     ``spread`` distributes an amount (v,) at the vertices of a primitive to the points (n,). The silhouette
     area of the whole tree, averaged over directions, is distributed in proportion to each part's projected
     area.
     """
-    leaf_area, wood_area = np.zeros(len(height_m)), np.zeros(len(height_m))
+    leaf_area, wood_area, twig_mass = (np.zeros(len(height_m)) for _ in range(3))
     for primitive in tree.primitives:
         area = spread(primitive, vertex_areas(primitive) * alpha_coverage(primitive.material))
         if primitive.kind == "leaves":
             leaf_area += area
         else:
             wood_area += area
+        if primitive.kind == "twigs":
+            twig_mass += spread(primitive, twig_volumes(primitive) * wood.density_kg_m3)
     leaf_mass, capped = _leaf_mass(leaf_area, wood_mass_kg)
     silhouette = silhouette_area(*_triangles(tree))
     projected = RANDOM_PROJECTION * leaf_area + CONVEX_PROJECTION * wood_area
@@ -111,7 +118,7 @@ def crown_loads(
     profile = np.clip(height_m / tree.height_m, 0.0, 1.0) ** PROFILE_EXPONENT
     exposed = LEAF_DRAG_COEFFICIENT * leaf_area + wood.drag_coefficient * CONVEX_PROJECTION * wood_area
     return CrownLoads(
-        leaf_mass,
+        leaf_mass + twig_mass,
         wood.drag_coefficient * frontal * profile,
         np.maximum(exposed, wood.drag_coefficient * frontal) * profile,
         np.sqrt(profile),
@@ -120,12 +127,14 @@ def crown_loads(
             "leaf_area_m2": float(leaf_area.sum()),
             "leaf_mass_kg": float(leaf_mass.sum()),
             "leaf_mass_capped": capped,
+            "twig_mass_kg": float(twig_mass.sum()),
             "wood_mass_kg": wood_mass_kg,
             "drag_coefficient": wood.drag_coefficient,
             "leaf_drag_coefficient": LEAF_DRAG_COEFFICIENT,
             "exposed_drag_area_m2": float((exposed * profile).sum()),
             "profile_exponent": PROFILE_EXPONENT,
         },
+        leaf_mass,
     )
 
 
@@ -136,22 +145,11 @@ def _leaf_mass(leaf_area: Floats, wood_mass_kg: float) -> tuple[Floats, bool]:
     return (mass * (most / total), True) if total > most else (mass, False)
 
 
-def vertex_areas(primitive: RenderPrimitive) -> Floats:
-    """Area (n,) of the faces around each vertex; each corner gets a third of its face."""
-    corners = primitive.positions_m[primitive.faces]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    share = np.linalg.norm(cross, axis=1) / 6.0
-    return np.asarray(
-        np.bincount(primitive.faces.ravel(), np.repeat(share, 3), len(primitive.positions_m)),
-        dtype=np.float64,
-    )
-
-
 def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh) -> Floats:
     """Distribute an amount (n,) at render vertices to the tet vertices that they are bound to."""
     anchors = nearest_tets(primitive.positions_m, mesh)
     holder = np.arange(len(amount))
-    if primitive.kind == "leaves":
+    if primitive.kind != "wood":
         pieces = foliage_pieces(primitive)
         holder = nearest_of_pieces(anchors.distance_m, pieces)[pieces]
     parts = anchors.weight[holder] * amount[:, None]

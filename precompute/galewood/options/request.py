@@ -40,7 +40,7 @@ class ImportRequest(BaseModel):
         default=None,
         ge=0,
         le=500,
-        description="Scanned tree: drop branches thinner than this, mm; default: 10.",
+        description="Scanned tree: drop branches thinner than this, mm; default: 10, or what leaves 200.",
     )
     bare: bool | None = Field(
         default=None,
@@ -89,6 +89,12 @@ class BuildRequest(ImportRequest):
     )
     all_cosine_winds: bool | None = Field(
         default=None, description="Record all 36 cosine winds of the paper instead of 18; default: no."
+    )
+    root_stiffness_knm: float | None = Field(
+        default=None,
+        ge=0.001,
+        le=1e9,
+        description="Rotational stiffness of the root plate, kN·m/rad; default: rigid ground.",
     )
     wood: WoodDocument | None = Field(
         default=None, description="Constants of a wood of your own; they take precedence over the species."

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from galewood.pipeline.rehearsal import compile_kernels
     from galewood.pipeline.report import render_mesh
     from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship
+    from galewood.pipeline.tree_figures import tree_lines
 
 __getattr__ = lazily(
     __name__,
@@ -32,6 +33,7 @@ __getattr__ = lazily(
         "builtin_meshes": "galewood.pipeline.shipping",
         "outdated": "galewood.pipeline.shipping",
         "ship": "galewood.pipeline.shipping",
+        "tree_lines": "galewood.pipeline.tree_figures",
     },
 )
 __all__ = [
@@ -57,5 +59,6 @@ __all__ = [
     "read_shipped",
     "render_mesh",
     "ship",
+    "tree_lines",
     "write_shipped",
 ]

@@ -91,12 +91,18 @@ class BuildOptions:
     table: TableSettings = field(default_factory=TableSettings)
 
 
+OF_PARTS = ("modes", "wood", "root_stiffness_knm")
+"""Fields of a request that belong to a part of the build options."""
+
+
 def build_options(request: BuildRequest) -> BuildOptions:
     """Convert a request to build options; what the request omits keeps its default."""
-    given = request.model_dump(exclude_none=True, exclude={"modes", "wood", *ImportRequest.model_fields})
+    given = request.model_dump(exclude_none=True, exclude={*OF_PARTS, *ImportRequest.model_fields})
+    root_knm = request.root_stiffness_knm
     return BuildOptions(
         mesh_import=import_options(request),
         wood=request.wood.wood() if request.wood else None,
+        fem=FemSettings(root_stiffness_nm_rad=None if root_knm is None else 1000 * root_knm),
         table=TableSettings(modes=request.modes),
         **given,
     )

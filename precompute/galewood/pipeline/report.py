@@ -15,6 +15,7 @@ from galewood.mesh import TreeMesh
 from galewood.model import LumpedMasses
 from galewood.pipeline.assemble import RenderMesh
 from galewood.pipeline.options import BuildOptions, Stages
+from galewood.pipeline.tree_figures import figures_of
 from galewood.sampling import DesignWind, content_hash
 from galewood.skeleton import Skeleton
 from galewood.table import Metadata, Records, Table
@@ -86,6 +87,7 @@ def build_report(
     """JSON-able report of all assumptions and measurements of a build, by stage."""
     return {
         "import": tree.report,
+        "tree": figures_of(tree, mesh, skeleton, lumped, model),
         "meshing": mesh.report,
         "skeleton": skeleton.report,
         "foliage": lumped.report,

@@ -49,7 +49,18 @@ def linear_motion(
     d = len(own.omega)
     none = np.zeros((force_terms(0), d)), np.zeros((d + 2 + shape_terms(0), 0))
     drag = drag_points(own, typical_speed(runs))
-    tensors = (step, own.load, sway, none[0], subspace.scale, none[1], limits, drag.point, drag.shape, drag.rest)
+    tensors = (
+        step,
+        own.load,
+        sway,
+        none[0],
+        subspace.scale,
+        none[1],
+        limits,
+        drag.point,
+        drag.shape,
+        drag.rest,
+    )
     modal = ModalTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
     return LinearMotion(modal, subspace, [run.q for run in runs])
 

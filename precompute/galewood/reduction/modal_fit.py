@@ -170,9 +170,7 @@ class _Linear:
     def motion(self, run: ModalRun, dt_s: float) -> Floats:
         """(T + 1, d) motion under the load of a run's wind and the drag at its speeds."""
         force = run.pressure @ self.load.T + drag_along(run, self.drag, dt_s)
-        return np.concatenate(
-            [response(row, force[:, k : k + 1]) for k, row in enumerate(self.step)], axis=1
-        )
+        return np.concatenate([response(row, force[:, k : k + 1]) for k, row in enumerate(self.step)], axis=1)
 
 
 def drag_along(run: ModalRun, drag: DragPoints, dt_s: float) -> Floats:

@@ -65,7 +65,9 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
     load = np.einsum("kni,n->ki", shapes[:, :, [0, 2]], model.drag_area_m2)
     of_vertices = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
     drag = model.drag()
-    exposure = Exposure(*(values[: model.vertex_count] for values in (drag.exposed_m2, drag.share, drag.profile)))
+    exposure = Exposure(
+        *(values[: model.vertex_count] for values in (drag.exposed_m2, drag.share, drag.profile))
+    )
     return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure)
 
 

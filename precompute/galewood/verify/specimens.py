@@ -1,4 +1,4 @@
-"""The generated species as specimens for the checks, with the skeleton of their generator."""
+"""The generated trees as specimens for the checks, with the skeleton of their generator."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -20,19 +20,30 @@ from galewood.tets import TetMesh, tetrahedralise
 from galewood.util import Floats
 from galewood.wood import Wood, wood_of_species
 
-NAMES = ("poplar", "maple", "apricot")
+Form = Literal["open", "forest"]
+FORMS: dict[str, tuple[str, Form]] = {
+    "poplar": ("poplar", "open"),
+    "maple": ("maple", "open"),
+    "apricot": ("apricot", "open"),
+    "poplar-forest": ("poplar", "forest"),
+    "maple-forest": ("maple", "forest"),
+    "apricot-forest": ("apricot", "forest"),
+}
+"""Species and form of each generated tree."""
+NAMES = tuple(FORMS)
 BEAMS_PER_LINK = 4
 """Of the generator's skeleton."""
 TARGETS = (3000, 5500, 8000)
 Mesher = Callable[[str, TreeMesh, int], TetMesh]
-"""Returns the tetrahedra of a species' wood, given its name, tree and target count."""
+"""Returns the tetrahedra of a tree's wood, given its name, tree and target count."""
 
 
 @dataclass(frozen=True)
 class Specimen:
-    """One species on one tetrahedral mesh, with all inputs of its models."""
+    """One generated tree on one tetrahedral mesh, with all inputs of its models."""
 
     name: str
+    form: Form
     tree: TreeMesh
     mesh: TetMesh
     skeleton: Skeleton
@@ -43,8 +54,9 @@ class Specimen:
     frame: Frame
 
     def model(self, element: Element = "fitted", gravity: bool = True, leaves: bool = True) -> FemModel:
-        """Build a model of the tree; ``leaves`` False omits the mass of the foliage."""
-        lumped = self.lumped if leaves else replace(self.lumped, mass_kg=np.zeros_like(self.lumped.mass_kg))
+        """Build a model of the tree; ``leaves`` False omits that of leaves and twigs."""
+        nothing = np.zeros_like(self.lumped.mass_kg)
+        lumped = self.lumped if leaves else replace(self.lumped, mass_kg=nothing, leaf_mass_kg=nothing)
         settings = FemSettings(element=element, gravity=gravity)
         return build_model(self.mesh, self.skeleton, self.wood, lumped, settings)
 
@@ -72,9 +84,9 @@ def read_frame(path: Path, beams_per_link: int = BEAMS_PER_LINK) -> Frame:
 
 
 def read_tree(folder: Path, name: str) -> TreeMesh:
-    """Import the mesh of a species."""
+    """Import the mesh of a generated tree."""
     path = folder / f"{name}.glb"
-    tree, _ = import_mesh_sandboxed(path.read_bytes(), path.name, ImportOptions(species=name))
+    tree, _ = import_mesh_sandboxed(path.read_bytes(), path.name, ImportOptions(species=FORMS[name][0]))
     return tree
 
 
@@ -82,13 +94,15 @@ def specimen(folder: Path, name: str, tree: TreeMesh, mesh: TetMesh) -> Specimen
     """Skeleton, radius correction and foliage on a tetrahedral mesh of the tree."""
     skeleton = extract_skeleton(mesh)
     mesh = with_corrected_radii(tree, mesh, skeleton)
-    wood = wood_of_species(name)
+    species, form = FORMS[name]
+    wood = wood_of_species(species)
     path = folder / f"{name}.skeleton.json"
     generated, frame = json.loads(path.read_text()), read_frame(path)
     origin = np.array(tree.report["roots"]["origin_in_file"])
     generated["points_m"] = np.array(generated["points_m"]) - origin
     frame = replace(frame, points_m=frame.points_m - origin)
-    return Specimen(name, tree, mesh, skeleton, bind_foliage(tree, mesh, wood), wood, generated, frame)
+    lumped = bind_foliage(tree, mesh, wood)
+    return Specimen(name, form, tree, mesh, skeleton, lumped, wood, generated, frame)
 
 
 def cached_mesher(cache_dir: Path) -> Mesher:

@@ -2,14 +2,15 @@ import { apricotBark } from "./bark-picture";
 import { ovate } from "./leaf-shapes";
 import type { Species } from "./species";
 
-/** A small orchard tree: short stem and wide round crown with crooked boughs. */
+/** Grown in the open: short stem and wide round crown with crooked boughs. */
 export const apricot: Species = {
   id: "apricot",
   name: "Apricot",
   wood: "apricot",
-  height_m: 6,
+  form: "open",
+  height_m: 10.5,
   habit: {
-    seed: 606,
+    seed: 642,
     options: {
       type: "deciduous",
       trellis: { enabled: false },
@@ -25,10 +26,10 @@ export const apricot: Species = {
     },
     branching: [
       {
-        count: [7, 6, 1],
+        count: [7, 7, 1],
         start: 0.5,
         angle_deg: [64, 62, 60, 54, 46, 34],
-        length: [11.5, 12.5, 12, 10.5, 8, 5],
+        length: [9.5, 11, 11, 10, 8.5, 6],
         steepest: 1,
         scatter: 0.1,
       },
@@ -41,28 +42,42 @@ export const apricot: Species = {
         scatter: 0.22,
       },
     ],
-    leader: [[0.8, 0.5], [0.5], []],
+    leader: [[0.85, 0.3], [0.5], []],
   },
   girth: {
-    breast_radius_m: 0.09,
-    breast_height_m: 0.7,
-    tip_radius_m: 0.008,
+    breast_radius_m: 0.152,
+    taper: 1.1,
+    bough_radius_m: 0.055,
+    tip_radius_m: 0.012,
     exponent: 0.5,
     flare: 0.3,
     flare_height_m: 0.2,
   },
   cut: { segments: [9, 5, 4], bark_tile_m: [0.55, 1.1] },
-  foliage: {
-    cards: 2700,
-    size_m: 0.42,
-    scatter: 0.25,
-    angle_deg: [70, 60, 40],
+  twigs: {
+    count: 450,
+    length_m: [0.95, 0.9, 0.75],
+    scatter: 0.4,
+    radius_m: 0.0095,
+    angle_deg: [62, 54, 44],
     density: [
-      [0, 0, 0, 0.3, 0.7, 1, 1.2],
-      [0, 0.4, 0.9, 1.2],
+      [0, 0, 0, 0.3, 0.6, 0.7, 0.7],
+      [0, 0.5, 0.9, 1.2],
       [0.5, 1, 1.2],
     ],
-    reach_m: 0.32,
+    rise: 0.5,
+    nodes: 4,
+    perNode: 1,
+    side_angle_deg: 58,
+    side_length: 0.42,
+    zigzag: 0.16,
+    colour: [0.16, 0.075, 0.05],
+  },
+  foliage: {
+    cards: 2700,
+    size_m: 0.46,
+    scatter: 0.25,
+    angle_deg: [55, 45, 30],
     lift: 0.08,
     shade: 0.5,
     bough_tint: 0.2,
@@ -101,4 +116,49 @@ export const apricot: Species = {
   },
   bark: apricotBark(37),
   barkRelief: 3.5,
+};
+
+/** Grown in a closed wood: a slender stem with a short, irregular crown. */
+export const apricotForest: Species = {
+  ...apricot,
+  id: "apricot-forest",
+  name: "Apricot, forest-grown",
+  form: "forest",
+  height_m: 12.5,
+  habit: {
+    ...apricot.habit,
+    seed: 620,
+    branching: [
+      {
+        count: [0, 8],
+        start: 1,
+        angle_deg: [70, 66, 60, 54, 46, 34],
+        length: [2.2, 3, 3.5, 3.6, 3.2, 2.2],
+        steepest: 1,
+        scatter: 0.16,
+      },
+      { ...apricot.habit.branching[1], count: [3, 1], length: [2.4, 2.2, 2] },
+    ],
+    leader: [[0.95, 0.25], [0.5], []],
+  },
+  girth: {
+    ...apricot.girth,
+    breast_radius_m: 0.0605,
+    taper: 0.95,
+    bough_radius_m: 0.0175,
+    tip_radius_m: 0.0095,
+    flare: 0.25,
+  },
+  twigs: {
+    ...apricot.twigs,
+    count: 200,
+    radius_m: 0.0075,
+    density: [
+      [0, 0, 0, 0, 0.2, 0.7, 1.2],
+      [0, 0.5, 0.9, 1.2],
+      [0.5, 1, 1.2],
+    ],
+    length_m: [0.7, 0.65, 0.55],
+  },
+  foliage: { ...apricot.foliage, cards: 1100, size_m: 0.36 },
 };

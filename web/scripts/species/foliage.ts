@@ -1,21 +1,17 @@
 import { Vector3 } from "three";
 import { type Profile, sample } from "./growth";
 import { type Random, seededRandom } from "./random";
-import type { SkeletonNode } from "./skeleton";
+import { type Site, type Stretch, sitesOn } from "./sites";
 import type { SurfaceMesh } from "./surface";
 
-/** Arrangement of the leaf sprays on the wood. A spray is one card: a quad with a picture of a shoot. */
+/** Arrangement of the leaf sprays on the twigs. A spray is one card: a quad with a picture of a shoot. */
 export interface Foliage {
   cards: number;
   size_m: number;
   /** Relative scatter of size. */
   scatter: number;
-  /** Angle between spray and twig (degrees) from the base of a branch to its tip. */
+  /** Angle between spray and shoot (degrees) from the base of a twig to its tip. */
   angle_deg: Profile;
-  /** Relative number of leaves per metre from base to tip, for trunk, boughs and twigs. */
-  density: readonly Profile[];
-  /** Offset of the sprays from the modelled wood (m), for shoots too thin to model. */
-  reach_m: number;
   /** Tendency of the sprays to point up (positive) or down. */
   lift: number;
   /** Brightness inside the crown (1 = same as outside). */
@@ -23,15 +19,6 @@ export interface Foliage {
   /** Colour variation between boughs and between sprays, 0 to 1. */
   bough_tint: number;
   spray_tint: number;
-}
-
-interface Site {
-  position: Vector3;
-  tangent: Vector3;
-  /** Position along its branch, 0 to 1. */
-  along: number;
-  branch: number;
-  bough: number;
 }
 
 interface Crown {
@@ -42,10 +29,10 @@ interface Crown {
 const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
 const ATLAS_COLUMNS = 2;
 
-/** Cards distributed evenly over the leafy wood. Each card is a separate piece of four vertices. */
-export function leafMesh(nodes: readonly SkeletonNode[], foliage: Foliage, seed: number): SurfaceMesh {
+/** Cards distributed over the shoots of the twigs. Each card is a separate piece of four vertices. */
+export function leafMesh(shoots: readonly Stretch[], foliage: Foliage, seed: number): SurfaceMesh {
   const random = seededRandom(seed);
-  const sites = leafSites(nodes, foliage, random);
+  const sites = sitesOn(shoots, foliage.cards, random);
   const crown = crownOf(sites);
   const mesh: SurfaceMesh = { positions: [], normals: [], uvs: [], indices: [], colours: [] };
   const tints = sites.map(() => random.around(0, 1));
@@ -53,53 +40,6 @@ export function leafMesh(nodes: readonly SkeletonNode[], foliage: Foliage, seed:
     addCard(mesh, site, i, crown, foliage, tints[site.bough % tints.length], random);
   });
   return mesh;
-}
-
-/** Positions along the wood, stratified by density so that no section is bare by chance. */
-function leafSites(nodes: readonly SkeletonNode[], foliage: Foliage, random: Random): Site[] {
-  const along = relativePositions(nodes);
-  const bough = boughs(nodes);
-  const weights = nodes.map((node, i) => {
-    if (node.parent < 0) return 0;
-    const length = node.position.distanceTo(nodes[node.parent].position);
-    return length * Math.max(0, sample(foliage.density[node.level], along[i]));
-  });
-  const total = weights.reduce((sum, w) => sum + w, 0);
-  const sites: Site[] = [];
-  let node = 0;
-  let passed = 0;
-  for (let i = 0; i < foliage.cards; i++) {
-    const target = (total * (i + random.uniform(0, 1))) / foliage.cards;
-    while (passed + weights[node] < target && node < nodes.length - 1) passed += weights[node++];
-    const t = weights[node] > 0 ? (target - passed) / weights[node] : 1;
-    const { position, parent, branch } = nodes[node];
-    const below = nodes[parent].position;
-    const tangent = position.clone().sub(below).normalize();
-    const point = below.clone().lerp(position, t);
-    sites.push({ position: point, tangent, along: along[node], branch, bough: bough[node] });
-  }
-  return sites;
-}
-
-/** Position of every node along its own branch, 0 at the fork, 1 at the tip. */
-function relativePositions(nodes: readonly SkeletonNode[]): Float64Array {
-  const length = new Float64Array(nodes.length);
-  const total = new Map<number, number>();
-  nodes.forEach(({ parent, branch, position }, i) => {
-    if (parent < 0 || nodes[parent].branch !== branch) return;
-    length[i] = length[parent] + position.distanceTo(nodes[parent].position);
-    total.set(branch, Math.max(total.get(branch) ?? 0, length[i]));
-  });
-  return length.map((value, i) => value / (total.get(nodes[i].branch) || 1));
-}
-
-/** Bough of each node (the top of the trunk counts as bough 0). */
-function boughs(nodes: readonly SkeletonNode[]): number[] {
-  const bough: number[] = [];
-  nodes.forEach((node, i) => {
-    bough[i] = node.level <= 1 ? node.branch : bough[node.parent];
-  });
-  return bough;
 }
 
 function crownOf(sites: readonly Site[]): Crown {
@@ -128,13 +68,12 @@ function addCard(
   boughTint: number,
   random: Random,
 ): void {
-  const reach_m = foliage.reach_m * random.uniform(0, 1) ** 1.5;
   const size = foliage.size_m * random.around(1, foliage.scatter);
   const axis = sprayAxis(site, index, foliage, random);
-  const out = outward(site.position.clone().addScaledVector(axis, reach_m + size / 2), crown);
+  const out = outward(site.position.clone().addScaledVector(axis, size / 2), crown);
   const facing = cardNormal(axis, out.direction, random);
   const across = new Vector3().crossVectors(axis, facing);
-  const origin = site.position.clone().addScaledVector(axis, reach_m - 0.06 * size);
+  const origin = site.position.clone().addScaledVector(axis, -0.06 * size);
   const colour = cardColour(out, foliage, boughTint, random);
   const tile = random.integer(ATLAS_COLUMNS * ATLAS_COLUMNS);
   const mirror = random.uniform(0, 1) < 0.5 ? -1 : 1;

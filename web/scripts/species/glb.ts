@@ -8,11 +8,18 @@ export interface SpeciesPictures {
   leaves: Uint8Array;
 }
 
-/** Writes binary glTF with two meshes, `wood` and `leaves`, each under a node of the same name. */
+/** The surfaces of a tree. */
+export interface TreeMeshes {
+  wood: SurfaceMesh;
+  twigs: SurfaceMesh;
+  leaves: SurfaceMesh;
+}
+
+/** Writes binary glTF with meshes `wood`, `twigs` and `leaves`, each under a node of the same name. */
 export async function writeGlb(
   name: string,
-  wood: SurfaceMesh,
-  leaves: SurfaceMesh,
+  { wood, twigs, leaves }: TreeMeshes,
+  twigColour: readonly [number, number, number],
   pictures: SpeciesPictures,
 ): Promise<Uint8Array> {
   const document = new Document();
@@ -20,6 +27,7 @@ export async function writeGlb(
   document.getRoot().getAsset().generator = "galewood grow-species";
   const scene = document.createScene(name);
   scene.addChild(meshNode(document, "wood", wood, barkMaterial(document, pictures)));
+  scene.addChild(meshNode(document, "twigs", twigs, twigMaterial(document, twigColour)));
   scene.addChild(meshNode(document, "leaves", leaves, leafMaterial(document, pictures)));
   document.getRoot().setDefaultScene(scene);
   return new NodeIO().writeBinary(document);
@@ -37,6 +45,15 @@ function barkMaterial(document: Document, pictures: SpeciesPictures): Material {
     .createMaterial("wood")
     .setBaseColorTexture(texture("bark", pictures.bark))
     .setNormalTexture(texture("bark_normal", pictures.barkNormal))
+    .setMetallicFactor(0)
+    .setRoughnessFactor(0.9);
+}
+
+/** Shoots are too thin for a texture. */
+function twigMaterial(document: Document, [red, green, blue]: readonly [number, number, number]): Material {
+  return document
+    .createMaterial("twigs")
+    .setBaseColorFactor([red, green, blue, 1])
     .setMetallicFactor(0)
     .setRoughnessFactor(0.9);
 }
@@ -67,8 +84,8 @@ function meshNode(document: Document, name: string, mesh: SurfaceMesh, material:
     .setIndices(accessor("SCALAR", new Uint16Array(mesh.indices)))
     .setAttribute("POSITION", accessor("VEC3", new Float32Array(mesh.positions)))
     .setAttribute("NORMAL", accessor("VEC3", new Float32Array(mesh.normals)))
-    .setAttribute("TEXCOORD_0", accessor("VEC2", new Float32Array(mesh.uvs)))
     .setMaterial(material);
+  if (mesh.uvs.length > 0) primitive.setAttribute("TEXCOORD_0", accessor("VEC2", new Float32Array(mesh.uvs)));
   if (mesh.colours)
     primitive.setAttribute("COLOR_0", accessor("VEC4", colourBytes(mesh.colours)).setNormalized(true));
   return document.createNode(name).setMesh(document.createMesh(name).addPrimitive(primitive));

@@ -1,44 +1,66 @@
 import { barkPictures } from "./bark-picture";
 import { leafMesh } from "./foliage";
-import { writeGlb } from "./glb";
+import { type TreeMeshes, writeGlb } from "./glb";
 import { growSkeleton } from "./growth";
 import { leafPicture } from "./leaf-picture";
 import { encodePng } from "./picture";
 import { type SkeletonNode, scaleToHeight, setGirth, skeletonJson } from "./skeleton";
 import type { Species } from "./species";
 import type { SurfaceMesh } from "./surface";
+import { growTwigs } from "./twigs";
 import { woodMesh } from "./wood";
 
-export interface GrownSpecies {
+export interface GrownSpecies extends TreeMeshes {
   glb: Uint8Array;
   skeleton: string;
   nodes: readonly SkeletonNode[];
-  wood: SurfaceMesh;
-  leaves: SurfaceMesh;
 }
 
 const BARK_WIDTH = 384;
 const BARK_HEIGHT = 768;
 
-/** The skeleton of a species in metres with its radii. */
-export function growNodes(species: Species): SkeletonNode[] {
-  const nodes = growSkeleton(species.habit);
-  scaleToHeight(nodes, species.height_m);
-  setGirth(nodes, species.girth);
-  return nodes;
+/** Rounds in which the height of the wood is found at which the leaves end at the height of the tree. */
+const ROUNDS = 4;
+
+interface Grown extends TreeMeshes {
+  nodes: SkeletonNode[];
+}
+
+function topOf({ positions }: SurfaceMesh): number {
+  return positions.reduce((top, value, i) => (i % 3 === 1 ? Math.max(top, value) : top), 0);
+}
+
+/** The tree with its wood of this height. */
+function atHeight(species: Species, wood_height_m: number): Grown {
+  const { habit, girth, cut, foliage } = species;
+  const nodes = growSkeleton(habit);
+  scaleToHeight(nodes, wood_height_m);
+  setGirth(nodes, girth);
+  const twigs = growTwigs(nodes, species.twigs, habit.seed);
+  const leaves = leafMesh(twigs.axes, foliage, habit.seed);
+  return { nodes, wood: woodMesh(nodes, cut), twigs: twigs.mesh, leaves };
+}
+
+/** The tree in metres; its topmost leaf is at the height of the species. */
+export function growTree(species: Species): Grown {
+  let height_m = 0.94 * species.height_m;
+  let grown = atHeight(species, height_m);
+  for (let round = 0; round < ROUNDS; round++) {
+    height_m += species.height_m - Math.max(...[grown.wood, grown.twigs, grown.leaves].map(topOf));
+    grown = atHeight(species, height_m);
+  }
+  return grown;
 }
 
 /** Grows a species: the same parameters give the same bytes. */
 export async function growSpecies(species: Species): Promise<GrownSpecies> {
-  const nodes = growNodes(species);
-  const wood = woodMesh(nodes, species.cut);
-  const leaves = leafMesh(nodes, species.foliage, species.habit.seed);
+  const { nodes, ...meshes } = growTree(species);
   const bark = barkPictures(species.bark, BARK_WIDTH, BARK_HEIGHT, species.barkRelief);
   const pictures = {
     bark: encodePng(bark.colour, true),
     barkNormal: encodePng(bark.normal, true),
     leaves: encodePng(leafPicture(species.leaf, species.habit.seed), false),
   };
-  const glb = await writeGlb(species.id, wood, leaves, pictures);
-  return { glb, skeleton: skeletonJson(species.id, nodes), nodes, wood, leaves };
+  const glb = await writeGlb(species.id, meshes, species.twigs.colour, pictures);
+  return { glb, skeleton: skeletonJson(species.id, nodes), nodes, ...meshes };
 }

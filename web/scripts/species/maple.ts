@@ -2,12 +2,13 @@ import { mapleBark } from "./bark-picture";
 import { palmate } from "./leaf-shapes";
 import type { Species } from "./species";
 
-/** Broad oval crown with long boughs in layers; red in autumn. */
+/** Grown in the open: broad oval crown with long boughs in layers; red in autumn. */
 export const maple: Species = {
   id: "maple",
   name: "Maple",
   wood: "maple",
-  height_m: 12,
+  form: "open",
+  height_m: 17,
   habit: {
     seed: 707,
     options: {
@@ -28,7 +29,7 @@ export const maple: Species = {
         count: [12, 5, 1],
         start: 0.27,
         angle_deg: [72, 66, 58, 48, 38, 28],
-        length: [17, 19, 18.5, 16, 12, 6],
+        length: [17, 19, 18.5, 16, 11, 4.5],
         steepest: 1,
         scatter: 0.14,
       },
@@ -41,28 +42,42 @@ export const maple: Species = {
         scatter: 0.2,
       },
     ],
-    leader: [[0.46, 0.5], [0.5], []],
+    leader: [[0.48, 0.36], [0.5], []],
   },
   girth: {
-    breast_radius_m: 0.14,
-    breast_height_m: 1.3,
-    tip_radius_m: 0.011,
+    breast_radius_m: 0.172,
+    taper: 1.27,
+    bough_radius_m: 0.085,
+    tip_radius_m: 0.0155,
     exponent: 0.5,
     flare: 0.4,
     flare_height_m: 0.3,
   },
   cut: { segments: [9, 5, 4], bark_tile_m: [0.7, 1.4] },
-  foliage: {
-    cards: 2750,
-    size_m: 0.66,
-    scatter: 0.25,
-    angle_deg: [75, 65, 45],
+  twigs: {
+    count: 450,
+    length_m: [1.4, 1.3, 1.1],
+    scatter: 0.35,
+    radius_m: 0.0115,
+    angle_deg: [58, 50, 42],
     density: [
-      [0, 0, 0, 0, 0.4, 0.8, 1.2],
-      [0, 0.3, 0.8, 1.2],
-      [0.4, 1, 1.3],
+      [0, 0, 0, 0, 0.4, 0.7, 0.7],
+      [0, 0.5, 0.9, 1.2],
+      [0.4, 1, 1.2],
     ],
-    reach_m: 0.6,
+    rise: 0.35,
+    nodes: 3,
+    perNode: 2,
+    side_angle_deg: 46,
+    side_length: 0.5,
+    zigzag: 0.03,
+    colour: [0.16, 0.12, 0.1],
+  },
+  foliage: {
+    cards: 2700,
+    size_m: 0.6,
+    scatter: 0.25,
+    angle_deg: [60, 50, 35],
     lift: -0.02,
     shade: 0.5,
     bough_tint: 0.35,
@@ -101,4 +116,48 @@ export const maple: Species = {
   },
   bark: mapleBark(23),
   barkRelief: 4,
+};
+
+/** Grown in a closed forest: a clean slender stem with a short crown. */
+export const mapleForest: Species = {
+  ...maple,
+  id: "maple-forest",
+  name: "Maple, forest-grown",
+  form: "forest",
+  height_m: 19,
+  habit: {
+    ...maple.habit,
+    seed: 711,
+    branching: [
+      {
+        count: [0, 12],
+        start: 1,
+        angle_deg: [72, 68, 62, 56, 44, 30],
+        length: [7, 8, 9.5, 10.5, 9, 5.5],
+        steepest: 1,
+        scatter: 0.16,
+      },
+      { ...maple.habit.branching[1], length: [7, 6.5, 5] },
+    ],
+    leader: [[0.95, 0.25], [0.5], []],
+  },
+  girth: {
+    ...maple.girth,
+    breast_radius_m: 0.103,
+    taper: 0.85,
+    bough_radius_m: 0.03,
+    tip_radius_m: 0.0105,
+    flare: 0.35,
+  },
+  twigs: {
+    ...maple.twigs,
+    count: 220,
+    density: [
+      [0, 0, 0, 0, 0, 0.5, 1.2],
+      [0, 0.5, 0.9, 1.2],
+      [0.4, 1, 1.2],
+    ],
+    length_m: [1.1, 1, 0.85],
+  },
+  foliage: { ...maple.foliage, cards: 1500, size_m: 0.5 },
 };

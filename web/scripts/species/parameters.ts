@@ -1,6 +1,6 @@
-import { apricot } from "./apricot";
-import { maple } from "./maple";
-import { poplar } from "./poplar";
+import { apricot, apricotForest } from "./apricot";
+import { maple, mapleForest } from "./maple";
+import { poplar, poplarForest } from "./poplar";
 import type { Species } from "./species";
 
-export const SPECIES: readonly Species[] = [poplar, maple, apricot];
+export const SPECIES: readonly Species[] = [poplar, maple, apricot, poplarForest, mapleForest, apricotForest];

@@ -7,23 +7,35 @@ export interface SkeletonNode {
   parent: number;
   /** Branch id; a branch includes its leaders. */
   branch: number;
-  /** 0 trunk, 1 bough, 2 twig. */
+  /** 0 trunk, 1 bough, 2 limb. */
   level: number;
   radius: number;
 }
 
-/** Thickness of the wood (pipe model): the cross-section depends on the length of wood carried. */
+/**
+ * Thickness of the wood. The stem follows Ormerod's taper: radius proportional to (height above)^taper. The cross-section
+ * of boughs and limbs depends on the length of wood carried (pipe model).
+ */
 export interface Girth {
-  /** Radius at breast height, m. */
+  /** Radius of the stem at 1.3 m, m. */
   breast_radius_m: number;
-  breast_height_m: number;
+  /** Exponent of the stem's taper: 1 is a cone, lower values are fuller. */
+  taper: number;
+  /** Radius of the base of the bough that carries most, m. */
+  bough_radius_m: number;
   tip_radius_m: number;
-  /** 0.5 conserves the cross-section at forks (Leonardo's rule); lower values make twigs thicker. */
+  /** 0.5 conserves the cross-section at forks (Leonardo's rule); lower values make limbs thicker. */
   exponent: number;
   /** Relative swelling of the stem base, and the height (m) over which it decays. */
   flare: number;
   flare_height_m: number;
 }
+
+/** Radius of the stem's tip over that of a limb's. */
+const STEM_TIP = 1.8;
+/** No branch is thicker at its base than this share of its parent's radius. */
+const MOST_OF_PARENT = 0.65;
+const BREAST_HEIGHT_M = 1.3;
 
 /** Scales and moves the tree in place: base at the origin, top of the wood at `height_m`. */
 export function scaleToHeight(nodes: SkeletonNode[], height_m: number): void {
@@ -42,25 +54,32 @@ export function carriedLength(nodes: readonly SkeletonNode[]): Float64Array {
   return carried;
 }
 
-/** Sets every radius from the length carried, so that the trunk has its radius at breast height. */
+/** Sets every radius. */
 export function setGirth(nodes: SkeletonNode[], girth: Girth): void {
-  const carried = carriedLength(nodes);
-  const reference = carried[nodeAtHeight(nodes, girth.breast_height_m)];
-  const span = girth.breast_radius_m - girth.tip_radius_m;
-  nodes.forEach((node, i) => {
-    const share = (carried[i] / reference) ** girth.exponent;
-    const swelling = node.level > 0 ? 0 : girth.flare * Math.exp(-node.position.y / girth.flare_height_m);
-    node.radius = (girth.tip_radius_m + span * share) * (1 + swelling);
-  });
+  const { breast_radius_m, taper, tip_radius_m } = girth;
+  const top_m = nodes.reduce((top, node) => (node.level === 0 ? Math.max(top, node.position.y) : top), 0);
+  for (const node of nodes) {
+    if (node.level > 0) continue;
+    const share = (top_m - node.position.y) / (top_m - BREAST_HEIGHT_M);
+    const swelling = girth.flare * Math.exp(-node.position.y / girth.flare_height_m);
+    const end_m = STEM_TIP * tip_radius_m;
+    node.radius = (end_m + (breast_radius_m - end_m) * share ** taper) * (1 + swelling);
+  }
+  setLimbs(nodes, girth);
 }
 
-function nodeAtHeight(nodes: readonly SkeletonNode[], height_m: number): number {
-  let best = 0;
+function setLimbs(nodes: SkeletonNode[], { bough_radius_m, tip_radius_m, exponent }: Girth): void {
+  const carried = carriedLength(nodes);
+  const most = nodes.reduce((best, { level }, i) => (level > 0 ? Math.max(best, carried[i]) : best), 0);
+  const thinner = new Map<number, number>();
   nodes.forEach((node, i) => {
-    const nearer = Math.abs(node.position.y - height_m) < Math.abs(nodes[best].position.y - height_m);
-    if (node.level === 0 && nearer) best = i;
+    if (node.level === 0) return;
+    const full = tip_radius_m + (bough_radius_m - tip_radius_m) * (carried[i] / most) ** exponent;
+    const bearer = nodes[node.parent];
+    if (bearer.branch !== node.branch)
+      thinner.set(node.branch, Math.min(1, (MOST_OF_PARENT * bearer.radius) / full));
+    node.radius = Math.max(full * (thinner.get(node.branch) ?? 1), Math.min(tip_radius_m, bearer.radius));
   });
-  return best;
 }
 
 /** Node indices of each branch from its fork to its tip. */

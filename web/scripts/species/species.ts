@@ -3,19 +3,23 @@ import type { Foliage } from "./foliage";
 import type { Habit } from "./growth";
 import type { LeafLook } from "./leaf-look";
 import type { Girth } from "./skeleton";
+import type { Twigs } from "./twigs";
 import type { WoodCut } from "./wood";
 
-/** Parameters of one species. */
+/** Parameters of one form of a species. */
 export interface Species {
   id: string;
   name: string;
   /** Key of its wood in the Python table of species. */
   wood: string;
-  /** Height of the wood, m; leaves extend slightly above it. */
+  /** Grown in the open, or in a closed forest: slender with a high crown. */
+  form: "open" | "forest";
+  /** Height of the whole tree in leaf, m. */
   height_m: number;
   habit: Habit;
   girth: Girth;
   cut: WoodCut;
+  twigs: Twigs;
   foliage: Foliage;
   leaf: LeafLook;
   bark: Bark;

@@ -9,6 +9,7 @@
 import { type Numbers, TreeInstances } from "../motion/treeInstances";
 import type { Table } from "../table/table";
 import { addRows } from "./addRows";
+import { ModalDrag } from "./modalDrag";
 import { ModalKernel } from "./modalKernel";
 import { coupledOf, forceTerms, poseTerms } from "./modalTensors";
 
@@ -30,6 +31,7 @@ export class ModalForest extends TreeInstances {
   private readonly shownOf: Float64Array;
   private readonly pose: Float64Array;
   private readonly limits: Float64Array;
+  private readonly drag: ModalDrag;
   /** [count, own] displacement of the oscillators: rows of d, padded to whole SIMD vectors in the kernel. */
   private readonly e: Numbers;
   private readonly v: Numbers;
@@ -57,6 +59,7 @@ export class ModalForest extends TreeInstances {
     this.shownOf = Float64Array.from(modal.shown);
     this.pose = Float64Array.from(modal.pose);
     this.limits = Float64Array.from(modal.limits);
+    this.drag = new ModalDrag(modal);
     this.e = kernel?.e ?? new Float64Array(count * d);
     this.v = kernel?.v ?? new Float64Array(count * d);
     this.extrapolationRatio = kernel?.extrapolationRatio ?? new Float32Array(count);
@@ -114,6 +117,7 @@ export class ModalForest extends TreeInstances {
     this.writeForceTerms(first, px, pz);
     for (let k = 0; k < d; k++) total[k] = load[2 * k] * px + load[2 * k + 1] * pz;
     addRows(this.force, this.terms, forceTerms(this.c), d, total);
+    this.addDrag(first, px, pz);
     for (let k = 0; k < d; k++) {
       const a = e[first + k];
       const b = v[first + k];
@@ -127,6 +131,17 @@ export class ModalForest extends TreeInstances {
       v.fill(0, first, first + d);
     }
     this.writePose(i, px, pz);
+  }
+
+  /** Adds the drag at the mean of the speeds before and after the step, without the drag, to `total`. */
+  private addDrag(first: number, px: number, pz: number): void {
+    const { d, e, v, stepOf, total, ahead } = this;
+    for (let k = 0; k < d; k++) {
+      const at = 6 * k;
+      const rise = stepOf[at + 2] * e[first + k] + stepOf[at + 3] * v[first + k] + stepOf[at + 5] * total[k];
+      ahead[k] = v[first + k] + 0.5 * rise;
+    }
+    this.drag.add(ahead, px, pz, total);
   }
 
   /** The two sway coordinates of a row of `values`, into `pair`. */

@@ -3,20 +3,23 @@
  * implementations of the step, see docs/design/0010-kernel.md.
  */
 import { MODAL_KERNEL } from "./modalKernel.wasm";
-import { coupledOf, type ModalTensors } from "./modalTensors";
+import { coupledOf, DRAG_INPUTS, ISOTROPIC, type ModalTensors } from "./modalTensors";
 
 const PAGE = 65_536;
 /** Floats per SIMD vector; rows are padded to a multiple. */
 const LANES = 4;
-/** Data starts here, so that no address is 0. */
-const FIRST_BYTE = 64;
+/** Data starts here, behind the constants that the compiler placed in the memory (tables of the power function). */
+const FIRST_BYTE = 4096;
 
-type Tensor = "stepping" | "pull" | "sway" | "force" | "shown" | "posePlain" | "poseTerms" | "limits";
+type DragTensor = "dragPoint" | "dragIn" | "dragOut" | "dragRest";
+type Tensor =
+  | ("stepping" | "pull" | "sway" | "force" | "shown" | "posePlain" | "poseTerms" | "limits")
+  | DragTensor;
 type State = "e" | "v" | "now" | "before" | "extrapolationRatio";
-type Place = Tensor | State | "terms" | "ahead" | "total";
-type Setting = "halfStep_s" | "coupled" | "ownRow" | "furtherRow";
+type Place = Tensor | State | "terms" | "ahead" | "total" | "dragForce";
+type Setting = "halfStep_s" | "coupled" | "ownRow" | "furtherRow" | "dragPoints" | "dragInputs";
 type Step = (tree: number, px: number, pz: number) => void;
-type Exports = Record<Place | Setting, WebAssembly.Global> & { step: Step };
+type Exports = Record<Place | Setting | "constantsEnd", WebAssembly.Global> & { step: Step };
 
 const filled = (count: number) => LANES * Math.ceil(count / LANES);
 
@@ -61,7 +64,32 @@ function tensors(modal: ModalTensors, d: number, further: number): Record<Tensor
     posePlain: inFullRows(modal.pose.subarray(0, d * further), further),
     poseTerms: inFullRows(modal.pose.subarray(d * further), further),
     limits: modal.limits,
+    ...dragTensors(modal, d),
   };
+}
+
+/** The tensors of the drag, points padded to whole vectors. */
+function dragTensors({ dragPoint, dragShape, dragRest }: ModalTensors, d: number) {
+  const m = dragPoint.length / 2;
+  const full = filled(m);
+  const inputs = Math.min(DRAG_INPUTS, d);
+  const own = filled(d);
+  const point = new Float32Array(3 * full);
+  const into = new Float32Array(inputs * 3 * full);
+  const out = new Float32Array(3 * full * own);
+  let whole = 0;
+  for (let j = 0; j < m; j++) whole += dragPoint[2 * j];
+  for (let j = 0; j < m; j++) {
+    point[j] = dragPoint[2 * j];
+    point[full + j] = dragPoint[2 * j + 1];
+    point[2 * full + j] = (ISOTROPIC * dragPoint[2 * j]) / whole;
+    for (let side = 0; side < 3; side++) {
+      const row = dragShape.subarray((side * m + j) * d, (side * m + j + 1) * d);
+      out.set(row, (side * full + j) * own);
+      for (let k = 0; k < inputs; k++) into[(k * 3 + side) * full + j] = row[k];
+    }
+  }
+  return { dragPoint: point, dragIn: into, dragOut: out, dragRest: inFullRows(dragRest, d) };
 }
 
 function lengths(given: Record<Tensor, Float32Array>): Record<Tensor, number> {
@@ -75,6 +103,8 @@ function settle(module: WebAssembly.Module, sizes: Record<Place, number>) {
   const bytes = places.reduce((sum, [, length]) => sum + 4 * filled(length), FIRST_BYTE);
   const memory = new WebAssembly.Memory({ initial: Math.ceil(bytes / PAGE) });
   const kernel = new WebAssembly.Instance(module, { env: { memory } }).exports as unknown as Exports;
+  if (Number(kernel.constantsEnd.value) > FIRST_BYTE)
+    throw new Error("the kernel's constants need more room");
   const views = {} as Record<Place, Float32Array>;
   let at = FIRST_BYTE;
   for (const [name, length] of places) {
@@ -116,6 +146,7 @@ export class ModalKernel {
       terms: modal.force.length / d,
       ahead: own,
       total: own,
+      dragForce: given.dragPoint.length,
       e: count * own,
       v: count * own,
       now: count * row,
@@ -125,6 +156,8 @@ export class ModalKernel {
     for (const name of Object.keys(given) as Tensor[]) views[name].set(given[name]);
     kernel.halfStep_s.value = dt_s / 2;
     kernel.coupled.value = coupledOf(modal.limits.length);
+    kernel.dragPoints.value = given.dragPoint.length / 3;
+    kernel.dragInputs.value = Math.min(DRAG_INPUTS, d);
     kernel.ownRow.value = 4 * own;
     kernel.furtherRow.value = 4 * (row - own);
     ({

@@ -16,7 +16,18 @@ export interface ModalTensors {
   readonly pose: Float32Array;
   /** [3 + 2c] sampled range: sway, its speed 1/s, pressure Pa, coupled coordinates, their speeds */
   readonly limits: Float32Array;
+  /** [m, 2] of each drag point: area, m², and share of the wind's pressure in shelter */
+  readonly dragPoint: Float32Array;
+  /** [3, m, d] velocity x, y, z of each point per unit of the oscillators' speeds */
+  readonly dragShape: Float32Array;
+  /** [d] area of the motion within the points */
+  readonly dragRest: Float32Array;
 }
+
+/** Oscillators, at most, whose speed determines the velocity of the drag points. */
+export const DRAG_INPUTS = 8;
+/** Mean over all directions of the derivative of a quadratic drag, over pressure per speed. */
+export const ISOTROPIC = 4 / 3;
 
 /** Number of coupled coordinates, from the length of `limits`. */
 export function coupledOf(limits: number): number {

@@ -30,9 +30,10 @@ import { fromVersion6, peakPressure_pa, reach_m } from "./version6";
 export { TableError } from "./container";
 
 export const FORMAT = "galewood-table";
-export const VERSION = 7;
-const READABLE: readonly unknown[] = [5, 6, VERSION];
+export const VERSION = 8;
+const READABLE: readonly unknown[] = [5, 6, 7, VERSION];
 const MAX_DYNAMIC = 64;
+const MAX_DRAG_POINTS = 32;
 
 /** Whether a tree bears its leaves: a bare tree has only the mass and the wind area of its wood. */
 export type Foliage = "leaf" | "bare";
@@ -89,6 +90,12 @@ const TENSORS: Layout = {
   "modal.pose": ["F32", 2],
   "modal.limits": ["F32", 1],
 };
+/** Added in version 8; older tables have no drag points. */
+const DRAG_TENSORS: Layout = {
+  "modal.drag_point": ["F32", 2],
+  "modal.drag_shape": ["F32", 3],
+  "modal.drag_rest": ["F32", 1],
+};
 
 /** Decodes a table file. Throws TableError that names the fault. */
 export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
@@ -99,10 +106,10 @@ export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
     READABLE.includes(version),
     `table version ${brief(version)}; this reader supports versions 5 to ${VERSION}`,
   );
-  return version === VERSION ? readPresent(container) : readFormer(container);
+  return Number(version) >= 7 ? readPresent(container) : readFormer(container);
 }
 
-/** Version 7. */
+/** Versions 7 and 8. */
 function readPresent(container: Container): Table {
   const { paper, ...metadata } = container.metadata;
   const recorded = Object.keys(container.header).some((name) => Object.hasOwn(RECORD_TENSORS, name));
@@ -133,7 +140,12 @@ function shapeInHeader(entry: unknown): number {
 
 function assemble(container: Container, given: Json, paper: unknown): Table {
   const metadata = checkMetadata(given);
-  const layout = paper === null ? TENSORS : { ...TENSORS, ...RECORD_TENSORS };
+  const dragged = container.metadata.version === VERSION;
+  const layout = {
+    ...TENSORS,
+    ...(dragged ? DRAG_TENSORS : {}),
+    ...(paper === null ? {} : RECORD_TENSORS),
+  };
   const tensors = readTensors(container, layout);
   refuseUnknown(container.header, layout);
   checkFilled(container);
@@ -154,6 +166,9 @@ function assemble(container: Container, given: Json, paper: unknown): Table {
       shown: values("modal.shown"),
       pose: values("modal.pose"),
       limits: values("modal.limits"),
+      dragPoint: dragged ? values("modal.drag_point") : new Float32Array(0),
+      dragShape: dragged ? values("modal.drag_shape") : new Float32Array(0),
+      dragRest: dragged ? values("modal.drag_rest") : new Float32Array(shapeOf(tensors, "modal.step")[0]),
     },
     paper: paper === null ? null : readRecords(paper, tensors, metadata.modes),
   };
@@ -204,6 +219,14 @@ function checkTableShapes(tensors: Tensors, { modes: r, primitives }: TableMetad
     "modal.pose": [poseTerms(d, c), r - d],
     "modal.limits": [3 + 2 * c],
   });
+  if (!tensors.has("modal.drag_point")) return;
+  const m = shapeOf(tensors, "modal.drag_point")[0];
+  need(m <= MAX_DRAG_POINTS, `tensor modal.drag_point: expected at most ${MAX_DRAG_POINTS} rows`);
+  checkShapes(tensors, {
+    "modal.drag_point": [m, 2],
+    "modal.drag_shape": [3, m, d],
+    "modal.drag_rest": [d],
+  });
 }
 
 function checkNumbers({ modeScale, nodeRest, vertexNode, modal }: Table): void {
@@ -220,5 +243,22 @@ function checkNumbers({ modeScale, nodeRest, vertexNode, modal }: Table): void {
     modal.limits.every((limit) => limit > 0),
     "tensor modal.limits: not positive",
   );
+  need(
+    modal.dragRest.every((area) => area >= 0),
+    "tensor modal.drag_rest: negative",
+  );
+  need(
+    fitDrag(modal.dragPoint),
+    "tensor modal.drag_point: expected areas of at least 0, not all 0, and shares in 0..1",
+  );
   need(contracts(modal.step), "tensor modal.step: an oscillator is not stable");
+}
+
+function fitDrag(point: Float32Array): boolean {
+  let exposed = 0;
+  for (let j = 0; j < point.length; j += 2) {
+    if (!(point[j] >= 0 && point[j + 1] >= 0 && point[j + 1] <= 1)) return false;
+    exposed += point[j];
+  }
+  return point.length === 0 || exposed > 0;
 }

@@ -12,8 +12,15 @@ export function dynamicPressure(speedMS: number): number {
   return start * (speedMS / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT;
 }
 
+/** Inverse of `dynamicPressure`: the speed (m/s) of a dynamic pressure (Pa). */
+export function speedOfPressure_m_s(pressure_pa: number): number {
+  const start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S * STREAMLINING_SPEED_M_S;
+  if (pressure_pa <= start) return Math.sqrt(pressure_pa / (0.5 * AIR_DENSITY_KG_M3));
+  return STREAMLINING_SPEED_M_S * (pressure_pa / start) ** (1 / STREAMLINED_EXPONENT);
+}
+
 /** Pressure (Pa) over speed (m/s). */
-function pressurePerSpeed(speedMS: number): number {
+export function pressurePerSpeed(speedMS: number): number {
   if (speedMS <= STREAMLINING_SPEED_M_S) return 0.5 * AIR_DENSITY_KG_M3 * speedMS;
   const start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S;
   return start * (speedMS / STREAMLINING_SPEED_M_S) ** (STREAMLINED_EXPONENT - 1);

@@ -50,17 +50,19 @@ export interface TreeModel {
 const isMesh = (object: Object3D): object is Mesh<BufferGeometry, MeshStandardMaterial> =>
   object instanceof Mesh;
 
-/** Meshes in table order (wood_0, wood_1, …, leaves_0, …), which is the order in the file. */
+/** Meshes in table order (wood_0, wood_1, …, twigs_0, …, leaves_0, …), which is the order in the file. */
 function meshesOf(scene: Object3D): Mesh<BufferGeometry, MeshStandardMaterial>[] {
   const meshes: Mesh<BufferGeometry, MeshStandardMaterial>[] = [];
   scene.traverse((object) => {
     if (isMesh(object)) meshes.push(object);
   });
-  const rank = (mesh: Mesh) =>
-    (kindOf(mesh) === "wood" ? 0 : 1e6) + Number(/(\d+)$/.exec(mesh.name)?.[1] ?? 0);
+  const rank = ({ name }: Mesh) =>
+    1e6 * (KINDS.findIndex((kind) => name.startsWith(kind)) + 1) + Number(/(\d+)$/.exec(name)?.[1] ?? 0);
   return meshes.sort((a, b) => rank(a) - rank(b));
 }
 
+/** Kinds of primitives that come after the wood. Twigs are drawn like wood: they stay in winter. */
+const KINDS = ["twigs", "leaves"];
 const kindOf = (mesh: Object3D): Part => (mesh.name.startsWith("leaves") ? "leaves" : "wood");
 
 function floats(
