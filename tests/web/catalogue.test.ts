@@ -192,8 +192,10 @@ test("the other form stands in for one that cannot be loaded", async () => {
   const { arriving, problems, settle, catalogue } = started();
   handlers.change({ tree: tree("full"), job: null });
   expect(catalogue.assets[0].hasTable).toBe(true);
+  expect(catalogue.isLoaded).toBe(false);
   arriving.get("full")?.reject(new Error("unreadable"));
   await settle();
   expect(problems).toHaveLength(1);
   expect(catalogue.assets[0].hasTable).toBe(false);
+  expect(catalogue.isLoaded).toBe(true);
 });

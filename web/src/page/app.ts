@@ -165,6 +165,8 @@ export class App {
    */
   private placeTrees(replant = false): void {
     const { settings, client, forest } = this;
+    // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
+    if (this.share !== null && !this.catalogue.isLoaded) return;
     const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
     client.plan(
       placed.flatMap(({ asset: { id }, motion, instances }) => {

@@ -84,6 +84,13 @@ export class Catalogue {
     return [...this.entries.values()].map((entry) => entry.asset);
   }
 
+  /** Whether the mesh and the table of every tree that has them are loaded. */
+  get isLoaded(): boolean {
+    return [...this.entries.values()].every(
+      ({ asset, leaf }) => !asset.hasTable || (asset.model !== null && leaf.motion !== null),
+    );
+  }
+
   /** Names of the trees that move. */
   get ready(): string[] {
     return [...this.entries.values()]
