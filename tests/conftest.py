@@ -19,7 +19,7 @@ LONGEST = (
 """The longest files come first, so that no process of a parallel run ends with one of them alone."""
 SLOW = {
     *LONGEST, "test_tutorial", "test_openapi", "test_wind_statistics", "test_corpus", "test_tetrahedra",
-    "test_bench",
+    "test_bench", "test_field",
 }  # fmt: skip
 """Files that build a tree or simulate for long."""
 SLOW_FIXTURES = {"start_server", "server", "api"}

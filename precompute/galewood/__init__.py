@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         Tree,
         build,
         evaluate,
+        field_report,
         grid,
         load,
         read,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     )
     from galewood.evaluation import SourceError
     from galewood.fem import FemSettings
+    from galewood.field import FieldError
     from galewood.options import BuildRequest
     from galewood.pipeline import Progress
     from galewood.table import TableError
@@ -46,6 +48,7 @@ __all__ = [
     "BuildRequest",
     "Cancelled",
     "FemSettings",
+    "FieldError",
     "Forest",
     "MeshError",
     "Model",
@@ -62,6 +65,7 @@ __all__ = [
     "WoodError",
     "build",
     "evaluate",
+    "field_report",
     "grid",
     "load",
     "read",
@@ -78,6 +82,7 @@ _HOMES = {
     "Tree": "api",
     "build": "api",
     "evaluate": "api",
+    "field_report": "api",
     "grid": "api",
     "load": "api",
     "read": "api",
@@ -85,6 +90,7 @@ _HOMES = {
     "Progress": "pipeline",
     "SourceError": "evaluation",
     "FemSettings": "fem",
+    "FieldError": "field",
     "BuildRequest": "options",
     "TableError": "table",
     "Cancelled": "util",

@@ -1,5 +1,5 @@
 import AxeBuilder from "@axe-core/playwright";
-import { changedPixels, expect, forest, frames, open, type Picture, picture, SMALL, test } from "./forest";
+import { changedPixels, expect, forest, frames, open, type Picture, picture, SMALL, sway_m, test } from "./forest";
 
 const still = `${SMALL}&speed=0`;
 const panelled = still.replace("panel=0", "panel=1");
@@ -33,6 +33,53 @@ test("every season and the evening look different", async ({ page }) => {
   expect(eveningRed / eveningBlue).toBeGreaterThan((1.2 * red) / blue);
   // The first scene again: no pixel differs.
   expect(share(noon, await scene("summer", 0.5), 0)).toBe(0);
+});
+
+for (const lookup of ["worker", "server"] as const) {
+  test(`in winter trees move by their tables without leaves, and by the others again (${lookup})`, async ({ page }) => {
+    const { trees } = (await (await page.request.get(`${process.env.BASE_URL}/api/trees`)).json()) as {
+      trees: { builtin: boolean; bare_table_sha256: string | null }[];
+    };
+    const bare = trees.filter((tree) => tree.builtin).every((tree) => tree.bare_table_sha256 !== null);
+    test.skip(!bare, "a built-in tree is shipped without such a table");
+    const fetched: string[] = [];
+    page.on("request", (request) => fetched.push(request.url()));
+    const asked = (tree: { bare_table_sha256: string | null }) =>
+      fetched.some((url) => url.endsWith(`/api/tables/${tree.bare_table_sha256}`));
+    await open(page, `${SMALL}&speed=6&season=autumn&lookup=${lookup}`);
+    await forest(page);
+    expect(trees.some(asked)).toBe(false);
+    const bareTrees = () => page.evaluate(() => window.galewood!.bareTrees);
+    const dress = (season: string) => page.evaluate((name) => window.galewood!.dress(name as never, 0.5), season);
+    expect(await bareTrees()).toBe(0);
+    await dress("winter");
+    await expect.poll(bareTrees).toBe(await page.evaluate(() => window.galewood!.trees.moving));
+    if (lookup === "server")
+      await expect.poll(() => page.evaluate(() => window.galewood!.connection.state)).toBe("live");
+    await expect.poll(() => sway_m(page)).toBeGreaterThan(1e-3);
+    await dress("spring");
+    await expect.poll(bareTrees).toBe(0);
+    await expect.poll(() => sway_m(page)).toBeGreaterThan(1e-3);
+  });
+}
+
+test("a forest is shared by a winter computed here and a winter streamed by the server", async ({ page, context }) => {
+  const { trees } = (await (await page.request.get(`${process.env.BASE_URL}/api/trees`)).json()) as {
+    trees: { builtin: boolean; bare_table_sha256: string | null }[];
+  };
+  const bare = trees.filter((tree) => tree.builtin).every((tree) => tree.bare_table_sha256 !== null);
+  test.skip(!bare, "a built-in tree is shipped without such a table");
+  const shared = `${SMALL}&speed=6&season=winter&share=winter-${Date.now()}`;
+  await open(page, shared);
+  await expect.poll(() => page.evaluate(() => window.galewood?.bareTrees ?? 0)).toBeGreaterThan(0);
+  await expect.poll(() => page.evaluate(() => window.galewood!.connection.state)).toBe("live");
+  const other = await context.newPage();
+  await open(other, `${shared}&lookup=server`);
+  await forest(other);
+  await expect.poll(() => other.evaluate(() => window.galewood!.connection.state)).toBe("live");
+  await expect.poll(() => sway_m(other)).toBeGreaterThan(1e-3);
+  expect(await other.evaluate(() => window.galewood!.bareTrees)).toBe(0);
+  await other.close();
 });
 
 test("a shared link restores the picture", async ({ page, context }) => {

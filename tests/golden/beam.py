@@ -1,7 +1,7 @@
 """A small nonlinear system for tiny but valid tables: a pole as lumped masses on a bending spring.
 
-Strain energy W = e + ½ γ e² with e = ½ uᵀKu: conservative, stiffening, with a pose-dependent tangent. The wind
-acts by its velocity relative to the masses, which shelter each other by half.
+Strain energy W = e + ½ γ e² with e = ½ uᵀKu: conservative, stiffening, with a pose-dependent tangent. The
+wind acts by its velocity relative to the masses, which shelter each other by half.
 """
 
 from __future__ import annotations
@@ -68,7 +68,8 @@ class Beam:
         self._assemble()
         dt, v = self.dt_s, self.v.ravel()
         wind = self.drag.at(self.v, np.asarray(pressure_pa))
-        damping = self.damping + scipy.linalg.block_diag(*wind.damping.reshape(-1, 3, 3))
+        of_drag = np.asarray(scipy.linalg.block_diag(*wind.damping.reshape(-1, 3, 3)))
+        damping = np.asarray(self.damping) + of_drag
         matrix = np.diag(self.mass) + dt * damping + dt * dt * self._tangent
         pull = wind.force_n.ravel() - self._force - (dt * self._tangent + self.damping) @ v
         self.v = (v + np.linalg.solve(matrix, dt * pull)).reshape(-1, 3)

@@ -15,8 +15,8 @@ from galewood.pipeline.assemble import RenderMesh, Surroundings, TableSettings, 
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.reduction.training import ModalTraining, Size
-from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
 from galewood.sampling import training_shapes
+from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
 from galewood.table.container import read_metadata
 from galewood.table.format import Table, decode, encode
 from galewood.table.legacy import PAPER_NAMES

@@ -5,6 +5,7 @@ from __future__ import annotations
 import runpy
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import galewood
 import numpy as np
 import pytest
 from galewood.player.modal_forest import ModalForest
+from galewood.table import encode
 from galewood.wind import WindField
 from pydantic import ValidationError
 
@@ -86,6 +88,10 @@ def test_the_model_has_the_frequencies_of_the_table(
     assert np.abs(still.displacement_m).max() < 1e-6 * tree.height_m
     with pytest.raises(ValueError, match="time step"):
         model.simulate(galewood.Wind(), duration_s=0.0)
+    bare = galewood.Model(tree, foliage="bare", target_tets=TARGET_TETS, cache_dir=cache_dir)
+    leaves_kg = table.report["foliage"]["leaf_mass_kg"]
+    assert leaves_kg > 0 and bare.mass_kg == pytest.approx(model.mass_kg - leaves_kg)
+    assert bare.frequencies_hz[0] > model.frequencies_hz[0]
 
 
 def test_a_table_is_the_same_after_saving_and_loading(table: galewood.MotionTable, tmp_path: Path) -> None:
@@ -100,6 +106,17 @@ def test_a_table_is_the_same_after_saving_and_loading(table: galewood.MotionTabl
     (tmp_path / "tree.gwt").write_bytes(b"nothing")
     with pytest.raises(galewood.TableError):
         galewood.load(tmp_path / "tree.gwt")
+
+
+def test_a_bare_table_is_saved_beside_the_other_with_its_mesh(
+    table: galewood.MotionTable, tmp_path: Path
+) -> None:
+    metadata = {**table.metadata, "foliage": "bare"}
+    bare = replace(table, data=encode(replace(table.table, metadata=metadata)))
+    galewood.save(replace(table, bare=bare), tmp_path / "tree.gwt")
+    loaded = [galewood.load(tmp_path / name) for name in ("tree.gwt", "tree.bare.gwt")]
+    assert [one.foliage for one in loaded] == ["leaf", "bare"]
+    assert loaded[1].data == bare.data and loaded[1].render_glb == table.render_glb
 
 
 def test_a_forest_steps_each_tree_as_a_lone_tree_in_its_wind(table: galewood.MotionTable) -> None:

@@ -8,6 +8,8 @@ from galewood.beams import frame_frequencies, frame_matrices, joined_frame
 from galewood.verify.beams import pole_frequencies
 from galewood.verify.specimens import read_frame
 from galewood.wood.species import wood_of_species
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 WOOD = wood_of_species("maple")
 SPECIES = Path(__file__).parents[2] / "assets" / "species"
@@ -67,3 +69,16 @@ def test_frequencies_converge_with_smaller_pieces():
     path, wood = SPECIES / "apricot.skeleton.json", wood_of_species("apricot")
     first, second = (frame_frequencies(read_frame(path, beams), wood, 0.0, 10) for beams in (4, 8))
     np.testing.assert_allclose(first, second, rtol=0.01)
+
+
+def test_branches_that_start_where_others_start_are_joined():
+    """Three branches from one point of the trunk, the second and third listed as children of the first."""
+    trunk = [[0, 0, 0], [0, 1, 0], [0, 2, 0]]
+    twigs = [[[0, 1, 0], [np.cos(a), 1.5, np.sin(a)]] for a in (0.0, 2.0, 4.0)]
+    points = np.array([*trunk, *twigs[0], *twigs[1], *twigs[2]], float)
+    parent = np.array([-1, 0, 1, 1, 3, 3, 5, 5, 7])
+    branch = np.array([0, 0, 0, 1, 1, 2, 2, 3, 3])
+    frame = joined_frame(points, np.full(9, 0.03), parent, branch)
+    graph = coo_array((np.ones(len(frame.links)), frame.links.T), shape=(len(frame.points_m),) * 2)
+    assert connected_components(graph, directed=False)[0] == 1
+    assert frame_frequencies(frame, wood_of_species("oak"), 0.0, 1)[0] > 1.0

@@ -77,7 +77,7 @@ def test_exact_propagators_do_not_depend_on_the_substeps() -> None:
         propagators(np.array([4.0, 9.0]), np.array([0.3, 0.7]), replace(settings, substeps=substeps))
         for substeps in (1, 4)
     ]
-    np.testing.assert_array_equal(*steps)
+    np.testing.assert_array_equal(steps[0], steps[1])
 
 
 def test_training_winds_cause_the_required_sway() -> None:

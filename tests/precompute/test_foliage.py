@@ -71,6 +71,17 @@ def test_leaf_mass_is_capped_and_bare_trees_have_none(mesh):
     assert bind_foliage(tree(), mesh, WOOD).mass_kg.sum() == 0
 
 
+def test_leaves_that_are_left_out_load_nothing(mesh):
+    whole = tree(leaf_cards())
+    wood = replace(tree(), height_m=whole.height_m)
+    left_out, without = bind_foliage(whole, mesh, WOOD, leaves=False), bind_foliage(wood, mesh, WOOD)
+    in_leaf = bind_foliage(whole, mesh, WOOD)
+    leaves_kg = in_leaf.report["leaf_mass_kg"]
+    assert left_out.report["leaf_mass_kg"] == 0 < leaves_kg
+    assert left_out.mass_kg.sum() == pytest.approx(in_leaf.mass_kg.sum() - leaves_kg)
+    assert (left_out.drag_area_m2 == without.drag_area_m2).all()
+
+
 def test_wood_follows_exactly_and_each_leaf_card_rigidly(mesh):
     whole = tree(leaf_cards())
     weights = render_binding(whole, mesh)

@@ -17,6 +17,7 @@ from galewood.table.format import decode
 from galewood.util import Cancelled, MeshError
 
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
+from tests.precompute.tree_meshes import glb_bytes, y_tree
 
 OPTIONS = BuildOptions(
     mesh_import=ImportOptions(species="maple"),
@@ -195,3 +196,40 @@ def test_an_exception_in_the_progress_cancels_the_build(mesh: bytes, built: Buil
 def test_a_file_that_is_not_a_mesh_is_refused(tmp_path: Path) -> None:
     with pytest.raises(MeshError):
         build_table(b"not a mesh at all", "tree.glb", OPTIONS, in_this_process, cache_dir=tmp_path)
+
+
+def test_a_tree_also_gets_a_table_without_its_leaves(mesh: bytes, built: Built) -> None:
+    """It is that of a build with the leaves left out, and the other table is the same as without it."""
+    assert built.result and built.default
+    out: dict[str, bytes] = {}
+    complete: list[BuildResult] = []
+    both = build_table(
+        mesh, "tree.glb", replace(UNCOMPARED, bare_table=True), in_this_process,
+        cache_dir=built.cache, publish=out.__setitem__, on_table=complete.append,
+    )  # fmt: skip
+    alone = build_table(
+        mesh, "tree.glb", replace(UNCOMPARED, foliage="bare", paper=False), in_this_process,
+        cache_dir=built.cache,
+    )  # fmt: skip
+    assert both.bare_table == alone.table == out["bare.table"]
+    assert (both.table, both.records) == (built.result.table, built.result.records)
+    assert alone.bare_table is None and built.result.bare_table is None
+    assert [result.records for result in complete] == [None, both.records], "records do not wait for it"
+    leaf, bare = decode(both.table), decode(alone.table)
+    assert (leaf.foliage, bare.foliage) == ("leaf", "bare")
+    assert bare.metadata["mesh_sha256"] == leaf.metadata["mesh_sha256"]
+    assert bare.metadata["primitives"] == leaf.metadata["primitives"]
+    assert len(bare.vertex_node) == len(leaf.vertex_node)
+    assert bare.metadata["frequencies_hz"][0] > leaf.metadata["frequencies_hz"][0]
+    leaves_kg = both.report["foliage"]["leaf_mass_kg"]
+    assert leaves_kg > 0 == alone.report["foliage"]["leaf_mass_kg"]
+    for part in ("foliage", "model", "design_wind", "table"):
+        assert both.report["bare_table"][part] == alone.report[part]
+    mass_kg = both.report["model"]["mass_kg"] - leaves_kg
+    assert alone.report["model"]["mass_kg"] == pytest.approx(mass_kg)
+
+
+def test_the_table_of_a_mesh_without_leaves_is_bare(built: Built) -> None:
+    options = replace(UNCOMPARED, bare_table=True, paper=False)
+    wooden = build_table(glb_bytes(y_tree()), "tree.glb", options, in_this_process, cache_dir=built.cache)
+    assert decode(wooden.table).foliage == "bare" and wooden.bare_table is None

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from galewood.mesh.importer import read_tree
+from galewood.mesh.qsm.reading import MOST_BRANCHES
 from galewood.mesh.repair import Surface, face_components, signed_volumes
 from galewood.mesh.types import ImportOptions, TreeMesh
 from galewood.model import beam_model
@@ -122,12 +123,29 @@ def test_leaves_hang_at_the_ends_of_branches() -> None:
     area = (
         np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1).sum() / 2
     )
-    assert area == pytest.approx(2500 * np.pi / 4 * 0.18**2, rel=1e-6)
+    assert area == pytest.approx(4000 * np.pi / 4 * 0.18**2, rel=1e-6)
     assert [part.kind for part in read(make.y_model()).primitives] == ["wood"]
 
 
 def test_a_tree_of_very_many_branches_comes_with_a_warning() -> None:
     for count, many in ((400, False), (2500, True)):
         tree = read(make.random_model(4, count), ImportOptions(bare=True, min_radius_mm=0))
-        assert (tree.report["qsm"]["branches"] > 500) == many
+        assert (tree.report["qsm"]["branches"] > 300) == many
         assert any("so many branches" in warning for warning in tree.report["warnings"]) == many
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_scan_keeps_as_many_branches_as_can_be_simulated(seed: int) -> None:
+    """The radius at which it is cut is chosen; a given one is used as it is."""
+    print(f"seed {seed}")
+    model = make.random_model(seed, 2500)
+    chosen = read(model).report["qsm"]
+    kept = chosen["branches"] - chosen["dropped"]["thin_branches"]
+    assert 0.5 * MOST_BRANCHES < kept <= MOST_BRANCHES
+    assert chosen["min_radius_mm"] > 10
+    given = ImportOptions(bare=True, min_radius_mm=chosen["min_radius_mm"])
+    assert read(model, given).report["qsm"]["dropped"] == chosen["dropped"]
+    finer = read(model, ImportOptions(bare=True, min_radius_mm=5)).report["qsm"]
+    assert finer["min_radius_mm"] == 5
+    assert finer["branches"] - finer["dropped"]["thin_branches"] > kept
+    assert read(make.y_model()).report["qsm"]["min_radius_mm"] == 10

@@ -68,6 +68,11 @@ def test_refuses_truncated_files(share: float) -> None:
         decode(FILE[: int(share * len(FILE))])
 
 
+def test_a_table_is_in_leaf_unless_it_says_otherwise() -> None:
+    found = [decode(rewritten(more)).foliage for more in ({}, {"foliage": "leaf"}, {"foliage": "bare"})]
+    assert found == ["leaf", "leaf", "bare"]
+
+
 def test_refuses_another_version_naming_both() -> None:
     with pytest.raises(TableError, match="version 9; this reader knows versions 5 to 8"):
         decode(rewritten({"version": 9}))
@@ -81,6 +86,7 @@ def test_refuses_another_version_naming_both() -> None:
         {"primitives": []},
         {"reach_m": None},
         {"peak_pressure_pa": -1.0},
+        {"foliage": "needles"},
         {"paper": None},
         {"paper": []},
     ],

@@ -55,7 +55,12 @@ def fake_build(
     if filename.startswith("bare"):
         return result
     compute_records(filename, cache_dir, progress)
-    return replace(result, records=b"records of " + source[:64])
+    result = replace(result, records=b"records of " + source[:64])
+    if not options.bare_table:
+        return result
+    on_table(result)
+    progress(Progress("bare", 0.5, "without leaves"))
+    return replace(result, bare_table=b"bare table of " + source[:64])
 
 
 def compute_records(filename: str, cache_dir: Path, progress: Callable[[Progress], None]) -> None:

@@ -74,8 +74,8 @@ class Build:
         """Publish the complete table; the records follow."""
         publish_table(self.job_lease, self.stores, INPUTS, BuildResult(table, None, MESH, {}), b"model")
 
-    def finish(self, table: bytes, records: bytes | None = None) -> None:
-        result = BuildResult(table, records, MESH, {"done": True})
+    def finish(self, table: bytes, records: bytes | None = None, bare: bytes | None = None) -> None:
+        result = BuildResult(table, records, MESH, {"done": True}, bare)
         publish_result(self.job_lease, self.stores, INPUTS, result, b"model")
 
     @property
@@ -164,6 +164,33 @@ def test_records_are_replaced_with_their_table(build: Build) -> None:
     assert build.stores.records.has(records)  # clients may still fetch it
     build.collect_garbage()
     assert not build.stores.records.has(records)
+
+
+def test_the_bare_table_belongs_to_the_table(build: Build) -> None:
+    build.finish(build.table(4.0), RECORDS, build.table(4.5))
+    tree = build.tree
+    bare = known(tree.bare_table_sha256)
+    assert build.stores.tables.get(bare) == build.table(4.5) and bare != tree.table_sha256
+    build.next()
+    build.default(build.table(4.0))  # the same table keeps it
+    build.collect_garbage()
+    assert build.tree.bare_table_sha256 == bare and build.stores.tables.has(bare)
+    build.default(build.table(5.0))
+    assert build.tree.bare_table_sha256 is None
+    assert build.stores.tables.has(bare)  # clients may still fetch it
+    build.collect_garbage()
+    assert list(build.stores.tables.names()) == [build.tree.table_sha256]
+
+
+def test_a_bare_table_that_is_another_trees_table_is_kept(build: Build) -> None:
+    build.finish(build.table(4.0), bare=build.table(4.5))
+    shared = known(build.tree.bare_table_sha256)
+    with build.sessions.begin() as session:
+        session.add(Tree(id="u", name="u", filename="u.obj", source_sha256="0" * 64, table_sha256=shared))
+    build.next()
+    build.finish(build.table(6.0))
+    build.collect_garbage()
+    assert build.stores.tables.has(shared)
 
 
 def test_a_preliminary_table_has_no_records(build: Build) -> None:

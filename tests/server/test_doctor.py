@@ -28,7 +28,7 @@ def settings(tmp_path: Path) -> Settings:
         kind: stores.named(kind).put(f"{kind} of a tree".encode())
         for kind in ("sources", "meshes", "models", "records")
     }
-    table = stores.tables.put(b"table of a tree")
+    table, bare = stores.tables.put(b"table of a tree"), stores.tables.put(b"table of a bare tree")
     picture = stores.pictures.put(b"a picture")
     with open_database(settings.database).begin() as session:
         tree = Tree(
@@ -39,6 +39,7 @@ def settings(tmp_path: Path) -> Settings:
             mesh_sha256=files["meshes"],
             model_sha256=files["models"],
             table_sha256=table,
+            bare_table_sha256=bare,
             records_sha256=files["records"],
             fingerprint="f" * 64,
         )
@@ -65,7 +66,8 @@ def test_an_intact_store_has_no_faults(settings: Settings) -> None:
 @pytest.mark.parametrize("kind", ["sources", "meshes", "tables", "records", "models", "pictures"])
 def test_a_missing_file_is_reported_and_repaired(settings: Settings, kind: str) -> None:
     store = Stores(settings.data_dir).named(kind)
-    (name,) = store.names()
+    name = tree_of(settings).table_sha256 if kind == "tables" else next(iter(store.names()))
+    assert name
     store.remove(name)
     assert [line.split("/")[0] for line in faults(settings)] == [f"missing: {kind}"]
     still = faults(settings, repair=True)
@@ -78,9 +80,19 @@ def test_a_missing_file_is_reported_and_repaired(settings: Settings, kind: str) 
     assert tree.jobs[0].pictures == ({} if kind == "pictures" else tree.jobs[0].pictures)
 
 
+def test_a_missing_bare_table_leaves_the_other(settings: Settings) -> None:
+    store, before = Stores(settings.data_dir).tables, tree_of(settings)
+    assert before.bare_table_sha256
+    store.remove(before.bare_table_sha256)
+    assert [line.split("/")[0] for line in faults(settings)] == ["missing: tables"]
+    assert faults(settings, repair=True) == []
+    tree = tree_of(settings)
+    assert (tree.state, tree.table_sha256, tree.bare_table_sha256) == ("ready", before.table_sha256, None)
+
+
 def test_a_corrupt_file_is_detected_by_its_hash(settings: Settings) -> None:
-    store = Stores(settings.data_dir).tables
-    (name,) = store.names()
+    store, name = Stores(settings.data_dir).tables, tree_of(settings).table_sha256
+    assert name
     store.path(name).write_bytes(b"table of a tr")
     assert [line.split("/")[0] for line in faults(settings)] == ["torn: tables"]
     assert store.has(name)

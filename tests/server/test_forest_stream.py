@@ -29,15 +29,27 @@ from tests.server.conftest import Server, wait_until
 POLE = (Path(__file__).parents[1] / "golden" / "pole.safetensors").read_bytes()
 SHA256 = hashlib.sha256(POLE).hexdigest()
 BREEZE = Wind().document()
+
+
+def without_leaves() -> bytes:
+    """The table of the same mesh that catches half as much wind."""
+    pole = table_format.decode(POLE)
+    metadata = {**pole.metadata, "foliage": "bare"}
+    return table_format.encode(replace(pole, metadata=metadata, modal_load=pole.modal_load / 2))
+
+
+BARE = without_leaves()
+BARE_SHA256 = hashlib.sha256(BARE).hexdigest()
 REFUSED = [case for case in json.loads((HERE / "refused.json").read_text()) if case["at"] == "server"]
 
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     data_dir = tmp_path_factory.mktemp("stream") / "data"
-    table = data_dir / "tables" / SHA256[:2] / SHA256
-    table.parent.mkdir(parents=True)
-    table.write_bytes(POLE)
+    for sha256, content in ((SHA256, POLE), (BARE_SHA256, BARE)):
+        table = data_dir / "tables" / sha256[:2] / sha256
+        table.parent.mkdir(parents=True)
+        table.write_bytes(content)
     limits = {"GALEWOOD_FOREST_TREES": "2000", "GALEWOOD_SOCKET_STALL_S": "1.5"}
     limits |= {"GALEWOOD_SOCKET_CONNECTIONS_PER_ADDRESS": "4", "GALEWOOD_SOCKET_MESSAGE_BYTES": "100000"}
     server = Server(data_dir, "tests.server.fake_server", limits).start()
@@ -129,7 +141,7 @@ class LocalStepper:
 
     def __init__(self, request: wire.Forest) -> None:
         self.clock = ForestClock(parse_wind_or_state(request.wind), request.time_s)
-        tables = [table_format.decode(POLE)] * len(request.groups)
+        tables = [table_format.decode({SHA256: POLE, BARE_SHA256: BARE}[one.table]) for one in request.groups]
         self._stepper = ForestStepper(tables, request, self.clock)
         self.time_s = self.clock.time_s
 
@@ -164,6 +176,25 @@ def test_streamed_poses_match_a_local_simulation(server: Server) -> None:
             if count == 60:
                 break
         assert moved
+
+
+def test_a_group_may_play_a_table_without_leaves(server: Server) -> None:
+    """The same tree in leaf and bare, side by side, as a local simulation of both moves them."""
+    place = np.array([[3.0, 4.0, 0.5, 1.0]] * 2, np.float32)
+    groups = (wire.Group(SHA256, 1), wire.Group(BARE_SHA256, 1))
+    request = forest(groups=groups, trees=place)
+    stepper = local_stepper(request)
+    with Client(server) as client:
+        client.send(request)
+        for count, (frame, poses) in enumerate(client.frames()):
+            while stepper.time_s < frame.time_s - 1e-9:
+                stepper.step()
+            for mine, theirs in zip(stepper.poses(), poses, strict=True):
+                np.testing.assert_array_equal(mine, theirs)
+            if count == 60:
+                leaf, bare = (np.abs(rows).max() for rows in poses)
+                assert 0 < bare < leaf
+                break
 
 
 def test_a_wind_change_is_answered_with_the_applied_wind(server: Server) -> None:

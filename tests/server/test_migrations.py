@@ -40,7 +40,8 @@ def test_startup_migrates_an_older_database(tmp_path: Path) -> None:
     with open_database(url)() as session:
         tree = session.get_one(Tree, "old")
         assert (tree.name, tree.state, tree.preliminary) == ("Old oak", "ready", False)
-        assert tree.model_sha256 is tree.records_sha256 is None
+        assert tree.model_sha256 is tree.records_sha256 is tree.bare_table_sha256 is None
+        assert tree.form == "open"
         job = session.get_one(Job, "job")
         assert (job.kind, job.state, job.pictures, job.lease) == ("build", "running", {}, None)
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import httpx
 import pytest
-from galewood.shipped import ShippedTree, build_key, write_shipped
+from galewood.shipped import ShippedTree, build_key, read_shipped, write_shipped
+from galewood.table import decode, encode
 from galewood.wind import Wind
 
 from tests.server.conftest import NO_CLUSTER, REPOSITORY, Server, wait_until
@@ -44,9 +46,12 @@ def species(tmp_path: Path) -> Path:
     return folder
 
 
-def ship(folder: Path, source: bytes) -> None:
-    key = build_key(source, {"species": "maple", "height_m": 3})
-    write_shipped(folder / "shipped", "small", key, SHIPPED)
+def ship(folder: Path, source: bytes, shipped: ShippedTree = SHIPPED) -> None:
+    write_shipped(folder / "shipped", "small", key_of(source), shipped)
+
+
+def key_of(source: bytes) -> str:
+    return build_key(source, {"species": "maple", "height_m": 3})
 
 
 def start(start_server: StartServer, species: Path) -> Server:
@@ -111,6 +116,56 @@ def test_a_shipped_table_replaces_an_older_one(start_server: StartServer, specie
         tree = api.get("/api/trees/small").json()
         assert tree["table_sha256"] == sha256(SHIPPED.table) != old["table_sha256"]
         assert tree["state"] == "ready" and tree["job_id"] != old["job_id"]
+
+
+def bare_table() -> bytes:
+    pole = decode(SHIPPED.table)
+    return encode(replace(pole, metadata={**pole.metadata, "foliage": "bare"}))
+
+
+def test_shipped_files_have_a_bare_table_or_not(tmp_path: Path) -> None:
+    for shipped in (SHIPPED, replace(SHIPPED, bare_table=bare_table())):
+        write_shipped(tmp_path, "small", "key", shipped)
+        assert read_shipped(tmp_path, "small", "key") == shipped
+    (tmp_path / "small.bare.table").write_bytes(b"damaged")
+    assert read_shipped(tmp_path, "small", "key") is None
+
+
+def test_a_shipped_bare_table_is_installed_and_served(start_server: StartServer, species: Path) -> None:
+    ship(species, SOURCE, replace(SHIPPED, bare_table=bare_table()))
+    with start(start_server, species).client() as api:
+        tree = api.get("/api/trees/small").json()
+        bare = tree["bare_table_sha256"]
+        assert bare == sha256(bare_table()) != tree["table_sha256"] == sha256(SHIPPED.table)
+        assert api.get(f"/api/tables/{bare}").content == bare_table()
+        assert api.get(f"/api/tables/{bare}/metadata").json()["metadata"]["foliage"] == "bare"
+        (listed,) = api.get("/api/tables").json()["tables"]
+        assert (listed["sha256"], listed["bare_table_sha256"]) == (tree["table_sha256"], bare)
+
+
+def test_a_built_in_tree_that_is_not_shipped_is_computed_with_and_without_leaves(
+    start_server: StartServer, species: Path
+) -> None:
+    (species / "small.obj").write_bytes(b"another mesh")
+    with start(start_server, species).client() as api:
+        tree = ready(api)
+        assert tree["form"] == "open" and tree["bare_table_sha256"] is None
+        address = "/api/trees/small"
+        bare = wait_until(lambda: api.get(address).json()["bare_table_sha256"])
+        assert bare == sha256(b"bare table of another mesh")
+
+
+def test_the_forms_of_a_species_are_trees(start_server: StartServer, species: Path) -> None:
+    (entry,) = json.loads((species / "species.json").read_text())
+    (species / "slender.obj").write_bytes(b"a slender tree")
+    slender = {**entry, "id": "small-forest", "file": "slender.obj", "form": "forest"}
+    (species / "species.json").write_text(json.dumps([entry, slender]))
+    with start(start_server, species).client() as api:
+        trees = {tree["id"]: tree for tree in api.get("/api/trees").json()["trees"]}
+        assert {name: (tree["species"], tree["form"]) for name, tree in trees.items()} == {
+            "small": ("maple", "open"),
+            "small-forest": ("maple", "forest"),
+        }
 
 
 def test_a_shipped_tree_can_be_compared(start_server: StartServer, species: Path) -> None:

@@ -1,5 +1,5 @@
 /** Loading of trees, meshes and tables, also out of order. */
-import { afterEach, expect, test, vi } from "vitest";
+import { afterEach, describe, expect, test, vi } from "vitest";
 import type { Tree } from "../../web/src/page/server/api";
 import { Catalogue } from "../../web/src/page/server/catalogue";
 import type { TableMotion } from "../../web/src/worker/protocol";
@@ -99,4 +99,101 @@ test("new records of a tree are announced once, with the state of its job", asyn
   expect(records.count).toBe(1);
   expect(catalogue.find("ash")).toMatchObject({ job: null, tree: { records_sha256: "r" } });
   expect(catalogue.find("oak")).toBeNull();
+});
+
+describe("tables without leaves", () => {
+  const both = (table: string, bare: string | null): Tree => ({ ...tree(table), bare_table_sha256: bare });
+
+  test("are loaded when winter comes, once, and the trees move by the other until then", async () => {
+    const { arriving, grown, settle, catalogue } = started();
+    handlers.change({ tree: both("leaf", "bare"), job: null });
+    arriving.get("leaf")?.resolve(motionOf("leaf"));
+    await settle();
+    expect([...arriving.keys()]).toEqual(["leaf"]);
+    catalogue.bare = true;
+    await settle();
+    expect(grown).toEqual(["leaf"]);
+    arriving.get("bare")?.resolve(motionOf("bare"));
+    await settle();
+    catalogue.bare = false;
+    arriving.clear();
+    catalogue.bare = true;
+    expect(grown).toEqual(["leaf", "bare", "leaf", "bare"]);
+    expect(arriving.size).toBe(0);
+    expect(catalogue.leafMotion("ash")?.sha256).toBe("leaf");
+    expect(catalogue.find("ash")?.motion?.sha256).toBe("bare");
+  });
+
+  test("a tree without one keeps its table in winter", async () => {
+    const { arriving, grown, settle, catalogue } = started();
+    handlers.change({ tree: both("leaf", null), job: null });
+    arriving.get("leaf")?.resolve(motionOf("leaf"));
+    await settle();
+    catalogue.bare = true;
+    await settle();
+    expect(grown).toEqual(["leaf"]);
+    expect([...arriving.keys()]).toEqual(["leaf"]);
+  });
+
+  test("one that is computed in winter is taken up, and one that is gone is given up", async () => {
+    const { arriving, settle, catalogue } = started();
+    catalogue.bare = true;
+    handlers.change({ tree: both("leaf", null), job: null });
+    arriving.get("leaf")?.resolve(motionOf("leaf"));
+    await settle();
+    handlers.change({ tree: both("leaf", "bare"), job: null });
+    arriving.get("bare")?.resolve(motionOf("bare"));
+    await settle();
+    expect(catalogue.assets[0].motion?.sha256).toBe("bare");
+    handlers.change({ tree: both("leaf", null), job: null });
+    expect(catalogue.assets[0].motion?.sha256).toBe("leaf");
+  });
+
+  test("one that cannot be loaded is reported, and tried again next winter", async () => {
+    const { arriving, problems, settle, catalogue } = started();
+    handlers.change({ tree: both("leaf", "bare"), job: null });
+    arriving.get("leaf")?.resolve(motionOf("leaf"));
+    catalogue.bare = true;
+    arriving.get("bare")?.reject(new Error("unreadable"));
+    await settle();
+    expect(problems).toHaveLength(1);
+    expect(catalogue.assets[0].motion?.sha256).toBe("leaf");
+    catalogue.bare = false;
+    catalogue.bare = true;
+    arriving.get("bare")?.resolve(motionOf("bare"));
+    await settle();
+    expect(catalogue.assets[0].motion?.sha256).toBe("bare");
+  });
+
+  test("one of another mesh is not used", async () => {
+    const { arriving, settle, catalogue } = started();
+    handlers.change({ tree: both("leaf", "bare"), job: null });
+    arriving.get("leaf")?.resolve({ ...motionOf("leaf"), meshSha256: "m" });
+    catalogue.bare = true;
+    arriving.get("bare")?.resolve({ ...motionOf("bare"), meshSha256: "another" });
+    await settle();
+    expect(catalogue.assets[0].motion?.sha256).toBe("leaf");
+  });
+});
+
+test("the forms of a built-in species are one kind, each upload is its own", () => {
+  const { catalogue } = started();
+  const builtin = (id: string, form: "open" | "forest") => ({ ...tree(null), id, name: id, builtin: true, form });
+  const uploaded = { ...tree(null), id: "mine", name: "my ash", builtin: false, form: "open" as const };
+  for (const one of [builtin("ash-forest", "forest"), builtin("ash", "open"), uploaded])
+    handlers.change({ tree: one, job: null });
+  expect(catalogue.kinds).toEqual([
+    { id: "ash", name: "Ash" },
+    { id: "mine", name: "My ash" },
+  ]);
+});
+
+test("the other form stands in for one that cannot be loaded", async () => {
+  const { arriving, problems, settle, catalogue } = started();
+  handlers.change({ tree: tree("full"), job: null });
+  expect(catalogue.assets[0].hasTable).toBe(true);
+  arriving.get("full")?.reject(new Error("unreadable"));
+  await settle();
+  expect(problems).toHaveLength(1);
+  expect(catalogue.assets[0].hasTable).toBe(false);
 });

@@ -1,7 +1,7 @@
 /** The paper's method: fetched on demand, and its state in words. */
 import { describe, expect, test } from "vitest";
 import { PaperMethod } from "../../web/src/page/paper/paperMethod";
-import { isRecorded, onlyRecordsLeft, paperNote, paperStateOf, paperWords } from "../../web/src/page/paper/paperState";
+import { isRecorded, onlyExtrasLeft, paperNote, paperStateOf, paperWords } from "../../web/src/page/paper/paperState";
 import type { Job, Tree } from "../../web/src/page/server/api";
 import type { KnownTree } from "../../web/src/page/server/catalogue";
 import { tableWords } from "../../web/src/page/ui/words";
@@ -25,6 +25,8 @@ describe("the state of the paper's method", () => {
     ["being computed, 40 %", known({ job: running("records") })],
     ["ready", known({ job: running("records"), tree: tree({ records_sha256: "r" }) })],
     ["not computed", known({ job: { ...running("records"), state: "cancelled" } })],
+    ["not computed", known({ job: running("bare") })],
+    ["only in leaf", known({ motion: motion({ sha256: "b", foliage: "bare" }), tree: tree({ records_sha256: "r" }) })],
   ])("%s", (words, given) => expect(paperWords(paperStateOf(given, false))).toBe(words));
 
   test("loading comes first", () => expect(paperWords(paperStateOf(known(), true))).toBe("loading"));
@@ -40,10 +42,11 @@ describe("the state of the paper's method", () => {
     expect(noteOf(...Array.from({ length: 6 }, () => known())).split("\n")).toHaveLength(6);
   });
 
-  test("a build of which only the records are left is quiet", () => {
-    expect(onlyRecordsLeft(running("records"))).toBe(true);
-    expect(onlyRecordsLeft(running("table"))).toBe(false);
-    expect(onlyRecordsLeft(null)).toBe(false);
+  test("a build of which only the records or the bare table are left is quiet", () => {
+    expect(onlyExtrasLeft(running("records"))).toBe(true);
+    expect(onlyExtrasLeft(running("bare"))).toBe(true);
+    expect(onlyExtrasLeft(running("table"))).toBe(false);
+    expect(onlyExtrasLeft(null)).toBe(false);
   });
 
   test("the server uses it only with the records of every tree", () => {
@@ -57,6 +60,7 @@ test("a preliminary table says what it leaves out, and that another one follows"
   const first = motion({ preliminary: true, linear: true, leftOut: ["large deflections", "gusts"] });
   expect(tableWords(null, null)).toBe("No motion yet.");
   expect(tableWords(motion(), running("records"))).toBe("Complete table.");
+  expect(tableWords(motion({ foliage: "bare" }), null)).toBe("Complete table, without leaves.");
   expect(tableWords(first, running("sampling"))).toBe(
     "First motion from the natural modes; the full table follows. It leaves out: large deflections; gusts.",
   );

@@ -11,13 +11,13 @@ describe("settings in the URL", () => {
   });
 
   test("numbers are clamped and invalid values ignored", () => {
-    const settings = settingsFromQuery("?trees=1e9&speed=-3&gust=NaN&seed=&direction=abc&lookup=moon&forest=3.7");
+    const settings = settingsFromQuery("?trees=1e9&speed=-3&gust=NaN&seed=&direction=abc&lookup=moon&form=bonsai&forest=3.7");
     expect(settings).toEqual({ ...DEFAULTS, trees: 10_000, wind: withPlain(DEFAULTS.wind, { mean_speed_m_s: 0 }), forestSeed: 4 });
   });
 
   test("a query restores its settings and is empty for the defaults", () => {
     expect(queryFromSettings(DEFAULTS)).toBe("");
-    const changed = { ...DEFAULTS, trees: 3, poseEasing: 0.25, flutter: false, wind: withPlain(DEFAULTS.wind, { direction_deg: 271, seed: 9 }) };
+    const changed = { ...DEFAULTS, trees: 3, form: "forest" as const, poseEasing: 0.25, flutter: false, wind: withPlain(DEFAULTS.wind, { direction_deg: 271, seed: 9 }) };
     expect(settingsFromQuery(`?${queryFromSettings(changed)}`)).toEqual(changed);
   });
 

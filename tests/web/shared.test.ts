@@ -1,7 +1,8 @@
 import { describe, expect, test } from "vitest";
-import { PRESETS } from "../../web/src/core/wind/wind";
+import { PRESETS, WindField } from "../../web/src/core/wind/wind";
 import { DEFAULTS } from "../../web/src/page/settings/settings";
 import { adoptPlacement, placementOf, sharedFrom, withShared } from "../../web/src/page/settings/sharedForest";
+import { forestRequest, sharedGroups } from "../../web/src/worker/stream/forestRequest";
 import { ServerClock } from "../../web/src/worker/stream/serverClock";
 import { SharedClock } from "../../web/src/worker/stream/sharedClock";
 import { random } from "./golden";
@@ -24,15 +25,27 @@ describe("a shared forest in the address", () => {
 });
 
 test("clients exchange only the settings that determine the placement", () => {
-  const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, method: "paper" as const, wind: PRESETS.still };
+  const mine = { ...DEFAULTS, trees: 321, forestSeed: 9, form: "open" as const, method: "paper" as const, wind: PRESETS.still };
   const yours = { ...DEFAULTS, trees: 5, wind: PRESETS["storm-front"] };
   expect(adoptPlacement(yours, placementOf(mine))).toBe(true);
   expect([yours.trees, yours.forestSeed, yours.method, yours.wind]).toEqual([321, 9, "paper", PRESETS["storm-front"]]);
+  expect(yours.form).toBe("open");
   expect(adoptPlacement(yours, placementOf(mine))).toBe(false);
   expect(adoptPlacement(yours, {})).toBe(false);
   const plain = { ...mine };
   expect(adoptPlacement(plain, placementOf(DEFAULTS))).toBe(true);
   expect([plain.trees, plain.forestSeed, plain.method]).toEqual([DEFAULTS.trees, DEFAULTS.forestSeed, "modal"]);
+  expect(plain.form).toBe("place");
+});
+
+test("a shared forest is asked for by its tables in leaf, whichever ones are played here", () => {
+  const placement = Float32Array.of(1, 2, 3, 1);
+  const group = { table: "bare", leafTable: "leaf", placement, ids: Uint32Array.of(4) };
+  expect(sharedGroups([group])).toEqual([{ ...group, table: "leaf" }]);
+  const field = new WindField(DEFAULTS.wind);
+  const options = { method: "modal", poseEasing: null, share: { id: "meadow", replant: false, about: {} } } as const;
+  const { groups } = forestRequest("table", sharedGroups([group]), field, 0, options);
+  expect(groups).toEqual([{ table: "leaf", count: 1 }]);
 });
 
 /** A server whose clock is ahead, and which answers pings after random network delays. */

@@ -149,6 +149,7 @@ describe("rejects", () => {
       (_, metadata) => Object.assign(metadata.paper as object, { records: 1.5 }),
       (_, metadata) => Object.assign(metadata, { paper: [] }),
       (_, metadata) => Object.assign(metadata, { primitives: [{ vertices: 14 }] }),
+      (_, metadata) => Object.assign(metadata, { foliage: "needles" }),
     ];
     for (const change of changes) expect(() => decodeTable(tampered(FILE, change))).toThrow(TableError);
   });

@@ -145,11 +145,13 @@ describe("the physics card", () => {
       meshing: { tets: 4150 },
       seconds: { intake: 1.1, sampling: 60 },
       table: { records: 7568, errors: { truncation_max_m: 0.0075 } },
+      bare_table: { model: { frequencies_hz: [0.9051] } },
     };
     const said = Object.fromEntries(factsOf({ height_m: 13.16, report }, 7_813_436).map((f) => [f.name, f.value]));
     expect(said).toMatchObject({
       Height: "13.2 m",
       "First natural frequency": "0.71 Hz",
+      "First frequency without leaves": "0.91 Hz",
       "Damping ratio": "3.0 %",
       "Finite elements": "4,150",
       Records: "7,568",

@@ -3,6 +3,7 @@
 # pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from galewood.api.evaluation import evaluate
+from galewood.api.field_reports import field_report
 from galewood.api.forests import Forest, Placements, grid
 from galewood.api.models import Model, Motion
 from galewood.api.tables import MotionTable, build, load, save
@@ -17,6 +18,7 @@ __all__ = [
     "Tree",
     "build",
     "evaluate",
+    "field_report",
     "grid",
     "load",
     "read",

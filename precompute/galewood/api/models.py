@@ -15,6 +15,7 @@ from galewood.api.cache import default_cache_dir
 from galewood.api.trees import Tree
 from galewood.fem import FemModel, FemSettings, Simulator
 from galewood.model import tree_model
+from galewood.table import Foliage
 from galewood.util import Floats, Singles
 from galewood.wind import Wind, WindField, height_factor
 from galewood.wood import Wood
@@ -43,6 +44,7 @@ class Model:
         tree: Tree,
         *,
         wood: Wood | None = None,
+        foliage: Foliage = "leaf",
         target_tets: int = 5500,
         settings: FemSettings | None = None,
         cache_dir: Path | None = None,
@@ -52,6 +54,7 @@ class Model:
         Args:
             tree: The tree (``galewood.read``).
             wood: Elastic constants, density and damping; by default those of the tree's species.
+            foliage: "bare" leaves out the mass and the wind area of the leaves.
             target_tets: Number of tetrahedra to aim at.
             settings: Time step, elements and damping of the simulation.
             cache_dir: Folder for meshes; by default the user's cache folder.
@@ -61,7 +64,12 @@ class Model:
         """
         self.tree = tree
         made = tree_model(
-            tree.mesh, wood, target_tets, cache_dir or default_cache_dir(), settings or FemSettings()
+            tree.mesh,
+            wood,
+            target_tets,
+            cache_dir or default_cache_dir(),
+            settings or FemSettings(),
+            leaves=foliage == "leaf",
         )
         self.wood = made.wood
         self.fem: FemModel = made.fem

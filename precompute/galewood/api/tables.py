@@ -16,8 +16,8 @@ from galewood.api.cache import default_cache_dir
 from galewood.api.trees import Tree
 from galewood.mesh import read_glb
 from galewood.options import BuildRequest
-from galewood.pipeline import Progress, build_options, build_tree
-from galewood.table import Table, decode
+from galewood.pipeline import Progress, bare_path, build_options, build_tree
+from galewood.table import Foliage, Table, decode
 from galewood.util import Floats, Ints, write_whole
 
 
@@ -31,6 +31,8 @@ class MotionTable:
     """The mesh to draw, as a binary glTF; None: not known."""
     report: dict[str, Any] = field(default_factory=dict[str, Any], repr=False)
     """What the build assumed and measured; empty for a loaded table."""
+    bare: MotionTable | None = field(default=None, repr=False)
+    """The table of the same tree and mesh without its leaves, if it was built too (``bare_table=True``)."""
 
     @cached_property
     def table(self) -> Table:
@@ -41,6 +43,11 @@ class MotionTable:
     def metadata(self) -> dict[str, Any]:
         """Species, height, frequencies, errors and provenance."""
         return self.table.metadata
+
+    @property
+    def foliage(self) -> Foliage:
+        """Whether the table was made from the tree in leaf or bare."""
+        return self.table.foliage
 
     @property
     def height_m(self) -> float:
@@ -73,9 +80,14 @@ class MotionTable:
         return self.render_glb
 
     def save(self, path: str | Path) -> None:
-        """Write the table, and beside it the mesh that it moves (same name, .glb)."""
+        """Write the table, and beside it the mesh that it moves (same name, .glb).
+
+        The bare table, if there is one, is written beside tree.gwt as tree.bare.gwt, with its mesh.
+        """
         path = Path(path)
         write_whole(path, self.data)
+        if self.bare is not None:
+            self.bare.save(bare_path(path))
         if self.render_glb is not None:
             write_whole(path.with_suffix(".glb"), self.render_glb)
 
@@ -113,7 +125,8 @@ def build(
         on_progress or (lambda progress: None),
         cache_dir or default_cache_dir(),
     )
-    return MotionTable(result.whole_table(), result.render_glb, result.report)
+    bare = MotionTable(result.bare_table, result.render_glb) if result.bare_table else None
+    return MotionTable(result.whole_table(), result.render_glb, result.report, bare)
 
 
 def load(path: str | Path, *, mesh: str | Path | None = None) -> MotionTable:

@@ -70,7 +70,7 @@ def read(
         up_axis: Axis that points up; by default guessed from the shape.
         wood_materials: Names of the materials, nodes or meshes that are wood.
         dbh_cm: Scanned tree: scale all radii to this diameter of the trunk at 1.3 m.
-        min_radius_mm: Scanned tree: drop branches thinner than this; by default 10 mm.
+        min_radius_mm: Scanned tree: drop branches thinner than this; by default 10 mm, or what leaves 200.
         bare: Scanned tree: add no leaves.
 
     Raises:

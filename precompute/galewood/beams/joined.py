@@ -86,7 +86,7 @@ class _Builder:
         links: list[tuple[int, int, bool]] = []
         for joint, first in self._joints:
             if np.linalg.norm(points[joint] - points[first]) < 1e-3:
-                stands[first] = joint
+                stands[first] = stands[joint]  # which may itself stand for another
             else:
                 links.append((joint, first, True))
         for number, nodes in self._of_branch.items():

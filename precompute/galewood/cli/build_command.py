@@ -79,7 +79,7 @@ def build(
     from dataclasses import replace
 
     from galewood.fem import FemSettings
-    from galewood.pipeline import build_options, build_table
+    from galewood.pipeline import bare_path, build_options, build_table, tree_lines
     from galewood.util import MeshError
 
     options = build_options(_request(chosen, wood))
@@ -106,13 +106,20 @@ def build(
     table = result.whole_table()
     out.write_bytes(table)
     out.with_suffix(".glb").write_bytes(result.render_glb)
+    if result.bare_table:
+        bare_path(out).write_bytes(result.bare_table)
+        bare_path(out).with_suffix(".glb").write_bytes(result.render_glb)
     write_figures(json_out, {**result.report, "table_bytes": len(table)})
     rest_pose = result.report["model"]["rest_pose"]
-    of_model = [rest_pose["warning"]] if "warning" in rest_pose else []
+    of_model = [rest_pose[name] for name in ("warning", "note") if name in rest_pose]
     for warning in [*result.report["import"].get("warnings", []), *of_model]:
         console.print(f"[yellow]Warning:[/yellow] {warning}")
+    for line in tree_lines(result.report["tree"]):
+        console.print(line)
     seconds = sum(result.report["seconds"].values())
     console.print(f"{out}: {len(table) / 1e6:.1f} MB in {seconds:.0f} s")
+    if result.bare_table:
+        console.print(f"{bare_path(out)}: the same tree without its leaves")
 
 
 def _request(chosen: dict[str, Any], wood: Path | None) -> BuildRequest:

@@ -1,4 +1,4 @@
-"""The command line of the precomputation: build, simulate, export, evaluate, paper, bench, verify."""
+"""The command line of the precomputation: build, field, simulate, export, evaluate, paper, bench, verify."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from galewood.cli.build_command import register as register_build
+from galewood.cli.field_commands import register as register_field
 from galewood.cli.tools import (
     CacheDir,
     JsonOut,
@@ -27,6 +28,7 @@ app = typer.Typer(
 
 
 register_build(app)
+register_field(app)
 
 
 @app.command()

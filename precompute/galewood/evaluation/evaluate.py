@@ -85,9 +85,8 @@ def evaluate_table(
     """Error figures per unseen wind and method, with a tree at rest and the nearest sampled run as baselines.
 
     ``strength`` is the peak speed over the design speed. With ``sway`` each wind is instead scaled until the
-    reference solution sways by that share of the height, or until the wind is the strongest that the table was
-    made from.
-    ``winds`` (pressures (T, 2) Pa by name) replace the default ones.
+    reference solution sways by that share of the height, or until the wind is the strongest
+    that the table was made from. ``winds`` (pressures (T, 2) Pa by name) replace the default ones.
     """
     winds = winds or _winds(table, frames, strength if sway is None else 0.9, seed)
     tasks = reference_tasks(table, source, list(winds.values()), sway)

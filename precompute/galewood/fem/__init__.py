@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from galewood.fem.drag import LEAST_PROFILE, Drag
     from galewood.fem.dynamics import Simulator
     from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
+    from galewood.fem.foundation import on_springs, with_ground_reaction
     from galewood.fem.model import FemModel, load_model, save_model
     from galewood.fem.modes import Modes, natural_modes, tangent_modes
     from galewood.fem.prestress import rest_prestress, strain_under
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
         solve_static,
         weightless_pose,
     )
+    from galewood.fem.support import Support, supporting_factors
 
 __getattr__ = lazily(
     __name__,
@@ -42,6 +44,8 @@ __getattr__ = lazily(
         "gradients": "galewood.fem.elasticity",
         "moduli": "galewood.fem.elasticity",
         "stiffness_blocks": "galewood.fem.elasticity",
+        "on_springs": "galewood.fem.foundation",
+        "with_ground_reaction": "galewood.fem.foundation",
         "FemModel": "galewood.fem.model",
         "load_model": "galewood.fem.model",
         "save_model": "galewood.fem.model",
@@ -60,13 +64,15 @@ __getattr__ = lazily(
         "weightless_pose": "galewood.fem.statics",
         "gravity_rest_pose": "galewood.fem.statics",
         "solve_static": "galewood.fem.statics",
+        "Support": "galewood.fem.support",
+        "supporting_factors": "galewood.fem.support",
     },
 )
 __all__ = [
     "LEAST_PROFILE",
     "PAIRS",
-    "Element",
     "Drag",
+    "Element",
     "ElementSystem",
     "FemModel",
     "FemSettings",
@@ -76,6 +82,7 @@ __all__ = [
     "SagsTooFar",
     "Scheme",
     "Simulator",
+    "Support",
     "damping_report",
     "elevate",
     "gradients",
@@ -86,6 +93,7 @@ __all__ = [
     "moduli",
     "natural_modes",
     "node_mass_shares",
+    "on_springs",
     "rayleigh",
     "rest_prestress",
     "save_model",
@@ -93,6 +101,8 @@ __all__ = [
     "solve_static",
     "stiffness_blocks",
     "strain_under",
+    "supporting_factors",
     "tangent_modes",
     "weightless_pose",
+    "with_ground_reaction",
 ]

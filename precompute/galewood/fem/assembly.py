@@ -30,7 +30,8 @@ class ElementSystem:
 
     rest_m (N,3), elements (m, 4|10), grad (m,4,3), blocks (m,10,3,3), fixed (k,): clamped nodes. prestress
     (m,10) N/m: contribution of the rest-pose stress to the diagonals of the tangent's blocks. strain_m
-    (m, 4|10, 3): strain of the given shape, as displacements of each element's nodes. `order` maps
+    (m, 4|10, 3): strain of the given shape, as displacements of each element's nodes. foundation_n_m
+    (N,) N/m: springs between the nodes and the ground, equal in all directions; None: none. `order` maps
     internal to mesh node numbers: free nodes in elimination order, then the fixed ones.
     """
 
@@ -43,6 +44,7 @@ class ElementSystem:
         fixed: Int32s,
         prestress: Floats | None = None,
         strain_m: Floats | None = None,
+        foundation_n_m: Floats | None = None,
     ) -> None:
         free = np.setdiff1d(np.arange(len(rest_m)), fixed)
         compact = np.full(len(rest_m), -1, np.int64)
@@ -59,6 +61,7 @@ class ElementSystem:
         self.blocks = np.ascontiguousarray(blocks.reshape(len(blocks), 10, 9))
         self.prestress = np.zeros((len(blocks), 10)) if prestress is None else np.ascontiguousarray(prestress)
         self.strain = np.zeros((*elements.shape, 3)) if strain_m is None else np.ascontiguousarray(strain_m)
+        self.foundation = None if foundation_n_m is None else np.ascontiguousarray(foundation_n_m[self.order])
         self.slots, self.flips = self._scatter_map()
         self._linear = None if self.quadratic else self._batches()
         self.values = np.zeros((self.solver.blocks + 1, 9))
@@ -131,6 +134,8 @@ class ElementSystem:
 
     def _run(self, u: Floats, w: Floats, scale: float, matrix: bool, out: Floats) -> None:
         out[:] = 0.0
+        if self.foundation is not None:
+            self._add_foundation(self.foundation, u, w, scale, matrix, out)
         if self._linear:
             self._linear.run(u, w, scale, matrix, self.values, out)
             return
@@ -139,6 +144,16 @@ class ElementSystem:
         mesh = (*shape, self.blocks, self.prestress, self.slots, self.flips)
         terms = (c.rows, c.columns, c.start, c.coefficient, c.block, c.transposed)
         _assemble10(*terms, *mesh, u, w, scale, matrix, self.values, out)
+
+    def _add_foundation(
+        self, springs: Floats, u: Floats, w: Floats, scale: float, matrix: bool, out: Floats
+    ) -> None:
+        held = np.flatnonzero(springs)
+        out[held] += springs[held, None] * (u[held] + w[held])
+        if matrix:
+            inside = held[held < self.free]
+            for k in (0, 4, 8):
+                self.values[self.diagonal[inside], k] += scale * springs[inside]
 
     def diagonal_blocks(self, nodes: Int32s) -> Floats:
         """(q,3,3) diagonal blocks of the last assembled matrix at internal nodes (zero at fixed ones)."""

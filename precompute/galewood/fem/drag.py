@@ -47,7 +47,8 @@ class Drag:
             np.ones_like(sheltered) if wind_profile is None else np.maximum(wind_profile, LEAST_PROFILE)
         )
         self._nodes = np.flatnonzero(self.exposed_m2 > 0).astype(np.int64)
-        self._parts = tuple(x[self._nodes] for x in (self.exposed_m2, self.share, self.profile))
+        at = self._nodes
+        self._parts = (self.exposed_m2[at], self.share[at], self.profile[at])
         self._loads = DragLoads(np.zeros((len(sheltered), 3)), np.zeros((len(sheltered), 9)))
 
     def at(self, velocity_m_s: Floats, pressure_pa: Floats) -> DragLoads:
@@ -55,14 +56,9 @@ class Drag:
 
         The arrays of the result are overwritten by the next call.
         """
-        _drag(
-            self._nodes,
-            *self._parts,
-            velocity_m_s,
-            float(pressure_pa[0]),
-            float(pressure_pa[1]),
-            *self._loads,
-        )
+        exposed, share, profile = self._parts
+        px, pz = float(pressure_pa[0]), float(pressure_pa[1])
+        _drag(self._nodes, exposed, share, profile, velocity_m_s, px, pz, *self._loads)
         return self._loads
 
 

@@ -121,8 +121,8 @@ class Simulator:
         matrix; with `j_max` > 1 both stages are iterated (`_tr_bdf2_by_newton`).
 
         Both stages use forces that are linear about one pose, with the rotations of the elements predicted
-        for the middle of the step. The path of a rotating branch is then the tangent to its arc at the middle.
-        The tangents of two steps intersect where one ends and the next begins, so no step starts with a
+        for the middle of the step. The path of a rotating branch is then the tangent to its arc there. The
+        tangents of two steps intersect where one ends and the next begins, so no step starts with a
         stretch that it would have to damp out. (Rotations of the start of the step do, and cost a free decay
         from 20 % sway a tenth of its amplitude in six periods.) The second stage needs no new forces, only
         K Δv, which follows from the first solve: A Δv = ((1 + d α) M + d C_drag) Δv + d (d + β) K Δv.
@@ -220,7 +220,7 @@ class Simulator:
         self._system.assemble(u, w, d * (d + beta), (1 + d * alpha) * self._mass, self._force)
 
     def _refined(self, load: Floats, d: float, u_known: Floats, v_known: Floats, guess: Floats) -> Floats:
-        """The other `j_max` − 1 Newton iterations on M (v − v_known) = d (f_ext − f_int(u_known + d v) − C v).
+        """The other `j_max` − 1 Newton iterations on M (v − v_known) = d F(u_known + d v, v).
 
         An iteration that increases the residual is rejected.
         """

@@ -23,6 +23,8 @@ class FemModel:
     the strain that the given shape has under its weight, as displacements of each element's nodes; None: the
     given shape is unstrained. exposed_area_m2 (N,) is the drag area without shelter and wind_profile (N,) the
     wind speed at the nodes over that at the top (`drag.py`); None: no shelter, the same speed everywhere.
+    foundation_n_m (N,) N/m are springs between the nodes and the ground (`foundation.py`); None: `fixed` is
+    clamped.
     """
 
     nodes_m: Floats
@@ -43,11 +45,12 @@ class FemModel:
     strain_m: Floats | None = None
     exposed_area_m2: Floats | None = None
     wind_profile: Floats | None = None
+    foundation_n_m: Floats | None = None
 
     def system(self) -> ElementSystem:
         """The element system with its solver, including the symbolic analysis."""
         shape = (self.nodes_m, self.elements, self.grad, self.blocks, self.fixed)
-        return ElementSystem(*shape, self.prestress, self.strain_m)
+        return ElementSystem(*shape, self.prestress, self.strain_m, self.foundation_n_m)
 
     def drag(self, order: Int32s | slice = slice(None)) -> Drag:
         """The drag of the nodes, in mesh order or another one."""
@@ -69,7 +72,7 @@ _ARRAYS = (
     "u_rest",
     "prestress",
 )
-_OPTIONAL_ARRAYS = ("strain_m", "exposed_area_m2", "wind_profile")
+_OPTIONAL_ARRAYS = ("strain_m", "exposed_area_m2", "wind_profile", "foundation_n_m")
 """Arrays of a model that may be None."""
 
 

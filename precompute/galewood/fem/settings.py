@@ -1,7 +1,7 @@
 """Settings of a finite-element model and its simulation; cheap to import."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 Scheme = Literal["backward-euler", "tr-bdf2"]
@@ -15,8 +15,8 @@ LARGEST_PHASE_RAD = 0.18
 class FemSettings:
     """Simulation settings; ValueError if a value is out of range.
 
-    dt_s is the table's time step, which is divided into `substeps` equal steps of `scheme`; 0 leaves their number
-    to the model (`resolved`). `j_max` and `tolerance` (relative to the first residual) belong to the paper's
+    dt_s is the table's time step, which is divided into `substeps` equal steps of `scheme`; 0 leaves their
+    number to the model (`resolved`). `j_max` and `tolerance` (relative to the first residual) belong to the paper's
     Algorithm 2; with TR-BDF2 and `j_max` > 1 both of its stages are iterated. The damping ratio of the
     wood applies at the first natural frequency and at `damping_frequency_ratio` times it (Rayleigh's two
     targets).
@@ -30,6 +30,8 @@ class FemSettings:
     tolerance: float = 1e-6
     damping_frequency_ratio: float = 3.0
     gravity: bool = True
+    root_stiffness_nm_rad: float | None = field(default=None, repr=False)
+    """Rotational stiffness of the root plate, N·m/rad; None: rigid. The model's key covers its springs."""
 
     def __post_init__(self) -> None:
         if not 1e-4 <= self.dt_s <= 1:
@@ -42,6 +44,8 @@ class FemSettings:
             raise ValueError(f"unknown element {self.element!r}: fitted, linear or quadratic")
         if not 1 < self.damping_frequency_ratio <= 100:
             raise ValueError("damping_frequency_ratio must lie above 1 and at most at 100")
+        if self.root_stiffness_nm_rad is not None and not 1 <= self.root_stiffness_nm_rad <= 1e15:
+            raise ValueError("root_stiffness_nm_rad must lie between 1 and 1e15 N·m/rad, or be None (rigid)")
 
     def resolved(self, first_hz: float) -> "FemSettings":
         """These settings with a number of substeps for a tree of this first natural frequency, Hz.

@@ -173,7 +173,7 @@ def widened(modal: ModalTensors) -> tuple[Floats, ...]:
 
 
 def working_room(modal: ModalTensors) -> tuple[Array, ...]:
-    """Work arrays of a batch: e, v, pressure, prediction, three pairs, terms, sums, drag, and tree indices."""
+    """Work arrays of a batch: e, v, pressure, prediction, pairs, terms, sums, drag, and tree indices."""
     d = len(modal.step)
     terms = max(len(modal.force), len(modal.pose))
     heights = (d, d, 2, d)

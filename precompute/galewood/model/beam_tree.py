@@ -13,11 +13,13 @@ from scipy.sparse import csr_matrix, vstack
 from scipy.spatial import KDTree
 
 from galewood.beams import Frame, frame_modes, joined_frame
+from galewood.fem import LEAST_PROFILE
 from galewood.mesh import RenderPrimitive, TreeMesh
+from galewood.model.bare_tree import without_leaves
 from galewood.model.binding import CROWN_SIZE, foliage_pieces, nearest_of_pieces, piece_size
+from galewood.model.crown_mass import twig_loads
 from galewood.model.foliage import crown_loads
 from galewood.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
-from galewood.fem import LEAST_PROFILE
 from galewood.util import Floats, Ints
 from galewood.wood import Wood
 
@@ -35,7 +37,7 @@ class BeamModel:
     Each point of the frame is four particles: itself, and one beside it along each axis, so that particles
     hold its rotation. The shapes (k, 4n, 3) are mass-normalised, 1/√kg; load (k, 2) is the modal force per
     Pa of wind along x and z. ``binding`` (v, 4n) moves the render vertices with the particles. The last three
-    (4n,) are the drag area without shelter, m², the share of it that is left in shelter, and the wind profile.
+    (4n,) are the drag area without shelter, m², the share of it in shelter, and the wind profile.
     """
 
     frequencies_hz: Floats
@@ -64,9 +66,13 @@ class _Feet:
     distance_m: Floats
 
 
-def beam_model(tree: TreeMesh, wood: Wood) -> BeamModel:
-    """The beam model of a tree. Raises ValueError if the surface has no branches."""
-    frame = frame_of(outline_of(tree.wood_vertices_m, tree.wood_faces))
+def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
+    """The beam model of a tree. Raises ValueError if the surface has no branches.
+
+    Without ``leaves`` they still move, but have neither mass nor wind load.
+    """
+    outline = outline_of(tree.wood_vertices_m, tree.wood_faces)
+    frame = frame_of(outline)
     feet = [_feet(primitive.positions_m, frame) for primitive in tree.primitives]
     of = {id(primitive): foot for primitive, foot in zip(tree.primitives, feet, strict=True)}
 
@@ -77,15 +83,18 @@ def beam_model(tree: TreeMesh, wood: Wood) -> BeamModel:
         return np.bincount(ends.ravel(), shares.ravel(), len(frame.points_m)).astype(np.float64)
 
     wood_mass = frame.volume_m3() * wood.density_kg_m3
-    crown = crown_loads(tree, wood, frame.points_m[:, 1], spread, wood_mass)
+    loaded = tree if leaves else without_leaves(tree)
+    crown = crown_loads(loaded, wood, frame.points_m[:, 1], spread, wood_mass)
+    drawn_kg = crown.report.get("twig_mass_kg", 0.0)
+    hung_kg = crown.mass_kg + twig_loads(tree, spread, wood_mass, drawn_kg, outline).mass_kg
     clamped_m = CLAMPED_SHARE * float(np.ptp(frame.points_m[:, 1]))
     free = 6 * int((frame.points_m[:, 1] > clamped_m).sum())
-    modes = frame_modes(frame, wood, clamped_m, min(MODES, free // 2), crown.mass_kg)
+    modes = frame_modes(frame, wood, clamped_m, min(MODES, free // 2), hung_kg)
     arm_m = ARM_SHARE * tree.height_m
     return BeamModel(
         modes.frequencies_hz,
         _at_particles(modes.shapes, arm_m),
-        _on_points(_point_mass(frame, wood) + crown.mass_kg),
+        _on_points(_point_mass(frame, wood) + hung_kg),
         np.einsum("kni,n->ki", modes.shapes[:, :, [0, 2]], crown.drag_area_m2),
         _binding(tree, frame, feet, arm_m),
         len(frame.links),

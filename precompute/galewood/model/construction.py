@@ -10,26 +10,19 @@ from galewood.fem import (
     ElementSystem,
     FemModel,
     FemSettings,
-    Modes,
-    NotPositiveDefinite,
-    RestPose,
-    SagsTooFar,
     damping_report,
     elevate,
     gradients,
-    gravity_rest_pose,
-    loaded_pose,
     midside_parents,
     moduli,
-    natural_modes,
     node_mass_shares,
+    on_springs,
     rayleigh,
-    rest_prestress,
     stiffness_blocks,
-    strain_under,
-    weightless_pose,
 )
 from galewood.model.calibration import fit_factors, reference_target
+from galewood.model.effective_mass import sway_report
+from galewood.model.rest import Limbs, at_rest
 from galewood.util import Floats, Int32s
 from galewood.wood import Wood
 
@@ -58,17 +51,23 @@ class MeshLike(Protocol):
 
 
 class SkeletonLike(Protocol):
-    """The part of a Skeleton used here: the fibre direction (m,3) of each tet."""
+    """The part of a Skeleton used here: fibre direction (m,3) and branch (m,) of each tet."""
 
     @property
     def tet_fibre(self) -> Floats: ...
+    @property
+    def tet_branch(self) -> Int32s: ...
 
 
 class LumpedMassesLike(Protocol):
-    """The part of LumpedMasses used here: added mass (n,) kg, drag area (n,) m², fixed vertices (k,)."""
+    """The part of LumpedMasses used here: added mass and that of its leaves (n,) kg, drag area (n,) m², fixed
+    vertices (k,).
+    """
 
     @property
     def mass_kg(self) -> Floats: ...
+    @property
+    def leaf_mass_kg(self) -> Floats: ...
     @property
     def drag_area_m2(self) -> Floats: ...
     @property
@@ -104,10 +103,13 @@ def build_model(
     report["wood_constants"] = asdict(wood)
     report["wood_mass_kg"] = float(material.element_mass_kg.sum())
     if settings.element != "fitted":
-        return _finished(_raw(material, lumped, settings, settings.element), wood, report)
-    raw_reference = _raw(material, lumped, settings, "quadratic")
-    model, fit = _fitted(material, _raw(material, lumped, settings, "linear"), raw_reference)
-    return _finished(model, wood, {**report, "fit": fit})
+        model = _raw(material, lumped, settings, settings.element)
+    else:
+        raw_reference = _raw(material, lumped, settings, "quadratic")
+        model, fit = _fitted(material, _raw(material, lumped, settings, "linear"), raw_reference)
+        report["fit"] = fit
+    limbs = Limbs(np.asarray(skeleton.tet_branch, np.int32), material.element_mass_kg)
+    return _finished(model, wood, limbs, lumped.leaf_mass_kg, report)
 
 
 def wood_elements(mesh: MeshLike, skeleton: SkeletonLike, wood: Wood, lumped: LumpedMassesLike) -> Material:
@@ -186,48 +188,45 @@ def _fitted(material: Material, linear: FemModel, reference: FemModel) -> tuple[
     return replace(linear, blocks=blocks, settings=replace(linear.settings, element="fitted")), fit.report
 
 
-def _finished(model: FemModel, wood: Wood, report: dict[str, Any]) -> FemModel:
-    """The model with its gravity rest pose, frequencies and damping."""
+def _finished(
+    model: FemModel, wood: Wood, limbs: Limbs, leaf_mass_kg: Floats, report: dict[str, Any]
+) -> FemModel:
+    """The model on its foundation, with rest pose, frequencies (also without leaves) and damping."""
+    if (stiffness := model.settings.root_stiffness_nm_rad) is not None:
+        model = on_springs(model, stiffness)
+        report = {**report, "root_stiffness_nm_rad": stiffness}
     system = model.system()
-    try:
-        model, modes, rest_pose = _under_weight(model, system)
-    except NotPositiveDefinite:
-        # The equilibrium is unstable: the weight exceeds the buckling load.
-        pose = weightless_pose(model.gravity_n)
-        model, modes = _at_rest(model, model.system(), pose)
-        rest_pose = pose.report
-    frequencies = [float(f) for f in modes.frequencies_hz]
+    resting = at_rest(model, system, limbs)
+    model, frequencies = resting.model, resting.frequencies()
     settings = model.settings.resolved(frequencies[0])
     alpha, beta = rayleigh(wood.damping_ratio, frequencies[0], settings.damping_frequency_ratio)
     report = {
         **report,
         "mass_kg": float(model.mass_kg.sum()),
-        "rest_pose": rest_pose,
+        "rest_pose": resting.report,
         "frequencies_hz": frequencies,
+        "sway": sway_report(model, resting.modes),
         "damping": damping_report(settings, alpha, beta, frequencies[0], wood.damping_ratio),
     }
+    if leaf_mass_kg.any():
+        report["bare"] = _bare(model, system, limbs, leaf_mass_kg)
     return replace(model, alpha=alpha, beta=beta, settings=settings, report=report)
 
 
-def _under_weight(model: FemModel, system: ElementSystem) -> tuple[FemModel, Modes, dict[str, Any]]:
-    """The model in equilibrium with its weight: bent by it or, if too far, as given and already loaded.
-
-    Raises NotPositiveDefinite if the equilibrium is unstable.
-    """
-    try:
-        pose = gravity_rest_pose(system, model.gravity_n, float(np.ptp(model.nodes_m[:, 1])))
-        return *_at_rest(model, system, pose), pose.report
-    except (SagsTooFar, NotPositiveDefinite):
-        system.set_prestress(np.zeros_like(model.prestress))
-        strain = strain_under(model, loaded_pose(system, model.gravity_n))
-        loaded = replace(model, strain_m=strain)
-        system.set_strain(strain)
-        pose = RestPose(np.zeros_like(model.u_rest), model.gravity_n, {"kind": "loaded"})
-        return *_at_rest(loaded, system, pose), pose.report
-
-
-def _at_rest(model: FemModel, system: ElementSystem, pose: RestPose) -> tuple[FemModel, Modes]:
-    model = replace(model, u_rest=pose.u_m, gravity_n=pose.gravity_n)
-    model = replace(model, prestress=rest_prestress(model))
-    system.set_prestress(model.prestress)
-    return model, natural_modes(model, 10, system)
+def _bare(model: FemModel, system: ElementSystem, limbs: Limbs, leaf_mass_kg: Floats) -> dict[str, Any]:
+    """Frequencies of the tree on the same elements without the mass of its leaves."""
+    mass = model.mass_kg.copy()
+    mass[: model.vertex_count] -= leaf_mass_kg
+    gravity = np.zeros_like(model.gravity_n)
+    gravity[:, 1] = -GRAVITY_M_S2 * mass * model.settings.gravity
+    unstrained = replace(
+        model, mass_kg=mass, gravity_n=gravity, u_rest=np.zeros_like(model.u_rest),
+        prestress=np.zeros_like(model.prestress), strain_m=None,
+    )  # fmt: skip
+    resting = at_rest(unstrained, system, limbs)
+    return {
+        "mass_kg": float(mass.sum()),
+        "rest_pose": resting.report,
+        "frequencies_hz": resting.frequencies(),
+        "sway": sway_report(resting.model, resting.modes),
+    }

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
 
 from galewood.mesh import RenderPrimitive, TreeMesh, alpha_coverage
+from galewood.model.bare_tree import without_leaves
 from galewood.model.binding import foliage_pieces, nearest_of_pieces, nearest_tets, render_binding
+from galewood.model.crown_mass import twig_loads, vertex_areas
 from galewood.model.silhouette import silhouette_area
 from galewood.model.twigs import twig_volumes
 from galewood.skeleton import CLAMPED_SHARE, root_vertices
@@ -23,7 +26,7 @@ MOST_LEAF_MASS = 0.5  # relative to the mass of the wood
 PROFILE_EXPONENT = 0.4  # of the pressure over height; the speed grows with about the fifth root
 RANDOM_PROJECTION = 0.5  # mean projected area of a flat leaf over its one-sided area
 LEAF_DRAG_COEFFICIENT = 0.4
-"""Drag area of leaves over their one-sided area, in air that moves among them (calibrated, docs/physics.md)."""
+"""Drag area of leaves over their one-sided area, in the air among them (calibrated, docs/physics.md)."""
 CONVEX_PROJECTION = 0.25  # mean projected area of a convex body over its surface (Cauchy)
 
 
@@ -40,8 +43,9 @@ class WoodLike(Protocol):
 class LumpedMasses:
     """Per tet vertex: added mass (n,) kg and drag area (n,) m²; also the fixed vertices (k,).
 
-    The drag area is Cd·A of the silhouette, the exposed area that of all leaves and wood without shelter; both
-    include the height profile of the pressure, whose root is wind_profile (`galewood.fem.drag`).
+    The drag area is Cd·A of the silhouette, the exposed area that of all leaves and wood without shelter;
+    both include the height profile of the pressure, whose root is wind_profile (`galewood.fem.drag`).
+    leaf_mass_kg (n,) is the leaves' part of the mass, the rest is twigs; empty: there are no leaves.
     """
 
     mass_kg: Floats
@@ -50,6 +54,7 @@ class LumpedMasses:
     report: dict[str, Any]
     exposed_area_m2: Floats | None = None
     wind_profile: Floats | None = None
+    leaf_mass_kg: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -61,20 +66,27 @@ class CrownLoads:
     exposed_area_m2: Floats
     wind_profile: Floats
     report: dict[str, Any]
+    leaf_mass_kg: Floats
 
 
-def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike) -> LumpedMasses:
-    """Leaf mass and wind area at the vertices of the tetrahedral mesh."""
+def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = True) -> LumpedMasses:
+    """Mass of leaves and twigs, and wind area, at the vertices of the tetrahedral mesh.
+
+    Without ``leaves`` the masses are those of the twigs, and the wind area is that of the wood alone.
+    """
     wood_mass = float(
         (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
     )
-    crown = crown_loads(
-        tree, wood, mesh.vertices_m[:, 1], lambda primitive, area: _spread(primitive, area, mesh), wood_mass
-    )
+    spread = partial(_spread, mesh=mesh)
+    loaded = tree if leaves else without_leaves(tree)
+    crown = crown_loads(loaded, wood, mesh.vertices_m[:, 1], spread, wood_mass)
+    # Twigs hang where the leaves do, in winter too.
+    twigs = twig_loads(tree, spread, wood_mass, crown.report.get("twig_mass_kg", 0.0))
     fixed = root_vertices(mesh.vertices_m, mesh.tets).astype(np.int32)
-    report = crown.report | {"clamped_lowest_share": CLAMPED_SHARE}
+    report = crown.report | twigs.report | {"clamped_lowest_share": CLAMPED_SHARE}
     areas = (crown.exposed_area_m2, crown.wind_profile)
-    return LumpedMasses(crown.mass_kg, crown.drag_area_m2, fixed, report, *areas)
+    mass = crown.mass_kg + twigs.mass_kg
+    return LumpedMasses(mass, crown.drag_area_m2, fixed, report, *areas, crown.leaf_mass_kg)
 
 
 def crown_loads(
@@ -122,6 +134,7 @@ def crown_loads(
             "exposed_drag_area_m2": float((exposed * profile).sum()),
             "profile_exponent": PROFILE_EXPONENT,
         },
+        leaf_mass,
     )
 
 
@@ -130,17 +143,6 @@ def _leaf_mass(leaf_area: Floats, wood_mass_kg: float) -> tuple[Floats, bool]:
     most = MOST_LEAF_MASS * wood_mass_kg
     total = float(mass.sum())
     return (mass * (most / total), True) if total > most else (mass, False)
-
-
-def vertex_areas(primitive: RenderPrimitive) -> Floats:
-    """Area (n,) of the faces around each vertex; each corner gets a third of its face."""
-    corners = primitive.positions_m[primitive.faces]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    share = np.linalg.norm(cross, axis=1) / 6.0
-    return np.asarray(
-        np.bincount(primitive.faces.ravel(), np.repeat(share, 3), len(primitive.positions_m)),
-        dtype=np.float64,
-    )
 
 
 def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh) -> Floats:

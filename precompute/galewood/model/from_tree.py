@@ -26,12 +26,20 @@ class TreeModel:
 
 
 def tree_model(
-    tree: TreeMesh, wood: Wood | None, target_tets: int, cache_dir: Path, settings: FemSettings
+    tree: TreeMesh,
+    wood: Wood | None,
+    target_tets: int,
+    cache_dir: Path,
+    settings: FemSettings,
+    leaves: bool = True,
 ) -> TreeModel:
-    """Mesh the wood, extract the skeleton, attach the foliage and build the model. Raises MeshError."""
+    """Mesh the wood, extract the skeleton, attach the foliage and build the model. Raises MeshError.
+
+    Without ``leaves`` the model has only the mass and wind area of the wood.
+    """
     wood = wood or wood_of_species(tree.species or "default")
     tets = tetrahedralise(tree, target_tets, cache_dir / "tets")
     skeleton = extract_skeleton(tets)
     tets = with_corrected_radii(tree, tets, skeleton)
-    lumped = bind_foliage(tree, tets, wood)
+    lumped = bind_foliage(tree, tets, wood, leaves)
     return TreeModel(wood, tets, skeleton, lumped, build_model(tets, skeleton, wood, lumped, settings))

@@ -40,10 +40,11 @@ class ImportRequest(BaseModel):
         default=None,
         ge=0,
         le=500,
-        description="Scanned tree: drop branches thinner than this, mm; default: 10.",
+        description="Scanned tree: drop branches thinner than this, mm; default: 10, or what leaves 200.",
     )
     bare: bool | None = Field(
-        default=None, description="Scanned tree: add no leaves; default: leaves at the ends of branches."
+        default=None,
+        description="Scanned tree: add no leaves to the mesh; default: leaves at the ends of branches.",
     )
 
     @field_validator("species")
@@ -77,8 +78,23 @@ class BuildRequest(ImportRequest):
     paper: bool | None = Field(
         default=None, description="Whether to compute the records of the paper's method; default: yes."
     )
+    foliage: Literal["leaf", "bare"] | None = Field(
+        default=None,
+        description="Simulate the tree in leaf (default) or bare: the mesh keeps its leaves, which weigh "
+        "nothing and catch no wind.",
+    )
+    bare_table: bool | None = Field(
+        default=None,
+        description="Also compute a table of the same tree without its leaves, for the winter; default: no.",
+    )
     all_cosine_winds: bool | None = Field(
         default=None, description="Record all 36 cosine winds of the paper instead of 18; default: no."
+    )
+    root_stiffness_knm: float | None = Field(
+        default=None,
+        ge=0.001,
+        le=1e9,
+        description="Rotational stiffness of the root plate, kN·m/rad; default: rigid ground.",
     )
     wood: WoodDocument | None = Field(
         default=None, description="Constants of a wood of your own; they take precedence over the species."

@@ -5,7 +5,7 @@ Options and results are cheap to import; all other names are loaded when they ar
 
 from typing import TYPE_CHECKING
 
-from galewood.pipeline.options import BuildOptions, BuildResult, Progress, build_options
+from galewood.pipeline.options import BuildOptions, BuildResult, Progress, bare_path, build_options
 from galewood.pipeline.table_settings import TableSettings
 from galewood.shipped import SHIPPED_FOLDER, ShippedTree, build_key, read_shipped, write_shipped
 from galewood.util import lazily
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from galewood.pipeline.rehearsal import compile_kernels
     from galewood.pipeline.report import render_mesh
     from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship
+    from galewood.pipeline.tree_figures import tree_lines
 
 __getattr__ = lazily(
     __name__,
@@ -32,6 +33,7 @@ __getattr__ = lazily(
         "builtin_meshes": "galewood.pipeline.shipping",
         "outdated": "galewood.pipeline.shipping",
         "ship": "galewood.pipeline.shipping",
+        "tree_lines": "galewood.pipeline.tree_figures",
     },
 )
 __all__ = [
@@ -44,6 +46,7 @@ __all__ = [
     "Surroundings",
     "TableSettings",
     "assemble_table",
+    "bare_path",
     "build_key",
     "build_options",
     "build_table",
@@ -56,5 +59,6 @@ __all__ = [
     "read_shipped",
     "render_mesh",
     "ship",
+    "tree_lines",
     "write_shipped",
 ]

@@ -30,7 +30,7 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
     Raises ValueError if the surface of the wood has no branches that beams could follow.
     """
     wood = options.wood or wood_of_species(tree.species or "default")
-    model = beam_model(tree, wood)
+    model = beam_model(tree, wood, leaves=options.foliage == "leaf")
     speed_m_s = _design_speed(model, options.design_speed_m_s, tree.height_m)
     body = Body(model.frequencies_hz[:10].tolist(), wood.name, {"beams": model.beams})
     of = Surroundings(

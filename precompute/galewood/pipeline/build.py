@@ -23,7 +23,7 @@ from galewood.pipeline.artefacts import ArtefactPublisher, Publish
 from galewood.pipeline.assemble import DefaultPart, RenderMesh
 from galewood.pipeline.beam_table import beam_table
 from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
-from galewood.pipeline.report import build_report, render_mesh
+from galewood.pipeline.report import bears_leaves, build_report, render_mesh
 from galewood.pipeline.table_builder import TableBuilder
 from galewood.sampling import Samples, TrajectoryRunner, design_wind, planned, run_in_processes, simulate
 from galewood.skeleton import Skeleton, extract_skeleton, sampled_elements, with_corrected_radii
@@ -34,8 +34,11 @@ from galewood.wood import Wood, wood_of_species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Modules that the worker processes import during the import, so that compiled kernels load early."""
+OF_BARE_TABLE = ("foliage", "model", "design_wind", "table")
+"""Parts of the report that differ for the tree without its leaves."""
 OnTable = Callable[[BuildResult], None]
-"""Receives the complete table of the default method, before the paper's records are computed."""
+"""Receives the complete table of the default method, before the paper's records are computed; and again with
+them if the table of the bare tree follows."""
 
 
 @dataclass(frozen=True)
@@ -62,9 +65,9 @@ def build_table(
     """Build the table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
     ``publish`` receives "render.glb", "beams.table", "tets-….npz" (the file in the cache), "tetrahedra.png",
-    "skeleton.png", "first.table" and "early.table" as soon as they exist; ``on_table`` the complete table of
-    the default method, before the paper's records are computed. ``runner`` simulates the training runs, by
-    default in worker processes on this machine.
+    "skeleton.png", "first.table", "early.table" and "bare.table" as soon as they exist; ``on_table`` the
+    complete table of the default method, before the paper's records are computed. ``runner`` simulates the
+    training runs, by default in worker processes on this machine.
     """
     on = Environment(Stages(progress), cache_dir, runner, publish, on_table)
     on.stages.enter("import")
@@ -128,26 +131,33 @@ def _build(
     model = build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem)
     wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
     builder = TableBuilder(tree, model, wind, solid.surface, options, render_glb)
-    samples = planned(
-        model, wind.speed_m_s, solid.points, on.cache_dir, builder.training_winds,
-        frames=options.frames, all_winds=options.all_cosine_winds,
-    )  # fmt: skip
+    samples = _planned(builder, solid, on)
     beams()
     artefacts.publish("first.table", lambda: encode(builder.first(samples)))
     run = on.runner or partial(run_in_processes, pool=pool)
     default = _default(builder, samples, run, artefacts, stages)
     report = partial(build_report, tree, solid.mesh, solid.skeleton, solid.lumped, model, wind, default.table)
     result = BuildResult(encode(default.table), None, render_glb, report(None, None, stages))
+    more: dict[str, Any] = {}
     if on.on_table:
         on.on_table(result)
     stages.enter("records")
     reference = _start_comparison(pool, model, solid, options.reference_frames)
     records = _records(builder, default, samples, run, stages) if options.paper else None
     compared = reference()
+    if records:
+        sha256 = hashlib.sha256(result.table).hexdigest()
+        result = replace(result, records=encode_records(records, sha256))
+    if options.bare_table and bears_leaves(tree, options):
+        if on.on_table and records:
+            on.on_table(replace(result, report=report(records, compared, stages)))
+        stages.enter("bare")
+        bare = _bare_table(builder, solid, run, on)
+        artefacts.publish("bare.table", lambda: bare.table)
+        result = replace(result, bare_table=bare.table)
+        more = {"bare_table": bare.report}
     stages.enter("done")
-    sha256 = hashlib.sha256(result.table).hexdigest()
-    encoded = encode_records(records, sha256) if records else None
-    return replace(result, records=encoded, report=report(records, compared, stages))
+    return replace(result, report=report(records, compared, stages) | more)
 
 
 def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: ArtefactPublisher) -> Solid:
@@ -163,9 +173,18 @@ def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: Ar
     mesh = with_corrected_radii(tree, mesh, skeleton)
     elements = sampled_elements(mesh, skeleton, options.sampled_elements)
     artefacts.draw("skeleton.png", skeleton_png, mesh, skeleton, elements)
-    lumped = bind_foliage(tree, mesh, wood)
+    lumped = bind_foliage(tree, mesh, wood, leaves=options.foliage == "leaf")
     surface = render_mesh(tree, render_binding(tree, mesh))
     return Solid(tree, mesh, skeleton, lumped, wood, surface, mesh.tets[elements])
+
+
+def _planned(builder: TableBuilder, solid: Solid, on: Environment) -> Samples:
+    """The runs of a tree's model, simulated or not."""
+    options = builder.options
+    return planned(
+        builder.model, builder.wind.speed_m_s, solid.points, on.cache_dir, builder.training_winds,
+        frames=options.frames, all_winds=options.all_cosine_winds,
+    )  # fmt: skip
 
 
 def _default(
@@ -191,6 +210,31 @@ def _records(
     count = max(len(samples.paper), 1)
     run(samples.paper, lambda number: stages.report(0.6 * number / count))
     return builder.records(default, samples, lambda share: stages.report(0.6 + 0.4 * share))
+
+
+@dataclass(frozen=True)
+class BareTable:
+    """The table of a tree without its leaves, which has no records, and what the report says of it."""
+
+    table: bytes
+    report: dict[str, Any]
+
+
+def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: Environment) -> BareTable:
+    """Build the table of the same tree and the same vertices without its leaves."""
+    options = replace(builder.options, foliage="bare", paper=False)
+    lumped = bind_foliage(solid.tree, solid.mesh, solid.wood, leaves=False)
+    model = build_model(solid.mesh, solid.skeleton, solid.wood, lumped, options.fem)
+    wind = design_wind(Simulator(model), options.design_speed_m_s, solid.tree.height_m, options.fem.dt_s)
+    bare = replace(builder, model=model, wind=wind, options=options)
+    samples = _planned(bare, solid, on)
+    simulate(samples, run, lambda share: on.stages.report(0.7 * share), lambda: None)
+    further = partial(samples.further_runs, run, lambda share: on.stages.report(0.7 + 0.2 * share, FURTHER))
+    table = bare.default(samples, further).table
+    report = build_report(
+        solid.tree, solid.mesh, solid.skeleton, lumped, model, wind, table, None, None, on.stages
+    )
+    return BareTable(encode(table), {name: report[name] for name in OF_BARE_TABLE})
 
 
 def _start_comparison(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal
 
 from galewood.fem import FemSettings
@@ -12,11 +13,11 @@ from galewood.mesh import ImportOptions
 from galewood.options import BuildRequest, ImportRequest, import_options
 from galewood.pipeline.table_settings import TableSettings
 from galewood.sampling import SEED
-from galewood.table import decode, encode
+from galewood.table import Foliage, decode, encode
 from galewood.util import cpu_seconds
 from galewood.wood import Wood
 
-Stage = Literal["import", "meshing", "skeleton", "model", "sampling", "table", "records", "done"]
+Stage = Literal["import", "meshing", "skeleton", "model", "sampling", "table", "records", "bare", "done"]
 
 SHARES: dict[Stage, float] = {
     "import": 0.05,
@@ -26,6 +27,7 @@ SHARES: dict[Stage, float] = {
     "sampling": 0.36,
     "table": 0.1,
     "records": 0.0,
+    "bare": 0.0,
     "done": 0.0,
 }
 """Share of each stage in the time until the default method's table is complete."""
@@ -37,8 +39,11 @@ MESSAGES: dict[Stage, str] = {
     "sampling": "Computing the training runs",
     "table": "Fitting the modal model",
     "records": "Computing the records of the paper's method",
+    "bare": "Computing the table of the tree without its leaves",
     "done": "Done",
 }
+AFTER_TABLE: tuple[Stage, ...] = ("records", "bare")
+"""Stages after the complete table of the default method; each counts from 0 to 1 on its own."""
 FURTHER = "Computing additional training runs for large bending"
 """Message of the table stage while additional training runs are simulated."""
 
@@ -47,8 +52,8 @@ FURTHER = "Computing additional training runs for large bending"
 class Progress:
     """Progress of a build: current stage, completed fraction 0..1, and a message for the user.
 
-    The fraction reaches 1 with the complete table of the default method, and then counts the stage "records"
-    from 0 to 1.
+    The fraction reaches 1 with the complete table of the default method, and then counts the stages "records"
+    and "bare" from 0 to 1 each.
     """
 
     stage: Stage
@@ -76,18 +81,28 @@ class BuildOptions:
     """Frames of the run that compares the model with the quadratic reference model; 0: no comparison."""
     paper: bool = True
     """Whether the records of the paper's state search are computed after the default method's table."""
+    foliage: Foliage = "leaf"
+    """Whether the model bears its leaves; "bare": only the mass and the wind area of the wood."""
+    bare_table: bool = False
+    """Whether a tree with leaves also gets a table without them; no effect with ``foliage`` "bare"."""
     all_cosine_winds: bool = False
     """Whether the paper's records come from all its 36 cosine winds, not from 18 of them."""
     fem: FemSettings = field(default_factory=FemSettings)
     table: TableSettings = field(default_factory=TableSettings)
 
 
+OF_PARTS = ("modes", "wood", "root_stiffness_knm")
+"""Fields of a request that belong to a part of the build options."""
+
+
 def build_options(request: BuildRequest) -> BuildOptions:
     """Convert a request to build options; what the request omits keeps its default."""
-    given = request.model_dump(exclude_none=True, exclude={"modes", "wood", *ImportRequest.model_fields})
+    given = request.model_dump(exclude_none=True, exclude={*OF_PARTS, *ImportRequest.model_fields})
+    root_knm = request.root_stiffness_knm
     return BuildOptions(
         mesh_import=import_options(request),
         wood=request.wood.wood() if request.wood else None,
+        fem=FemSettings(root_stiffness_nm_rad=None if root_knm is None else 1000 * root_knm),
         table=TableSettings(modes=request.modes),
         **given,
     )
@@ -102,10 +117,17 @@ class BuildResult:
     """The records file of the paper's state search; None: not computed, or not yet."""
     render_glb: bytes
     report: dict[str, Any]
+    bare_table: bytes | None = None
+    """The table of the same mesh without its leaves; None: not wanted, not computed yet, or no leaves."""
 
     def whole_table(self) -> bytes:
         """The table file with the records inside, for use outside the service."""
         return encode(decode(self.table, self.records)) if self.records else self.table
+
+
+def bare_path(table: Path) -> Path:
+    """Where the bare table of a tree is kept: tree.bare.gwt beside tree.gwt."""
+    return table.with_name(f"{table.stem}.bare{table.suffix}")
 
 
 class Stages:
@@ -133,7 +155,7 @@ class Stages:
     def report(self, fraction: float, message: str = "") -> None:
         """Report that ``fraction`` of the current stage is done. Raises what the callback raises."""
         stage = self._stage or "import"
-        if stage == "records":
+        if stage in AFTER_TABLE:
             self._progress(Progress(stage, min(max(fraction, 0.0), 1.0), message or MESSAGES[stage]))
             return
         order = list(SHARES)

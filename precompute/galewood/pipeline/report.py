@@ -15,6 +15,7 @@ from galewood.mesh import TreeMesh
 from galewood.model import LumpedMasses
 from galewood.pipeline.assemble import RenderMesh
 from galewood.pipeline.options import BuildOptions, Stages
+from galewood.pipeline.tree_figures import figures_of
 from galewood.sampling import DesignWind, content_hash
 from galewood.skeleton import Skeleton
 from galewood.table import Metadata, Records, Table
@@ -42,12 +43,18 @@ def body_of(model: FemModel) -> Body:
     return Body(model.report["frequencies_hz"], model.report["wood"], identity)
 
 
+def bears_leaves(tree: TreeMesh, options: BuildOptions) -> bool:
+    """Whether the model of a build has leaves: the mesh has some, and they are not left out."""
+    return options.foliage == "leaf" and any(part.kind == "leaves" for part in tree.primitives)
+
+
 def describe(
     tree: TreeMesh, body: Body, design_speed_m_s: float, options: BuildOptions, render_glb: bytes
 ) -> Metadata:
     """Metadata of a table that is known before its motion."""
     return {
         "species": tree.species or "default",
+        "foliage": "leaf" if bears_leaves(tree, options) else "bare",
         "height_m": tree.height_m,
         "dt_s": options.fem.dt_s,
         "design_speed_m_s": design_speed_m_s,
@@ -80,6 +87,7 @@ def build_report(
     """JSON-able report of all assumptions and measurements of a build, by stage."""
     return {
         "import": tree.report,
+        "tree": figures_of(tree, mesh, skeleton, lumped, model),
         "meshing": mesh.report,
         "skeleton": skeleton.report,
         "foliage": lumped.report,

@@ -51,7 +51,7 @@ def ship(
     result = build_table(
         mesh.path.read_bytes(),
         mesh.path.name,
-        build_options(BuildRequest.model_validate(mesh.options)),
+        build_options(BuildRequest.model_validate({"bare_table": True, **mesh.options})),
         progress=progress,
         cache_dir=cache_dir,
         publish=published.__setitem__,
@@ -66,6 +66,7 @@ def ship(
         tets_name=tets_name,
         report=result.report,
         pictures={name: content for name, content in published.items() if name.endswith(PICTURE)},
+        bare_table=result.bare_table,
     )
     write_shipped(folder, mesh.name, mesh.key, tree)
     return tree

@@ -57,7 +57,7 @@ def speeds_for(
         winds = [shape.pressure_pa(speed) for shape, speed in zip(shapes, middle.tolist(), strict=True)]
         sways = np.array([_sway_m(basis, q) for q in simulated_q(motion.modal, winds, settings.dt_s)])
         low, high = np.where(sways <= wanted_m, middle, low), np.where(sways > wanted_m, middle, high)
-    return np.round(np.sqrt(low * high), 2)
+    return np.asarray(np.round(np.sqrt(low * high), 2), np.float64)
 
 
 def _farthest(basis: Floats) -> Floats:

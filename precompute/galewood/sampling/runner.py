@@ -72,7 +72,7 @@ def content_hash(model: FemModel) -> str:
     digest = hashlib.sha256(repr((model.alpha, model.beta, model.settings)).encode())
     for name in ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fixed", "gravity_n", "u_rest"):
         digest.update(np.ascontiguousarray(getattr(model, name)).tobytes())
-    for name in ("strain_m", "exposed_area_m2", "wind_profile"):
+    for name in ("strain_m", "exposed_area_m2", "wind_profile", "foundation_n_m"):
         if (array := getattr(model, name)) is not None:
             digest.update(name.encode() + np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()

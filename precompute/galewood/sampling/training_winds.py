@@ -1,4 +1,4 @@
-"""Training winds of the modal model: noise, resonant and crossed gusts, each as strong as a given sway requires.
+"""Training winds of the modal model: noise, resonant and crossed gusts, each as strong as its sway requires.
 
 Cosine winds alone excite too little of the motion: every operator fitted to them diverged under other winds
 (docs/design/0013-training-runs.md).
@@ -67,14 +67,14 @@ class _Setting:
 
     @property
     def time_s(self) -> Floats:
-        return np.arange(FRAMES) * self.dt_s
+        return np.arange(FRAMES, dtype=np.float64) * self.dt_s
 
     def noise(self, beta: float) -> Floats:
         return noise(self.rng, FRAMES, self.dt_s, beta)
 
 
 def training_shapes(first_hz: float, dt_s: float, *, seed: int = SEED, count: int = WINDS) -> list[WindShape]:
-    """The training winds of a tree with this first natural frequency. A smaller count gives the first of them.
+    """The first training winds of a tree with this first natural frequency.
 
     Five kinds alternate: noise with a −5/3 spectrum, the same with a stop, square waves near the first
     frequency, white noise, and two crossed waves near that frequency (sine or square), some with a stop.

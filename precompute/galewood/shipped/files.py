@@ -1,8 +1,9 @@
 """Tables that are distributed with the software, beside the meshes of the built-in trees.
 
 A folder holds for each tree ``name``: ``name.json`` (what it was built from, the report of the build, the
-hashes of the files), ``name.table``, ``name.records.gz``, ``name.glb`` (the render mesh), ``name.tets.npz``
-(the tetrahedra, because the mesher is not repeatable) and pictures, ``name.*.png``.
+hashes of the files), ``name.table``, ``name.bare.table`` (of the tree without its leaves; it may be missing),
+``name.records.gz`` (of ``name.table``), ``name.glb`` (the render mesh), ``name.tets.npz`` (the tetrahedra,
+because the mesher is not repeatable) and pictures, ``name.*.png``.
 """
 
 from __future__ import annotations
@@ -36,6 +37,8 @@ class ShippedTree:
     """Its name in the folder ``tets`` of a cache."""
     report: dict[str, Any]
     pictures: dict[str, bytes] = field(default_factory=dict[str, bytes])
+    bare_table: bytes | None = None
+    """The table of the tree without its leaves; None: it has none."""
 
 
 def build_key(source: bytes, options: dict[str, Any]) -> str:
@@ -81,6 +84,7 @@ def read_shipped(folder: Path, name: str, key: str) -> ShippedTree | None:
             tets_name=str(index["tets_name"]),
             report=dict(index["report"]),
             pictures={file[start:]: files[file] for file in files if file.endswith(PICTURE)},
+            bare_table=files.get(f"{name}.bare.table"),
         )
     except (OSError, ValueError, KeyError, EOFError):
         return None
@@ -89,6 +93,7 @@ def read_shipped(folder: Path, name: str, key: str) -> ShippedTree | None:
 def _contents(name: str, tree: ShippedTree) -> dict[str, bytes]:
     return {
         f"{name}.table": tree.table,
+        **({f"{name}.bare.table": tree.bare_table} if tree.bare_table else {}),
         f"{name}.records.gz": gzip.compress(tree.records, 9, mtime=0),
         f"{name}.glb": tree.render_glb,
         f"{name}.tets.npz": tree.tets,

@@ -1,12 +1,13 @@
 """The table file format: encodes a Table to bytes and decodes it again; the paper's records are optional."""
 
-from galewood.table.container import Metadata, TableError, read_metadata
+from galewood.table.container import Foliage, Metadata, TableError, foliage_of, read_metadata
 from galewood.table.format import FORMAT, VERSION, Table, decode, encode, with_records
 from galewood.table.records import Records, encode_records, poses
 
 __all__ = [
     "FORMAT",
     "VERSION",
+    "Foliage",
     "Metadata",
     "Records",
     "Table",
@@ -14,6 +15,7 @@ __all__ = [
     "decode",
     "encode",
     "encode_records",
+    "foliage_of",
     "poses",
     "read_metadata",
     "with_records",

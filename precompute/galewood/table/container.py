@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from safetensors import SafetensorError
@@ -14,6 +14,8 @@ from galewood.util import Array
 MAX_HEADER_BYTES = 1 << 20
 
 Metadata = dict[str, Any]
+Foliage = Literal["leaf", "bare"]
+"""Whether a tree bears its leaves: a bare tree has only the mass and the wind area of its wood."""
 Layout = dict[str, tuple[str, Any, int]]
 """Name in the file → (field of the dataclass, type, rank)."""
 
@@ -41,6 +43,13 @@ def whole(metadata: Metadata, name: str, high: int) -> int:
     found = number(metadata, name, 1, high)
     need(found % 1 == 0, f"metadata {name}: expected a whole number")
     return int(found)
+
+
+def foliage_of(metadata: Metadata) -> Foliage:
+    """Whether a table was made from the tree in leaf or bare; without the key: in leaf. Raises TableError."""
+    found = metadata.get("foliage", "leaf")
+    need(found in ("leaf", "bare"), f"metadata foliage: expected 'leaf' or 'bare', not {found!r:.40}")
+    return "bare" if found == "bare" else "leaf"
 
 
 def read_metadata(data: bytes) -> Metadata:

@@ -15,12 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from galewood.table.container import (
+    Foliage,
     Layout,
     Metadata,
     TableError,
     check_finite,
     check_shapes,
     fields,
+    foliage_of,
     need,
     number,
     read_metadata,
@@ -93,6 +95,11 @@ class Table:
     def peak_pressure_pa(self) -> float:
         """Largest dynamic pressure of the winds that the table was made from, Pa."""
         return float(self.metadata["peak_pressure_pa"])
+
+    @property
+    def foliage(self) -> Foliage:
+        """Whether the table was made from the tree in leaf or bare."""
+        return foliage_of(self.metadata)
 
 
 TENSORS: Layout = {
@@ -174,6 +181,7 @@ def check_metadata(metadata: Metadata) -> None:
     ):
         number(metadata, name, low, high)
     whole(metadata, "modes", 256)
+    foliage_of(metadata)
     need(isinstance(metadata.get("primitives"), list), "metadata primitives: expected a list")
     for primitive in metadata["primitives"]:
         need(isinstance(primitive, dict), "metadata primitives: expected objects")

@@ -28,6 +28,16 @@ class Bar:
     area_m2: float
     second_moment_m4: float
 
+    @property
+    def tet_branch(self) -> Int32s:
+        """(m,) zeros: a bar is one limb."""
+        return np.zeros(len(self.tets), np.int32)
+
+    @property
+    def leaf_mass_kg(self) -> Floats:
+        """Empty: a bar has no leaves."""
+        return np.zeros(0)
+
 
 def polygon_bar(
     *,

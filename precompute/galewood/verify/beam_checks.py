@@ -4,11 +4,21 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import root_scalar
 
 from galewood.fem import Element, FemModel, FemSettings, solve_static
 from galewood.model import GRAVITY_M_S2, build_model
 from galewood.verify.bars import Bar, box_bar, polygon_bar
-from galewood.verify.beams import pole_frequencies, sag, shear_tip, softening, tip_deflection
+from galewood.verify.beams import (
+    Section,
+    elastica_tip,
+    pole_frequencies,
+    sag,
+    shear_tip,
+    softening,
+    sprung_pole_frequency,
+    tip_deflection,
+)
 from galewood.verify.checks import Check, relative
 from galewood.wood import wood_of_species
 
@@ -29,6 +39,10 @@ FREQUENCY_LIMITS: dict[tuple[Element, str], float] = {
     ("fitted", "second"): 0.03,
 }
 """Euler-Bernoulli theory has no shear, which lowers the second frequency of the solid pole by about 1 %."""
+SPRUNG_LIMITS = {0.5: 0.001, 5.0: 0.003}
+"""Rotational stiffness of the ground over E I / L, and the limit of the first frequency's error."""
+ELASTICA_LIMITS = {0.2: 0.00015, 0.4: 0.0008}
+"""Sway of the elastica over its length, and the limit of the tip's error over the sway."""
 NAMES: dict[Element, str] = {"quadratic": "reference", "fitted": "fast"}
 
 
@@ -45,6 +59,10 @@ def checks() -> Iterator[Check]:
     yield _sagging()
     yield from _pole_frequencies()
     yield _softened()
+    for ratio, limit in SPRUNG_LIMITS.items():
+        yield sprung(ratio, limit, "quadratic")
+    for sway, limit in ELASTICA_LIMITS.items():
+        yield bent_far(sway, limit)
 
 
 def weightless(bar: Bar, element: Element) -> FemModel:
@@ -59,6 +77,47 @@ def tip_under_force(model: FemModel, bar: Bar, axis: int = 0) -> float:
     load[bar.tip, axis] = 1.0 / len(bar.tip)
     u, _, _ = solve_static(model.system(), load)
     return float(u[bar.tip, axis].mean())
+
+
+def sprung(ratio: float, limit: float, element: Element) -> Check:
+    """First frequency of a uniform pole on a rotational spring of stiffness ratio · E I / L."""
+    bar = polygon_bar(sides=12, rings=2, radius_m=RADIUS_M, length_m=LENGTH_M, layers=40)
+    bending = WOOD.young_longitudinal_pa * bar.second_moment_m4
+    settings = FemSettings(element=element, gravity=False, root_stiffness_nm_rad=ratio * bending / LENGTH_M)
+    found = build_model(bar, bar, WOOD, bar, settings).report["frequencies_hz"][0]
+    clamped, _ = pole_frequencies(
+        LENGTH_M, WOOD.young_longitudinal_pa, WOOD.density_kg_m3, bar.area_m2, bar.second_moment_m4
+    )
+    exact = sprung_pole_frequency(float(clamped), ratio)
+    note = f"{exact / clamped:.0%} of the clamped pole's"
+    return relative(f"pole on a root plate of {ratio:g} E I / L, reference", exact, found, "Hz", limit, note)
+
+
+def bent_far(sway: float, limit: float) -> Check:
+    """Tip of a pole that a dead force sways by a share of its length, against the elastica.
+
+    The pole bends in the plane in which its mesh is symmetric, to both sides.
+    """
+    bar = polygon_bar(sides=6, radius_m=RADIUS_M, length_m=LENGTH_M, layers=160)
+    young, shear = WOOD.young_longitudinal_pa, WOOD.shear_longitudinal_pa
+    section = Section(young * bar.second_moment_m4, young * bar.area_m2, 0.9 * shear * bar.area_m2)
+    linear = 3 * sway * section.bending_n_m2 / LENGTH_M**2
+
+    def excess(force: float) -> float:
+        return elastica_tip(force, LENGTH_M, section)[0] - sway * LENGTH_M
+
+    force = root_scalar(excess, bracket=(0.5 * linear, 2 * linear), rtol=1e-9).root
+    model = weightless(bar, "quadratic")
+    system, load = model.system(), np.zeros_like(model.nodes_m)
+    load[bar.tip, 2] = force / len(bar.tip)
+    both: list[float] = []
+    solutions = 0
+    for side in (1, -1):
+        u, count, converged = solve_static(system, side * load)
+        both.append(side * float(u[bar.tip, 2].mean()) if converged else np.nan)
+        solutions = max(solutions, count)
+    name = f"elastica: pole swayed by {sway:.0%} of its length, reference"
+    return relative(name, sway * LENGTH_M, float(np.mean(both)), "m", limit, f"{solutions} linear solutions")
 
 
 def _convergence() -> Iterator[Check]:

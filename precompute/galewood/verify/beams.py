@@ -1,7 +1,11 @@
 """Exact and one-dimensional solutions for bars and poles."""
 
+from typing import NamedTuple
+
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
+from scipy.optimize import root_scalar
 
 from galewood.util import Floats
 
@@ -9,6 +13,63 @@ from galewood.util import Floats
 def tip_deflection(force_n: float, length_m: float, young_pa: float, second_moment_m4: float) -> float:
     """Tip deflection of an Euler–Bernoulli cantilever under a force at its tip, m."""
     return force_n * length_m**3 / (3 * young_pa * second_moment_m4)
+
+
+CLAMPED_NUMBER = 1.8751040687119611
+"""First wave number of a clamped pole: cos λ cosh λ = −1."""
+
+
+class Section(NamedTuple):
+    """Stiffness of a uniform beam: bending E I, N m², stretching E A, N, and shear κ G A, N."""
+
+    bending_n_m2: float
+    stretching_n: float
+    shear_n: float
+
+
+def elastica_tip(force_n: float, length_m: float, section: Section) -> tuple[float, float]:
+    """Tip of a standing cantilever under a horizontal dead force of any size: sway and height, m.
+
+    The elastica with stretching and shear (Reissner 1972): the section at arc length s is turned by θ, with
+    E I θ'' = −(V (1 + N / EA) − N V / GA), N = P sin θ, V = P cos θ, θ(0) = 0 and θ'(L) = 0. Shooting from
+    the foot, accurate to about 1e-10.
+    """
+
+    def slopes(_: float, state: Floats) -> list[float]:
+        angle, curvature = float(state[0]), float(state[1])
+        sine, cosine = np.sin(angle), np.cos(angle)
+        along, across = force_n * sine, force_n * cosine
+        stretch, shear = 1 + along / section.stretching_n, across / section.shear_n
+        bending = -(across * stretch - along * shear) / section.bending_n_m2
+        return [curvature, bending, stretch * sine + shear * cosine, stretch * cosine - shear * sine]
+
+    def tip(curvature: float) -> Floats:
+        start = [0.0, curvature, 0.0, 0.0]
+        return solve_ivp(slopes, (0, length_m), start, method="DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
+
+    def moment_at_tip(curvature: float) -> float:
+        return float(tip(curvature)[1])
+
+    bracket = (0.0, 1.01 * force_n * length_m / section.bending_n_m2)
+    found = tip(root_scalar(moment_at_tip, bracket=bracket, xtol=1e-15, rtol=1e-14).root)
+    return float(found[2]), float(found[3])
+
+
+def sprung_pole_frequency(clamped_hz: float, stiffness_ratio: float) -> float:
+    """First frequency, Hz, of a uniform pole that stands on a rotational spring.
+
+    `clamped_hz` is that of the clamped pole and `stiffness_ratio` = k_θ L / E I. The wave number λ solves
+    1 + cos λ cosh λ = (λ / ratio) (sin λ cosh λ − cos λ sinh λ) (Euler–Bernoulli; for a soft spring the pole
+    turns about its foot, λ⁴ → 3 ratio).
+    """
+
+    def excess(number: float) -> float:
+        sine, cosine = np.sin(number), np.cos(number)
+        turning = sine * np.cosh(number) - cosine * np.sinh(number)
+        return float(1 + cosine * np.cosh(number) - number / stiffness_ratio * turning)
+
+    first = root_scalar(excess, bracket=(1e-6, CLAMPED_NUMBER + 1e-9), xtol=1e-14).root
+    return clamped_hz * (first / CLAMPED_NUMBER) ** 2
 
 
 def sag(weight_n_m: float, length_m: float, young_pa: float, second_moment_m4: float) -> float:

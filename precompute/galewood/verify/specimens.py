@@ -54,8 +54,9 @@ class Specimen:
     frame: Frame
 
     def model(self, element: Element = "fitted", gravity: bool = True, leaves: bool = True) -> FemModel:
-        """Build a model of the tree; ``leaves`` False omits the mass of the foliage."""
-        lumped = self.lumped if leaves else replace(self.lumped, mass_kg=np.zeros_like(self.lumped.mass_kg))
+        """Build a model of the tree; ``leaves`` False omits that of leaves and twigs."""
+        nothing = np.zeros_like(self.lumped.mass_kg)
+        lumped = self.lumped if leaves else replace(self.lumped, mass_kg=nothing, leaf_mass_kg=nothing)
         settings = FemSettings(element=element, gravity=gravity)
         return build_model(self.mesh, self.skeleton, self.wood, lumped, settings)
 

@@ -23,7 +23,7 @@ from galewood_server.http import (
     problems,
     rows_after,
 )
-from galewood_server.jobs import RECORDS, find_job, fingerprint, queue_job, request_cancel
+from galewood_server.jobs import AFTER_TABLE, find_job, fingerprint, queue_job, request_cancel
 from galewood_server.storage import Job, JobState, Tree
 
 router = APIRouter(prefix="/api/jobs", tags=["jobs"])
@@ -96,12 +96,12 @@ def start_build(service: Service, tree_id: str, settings: dict[str, Any]) -> tup
 def _existing_build(tree: Tree, settings: dict[str, Any]) -> Job | None:
     """The job that computed the current table, if a new build would give the same table.
 
-    It may still be computing the paper's records.
+    It may still be computing the paper's records or the bare table.
     """
     job = tree.job
     if job is None or tree.state != "ready" or job.settings != settings:
         return None
-    if job.state != "done" and not (job.state == "running" and job.stage == RECORDS):
+    if job.state != "done" and not (job.state == "running" and job.stage in AFTER_TABLE):
         return None
     unchanged = tree.fingerprint == fingerprint(tree.source_sha256, tree.options, settings)
     return job if unchanged else None

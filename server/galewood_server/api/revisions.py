@@ -88,6 +88,6 @@ def _write(service: Service, tree_id: str, name: str | None, revision: Revision 
             tree.mesh_sha256 = service.stores.meshes.put(revision.glb)
             count_stored(service.settings, len(revision.glb))
             session.flush()
-            remove_unshared(session, service.stores.meshes, Tree.mesh_sha256, before)
+            remove_unshared(session, service.stores.meshes, (Tree.mesh_sha256,), before)
         session.flush()
         return tree_out(tree)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import datetime
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
-from sqlalchemy import case, func, select
+from sqlalchemy import case, func, or_, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from galewood_server.context import Service, ServiceDep
@@ -111,17 +112,20 @@ def delete_tree(tree_id: str, service: ServiceDep) -> Response:
 
 
 def _remove_files(session: Session, service: Service, tree: Tree) -> None:
-    remove_unshared(session, service.stores.sources, Tree.source_sha256, tree.source_sha256)
-    remove_unshared(session, service.stores.meshes, Tree.mesh_sha256, tree.mesh_sha256)
-    remove_unshared(session, service.stores.tables, Tree.table_sha256, tree.table_sha256)
-    remove_unshared(session, service.stores.records, Tree.records_sha256, tree.records_sha256)
+    remove_unshared(session, service.stores.sources, (Tree.source_sha256,), tree.source_sha256)
+    remove_unshared(session, service.stores.meshes, (Tree.mesh_sha256,), tree.mesh_sha256)
+    tables = (Tree.table_sha256, Tree.bare_table_sha256)
+    for sha256 in (tree.table_sha256, tree.bare_table_sha256):
+        remove_unshared(session, service.stores.tables, tables, sha256)
+    remove_unshared(session, service.stores.records, (Tree.records_sha256,), tree.records_sha256)
 
 
 def remove_unshared(
-    session: Session, store: FileStore, column: InstrumentedAttribute[Any], sha256: str | None
+    session: Session, store: FileStore, columns: Sequence[InstrumentedAttribute[Any]], sha256: str | None
 ) -> None:
-    """Remove a file that no tree references in `column`. The caller must hold `files_lock`."""
-    if sha256 and not session.scalars(select(Tree.id).where(column == sha256)).first():
+    """Remove a file that no tree references in any of the columns. The caller must hold `files_lock`."""
+    named = or_(*(column == sha256 for column in columns))
+    if sha256 and not session.scalars(select(Tree.id).where(named)).first():
         store.remove(sha256)
 
 

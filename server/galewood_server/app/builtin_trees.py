@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 from galewood_server.app import shipped_trees
 from galewood_server.context import Service
 from galewood_server.jobs import fingerprint, queue_job
-from galewood_server.storage import ACTIVE, Tree
+from galewood_server.storage import ACTIVE, Form, Tree
 
 log = logging.getLogger("galewood.builtin_trees")
 
@@ -27,6 +27,7 @@ class BuiltinTree(BaseModel):
     file: str
     species: str
     height_m: float
+    form: Form = "open"
     credits: str = ""
 
 
@@ -101,7 +102,7 @@ def _upsert(session: Session, entry: BuiltinTree, source_sha256: str) -> Tree:
         tree = Tree(id=entry.id, builtin=True)
         session.add(tree)
     tree.name, tree.species, tree.height_m = entry.name, entry.species, entry.height_m
-    tree.filename, tree.source_sha256 = entry.file, source_sha256
+    tree.filename, tree.source_sha256, tree.form = entry.file, source_sha256, entry.form
     tree.options = {"species": entry.species, "height_m": entry.height_m}
     tree.report = tree.report or {"credits": entry.credits}
     session.flush()

@@ -10,7 +10,7 @@ from galewood_server.context import Service
 from galewood_server.jobs import request_cancel
 from galewood_server.storage import (
     ACTIVE,
-    HASH_COLUMNS,
+    FILE_COLUMNS,
     Job,
     Tree,
     no_table,
@@ -32,10 +32,16 @@ def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree
         write_whole(tets, shipped.tets)
     if tree.job and tree.job.state in ACTIVE:
         request_cancel(session, tree.job)
-    files = {"tables": shipped.table, "records": shipped.records, "meshes": shipped.render_glb}
+    files = {
+        "table_sha256": shipped.table,
+        "bare_table_sha256": shipped.bare_table,
+        "records_sha256": shipped.records,
+        "mesh_sha256": shipped.render_glb,
+    }
     hashes = {
-        HASH_COLUMNS[kind]: store_referenced(session, service.stores, kind, data)
-        for kind, data in files.items()
+        field: store_referenced(session, service.stores, FILE_COLUMNS[field], data)
+        for field, data in files.items()
+        if data is not None
     }
     replace_files(session, tree, {**no_table(), **hashes})
     tree.preliminary, tree.report = False, shipped.report

@@ -19,7 +19,7 @@ from galewood_server.access import stored_bytes
 from galewood_server.settings import Settings
 from galewood_server.storage import (
     ACTIVE,
-    HASH_COLUMNS,
+    FILE_COLUMNS,
     PREFERRED,
     STORE_NAMES,
     FileStore,
@@ -106,7 +106,7 @@ def _corrupt(kind: str, store: FileStore, repair: bool) -> Iterator[Finding]:
 
 def _missing(session: Session, stores: Stores, repair: bool) -> Iterator[Finding]:
     for tree in session.scalars(select(Tree)):
-        for kind, field in HASH_COLUMNS.items():
+        for field, kind in FILE_COLUMNS.items():
             sha256 = getattr(tree, field)
             if sha256 and not stores.named(kind).has(sha256):
                 repaired = repair and kind != "sources"
@@ -120,12 +120,12 @@ def _missing(session: Session, stores: Stores, repair: bool) -> Iterator[Finding
 def _clear_reference(tree: Tree, field: str) -> None:
     """Clear a reference; the tree is computed again at the next start or on request.
 
-    Without its records the tree keeps its table.
+    Without its records or its bare table the tree keeps its table.
     """
     setattr(tree, field, None)
     tree.fingerprint = None
-    if field != HASH_COLUMNS["records"]:
-        tree.table_sha256 = tree.records_sha256 = None
+    if field not in ("records_sha256", "bare_table_sha256"):
+        tree.table_sha256 = tree.bare_table_sha256 = tree.records_sha256 = None
 
 
 def _missing_of_job(job: Job, stores: Stores, repair: bool) -> Iterator[Finding]:

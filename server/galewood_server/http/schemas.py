@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from galewood.options import BuildRequest, ImportRequest
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
-from galewood_server.storage import JobState, TreeState
+from galewood_server.storage import Form, JobState, TreeState
 
 TreeName = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=200)]
 
@@ -40,7 +40,9 @@ class TreeOut(BaseModel):
     """A tree: `state` is `ready` once it has a complete table; `job_id` is its newest build job.
 
     `records_sha256` is null until the records of the paper's state search are computed, and for tables of
-    older versions, which contain them.
+    older versions, which contain them. `bare_table_sha256` is the table of the same mesh without its leaves,
+    for the winter; null: there is none. `form`: grown in the open, or slender between other trees; a built-in
+    species may have one tree of each form.
     """
 
     model_config = ConfigDict(from_attributes=True)
@@ -49,9 +51,11 @@ class TreeOut(BaseModel):
     name: str
     species: str | None
     builtin: bool
+    form: Form = "open"
     state: TreeState
     height_m: float | None
     table_sha256: str | None
+    bare_table_sha256: str | None = None
     records_sha256: str | None
     mesh_sha256: str | None
     job_id: str | None
@@ -76,10 +80,12 @@ class JobList(BaseModel):
 
 
 class TableOut(BaseModel):
-    """The current table of a tree; `records_sha256` is the file of the paper's records, once it exists."""
+    """The current table of a tree; `records_sha256` is the file of the paper's records, once it exists, and
+    `bare_table_sha256` the table of the same mesh without its leaves, if there is one."""
 
     sha256: str
     size_bytes: int
+    bare_table_sha256: str | None = None
     records_sha256: str | None
     tree_id: str
     name: str

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from galewood.util import lazily
 
 from galewood_server.jobs.analysis_files import PLOT
-from galewood_server.jobs.queue import RECORDS, add_job, find_job, queue_job, request_cancel
+from galewood_server.jobs.queue import AFTER_TABLE, add_job, find_job, queue_job, request_cancel
 from galewood_server.jobs.table_fingerprint import fingerprint
 
 if TYPE_CHECKING:
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 # job processes import this package too and have no use for what the supervisor loads
 __getattr__ = lazily(__name__, {"Supervisor": "galewood_server.jobs.supervisor"})
 __all__ = [
+    "AFTER_TABLE",
     "PLOT",
-    "RECORDS",
     "Supervisor",
     "add_job",
     "find_job",

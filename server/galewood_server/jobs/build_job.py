@@ -21,7 +21,7 @@ from galewood_server.jobs.queue import RECORDS, end_job
 from galewood_server.jobs.table_fingerprint import fingerprint
 from galewood_server.settings import Settings
 from galewood_server.storage import (
-    HASH_COLUMNS,
+    FILE_COLUMNS,
     Job,
     Sessions,
     Stores,
@@ -36,6 +36,8 @@ Build = Callable[..., BuildResult]
 RECORDS_PRIORITY = -10
 """Priority of the simulations of that stage on the cluster; those of other builds have 0."""
 
+FOLLOWING = ("records_sha256", "bare_table_sha256")
+"""Columns of the files that follow a complete table."""
 LOADED_EARLY = ("scipy.signal", "distributed")
 """Modules that are slow to load, in the order in which they are needed."""
 
@@ -52,7 +54,10 @@ class BuildInputs:
 
 
 def read_build_inputs(sessions: Sessions, stores: Stores, job_id: str) -> BuildInputs:
-    """The inputs of a job: its tree's mesh and options, overridden by the job's settings."""
+    """The inputs of a job: its tree's mesh and options, overridden by the job's settings.
+
+    A built-in tree also gets a table without its leaves.
+    """
     with sessions() as session:
         job = session.get_one(Job, job_id)
         tree = job.tree
@@ -60,7 +65,9 @@ def read_build_inputs(sessions: Sessions, stores: Stores, job_id: str) -> BuildI
             tree_id=tree.id,
             source=stores.sources.get(tree.source_sha256),
             filename=tree.filename,
-            options=build_options(BuildRequest.model_validate({**tree.options, **job.settings})),
+            options=build_options(
+                BuildRequest.model_validate({"bare_table": tree.builtin, **tree.options, **job.settings})
+            ),
             fingerprint=fingerprint(tree.source_sha256, tree.options, job.settings),
         )
 
@@ -80,6 +87,7 @@ class RunningBuild:
         flag = settings.cancel_flag(job_lease.job_id)
         self._loading: threading.Thread | None = None
         self._runner = DaskRunner(address, flag, self._reporter.set_samples, self._transfer)
+        self._model: bytes | None = None
 
     def run(self, build: Build) -> None:
         """Compute and store the table and its records."""
@@ -95,7 +103,7 @@ class RunningBuild:
             ArtefactPublisher(self._job_lease, self._stores, self._transfer),
             self._on_table,
         )
-        publish_result(self._job_lease, self._stores, self._inputs, result, self._model())
+        publish_result(self._job_lease, self._stores, self._inputs, result, self._model)
         if self._transfer:
             self._transfer.delete_runs(self._runner.runs)
 
@@ -106,13 +114,16 @@ class RunningBuild:
         self._reporter.report(progress.stage, progress.fraction, progress.message)
 
     def _on_table(self, result: BuildResult) -> None:
-        """Store the complete table; what follows, the paper's records, is less urgent."""
-        publish_table(self._job_lease, self._stores, self._inputs, result, self._model())
-        self._runner.priority = RECORDS_PRIORITY
-        lower_priority()
+        """Store the complete table; what follows, the paper's records and the bare table, is less urgent.
 
-    def _model(self) -> bytes | None:
-        return self._runner.model.read_bytes() if self._runner.model else None
+        Called again with the records if a bare table follows, whose model is another one.
+        """
+        if self._model is None and self._runner.model:
+            self._model = self._runner.model.read_bytes()
+        publish_table(self._job_lease, self._stores, self._inputs, result, self._model)
+        if result.records is None:
+            self._runner.priority = RECORDS_PRIORITY
+            lower_priority()
 
 
 def load_early() -> None:
@@ -158,24 +169,30 @@ def publish_result(
 
 
 def _put(stores: Stores, result: BuildResult, model: bytes | None) -> dict[str, bytes]:
-    """Store the files of a result, to keep the transaction short that references them: kind -> content."""
-    files = {"tables": result.table, "meshes": result.render_glb}
-    files |= {"models": model} if model else {}
-    files |= {"records": result.records} if result.records else {}
-    for kind, data in files.items():
-        stores.named(kind).put(data)
+    """Store the files of a result, to keep the transaction short that references them: column -> content."""
+    given = {
+        "table_sha256": result.table,
+        "bare_table_sha256": result.bare_table,
+        "records_sha256": result.records,
+        "mesh_sha256": result.render_glb,
+        "model_sha256": model,
+    }
+    files = {field: data for field, data in given.items() if data}
+    for field, data in files.items():
+        stores.named(FILE_COLUMNS[field]).put(data)
     return files
 
 
 def _set_table(
     session: Session, stores: Stores, inputs: BuildInputs, files: Mapping[str, bytes], result: BuildResult
 ) -> None:
-    """Reference the files of a result by its tree, which keeps the records of an unchanged table."""
+    """Reference the files of a result by its tree, which keeps what belongs to an unchanged table."""
     tree = session.get_one(Tree, inputs.tree_id)
     hashes = {
-        HASH_COLUMNS[kind]: store_referenced(session, stores, kind, data) for kind, data in files.items()
+        field: store_referenced(session, stores, FILE_COLUMNS[field], data) for field, data in files.items()
     }
-    kept = {"records_sha256": tree.records_sha256} if tree.table_sha256 == hashes["table_sha256"] else {}
+    unchanged = tree.table_sha256 == hashes["table_sha256"]
+    kept = {field: getattr(tree, field) for field in FOLLOWING if unchanged}
     replace_files(session, tree, {**no_table(), **kept, **hashes})
     tree.preliminary, tree.report = False, result.report
     tree.fingerprint, tree.updated_at = inputs.fingerprint, utc_now()

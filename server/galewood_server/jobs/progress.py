@@ -69,7 +69,7 @@ class ProgressReporter:
         now_s = time.monotonic()
         if now_s - self._last_report[0] < REPORT_S and stage == self._last_report[1]:
             return
-        if fraction < self._last_fraction:  # stage "records" counts from 0 again
+        if fraction < self._last_fraction:  # the stages after the table count from 0 again
             self._began = None
         self._last_report, self._last_fraction = (now_s, stage), fraction
         values: dict[str, Any] = {"stage": stage, "fraction": fraction, "message": message}

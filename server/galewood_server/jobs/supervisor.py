@@ -14,7 +14,7 @@ from galewood_server.context import Service
 from galewood_server.jobs import leases
 from galewood_server.jobs.cluster.embedded import Cluster, ClusterError, Handover
 from galewood_server.jobs.processes import start_module, stop
-from galewood_server.jobs.queue import RECORDS, end_job
+from galewood_server.jobs.queue import AFTER_TABLE, end_job
 from galewood_server.storage import Job, JobKind, collect_garbage, forget_analysis_folders
 
 log = logging.getLogger("galewood.jobs")
@@ -215,12 +215,12 @@ class Supervisor:
         return False
 
     def _note_stage(self, claim: Claim, stage: str, handover: Handover | None) -> None:
-        """Start the cluster when a build is about to need it, and the next build when only records remain."""
+        """Start the cluster when a build is about to need it, the next build when its table is complete."""
         if handover is None or not stage:
             return
         if stage not in STAGES_WITHOUT_CLUSTER:
             handover.start()
-        if stage == RECORDS and claim.job_id not in self._in_records:
+        if stage in AFTER_TABLE and claim.job_id not in self._in_records:
             self._in_records.add(claim.job_id)
             self._service.jobs_changed.set()
 

@@ -10,8 +10,8 @@ from typing import Any
 from galewood.table import VERSION
 from galewood.versions import SAMPLING_VERSION
 
-BUILD_VERSION = 2
-"""Increase it when builds store additional files (2: the model)."""
+BUILD_VERSION = 3
+"""Increase it when builds store additional files (2: the model, 3: the table without leaves)."""
 
 
 def fingerprint(source_sha256: str, options: dict[str, Any], settings: dict[str, Any]) -> str:

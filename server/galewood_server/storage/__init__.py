@@ -12,7 +12,7 @@ from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file
 from galewood_server.storage.files import FileStore, file_age_s, is_hash
 from galewood_server.storage.garbage import (
     ANALYSIS_INPUTS,
-    HASH_COLUMNS,
+    FILE_COLUMNS,
     collect_garbage,
     forget_analysis_folders,
     forget_old_analyses,
@@ -25,6 +25,7 @@ from galewood_server.storage.garbage import (
 )
 from galewood_server.storage.models import (
     ACTIVE,
+    Form,
     Garbage,
     Job,
     JobKind,
@@ -42,10 +43,11 @@ from galewood_server.storage.table_cache import TableCache
 __all__ = [
     "ACTIVE",
     "ANALYSIS_INPUTS",
-    "HASH_COLUMNS",
+    "FILE_COLUMNS",
     "PREFERRED",
     "STORE_NAMES",
     "FileStore",
+    "Form",
     "Garbage",
     "Job",
     "JobKind",

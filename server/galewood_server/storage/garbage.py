@@ -15,13 +15,15 @@ from galewood_server.storage.database import Sessions, database_now
 from galewood_server.storage.models import ACTIVE, Garbage, Job, JobKind, Tree
 from galewood_server.storage.stores import Stores
 
-HASH_COLUMNS = {
-    "sources": "source_sha256",
-    "meshes": "mesh_sha256",
-    "tables": "table_sha256",
-    "records": "records_sha256",
-    "models": "model_sha256",
+FILE_COLUMNS = {
+    "source_sha256": "sources",
+    "mesh_sha256": "meshes",
+    "table_sha256": "tables",
+    "bare_table_sha256": "tables",
+    "records_sha256": "records",
+    "model_sha256": "models",
 }
+"""Column of a tree -> store of the file whose hash it holds."""
 KEPT_ANALYSES = 12
 ANALYSIS_INPUTS = ("table_sha256", "records_sha256", "model_sha256", "mesh_sha256")
 
@@ -45,12 +47,13 @@ def store_referenced(session: Session, stores: Stores, kind: str, data: bytes) -
 
 def no_table() -> dict[str, str | None]:
     """The columns of everything that belongs to one table, without a file."""
-    return {"table_sha256": None, "records_sha256": None, "model_sha256": None}
+    names = ("table_sha256", "bare_table_sha256", "records_sha256", "model_sha256")
+    return dict.fromkeys(names)
 
 
 def replace_files(session: Session, tree: Tree, files: Mapping[str, str | None]) -> None:
     """Set the files of a tree and mark those that it loses as garbage; `files`: column -> new hash."""
-    for kind, field in HASH_COLUMNS.items():
+    for field, kind in FILE_COLUMNS.items():
         if field in files and getattr(tree, field) != files[field]:
             mark_garbage(session, kind, getattr(tree, field))
             setattr(tree, field, files[field])
@@ -58,7 +61,7 @@ def replace_files(session: Session, tree: Tree, files: Mapping[str, str | None])
 
 def mark_tree_files(session: Session, tree: Tree) -> None:
     """Mark the files of a tree that is about to be deleted, and those of its jobs."""
-    for kind, field in HASH_COLUMNS.items():
+    for field, kind in FILE_COLUMNS.items():
         mark_garbage(session, kind, getattr(tree, field))
     for job in tree.jobs:
         _mark_job_files(session, job)
@@ -80,8 +83,8 @@ def _mark_job_files(session: Session, job: Job) -> None:
 
 def referenced_files(session: Session) -> dict[str, set[str]]:
     """Store name → hashes of all files that trees and jobs reference."""
-    names: dict[str, set[str]] = {kind: set() for kind in (*HASH_COLUMNS, "pictures", "results")}
-    for kind, field in HASH_COLUMNS.items():
+    names: dict[str, set[str]] = {kind: set() for kind in (*FILE_COLUMNS.values(), "pictures", "results")}
+    for field, kind in FILE_COLUMNS.items():
         names[kind] |= set(filter(None, session.scalars(select(getattr(Tree, field)))))
     names["results"] |= set(filter(None, session.scalars(select(Job.result_sha256))))
     for pictures in session.scalars(select(Job.pictures)):

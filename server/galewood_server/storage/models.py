@@ -10,6 +10,7 @@ from sqlalchemy import JSON, Boolean, DateTime, Dialect, Float, ForeignKey, Inte
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 from sqlalchemy.types import TypeDecorator
 
+Form = Literal["open", "forest"]
 TreeState = Literal["uploaded", "building", "preliminary", "ready", "failed"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 JobKind = Literal["build", "comparison", "evaluation"]
@@ -54,6 +55,8 @@ class Tree(Base):
     name: Mapped[str] = mapped_column(String(200))
     species: Mapped[str | None] = mapped_column(String(64))
     builtin: Mapped[bool] = mapped_column(Boolean, default=False)
+    # grown in the open, or slender between others: built-in species have both
+    form: Mapped[Form] = mapped_column(String(16), default="open", server_default="open")
     height_m: Mapped[float | None] = mapped_column(Float)
     filename: Mapped[str] = mapped_column(String(255))
     options: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
@@ -61,6 +64,8 @@ class Tree(Base):
     source_sha256: Mapped[str] = mapped_column(String(64))
     mesh_sha256: Mapped[str | None] = mapped_column(String(64))
     table_sha256: Mapped[str | None] = mapped_column(String(64))
+    # the table of the same mesh without its leaves, for the winter
+    bare_table_sha256: Mapped[str | None] = mapped_column(String(64))
     # the records of the paper's state search, which belong to this table and follow it
     records_sha256: Mapped[str | None] = mapped_column(String(64))
     # the FEM model of the table's training runs

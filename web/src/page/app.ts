@@ -31,7 +31,7 @@ import { PickedCard } from "./ui/pickedCard";
 import { ProgressCards } from "./ui/progress";
 import { SceneryBar } from "./ui/scenery";
 import { showToast } from "./ui/toast";
-import { displayName, statusLine, summary } from "./ui/words";
+import { statusLine, summary } from "./ui/words";
 import { Visit } from "./visit";
 import { WindStudio } from "./windStudio";
 
@@ -42,6 +42,7 @@ const PLACEMENT_KEYS: SettingKey[] = [
   "trees",
   "density",
   "shares",
+  "form",
   "forestSeed",
   "lookup",
   "method",
@@ -115,6 +116,7 @@ export class App {
       },
       problem: showToast,
     });
+    this.catalogue.bare = this.playsBareTables;
     this.paper = new PaperMethod(settings, {
       trees: () => this.catalogue.known,
       load: (table, records) => this.client.loadRecords(table, records),
@@ -165,9 +167,12 @@ export class App {
     const { settings, client, forest } = this;
     const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
     client.plan(
-      placed.flatMap(({ asset, motion, instances }) =>
-        motion ? [{ key: asset.id, motion, ...instances, recorded: this.isRecorded(asset.id) }] : [],
-      ),
+      placed.flatMap(({ asset: { id }, motion, instances }) => {
+        const leafTable = this.catalogue.leafMotion(id)?.sha256 ?? motion?.sha256;
+        return motion && leafTable
+          ? [{ key: id, motion, leafTable, ...instances, recorded: this.isRecorded(id) }]
+          : [];
+      }),
       {
         lookup: settings.lookup,
         method: settings.method,
@@ -184,9 +189,11 @@ export class App {
     );
   }
 
+  /** Whether the server has the records of the table by which it knows these trees. */
   private isRecorded(id: string): boolean {
     const known = this.catalogue.find(id);
-    return known !== null && isRecorded(known);
+    if (known === null) return false;
+    return isRecorded(this.share === null ? known : { ...known, motion: this.catalogue.leafMotion(id) });
   }
 
   /** The server has new records: fetch them if they are needed here, or ask the server to use them. */
@@ -252,8 +259,15 @@ export class App {
     this.dirty = true;
   }
 
+  /** The server moves a shared forest by the tables in leaf, because its clients may look at it in any season. */
+  private get playsBareTables(): boolean {
+    const { season, lookup } = this.settings;
+    return season === "winter" && (this.share === null || lookup === "worker");
+  }
+
   private change(key: SettingKey): void {
     if (key === "season") this.applyScenery();
+    if (key === "season" || key === "lookup") this.catalogue.bare = this.playsBareTables;
     if (key === "wind") {
       this.changeWind(this.settings.wind, "panel");
       return;
@@ -348,7 +362,7 @@ export class App {
     meter.statistics.stream = live ? `${connection.kB_s.toFixed(0)} kB/s` : "off";
     meter.statistics.latency = ms(connection.latency_ms);
     meter.statistics.frameAge = ms(connection.frameAge_ms);
-    this.panel.showSpecies(this.catalogue.trees.map((tree) => ({ id: tree.id, name: displayName(tree) })));
+    this.panel.showSpecies(this.catalogue.kinds);
     this.panel.showMethodNote(this.paper.note);
     const status = statusLine({ events: this.connected, lookup: this.settings.lookup, connection });
     element("status").dataset.state = status.state;
@@ -380,8 +394,9 @@ export class App {
   }
 
   /** A candidate for the comparison, at the place of the picked tree or of the first of its species. */
-  private candidate(id: string, { model, motion, instances }: SpeciesForest): Candidate[] {
+  private candidate(id: string, { model, instances }: SpeciesForest): Candidate[] {
     const tree = this.catalogue.trees.find((known) => known.id === id);
+    const motion = this.catalogue.leafMotion(id);
     if (!tree || !motion) return [];
     const picked = this.picker.figures?.treeId === id ? (this.picker.moving?.tree ?? 0) : 0;
     const [x_m, z_m, yaw_rad] = instances.placement.subarray(4 * picked, 4 * picked + 3);
@@ -422,6 +437,12 @@ export class App {
       const known = this.catalogue.find(asset.id);
       return known !== null && this.paper.moves(known);
     });
+    return groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
+  }
+
+  /** Number of trees that move by a table without leaves. */
+  get bareTrees(): number {
+    const groups = this.forest.moving.filter(({ forest }) => forest.motion?.foliage === "bare");
     return groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
   }
 

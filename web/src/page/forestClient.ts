@@ -111,9 +111,10 @@ export class ForestClient {
     const full: ForestPlan = {
       ...plan,
       epoch: this.epoch,
-      groups: groups.map(({ key, motion, placement, ids, recorded }) => ({
+      groups: groups.map(({ key, motion, leafTable, placement, ids, recorded }) => ({
         key,
         table: motion.sha256,
+        leafTable,
         placement,
         ids,
         recorded,

@@ -17,6 +17,8 @@ export interface Probe {
   readonly trees: { moving: number; still: number };
   /** Number of trees that move by the paper's state search. */
   readonly paperTrees: number;
+  /** Number of trees that move by a table without leaves. */
+  readonly bareTrees: number;
   readonly crownDisplacement_m: [number, number, number];
   readonly lookup: "worker" | "server";
   readonly connection: App["connection"];
@@ -75,6 +77,9 @@ export function exposeProbe(app: App): void {
     },
     get paperTrees() {
       return app.paperTrees;
+    },
+    get bareTrees() {
+      return app.bareTrees;
     },
     get crownDisplacement_m() {
       return app.crownDisplacement_m;

@@ -2,8 +2,9 @@
 import { Group, type WebGLRenderer } from "three";
 import type { Ray } from "../core/math/groundRay";
 import type { TableMotion } from "../worker/protocol";
+import { type Form, type FormChoice, plant } from "./forms";
 import { groundHeight_m } from "./ground/landscape";
-import { chooseSpecies, placeTrees } from "./placement";
+import { placeTrees } from "./placement";
 import { leafTint } from "./season/palette";
 import type { Season } from "./season/season";
 import type { View } from "./trees/drawList";
@@ -12,10 +13,14 @@ import { disposeModel, type TreeModel } from "./trees/mesh/treeMesh";
 import { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
 import { pickTree } from "./trees/treePick";
 
-/** A kind of tree; not drawn until its model is loaded. */
+/** A tree of one species and form; not drawn until its model is loaded. */
 export interface TreeAsset {
   readonly id: string;
   readonly species: string | null;
+  readonly builtin: boolean;
+  readonly form: Form;
+  /** Whether the server has its mesh and table. */
+  hasTable: boolean;
   model: TreeModel | null;
   /** null until the table is loaded; until then the trees are static and grey. */
   motion: TableMotion | null;
@@ -54,24 +59,24 @@ export interface PlacementOptions {
   readonly density?: number;
   /** Relative frequency of each species by id; 1 if omitted. */
   readonly shares?: Readonly<Record<string, number>>;
+  readonly form?: FormChoice;
   readonly season?: Season;
 }
 
-/** Assigns species to places. Places depend only on seed and number, so that existing trees stay in place. */
+/**
+ * Assigns species to places: the open-grown form at the edge, the forest-grown one inside. Places depend only on seed
+ * and number, so that existing trees stay in place.
+ */
 export function placeForest(
   assets: readonly TreeAsset[],
   count: number,
   seed: number,
-  { density = 1, shares = {}, season = "autumn" }: PlacementOptions = {},
+  { density = 1, shares = {}, form = "place", season = "autumn" }: PlacementOptions = {},
 ): PlacedSpecies[] {
   const places = placeTrees(count, seed, density);
-  const choice = chooseSpecies(
-    places,
-    assets.map((asset) => asset.id),
-    shares,
-  );
-  return assets.flatMap((asset, k) => {
-    const own = places.filter((_, i) => choice[i] === k);
+  const planted = plant(assets, places, shares, form);
+  return assets.flatMap((asset) => {
+    const own = places.filter((_, i) => planted[i] === asset);
     if (!asset.model || own.length === 0) return [];
     const instances = createInstanceData(own, groundHeight_m, (treeId) =>
       leafTint(asset.species, treeId, season),

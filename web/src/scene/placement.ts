@@ -22,7 +22,9 @@ function candidate(column: number, row: number, seed: number, spacing_m: number)
 }
 
 const isWood = (place: Placement) => glade(place.x_m, place.z_m) < 0.5;
-const reach = (place: Placement) => Math.hypot(place.x_m - HEART.x_m, place.z_m - HEART.z_m);
+/** Distance of a place from the centre of the forest. */
+export const reach_m = ({ x_m, z_m }: Pick<Placement, "x_m" | "z_m">) =>
+  Math.hypot(x_m - HEART.x_m, z_m - HEART.z_m);
 
 /** The `count` places nearest to the centre of the forest, nearest first; `density` is relative to the default. */
 export function placeTrees(count: number, seed: number, density = 1): Placement[] {
@@ -34,19 +36,19 @@ export function placeTrees(count: number, seed: number, density = 1): Placement[
   }
   return places
     .filter(isWood)
-    .sort((a, b) => reach(a) - reach(b))
+    .sort((a, b) => reach_m(a) - reach_m(b))
     .slice(0, count);
 }
 
 /** Largest distance of a tree from the centre of the forest; `placements`: x, z, yaw, scale of each tree. */
 export function woodReach_m(placements: readonly Float32Array[]): number {
-  let reach_m = 0;
+  let most_m = 0;
   for (const placement of placements) {
     for (let at = 0; at < placement.length; at += 4) {
-      reach_m = Math.max(reach_m, Math.hypot(placement[at] - HEART.x_m, placement[at + 1] - HEART.z_m));
+      most_m = Math.max(most_m, reach_m({ x_m: placement[at], z_m: placement[at + 1] }));
     }
   }
-  return reach_m;
+  return most_m;
 }
 
 /** Affinity of a species for a place: large groves with stray trees. Independent of the other species. */

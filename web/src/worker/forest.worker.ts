@@ -11,7 +11,7 @@ import { SharedMotion } from "./motion/sharedMotion";
 import { ShownPoses, type StartOfGroup } from "./motion/shownPoses";
 import { StreamMotion } from "./motion/streamMotion";
 import type { ForestPlan, FromWorker, ToWorker, TreeAt } from "./protocol";
-import { forestRequest, streamMethod } from "./stream/forestRequest";
+import { forestRequest, sharedGroups, streamMethod } from "./stream/forestRequest";
 import { motionBuffers, tableMotion } from "./table/tableMotion";
 import { TableStore } from "./table/tableStore";
 
@@ -90,9 +90,10 @@ function makeSource(
 
 /** Computes the poses here, with the wind and clock of the shared forest. */
 function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: string): SharedMotion {
-  const have = Object.fromEntries(plan.groups.map(({ table }) => [table, store.bytes(table)]));
-  const method = streamMethod(plan.method, plan.groups);
-  const request = () => forestRequest("table", plan.groups, wind, local.time_s, { ...plan, method, have });
+  const groups = sharedGroups(plan.groups);
+  const have = Object.fromEntries(groups.map(({ table }) => [table, store.bytes(table)]));
+  const method = streamMethod(plan.method, groups);
+  const request = () => forestRequest("table", groups, wind, local.time_s, { ...plan, method, have });
   return new SharedMotion(local, wind, { url, request, onReply, problem });
 }
 

@@ -1,6 +1,7 @@
 /** Messages between main thread and worker. Types only: neither side imports the other. */
 
 import type { Method } from "../core/motion/method";
+import type { Foliage } from "../core/table/table";
 import type { WindDocument, WindState } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
 
@@ -50,6 +51,8 @@ export interface TableMotion {
   readonly crownBasis: Float32Array<ArrayBuffer>;
   readonly height_m: number;
   readonly meshSha256: string;
+  /** Whether the table was made from the tree in leaf or bare. */
+  readonly foliage: Foliage;
   /** Whether the table's file holds the records of the paper's state search. */
   readonly hasRecords: boolean;
   /** Whether a better table will replace this one, and what this one leaves out. */
@@ -65,6 +68,8 @@ export interface GroupPlan {
   /** Id of the species or upload, independent of its table. */
   readonly key: string;
   readonly table: string;
+  /** The table in leaf of the same trees, by which clients of a shared forest in other seasons know them. */
+  readonly leafTable: string;
   readonly placement: Float32Array<ArrayBuffer>;
   /** Id of each tree: trees of an earlier plan keep their state. */
   readonly ids: Uint32Array<ArrayBuffer>;

@@ -1,8 +1,9 @@
 """Leaf cards for a scanned tree, which is bare: clusters of two crossed squares at the ends of branches.
 
-Assumption: the one-sided leaf area is 2,500 times the basal area (the cross-section of the trunk at breast
-height). A closed broadleaved stand with a leaf area index of 5 and a basal area of 20 m²/ha has this ratio;
-that of single trees varies by a factor of two or more.
+Assumption: the one-sided leaf area is 4,000 times the basal area (the cross-section of the trunk at breast
+height). A closed broadleaved stand with a leaf area index of 5 and a basal area of 20 m²/ha has a ratio of
+2,500; dense crowns have up to twice as much. Chosen towards the measured ratio of the frequencies in leaf and
+bare (docs/physics.md).
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import numpy as np
 from galewood.mesh.types import Material, RawPart
 from galewood.util import Floats
 
-LEAF_AREA_PER_BASAL_AREA = 2500.0
+LEAF_AREA_PER_BASAL_AREA = 4000.0
 LARGEST_CARD_M = 0.25
 MOST_CLUSTERS = 5000
 MATERIAL = {

@@ -22,12 +22,14 @@ from galewood.mesh.qsm.tables import read_table
 from galewood.mesh.qsm.treeqsm import read_treeqsm
 from galewood.mesh.qsm.tubes import tube, tube_faces
 from galewood.mesh.types import ImportOptions, RawPart
-from galewood.util import MeshError
+from galewood.util import Floats, MeshError
 
 QsmFormat = Literal["treeqsm", "csv"]
 MIN_RADIUS_MM = 10.0
+MOST_BRANCHES = 200
+"""Branches up to which thin ones are kept; more are not resolved by the mesher at its usual size."""
 MOST_FACES = 60_000
-MANY_BRANCHES = 500
+MANY_BRANCHES = 300
 """More than these cannot be meshed without being thickened (docs/how-to/scanned-trees.md)."""
 SPACINGS = (2.0, 3.0, 4.5, 7.0, 10.0, 15.0, 25.0)
 """Distances of the rings of a tube, relative to its radius: the first with few enough faces."""
@@ -50,7 +52,7 @@ def read_qsm(data: bytes, file_format: QsmFormat, options: ImportOptions) -> Sca
     tree, loose = checked_tree(raw)
     branches = chained(tree)
     tree, dbh_m = _fitted(tree, branches[0], options.dbh_cm)
-    kept = _thick_enough(tree, branches, options.min_radius_mm)
+    least_mm, kept = _thick_enough(tree, branches, options.min_radius_mm)
     lines = _lines(tree, [branches[number] for number in kept], kept)
     parts = [_wood(lines)]
     if not options.bare:
@@ -61,6 +63,7 @@ def read_qsm(data: bytes, file_format: QsmFormat, options: ImportOptions) -> Sca
         "height_m": tree.height_m,
         "dbh_cm": None if dbh_m is None else 100 * dbh_m,
         "wood_volume_m3": float(tree.volume_m3.sum()),
+        "min_radius_mm": least_mm,
         "dropped": _dropped(tree, branches, kept, loose),
     }
     return ScannedTree(parts, report, _warnings(report, models, options))
@@ -81,13 +84,19 @@ def _fitted(tree: Cylinders, trunk: Branch, dbh_cm: float | None) -> tuple[Cylin
     return replace(tree, radius_m=tree.radius_m * (dbh_cm / 100 / dbh_m)), dbh_cm / 100
 
 
-def _thick_enough(tree: Cylinders, branches: list[Branch], min_radius_mm: float | None) -> list[int]:
-    """Numbers of the branches that are kept: as thick as the limit, or with such a branch on them."""
-    least = (MIN_RADIUS_MM if min_radius_mm is None else min_radius_mm) / 1000
+def _thick_enough(
+    tree: Cylinders, branches: list[Branch], min_radius_mm: float | None
+) -> tuple[float, list[int]]:
+    """The smallest radius, mm, and the numbers of the branches that are kept.
+
+    A branch is kept if it is as thick, or has such a branch on it. If no radius is given, it is 10 mm, or as
+    much larger as leaves few enough branches.
+    """
     thickest = np.array([smoothed_radii(tree, branch.cylinders)[0] for branch in branches])
     for number in range(len(branches) - 1, 0, -1):
         parent = branches[number].parent
         thickest[parent] = max(thickest[parent], thickest[number])
+    least = _chosen_mm(thickest, min_radius_mm) / 1000
     kept = np.flatnonzero(thickest >= least)
     if not len(kept):
         raise MeshError(
@@ -96,7 +105,17 @@ def _thick_enough(tree: Cylinders, branches: list[Branch], min_radius_mm: float 
             f"Every branch is thinner than the smallest radius, {1000 * least:g} mm.",
             "Choose a smaller one (--min-radius-mm), and check that the model is in metres.",
         )
-    return kept.tolist()
+    return 1000 * least, kept.tolist()
+
+
+def _chosen_mm(thickest_m: Floats, min_radius_mm: float | None) -> float:
+    """The smallest radius, mm, for branches of at most these radii (n,), m."""
+    if min_radius_mm is not None:
+        return min_radius_mm
+    if len(thickest_m) <= MOST_BRANCHES:
+        return MIN_RADIUS_MM
+    limit = 1000 * float(np.sort(thickest_m)[-MOST_BRANCHES - 1])
+    return max(MIN_RADIUS_MM, float(np.ceil(2 * limit) / 2))
 
 
 def _lines(tree: Cylinders, branches: list[Branch], kept: list[int]) -> list[Line]:
@@ -163,13 +182,15 @@ def _warnings(report: dict[str, Any], models: int, options: ImportOptions) -> li
         )
     if dropped["thin_branches"]:
         found.append(
-            f"{dropped['thin_branches']} branches thinner than the smallest radius were dropped "
-            f"({dropped['thin_volume_m3'] / report['wood_volume_m3']:.1%} of the volume)."
+            f"{dropped['thin_branches']} branches thinner than the smallest radius "
+            f"({report['min_radius_mm']:g} mm) were dropped "
+            f"({dropped['thin_volume_m3'] / report['wood_volume_m3']:.1%} of the volume); they weigh on "
+            "their limbs, with a mass estimated from the trunk."
         )
     if report["branches"] - dropped["thin_branches"] > MANY_BRANCHES:
         found.append(
             "With so many branches, thin ones are simulated thicker and heavier than they are, and the tree "
-            "sways too slowly. Dropping more of them (--min-radius-mm 25) helps."
+            "sways too slowly. Without --min-radius-mm, only as many are kept as can be simulated."
         )
     if not options.bare:
         found.append("A scan has no leaves: they were added, with an assumed area.")

@@ -29,7 +29,7 @@ from galewood_server.storage import Tree
 
 router = APIRouter(prefix="/api/tables", tags=["tables"])
 ORDER = (Tree.created_at, Tree.id)
-OWN_FIELDS = ("name", "species", "height_m", "mesh_sha256", "records_sha256")
+OWN_FIELDS = ("name", "species", "height_m", "mesh_sha256", "records_sha256", "bare_table_sha256")
 
 
 class TableMetadata(BaseModel):

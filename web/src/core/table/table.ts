@@ -35,6 +35,9 @@ const READABLE: readonly unknown[] = [5, 6, 7, VERSION];
 const MAX_DYNAMIC = 64;
 const MAX_DRAG_POINTS = 32;
 
+/** Whether a tree bears its leaves: a bare tree has only the mass and the wind area of its wood. */
+export type Foliage = "leaf" | "bare";
+
 export interface Primitive {
   readonly name: string;
   readonly kind: string;
@@ -53,6 +56,8 @@ export interface TableMetadata {
   /** Largest displacement of any part of the tree, with a margin. */
   readonly reach_m: number;
   readonly mesh_sha256: string;
+  /** Without it: in leaf. */
+  readonly foliage?: Foliage;
   readonly [more: string]: unknown;
 }
 
@@ -178,6 +183,11 @@ function checkMetadata(metadata: Json): TableMetadata {
   number(metadata, "peak_pressure_pa", 0, 1e9);
   number(metadata, "reach_m", 0, 1e4);
   whole(metadata, "modes", MOST_MODES);
+  const { foliage = "leaf" } = metadata;
+  need(
+    foliage === "leaf" || foliage === "bare",
+    `metadata foliage: expected 'leaf' or 'bare', not ${brief(foliage)}`,
+  );
   need(Array.isArray(metadata.primitives), "metadata primitives: expected a list");
   for (const primitive of metadata.primitives) {
     number(object(primitive, "metadata primitives: expected objects"), "vertices", 0, 2 ** 31);

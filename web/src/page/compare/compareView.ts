@@ -12,7 +12,7 @@ import { Curves, percent } from "./curves";
 import { compare } from "./request";
 import type { Tracks } from "./tracks";
 
-/** A tree that can be compared, and the place of one of its instances. */
+/** A tree that can be compared, its table in leaf, and the place of one of its instances. */
 export interface Candidate {
   readonly tree: Tree;
   readonly model: TreeModel;
@@ -47,6 +47,7 @@ export class CompareView {
   private readonly curves: Curves;
   private readonly shown: Shown = { method: "modal", ghost: true, times: 1, worst: WORST.fine };
   private tracks: Tracks | null = null;
+  private foliage: TableMotion["foliage"] = "leaf";
   private place = 0;
   private playing = true;
   private last_ms = 0;
@@ -154,6 +155,7 @@ export class CompareView {
     this.tracks = null;
     this.verdict.textContent = "";
     this.scene.setTree(chosen.model, chosen.motion);
+    this.foliage = chosen.motion.foliage;
     this.progress(0, "Requesting the reference solution");
     const frames = Math.round(SECONDS * 30);
     const asked = { treeId: chosen.tree.id, wind: wind.state, start_s: wind.time_s, frames, ...chosen.place };
@@ -216,7 +218,8 @@ export class CompareView {
     this.verdict.textContent =
       `Maximum displacement: ${most(sway)} % of tree height. Maximum error: ${most(max)} % of tree height ` +
       `(Hausdorff distance ${most(hausdorff)} %). Full red marks an error of ${percent(100 * this.shown.worst)} %.`;
-    this.status.textContent = `${SECONDS} s of this wind, starting from rest, in a loop.`;
+    const foliage = this.foliage === "bare" ? "without leaves" : "in leaf";
+    this.status.textContent = `Table ${foliage}; ${SECONDS} s of this wind, starting from rest, in a loop.`;
   }
 
   private seek(time_s: number): void {

@@ -5,14 +5,17 @@ import type { KnownTree } from "../server/catalogue";
 import { displayName, tableWords } from "../ui/words";
 
 export type PaperState =
-  | { readonly kind: "ready" | "loading" | "later" | "missing" }
+  | { readonly kind: "ready" | "loading" | "later" | "missing" | "bare" }
   | { readonly kind: "computing"; readonly fraction: number };
 
 const RECORDS_STAGE = "records";
+/** Stages of a build after the complete table. */
+const AFTER_TABLE: readonly string[] = [RECORDS_STAGE, "bare"];
 const MOST_LINES = 4;
 
-/** Whether the table is complete and only the records of the paper's method are still being computed. */
-export const onlyRecordsLeft = (job: Job | null): job is Job => isActive(job) && job.stage === RECORDS_STAGE;
+/** Whether the table is complete and only the paper's records or the bare table are still being computed. */
+export const onlyExtrasLeft = (job: Job | null): job is Job =>
+  isActive(job) && AFTER_TABLE.includes(job.stage);
 
 /** Whether the server has the records of the table that moves this tree. */
 export function isRecorded({ tree, motion }: KnownTree): boolean {
@@ -33,17 +36,23 @@ export function recordsFileOf({
 /** `loading`: whether this browser is fetching the records. */
 export function paperStateOf(known: KnownTree, loading: boolean): PaperState {
   if (loading) return { kind: "loading" };
+  if (known.motion?.foliage === "bare") return { kind: "bare" };
   if (isRecorded(known)) return { kind: "ready" };
   const { job } = known;
-  if (onlyRecordsLeft(job)) return { kind: "computing", fraction: Math.min(1, Math.max(0, job.fraction)) };
-  return { kind: isActive(job) ? "later" : "missing" };
+  if (isActive(job) && job.stage === RECORDS_STAGE)
+    return { kind: "computing", fraction: Math.min(1, Math.max(0, job.fraction)) };
+  return { kind: isActive(job) && !onlyExtrasLeft(job) ? "later" : "missing" };
 }
 
 export function paperWords(state: PaperState): string {
   if (state.kind === "computing") return `being computed, ${Math.round(100 * state.fraction)} %`;
-  return { ready: "ready", loading: "loading", later: "follows the full table", missing: "not computed" }[
-    state.kind
-  ];
+  return {
+    ready: "ready",
+    loading: "loading",
+    later: "follows the full table",
+    missing: "not computed",
+    bare: "only in leaf",
+  }[state.kind];
 }
 
 /** How complete the table of a tree is, and what about the paper's method. */
@@ -60,6 +69,6 @@ export function paperNote(trees: readonly { known: KnownTree; state: PaperState 
     .slice(0, MOST_LINES)
     .map(({ known, state }) => `${displayName(known.tree)}: ${paperWords(state)}`);
   if (open.length > MOST_LINES) lines.push(`and ${open.length - MOST_LINES} more`);
-  const waits = open.some(({ state }) => state.kind !== "missing");
+  const waits = open.some(({ state }) => state.kind !== "missing" && state.kind !== "bare");
   return [...lines, waits ? "Until then: modal reduced order." : "Instead: modal reduced order."].join("\n");
 }

@@ -1,5 +1,7 @@
 /** Client of the server's REST API. */
 
+import type { Form } from "../../scene/forms";
+
 export type TreeState = "uploaded" | "building" | "preliminary" | "ready" | "failed";
 export type JobState = "queued" | "running" | "done" | "failed" | "cancelled";
 
@@ -8,9 +10,13 @@ export interface Tree {
   name: string;
   species: string | null;
   builtin: boolean;
+  /** Grown in the open, or slender between other trees; a built-in species may have both. */
+  form?: Form;
   state: TreeState;
   height_m: number | null;
   table_sha256: string | null;
+  /** The table of the same mesh without its leaves, for the winter. */
+  bare_table_sha256?: string | null;
   /** Records of the paper's method that belong to the table; a table may also hold them itself. */
   records_sha256?: string | null;
   mesh_sha256: string | null;

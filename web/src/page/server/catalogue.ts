@@ -1,8 +1,10 @@
 /** The trees of the server, with meshes and tables as they are loaded. */
 
 import type { TreeAsset } from "../../scene/forest";
-import { readTreeModel } from "../../scene/trees/mesh/treeMesh";
+import { type Form, kindsOf } from "../../scene/forms";
+import { readTreeModel, type TreeModel } from "../../scene/trees/mesh/treeMesh";
 import type { TableMotion } from "../../worker/protocol";
+import { displayName } from "../ui/words";
 import { fetchMesh, followEvents, type Job, Problem, type Tree, type TreeChange } from "./api";
 
 export interface CatalogueEvents {
@@ -16,26 +18,54 @@ export interface CatalogueEvents {
   problem(title: string, hint: string): void;
 }
 
-/** A tree of the forest, its last job, and its table once that is loaded. */
+/** A tree of the forest, its last job, and the table that moves it once that is loaded. */
 export interface KnownTree {
   readonly tree: Tree;
   readonly job: Job | null;
   readonly motion: TableMotion | null;
 }
 
+/** A table: the hash of the newest one, loaded or being loaded, and the loaded one. */
+interface Slot {
+  sha256: string | null;
+  motion: TableMotion | null;
+}
+
 interface Entry {
   tree: Tree;
   job: Job | null;
   readonly asset: TreeAsset;
-  /** Hashes of the newest mesh and table, loaded or being loaded. */
+  /** Hash of the newest mesh, loaded or being loaded. */
   mesh: string | null;
-  table: string | null;
-  motion: TableMotion | null;
+  readonly leaf: Slot;
+  /** The table without leaves, which is loaded when it is first wanted. */
+  readonly bare: Slot;
+}
+
+const emptySlot = (): Slot => ({ sha256: null, motion: null });
+
+const hasTable = ({ mesh_sha256, table_sha256 }: Tree) => Boolean(mesh_sha256 && table_sha256);
+
+const assetOf = (tree: Tree): TreeAsset => ({
+  id: tree.id,
+  species: tree.species,
+  builtin: tree.builtin,
+  form: tree.form ?? "open",
+  hasTable: hasTable(tree),
+  model: null,
+  motion: null,
+});
+
+/** Whether a table moves the vertices of a model. */
+function fits(motion: TableMotion | null, model: TreeModel | null): boolean {
+  const vertices = model?.parts.reduce((sum, part) => sum + part.vertices, 0);
+  return motion !== null && motion.vertexNode.length === vertices;
 }
 
 const knownTree = ({ tree, job, asset }: Entry): KnownTree => ({ tree, job, motion: asset.motion });
 
 export class Catalogue {
+  private bareWanted = false;
   private readonly entries = new Map<string, Entry>();
   private readonly stop: () => void;
 
@@ -66,6 +96,15 @@ export class Catalogue {
     return [...this.entries.values()].map(({ tree }) => tree);
   }
 
+  /** Species with their forms, and uploads: id and name of each. */
+  get kinds(): { id: string; name: string }[] {
+    const trees = this.trees.map((tree) => ({ ...tree, form: tree.form ?? ("open" as Form) }));
+    return kindsOf(trees).flatMap(({ id, open, forest }) => {
+      const tree = open ?? forest;
+      return tree ? [{ id, name: displayName(tree) }] : [];
+    });
+  }
+
   get known(): KnownTree[] {
     return [...this.entries.values()].map(knownTree);
   }
@@ -73,6 +112,23 @@ export class Catalogue {
   find(id: string): KnownTree | null {
     const entry = this.entries.get(id);
     return entry ? knownTree(entry) : null;
+  }
+
+  /** The table in leaf of a tree, which analyses refer to in every season; null until it is loaded. */
+  leafMotion(id: string): TableMotion | null {
+    const entry = this.entries.get(id);
+    return entry && fits(entry.leaf.motion, entry.asset.model) ? entry.leaf.motion : null;
+  }
+
+  /** Whether trees move by their tables without leaves; those that have none keep the other. */
+  set bare(bare: boolean) {
+    if (bare === this.bareWanted) return;
+    this.bareWanted = bare;
+    const entries = [...this.entries.values()];
+    for (const entry of entries) {
+      void this.takeBareTable(entry).catch((error: unknown) => this.report(error));
+    }
+    if (entries.filter((entry) => this.chooseMotion(entry)).length > 0) this.events.assetsChanged();
   }
 
   /** Number of trees whose motion is still being computed. */
@@ -94,20 +150,24 @@ export class Catalogue {
   private keep({ tree, job }: TreeChange): void {
     let entry = this.entries.get(tree.id);
     if (!entry) {
-      const asset: TreeAsset = { id: tree.id, species: tree.species, model: null, motion: null };
-      entry = { tree, job, asset, mesh: null, table: null, motion: null };
+      entry = { tree, job, asset: assetOf(tree), mesh: null, leaf: emptySlot(), bare: emptySlot() };
       this.entries.set(tree.id, entry);
     }
+    const { asset } = entry;
+    const hadTable = asset.hasTable;
+    asset.hasTable = hasTable(tree);
     const recorded = (entry.tree.records_sha256 ?? null) !== (tree.records_sha256 ?? null);
     entry.tree = tree;
     entry.job = job;
     if (recorded) this.events.recordsChanged();
-    void this.follow(entry).catch((error: unknown) => this.report(error));
+    // The other form of its species may stand in for a tree without a table.
+    if (hadTable && !asset.hasTable) this.events.assetsChanged();
+    void this.follow(entry).catch((error: unknown) => this.failed(entry, error));
   }
 
   /** Fetches new mesh and table in parallel; superseded responses are dropped. */
   private async follow(entry: Entry): Promise<void> {
-    await Promise.all([this.takeMesh(entry), this.takeTable(entry)]);
+    await Promise.all([this.takeMesh(entry), this.takeTable(entry), this.takeBareTable(entry)]);
   }
 
   private async takeMesh(entry: Entry): Promise<void> {
@@ -123,26 +183,59 @@ export class Catalogue {
   /** A full table may replace a preliminary one of the same mesh; the trees keep moving meanwhile. */
   private async takeTable(entry: Entry): Promise<void> {
     const { table_sha256: table } = entry.tree;
-    if (!table || table === entry.table) return;
-    entry.table = table;
+    if (table) await this.fill(entry, entry.leaf, table);
+  }
+
+  /** The trees keep moving by the table in leaf until the one without leaves is loaded. */
+  private async takeBareTable(entry: Entry): Promise<void> {
+    const { bare, tree } = entry;
+    const table = tree.bare_table_sha256 ?? null;
+    if (bare.sha256 !== null && bare.sha256 !== table) {
+      Object.assign(bare, emptySlot());
+      if (this.chooseMotion(entry)) this.events.assetsChanged();
+    }
+    if (table && this.bareWanted) await this.fill(entry, bare, table);
+  }
+
+  private async fill(entry: Entry, slot: Slot, table: string): Promise<void> {
+    if (slot.sha256 === table) return;
+    slot.sha256 = table;
     try {
       const motion = await this.loadTable(table);
-      if (entry.table !== table) return;
-      entry.motion = motion;
+      if (slot.sha256 !== table) return;
+      slot.motion = motion;
       this.join(entry);
     } catch (error) {
-      if (entry.table === table) throw error;
+      if (slot.sha256 !== table) return;
+      if (slot === entry.bare) slot.sha256 = null; // tried again next winter
+      throw error;
     }
   }
 
   /** The trees move once mesh and table are loaded and match, and are static until then. */
   private join(entry: Entry): void {
-    const { asset, motion, table } = entry;
+    const { asset, leaf } = entry;
     if (!asset.model || !this.entries.has(entry.tree.id)) return;
-    const vertices = asset.model.parts.reduce((sum, part) => sum + part.vertices, 0);
-    asset.motion = motion?.vertexNode.length === vertices ? motion : null;
+    this.chooseMotion(entry);
     // A tree whose table is about to arrive is placed together with it.
-    if (asset.motion || !table || motion) this.events.assetsChanged();
+    if (asset.motion || !leaf.sha256 || leaf.motion) this.events.assetsChanged();
+  }
+
+  /** The table that moves a tree in this season; returns whether it is another one than before. */
+  private chooseMotion({ asset, leaf, bare }: Entry): boolean {
+    const before = asset.motion;
+    const wanted =
+      this.bareWanted && bare.motion?.meshSha256 === leaf.motion?.meshSha256 ? bare.motion : null;
+    asset.motion = [wanted, leaf.motion].find((motion) => fits(motion, asset.model)) ?? null;
+    return asset.motion !== before;
+  }
+
+  /** Of a tree that cannot be loaded the other form is planted, if there is one. */
+  private failed({ asset, leaf }: Entry, error: unknown): void {
+    this.report(error);
+    if (asset.model && leaf.motion) return;
+    asset.hasTable = false;
+    this.events.assetsChanged();
   }
 
   private report(error: unknown): void {

@@ -2,6 +2,7 @@
 import { type Method, parseMethod } from "../../core/motion/method";
 import { plainWind } from "../../core/wind/edit";
 import type { WindDocument } from "../../core/wind/wind";
+import { FORM_CHOICES, type FormChoice } from "../../scene/forms";
 import type { Quality } from "../../scene/quality";
 import { SEASONS, type Season } from "../../scene/season/season";
 import type { LookupPlace } from "../../worker/protocol";
@@ -14,6 +15,8 @@ export interface Settings {
   density: number;
   /** Relative frequency of each species by id; 1 if omitted. */
   shares: Record<string, number>;
+  /** Form of the built-in species: the one that suits each place, or the same everywhere. */
+  form: FormChoice;
   /** Seed of the placement. */
   forestSeed: number;
   /** The only copy of the page's wind: panel, instruments, links and worker read it here. */
@@ -45,6 +48,7 @@ export const DEFAULTS: Settings = {
   trees: 400,
   density: 1,
   shares: {},
+  form: "place",
   forestSeed: 7,
   wind: plainWind({ mean_speed_m_s: 7, direction_deg: 30, gustiness: 0.6, seed: 1 }),
   lookup: "worker",
@@ -112,6 +116,8 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   if (quality === "low" || quality === "medium" || quality === "high") settings.quality = quality;
   const mix = given.get("mix");
   if (mix !== null) settings.shares = sharesFrom(mix);
+  const form = FORM_CHOICES.find((name) => name === given.get("form"));
+  if (form) settings.form = form;
   const season = SEASONS.find((name) => name === given.get("season"));
   if (season) settings.season = season;
   return settings;
@@ -132,6 +138,7 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   if (settings.quality !== defaults.quality) query.set("quality", settings.quality);
   const mix = textOfShares(settings.shares);
   if (mix) query.set("mix", mix);
+  if (settings.form !== defaults.form) query.set("form", settings.form);
   if (settings.season !== defaults.season) query.set("season", settings.season);
   writeWind(query, settings.wind, defaults.wind);
   return query.toString();

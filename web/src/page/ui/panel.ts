@@ -78,6 +78,11 @@ export class Panel {
     this.number(folder, "trees", "Number of trees");
     this.number(folder, "density", "Density", (value) => value.toFixed(2));
     this.number(folder, "forestSeed", "Placement seed");
+    this.choice(folder, "form", "Tree form", {
+      "By place": "place",
+      "Open-grown": "open",
+      "Forest-grown": "forest",
+    });
     this.choice(folder, "quality", "Render quality", { Low: "low", Medium: "medium", High: "high" });
   }
 
@@ -112,7 +117,7 @@ export class Panel {
 
   private choice(
     folder: FolderApi,
-    key: "flutter" | "quality" | "lookup" | "method",
+    key: "flutter" | "form" | "quality" | "lookup" | "method",
     label: string,
     options?: object,
   ): BladeApi {

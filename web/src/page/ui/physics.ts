@@ -44,6 +44,12 @@ export function factsOf(tree: Pick<Tree, "height_m" | "report">, tableBytes: num
       `How often it sways back and forth per second${nextFrequencies(report)}.`,
     ),
     fact(
+      "First frequency without leaves",
+      of("bare_table", "model", "frequencies_hz", 0),
+      (hz) => `${hz.toFixed(2)} Hz`,
+      "In winter the tree is lighter and sways faster.",
+    ),
+    fact(
       "Damping ratio",
       of("model", "damping", "shown"),
       percent,

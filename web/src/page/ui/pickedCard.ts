@@ -1,5 +1,5 @@
 /** Card of the selected tree: its current motion, pictures of its model, and actions. */
-import { onlyRecordsLeft, type PaperState, stateWords } from "../paper/paperState";
+import { onlyExtrasLeft, type PaperState, stateWords } from "../paper/paperState";
 import { jobPictures, pictureUrl, type Tree } from "../server/api";
 import type { KnownTree } from "../server/catalogue";
 import type { PickedFigures } from "../treePicker";
@@ -71,7 +71,6 @@ export class PickedCard {
       button("Physics", () => tools.physics()),
       close,
     );
-    this.cancel.setAttribute("aria-label", "Cancel the computation of the paper's method");
     this.cancel.addEventListener("click", () => tools.cancel(this.jobId));
     const state = make("p", "", "picked-state");
     state.append(this.words, this.cancel);
@@ -106,8 +105,10 @@ export class PickedCard {
   private showState(known: KnownTree, paper: PaperState): void {
     const words = stateWords(known, paper);
     const { job } = known;
-    const cancellable = onlyRecordsLeft(job);
+    const cancellable = onlyExtrasLeft(job);
     this.jobId = cancellable ? job.id : "";
+    const what = job?.stage === "bare" ? "table without leaves" : "paper's method";
+    this.cancel.setAttribute("aria-label", `Cancel the computation of the ${what}`);
     this.cancel.hidden = !cancellable;
     if (this.words.textContent !== words) this.words.textContent = words;
   }

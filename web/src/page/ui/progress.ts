@@ -1,6 +1,6 @@
 /** Progress cards, one for each tree whose table is being computed. */
 
-import { onlyRecordsLeft } from "../paper/paperState";
+import { onlyExtrasLeft } from "../paper/paperState";
 import { isActive, type Job, pictureUrl, type TreeChange } from "../server/api";
 import { element, make } from "./dom";
 import { displayName, progressLine } from "./words";
@@ -38,8 +38,8 @@ export class ProgressCards {
   private readonly cards = new Map<string, Card>();
 
   update({ tree, job }: TreeChange): void {
-    // The records of the paper's method follow quietly once the table is complete.
-    if (isActive(job) && !onlyRecordsLeft(job)) this.show(tree.id, displayName(tree), job);
+    // The records of the paper's method and the bare table follow quietly once the table is complete.
+    if (isActive(job) && !onlyExtrasLeft(job)) this.show(tree.id, displayName(tree), job);
     else if (job?.state === "failed") this.fail(tree.id, displayName(tree), job);
     else this.finish(tree.id, tree.state === "ready" ? "Added to the forest" : "Cancelled");
   }

@@ -13,6 +13,7 @@ const STAGES: Record<string, string> = {
   reducing: "Reducing the model",
   table: "Writing the table",
   records: "Computing the paper's method",
+  bare: "Computing the tree without its leaves",
   done: "Done",
 };
 
@@ -23,11 +24,12 @@ export const displayName = (tree: Pick<Tree, "name" | "species">) =>
 
 /** How complete a tree's table is, and what a preliminary one leaves out. */
 export function tableWords(
-  motion: Pick<TableMotion, "preliminary" | "linear" | "leftOut"> | null,
+  motion: Pick<TableMotion, "preliminary" | "linear" | "leftOut" | "foliage"> | null,
   job: Job | null,
 ): string {
   if (!motion) return "No motion yet.";
-  if (!motion.preliminary) return "Complete table.";
+  if (!motion.preliminary)
+    return motion.foliage === "bare" ? "Complete table, without leaves." : "Complete table.";
   const follows = isActive(job) ? "; the full table follows" : "";
   const kind = motion.linear ? "First motion from the natural modes" : "Preliminary table";
   const without = motion.leftOut.length > 0 ? ` It leaves out: ${motion.leftOut.join("; ")}.` : "";

@@ -15,6 +15,16 @@ export function streamMethod(method: Method, groups: readonly { readonly recorde
   return groups.every(({ recorded }) => recorded) ? method : "modal";
 }
 
+/**
+ * The groups of a shared forest as its clients name them: by their tables in leaf, which are the same in every season,
+ * whichever ones a client plays itself.
+ */
+export function sharedGroups<Group extends PlannedGroup & { readonly leafTable: string }>(
+  groups: readonly Group[],
+): Group[] {
+  return groups.map((group) => ({ ...group, table: group.leafTable }));
+}
+
 export interface PlanOptions {
   readonly method: Method;
   readonly poseEasing: number | null;

@@ -40,7 +40,7 @@ const isPreliminary = ({ metadata }: Table) =>
   (metadata.provenance as { preliminary?: unknown } | undefined)?.preliminary === true;
 
 export function tableMotion(sha256: string, table: Table, bytes: number): TableMotion {
-  const { modes, primitives, height_m, mesh_sha256, reach_m } = table.metadata;
+  const { modes, primitives, height_m, mesh_sha256, foliage = "leaf", reach_m } = table.metadata;
   const stride = poseStride(modes);
   const basis = padBasis(table.nodeBasis, modes, stride);
   const nodes = table.nodeRest.length / 3;
@@ -59,6 +59,7 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     crownBasis: crownBasisOf(table),
     height_m,
     meshSha256: mesh_sha256,
+    foliage,
     hasRecords: table.paper !== null,
     preliminary: isPreliminary(table),
     linear: table.modal.pose.length === 0,
