@@ -59,7 +59,7 @@ class LumpedMasses:
 
 @dataclass(frozen=True)
 class CrownLoads:
-    """Per point: mass (n,) kg of leaves and drawn twigs, and areas (n,) as in ``LumpedMasses``; and a report."""
+    """Per point: mass (n,) kg of leaves and twigs, and areas (n,) as in ``LumpedMasses``; and a report."""
 
     mass_kg: Floats
     drag_area_m2: Floats

@@ -29,7 +29,7 @@ from galewood.reduction.oscillators import Oscillators, propagators, response
 from galewood.reduction.pod import Subspace
 from galewood.util import Array, Floats
 
-FORCE_RIDGE = 0.3
+FORCE_RIDGE = 0.2
 """Ridge parameter of the force, relative to the mean square of each term.
 
 Large, as terms that are alike along the runs would get large coefficients of opposite sign, which are
