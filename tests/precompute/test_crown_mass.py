@@ -57,7 +57,8 @@ def as_a_mesh(tree: TreeMesh) -> TreeMesh:
 def collected(places: list[tuple[Floats, Floats]], primitive: Any, amount: Floats) -> Floats:
     """Spreads everything to two points, below and above 4 m, and keeps what it was given."""
     places.append((primitive.positions_m, amount))
-    return np.bincount((primitive.positions_m[:, 1] > 4.0).astype(int), amount, 2)
+    above = (primitive.positions_m[:, 1] > 4.0).astype(int)
+    return np.bincount(above, amount, 2).astype(np.float64)
 
 
 def loads(tree: TreeMesh, wood_kg: float = PLENTY_KG, drawn_kg: float = 0.0) -> Any:

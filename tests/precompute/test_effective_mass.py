@@ -59,7 +59,8 @@ def test_the_first_modes_of_a_pole_have_the_shares_of_beam_theory() -> None:
 
 def cantilever_share(guess: float) -> float:
     """Effective mass of a mode of a uniform cantilever over its mass: 0.613, 0.188, …"""
-    k = brentq(lambda x: np.cos(x) * np.cosh(x) + 1, guess - 0.1, guess + 0.1)
+    root: Any = brentq(lambda x: np.cos(x) * np.cosh(x) + 1, guess - 0.1, guess + 0.1)
+    k = float(root)
     x = np.linspace(0, 1, 20_001)
     shape = np.cosh(k * x) - np.cos(k * x)
     shape -= (np.cosh(k) + np.cos(k)) / (np.sinh(k) + np.sin(k)) * (np.sinh(k * x) - np.sin(k * x))
@@ -86,7 +87,7 @@ def test_the_bare_tree_sways_as_one_built_without_leaves() -> None:
     bar = polygon_bar(sides=6, radius_m=0.04, length_m=5.0, layers=40)
     leaves = np.zeros(len(bar.mass_kg))
     leaves[bar.tip] = 4.0 / len(bar.tip)
-    laden = SimpleNamespace(**vars(replace(bar, mass_kg=leaves)), leaf_mass_kg=leaves)
+    laden: Any = SimpleNamespace(**vars(replace(bar, mass_kg=leaves)), leaf_mass_kg=leaves)
     report = build_model(bar, bar, WOOD, laden, FemSettings(element="linear")).report
     alone = build_model(bar, bar, WOOD, bar, FemSettings(element="linear")).report
     assert report["frequencies_hz"][0] < 0.9 * alone["frequencies_hz"][0]

@@ -69,7 +69,8 @@ def test_refuses_truncated_files(share: float) -> None:
 
 
 def test_a_table_is_in_leaf_unless_it_says_otherwise() -> None:
-    found = [decode(rewritten(more)).foliage for more in ({}, {"foliage": "leaf"}, {"foliage": "bare"})]
+    given: list[dict[str, object]] = [{}, {"foliage": "leaf"}, {"foliage": "bare"}]
+    found = [decode(rewritten(more)).foliage for more in given]
     assert found == ["leaf", "leaf", "bare"]
 
 

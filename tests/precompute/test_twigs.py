@@ -1,4 +1,4 @@
-"""Drawn twigs: recognised by name, kept out of the tetrahedra, bound in one piece, with the mass of their volume."""
+"""Drawn twigs: recognised by name, not meshed, bound in one piece, with the mass of their volume."""
 
 from dataclasses import replace
 
@@ -13,6 +13,7 @@ from galewood.model.beam_tree import beam_model
 from galewood.model.binding import nearest_of_pieces
 from galewood.model.foliage import crown_loads
 from galewood.model.twigs import twig_volumes
+from galewood.util import Floats
 from galewood.wood import wood_of_species
 
 from tests.precompute import tree_meshes as make
@@ -104,8 +105,9 @@ def test_the_mass_of_twigs_is_their_volume_times_density_where_they_stand():
     tree = read_tree(tree_with_twigs(), "tree.glb", ImportOptions())
     heights = np.array([0.0, 2.0, 4.0])
 
-    def spread(part, amount):
-        return np.bincount(np.clip(np.rint(part.positions_m[:, 1] / 2), 0, 2).astype(int), amount, 3)
+    def spread(part: RenderPrimitive, amount: Floats) -> Floats:
+        nearest = np.clip(np.rint(part.positions_m[:, 1] / 2), 0, 2).astype(int)
+        return np.bincount(nearest, amount, 3).astype(np.float64)
 
     with_twigs = crown_loads(tree, WOOD, heights, spread, 100.0)
     bare = replace(tree, primitives=[p for p in tree.primitives if p.kind != "twigs"])

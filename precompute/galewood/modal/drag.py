@@ -1,8 +1,8 @@
 """Drag of the modal model: the pressure law at a few points of the crown, from the air's relative velocity.
 
 Point j stands for many nodes. The air there moves at the sheltered speed U_c(s P), the point at Ψ v. Its
-force a (p(U_c − Ψ v) − s P) acts on all oscillators; the steady part a s P is in `load`. The first DRAG_INPUTS
-oscillators determine Ψ v. What the motion of the nodes within a point adds is a damping of each oscillator
+force a (p(U_c − Ψ v) − s P) acts on all oscillators; the steady part a s P is in `load`. The first
+DRAG_INPUTS oscillators determine Ψ v. What the motion of the nodes within a point adds is a damping of each oscillator
 (docs/physics.md; `galewood.fem.drag` is the same law at every node). No term drives the motion in still air.
 """
 # pyright: reportMissingParameterType=false
