@@ -17,8 +17,8 @@ class FemSettings:
 
     dt_s is the table's time step, which is divided into `substeps` equal steps of `scheme`; 0 leaves their
     number to the model (`resolved`). `j_max` and `tolerance` (relative to the first residual) belong to the
-    paper's Algorithm 2; with TR-BDF2 and `j_max` > 1 both of its stages are iterated. The damping ratio of the
-    wood applies at the first natural frequency and at `damping_frequency_ratio` times it (Rayleigh's two
+    paper's Algorithm 2; with TR-BDF2 and `j_max` > 1 both of its stages are iterated. The damping ratio of
+    the wood applies at the first natural frequency and at `damping_frequency_ratio` times it (Rayleigh's two
     targets).
     """
 

@@ -7,13 +7,14 @@ import re
 from galewood.mesh.types import RawPart
 
 NAMES = {
+    "sycamore": r"sycamore|pseudoplatan",  # also called Acer pseudoplatanus, so before the maple
     "poplar": r"poplar|aspen|populus|cottonwood|pappel|peuplier",
     "maple": r"maple|acer\b|ahorn|[ée]rable",
     "apricot": r"apricot|prunus|peach|cherry|aprikose|abricot",
     "ash": r"(?<![a-z])ash(?![a-z])|fraxinus|esche|fr[êe]ne",
     "birch": r"birch|betula|birke|bouleau",
     "oak": r"(?<![a-z])oaks?(?![a-z])|quercus|eiche|ch[êe]ne",
-    "sycamore": r"sycamore|(?<!pseudo)platan",
+    "plane": r"(?<!pseudo)platan|plane.?tree",
 }
 
 

@@ -2,8 +2,9 @@
 
 Point j stands for many nodes. The air there moves at the sheltered speed U_c(s P), the point at Ψ v. Its
 force a (p(U_c − Ψ v) − s P) acts on all oscillators; the steady part a s P is in `load`. The first
-DRAG_INPUTS oscillators determine Ψ v. What the motion of the nodes within a point adds is a damping of each oscillator
-(docs/physics.md; `galewood.fem.drag` is the same law at every node). No term drives the motion in still air.
+DRAG_INPUTS oscillators determine Ψ v. What the motion of the nodes within a point adds is a damping of each
+oscillator (docs/physics.md; `galewood.fem.drag` is the same law at every node). In still air no term drives
+the motion.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)

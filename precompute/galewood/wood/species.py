@@ -11,14 +11,15 @@ Sources, by the tag in each entry:
   Douglas-fir also with a transcript of table 5-1 of the 2021 edition, FPL-GTR-282, page 5-2).
 - ``matweb``: MatWeb, North American eastern cottonwood, unseasoned: 1,010 ksi, 49 lb/ft³.
 - ``AHEC``: American Hardwood Information Center, black cherry, green: 1.31 million psi.
+- ``Wytham``: the wood of the measured trees of Wytham Woods (Jackson and others, doi
+  10.1016/j.agrformet.2018.11.014), quoted from a compilation; unchecked.
 - ``WH21``: the 2021 edition, FPL-GTR-282, tables 4-1 (moisture of green wood) and 5-3a (static bending), from
   a transcript of the rows for white ash and white oak.
 
 Values without a second source are marked "unchecked" in the entry: the ratios of cottonwood and black cherry,
-those of ash and oak, and all constants of birch and sycamore. Unchecked values of ash, birch, oak and
-sycamore are quoted from memory, with no copy of the handbook at hand to compare them with. Green densities of
-ash, birch and oak are the specific gravity (oven-dry mass over green volume) times one plus the moisture,
-averaged over heartwood and sapwood; ν_TT of the four is the geometric mean of ν_RT and ν_TR. The influence of
+those of ash, birch and oak, and all constants of plane. Unchecked ratios of ash, birch, oak and plane are
+quoted from memory, with no copy of the handbook at hand to compare them with; their ν_TT is the geometric
+mean of ν_RT and ν_TR. The influence of
 the ratios is small: changing the transverse stiffness by 30 % changes the first ten frequencies by at most
 1.6 %, changing the shear stiffness by 30 % by 2 to 10 % (docs/physics.md). The handbook's bending moduli
 include some shear deflection; it recommends adding 10 % to obtain the true E_L. This is not done here,
@@ -150,51 +151,65 @@ SPECIES: dict[str, Wood] = {
         ),
         Wood(
             name="ash",
-            young_longitudinal_pa=9.9e9,
+            young_longitudinal_pa=9.5e9,
             radial_ratio=0.125,
             tangential_ratio=0.080,
             shear_lr_ratio=0.109,
             shear_lt_ratio=0.077,
             poisson_longitudinal=0.41,
             poisson_transverse=0.50,
-            density_kg_m3=800.0,
+            density_kg_m3=801.0,
             damping_ratio=0.03,
             drag_coefficient=0.5,
-            source="white ash: E green (WH 5-3, WH21); ratios WH 5-1, 5-2 (unchecked); density green from "
-            "specific gravity 0.55 and 45 % moisture (WH21)",
+            source="European ash: E and density green (Wytham); ratios of white ash (WH 5-1, 5-2, unchecked)",
         ),
         Wood(
             name="birch",
-            young_longitudinal_pa=10.3e9,
+            young_longitudinal_pa=8.5e9,
             radial_ratio=0.078,
             tangential_ratio=0.050,
             shear_lr_ratio=0.074,
             shear_lt_ratio=0.068,
             poisson_longitudinal=0.44,
             poisson_transverse=0.54,
-            density_kg_m3=950.0,
+            density_kg_m3=801.0,
             damping_ratio=0.03,
             drag_coefficient=0.5,
-            source="yellow birch: E green, ratios (WH 5-1 to 5-3, unchecked); density green from specific "
-            "gravity 0.55 (WH 5-3) and 73 % moisture (WH 4-1), unchecked",
+            source="European birch: E and density green (Wytham); ratios of yellow birch (WH 5-1, 5-2, "
+            "unchecked)",
         ),
         Wood(
             name="oak",
-            young_longitudinal_pa=8.6e9,
+            young_longitudinal_pa=10.5e9,
             radial_ratio=0.163,
             tangential_ratio=0.072,
             shear_lr_ratio=0.086,
             shear_lt_ratio=0.081,
             poisson_longitudinal=0.40,
             poisson_transverse=0.43,
-            density_kg_m3=1025.0,
+            density_kg_m3=865.0,
             damping_ratio=0.03,
             drag_coefficient=0.5,
-            source="white oak: E green (WH 5-3, WH21); ratios WH 5-1, 5-2 (unchecked), G_LT/E_L of red oak, "
-            "as white oak has none; density green from specific gravity 0.60 and 71 % moisture (WH21)",
+            source="European oak: E and density green (Wytham); ratios of white oak (WH 5-1, 5-2, "
+            "unchecked), G_LT/E_L of red oak, as white oak has none",
         ),
         Wood(
             name="sycamore",
+            young_longitudinal_pa=8.4e9,
+            radial_ratio=0.132,
+            tangential_ratio=0.065,
+            shear_lr_ratio=0.111,
+            shear_lt_ratio=0.063,
+            poisson_longitudinal=0.45,
+            poisson_transverse=0.52,
+            density_kg_m3=721.0,
+            damping_ratio=0.03,
+            drag_coefficient=0.5,
+            source="European sycamore, a maple: E and density green (Wytham); ratios of sugar maple (WH 5-1, "
+            "5-2)",
+        ),
+        Wood(
+            name="plane",
             young_longitudinal_pa=7.3e9,
             radial_ratio=0.115,
             tangential_ratio=0.050,
@@ -205,7 +220,7 @@ SPECIES: dict[str, Wood] = {
             density_kg_m3=930.0,
             damping_ratio=0.03,
             drag_coefficient=0.5,
-            source="American sycamore, a plane (the European sycamore is a maple): E green (WH 5-3, "
+            source="American sycamore, a plane: E green (WH 5-3, "
             "unchecked); ratios of sweetgum, as sycamore has none (WH 5-1, 5-2, unchecked); density green of "
             "wood and bark 58 lb/ft³ (spikevm.com, table of green log weights, unchecked)",
         ),
@@ -232,7 +247,6 @@ ALIASES = {
     "cherry": "apricot",
     "pine": "conifer",
     "hardwood": "default",
-    "plane": "sycamore",
 }
 
 
