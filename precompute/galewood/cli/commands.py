@@ -110,6 +110,9 @@ def evaluate(
     ] = 0,
     plot: Annotated[Path | None, typer.Option(help="Plot of the errors over time to write.")] = None,
     workers: Annotated[int, typer.Option(help="Processes for the finite-element simulations.")] = 2,
+    converged: Annotated[
+        bool, typer.Option(help="Also compare with time steps a quarter as long (five times the work).")
+    ] = True,
     cache_dir: CacheDir = Path("data/cache"),
     json_out: JsonOut = None,
 ) -> None:
@@ -122,6 +125,7 @@ def evaluate(
             figures = run_evaluation(
                 table, mesh, model, cache_dir, progress_reporter(bar), plot=plot,
                 frames=frames, strength=strength, sway=sway, seed=seed, long=long, workers=workers,
+                converged=converged,
             )  # fmt: skip
     except (MeshError, SourceError) as error:
         console.print(f"[red]{error}[/red]")

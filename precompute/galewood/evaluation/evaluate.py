@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from galewood.evaluation.converged import run_converged
 from galewood.evaluation.measures import CHUNK, errors, figures, hausdorff_by_frame, joined
 from galewood.evaluation.reference_runs import ReferenceRun, ReferenceTask, read_reference_run, run_references
 from galewood.evaluation.source import Source
@@ -80,13 +81,15 @@ def evaluate_table(
     sway: float | None = None,
     seed: int = 20_001,
     workers: int = 2,
+    converged: bool = False,
     winds: Mapping[str, Floats] | None = None,
 ) -> dict[str, Any]:
     """Error figures per unseen wind and method, with a tree at rest and the nearest sampled run as baselines.
 
     ``strength`` is the peak speed over the design speed. With ``sway`` each wind is instead scaled until the
     reference solution sways by that share of the height, or until the wind is the strongest
-    that the table was made from. ``winds`` (pressures (T, 2) Pa by name) replace the default ones.
+    that the table was made from. ``winds`` (pressures (T, 2) Pa by name) replace the
+    default ones. With ``converged`` each wind is also simulated with smaller steps (`converged.py`).
     """
     winds = winds or _winds(table, frames, strength if sway is None else 0.9, seed)
     tasks = reference_tasks(table, source, list(winds.values()), sway)
@@ -95,18 +98,23 @@ def evaluate_table(
         on_progress(0.8 * count / len(tasks), "Simulating the winds")
 
     paths = run_references(tasks, cache_dir, done, workers)
+    exact = run_converged(source, paths, cache_dir, workers) if converged else None
     found: dict[str, Any] = {}
     for k, (name, path) in enumerate(zip(winds, paths, strict=True)):
         on_progress(0.8 + 0.2 * k / len(paths), f"Comparing: {name}")
         reference = read_reference_run(path)
         found[name] = compare_methods(table, source, reference, len(reference.pressure_pa) - frames)
+        if exact:
+            limit = read_reference_run(exact[k])
+            found[name]["converged"] = against_converged(table, source, reference, limit)
     on_progress(1.0, "Done")
     return found
 
 
 def _winds(table: Table, frames: int, strength: float, seed: int) -> dict[str, Floats]:
     speed_m_s, dt_s = float(table.metadata["design_speed_m_s"]), float(table.metadata["dt_s"])
-    return unseen_winds(speed_m_s, frames, dt_s, strength=strength, seed=seed)
+    first_hz = next(iter(table.metadata.get("frequencies_hz") or ()), None)
+    return unseen_winds(speed_m_s, frames, dt_s, strength=strength, seed=seed, first_hz=first_hz)
 
 
 def reference_tasks(
@@ -139,6 +147,25 @@ def compare_methods(table: Table, source: Source, reference: ReferenceRun, lead:
     }
     found["floor"] = floor(table, source, reference.displacement_m)
     return found
+
+
+def against_converged(
+    table: Table, source: Source, reference: ReferenceRun, limit: ReferenceRun
+) -> dict[str, Any]:
+    """Largest errors over the height: of the elements' time steps, of the table, and of both together."""
+    height_m = float(table.metadata["height_m"])
+    q, _ = played(table, reference.pressure_pa, METHODS["modal"])
+    worst = {"elements": 0.0, "table": 0.0, "total": 0.0}
+    for a in range(0, len(q), CHUNK):
+        part = slice(a, a + CHUNK)
+        shown, own, exact = (
+            source.subspace.expand(q[part]),
+            reference.displacement_m[part],
+            limit.displacement_m[part],
+        )
+        for name, one, other in (("elements", own, exact), ("table", shown, own), ("total", shown, exact)):
+            worst[name] = max(worst[name], float(errors(one, other).largest_m.max() / height_m))
+    return worst
 
 
 def compare(table: Table, source: Source, q: Floats, reference_m: Array, lead: int = 0) -> dict[str, Any]:

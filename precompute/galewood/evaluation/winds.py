@@ -21,11 +21,18 @@ GUST_END_S = 3.0
 
 
 def unseen_winds(
-    design_speed_m_s: float, frames: int, dt_s: float, *, strength: float = 0.65, seed: int = 20_001
+    design_speed_m_s: float,
+    frames: int,
+    dt_s: float,
+    *,
+    strength: float = 0.65,
+    seed: int = 20_001,
+    first_hz: float | None = None,
 ) -> dict[str, Floats]:
     """Winds by name: pressures (frames, 2) Pa that peak at ``strength`` times the design speed.
 
     Continuing winds are longer by their lead-in of half a run. The seed sets phases, periods and headings.
+    With the tree's first natural frequency, a square wave of that frequency is one of them.
     """
     rng = np.random.default_rng(seed)
     half = max(frames // 2, 2)
@@ -37,7 +44,7 @@ def unseen_winds(
     turning = _repeated(noise(rng, half, dt_s, 2.0), frames)
     smooth_heading = rng.uniform(0, 2 * np.pi) + 0.4 * turning
     gust = peak * np.sin(np.pi * np.clip((t[:once] - 0.5) / (GUST_END_S - 0.5), 0, 1)) ** 2
-    return {
+    winds = {
         "new-period-and-amplitude": along(cosine, rng.uniform(0, 2 * np.pi)),
         "between-directions": along(between, np.pi / 6),
         "perlin": along(smooth, smooth_heading),
@@ -45,6 +52,10 @@ def unseen_winds(
         "step": along(0.85 * peak * (t[:once] > 1.0), rng.uniform(0, 2 * np.pi)),
         "gust-then-still": along(gust, rng.uniform(0, 2 * np.pi)),
     }
+    if first_hz:
+        square = peak * (np.sin(2 * np.pi * first_hz * t[:once]) > 0)
+        winds["resonant-square"] = along(square, rng.uniform(0, 2 * np.pi))
+    return winds
 
 
 def one_over_f(rng: np.random.Generator, frames: int, period: int, dt_s: float, peak_m_s: float) -> Floats:
