@@ -88,9 +88,7 @@ def ringing(one: Specimen) -> Iterator[Check]:
     still = replace(one.fast, drag_area_m2=np.zeros_like(one.fast.drag_area_m2), exposed_area_m2=None)
     frequency = float(one.fast.report["frequencies_hz"][0])
     found_hz, ratio = ring_down(still, 0, RING_M)
-    yield relative(
-        f"{one.name}: ring-down frequency against the eigenvalue", frequency, found_hz, "Hz", 0.01
-    )
+    yield relative(f"{one.name}: ring-down frequency against the eigenvalue", frequency, found_hz, "Hz", 0.01)
     given = one.wood.damping_ratio
     yield relative(f"{one.name}: ring-down damping against the ratio given", given, ratio, "–", 0.015)
 
