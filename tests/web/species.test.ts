@@ -214,7 +214,7 @@ describe.each(SPECIES)("$id", (species) => {
         .map((t) => decodePng(t.getImage() as Uint8Array).data);
     const [old, now] = [pictures(committed), pictures(regrown)];
     expect(now.map((pixels, i) => Buffer.compare(pixels, old[i]))).toEqual(old.map(() => 0));
-  });
+  }, 60_000);
 });
 
 it("is deterministic", async () => {
