@@ -1,8 +1,8 @@
 """The converged reference: the same elements and winds with smaller time steps.
 
 The time scheme is of second order, so steps a quarter as long have a sixteenth of the error. A free decay
-from 20 % sway agrees with Newton's method on both stages of steps an eighth as long within 0.1 % of the height
-(docs/physics.md).
+from 20 % sway agrees with Newton's method on both stages of steps an eighth as long within 0.1 % of the
+height (docs/physics.md).
 """
 
 from __future__ import annotations
