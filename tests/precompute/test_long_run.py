@@ -21,8 +21,9 @@ MODEL_ARRAYS = ("nodes_m", "elements", "blocks", "mass_kg", "drag_area_m2", "fix
 def source(mass_kg: float = 1.0, mode: float = 1.0, strain_m: float | None = None) -> Source:
     """A source with only the attributes that the key reads."""
     arrays = dict.fromkeys(MODEL_ARRAYS, np.zeros(3)) | {"mass_kg": np.full(3, mass_kg)}
+    absent = dict.fromkeys(("exposed_area_m2", "wind_profile", "foundation_n_m"))
     strain = None if strain_m is None else np.full((1, 4, 3), strain_m)
-    model = SimpleNamespace(alpha=0.1, beta=0.01, settings="settings", strain_m=strain, **arrays)
+    model = SimpleNamespace(alpha=0.1, beta=0.01, settings="settings", strain_m=strain, **arrays, **absent)
     return cast(
         Source, SimpleNamespace(model=model, subspace=SimpleNamespace(basis=np.full((3, 3, 1), mode)))
     )

@@ -189,7 +189,7 @@ def assert_evaluates(
     assert found["state"] == "done", found["error"]
     assert trajectories(server) == before  # none was computed twice
     report = api.get(found["report"]).json()
-    assert report["frames"] == 60 and len(report["winds"]) == 6
+    assert report["frames"] == 60 and len(report["winds"]) == 7
     assert report["design_speed_m_s"] == table.metadata["design_speed_m_s"]
     for wind, figures in report["winds"].items():
         shown = found["result"][wind]

@@ -253,17 +253,16 @@ function isAtRest(position: usize, speed: usize): bool {
   return largest * max(abs(load<f32>(sway)), abs(load<f32>(sway + ownRow))) < small;
 }
 
-/** The mean of the speeds before and after the step, without the drag, into `ahead`. */
+/** The mean speed during the step, without the drag, into `ahead`. */
 // @ts-ignore: decorator
 @inline
 function writeMeanSpeed(position: usize, speed: usize): void {
-  const half = f32x4.splat(0.5);
+  const rate = f32x4.splat((0.5 as f32) / halfStep_s);
   for (let k: usize = 0; k < ownRow; k += 16) {
-    const b = v128.load(speed + k);
-    const r10 = f32x4.mul(v128.load(stepping + 2 * ownRow + k), v128.load(position + k));
-    const r11 = f32x4.mul(v128.load(stepping + 3 * ownRow + k), b);
-    const s1 = f32x4.mul(v128.load(stepping + 5 * ownRow + k), v128.load(total + k));
-    v128.store(ahead + k, f32x4.add(b, f32x4.mul(half, f32x4.add(f32x4.add(r10, r11), s1))));
+    const r00 = f32x4.mul(v128.load(stepping + k), v128.load(position + k));
+    const r01 = f32x4.mul(v128.load(stepping + ownRow + k), v128.load(speed + k));
+    const s0 = f32x4.mul(v128.load(stepping + 4 * ownRow + k), v128.load(total + k));
+    v128.store(ahead + k, f32x4.mul(rate, f32x4.add(f32x4.add(r00, r01), s0)));
   }
 }
 

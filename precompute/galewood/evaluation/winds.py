@@ -54,7 +54,7 @@ def unseen_winds(
     }
     if first_hz:
         square = peak * (np.sin(2 * np.pi * first_hz * t[:once]) > 0)
-        winds["resonant-square"] = along(square, rng.uniform(0, 2 * np.pi))
+        winds["square-at-first-frequency"] = along(square, rng.uniform(0, 2 * np.pi))
     return winds
 
 

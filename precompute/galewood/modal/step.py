@@ -29,12 +29,11 @@ def _step(tensors, half_s, batch):  # pragma: no cover  (compiled)
     write_force_terms(sway, limits, half_s, e, v, pressure, ahead, pairs, terms)
     np.dot(force, terms[: force.shape[1]], total[: len(e)])
     for k in range(len(e)):
-        _, _, c, d, _, s1 = step[k]
+        a, b, _, _, s0, _ = step[k]
         for lane in range(BATCH):
             total[k, lane] += load[k, 0] * pressure[0, lane] + load[k, 1] * pressure[1, lane]
-            # the mean of the speeds before and after the step, without the drag
-            rise = c * e[k, lane] + d * v[k, lane] + s1 * total[k, lane]
-            ahead[k, lane] = v[k, lane] + 0.5 * rise
+            # the mean speed during the step, without the drag
+            ahead[k, lane] = (a * e[k, lane] + b * v[k, lane] + s0 * total[k, lane]) * (0.5 / half_s)
     if len(point) > 0:
         add_drag(point, inputs, outputs, rest, ahead, pressure, moved, total[: len(e)])
     for k in range(len(e)):

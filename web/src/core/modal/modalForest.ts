@@ -133,13 +133,13 @@ export class ModalForest extends TreeInstances {
     this.writePose(i, px, pz);
   }
 
-  /** Adds the drag at the mean of the speeds before and after the step, without the drag, to `total`. */
+  /** Adds the drag at the mean speed during the step, without the drag, to `total`. */
   private addDrag(first: number, px: number, pz: number): void {
-    const { d, e, v, stepOf, total, ahead } = this;
+    const { d, e, v, stepOf, total, ahead, dt } = this;
     for (let k = 0; k < d; k++) {
       const at = 6 * k;
-      const rise = stepOf[at + 2] * e[first + k] + stepOf[at + 3] * v[first + k] + stepOf[at + 5] * total[k];
-      ahead[k] = v[first + k] + 0.5 * rise;
+      const path = stepOf[at] * e[first + k] + stepOf[at + 1] * v[first + k] + stepOf[at + 4] * total[k];
+      ahead[k] = path / dt;
     }
     this.drag.add(ahead, px, pz, total);
   }
