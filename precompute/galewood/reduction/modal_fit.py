@@ -29,11 +29,13 @@ from galewood.reduction.oscillators import Oscillators, propagators, response
 from galewood.reduction.pod import Subspace
 from galewood.util import Array, Floats
 
-FORCE_RIDGE = 0.2
-"""Ridge parameter of the force, relative to the mean square of each term.
+FORCE_RIDGES = (0.3, 0.02, 1e-4)
+"""Ridge parameters of the force to choose from, relative to the mean square of each term.
 
-Large, as terms that are alike along the runs would get large coefficients of opposite sign, which are
-unstable elsewhere (docs/design/0005-drift-free-motion.md)."""
+Terms that are alike along the runs get large coefficients of opposite sign if the ridge is small, which can be
+unstable elsewhere; a large ridge misses part of the force (docs/design/0005-drift-free-motion.md). Which is
+better depends on the tree: the training error decides.
+"""
 POSE_RIDGE = 1e-7
 LIGHT_SHARE = 0.05
 """Lower bound of a run's sway in its weight, over the largest sway of all runs."""
@@ -77,9 +79,9 @@ def fit_modal_model(
     settings: FemSettings,
     *,
     coupled: int = 4,
-    force_ridge: float = FORCE_RIDGE,
-) -> ModalTensors:
-    """Fit the tensors of the modal model to the oscillators of a tree (``leading_oscillators``) and its runs.
+    force_ridges: Sequence[float] = FORCE_RIDGES,
+) -> list[ModalTensors]:
+    """Fit the modal model to the oscillators of a tree (``leading_oscillators``) and its runs, per ridge.
 
     The output modes are those of ``subspace``, which begins with the shapes of the oscillators. ``coupled``
     coordinates after the first two (at most all) interact with the sway.
@@ -91,10 +93,14 @@ def fit_modal_model(
     weights = run_weights(sway, modal)
     drag = drag_points(ritz, typical_speed(modal))
     linear = _Linear(step, ritz.load, drag)
-    force = _fit_force(modal, weights, linear, sway, limits, settings.dt_s, force_ridge)
+    forces = _fit_force(modal, weights, linear, sway, limits, settings.dt_s, force_ridges)
     shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits)
     step[:, [0, 3]] -= 1.0
-    tensors = (step, ritz.load, sway, force, shown, pose, limits, drag.point, drag.shape, drag.rest)
+    others = (shown, pose, limits, drag.point, drag.shape, drag.rest)
+    return [_single((step, ritz.load, sway, force, *others)) for force in forces]
+
+
+def _single(tensors: Sequence[Array]) -> ModalTensors:
     return ModalTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
 
 
@@ -196,18 +202,18 @@ def _fit_force(
     sway: Floats,
     limits: Floats,
     dt_s: float,
-    ridge: float,
+    ridges: Sequence[float],
 ) -> Floats:
-    """(F, d) coefficients of the force, fitted to the error of the linear step of each oscillator."""
+    """(ridges, F, d) coefficients of the force, fitted to the error of each oscillator's linear step."""
     terms = [_force_table(run, sway, limits, dt_s / 2) for run in runs]
-    force = np.empty((terms[0].shape[1], len(linear.step)))
+    force = np.empty((len(ridges), terms[0].shape[1], len(linear.step)))
     known = [linear.motion(run, dt_s) for run in runs]
     for k, oscillator in enumerate(linear.step):
         moved = np.concatenate([w * response(oscillator, t) for w, t in zip(weights, terms, strict=True)])
         missed = np.concatenate(
             [w * (run.e[:, k] - own[:, k]) for w, run, own in zip(weights, runs, known, strict=True)]
         )
-        force[:, k] = ridge_fit(moved, missed[:, None], ridge)[:, 0]
+        force[:, :, k] = ridge_fits(moved, missed[:, None], ridges)[:, :, 0]
     return force
 
 
@@ -220,8 +226,14 @@ def _fit_pose(runs: Sequence[ModalRun], weights: Floats, sway: Floats, limits: F
 
 def ridge_fit(terms: Floats, target: Floats, ridge: float) -> Floats:
     """(F, m) ridge regression of targets (T, m) on terms (T, F), each term scaled by its root mean square."""
+    return np.asarray(ridge_fits(terms, target, [ridge])[0], np.float64)
+
+
+def ridge_fits(terms: Floats, target: Floats, ridges: Sequence[float]) -> Floats:
+    """(ridges, F, m) regressions as in ``ridge_fit``."""
     size = np.sqrt(np.mean(terms**2, axis=0))
     size[size == 0] = 1.0
     scaled = terms / size
-    normal = scaled.T @ scaled / len(terms) + ridge * np.eye(len(size))
-    return np.linalg.solve(normal, scaled.T @ target / len(terms)) / size[:, None]
+    normal, side = scaled.T @ scaled / len(terms), scaled.T @ target / len(terms)
+    eye = np.eye(len(size))
+    return np.stack([np.linalg.solve(normal + ridge * eye, side) / size[:, None] for ridge in ridges])

@@ -114,8 +114,9 @@ def _fit(
 ) -> Fitted:
     """Fit one size. The ``further`` runs do not change the output modes."""
     own, subspace = shown_modes(training, mass_kg, tolerance_m, size)
-    modal = fit_modal_model(
+    fits = fit_modal_model(
         own, mass_kg, (*training.runs, *further), subspace, training.scheme, coupled=size.coupled
     )
-    error_m = training_error_m(modal, subspace, training.runs, training.scheme.dt_s)
-    return Fitted(modal, subspace, error_m)
+    dt_s = training.scheme.dt_s
+    fitted = [Fitted(modal, subspace, training_error_m(modal, subspace, training.runs, dt_s)) for modal in fits]
+    return min(fitted, key=lambda one: one.training_error_m)
