@@ -25,7 +25,8 @@ class Beam:
         self.area_m2 = np.linspace(0.02, 0.3, n)
         self.stiffness = _bending(n, height_m / n)
         self.mass = np.repeat(self.mass_kg, 3)
-        self.drag = Drag(self.area_m2, 2 * self.area_m2, None)
+        # The masses are light and their areas large: in air six times as fast, damping is that of a tree.
+        self.drag = Drag(self.area_m2, 2 * self.area_m2, np.full(n, 6.0))
         self.damping = 0.3 * np.diag(self.mass) + 0.01 * self.stiffness
         self.reset()
 

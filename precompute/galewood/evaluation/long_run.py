@@ -134,14 +134,14 @@ def _run(table: Table, source: Source, wind: Floats, on_progress: OnProgress) ->
 def beyond(table: Table, source: Source, *, times: float = BEYOND, frames: int = 1800) -> dict[str, float]:
     """Play the modal model far beyond the sampled winds, then in still air.
 
-    The pressure is ``times`` that of the design speed and changes sign every 45 frames. Returns the largest
+    The pressure is ``times`` the strongest one of the table's winds and changes sign every 45 frames. Returns the largest
     displacement of a vertex of the wood over the height, the largest extrapolation ratio, and the largest
     coordinate q left after 4 minutes of still air, m.
     """
     forest = METHODS["modal"](table)
     assert isinstance(forest, ModalForest)
     dt_s, height_m = float(table.metadata["dt_s"]), float(table.metadata["height_m"])
-    peak = times * float(dynamic_pressure(float(table.metadata["design_speed_m_s"])))
+    peak = times * table.peak_pressure_pa
     poses, extrapolation_ratio = [], 0.0
     for frame in range(frames):
         sign = 1.0 if (frame // 45) % 2 == 0 else -1.0

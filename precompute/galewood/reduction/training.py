@@ -118,5 +118,7 @@ def _fit(
         own, mass_kg, (*training.runs, *further), subspace, training.scheme, coupled=size.coupled
     )
     dt_s = training.scheme.dt_s
-    fitted = [Fitted(modal, subspace, training_error_m(modal, subspace, training.runs, dt_s)) for modal in fits]
+    fitted = [
+        Fitted(modal, subspace, training_error_m(modal, subspace, training.runs, dt_s)) for modal in fits
+    ]
     return min(fitted, key=lambda one: one.training_error_m)
