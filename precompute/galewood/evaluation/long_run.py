@@ -134,8 +134,8 @@ def _run(table: Table, source: Source, wind: Floats, on_progress: OnProgress) ->
 def beyond(table: Table, source: Source, *, times: float = BEYOND, frames: int = 1800) -> dict[str, float]:
     """Play the modal model far beyond the sampled winds, then in still air.
 
-    The pressure is ``times`` the strongest one of the table's winds and changes sign every 45 frames. Returns the largest
-    displacement of a vertex of the wood over the height, the largest extrapolation ratio, and the largest
+    The pressure is ``times`` the strongest one of the table's winds and changes sign every 45 frames. Returns
+    the largest displacement of a vertex of the wood over the height, the largest extrapolation ratio, and the largest
     coordinate q left after 4 minutes of still air, m.
     """
     forest = METHODS["modal"](table)

@@ -33,8 +33,8 @@ FORCE_RIDGES = (0.3, 0.02, 1e-4)
 """Ridge parameters of the force to choose from, relative to the mean square of each term.
 
 Terms that are alike along the runs get large coefficients of opposite sign if the ridge is small, which can
-be unstable elsewhere; a large ridge misses part of the force (docs/design/0005-drift-free-motion.md). Which is
-better depends on the tree: the training error decides.
+be unstable elsewhere; a large ridge misses part of the force (docs/design/0005-drift-free-motion.md). Which
+is better depends on the tree: the training error decides.
 """
 POSE_RIDGE = 1e-7
 LIGHT_SHARE = 0.05
