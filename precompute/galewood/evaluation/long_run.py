@@ -135,8 +135,8 @@ def beyond(table: Table, source: Source, *, times: float = BEYOND, frames: int =
     """Play the modal model far beyond the sampled winds, then in still air.
 
     The pressure is ``times`` the strongest one of the table's winds and changes sign every 45 frames. Returns
-    the largest displacement of a vertex of the wood over the height, the largest extrapolation ratio, and the largest
-    coordinate q left after 4 minutes of still air, m.
+    the largest displacement of a vertex of the wood over the height, the largest extrapolation ratio,
+    and the largest coordinate q left after 4 minutes of still air, m.
     """
     forest = METHODS["modal"](table)
     assert isinstance(forest, ModalForest)
