@@ -71,7 +71,7 @@ def against_beams(one: Specimen) -> Iterator[Check]:
         found = np.array(one.model("quadratic", gravity=False, leaves=leaves).report["frequencies_hz"])
         name = f"{one.name}, {label}, no gravity"
         yield relative(f"{name}: first frequency against a frame of beams", exact[0], found[0], "Hz", 0.08)
-        yield absolute(f"{name}: worst of ten frequencies against the frame", _worst(found, exact), 0.1)
+        yield absolute(f"{name}: worst of ten frequencies against the frame", _worst(found, exact), 0.13)
 
 
 def against_reference(one: Specimen, frames: int) -> Iterator[Check]:
