@@ -22,6 +22,8 @@ ISOTROPIC = 4.0 / 3.0
 """Mean over all directions of the derivative of a quadratic drag, over pressure per speed."""
 QUADRATIC_SPEED_M_S = 5.0
 QUADRATIC_PA_S2_M2 = 0.6
+TINY_PA = 1e-30
+"""Keeps the direction of no wind finite."""
 
 
 @numba.njit(cache=True, nogil=True)
@@ -44,25 +46,32 @@ def add_drag(point, inputs, outputs, rest, v, pressure, room, total):  # pragma:
     for j in range(count):
         area, share = point[j, 0], point[j, 1]
         x, y, z = moved[j], moved[count + j], moved[2 * count + j]
+        # Both laws are quadratic in weak wind; without branches the compiler uses the SIMD lanes.
+        fastest = 0.0
         for lane in range(lanes):
-            # The speed of the sheltered wind over its pressure; both laws are quadratic in weak wind.
-            sheltered = share * wind[lane]
-            spare[lane] = np.sqrt(sheltered / QUADRATIC_PA_S2_M2)
-            if spare[lane] > QUADRATIC_SPEED_M_S:
-                spare[lane] = speed_of_pressure(sheltered)
-            spare[lane] = spare[lane] / wind[lane] if wind[lane] > 0.0 else 0.0
+            sheltered = np.sqrt(share * wind[lane] / QUADRATIC_PA_S2_M2)
+            fastest = max(fastest, sheltered)
+            spare[lane] = sheltered
+        if fastest > QUADRATIC_SPEED_M_S:
+            for lane in range(lanes):
+                spare[lane] = speed_of_pressure(share * wind[lane])
+        fastest = 0.0
         for lane in range(lanes):
-            wx = spare[lane] * pressure[0, lane] - x[lane]
-            wy = -y[lane]
-            wz = spare[lane] * pressure[1, lane] - z[lane]
-            speed = np.sqrt(wx * wx + wy * wy + wz * wz)
-            per_speed = QUADRATIC_PA_S2_M2 * speed
-            if speed > QUADRATIC_SPEED_M_S:
-                per_speed = pressure_per_speed(speed)[0]
-            mean[lane] += area * per_speed / whole
-            x[lane] = area * (per_speed * wx - share * pressure[0, lane])
-            y[lane] = area * per_speed * wy
-            z[lane] = area * (per_speed * wz - share * pressure[1, lane])
+            air = spare[lane] / max(wind[lane], TINY_PA)
+            x[lane] = air * pressure[0, lane] - x[lane]
+            y[lane] = -y[lane]
+            z[lane] = air * pressure[1, lane] - z[lane]
+            speed = np.sqrt(x[lane] * x[lane] + y[lane] * y[lane] + z[lane] * z[lane])
+            fastest = max(fastest, speed)
+            spare[lane] = QUADRATIC_PA_S2_M2 * speed
+        if fastest > QUADRATIC_SPEED_M_S:
+            for lane in range(lanes):
+                spare[lane] = pressure_per_speed(spare[lane] / QUADRATIC_PA_S2_M2)[0]
+        for lane in range(lanes):
+            mean[lane] += area / whole * spare[lane]
+            x[lane] = area * (spare[lane] * x[lane] - share * pressure[0, lane])
+            y[lane] = area * spare[lane] * y[lane]
+            z[lane] = area * (spare[lane] * z[lane] - share * pressure[1, lane])
     for k in range(len(total)):
         for lane in range(lanes):
             total[k, lane] -= ISOTROPIC * rest[k] * mean[lane] * v[k, lane]
