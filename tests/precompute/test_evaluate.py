@@ -30,6 +30,7 @@ from galewood.mesh.types import ImportOptions
 from galewood.pipeline.build import BuildOptions, build_table, model_of
 from galewood.sampling.runner import SampleTask, content_hash, run_task
 from galewood.table.format import Table, decode
+from galewood.wood.species import wood_of_species
 from typer.testing import CliRunner
 
 from tests.precompute.shared_tets import TARGET_TETS, cache_with_tets, small_tree_glb
@@ -155,12 +156,18 @@ def test_the_plot_is_written(tmp_path: Path) -> None:
     assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
 
 
+SOFT = replace(
+    wood_of_species("maple"), young_longitudinal_pa=wood_of_species("maple").young_longitudinal_pa / 30
+)
+"""With its own wood the stub sways at 7 Hz, which the few steps of a frame resolve less exactly than the modal
+model does."""
 OPTIONS = BuildOptions(
     mesh_import=ImportOptions(species="maple"),
     target_tets=TARGET_TETS,
     sampled_elements=8,
     design_speed_m_s=14.0,
     frames=60,
+    wood=SOFT,
 )
 
 
@@ -210,7 +217,7 @@ def test_the_source_of_a_table_is_recovered(table: Table, source: Source, refere
     assert source.model.report["frequencies_hz"] == table.metadata["frequencies_hz"]
     assert source.rendered.count.sum() == len(table.vertex_node)
     left = floor(table, source, reference.displacement_m)
-    assert left["truncation"] < 1e-7
+    assert left["truncation"] < 2e-3 * sway_of(reference) / source.height_m
     assert left["truncation"] <= left["truncation_and_nodes"] < 6e-6
 
 
@@ -243,7 +250,7 @@ def test_the_error_of_a_tree_at_rest_is_the_sway(
     found = compare_methods(table, source, reference)
     rest = found["rest-pose"]
     assert np.isclose(rest["max_error"], sway_of(reference) / float(table.metadata["height_m"]))
-    assert found["modal"]["max_error"] < 0.05 * rest["max_error"]
+    assert found["modal"]["max_error"] < 0.03 * rest["max_error"]
 
 
 def test_without_records_only_the_default_method_is_evaluated(
@@ -287,11 +294,10 @@ def test_a_long_run_is_cached_and_motion_is_bounded_beyond_the_sampled_range(
 ) -> None:
     monkeypatch.setattr(sys.modules[long_run.__module__], "WINDOW", 400)
     first = long_run(table, source, tmp_path, lambda f, m: None, frames=2000, sway=0.005, seed=610)
-    # The stub is stiff and sways by less than a thousandth of its height: errors are compared with the sway.
+    # The stub sways little even so: errors are compared with the sway.
     share = [window["max_error"] / window["sway"] for window in first["methods"]["modal"]]
     assert len(share) == 5
-    # Its modes are fast; the finite elements step them less exactly than the model does.
-    assert max(share) < 0.02
+    assert max(share) < 0.01
     assert max(share[1:]) <= 1.2 * share[0]
     again = long_run(table, source, tmp_path, lambda f, m: None, frames=2000, sway=0.005, seed=610)
     assert first == again
@@ -310,7 +316,7 @@ def test_the_command_needs_only_the_table_and_fails_without_its_model(folder: Pa
     assert result.exit_code == 0, result.output
     found = json.loads(out.read_text())
     assert set(found["winds"]["step"]) >= {"modal", "paper", "paper-literal", "rest-pose", "floor"}
-    assert all(wind["modal"]["max_error_of_sway"] < 0.1 for wind in found["winds"].values())
+    assert all(wind["modal"]["max_error_of_sway"] < 0.01 for wind in found["winds"].values())
     assert picture.stat().st_size > 1000
     missing = CliRunner().invoke(app, ["evaluate", str(folder / "tree.gwt"), "--cache-dir", str(tmp_path)])
     assert missing.exit_code == 1
