@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from galewood.fem import FemModel, natural_modes
+from galewood.model import effective_masses, free_mass_kg, horizontal_masses, participation_factors
 from galewood.util import Floats
 
 MODES = 24
@@ -28,18 +29,17 @@ class SwayMode:
 
 
 def main_sway_mode(model: FemModel) -> SwayMode:
-    """The mode of largest horizontal effective mass Γ², Γ = Σ m φ (Clough and Penzien, 12-7)."""
+    """The mode of the largest horizontal effective mass (`galewood.model.effective_masses`)."""
     count = min(MODES, (3 * len(model.nodes_m) - 3 * len(model.fixed)) // 2)
     modes = natural_modes(model, count)
-    gamma = np.einsum("n,kni->ki", model.mass_kg, modes.shapes)[:, [0, 2]]
-    effective = (gamma**2).sum(axis=1)
-    best = int(np.argmax(effective))
-    x, z = gamma[best] / np.sqrt(effective[best])
+    horizontal = horizontal_masses(effective_masses(modes, model.mass_kg))
+    best = int(np.argmax(horizontal))
+    x, _, z = participation_factors(modes, model.mass_kg)[best] / np.sqrt(horizontal[best])
     return SwayMode(
         float(modes.frequencies_hz[best]),
         float(modes.frequencies_hz[0]),
         best + 1,
-        float(effective[best] / (model.mass_kg.sum() - model.mass_kg[model.fixed].sum())),
+        float(horizontal[best] / free_mass_kg(model)),
         (float(x), float(z)),
         modes.shapes[best],
     )

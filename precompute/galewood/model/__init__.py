@@ -4,6 +4,12 @@ from galewood.model.beam_tree import BeamModel, beam_model
 from galewood.model.binding import render_binding
 from galewood.model.comparison import gusty_pressure, trajectory_difference
 from galewood.model.construction import GRAVITY_M_S2, LumpedMassesLike, MeshLike, SkeletonLike, build_model
+from galewood.model.effective_mass import (
+    effective_masses,
+    free_mass_kg,
+    horizontal_masses,
+    participation_factors,
+)
 from galewood.model.foliage import LumpedMasses, bind_foliage
 from galewood.model.from_tree import tree_model
 from galewood.model.reference import compare_with_reference, reference_model
@@ -19,7 +25,11 @@ __all__ = [
     "bind_foliage",
     "build_model",
     "compare_with_reference",
+    "effective_masses",
+    "free_mass_kg",
     "gusty_pressure",
+    "horizontal_masses",
+    "participation_factors",
     "reference_model",
     "render_binding",
     "trajectory_difference",

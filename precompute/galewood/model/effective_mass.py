@@ -19,9 +19,24 @@ SIGNIFICANT = 0.05
 """Horizontal effective mass over free mass of a mode that is reported as main sway."""
 
 
+def participation_factors(modes: Modes, mass_kg: Floats) -> Floats:
+    """(k, 3) participation factor Γ, √kg, of each mode for each axis; mass_kg (N,) is that of the nodes."""
+    return np.einsum("n,kni->ki", mass_kg, modes.shapes)
+
+
 def effective_masses(modes: Modes, mass_kg: Floats) -> Floats:
-    """(k, 3) effective mass, kg, of each mode for each axis; mass_kg (N,) is that of the nodes."""
-    return np.einsum("n,kni->ki", mass_kg, modes.shapes) ** 2
+    """(k, 3) effective mass Γ², kg, of each mode for each axis; mass_kg (N,) is that of the nodes."""
+    return participation_factors(modes, mass_kg) ** 2
+
+
+def horizontal_masses(effective_kg: Floats) -> Floats:
+    """(k,) horizontal effective mass, kg, of effective masses (k, 3): x and z together."""
+    return effective_kg[:, 0] + effective_kg[:, 2]
+
+
+def free_mass_kg(model: FemModel) -> float:
+    """Mass of the nodes that are free to move, kg."""
+    return float(model.mass_kg.sum() - model.mass_kg[model.fixed].sum())
 
 
 def sway_report(model: FemModel, modes: Modes) -> dict[str, Any]:
@@ -30,8 +45,8 @@ def sway_report(model: FemModel, modes: Modes) -> dict[str, Any]:
     The main mode counts from 0; it is None if no mode moves a noticeable part of the tree.
     """
     effective = effective_masses(modes, model.mass_kg)
-    horizontal = effective[:, 0] + effective[:, 2]
-    free = float(model.mass_kg.sum() - model.mass_kg[model.fixed].sum())
+    horizontal = horizontal_masses(effective)
+    free = free_mass_kg(model)
     main = int(np.argmax(horizontal))
     found = horizontal[main] > SIGNIFICANT * free
     return {
