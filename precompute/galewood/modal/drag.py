@@ -14,14 +14,17 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from galewood.wind import pressure_per_speed, speed_of_pressure
+from galewood.wind import (
+    HALF_AIR_DENSITY_KG_M3,
+    STREAMLINING_SPEED_M_S,
+    pressure_per_speed,
+    speed_of_pressure,
+)
 
 DRAG_INPUTS = 8
 """Oscillators, at most, whose speed determines the velocity of the points."""
 ISOTROPIC = 4.0 / 3.0
 """Mean over all directions of the derivative of a quadratic drag, over pressure per speed."""
-QUADRATIC_SPEED_M_S = 5.0
-QUADRATIC_PA_S2_M2 = 0.6
 TINY_PA = 1e-30
 """Keeps the direction of no wind finite."""
 
@@ -49,10 +52,10 @@ def add_drag(point, inputs, outputs, rest, v, pressure, room, total):  # pragma:
         # Both laws are quadratic in weak wind; without branches the compiler uses the SIMD lanes.
         fastest = 0.0
         for lane in range(lanes):
-            sheltered = np.sqrt(share * wind[lane] / QUADRATIC_PA_S2_M2)
+            sheltered = np.sqrt(share * wind[lane] / HALF_AIR_DENSITY_KG_M3)
             fastest = max(fastest, sheltered)
             spare[lane] = sheltered
-        if fastest > QUADRATIC_SPEED_M_S:
+        if fastest > STREAMLINING_SPEED_M_S:
             for lane in range(lanes):
                 spare[lane] = speed_of_pressure(share * wind[lane])
         fastest = 0.0
@@ -63,10 +66,10 @@ def add_drag(point, inputs, outputs, rest, v, pressure, room, total):  # pragma:
             z[lane] = air * pressure[1, lane] - z[lane]
             speed = np.sqrt(x[lane] * x[lane] + y[lane] * y[lane] + z[lane] * z[lane])
             fastest = max(fastest, speed)
-            spare[lane] = QUADRATIC_PA_S2_M2 * speed
-        if fastest > QUADRATIC_SPEED_M_S:
+            spare[lane] = HALF_AIR_DENSITY_KG_M3 * speed
+        if fastest > STREAMLINING_SPEED_M_S:
             for lane in range(lanes):
-                spare[lane] = pressure_per_speed(spare[lane] / QUADRATIC_PA_S2_M2)[0]
+                spare[lane] = pressure_per_speed(spare[lane] / HALF_AIR_DENSITY_KG_M3)[0]
         for lane in range(lanes):
             mean[lane] += area / whole * spare[lane]
             x[lane] = area * (spare[lane] * x[lane] - share * pressure[0, lane])

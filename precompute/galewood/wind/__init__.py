@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from galewood.wind.evaluation import wind_pressure
     from galewood.wind.field import WindField
     from galewood.wind.pressure import (
+        HALF_AIR_DENSITY_KG_M3,
         STREAMLINED_EXPONENT,
+        STREAMLINING_SPEED_M_S,
         dynamic_pressure,
         height_factor,
         limit_pressure,
@@ -25,7 +27,9 @@ if TYPE_CHECKING:
     )
 
 _PRESSURE = (
+    "HALF_AIR_DENSITY_KG_M3",
     "STREAMLINED_EXPONENT",
+    "STREAMLINING_SPEED_M_S",
     "dynamic_pressure",
     "height_factor",
     "limit_pressure",
@@ -43,9 +47,11 @@ __getattr__ = lazily(
     },
 )
 __all__ = [
+    "HALF_AIR_DENSITY_KG_M3",
     "MODELS",
     "PRESETS",
     "STREAMLINED_EXPONENT",
+    "STREAMLINING_SPEED_M_S",
     "Wind",
     "WindError",
     "WindField",

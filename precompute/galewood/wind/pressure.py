@@ -13,6 +13,8 @@ import numpy.typing as npt
 from galewood.util import Array, Floats
 
 AIR_DENSITY_KG_M3 = 1.2
+HALF_AIR_DENSITY_KG_M3 = 0.5 * AIR_DENSITY_KG_M3
+"""Dynamic pressure over speed squared, Pa·s²/m², up to the streamlining speed."""
 STREAMLINING_SPEED_M_S = 5.0
 """Above this speed the crown reconfigures and its drag grows more slowly than U²."""
 STREAMLINED_EXPONENT = 1.3
@@ -22,17 +24,17 @@ STREAMLINED_EXPONENT = 1.3
 def dynamic_pressure(speed_m_s: npt.ArrayLike) -> Floats:
     """Effective dynamic pressure (Pa): ½ρU² up to 5 m/s, proportional to U^1.3 above (streamlining)."""
     speed = np.asarray(speed_m_s, np.float64)
-    start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
+    start = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
     streamlined = start * (speed / STREAMLINING_SPEED_M_S) ** STREAMLINED_EXPONENT
-    return np.where(speed <= STREAMLINING_SPEED_M_S, 0.5 * AIR_DENSITY_KG_M3 * speed * speed, streamlined)
+    return np.where(speed <= STREAMLINING_SPEED_M_S, HALF_AIR_DENSITY_KG_M3 * speed * speed, streamlined)
 
 
 @numba.njit(cache=True, nogil=True)
 def pressure_per_speed(speed_m_s):  # pragma: no cover  (compiled)
     """Dynamic pressure over speed, Pa·s/m, and the exponent with which the pressure grows at that speed."""
     if speed_m_s <= STREAMLINING_SPEED_M_S:
-        return 0.5 * AIR_DENSITY_KG_M3 * speed_m_s, 2.0
-    start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S
+        return HALF_AIR_DENSITY_KG_M3 * speed_m_s, 2.0
+    start = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S
     ratio = speed_m_s / STREAMLINING_SPEED_M_S
     return start * ratio ** (STREAMLINED_EXPONENT - 1.0), STREAMLINED_EXPONENT
 
@@ -40,22 +42,22 @@ def pressure_per_speed(speed_m_s):  # pragma: no cover  (compiled)
 @numba.njit(cache=True, nogil=True)
 def speed_of_pressure(pressure_pa):  # pragma: no cover  (compiled)
     """Inverse of ``dynamic_pressure``: the speed, m/s, of a dynamic pressure of at least 0 Pa."""
-    start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
+    start = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
     if pressure_pa <= start:
-        return math.sqrt(pressure_pa / (0.5 * AIR_DENSITY_KG_M3))
+        return math.sqrt(pressure_pa / HALF_AIR_DENSITY_KG_M3)
     return STREAMLINING_SPEED_M_S * (pressure_pa / start) ** (1.0 / STREAMLINED_EXPONENT)
 
 
 @numba.njit(cache=True, nogil=True)
 def pressure_of_velocity(velocity_x, velocity_z, factor):  # pragma: no cover  (compiled)
     """Convert velocities (m/s), each scaled by its height factor, to pressure vectors (Pa) in place."""
-    start = 0.5 * AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S
+    start = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S
     for i in range(len(velocity_x)):
         vx, vz = velocity_x[i] * factor[i], velocity_z[i] * factor[i]
         speed = math.sqrt(vx * vx + vz * vz)
         # dividing by the speed keeps the direction of the velocity
         if speed <= STREAMLINING_SPEED_M_S:
-            per_speed = 0.5 * AIR_DENSITY_KG_M3 * speed
+            per_speed = HALF_AIR_DENSITY_KG_M3 * speed
         else:
             per_speed = start * (speed / STREAMLINING_SPEED_M_S) ** (STREAMLINED_EXPONENT - 1.0)
         velocity_x[i] = per_speed * vx
