@@ -37,6 +37,7 @@ class Simulator:
         self._force = np.empty_like(self._start)
         self._zero = np.zeros_like(self._start)
         self._near: tuple[bytes, ElementSystem] | None = None
+        self._pressure_pa: Floats = np.zeros(2)
         self.reset()
 
     def reset(self) -> None:
@@ -97,26 +98,26 @@ class Simulator:
 
         Raises FloatingPointError if the solution diverges.
         """
-        self._pressure = pressure_pa
+        self._pressure_pa = pressure_pa
         self._before[:] = self._u
         for _ in range(self._substeps):
             if self.model.settings.scheme == "backward-euler":
-                self._backward_euler(self._gravity)
+                self._backward_euler()
             else:
-                self._tr_bdf2(self._gravity)
+                self._tr_bdf2()
         if not np.isfinite(self._u).all():
             raise FloatingPointError("the simulation diverged: the wind is far stronger than the design wind")
 
-    def _backward_euler(self, load: Floats) -> None:
+    def _backward_euler(self) -> None:
         """One step of the paper's Algorithm 2: at most `j_max` Newton steps from the last velocity."""
         h, u, v = self._dt, self._u, self._velocity
-        residual = self._linearised(load, h, u)
-        self._first = float(np.linalg.norm(residual))
-        new = self._refined(load, h, u, v, v + self._solved(residual))
+        residual, _ = self._linearised(h, u)
+        first = float(np.linalg.norm(residual))
+        new = self._refined(h, u, v, v + self._solved(residual), first)
         self._last_velocity = v
         self._u, self._velocity = u + h * new, new
 
-    def _tr_bdf2(self, load: Floats) -> None:
+    def _tr_bdf2(self) -> None:
         """One step of TR-BDF2 (Bank et al. 1985): trapezoidal rule to γ h, then BDF2 to h, with the same
         matrix; with `j_max` > 1 both stages are iterated (`_tr_bdf2_by_newton`).
 
@@ -128,26 +129,26 @@ class Simulator:
         K Δv, which follows from the first solve: A Δv = ((1 + d α) M + d C_drag) Δv + d (d + β) K Δv.
         """
         if self.model.settings.j_max > 1:
-            self._tr_bdf2_by_newton(load)
+            self._tr_bdf2_by_newton()
             return
         d, u, v = _D * self._dt, self._u, self._velocity
         alpha, beta, mass = self.model.alpha, self.model.beta, self._mass[:, None]
-        half = self._linearised(load, d, self._middle())
+        half, drag_damping = self._linearised(d, self._middle())
         rise = self._solved(2 * half)
-        damped = (1 + d * alpha) * mass * rise + d * self._drag_response(rise)
+        damped = (1 + d * alpha) * mass * rise + d * _response(drag_damping, rise)
         stiff_rise = (2 * half - damped) / (d * (d + beta))
         middle = v + rise
         a = _BDF2
         guess = (1 - 2 * a * d / (d + beta)) * v
         change = v - guess
-        pull = half + d * alpha * mass * change + d * self._drag_response(change) - a * d * d * stiff_rise
+        pull = half + d * alpha * mass * change + d * _response(drag_damping, change) - a * d * d * stiff_rise
         residual = mass * (v + a * rise - guess) + pull
         residual[self._system.free :] = 0
         new = guess + self._solved(residual)
         self._last_velocity = v
         self._u, self._velocity = u + a * d * (v + middle) + d * new, new
 
-    def _tr_bdf2_by_newton(self, load: Floats) -> None:
+    def _tr_bdf2_by_newton(self) -> None:
         """One step of TR-BDF2 with both stages solved by Newton's method, from the last acceleration.
 
         For the converged reference. Up to `j_max` iterations, until the residual is below `tolerance` times
@@ -155,26 +156,26 @@ class Simulator:
         """
         d, u, v = _D * self._dt, self._u, self._velocity
         self._assemble(u, self.model.beta * v, d)
-        start = d * (load + self._drag.at(v, self._pressure).force_n - self._force)
+        start = d * (self._gravity + self._drag.at(v, self._pressure_pa).force_n - self._force)
         start -= d * self.model.alpha * self._mass[:, None] * v
         rise = (v - self._last_velocity) / self._dt
         known = self._mass[:, None] * v + start
-        middle = self._newton(load, d, u + d * v, known, v + 2 * d * rise)
+        middle = self._newton(d, u + d * v, known, v + 2 * d * rise)
         a = _BDF2
         known = self._mass[:, None] * (v + a * (middle - v))
         u_known = u + a * d * (v + middle)
-        new = self._newton(load, d, u_known, known, v + self._dt * rise)
+        new = self._newton(d, u_known, known, v + self._dt * rise)
         self._last_velocity = v
         self._u, self._velocity = u_known + d * new, new
 
-    def _newton(self, load: Floats, d: float, u_known: Floats, known: Floats, v: Floats) -> Floats:
+    def _newton(self, d: float, u_known: Floats, known: Floats, v: Floats) -> Floats:
         """The velocity that solves M v = known + d F(u_known + d v, v), from a first guess."""
         first = 0.0
         for _ in range(self.model.settings.j_max):
             self._assemble(u_known + d * v, self.model.beta * v, d)
-            drag = self._drag.at(v, self._pressure)
+            drag = self._drag.at(v, self._pressure_pa)
             inertia = known - (1 + d * self.model.alpha) * self._mass[:, None] * v
-            residual = inertia + d * (load + drag.force_n - self._force)
+            residual = inertia + d * (self._gravity + drag.force_n - self._force)
             residual[self._system.free :] = 0
             size = float(np.linalg.norm(residual))
             first = first or size
@@ -190,52 +191,52 @@ class Simulator:
         h, v = self._dt, self._velocity
         return self._u + 0.5 * h * v + 0.125 * h * (v - self._last_velocity)
 
-    def _linearised(self, load: Floats, d: float, pose: Floats) -> Floats:
-        """d (f_ext − f_int − (d K + C) v) at the current state, with the element rotations of a pose.
+    def _linearised(self, d: float, pose: Floats) -> tuple[Floats, Floats]:
+        """Residual d (f_ext − f_int − (d K + C) v) at the current state, and the damping (N,9) of the drag.
 
-        Also factorises A = M + d C + d² K, where C includes the drag.
+        The element rotations are those of a pose (N,3). Also factorises A = M + d C + d² K, where C includes
+        the drag.
         """
         self._assemble(pose, self._u - pose + (d + self.model.beta) * self._velocity, d)
-        drag = self._drag.at(self._velocity, self._pressure)
-        self._damping = drag.damping
+        drag = self._drag.at(self._velocity, self._pressure_pa)
         self._add_drag_damping(drag.damping, d)
         self._system.solver.factorise(self._system.values)
         residual = d * (
-            load + drag.force_n - self._force - (self.model.alpha * self._mass)[:, None] * self._velocity
+            self._gravity
+            + drag.force_n
+            - self._force
+            - (self.model.alpha * self._mass)[:, None] * self._velocity
         )
         residual[self._system.free :] = 0
-        return residual
+        return residual, drag.damping
 
     def _add_drag_damping(self, damping: Floats, d: float) -> None:
         free = self._system.free
         self._system.values[self._system.diagonal[:free]] += d * damping[:free]
-
-    def _drag_response(self, velocity: Floats) -> Floats:
-        """C_drag times a velocity (N,3), N, linearised at the start of the step."""
-        return np.einsum("nij,nj->ni", self._damping.reshape(-1, 3, 3), velocity)
 
     def _assemble(self, u: Floats, w: Floats, d: float) -> None:
         """Assemble A = M + d C + d² K at u (not factorised) and the force there."""
         alpha, beta = self.model.alpha, self.model.beta
         self._system.assemble(u, w, d * (d + beta), (1 + d * alpha) * self._mass, self._force)
 
-    def _refined(self, load: Floats, d: float, u_known: Floats, v_known: Floats, guess: Floats) -> Floats:
+    def _refined(self, d: float, u_known: Floats, v_known: Floats, guess: Floats, first: float) -> Floats:
         """The other `j_max` − 1 Newton iterations on M (v − v_known) = d F(u_known + d v, v).
 
-        An iteration that increases the residual is rejected.
+        They end when the residual is below `tolerance` times `first`, the norm of the first iteration's. An
+        iteration that increases the residual is rejected.
         """
         v = accepted = guess
         size = np.inf
         for _ in range(self.model.settings.j_max - 1):
             self._assemble(u_known + d * v, self.model.beta * v, d)
-            drag = self._drag.at(v, self._pressure)
+            drag = self._drag.at(v, self._pressure_pa)
             inertia = self._mass[:, None] * (v_known - v - d * self.model.alpha * v)
-            residual = inertia + d * (load + drag.force_n - self._force)
+            residual = inertia + d * (self._gravity + drag.force_n - self._force)
             residual[self._system.free :] = 0
             before, size = size, float(np.linalg.norm(residual))
             if not size < before:
                 return accepted
-            if size <= self.model.settings.tolerance * self._first:
+            if size <= self.model.settings.tolerance * first:
                 break
             self._add_drag_damping(drag.damping, d)
             self._system.solver.factorise(self._system.values)
@@ -257,3 +258,8 @@ class Simulator:
         """Diagonal blocks of K before the last step at internal nodes."""
         system.assemble(self._before, self._zero, 1.0, np.zeros(len(self._mass)), self._force)
         return system.diagonal_blocks(nodes)
+
+
+def _response(damping: Floats, velocity: Floats) -> Floats:
+    """Force, N, of 3×3 damping blocks (N,9), N·s/m, at the velocities (N,3), m/s."""
+    return np.einsum("nij,nj->ni", damping.reshape(-1, 3, 3), velocity)
