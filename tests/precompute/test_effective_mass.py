@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from galewood.fem import FemModel, FemSettings, Modes
-from galewood.model import build_model
+from galewood.model import LumpedMasses, build_model
 from galewood.model.effective_mass import effective_masses, sway_report
 from galewood.verify.bars import polygon_bar
 from galewood.wood import wood_of_species
@@ -87,7 +87,7 @@ def test_the_bare_tree_sways_as_one_built_without_leaves() -> None:
     bar = polygon_bar(sides=6, radius_m=0.04, length_m=5.0, layers=40)
     leaves = np.zeros(len(bar.mass_kg))
     leaves[bar.tip] = 4.0 / len(bar.tip)
-    laden: Any = SimpleNamespace(**vars(replace(bar, mass_kg=leaves)), leaf_mass_kg=leaves)
+    laden = LumpedMasses(leaves, bar.drag_area_m2, bar.fixed, {}, leaf_mass_kg=leaves)
     report = build_model(bar, bar, WOOD, laden, FemSettings(element="linear")).report
     alone = build_model(bar, bar, WOOD, bar, FemSettings(element="linear")).report
     assert report["frequencies_hz"][0] < 0.9 * alone["frequencies_hz"][0]

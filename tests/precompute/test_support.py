@@ -39,6 +39,8 @@ def pole_with_twig(twig_radius_m: float, load_kg: float) -> Any:
         **asdict(replace(bar, vertices_m=vertices, mass_kg=mass)),
         tet_branch=limb,
         leaf_mass_kg=np.zeros(len(mass)),
+        exposed_area_m2=None,
+        wind_profile=None,
     )
 
 

@@ -35,9 +35,6 @@ game's needle) would hang like a thread under its leaves, and the tree would be 
 The built-in species have ratios of at least 0.22 and are not affected.
 """
 
-OPTIONAL_LUMPED = ("exposed_area_m2", "wind_profile")
-"""Attributes of lumped masses that may be missing: without them the crown has no shelter (`fem/drag.py`)."""
-
 
 class MeshLike(Protocol):
     """The part of a TetMesh used here: vertices (n,3) m, tets (m,4), original over thickened radius (m,)."""
@@ -61,7 +58,8 @@ class SkeletonLike(Protocol):
 
 class LumpedMassesLike(Protocol):
     """The part of LumpedMasses used here: added mass and that of its leaves (n,) kg, drag area (n,) m², fixed
-    vertices (k,).
+    vertices (k,), exposed area (n,) m² or None (no shelter), wind profile (n,) or None (the wind of the top
+    everywhere).
     """
 
     @property
@@ -72,6 +70,10 @@ class LumpedMassesLike(Protocol):
     def drag_area_m2(self) -> Floats: ...
     @property
     def fixed(self) -> Int32s: ...
+    @property
+    def exposed_area_m2(self) -> Floats | None: ...
+    @property
+    def wind_profile(self) -> Floats | None: ...
 
 
 @dataclass(frozen=True)
@@ -153,7 +155,6 @@ def _raw(material: Material, lumped: LumpedMassesLike, settings: FemSettings, el
     gravity, area = np.zeros((len(nodes), 3)), np.zeros(len(nodes))
     gravity[:, 1] = -GRAVITY_M_S2 * mass * settings.gravity
     area[:count] = lumped.drag_area_m2
-    exposed, profile = (_at_nodes(getattr(lumped, name, None), len(nodes)) for name in OPTIONAL_LUMPED)
     return FemModel(
         nodes_m=nodes,
         elements=elements,
@@ -170,8 +171,8 @@ def _raw(material: Material, lumped: LumpedMassesLike, settings: FemSettings, el
         beta=0.0,
         settings=replace(settings, element=element),
         report={},
-        exposed_area_m2=exposed,
-        wind_profile=profile,
+        exposed_area_m2=_at_nodes(lumped.exposed_area_m2, len(nodes)),
+        wind_profile=_at_nodes(lumped.wind_profile, len(nodes)),
     )
 
 

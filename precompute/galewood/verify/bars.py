@@ -38,6 +38,14 @@ class Bar:
         """Empty: a bar has no leaves."""
         return np.zeros(0)
 
+    @property
+    def exposed_area_m2(self) -> None:
+        """None: without leaves there is no shelter."""
+
+    @property
+    def wind_profile(self) -> None:
+        """None: the wind is the same along the bar."""
+
 
 def polygon_bar(
     *,
