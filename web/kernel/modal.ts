@@ -3,17 +3,12 @@
 // ../src/core/modal/modalKernel.ts defines the memory layout. One of three implementations of the step, with
 // ../src/core/modal/modalForest.ts and numba in precompute/galewood/modal/; see docs/design/0010-kernel.md.
 
+import { perSpeeds, shelteredSpeeds } from "./pressure";
+
 /** Arguments of the polynomials are clamped to this multiple of the sampled range. */
 const CLAMP_RATIO: f32 = 1.25;
 /** In still air, motion below this fraction of the sampled range is set to zero. */
 const REST_RATIO: f32 = 1e-7;
-
-/** Exponent of the pressure above the speed at which crowns streamline, as in ../src/core/wind/pressure.ts. */
-const STREAMLINED_EXPONENT: f32 = 1.3;
-const STREAMLINING_SPEED_M_S: f32 = 5;
-/** Half the density of air, kg/m³, and the dynamic pressure at that speed, Pa. */
-const HALF_DENSITY: f32 = 0.6;
-const STREAMLINING_PA: f32 = 15;
 
 /** End of the constants that the compiler placed in the memory. */
 export const constantsEnd: usize = __heap_base;
@@ -266,45 +261,6 @@ function writeMeanSpeed(position: usize, speed: usize): void {
   }
 }
 
-/** The sheltered speed at a pressure (Pa), quadratic up to STREAMLINING_PA. */
-function speedOf(pressure_pa: f32): f32 {
-  if (pressure_pa <= STREAMLINING_PA) return sqrt(pressure_pa / HALF_DENSITY);
-  return STREAMLINING_SPEED_M_S * Mathf.pow(pressure_pa / STREAMLINING_PA, (1.0 as f32) / STREAMLINED_EXPONENT);
-}
-
-/** Pressure over speed at a speed, linear up to STREAMLINING_SPEED_M_S. */
-function perSpeed(speed_m_s: f32): f32 {
-  if (speed_m_s <= STREAMLINING_SPEED_M_S) return HALF_DENSITY * speed_m_s;
-  const ratio = Mathf.pow(speed_m_s / STREAMLINING_SPEED_M_S, STREAMLINED_EXPONENT - (1.0 as f32));
-  return HALF_DENSITY * STREAMLINING_SPEED_M_S * ratio;
-}
-
-// @ts-ignore: decorator
-@inline
-function sheltered(pressure_pa: v128): v128 {
-  let speed = f32x4.sqrt(f32x4.mul(pressure_pa, f32x4.splat((1.0 as f32) / HALF_DENSITY)));
-  if (v128.any_true(f32x4.gt(pressure_pa, f32x4.splat(STREAMLINING_PA)))) {
-    speed = f32x4.replace_lane(speed, 0, speedOf(f32x4.extract_lane(pressure_pa, 0)));
-    speed = f32x4.replace_lane(speed, 1, speedOf(f32x4.extract_lane(pressure_pa, 1)));
-    speed = f32x4.replace_lane(speed, 2, speedOf(f32x4.extract_lane(pressure_pa, 2)));
-    speed = f32x4.replace_lane(speed, 3, speedOf(f32x4.extract_lane(pressure_pa, 3)));
-  }
-  return speed;
-}
-
-// @ts-ignore: decorator
-@inline
-function perSpeeds(speed: v128): v128 {
-  let per = f32x4.mul(speed, f32x4.splat(HALF_DENSITY));
-  if (v128.any_true(f32x4.gt(speed, f32x4.splat(STREAMLINING_SPEED_M_S)))) {
-    per = f32x4.replace_lane(per, 0, perSpeed(f32x4.extract_lane(speed, 0)));
-    per = f32x4.replace_lane(per, 1, perSpeed(f32x4.extract_lane(speed, 1)));
-    per = f32x4.replace_lane(per, 2, perSpeed(f32x4.extract_lane(speed, 2)));
-    per = f32x4.replace_lane(per, 3, perSpeed(f32x4.extract_lane(speed, 3)));
-  }
-  return per;
-}
-
 /** Adds the drag at the speeds in `ahead` to `total`: four points at a time. */
 // @ts-ignore: decorator
 @inline
@@ -327,7 +283,7 @@ function addDrag(px: f32, pz: f32): void {
     }
     const area = v128.load(dragPoint + j);
     const share = v128.load(dragPoint + side + j);
-    const air = f32x4.mul(sheltered(f32x4.mul(share, f32x4.splat(wind))), f32x4.splat(along));
+    const air = f32x4.mul(shelteredSpeeds(f32x4.mul(share, f32x4.splat(wind))), f32x4.splat(along));
     x = f32x4.sub(f32x4.mul(air, pressureX), x);
     z = f32x4.sub(f32x4.mul(air, pressureZ), z);
     const square = f32x4.add(f32x4.mul(x, x), f32x4.add(f32x4.mul(y, y), f32x4.mul(z, z)));
