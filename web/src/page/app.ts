@@ -1,28 +1,27 @@
 /** The application: connects stage, forest, worker, catalogue and panel, and runs the frame loop. */
 
-import { meanCrownDisplacement_m } from "../core/motion/crownDisplacement";
 import { meanVelocity_m_s, sameWind } from "../core/wind/edit";
 import { parseWind, type WindDocument } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
-import { Forest, placeForest } from "../scene/forest";
+import { Forest } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
-import { woodReach_m } from "../scene/placement";
 import type { Season } from "../scene/season/season";
 import { seasonal } from "../scene/season/seasonal";
 import { aerialPerspective } from "../scene/sky/air";
 import { Stage } from "../scene/stage";
-import type { SpeciesForest, SpeciesOptions } from "../scene/trees/speciesForest";
-import type { Candidate, CompareView } from "./compare/compareView";
+import type { SpeciesOptions } from "../scene/trees/speciesForest";
+import { Comparison } from "./compare/comparison";
 import { ForestClient } from "./forestClient";
+import { ForestFigures } from "./forestFigures";
 import { FrameStatistics } from "./frameStatistics";
 import { PaperMethod } from "./paper/paperMethod";
-import { isRecorded } from "./paper/paperState";
+import { Planting } from "./planting";
 import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
-import { momentFrom } from "./settings/link";
 import { queryFromSettings, type Settings } from "./settings/settings";
-import { adoptPlacement, placementOf, sharedFrom, withShared } from "./settings/sharedForest";
+import { adoptPlacement, withShared } from "./settings/sharedForest";
 import { keep } from "./settings/storedSettings";
+import { StatusReport } from "./statusReport";
 import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
 import { askForKey, keptKey } from "./ui/keyDialog";
@@ -31,7 +30,6 @@ import { PickedCard } from "./ui/pickedCard";
 import { ProgressCards } from "./ui/progress";
 import { SceneryBar } from "./ui/scenery";
 import { showToast } from "./ui/toast";
-import { statusLine, summary } from "./ui/words";
 import { Visit } from "./visit";
 import { WindStudio } from "./windStudio";
 
@@ -61,11 +59,12 @@ export class App {
       if (!sameWind(wind, this.settings.wind)) this.changeWind(wind, "shared");
     },
   });
-  /** Id of the shared forest in the address. */
-  private readonly share = sharedFrom(location.search);
   private readonly catalogue: Catalogue;
   private readonly paper: PaperMethod;
   private readonly forest: Forest;
+  private readonly planting: Planting;
+  private readonly comparison: Comparison;
+  readonly figures: ForestFigures;
   private readonly cards = new ProgressCards();
   private readonly panel: Panel;
   readonly studio: WindStudio;
@@ -73,10 +72,9 @@ export class App {
   private readonly scenery: SceneryBar;
   readonly picker: TreePicker;
   private readonly pickedCard: PickedCard;
-  private readonly from_s: number;
   private readonly meter = new FrameStatistics();
+  private readonly status: StatusReport;
   private readonly flutter = { value: { x: 0, y: 0 } };
-  private compareView: CompareView | null = null;
   private connected = true;
   private dirty = true;
   private last_ms = performance.now();
@@ -88,7 +86,6 @@ export class App {
     private readonly defaults: Settings,
   ) {
     useKeys({ known: keptKey, ask: askForKey });
-    this.from_s = momentFrom(location.search).time_s ?? 0;
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
     this.forest = new Forest(this.speciesOptions());
     this.stage.scene.add(this.forest.group);
@@ -100,14 +97,14 @@ export class App {
       this.forest,
       () => this.catalogue,
       () => this.client.time_s,
-      () => void this.openCompare(),
+      () => void this.comparison.open(),
     );
     this.visit.restore(location.search);
     this.panel = new Panel(settings, this.meter.statistics, (key) => this.change(key));
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
       change: (change) => this.treeChanged(change),
       assetsChanged: () => {
-        this.placeTrees();
+        this.planting.place();
         this.paper.update();
       },
       recordsChanged: () => this.takeRecords(),
@@ -116,11 +113,14 @@ export class App {
       },
       problem: showToast,
     });
+    this.planting = new Planting(settings, this.stage, this.forest, this.client, this.catalogue, () => {
+      this.dirty = true;
+    });
     this.catalogue.bare = this.playsBareTables;
     this.paper = new PaperMethod(settings, {
       trees: () => this.catalogue.known,
       load: (table, records) => this.client.loadRecords(table, records),
-      arrived: () => this.placeTrees(),
+      arrived: () => this.planting.place(),
       problem: showToast,
     });
     this.studio = new WindStudio(this.stage, settings, {
@@ -132,11 +132,18 @@ export class App {
       follow: (following) => {
         this.picker.following = following;
       },
-      compare: () => void this.openCompare(),
+      compare: () => void this.comparison.open(),
       physics: () => this.visit.openPhysics(),
       cancel: (jobId) => void this.cancel(jobId),
       close: () => this.picker.select(null),
     });
+    const { stage, forest, client, catalogue, paper, meter, picker } = this;
+    this.comparison = new Comparison(forest, client, catalogue, picker, (busy) => {
+      // The forest stops meanwhile, to leave the processor to the comparison.
+      this.asleep = busy;
+    });
+    this.status = new StatusReport(settings, stage, forest, client, meter);
+    this.figures = new ForestFigures(forest, client, catalogue, paper, meter);
     this.stage.renderer.setAnimationLoop((now) => this.onFrame(now));
   }
 
@@ -159,49 +166,10 @@ export class App {
     this.report();
   }
 
-  /**
-   * Places the trees. Existing ones keep moving, new ones appear with their first poses. `replant`: also for all who
-   * share the forest.
-   */
-  private placeTrees(replant = false): void {
-    const { settings, client, forest } = this;
-    // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
-    if (this.share !== null && !this.catalogue.isLoaded) return;
-    const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
-    client.plan(
-      placed.flatMap(({ asset: { id }, motion, instances }) => {
-        const leafTable = this.catalogue.leafMotion(id)?.sha256 ?? motion?.sha256;
-        return motion && leafTable
-          ? [{ key: id, motion, leafTable, ...instances, recorded: this.isRecorded(id) }]
-          : [];
-      }),
-      {
-        lookup: settings.lookup,
-        method: settings.method,
-        poseEasing: settings.poseEasing,
-        from_s: this.from_s,
-        share: this.share === null ? null : { id: this.share, replant, about: placementOf(settings) },
-      },
-      settings.wind,
-      () => {
-        forest.show(placed);
-        this.stage.surround(woodReach_m(placed.map(({ instances }) => instances.placement)));
-        this.dirty = true;
-      },
-    );
-  }
-
-  /** Whether the server has the records of the table by which it knows these trees. */
-  private isRecorded(id: string): boolean {
-    const known = this.catalogue.find(id);
-    if (known === null) return false;
-    return isRecorded(this.share === null ? known : { ...known, motion: this.catalogue.leafMotion(id) });
-  }
-
   /** The server has new records: fetch them if they are needed here, or ask the server to use them. */
   private takeRecords(): void {
     this.paper.update();
-    if (this.settings.method === "paper" && this.settings.lookup === "server") this.placeTrees();
+    if (this.settings.method === "paper" && this.settings.lookup === "server") this.planting.place();
   }
 
   private async cancel(jobId: string): Promise<void> {
@@ -231,7 +199,7 @@ export class App {
   private takePlacement(about: About): void {
     if (!adoptPlacement(this.settings, about)) return;
     this.panel.refresh();
-    this.placeTrees();
+    this.planting.place();
     this.paper.chosen();
     this.remember();
   }
@@ -264,7 +232,7 @@ export class App {
   /** The server moves a shared forest by the tables in leaf, because its clients may look at it in any season. */
   private get playsBareTables(): boolean {
     const { season, lookup } = this.settings;
-    return season === "winter" && (this.share === null || lookup === "worker");
+    return season === "winter" && (this.planting.share === null || lookup === "worker");
   }
 
   private change(key: SettingKey): void {
@@ -274,12 +242,12 @@ export class App {
       this.changeWind(this.settings.wind, "panel");
       return;
     }
-    if (PLACEMENT_KEYS.includes(key)) this.placeTrees(key !== "lookup");
+    if (PLACEMENT_KEYS.includes(key)) this.planting.place(key !== "lookup");
     if (key === "method" || key === "lookup") this.paper.chosen();
     if (key === "quality") {
       this.stage.setQuality(this.settings.quality);
       this.forest.options = this.speciesOptions();
-      this.placeTrees();
+      this.planting.place();
     }
     this.remember();
   }
@@ -287,7 +255,7 @@ export class App {
   /** Stores the settings and updates the URL. */
   private remember(): void {
     if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
-    const query = withShared(queryFromSettings(this.settings), this.share);
+    const query = withShared(queryFromSettings(this.settings), this.planting.share);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
   }
 
@@ -354,25 +322,10 @@ export class App {
   }
 
   private report(): void {
-    const { client, forest, meter } = this;
-    const info = this.stage.renderer.info.render;
-    meter.publish({ lookup_ms: client.lookup_ms, trees: forest.trees.moving, triangles: forest.triangles });
-    meter.statistics.drawCalls = info.calls;
-    const { connection } = client;
-    const live = connection.state === "live";
-    const ms = (time_ms: number | null) => (live && time_ms !== null ? `${time_ms.toFixed(0)} ms` : "–");
-    meter.statistics.stream = live ? `${connection.kB_s.toFixed(0)} kB/s` : "off";
-    meter.statistics.latency = ms(connection.latency_ms);
-    meter.statistics.frameAge = ms(connection.frameAge_ms);
     this.panel.showSpecies(this.catalogue.kinds);
     this.panel.showMethodNote(this.paper.note);
-    const status = statusLine({ events: this.connected, lookup: this.settings.lookup, connection });
-    element("status").dataset.state = status.state;
-    element("status").dataset.lookup = this.settings.lookup;
-    if (element("status").textContent !== status.text) element("status").textContent = status.text;
+    this.status.show(this.connected, this.catalogue.waiting);
     this.showPicked();
-    const words = summary(forest.trees, this.catalogue.waiting);
-    if (element("summary").textContent !== words) element("summary").textContent = words;
   }
 
   private showPicked(): void {
@@ -381,86 +334,12 @@ export class App {
     this.pickedCard.show(figures, known, known ? this.paper.stateOf(known) : { kind: "missing" });
   }
 
-  /** Opens the comparison. The forest stops meanwhile, to leave the processor to it. */
-  private async openCompare(): Promise<void> {
-    const view = await import("./compare/compareView");
-    this.compareView ??= new view.CompareView({
-      candidates: () => this.forest.moving.flatMap(({ asset, forest }) => this.candidate(asset.id, forest)),
-      wind: () => this.client.wind && { state: this.client.wind.state, time_s: this.client.time_s },
-      closed: () => {
-        this.asleep = false;
-      },
-    });
-    this.asleep = true;
-    this.compareView.open(this.picker.figures?.treeId ?? null);
-  }
-
-  /** A candidate for the comparison, at the place of the picked tree or of the first of its species. */
-  private candidate(id: string, { model, instances }: SpeciesForest): Candidate[] {
-    const tree = this.catalogue.trees.find((known) => known.id === id);
-    const motion = this.catalogue.leafMotion(id);
-    if (!tree || !motion) return [];
-    const picked = this.picker.figures?.treeId === id ? (this.picker.moving?.tree ?? 0) : 0;
-    const [x_m, z_m, yaw_rad] = instances.placement.subarray(4 * picked, 4 * picked + 3);
-    return [{ tree, model, motion, place: { x_m, z_m, yaw_rad } }];
-  }
-
-  get readySpecies(): string[] {
-    return this.catalogue.ready;
-  }
-
-  get statistics() {
-    const { frame_ms, script_ms, triangles, drawCalls } = this.meter.statistics;
-    return {
-      frame_ms,
-      script_ms,
-      triangles,
-      drawCalls,
-      work: this.client.work,
-      extrapolationRatio: this.client.extrapolationRatio,
-    };
-  }
-
   freeze(frozen: boolean): void {
     this.forest.freeze(frozen);
   }
 
   get connection() {
     return { ...this.client.connection, events: this.connected };
-  }
-
-  get trees() {
-    return this.forest.trees;
-  }
-
-  /** Number of trees that move by the paper's method. */
-  get paperTrees(): number {
-    const groups = this.forest.moving.filter(({ asset }) => {
-      const known = this.catalogue.find(asset.id);
-      return known !== null && this.paper.moves(known);
-    });
-    return groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
-  }
-
-  /** Number of trees that move by a table without leaves. */
-  get bareTrees(): number {
-    const groups = this.forest.moving.filter(({ forest }) => forest.motion?.foliage === "bare");
-    return groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
-  }
-
-  get time_s(): number {
-    return this.client.time_s;
-  }
-
-  get crownDisplacement_m(): [number, number, number] {
-    return meanCrownDisplacement_m(
-      this.forest.moving.flatMap(({ forest: { motion, instances } }, k) => {
-        const poses = this.client.poses[k];
-        return motion && poses
-          ? [{ ...motion, count: instances.count, placement: instances.placement, poses }]
-          : [];
-      }),
-    );
   }
 
   /** Moves the camera: eye and target, with heights above the ground, m. */
@@ -475,7 +354,7 @@ export class App {
     this.pickedCard.dispose();
     this.studio.dispose();
     this.visit.dispose();
-    this.compareView?.dispose();
+    this.comparison.dispose();
     this.catalogue.dispose();
     this.client.dispose();
     this.panel.dispose();

@@ -50,7 +50,7 @@ export interface Probe {
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
   /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
-  readonly statistics: App["statistics"] & { readonly extent: number };
+  readonly statistics: App["figures"]["statistics"] & { readonly extent: number };
   /** Draws the trees as static instances, or moving again, to measure the cost of the motion. */
   freeze(frozen: boolean): void;
 }
@@ -67,22 +67,22 @@ export function exposeProbe(app: App): void {
       return app.frame;
     },
     get time_s() {
-      return app.time_s;
+      return app.figures.time_s;
     },
     get readySpecies() {
-      return app.readySpecies;
+      return app.figures.readySpecies;
     },
     get trees() {
-      return app.trees;
+      return app.figures.trees;
     },
     get paperTrees() {
-      return app.paperTrees;
+      return app.figures.paperTrees;
     },
     get bareTrees() {
-      return app.bareTrees;
+      return app.figures.bareTrees;
     },
     get crownDisplacement_m() {
-      return app.crownDisplacement_m;
+      return app.figures.crownDisplacement_m;
     },
     get lookup() {
       return app.settings.lookup;
@@ -132,7 +132,7 @@ export function exposeProbe(app: App): void {
       app.picker.following = following;
     },
     get statistics() {
-      const { statistics } = app;
+      const { statistics } = app.figures;
       return { ...statistics, extent: statistics.extrapolationRatio };
     },
     freeze: (frozen) => app.freeze(frozen),

@@ -1,0 +1,68 @@
+/** Plants the forest: places the trees of the catalogue and sends them to the worker. */
+
+import { type Forest, type PlacedSpecies, placeForest } from "../scene/forest";
+import { woodReach_m } from "../scene/placement";
+import type { Stage } from "../scene/stage";
+import type { ClientGroup, ForestClient } from "./forestClient";
+import { isRecorded } from "./paper/paperState";
+import type { Catalogue } from "./server/catalogue";
+import { momentFrom } from "./settings/link";
+import type { Settings } from "./settings/settings";
+import { placementOf, sharedFrom } from "./settings/sharedForest";
+
+export class Planting {
+  /** Id of the shared forest in the address. */
+  readonly share = sharedFrom(location.search);
+  private readonly from_s = momentFrom(location.search).time_s ?? 0;
+
+  /** `shown` is called when the trees of a plan have appeared. */
+  constructor(
+    private readonly settings: Settings,
+    private readonly stage: Stage,
+    private readonly forest: Forest,
+    private readonly client: ForestClient,
+    private readonly catalogue: Catalogue,
+    private readonly shown: () => void,
+  ) {}
+
+  /**
+   * Places the trees. Existing ones keep moving, new ones appear with their first poses. `replant`: also for all who
+   * share the forest.
+   */
+  place(replant = false): void {
+    const { settings, share } = this;
+    // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
+    if (share !== null && !this.catalogue.isLoaded) return;
+    const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
+    this.client.plan(
+      placed.flatMap((group) => this.clientGroup(group)),
+      {
+        lookup: settings.lookup,
+        method: settings.method,
+        poseEasing: settings.poseEasing,
+        from_s: this.from_s,
+        share: share === null ? null : { id: share, replant, about: placementOf(settings) },
+      },
+      settings.wind,
+      () => {
+        this.forest.show(placed);
+        this.stage.surround(woodReach_m(placed.map(({ instances }) => instances.placement)));
+        this.shown();
+      },
+    );
+  }
+
+  /** The group as the worker needs it; none if its trees have no table. */
+  private clientGroup({ asset: { id }, motion, instances }: PlacedSpecies): ClientGroup[] {
+    const leafTable = this.catalogue.leafMotion(id)?.sha256 ?? motion?.sha256;
+    if (!motion || !leafTable) return [];
+    return [{ key: id, motion, leafTable, ...instances, recorded: this.isRecorded(id) }];
+  }
+
+  /** Whether the server has the records of the table by which it knows these trees. */
+  private isRecorded(id: string): boolean {
+    const known = this.catalogue.find(id);
+    if (known === null) return false;
+    return isRecorded(this.share === null ? known : { ...known, motion: this.catalogue.leafMotion(id) });
+  }
+}

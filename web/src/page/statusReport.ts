@@ -1,0 +1,54 @@
+/** Writes the figures of the panel, the status line and the summary of the forest. */
+
+import type { Forest } from "../scene/forest";
+import type { Stage } from "../scene/stage";
+import type { Connection } from "../worker/protocol";
+import type { ForestClient } from "./forestClient";
+import type { FrameStatistics } from "./frameStatistics";
+import type { Settings } from "./settings/settings";
+import { element } from "./ui/dom";
+import { statusLine, summary } from "./ui/words";
+
+/** Replaces a text only if it differs: screen readers announce every replacement. */
+function write(id: string, text: string): void {
+  if (element(id).textContent !== text) element(id).textContent = text;
+}
+
+export class StatusReport {
+  constructor(
+    private readonly settings: Settings,
+    private readonly stage: Stage,
+    private readonly forest: Forest,
+    private readonly client: ForestClient,
+    private readonly meter: FrameStatistics,
+  ) {}
+
+  /** `events`: whether the event stream is open; `waiting`: trees that are not computed yet. */
+  show(events: boolean, waiting: number): void {
+    const { forest } = this;
+    const { connection, lookup_ms } = this.client;
+    this.meter.publish({
+      lookup_ms,
+      trees: forest.trees.moving,
+      triangles: forest.triangles,
+      drawCalls: this.stage.renderer.info.render.calls,
+      ...streamFigures(connection),
+    });
+    const { state, text } = statusLine({ events, lookup: this.settings.lookup, connection });
+    const { dataset } = element("status");
+    dataset.state = state;
+    dataset.lookup = this.settings.lookup;
+    write("status", text);
+    write("summary", summary(forest.trees, waiting));
+  }
+}
+
+function streamFigures({ state, kB_s, latency_ms, frameAge_ms }: Connection) {
+  const live = state === "live";
+  const ms = (time_ms: number | null) => (live && time_ms !== null ? `${time_ms.toFixed(0)} ms` : "–");
+  return {
+    stream: live ? `${kB_s.toFixed(0)} kB/s` : "off",
+    latency: ms(latency_ms),
+    frameAge: ms(frameAge_ms),
+  };
+}
