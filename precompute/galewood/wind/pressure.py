@@ -51,15 +51,10 @@ def speed_of_pressure(pressure_pa):  # pragma: no cover  (compiled)
 @numba.njit(cache=True, nogil=True)
 def pressure_of_velocity(velocity_x, velocity_z, factor):  # pragma: no cover  (compiled)
     """Convert velocities (m/s), each scaled by its height factor, to pressure vectors (Pa) in place."""
-    start = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S
     for i in range(len(velocity_x)):
         vx, vz = velocity_x[i] * factor[i], velocity_z[i] * factor[i]
-        speed = math.sqrt(vx * vx + vz * vz)
-        # dividing by the speed keeps the direction of the velocity
-        if speed <= STREAMLINING_SPEED_M_S:
-            per_speed = HALF_AIR_DENSITY_KG_M3 * speed
-        else:
-            per_speed = start * (speed / STREAMLINING_SPEED_M_S) ** (STREAMLINED_EXPONENT - 1.0)
+        # multiplying by pressure over speed keeps the direction of the velocity
+        per_speed = pressure_per_speed(math.sqrt(vx * vx + vz * vz))[0]
         velocity_x[i] = per_speed * vx
         velocity_z[i] = per_speed * vz
 
