@@ -29,17 +29,6 @@ LARGEST_RATIO = 1.15
 """Upper limit of the result: decimation removes at most a little from the corners of a limb."""
 
 
-class Solid(Protocol):
-    """The part of a TetMesh that is used here."""
-
-    @property
-    def vertices_m(self) -> Floats: ...
-    @property
-    def tets(self) -> Int32s: ...
-    @property
-    def radius_ratio(self) -> Floats: ...
-
-
 class Line(Protocol):
     """The part of a Skeleton that is used here."""
 
@@ -59,7 +48,7 @@ def with_corrected_radii(tree: TreeMesh, mesh: TetMesh, line: Line) -> TetMesh:
     return replace(mesh, radius_ratio=ratio)
 
 
-def corrected_ratio(wood: Surface, solid: Solid, line: Line) -> Floats:
+def corrected_ratio(wood: Surface, solid: TetMesh, line: Line) -> Floats:
     """Radius of the input wood over that of the solid (m,), in (0, LARGEST_RATIO], for each tetrahedron."""
     volume_m3 = input_volume(wood, solid, line)
     meshed = _sums(line.tet_point, tet_volumes(solid.vertices_m, solid.tets), line)
@@ -71,7 +60,7 @@ def corrected_ratio(wood: Surface, solid: Solid, line: Line) -> Floats:
     return np.clip(ratio, SMALLEST_SHARE * recorded, LARGEST_RATIO)[line.tet_point]
 
 
-def input_volume(wood: Surface, solid: Solid, line: Line) -> Floats:
+def input_volume(wood: Surface, solid: TetMesh, line: Line) -> Floats:
     """Volume (p,), m³, of the input wood around each skeleton point.
 
     By the divergence theorem across the branch, A = ½ ∮ x·n for each closed outline and any origin, so that
