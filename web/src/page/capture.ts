@@ -1,17 +1,11 @@
 /** Photos and short videos of the canvas, saved as files. */
 
+import { saveFile } from "./ui/saveFile";
+
 const FILM_FPS = 30;
 export const LONGEST_FILM_S = 20;
 const FILM_BITS_PER_S = 8_000_000;
 const KINDS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
-
-function save(blob: Blob, name: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-}
 
 const stamp = () => new Date().toISOString().slice(0, 19).replace(/[:T]/g, "-");
 
@@ -20,7 +14,7 @@ export function savePhoto(canvas: HTMLCanvasElement): Promise<void> {
   return new Promise((done, failed) => {
     canvas.toBlob((blob) => {
       if (!blob) return failed(new Error("The browser returned no image."));
-      save(blob, `galewood-${stamp()}.png`);
+      saveFile(blob, `galewood-${stamp()}.png`);
       done();
     }, "image/png");
   });
@@ -44,7 +38,7 @@ export class Film {
     this.recorder.onstop = () => {
       for (const track of stream.getTracks()) track.stop();
       const film = new Blob(parts, { type: "video/webm" });
-      if (film.size > 0) save(film, `galewood-${stamp()}.webm`);
+      if (film.size > 0) saveFile(film, `galewood-${stamp()}.webm`);
       ended();
     };
     this.recorder.start(1000);

@@ -114,6 +114,17 @@ export function hasField(model: WindModel, name: WindNumber): boolean {
   return (FIELDS[name] as Field).models.includes(model);
 }
 
+/** Parses a wind document written as JSON; throws WindError like `parseWind`. */
+export function parseWindText(text: string): WindDocument {
+  let value: unknown;
+  try {
+    value = JSON.parse(text);
+  } catch {
+    throw new WindError("wind", "expected a JSON object");
+  }
+  return parseWind(value);
+}
+
 /** Parses a wind document; throws WindError that names the field and the expected value. */
 export function parseWind(value: unknown): WindDocument {
   const fields = objectAt(value, "wind");

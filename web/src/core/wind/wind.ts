@@ -5,7 +5,16 @@ import type { Output, Places } from "./frame";
 import { steady } from "./glide";
 
 export type { Wave, WindDocument, WindModel, WindNumber } from "./document";
-export { FIELDS, hasField, MODELS, parseWind, resolveWind, WIND_RANGES, WindError } from "./document";
+export {
+  FIELDS,
+  hasField,
+  MODELS,
+  parseWind,
+  parseWindText,
+  resolveWind,
+  WIND_RANGES,
+  WindError,
+} from "./document";
 export { WindField } from "./field";
 export { changeWind, parseState, steady, type WindState, windAt } from "./glide";
 export { phaseRad } from "./hashing";

@@ -3,7 +3,7 @@
  * wind as a document (`wind`). Pure.
  */
 import { type PlainWind, plainWind, sameWind, withinTurn, withPlain } from "../../core/wind/edit";
-import { parseWind, type WindDocument, WindError } from "../../core/wind/wind";
+import { parseWindText, type WindDocument } from "../../core/wind/wind";
 import { clampTo, numberFrom, queryText } from "./queryNumbers";
 
 type PlainKey = keyof PlainWind;
@@ -27,14 +27,7 @@ const KEYS = Object.keys(NAMES) as PlainKey[];
 /** The wind in the `wind` parameter; null without one. Throws WindError with the path of the fault. */
 export function windFromQuery(query: string): WindDocument | null {
   const text = new URLSearchParams(query).get("wind");
-  if (text === null) return null;
-  let value: unknown;
-  try {
-    value = JSON.parse(text);
-  } catch {
-    throw new WindError("wind", "expected a JSON object");
-  }
-  return parseWind(value);
+  return text === null ? null : parseWindText(text);
 }
 
 /** Applies the plain numbers of a query to a wind. */

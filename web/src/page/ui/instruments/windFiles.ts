@@ -1,6 +1,7 @@
 /** Download and upload of a wind document as a file. */
-import { parseWind, type WindDocument, WindError } from "../../../core/wind/wind";
+import { parseWindText, type WindDocument, WindError } from "../../../core/wind/wind";
 import { make } from "../dom";
+import { saveFile } from "../saveFile";
 
 const LARGEST_BYTES = 65_536;
 
@@ -8,23 +9,12 @@ const LARGEST_BYTES = 65_536;
 export function windFromText(text: string): WindDocument {
   if (text.length > LARGEST_BYTES)
     throw new WindError("wind", `expected at most ${LARGEST_BYTES} characters`);
-  let value: unknown;
-  try {
-    value = JSON.parse(text);
-  } catch {
-    throw new WindError("wind", "expected a JSON object");
-  }
-  return parseWind(value);
+  return parseWindText(text);
 }
 
 export function saveWind(wind: WindDocument): void {
-  const link = make("a");
-  link.href = URL.createObjectURL(
-    new Blob([`${JSON.stringify(wind, null, 2)}\n`], { type: "application/json" }),
-  );
-  link.download = "wind.json";
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  const text = `${JSON.stringify(wind, null, 2)}\n`;
+  saveFile(new Blob([text], { type: "application/json" }), "wind.json");
 }
 
 /** A hidden file input; `choose` opens it. */
