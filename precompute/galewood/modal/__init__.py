@@ -1,17 +1,20 @@
 """The modal reduced-order model: its tensors, polynomial terms and step."""
 
-from galewood.modal.drag import DRAG_INPUTS, add_drag, drag_tensors
+from galewood.modal.drag import add_drag, drag_inputs, drag_tensors
+from galewood.modal.gradient import add_drag_gradient, add_terms_gradient
 from galewood.modal.step import MAX_STEPS_PER_ADVANCE, advance_trees, widened, working_room
 from galewood.modal.tensors import ModalTensors, coupled_of, force_terms, shape_terms
 from galewood.modal.terms import write_force_terms, write_pose_terms
 
 __all__ = [
-    "DRAG_INPUTS",
     "MAX_STEPS_PER_ADVANCE",
     "ModalTensors",
     "add_drag",
+    "add_drag_gradient",
+    "add_terms_gradient",
     "advance_trees",
     "coupled_of",
+    "drag_inputs",
     "drag_tensors",
     "force_terms",
     "shape_terms",

@@ -2,9 +2,9 @@
 
 Point j stands for many nodes. The air there moves at the sheltered speed U_c(s P), the point at Ψ v. Its
 force a (p(U_c − Ψ v) − s P) acts on all oscillators; the steady part a s P is in `load`. The first
-DRAG_INPUTS oscillators determine Ψ v. What the motion of the nodes within a point adds is a damping of each
-oscillator (docs/physics.md; `galewood.fem.drag` is the same law at every node). In still air no term drives
-the motion.
+oscillators (``drag_inputs``) determine Ψ v. What the motion of the nodes within a point adds is a damping of
+each oscillator (docs/physics.md; `galewood.fem.drag` is the same law at every node). In still air no term
+drives the motion.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -21,8 +21,7 @@ from galewood.wind import (
     speed_of_pressure,
 )
 
-DRAG_INPUTS = 8
-"""Oscillators, at most, whose speed determines the velocity of the points."""
+FEWEST_INPUTS = 8
 ISOTROPIC = 4.0 / 3.0
 """Mean over all directions of the derivative of a quadratic drag, over pressure per speed."""
 TINY_PA = 1e-30
@@ -81,10 +80,15 @@ def add_drag(point, inputs, outputs, rest, v, pressure, room, total):  # pragma:
     total += np.dot(outputs, moved)
 
 
+def drag_inputs(oscillators: int) -> int:
+    """Number of oscillators whose speed determines the velocity of the drag points: the first half."""
+    return min(oscillators, max(FEWEST_INPUTS, oscillators // 2))
+
+
 def drag_tensors(drag_point, drag_shape, drag_rest):
     """The tensors (m, 2), (3, m, d), (d,) in float64, as ``add_drag`` uses them."""
     _, count, d = drag_shape.shape
     rows = np.asarray(drag_shape, np.float64).reshape(3 * count, d)
-    inputs = np.ascontiguousarray(rows[:, : min(DRAG_INPUTS, d)])
+    inputs = np.ascontiguousarray(rows[:, : drag_inputs(d)])
     point, rest = (np.ascontiguousarray(tensor, np.float64) for tensor in (drag_point, drag_rest))
     return point, inputs, np.ascontiguousarray(rows.T), rest

@@ -14,7 +14,7 @@ import numpy as np
 from galewood.fem import FemSettings
 from galewood.modal import ModalTensors, force_terms, shape_terms
 from galewood.reduction.drag_points import drag_points
-from galewood.reduction.modal_fit import ModalRun, sampled_range, sway_coordinates, typical_speed
+from galewood.reduction.modal_runs import ModalRun, sampled_range, sway_coordinates, typical_speed
 from galewood.reduction.oscillators import Oscillators, first_of, leading_oscillators, propagators, response
 from galewood.reduction.pod import Subspace, spanned_by
 from galewood.reduction.training import SIZES

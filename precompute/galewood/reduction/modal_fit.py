@@ -1,15 +1,15 @@
 """Fits the modal model to training runs (FEM): its nonlinear force and its pose.
 
-The force is a linear least-squares fit of motions, not of one-step residuals: each term, evaluated along the
-reference solution, drives its oscillator, and the sum of the responses must equal the error of the linear
-step. The effect of a term on the frequency and damping of a mode is thus weighted by its effect on the sway.
+The force is fitted twice. First by linear least squares: each term, evaluated along the reference solution,
+drives its oscillator, and the sum of the responses must equal the error of the linear step. That is exact for
+terms that do not change the motion they are evaluated on. From there the simulated motion itself is fitted
+(``galewood.reduction.output_error``).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,50 +25,27 @@ from galewood.modal import (
     write_pose_terms,
 )
 from galewood.reduction.drag_points import DragPoints, drag_points
+from galewood.reduction.modal_runs import (
+    ModalRun,
+    RunLike,
+    modal_run,
+    run_weights,
+    sampled_range,
+    sway_coordinates,
+    typical_speed,
+)
 from galewood.reduction.oscillators import Oscillators, propagators, response
+from galewood.reduction.output_error import fitted_force
 from galewood.reduction.pod import Subspace
 from galewood.util import Array, Floats
 
-FORCE_RIDGES = (0.3, 0.02, 1e-4)
-"""Ridge parameters of the force to choose from, relative to the mean square of each term.
+START_RIDGE = 0.3
+"""Ridge parameter of the first fit, relative to the mean square of each term.
 
-Terms that are alike along the runs get large coefficients of opposite sign if the ridge is small, which can
-be unstable elsewhere; a large ridge misses part of the force (docs/design/0005-drift-free-motion.md). Which
-is better depends on the tree: the training error decides.
+Terms that are alike along the runs get large coefficients of opposite sign if it is small, which can be
+unstable elsewhere.
 """
-POSE_RIDGE = 1e-7
-LIGHT_SHARE = 0.05
-"""Lower bound of a run's sway in its weight, over the largest sway of all runs."""
-
-
-class RunLike(Protocol):
-    """A training run from rest: displacement (T + 1, n, 3), m, under the pressure (T, 2), Pa.
-
-    Runs are read one after the other, each array once, so that they need not all be in memory.
-    """
-
-    @property
-    def pressure_pa(self) -> Array: ...
-    @property
-    def displacement_m(self) -> Array: ...
-
-
-@dataclass(frozen=True)
-class Run:
-    """A run in memory."""
-
-    pressure_pa: Array
-    displacement_m: Array
-
-
-@dataclass(frozen=True)
-class ModalRun:
-    """A run in modal coordinates: e, v (T + 1, d), pressure (T, 2), Pa, and output modes q (T + 1, r)."""
-
-    pressure: Floats
-    e: Floats
-    v: Floats
-    q: Floats
+POSE_RIDGE = 1e-6
 
 
 def fit_modal_model(
@@ -79,9 +56,8 @@ def fit_modal_model(
     settings: FemSettings,
     *,
     coupled: int = 4,
-    force_ridges: Sequence[float] = FORCE_RIDGES,
-) -> list[ModalTensors]:
-    """Fit the modal model to the oscillators of a tree (``leading_oscillators``) and its runs, per ridge.
+) -> ModalTensors:
+    """Fit the modal model to the oscillators of a tree (``leading_oscillators``) and its runs.
 
     The output modes are those of ``subspace``, which begins with the shapes of the oscillators. ``coupled``
     coordinates after the first two (at most all) interact with the sway.
@@ -91,63 +67,24 @@ def fit_modal_model(
     sway = sway_coordinates(ritz, modal)
     limits = sampled_range(sway, modal, min(coupled, len(ritz.omega) - 2))
     weights = run_weights(sway, modal)
-    drag = drag_points(ritz, typical_speed(modal))
-    linear = _Linear(step, ritz.load, drag)
-    forces = _fit_force(modal, weights, linear, sway, limits, settings.dt_s, force_ridges)
+    linear = _Linear(step, ritz.load, drag_points(ritz, typical_speed(modal)))
+    tables = [force_table(run, sway, limits, settings.dt_s / 2) for run in modal]
+    start = _first_force(modal, tables, weights, linear, settings.dt_s)
     shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits)
-    step[:, [0, 3]] -= 1.0
-    others = (shown, pose, limits, drag.point, drag.shape, drag.rest)
-    return [_single((step, ritz.load, sway, force, *others)) for force in forces]
+    drag = linear.drag
+    relative = step.copy()
+    relative[:, [0, 3]] -= 1.0
+    tensors = (relative, ritz.load, sway, start, shown, pose, limits, drag.point, drag.shape, drag.rest)
+    first = ModalTensors(*(_single(tensor) for tensor in tensors))
+    force = fitted_force(first, modal, tables, weights, ritz.shapes, settings.dt_s)
+    return replace(first, force=_single(force))
 
 
-def _single(tensors: Sequence[Array]) -> ModalTensors:
-    return ModalTensors(*(np.ascontiguousarray(tensor, np.float32) for tensor in tensors))
+def _single(tensor: Array) -> Array:
+    return np.ascontiguousarray(tensor, np.float32)
 
 
-def modal_run(run: RunLike, ritz: Oscillators, mass_kg: Floats, subspace: Subspace, dt_s: float) -> ModalRun:
-    """Project a run on the oscillators, mass-weighted; velocities by central differences."""
-    u = np.asarray(run.displacement_m, np.float64)
-    u = u.reshape(len(u), -1)
-    weighted = ritz.shapes * np.repeat(mass_kg, 3)
-    e: Floats = np.linalg.solve(weighted @ ritz.shapes.T, weighted @ u.T).T.astype(np.float64)
-    v: Floats = np.zeros(e.shape)
-    v[1:-1] = (e[2:] - e[:-2]) / (2 * dt_s)
-    v[-1] = (e[-1] - e[-2]) / dt_s
-    return ModalRun(np.asarray(run.pressure_pa, np.float64), e, v, u @ subspace.dual.T)
-
-
-def sway_coordinates(ritz: Oscillators, runs: Sequence[ModalRun]) -> Floats:
-    """(2, d) the two directions of largest motion, m, scaled to 1 at the largest sampled sway."""
-    reach = np.sqrt((ritz.shapes.reshape(len(ritz.omega), -1, 3) ** 2).sum(axis=2).max(axis=1))
-    motion = np.concatenate([run.e for run in runs])
-    _, vectors = np.linalg.eigh((motion * reach).T @ (motion * reach))
-    sway = (vectors[:, ::-1][:, :2] * reach[:, None]).T
-    largest = np.sqrt(((motion @ sway.T) ** 2).sum(axis=1).max())
-    return sway / max(largest, 1e-12)
-
-
-def sampled_range(sway: Floats, runs: Sequence[ModalRun], coupled: int) -> Floats:
-    """(3 + 2c,) largest sway, sway speed, pressure, coupled coordinates and their speeds; never zero."""
-    e = np.concatenate([run.e for run in runs])
-    v = np.concatenate([run.v for run in runs])
-    pressure = np.concatenate([run.pressure for run in runs])
-    sizes = [np.linalg.norm(rows, axis=1).max() for rows in (e @ sway.T, v @ sway.T, pressure)]
-    beside = slice(2, 2 + coupled)
-    return np.maximum([*sizes, *np.abs(e[:, beside]).max(axis=0), *np.abs(v[:, beside]).max(axis=0)], 1e-9)
-
-
-def run_weights(sway: Floats, runs: Sequence[ModalRun]) -> Floats:
-    """(R,) weight of the rows of each run: 1 / (largest sway)², mean 1.
-
-    Nonlinear effects grow with the square and cube of the sway. Without weights the strongest runs would
-    dominate, with effects that no term of the model can represent.
-    """
-    farthest = [np.linalg.norm(run.e @ sway.T, axis=1).max() for run in runs]
-    weights = np.maximum(farthest, LIGHT_SHARE) ** -2.0
-    return weights / weights.mean()
-
-
-def _force_table(run: ModalRun, sway: Floats, limits: Floats, half_s: float) -> Floats:
+def force_table(run: ModalRun, sway: Floats, limits: Floats, half_s: float) -> Floats:
     """(T, F) force terms at the start of every step; the frames of the run take the place of the trees."""
     frames = len(run.pressure)
     e, v, pressure = (np.ascontiguousarray(rows[:frames].T) for rows in (run.e, run.v, run.pressure))
@@ -190,30 +127,18 @@ def drag_along(run: ModalRun, drag: DragPoints, dt_s: float) -> Floats:
     return force.T
 
 
-def typical_speed(runs: Sequence[ModalRun]) -> Floats:
-    """(d,) root mean square of the speed of each oscillator."""
-    return np.sqrt(np.mean(np.concatenate([run.v for run in runs]) ** 2, axis=0))
-
-
-def _fit_force(
-    runs: Sequence[ModalRun],
-    weights: Floats,
-    linear: _Linear,
-    sway: Floats,
-    limits: Floats,
-    dt_s: float,
-    ridges: Sequence[float],
+def _first_force(
+    runs: Sequence[ModalRun], tables: Sequence[Floats], weights: Floats, linear: _Linear, dt_s: float
 ) -> Floats:
-    """(ridges, F, d) coefficients of the force, fitted to the error of each oscillator's linear step."""
-    terms = [_force_table(run, sway, limits, dt_s / 2) for run in runs]
-    force = np.empty((len(ridges), terms[0].shape[1], len(linear.step)))
+    """(F, d) coefficients of the force, fitted to the error of each oscillator's linear step."""
+    force = np.empty((tables[0].shape[1], len(linear.step)))
     known = [linear.motion(run, dt_s) for run in runs]
     for k, oscillator in enumerate(linear.step):
-        moved = np.concatenate([w * response(oscillator, t) for w, t in zip(weights, terms, strict=True)])
+        moved = np.concatenate([w * response(oscillator, t) for w, t in zip(weights, tables, strict=True)])
         missed = np.concatenate(
             [w * (run.e[:, k] - own[:, k]) for w, run, own in zip(weights, runs, known, strict=True)]
         )
-        force[:, :, k] = ridge_fits(moved, missed[:, None], ridges)[:, :, 0]
+        force[:, k] = ridge_fit(moved, missed[:, None], START_RIDGE)[:, 0]
     return force
 
 
@@ -226,14 +151,8 @@ def _fit_pose(runs: Sequence[ModalRun], weights: Floats, sway: Floats, limits: F
 
 def ridge_fit(terms: Floats, target: Floats, ridge: float) -> Floats:
     """(F, m) ridge regression of targets (T, m) on terms (T, F), each term scaled by its root mean square."""
-    return np.asarray(ridge_fits(terms, target, [ridge])[0], np.float64)
-
-
-def ridge_fits(terms: Floats, target: Floats, ridges: Sequence[float]) -> Floats:
-    """(ridges, F, m) regressions as in ``ridge_fit``."""
     size = np.sqrt(np.mean(terms**2, axis=0))
     size[size == 0] = 1.0
     scaled = terms / size
     normal, side = scaled.T @ scaled / len(terms), scaled.T @ target / len(terms)
-    eye = np.eye(len(size))
-    return np.stack([np.linalg.solve(normal + ridge * eye, side) / size[:, None] for ridge in ridges])
+    return np.linalg.solve(normal + ridge * np.eye(len(size)), side) / size[:, None]

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from galewood.modal import ModalTensors
 from galewood.player import ModalForest
-from galewood.reduction.modal_fit import RunLike
+from galewood.reduction.modal_runs import RunLike
 from galewood.reduction.pod import Subspace
 from galewood.util import Floats
 

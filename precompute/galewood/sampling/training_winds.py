@@ -19,7 +19,7 @@ from galewood.wind import dynamic_pressure
 WINDS, FRAMES = 20, 200
 FURTHER_WINDS = 20
 """Additional winds for trees that bend far, which continue the sequence."""
-SWAY_SHARES = (0.2, 0.05, 0.13, 0.03, 0.17, 0.08, 0.1)
+SWAY_SHARES = (0.2, 0.05, 0.2, 0.1, 0.2, 0.03, 0.15)
 """Largest sway of the winds, in turn, over the height. Seven, as five kinds of wind alternate."""
 STRONGEST_M_S = 60.0
 """Limit of the speed, for trees too stiff to sway so far in any wind."""
@@ -76,8 +76,8 @@ class _Setting:
 def training_shapes(first_hz: float, dt_s: float, *, seed: int = SEED, count: int = WINDS) -> list[WindShape]:
     """The first training winds of a tree with this first natural frequency.
 
-    Five kinds alternate: noise with a −5/3 spectrum, the same with a stop, square waves near the first
-    frequency, white noise, and two crossed waves near that frequency (sine or square), some with a stop.
+    In groups of five: two of noise with a −5/3 spectrum, square waves near the first frequency, white noise,
+    and two crossed waves near that frequency (sine or square). Some end with a stop.
     """
     rng = np.random.default_rng((seed, 2))
     first_rad = rng.uniform(0, 2 * np.pi)

@@ -1,5 +1,5 @@
 import { pressurePerSpeed, speedOfPressure_m_s } from "../wind/pressure";
-import { DRAG_INPUTS, ISOTROPIC, type ModalTensors } from "./modalTensors";
+import { dragInputs, ISOTROPIC, type ModalTensors } from "./modalTensors";
 
 /**
  * Drag at a few points of the crown, from the velocity of the sheltered air relative to them. Twin of
@@ -20,7 +20,7 @@ export class ModalDrag {
     this.rest = Float64Array.from(dragRest);
     this.d = dragRest.length;
     this.m = dragPoint.length / 2;
-    this.inputs = Math.min(DRAG_INPUTS, this.d);
+    this.inputs = dragInputs(this.d);
     let whole = 0;
     for (let j = 0; j < this.m; j++) whole += this.point[2 * j];
     this.whole = whole;

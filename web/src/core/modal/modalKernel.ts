@@ -3,7 +3,7 @@
  * implementations of the step, see docs/design/0010-kernel.md.
  */
 import { MODAL_KERNEL } from "./modalKernel.wasm";
-import { coupledOf, DRAG_INPUTS, ISOTROPIC, type ModalTensors } from "./modalTensors";
+import { coupledOf, dragInputs, ISOTROPIC, type ModalTensors } from "./modalTensors";
 
 const PAGE = 65_536;
 /** Floats per SIMD vector; rows are padded to a multiple. */
@@ -72,7 +72,7 @@ function tensors(modal: ModalTensors, d: number, further: number): Record<Tensor
 function dragTensors({ dragPoint, dragShape, dragRest }: ModalTensors, d: number) {
   const m = dragPoint.length / 2;
   const full = filled(m);
-  const inputs = Math.min(DRAG_INPUTS, d);
+  const inputs = dragInputs(d);
   const own = filled(d);
   const point = new Float32Array(3 * full);
   const into = new Float32Array(inputs * 3 * full);
@@ -157,7 +157,7 @@ export class ModalKernel {
     kernel.halfStep_s.value = dt_s / 2;
     kernel.coupled.value = coupledOf(modal.limits.length);
     kernel.dragPoints.value = given.dragPoint.length / 3;
-    kernel.dragInputs.value = Math.min(DRAG_INPUTS, d);
+    kernel.dragInputs.value = dragInputs(d);
     kernel.ownRow.value = 4 * own;
     kernel.furtherRow.value = 4 * (row - own);
     ({

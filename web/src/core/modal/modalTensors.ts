@@ -24,10 +24,13 @@ export interface ModalTensors {
   readonly dragRest: Float32Array;
 }
 
-/** Oscillators, at most, whose speed determines the velocity of the drag points. */
-export const DRAG_INPUTS = 8;
 /** Mean over all directions of the derivative of a quadratic drag, over pressure per speed. */
 export const ISOTROPIC = 4 / 3;
+
+/** Number of oscillators whose speed determines the velocity of the drag points: the first half, or eight. */
+export function dragInputs(oscillators: number): number {
+  return Math.min(oscillators, Math.max(8, Math.floor(oscillators / 2)));
+}
 
 /** Number of coupled coordinates, from the length of `limits`. */
 export function coupledOf(limits: number): number {
