@@ -39,11 +39,11 @@ from galewood.reduction.output_error import fitted_force
 from galewood.reduction.pod import Subspace
 from galewood.util import Array, Floats
 
-START_RIDGE = 0.3
-"""Ridge parameter of the first fit, relative to the mean square of each term.
+START_RIDGES = (0.3, 0.02, 1e-4)
+"""Ridge parameters of the first fits, relative to the mean square of each term.
 
 Terms that are alike along the runs get large coefficients of opposite sign if it is small, which can be
-unstable elsewhere.
+unstable elsewhere; a large one misses part of the force. The second fit starts from the better one.
 """
 POSE_RIDGE = 1e-6
 
@@ -69,14 +69,14 @@ def fit_modal_model(
     weights = run_weights(sway, modal)
     linear = _Linear(step, ritz.load, drag_points(ritz, typical_speed(modal)))
     tables = [force_table(run, sway, limits, settings.dt_s / 2) for run in modal]
-    start = _first_force(modal, tables, weights, linear, settings.dt_s)
+    starts = _first_forces(modal, tables, weights, linear, settings.dt_s)
     shown, pose = subspace.scale[: len(step)], _fit_pose(modal, weights, sway, limits)
     drag = linear.drag
     relative = step.copy()
     relative[:, [0, 3]] -= 1.0
-    tensors = (relative, ritz.load, sway, start, shown, pose, limits, drag.point, drag.shape, drag.rest)
+    tensors = (relative, ritz.load, sway, starts[0], shown, pose, limits, drag.point, drag.shape, drag.rest)
     first = ModalTensors(*(_single(tensor) for tensor in tensors))
-    force = fitted_force(first, modal, tables, weights, ritz.shapes, settings.dt_s)
+    force = fitted_force(first, list(starts), modal, tables, weights, ritz.shapes, settings.dt_s)
     return replace(first, force=_single(force))
 
 
@@ -127,19 +127,19 @@ def drag_along(run: ModalRun, drag: DragPoints, dt_s: float) -> Floats:
     return force.T
 
 
-def _first_force(
+def _first_forces(
     runs: Sequence[ModalRun], tables: Sequence[Floats], weights: Floats, linear: _Linear, dt_s: float
 ) -> Floats:
-    """(F, d) coefficients of the force, fitted to the error of each oscillator's linear step."""
-    force = np.empty((tables[0].shape[1], len(linear.step)))
+    """(ridges, F, d) coefficients of the force, fitted to the error of each oscillator's linear step."""
+    forces = np.empty((len(START_RIDGES), tables[0].shape[1], len(linear.step)))
     known = [linear.motion(run, dt_s) for run in runs]
     for k, oscillator in enumerate(linear.step):
         moved = np.concatenate([w * response(oscillator, t) for w, t in zip(weights, tables, strict=True)])
         missed = np.concatenate(
             [w * (run.e[:, k] - own[:, k]) for w, run, own in zip(weights, runs, known, strict=True)]
         )
-        force[:, k] = ridge_fit(moved, missed[:, None], START_RIDGE)[:, 0]
-    return force
+        forces[:, :, k] = ridge_fits(moved, missed[:, None], START_RIDGES)[:, :, 0]
+    return forces
 
 
 def _fit_pose(runs: Sequence[ModalRun], weights: Floats, sway: Floats, limits: Floats) -> Floats:
@@ -151,8 +151,14 @@ def _fit_pose(runs: Sequence[ModalRun], weights: Floats, sway: Floats, limits: F
 
 def ridge_fit(terms: Floats, target: Floats, ridge: float) -> Floats:
     """(F, m) ridge regression of targets (T, m) on terms (T, F), each term scaled by its root mean square."""
+    return np.asarray(ridge_fits(terms, target, [ridge])[0], np.float64)
+
+
+def ridge_fits(terms: Floats, target: Floats, ridges: Sequence[float]) -> Floats:
+    """(ridges, F, m) regressions as in ``ridge_fit``."""
     size = np.sqrt(np.mean(terms**2, axis=0))
     size[size == 0] = 1.0
     scaled = terms / size
     normal, side = scaled.T @ scaled / len(terms), scaled.T @ target / len(terms)
-    return np.linalg.solve(normal + ridge * np.eye(len(size)), side) / size[:, None]
+    eye = np.eye(len(size))
+    return np.stack([np.linalg.solve(normal + ridge * eye, side) / size[:, None] for ridge in ridges])

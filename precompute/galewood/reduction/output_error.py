@@ -52,38 +52,47 @@ class Target:
 
 def fitted_force(
     model: ModalTensors,
+    starts: Sequence[Floats],
     runs: Sequence[ModalRun],
     tables: Sequence[Floats],
     weights: Floats,
     shapes: Floats,
     dt_s: float,
 ) -> Floats:
-    """(F, d) force with which the model, stepped from rest, follows the runs best; starts from its own force.
+    """(F, d) force with which the model, stepped from rest, follows the runs best.
 
-    ``tables`` are the force terms (T, F) along the runs, ``weights`` (R,) those of the runs' errors, and
-    ``shapes`` (d, 3n) the displacements of the oscillators: the error is measured at the vertices.
+    Begins with the best of ``starts`` (F, d), and returns another of them if it follows the runs better than
+    the result; the force of ``model`` is not used. ``tables`` are the force terms (T, F) along the runs,
+    ``weights`` (R,) those of the runs' errors, and ``shapes`` (d, 3n) the displacements of the oscillators:
+    the error is measured at the vertices. A start that diverges is left out; if all do, the force is zero.
     """
     import scipy.optimize  # slow to load
 
     metric = shapes @ shapes.T / (shapes.shape[1] / 3)
     simulation = Simulation(model, side_by_side(runs, weights), metric, dt_s)
     scaling = _Scaling(model, tables, weights, np.diag(metric))
-    start = np.ascontiguousarray(model.force.T, np.float64)
-    first_cost = simulation.cost(start)[0] + scaling.penalty(start)[0]
-    if not first_cost > 0:
-        return model.force.astype(np.float64)
 
-    def cost(variables: Floats) -> tuple[float, Floats]:
-        force = scaling.force(variables)
+    def cost(force: Floats) -> tuple[float, Floats]:
         own, by_force = simulation.cost(force)
         penalty, by_penalty = scaling.penalty(force)
-        return (own + penalty) / first_cost, scaling.by_variables(by_force + by_penalty) / first_cost
+        return own + penalty, by_force + by_penalty
+
+    candidates = [np.ascontiguousarray(start.T, np.float64) for start in starts]
+    candidates.append(np.zeros_like(candidates[0]))
+    costs = [cost(candidate)[0] for candidate in candidates]
+    start, first_cost = candidates[int(np.argmin(costs))], max(min(costs), 1e-300)
+
+    def scaled_cost(variables: Floats) -> tuple[float, Floats]:
+        own, by_force = cost(scaling.force(variables))
+        return own / first_cost, scaling.by_variables(by_force) / first_cost
 
     options = {"maxiter": ITERATIONS, "maxcor": CORRECTIONS}
     found = scipy.optimize.minimize(
-        cost, scaling.variables(start), jac=True, method="L-BFGS-B", options=options
+        scaled_cost, scaling.variables(start), jac=True, method="L-BFGS-B", options=options
     )
-    return np.ascontiguousarray(scaling.force(np.asarray(found.x)).T)
+    candidates.append(scaling.force(np.asarray(found.x, np.float64)))
+    best = min(candidates, key=lambda force: simulation.cost(force)[0])
+    return np.ascontiguousarray(best.T)
 
 
 def side_by_side(runs: Sequence[ModalRun], weights: Floats) -> Target:
