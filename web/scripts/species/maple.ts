@@ -2,7 +2,7 @@ import { mapleBark } from "./bark-picture";
 import { palmate } from "./leaf-shapes";
 import type { Species } from "./species";
 
-/** Grown in the open: broad oval crown with long boughs in layers; red in autumn. */
+/** Grown in the open: broad oval crown with boughs in layers; red in autumn. */
 export const maple: Species = {
   id: "maple",
   name: "Maple",
@@ -27,9 +27,9 @@ export const maple: Species = {
     branching: [
       {
         count: [12, 5, 1],
-        start: 0.27,
+        start: 0.3,
         angle_deg: [72, 66, 58, 48, 38, 28],
-        length: [17, 19, 18.5, 16, 11, 4.5],
+        length: [12.3, 13.9, 14.1, 12.5, 9.2, 4.7],
         steepest: 1,
         scatter: 0.14,
       },
@@ -37,7 +37,7 @@ export const maple: Species = {
         count: [3, 1],
         start: 0.3,
         angle_deg: [60, 52, 42],
-        length: [9.5, 8.5, 6],
+        length: [6.6, 5.9, 4.5],
         steepest: 0.75,
         scatter: 0.2,
       },
@@ -45,10 +45,10 @@ export const maple: Species = {
     leader: [[0.48, 0.36], [0.5], []],
   },
   girth: {
-    breast_radius_m: 0.172,
-    taper: 1.27,
-    bough_radius_m: 0.085,
-    tip_radius_m: 0.0155,
+    breast_radius_m: 0.17,
+    taper: 1.3,
+    bough_radius_m: 0.09,
+    tip_radius_m: 0.015,
     exponent: 0.5,
     flare: 0.4,
     flare_height_m: 0.3,
