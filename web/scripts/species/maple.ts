@@ -2,7 +2,7 @@ import { mapleBark } from "./bark-picture";
 import { palmate } from "./leaf-shapes";
 import type { Species } from "./species";
 
-/** Grown in the open: broad oval crown with long boughs in layers; red in autumn. */
+/** Grown in the open: broad oval crown with boughs in layers; red in autumn. */
 export const maple: Species = {
   id: "maple",
   name: "Maple",
@@ -29,7 +29,7 @@ export const maple: Species = {
         count: [12, 5, 1],
         start: 0.27,
         angle_deg: [72, 66, 58, 48, 38, 28],
-        length: [17, 19, 18.5, 16, 11, 4.5],
+        length: [12.5, 14, 13.6, 12, 9, 4.5],
         steepest: 1,
         scatter: 0.14,
       },
@@ -37,7 +37,7 @@ export const maple: Species = {
         count: [3, 1],
         start: 0.3,
         angle_deg: [60, 52, 42],
-        length: [9.5, 8.5, 6],
+        length: [7, 6.4, 5],
         steepest: 0.75,
         scatter: 0.2,
       },
@@ -45,7 +45,7 @@ export const maple: Species = {
     leader: [[0.48, 0.36], [0.5], []],
   },
   girth: {
-    breast_radius_m: 0.172,
+    breast_radius_m: 0.169,
     taper: 1.27,
     bough_radius_m: 0.085,
     tip_radius_m: 0.0155,
