@@ -165,6 +165,16 @@ def test_leaves_hang_at_the_ends_of_branches() -> None:
     assert [part.kind for part in read(make.y_model()).primitives] == ["wood"]
 
 
+def test_leaves_hang_along_the_thin_part_of_a_branch_and_at_its_tip() -> None:
+    """A pole is thinner than 2 cm over its upper third: the sprigs begin there, not lower."""
+    leaves = read(make.pole(base_m=0.05, tip_m=0.005), ImportOptions()).primitives[1]
+    base = leaves.positions_m[leaves.uv[:, 1] == 1]  # the stalks
+    assert base[:, 1].min() > 3.0
+    assert 3.5 < np.median(base[:, 1]) < 5.5
+    thick = read(make.pole(), ImportOptions()).primitives[1]
+    assert thick.positions_m[:, 1].min() > 4.0  # at the tip alone
+
+
 def test_a_tree_of_very_many_branches_comes_with_a_warning() -> None:
     for count, many in ((400, False), (2500, True)):
         tree = read(make.random_model(4, count), ImportOptions(bare=True, min_radius_mm=0))

@@ -19,6 +19,8 @@ LEAF_AREA_PER_BASAL_AREA = 4000.0
 LARGEST_CARD_M = 0.4
 CARD_PER_HEIGHT = 0.05
 """Size of a card relative to the height of the tree, at most."""
+WIDEST_SPREAD = 0.05
+"""Standard deviation of the distance of clusters from their place, relative to the height, at most."""
 MOST_CLUSTERS = 5000
 TEXTURE = "sprig"
 MATERIAL = {
@@ -44,7 +46,8 @@ def leaf_cards(places_m: Floats, direction: Floats, trunk_diameter_m: float, hei
     size_m = float(np.sqrt(area_m2 / (2 * count)))
     at = np.arange(count) % len(places_m)
     random = np.random.default_rng(0)
-    scatter = random.normal(size=(count, 3)) * size_m * 0.5 * np.cbrt(count / len(places_m) - 1)
+    spread_m = min(0.5 * size_m * np.cbrt(count / len(places_m) - 1), WIDEST_SPREAD * height_m)
+    scatter = random.normal(size=(count, 3)) * spread_m
     return _crossed(places_m[at] + scatter, _leaning(direction[at], random), size_m, material)
 
 

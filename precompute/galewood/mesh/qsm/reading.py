@@ -191,7 +191,7 @@ def _leaves(
 
 
 def _leafy_end(line: Line, height_m: float) -> tuple[Floats, Floats]:
-    """Places (k, 3) at equal distances along the thin outer part of a branch, its tip first, and directions."""
+    """Places (k, 3) along the thin outer part of a branch, its tip first, and directions (k, 3) outwards."""
     length = np.linalg.norm(np.diff(line.points_m, axis=0), axis=1)
     from_tip = np.append(np.cumsum(length[::-1])[::-1], 0.0)
     thin = line.radius_m < LEAFY_RADIUS_M
