@@ -53,14 +53,15 @@ test("a scanned tree can be corrected before its motion is computed", async ({ p
   const dialog = page.getByRole("dialog", { name: /scan/i });
   await expect(dialog.getByLabel("Height (m)")).toHaveValue("3.0");
   await expect(dialog.getByLabel("Trunk (cm)")).toHaveValue("12.0");
-  await dialog.getByLabel("Trunk (cm)").fill("20");
-  await dialog.getByLabel("Trunk (cm)").press("Enter");
+  const imported = () => page.waitForResponse((answer) => answer.request().method() === "PATCH" && answer.ok());
+  const fill = (name: string, value: string) =>
+    Promise.all([imported(), dialog.getByLabel(name).fill(value).then(() => dialog.getByLabel(name).press("Enter"))]);
+  await fill("Trunk (cm)", "20");
   await expect(dialog.getByText(/no leaves/)).toBeVisible();
-  await dialog.getByLabel("Leaves").selectOption("None");
+  await Promise.all([imported(), dialog.getByRole("combobox", { name: /^Leaves/ }).selectOption("None")]);
   await expect(dialog.getByText(/no leaves/)).toBeHidden();
   await expect(dialog.getByLabel("Trunk (cm)")).toHaveValue("20.0");
-  await dialog.getByLabel("Finest (mm)").fill("60");
-  await dialog.getByLabel("Finest (mm)").press("Enter");
+  await fill("Finest (mm)", "60");
   await expect(dialog.getByText(/^1 dropped/)).toBeVisible();
   await dialog.getByRole("button", { name: "Discard" }).click();
 });
