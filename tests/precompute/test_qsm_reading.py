@@ -9,7 +9,7 @@ from galewood.mesh.qsm.cylinders import Cylinders, checked_tree
 from galewood.mesh.qsm.tables import read_table
 from galewood.mesh.qsm.treeqsm import HDF5, read_treeqsm
 from galewood.mesh.sandboxed import import_mesh_sandboxed
-from galewood.mesh.types import ImportOptions
+from galewood.mesh.types import Axis, ImportOptions
 from galewood.util import MeshError
 
 from tests.precompute import cylinder_models as make
@@ -153,7 +153,7 @@ def test_cylinder_files_are_read_in_the_sandbox() -> None:
 
 
 @pytest.mark.parametrize("axis", ["x", "y"])
-def test_another_axis_may_point_up(axis: str) -> None:
+def test_another_axis_may_point_up(axis: Axis) -> None:
     """The same tree with its coordinates in another order is the same tree."""
     order = {"x": [2, 0, 1], "y": [1, 2, 0]}[axis]
     model = make.y_model()

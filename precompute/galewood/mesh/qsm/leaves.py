@@ -1,4 +1,4 @@
-"""Leaf cards for a scanned tree, which is bare: clusters of two crossed squares with a sprig on each.
+"""Leaf cards along the thin branches of a scanned tree, which is bare: two crossed squares with a sprig on each.
 
 Assumption: the one-sided leaf area is 4,000 times the basal area (the cross-section of the trunk at breast
 height). A closed broadleaved stand with a leaf area index of 5 and a basal area of 20 m²/ha has a ratio of
@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from galewood.mesh.gltf_material import alpha_coverage
+from galewood.mesh.qsm.branches import Line
 from galewood.mesh.qsm.leaf_texture import sprig_png
 from galewood.mesh.types import Material, RawPart
 from galewood.util import Floats
@@ -22,6 +23,12 @@ CARD_PER_HEIGHT = 0.05
 WIDEST_SPREAD = 0.05
 """Standard deviation of the distance of clusters from their place, relative to the height, at most."""
 MOST_CLUSTERS = 5000
+LEAFY_RADIUS_M = 0.02
+"""Leaves hang where a branch is thinner than this, and at its tip."""
+LEAFY_SHARE = 0.6
+"""Largest share of the length of a branch that has leaves."""
+LEAF_SPACING = 0.025
+"""Distance of the places of leaves along a branch, relative to the height of the tree."""
 TEXTURE = "sprig"
 MATERIAL = {
     "name": "leaves",
@@ -34,6 +41,18 @@ MATERIAL = {
     "alphaCutoff": 0.4,
     "doubleSided": True,
 }
+
+
+def leafy_end(line: Line, height_m: float) -> tuple[Floats, Floats]:
+    """Places (k, 3) along the thin outer part of a branch, its tip first, and directions (k, 3) outwards."""
+    length = np.linalg.norm(np.diff(line.points_m, axis=0), axis=1)
+    from_tip = np.append(np.cumsum(length[::-1])[::-1], 0.0)
+    thin = line.radius_m < LEAFY_RADIUS_M
+    reach = min(float(from_tip[thin].max(initial=0.0)), LEAFY_SHARE * float(length.sum()))
+    at = np.arange(0.0, reach + 1e-9, LEAF_SPACING * height_m)
+    place = np.column_stack([np.interp(at, from_tip[::-1], line.points_m[::-1, k]) for k in range(3)])
+    step = np.clip(np.searchsorted(-from_tip, -at, side="left") - 1, 0, len(length) - 1)
+    return place, np.diff(line.points_m, axis=0)[step]
 
 
 def leaf_cards(places_m: Floats, direction: Floats, trunk_diameter_m: float, height_m: float) -> RawPart:

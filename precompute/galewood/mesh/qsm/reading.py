@@ -17,7 +17,7 @@ from galewood.mesh.qsm.branches import (
     smoothed_radii,
 )
 from galewood.mesh.qsm.cylinders import Cylinders, checked_tree
-from galewood.mesh.qsm.leaves import leaf_cards
+from galewood.mesh.qsm.leaves import leaf_cards, leafy_end
 from galewood.mesh.qsm.tables import read_table
 from galewood.mesh.qsm.treeqsm import read_treeqsm
 from galewood.mesh.qsm.trunk import check_trunk, trunk_warnings
@@ -36,13 +36,6 @@ MANY_BRANCHES = 300
 """More than these cannot be meshed without being thickened (docs/how-to/scanned-trees.md)."""
 SPACINGS = (1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 15.0, 25.0)
 """Distances of the rings of a tube, relative to its radius: the first with few enough faces."""
-
-LEAFY_RADIUS_M = 0.02
-"""Leaves hang where a branch is thinner than this, and at its tip."""
-LEAFY_SHARE = 0.6
-"""Largest share of the length of a branch that has leaves."""
-LEAF_SPACING = 0.025
-"""Distance of the places of leaves along a branch, relative to the height of the tree."""
 BARK = Material(
     {
         "name": "bark",
@@ -183,23 +176,11 @@ def _leaves(
         for number, branch in enumerate(branches)
         if number not in there and branch.parent in there
     ]
-    ends = [_leafy_end(line, tree.height_m) for line in lines]
+    ends = [leafy_end(line, tree.height_m) for line in lines]
     places = np.vstack([*(place for place, _ in ends), tree.start_m[twigs]])
     way = np.vstack([*(way for _, way in ends), (tree.end_m - tree.start_m)[twigs]])
     direction = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
     return leaf_cards(places, direction, dbh_m or 2 * float(lines[0].radius_m[0]), tree.height_m)
-
-
-def _leafy_end(line: Line, height_m: float) -> tuple[Floats, Floats]:
-    """Places (k, 3) along the thin outer part of a branch, its tip first, and directions (k, 3) outwards."""
-    length = np.linalg.norm(np.diff(line.points_m, axis=0), axis=1)
-    from_tip = np.append(np.cumsum(length[::-1])[::-1], 0.0)
-    thin = line.radius_m < LEAFY_RADIUS_M
-    reach = min(float(from_tip[thin].max(initial=0.0)), LEAFY_SHARE * float(length.sum()))
-    at = np.arange(0.0, reach + 1e-9, LEAF_SPACING * height_m)
-    place = np.column_stack([np.interp(at, from_tip[::-1], line.points_m[::-1, k]) for k in range(3)])
-    step = np.clip(np.searchsorted(-from_tip, -at, side="left") - 1, 0, len(length) - 1)
-    return place, np.diff(line.points_m, axis=0)[step]
 
 
 def _dropped(tree: Cylinders, branches: list[Branch], kept: list[int], loose: int) -> dict[str, Any]:
