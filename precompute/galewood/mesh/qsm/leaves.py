@@ -1,4 +1,4 @@
-"""Leaf cards along the thin branches of a scanned tree, which is bare: two crossed squares with a sprig on each.
+"""Leaf cards along the thin branches of a scanned tree: two crossed squares with a sprig on each.
 
 Assumption: the one-sided leaf area is 4,000 times the basal area (the cross-section of the trunk at breast
 height). A closed broadleaved stand with a leaf area index of 5 and a basal area of 20 m²/ha has a ratio of
