@@ -39,6 +39,33 @@ test("an invalid file is rejected with an explanation", async ({ page, quiet }) 
   await expect(alert).toBeEmpty();
 });
 
+/** A stem of ten cylinders, 3 m high, with a limb. */
+function scan(): string {
+  const rows = ["ID,parentID,startX,startY,startZ,endX,endY,endZ,radius"];
+  for (let k = 0; k < 10; k++) rows.push([k, k - 1, 0, 0, 0.3 * k, 0, 0, 0.3 * (k + 1), 0.08 - 0.005 * k].join());
+  rows.push("10,5,0,0,1.8,0.8,0,2.6,0.03");
+  return rows.join("\n");
+}
+
+test("a scanned tree can be corrected before its motion is computed", async ({ page }) => {
+  await open(page, `${panelled}&speed=5`);
+  await page.setInputFiles("#file", { name: "scan.csv", mimeType: "text/csv", buffer: Buffer.from(scan()) });
+  const dialog = page.getByRole("dialog", { name: /scan/i });
+  await expect(dialog.getByLabel("Height (m)")).toHaveValue("3.0");
+  await expect(dialog.getByLabel("Trunk (cm)")).toHaveValue("12.0");
+  const imported = () => page.waitForResponse((answer) => answer.request().method() === "PATCH" && answer.ok());
+  const fill = (name: string, value: string) =>
+    Promise.all([imported(), dialog.getByLabel(name).fill(value).then(() => dialog.getByLabel(name).press("Enter"))]);
+  await fill("Trunk (cm)", "20");
+  await expect(dialog.getByText(/no leaves/)).toBeVisible();
+  await Promise.all([imported(), dialog.getByRole("combobox", { name: /^Leaves/ }).selectOption("None")]);
+  await expect(dialog.getByText(/no leaves/)).toBeHidden();
+  await expect(dialog.getByLabel("Trunk (cm)")).toHaveValue("20.0");
+  await fill("Finest (mm)", "60");
+  await expect(dialog.getByText(/^1 dropped/)).toBeVisible();
+  await dialog.getByRole("button", { name: "Discard" }).click();
+});
+
 test("an uploaded tree joins the moving forest", async ({ page }) => {
   test.setTimeout(20 * 60_000);
   await open(page, `${panelled.replace("trees=6", "trees=12")}&speed=12`);

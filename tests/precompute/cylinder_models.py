@@ -108,6 +108,47 @@ def treeqsm_matrix(model: Cylinders) -> bytes:
     return mat({"CylData": np.hstack([*columns.values(), np.zeros((len(model.radius_m), 5))])})
 
 
+def treeqsm_matrix_in_struct(model: Cylinders) -> bytes:
+    """The matrix as the field of a struct."""
+    return mat({"QSM": {"cylinder": np.hstack(list(struct_of(model).values()))}})
+
+
+def treeqsm_text(model: Cylinders) -> bytes:
+    """The text file of TreeQSM 2.4: one name for the three columns of a point."""
+    head = "radius (m)\tlength (m)\tstart_point\taxis_direction\tparent\textension\tbranch"
+    return "\n".join([head, *_matrix_lines(model, "\t", branch=True)]).encode()
+
+
+def treeqsm_text_2_3(model: Cylinders) -> bytes:
+    """The text file of TreeQSM 2.3, which has no names."""
+    return "\n".join(_matrix_lines(model, "\t")).encode()
+
+
+def matlab_table(model: Cylinders) -> bytes:
+    """A table that was written by MATLAB, with blanks between the columns."""
+    head = "Radius Length x_coord y_coord z_coord x_vector y_vector z_vector Parent_cyl Extension_cyl"
+    return "\n".join([head, *_matrix_lines(model, "  ")]).encode()
+
+
+def spreadsheet(model: Cylinders) -> bytes:
+    """rTwig's columns as a spreadsheet saves them: its separator, a comment, UTF-16."""
+    return f"sep=;\r\n# a comment\r\n{rtwig(model).decode()}".encode("utf-16")
+
+
+def quoted(model: Cylinders) -> bytes:
+    """Numbers with a decimal comma between quotation marks."""
+    lines = rtwig(model, "\t").decode().splitlines()
+    rows = [",".join(f'"{field}"' for field in line.replace(".", ",").split("\t")) for line in lines]
+    return "\n".join(rows).encode()
+
+
+def _matrix_lines(model: Cylinders, separator: str, branch: bool = False) -> list[str]:
+    rows = np.hstack(list(struct_of(model).values()))
+    if branch:
+        rows = np.column_stack([rows, [1] * 4 + [2] * 3])
+    return [separator.join(f"{value:.17g}" for value in row) for row in rows]
+
+
 def treeqsm_old(model: Cylinders) -> bytes:
     """The separate variables of TreeQSM 2.0."""
     names = ("Rad", "Len", "Sta", "Axe", "CPar", "CExt")
@@ -143,7 +184,13 @@ WRITERS = {
     "struct.mat": treeqsm,
     "array.mat": treeqsm_array,
     "matrix.mat": treeqsm_matrix,
+    "field.mat": treeqsm_matrix_in_struct,
     "old.mat": treeqsm_old,
+    "cylinder.txt": treeqsm_text,
+    "cyl_data.txt": treeqsm_text_2_3,
+    "table.txt": matlab_table,
+    "spreadsheet.csv": spreadsheet,
+    "quoted.csv": quoted,
     "simpleforest.csv": simpleforest,
     "archi.csv": archi,
     "rtwig.csv": rtwig,

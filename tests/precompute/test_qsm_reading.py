@@ -9,7 +9,7 @@ from galewood.mesh.qsm.cylinders import Cylinders, checked_tree
 from galewood.mesh.qsm.tables import read_table
 from galewood.mesh.qsm.treeqsm import HDF5, read_treeqsm
 from galewood.mesh.sandboxed import import_mesh_sandboxed
-from galewood.mesh.types import ImportOptions
+from galewood.mesh.types import Axis, ImportOptions
 from galewood.util import MeshError
 
 from tests.precompute import cylinder_models as make
@@ -104,6 +104,12 @@ REFUSED = {
         "several-roots",
     ),
     "millimetres": ("a.csv", make.archi(make.y_model().scaled(1000.0)), "cylinder-unit"),
+    "radii in millimetres": ("a.csv", changed(radius_m=1000 * make.y_model().radius_m), "cylinder-thick"),
+    "upside down": (
+        "a.csv",
+        changed(start_m=-make.y_model().start_m, end_m=-make.y_model().end_m),
+        "upside-down",
+    ),
     "a child far away": ("a.csv", with_value("start_m", 5, 3.0), "cylinder-gap"),
     "all thin": ("a.csv", changed(radius_m=np.full(7, 0.004)), "all-thin"),
     "missing columns": ("a.csv", b"startX,startY,startZ,radius\n0,0,0,1\n", "cylinder-columns"),
@@ -144,6 +150,39 @@ def test_cylinder_files_are_read_in_the_sandbox() -> None:
     with pytest.raises(MeshError) as caught:
         import_mesh_sandboxed(damaged(), "oak.mat")
     assert caught.value.code == "unreadable"
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_another_axis_may_point_up(axis: Axis) -> None:
+    """The same tree with its coordinates in another order is the same tree."""
+    order = {"x": [2, 0, 1], "y": [1, 2, 0]}[axis]
+    model = make.y_model()
+    given = replace(model, start_m=model.start_m[:, order], end_m=model.end_m[:, order])
+    found = read_tree(make.archi(given), "a.csv", ImportOptions(up_axis=axis))
+    assert found.report["qsm"] == read_tree(make.archi(model), "a.csv").report["qsm"]
+    assert found.wood_vertices_m[:, 1].max() == pytest.approx(4.0, abs=0.1)
+    assert found.report["up_axis"]["value"] == axis
+
+
+@pytest.mark.parametrize("factor", [100.0, 1000.0])
+def test_a_given_height_replaces_the_unit(factor: float) -> None:
+    scaled = read_tree(make.archi(make.y_model().scaled(factor)), "a.csv", ImportOptions(height_m=4.0))
+    assert scaled.report["qsm"]["dbh_cm"] == pytest.approx(18.0)
+
+
+def test_a_given_diameter_replaces_the_unit_of_the_radii() -> None:
+    data = changed(radius_m=1000 * make.y_model().radius_m)
+    found = read_tree(data, "a.csv", ImportOptions(dbh_cm=18.0)).report["qsm"]
+    assert found["wood_volume_m3"] == pytest.approx(float(make.y_model().volume_m3.sum()))
+
+
+def test_what_is_unusual_comes_with_a_warning() -> None:
+    level = replace(make.y_model(), start_m=make.y_model().start_m[:, [2, 1, 0]] + [0, 0, 2])
+    level = replace(level, end_m=make.y_model().end_m[:, [2, 1, 0]] + [0, 0, 2])
+    assert any("hardly rises" in words for words in read_tree(make.archi(level), "a.csv").report["warnings"])
+    swollen = read_tree(with_value("radius_m", 2, 0.5), "a.csv").report["warnings"]
+    assert any("more than 3 times as thick" in words for words in swollen)
+    assert not any("thick as" in words for words in read_tree(changed(), "a.csv").report["warnings"])
 
 
 def test_options_out_of_place_are_refused() -> None:

@@ -1,9 +1,14 @@
 """Tubes around scanned branches: closed, of the right size and place, and as stiff as beams."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from galewood.beams import Frame, frame_frequencies
+from galewood.mesh import alpha_coverage
 from galewood.mesh.importer import read_tree
-from galewood.mesh.qsm.reading import MOST_BRANCHES
+from galewood.mesh.qsm.branches import branch_lines, chained
+from galewood.mesh.qsm.reading import MOST_BRANCHES, SPACINGS
 from galewood.mesh.repair import Surface, face_components, signed_volumes
 from galewood.mesh.types import ImportOptions, TreeMesh
 from galewood.model import beam_model
@@ -41,6 +46,38 @@ def test_a_tapered_pole_sways_as_beam_theory_says() -> None:
     exact = pole_frequencies(6.0, wood.young_longitudinal_pa, wood.density_kg_m3, area, moment, 0.5)
     np.testing.assert_allclose(found[[0, 2]], exact, rtol=0.05)
     np.testing.assert_allclose(found[[1, 3]], exact, rtol=0.05)
+
+
+def frequency_of_beams(points, radius, links) -> float:
+    """Lowest frequency of beams that are clamped at the first point, z up."""
+    upright = np.asarray(points)[:, [0, 2, 1]]
+    frame = Frame(upright, np.asarray(links), np.asarray(radius), np.zeros(len(links), bool))
+    return float(frame_frequencies(frame, wood_of_species("ash"), 0.0, 1)[0])
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_line_through_a_crooked_stem_sways_like_its_cylinders(seed: int) -> None:
+    """Joining and smoothing neither shortens the stem nor makes it stiffer by more than a few per cent."""
+    print(f"seed {seed}")
+    random = np.random.default_rng(seed)
+    place = np.column_stack([random.normal(size=(61, 2)) * 0.012, np.linspace(0, 6, 61)])
+    place[0] = 0.0
+    stem = make.chain(place, np.linspace(0.06, 0.02, 60) * random.uniform(0.95, 1.05, 60))
+    exact = frequency_of_beams(place, stem.radius_m, [(k, k + 1) for k in range(60)])
+    line = branch_lines(stem, chained(stem), SPACINGS[0])[0]
+    one, other = line.radius_m[:-1], line.radius_m[1:]
+    radius = np.sqrt((one**2 + one * other + other**2) / 3)
+    found = frequency_of_beams(line.points_m, radius, [(k, k + 1) for k in range(len(radius))])
+    assert found == pytest.approx(exact, rel=0.03)
+
+
+def test_a_branch_that_is_thicker_than_its_limb_keeps_its_volume() -> None:
+    model = make.y_model()
+    wide = replace(model, radius_m=np.where(np.arange(7) > 3, 0.1, model.radius_m))
+    lines = branch_lines(wide, chained(wide), SPACINGS[0])
+    trunk, limb = sorted(lines, key=lambda line: float(np.ptp(line.points_m[:, 0])))
+    assert limb.radius_m[0] <= trunk.nearest(limb.points_m[0])[1] + 1e-9
+    assert limb.radius_m[1:].max() == pytest.approx(0.1)
 
 
 def test_a_branch_begins_inside_the_limb_that_bears_it() -> None:
@@ -123,8 +160,19 @@ def test_leaves_hang_at_the_ends_of_branches() -> None:
     area = (
         np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1).sum() / 2
     )
-    assert area == pytest.approx(4000 * np.pi / 4 * 0.18**2, rel=1e-6)
+    leafy = area * alpha_coverage(leaves[0].material)
+    assert leafy == pytest.approx(4000 * np.pi / 4 * 0.18**2, rel=1e-6)
     assert [part.kind for part in read(make.y_model()).primitives] == ["wood"]
+
+
+def test_leaves_hang_along_the_thin_part_of_a_branch_and_at_its_tip() -> None:
+    """A pole is thinner than 2 cm over its upper third: the sprigs begin there, not lower."""
+    leaves = read(make.pole(base_m=0.05, tip_m=0.005), ImportOptions()).primitives[1]
+    base = leaves.positions_m[leaves.uv[:, 1] == 1]  # the stalks
+    assert base[:, 1].min() > 3.0
+    assert 3.5 < np.median(base[:, 1]) < 5.5
+    thick = read(make.pole(), ImportOptions()).primitives[1]
+    assert thick.positions_m[:, 1].min() > 4.0  # at the tip alone
 
 
 def test_a_tree_of_very_many_branches_comes_with_a_warning() -> None:

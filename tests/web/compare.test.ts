@@ -91,6 +91,15 @@ describe("detected properties of an upload", () => {
     }
   });
 
+  test("those of a scanned tree are there only if the file was one", () => {
+    expect(assumedOf(intake).scan).toBeNull();
+    const qsm = { dbh_cm: 18.2, min_radius_mm: 10, dropped: { thin_branches: 3 } };
+    expect(assumedOf({ ...intake, qsm }).scan).toEqual({ dbh_cm: 18.2, min_radius_mm: 10, dropped: 3, bare: false });
+    const wood = intake.parts.slice(0, 2);
+    const bare = assumedOf({ import: { ...intake, parts: wood, qsm: { ...qsm, dbh_cm: null } } }).scan;
+    expect(bare).toMatchObject({ dbh_cm: null, bare: true });
+  });
+
   test("an empty or invalid report gives the defaults", () => {
     for (const report of [null, {}, [], "x", { parts: [null] }]) expect(assumedOf(report).axis.value).toBe("y");
   });

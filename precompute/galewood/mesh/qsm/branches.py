@@ -13,6 +13,10 @@ from galewood.util import Floats, Int64s
 TRUNK = -1
 BREAST_HEIGHT_M = 1.3
 SHORTEST_M = 1e-3
+WIDEST_BRANCH = 1.5
+"""Largest radius of a branch relative to the limb that bears it; at its base it is no wider than the limb."""
+SMOOTHING = 0.1
+"""Share of the way to the middle of its neighbours by which an inner point of a line is moved."""
 LEAST_OF_THICKEST = 0.5
 """Least radius of an extension, relative to the thickest child of the same cylinder."""
 
@@ -101,22 +105,22 @@ def _tapering(area: Floats, weight: Floats) -> Floats:
 def _line(tree: Cylinders, own: Int64s, limb: Line | None, spacing: float) -> Line:
     points = _joints(tree, own)
     area = tree.radius_m[own] ** 2
-    most = np.inf
+    limb_radius = np.inf
     if limb is not None:
         foot, limb_radius = limb.nearest(points[0])
-        most = limb_radius**2
         points, area = np.vstack([foot, points]), np.append(area[0], area)
     length = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if length.sum() < SHORTEST_M:
-        radius = float(np.sqrt(min(area.max(), most)))
+        radius = min(float(np.sqrt(area.max())), limb_radius)
         return Line(points[0] + np.array([[0, 0, 0], [0, 0, radius]]), np.full(2, radius))
     last = _groups(length, np.sqrt(area), spacing)
     first = np.append(0, last[:-1] + 1)
     span = np.add.reduceat(length, first)
     mean = np.add.reduceat(area * length, first) / span
-    mean = np.minimum(_tapering(mean, span), most)
+    mean = np.minimum(_tapering(mean, span), (WIDEST_BRANCH * limb_radius) ** 2)
     between = (mean[:-1] * span[1:] + mean[1:] * span[:-1]) / (span[:-1] + span[1:])
     radius = np.sqrt(np.concatenate([mean[:1], between, mean[-1:]]))
+    radius[0] = min(radius[0], limb_radius)
     return Line(_smoothed(points[np.append(0, last + 1)]), radius)
 
 
@@ -142,7 +146,7 @@ def _groups(length: Floats, radius: Floats, spacing: float) -> Int64s:
 
 
 def _smoothed(points: Floats) -> Floats:
-    """Each inner point moved a quarter of the way to the middle of its neighbours."""
+    """Each inner point moved some of the way to the middle of its neighbours."""
     result = points.copy()
-    result[1:-1] = 0.75 * points[1:-1] + 0.125 * (points[:-2] + points[2:])
+    result[1:-1] = (1 - SMOOTHING) * points[1:-1] + SMOOTHING / 2 * (points[:-2] + points[2:])
     return result

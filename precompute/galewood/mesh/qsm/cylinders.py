@@ -186,7 +186,8 @@ def _check_size(tree: Cylinders) -> None:
             "cylinder-unit",
             "unsuitable",
             f"The model is {tree.height_m:.4g} m high, which no tree is.",
-            "Coordinates and radii must be in metres, with z pointing up: export the model in metres.",
+            "Coordinates and radii must be in metres, with z pointing up. Export the model again, or give "
+            "the height of the tree (--height-m): radii are then scaled with the coordinates.",
         )
 
 

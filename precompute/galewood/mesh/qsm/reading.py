@@ -17,13 +17,16 @@ from galewood.mesh.qsm.branches import (
     smoothed_radii,
 )
 from galewood.mesh.qsm.cylinders import Cylinders, checked_tree
-from galewood.mesh.qsm.leaves import leaf_cards
+from galewood.mesh.qsm.leaves import leaf_cards, leafy_end
 from galewood.mesh.qsm.tables import read_table
 from galewood.mesh.qsm.treeqsm import read_treeqsm
+from galewood.mesh.qsm.trunk import check_trunk, trunk_warnings
 from galewood.mesh.qsm.tubes import tube, tube_faces
-from galewood.mesh.types import ImportOptions, RawPart
+from galewood.mesh.types import Axis, ImportOptions, Material, RawPart
 from galewood.util import Floats, MeshError
 
+COLUMNS_FOR_Z_UP: dict[Axis, list[int]] = {"x": [1, 2, 0], "y": [2, 0, 1], "z": [0, 1, 2]}
+"""Order of the coordinates in which the axis that points up is the last, without mirroring."""
 QsmFormat = Literal["treeqsm", "csv"]
 MIN_RADIUS_MM = 10.0
 MOST_BRANCHES = 200
@@ -31,13 +34,23 @@ MOST_BRANCHES = 200
 MOST_FACES = 60_000
 MANY_BRANCHES = 300
 """More than these cannot be meshed without being thickened (docs/how-to/scanned-trees.md)."""
-SPACINGS = (2.0, 3.0, 4.5, 7.0, 10.0, 15.0, 25.0)
+SPACINGS = (1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 15.0, 25.0)
 """Distances of the rings of a tube, relative to its radius: the first with few enough faces."""
+BARK = Material(
+    {
+        "name": "bark",
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.14, 0.115, 0.095, 1.0],
+            "metallicFactor": 0.0,
+            "roughnessFactor": 0.95,
+        },
+    }
+)
 
 
 @dataclass(frozen=True)
 class ScannedTree:
-    """Parts of a scanned tree (wood first), z up, in metres, and what was found and assumed."""
+    """Parts of a scanned tree (wood first) in the axes of the file, in metres; what was found and assumed."""
 
     parts: list[RawPart]
     report: dict[str, Any]
@@ -47,11 +60,14 @@ class ScannedTree:
 def read_qsm(data: bytes, file_format: QsmFormat, options: ImportOptions) -> ScannedTree:
     """The tree of a cylinder model. Raises MeshError if it is damaged or is not one tree."""
     raw, models = read_treeqsm(data) if file_format == "treeqsm" else (read_table(data), 1)
+    order = COLUMNS_FOR_Z_UP[options.up_axis or "z"]
+    raw = replace(raw, start_m=raw.start_m[:, order], end_m=raw.end_m[:, order])
     if options.height_m is not None and raw.height_m > 0:
         raw = raw.scaled(options.height_m / raw.height_m)
     tree, loose = checked_tree(raw)
     branches = chained(tree)
     tree, dbh_m = _fitted(tree, branches[0], options.dbh_cm)
+    check_trunk(tree, branches[0])
     least_mm, kept = _thick_enough(tree, branches, options.min_radius_mm)
     lines = _lines(tree, [branches[number] for number in kept], kept)
     parts = [_wood(lines)]
@@ -66,7 +82,15 @@ def read_qsm(data: bytes, file_format: QsmFormat, options: ImportOptions) -> Sca
         "min_radius_mm": least_mm,
         "dropped": _dropped(tree, branches, kept, loose),
     }
-    return ScannedTree(parts, report, _warnings(report, models, options))
+    warnings = _warnings(report, models, options) + trunk_warnings(tree, branches[0])
+    return ScannedTree([_in_axes_of_file(part, order) for part in parts], report, warnings)
+
+
+def _in_axes_of_file(part: RawPart, order: list[int]) -> RawPart:
+    """The part with its coordinates in the order of the file."""
+    back = np.argsort(order)
+    normals = None if part.normals is None else part.normals[:, back]
+    return replace(part, positions=part.positions[:, back], normals=normals)
 
 
 def _fitted(tree: Cylinders, trunk: Branch, dbh_cm: float | None) -> tuple[Cylinders, float | None]:
@@ -138,25 +162,25 @@ def _wood(lines: list[Line]) -> RawPart:
         labels=("wood",),
         positions=np.concatenate([vertices for vertices, _ in tubes]),
         faces=np.concatenate(faces).astype(np.int32),
+        material=BARK,
     )
 
 
 def _leaves(
     tree: Cylinders, branches: list[Branch], kept: list[int], lines: list[Line], dbh_m: float | None
 ) -> RawPart:
-    """Leaves at the tips of the kept branches, and where a dropped one leaves them."""
+    """Leaves along the thin ends of the kept branches, and where a dropped one leaves them."""
     there = set(kept)
     twigs = [
         branch.cylinders[0]
         for number, branch in enumerate(branches)
         if number not in there and branch.parent in there
     ]
-    places = np.array([*(line.points_m[-1] for line in lines), *tree.start_m[twigs]])
-    way = np.array(
-        [*(line.points_m[-1] - line.points_m[-2] for line in lines), *(tree.end_m - tree.start_m)[twigs]]
-    )
+    ends = [leafy_end(line, tree.height_m) for line in lines]
+    places = np.vstack([*(place for place, _ in ends), tree.start_m[twigs]])
+    way = np.vstack([*(way for _, way in ends), (tree.end_m - tree.start_m)[twigs]])
     direction = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
-    return leaf_cards(places, direction, dbh_m or 2 * float(lines[0].radius_m[0]))
+    return leaf_cards(places, direction, dbh_m or 2 * float(lines[0].radius_m[0]), tree.height_m)
 
 
 def _dropped(tree: Cylinders, branches: list[Branch], kept: list[int], loose: int) -> dict[str, Any]:

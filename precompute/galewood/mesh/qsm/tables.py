@@ -1,52 +1,37 @@
-"""Cylinders from CSV files, by the names of their columns.
+"""Cylinders from text tables, by the names of their columns.
 
 SimpleForest (``ID, parentID, startX … endZ, radius``; −1: no parent), aRchi and AdQSM (``startX … endZ,
-cyl_ID, parent_ID, extension_ID, radius_cyl``; 0: no parent) and rTwig (``start_x …, id, parent``). The
-separator is a comma, a semicolon or a tab.
+cyl_ID, parent_ID, extension_ID, radius_cyl``; 0: no parent), rTwig (``start_x …, id, parent``), and TreeQSM's
+own text files. The separator is a comma, a semicolon, a tab or white space.
 """
 
 from __future__ import annotations
 
 import csv
-import re
 
 import numpy as np
 
 from galewood.mesh.qsm.cylinders import MOST, NO_CYLINDER, Cylinders, check_count
+from galewood.mesh.qsm.header import Layout, decoded, layout_of, number, split
 from galewood.util import Floats, Int64s, MeshError
 
-SEPARATORS = ",;\t"
 HEADER_BYTES = 8192
 BROKEN = -2
-COLUMNS = {
-    "id": ("id", "cylid", "cylinderid"),
-    "parent": ("parentid", "parent", "parentcylid"),
-    "extension": ("extensionid", "extension"),
-    "branch": ("branchid", "axisid", "branch"),
-    "radius": ("radius", "radiuscyl", "cylradius"),
-    "length": ("length", "lengthcyl", "cyllength"),
-    **{
-        f"{point}{axis}": (f"{point}{axis}", f"{point}{number}")
-        for point in ("start", "end", "axis")
-        for number, axis in enumerate("xyz", start=1)
-    },
-}
-"""Names of each column, in lower case and without anything but letters and digits."""
 STARTS, ENDS, AXES = (tuple(f"{point}{axis}" for axis in "xyz") for point in ("start", "end", "axis"))
 
 
 def has_cylinder_columns(data: bytes) -> bool:
-    """Whether a text file begins with the names of the columns of cylinders."""
-    columns = _named(_header(_text(data[:HEADER_BYTES])))
+    """Whether a text file begins with the names, or the numbers, of the columns of cylinders."""
+    columns = layout_of(decoded(data[:HEADER_BYTES]).splitlines()).columns
     return all(name in columns for name in (*STARTS, "radius"))
 
 
 def read_table(data: bytes) -> Cylinders:
     """The cylinders of a CSV file. Raises MeshError if columns are missing or a line cannot be read."""
-    text = _text(data)
-    columns = _named(_header(text))
-    _check_columns(columns)
-    rows = _rows(text, columns)
+    lines = decoded(data).splitlines()
+    layout = layout_of(lines)
+    _check_columns(layout.columns)
+    rows = _rows(lines, layout)
     start = np.column_stack([rows[name] for name in STARTS])
     if ENDS[0] in rows:
         end = np.column_stack([rows[name] for name in ENDS])
@@ -77,36 +62,6 @@ def _in_same_branch(parent: Int64s, branch: Floats) -> Int64s:
     return extension
 
 
-def _text(data: bytes) -> str:
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("latin-1")  # decodes every byte; the names that matter are ASCII
-
-
-def _header(text: str) -> list[str]:
-    """Fields of the first line that is not blank; none if it is not text."""
-    line = next(iter(text.lstrip().splitlines()), "")
-    try:
-        return next(csv.reader([line], delimiter=_separator(line)), [])
-    except csv.Error:
-        return []
-
-
-def _separator(header: str) -> str:
-    return max(SEPARATORS, key=header.count)
-
-
-def _named(header: list[str]) -> dict[str, int]:
-    """Position of each known column; the first of its names that occurs counts."""
-    plain = [re.sub(r"[^a-z0-9]", "", name.lower()) for name in header]
-    return {
-        column: plain.index(next(name for name in names if name in plain))
-        for column, names in COLUMNS.items()
-        if any(name in plain for name in names)
-    }
-
-
 def _check_columns(columns: dict[str, int]) -> None:
     missing = [name for name in (*STARTS, "radius", "parent") if name not in columns]
     if not missing and not (all(name in columns for name in (*AXES, "length"))):
@@ -120,38 +75,29 @@ def _check_columns(columns: dict[str, int]) -> None:
         )
 
 
-def _rows(text: str, columns: dict[str, int]) -> dict[str, Floats]:
-    lines = text.lstrip().splitlines()
-    separator = _separator(lines[0])
-    width = max(columns.values()) + 1
+def _rows(lines: list[str], layout: Layout) -> dict[str, Floats]:
+    width = max(layout.columns.values()) + 1
     values: list[list[float]] = []
-    for number, line in enumerate(lines[1:], start=2):
+    for at, line in enumerate(lines[layout.first_line :], start=layout.first_line + 1):
         if not line.strip():
             continue
         try:
-            fields = next(csv.reader([line], delimiter=separator))
+            fields = split(line, layout.separator)
             if len(fields) < width:
                 raise ValueError("too few fields")
-            values.append([_number(fields[at], separator) for at in columns.values()])
+            values.append([number(fields[column]) for column in layout.columns.values()])
         except (ValueError, csv.Error) as error:
             raise MeshError(
                 "csv-syntax",
                 "malformed",
-                f"Line {number} of the table is invalid: {error}.",
+                f"Line {at} of the table is invalid: {error}.",
                 "Correct it, or export the table again.",
             ) from error
         if len(values) > MOST:
-            check_count(len(lines) - 1)
+            check_count(len(lines) - layout.first_line)
     check_count(len(values))
     table = np.array(values, dtype=np.float64)
-    return {name: table[:, at] for at, name in enumerate(columns)}
-
-
-def _number(field: str, separator: str) -> float:
-    text = field.strip().strip('"')
-    if text in ("", "NA", "NaN", "nan"):
-        return float("nan")
-    return float(text.replace(",", ".") if separator == ";" else text)
+    return {name: table[:, at] for at, name in enumerate(layout.columns)}
 
 
 def _links(named: Floats, known: Floats) -> Int64s:

@@ -39,7 +39,7 @@ def read_treeqsm(data: bytes) -> tuple[Cylinders, int]:
             "unsuitable",
             "The MATLAB file has no TreeQSM cylinders.",
             "Save a variable QSM, OptQSM or qsm that has the field cylinder "
-            f"(with {', '.join(FIELDS[:-1])}).",
+            f"(with {', '.join(FIELDS[:-1])}), or a matrix with the columns {', '.join(FIELDS)}.",
         )
     return _cylinders(found[0]), len(found)
 
@@ -78,9 +78,14 @@ def _models(variables: Struct) -> Iterator[Struct]:
     if structs:
         return
     for value in variables.values():
-        is_matrix = isinstance(value, np.ndarray) and value.dtype.kind in "fiu" and value.ndim == 2
-        if is_matrix and value.shape[1] >= MATRIX_COLUMNS["extension"].stop:
-            yield {field: value[:, columns] for field, columns in MATRIX_COLUMNS.items()}
+        yield from _matrix(value)
+
+
+def _matrix(value: Any) -> Iterator[Struct]:
+    """The fields of a matrix of cylinders."""
+    is_matrix = isinstance(value, np.ndarray) and value.dtype.kind in "fiu" and value.ndim == 2
+    if is_matrix and value.shape[1] >= MATRIX_COLUMNS["extension"].stop:
+        yield {field: value[:, columns] for field, columns in MATRIX_COLUMNS.items()}
 
 
 def _structs(value: Any, depth: int) -> Iterator[Struct]:
@@ -99,6 +104,7 @@ def _structs(value: Any, depth: int) -> Iterator[Struct]:
             yield {field: item[known[field]] for field in FIELDS if field in known}
         elif "cylinder" in known:
             yield from _structs(item[known["cylinder"]], depth - 1)
+            yield from _matrix(item[known["cylinder"]])
         else:
             for name in names:
                 yield from _structs(item[name], depth - 1)

@@ -8,6 +8,16 @@ export interface Part {
   readonly reason: string;
 }
 
+/** What was read from the cylinders of a scanned tree. */
+export interface Scan {
+  /** Diameter of the trunk at 1.3 m; null if the trunk is lower. */
+  readonly dbh_cm: number | null;
+  /** Radius below which branches were dropped. */
+  readonly min_radius_mm: number;
+  readonly dropped: number;
+  readonly bare: boolean;
+}
+
 export interface Assumed {
   readonly axis: { value: string; reason: string };
   readonly size: string;
@@ -15,6 +25,8 @@ export interface Assumed {
   readonly species: { value: string; reason: string };
   readonly parts: readonly Part[];
   readonly warnings: readonly string[];
+  /** Null if the file is a mesh. */
+  readonly scan: Scan | null;
 }
 
 type Json = Record<string, unknown>;
@@ -22,12 +34,13 @@ type Json = Record<string, unknown>;
 const object = (value: unknown): Json =>
   typeof value === "object" && value !== null && !Array.isArray(value) ? (value as Json) : {};
 const text = (value: unknown): string => (typeof value === "string" ? value : "");
+const numberIn = (value: unknown): number | null => (typeof value === "number" ? value : null);
 const list = (value: unknown): unknown[] => (Array.isArray(value) ? value : []);
 
 function partOf(value: unknown): Part {
   const part = object(value);
   const names = [...new Set(list(part.names).map(text).filter(Boolean))];
-  const faces = typeof part.faces === "number" ? part.faces : 0;
+  const faces = numberIn(part.faces) ?? 0;
   return { name: names.at(-1) ?? "", faces, wood: part.kind === "wood", reason: text(part.reason) };
 }
 
@@ -41,17 +54,26 @@ function together(parts: readonly Part[]): Part[] {
   return [...byName.values()];
 }
 
+const scanOf = (qsm: Json, parts: readonly Part[]): Scan => ({
+  dbh_cm: numberIn(qsm.dbh_cm),
+  min_radius_mm: numberIn(qsm.min_radius_mm) ?? 0,
+  dropped: numberIn(object(qsm.dropped).thin_branches) ?? 0,
+  bare: parts.every((part) => part.wood),
+});
+
 /** Reads an import report, or the one inside a build report. */
 export function assumedOf(report: unknown): Assumed {
   const all = object(report);
   const intake = "up_axis" in all ? all : object(all.import ?? all.intake);
   const [axis, unit, species] = [object(intake.up_axis), object(intake.unit), object(intake.species)];
+  const parts = together(list(intake.parts).map(partOf));
   return {
     axis: { value: text(axis.value) || "y", reason: text(axis.reason) },
     size: text(unit.reason),
-    height_m: typeof intake.height_m === "number" ? intake.height_m : 0,
+    height_m: numberIn(intake.height_m) ?? 0,
     species: { value: text(species.value), reason: text(species.reason) },
-    parts: together(list(intake.parts).map(partOf)),
+    parts,
     warnings: list(intake.warnings).map(text).filter(Boolean),
+    scan: "qsm" in intake ? scanOf(object(intake.qsm), parts) : null,
   };
 }

@@ -11,9 +11,10 @@ import {
   startPrecompute,
   type Tree,
 } from "../server/api";
+import type { Limits } from "../settings/queryNumbers";
 import { make } from "../ui/dom";
 import { displayName } from "../ui/words";
-import { type Assumed, assumedOf } from "./assumed";
+import { type Assumed, assumedOf, type Scan } from "./assumed";
 import { Preview } from "./preview";
 
 const AXES = { y: "Y", z: "Z", x: "X" };
@@ -93,21 +94,35 @@ export class OwnTreeDialog {
     const wood = select(woods, assumed.species.value || "default", (value) =>
       this.change({ species: value }),
     );
-    const height = make("input");
-    Object.assign(height, {
-      type: "number",
-      min: "0.5",
-      max: "150",
-      step: "0.1",
-      value: assumed.height_m.toFixed(1),
-    });
-    height.addEventListener("change", () => this.change({ height_m: height.valueAsNumber || null }));
+    const height = numberField(assumed.height_m, { min: 0.5, max: 150, step: 0.1 }, (value) =>
+      this.change({ height_m: value }),
+    );
     const axis = select(AXES, assumed.axis.value, (value) => this.change({ up_axis: value }));
     return [
       row("Wood species", wood, assumed.species.reason),
       row("Height (m)", height, assumed.size),
       row("Up axis", axis, assumed.axis.reason),
-      this.parts(assumed),
+      ...(assumed.scan ? this.scanFields(assumed.scan) : [this.parts(assumed)]),
+    ];
+  }
+
+  /** What can be corrected only in a scanned tree. Its parts are known. */
+  private scanFields({ dbh_cm, min_radius_mm, dropped, bare }: Scan): HTMLElement[] {
+    const diameter = numberField(dbh_cm, { min: 1, max: 1500, step: 0.1 }, (value) =>
+      this.change({ dbh_cm: value }),
+    );
+    diameter.disabled = dbh_cm === null;
+    const least = numberField(min_radius_mm, { min: 0, max: 500, step: 0.5 }, (value) =>
+      this.change({ min_radius_mm: value }),
+    );
+    const leaves = select({ added: "Added", none: "None" }, bare ? "none" : "added", (value) =>
+      this.change({ bare: value === "none" }),
+    );
+    const low = "the trunk does not reach 1.3 m";
+    return [
+      row("Trunk (cm)", diameter, dbh_cm === null ? low : "diameter at 1.3 m; all radii are scaled with it"),
+      row("Finest (mm)", least, `${dropped} dropped: branches nowhere as thick as this radius`),
+      row("Leaves", leaves, "a scan has none; their area is assumed"),
     ];
   }
 
@@ -190,6 +205,20 @@ function row(words: string, control: HTMLElement, reason: string): HTMLElement {
   const label = make("label", "", "own-tree-row");
   label.append(make("span", words), control, make("small", reason));
   return label;
+}
+
+function numberField(
+  value: number | null,
+  limits: Limits,
+  changed: (value: number | null) => void,
+): HTMLInputElement {
+  const made = make("input");
+  const [min, max, step] = [limits.min, limits.max, limits.step].map(String);
+  Object.assign(made, { type: "number", min, max, step, value: value?.toFixed(1) ?? "" });
+  made.addEventListener("change", () =>
+    changed(Number.isNaN(made.valueAsNumber) ? null : made.valueAsNumber),
+  );
+  return made;
 }
 
 function select(

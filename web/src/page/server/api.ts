@@ -122,6 +122,10 @@ export interface Assumptions {
   height_m?: number | null;
   up_axis?: string | null;
   wood_materials?: string[] | null;
+  /** Of a scanned tree, like the fields below: diameter of the trunk at 1.3 m. */
+  dbh_cm?: number | null;
+  min_radius_mm?: number | null;
+  bare?: boolean | null;
 }
 
 /** Imports the mesh again with these corrections. */
