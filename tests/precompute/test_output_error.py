@@ -74,7 +74,7 @@ def test_gradient_of_the_drag_is_that_of_differences(speed_m_s: float) -> None:
 
     def force(at: Floats) -> Floats:
         total = np.zeros((d, LANES))
-        add_drag(*tensors, at, pressure, np.empty((3 * points + 3, LANES)), total)
+        add_drag(*tensors, at, pressure, np.empty((3 * points + 6, LANES)), total)
         return total
 
     by_v = np.zeros((d, LANES))

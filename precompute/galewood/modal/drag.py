@@ -16,14 +16,16 @@ import numpy as np
 
 from galewood.wind import (
     HALF_AIR_DENSITY_KG_M3,
+    STREAMLINED_EXPONENT,
     STREAMLINING_SPEED_M_S,
     pressure_per_speed,
-    speed_of_pressure,
 )
 
 FEWEST_INPUTS = 8
 ISOTROPIC = 4.0 / 3.0
 """Mean over all directions of the derivative of a quadratic drag, over pressure per speed."""
+STRONG_PA = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
+"""Pressure above which it grows with the streamlined power of the speed."""
 TINY_PA = 1e-30
 """Keeps the direction of no wind finite."""
 
@@ -33,51 +35,77 @@ def add_drag(point, inputs, outputs, rest, v, pressure, room, total):  # pragma:
     """Add the drag at the velocities v (d, lanes) in winds of pressure (2, lanes), Pa, to total (d, lanes).
 
     point (m, 2): area, m², and share s; inputs (3m, k) and outputs (d, 3m): Ψ, rows x of all points, then y,
-    z; rest (d,) m²/kg; room (3m + 3, lanes).
+    z; rest (d,) m²/kg; room (3m + 6, lanes).
     """
-    count, lanes = len(point), v.shape[1]
+    count = len(point)
     moved = room[: 3 * count]
     np.dot(inputs, v[: inputs.shape[1]], moved)
-    wind, mean, spare = room[3 * count], room[3 * count + 1], room[3 * count + 2]
+    air, mean = room[3 * count : 3 * count + 4], room[3 * count + 4]
     mean[:] = 0.0
-    whole = 0.0
+    _write_air(pressure, point[:, 1].max(), air)
+    share_of = point[:, 0] / point[:, 0].sum()
     for j in range(count):
-        whole += point[j, 0]
-    for lane in range(lanes):
-        wind[lane] = np.sqrt(pressure[0, lane] * pressure[0, lane] + pressure[1, lane] * pressure[1, lane])
-    for j in range(count):
-        area, share = point[j, 0], point[j, 1]
         x, y, z = moved[j], moved[count + j], moved[2 * count + j]
-        # Both laws are quadratic in weak wind; without branches the compiler uses the SIMD lanes.
-        fastest = 0.0
-        for lane in range(lanes):
-            sheltered = np.sqrt(share * wind[lane] / HALF_AIR_DENSITY_KG_M3)
-            fastest = max(fastest, sheltered)
-            spare[lane] = sheltered
-        if fastest > STREAMLINING_SPEED_M_S:
-            for lane in range(lanes):
-                spare[lane] = speed_of_pressure(share * wind[lane])
-        fastest = 0.0
-        for lane in range(lanes):
-            air = spare[lane] / max(wind[lane], TINY_PA)
-            x[lane] = air * pressure[0, lane] - x[lane]
-            y[lane] = -y[lane]
-            z[lane] = air * pressure[1, lane] - z[lane]
-            speed = np.sqrt(x[lane] * x[lane] + y[lane] * y[lane] + z[lane] * z[lane])
-            fastest = max(fastest, speed)
-            spare[lane] = HALF_AIR_DENSITY_KG_M3 * speed
-        if fastest > STREAMLINING_SPEED_M_S:
-            for lane in range(lanes):
-                spare[lane] = pressure_per_speed(spare[lane] / HALF_AIR_DENSITY_KG_M3)[0]
-        for lane in range(lanes):
-            mean[lane] += area / whole * spare[lane]
-            x[lane] = area * (spare[lane] * x[lane] - share * pressure[0, lane])
-            y[lane] = area * spare[lane] * y[lane]
-            z[lane] = area * (spare[lane] * z[lane] - share * pressure[1, lane])
+        _write_point_force(point[j], share_of[j], pressure, air, x, y, z, mean, room[3 * count + 5])
     for k in range(len(total)):
-        for lane in range(lanes):
+        for lane in range(len(mean)):
             total[k, lane] -= ISOTROPIC * rest[k] * mean[lane] * v[k, lane]
     total += np.dot(outputs, moved)
+
+
+@numba.njit(cache=True, nogil=True)
+def _write_air(pressure, most, air):  # pragma: no cover  (compiled)
+    """Of the wind's pressure: speed by the quadratic law, by the law of strong wind, and direction x, z.
+
+    The second is only written if a share ``most`` of the pressure reaches strong wind in a lane.
+    """
+    strong = 0
+    for lane in range(pressure.shape[1]):
+        x, z = pressure[0, lane], pressure[1, lane]
+        wind_pa = np.sqrt(x * x + z * z)
+        back = 1.0 / max(wind_pa, TINY_PA)
+        air[0, lane] = np.sqrt(wind_pa / HALF_AIR_DENSITY_KG_M3)
+        air[1, lane] = wind_pa
+        air[2, lane], air[3, lane] = back * x, back * z
+        strong += most * wind_pa > STRONG_PA
+    if strong:
+        for lane in range(pressure.shape[1]):
+            air[1, lane] = STREAMLINING_SPEED_M_S * (air[1, lane] / STRONG_PA) ** (1.0 / STREAMLINED_EXPONENT)
+
+
+@numba.njit(cache=True, nogil=True)
+def _write_point_force(point, share_of, pressure, air, x, y, z, mean, spare):  # pragma: no cover
+    """Replace the velocity (x, y, z) of a point by its force, and add its pressure per speed to ``mean``.
+
+    Both laws are quadratic in weak wind. Without branches the compiler uses the SIMD lanes, so lanes of
+    strong wind are counted first and corrected afterwards.
+    """
+    area, share = point[0], point[1]
+    root, power = np.sqrt(share), share ** (1.0 / STREAMLINED_EXPONENT)
+    strong = 0
+    for lane in range(len(mean)):
+        spare[lane] = root * air[0, lane]
+        strong += spare[lane] > STREAMLINING_SPEED_M_S
+    if strong:
+        for lane in range(len(mean)):
+            if spare[lane] > STREAMLINING_SPEED_M_S:
+                spare[lane] = power * air[1, lane]
+    strong = 0
+    for lane in range(len(mean)):
+        x[lane] = spare[lane] * air[2, lane] - x[lane]
+        y[lane] = -y[lane]
+        z[lane] = spare[lane] * air[3, lane] - z[lane]
+        speed = np.sqrt(x[lane] * x[lane] + y[lane] * y[lane] + z[lane] * z[lane])
+        strong += speed > STREAMLINING_SPEED_M_S
+        spare[lane] = HALF_AIR_DENSITY_KG_M3 * speed
+    if strong:
+        for lane in range(len(mean)):
+            spare[lane] = pressure_per_speed(spare[lane] / HALF_AIR_DENSITY_KG_M3)[0]
+    for lane in range(len(mean)):
+        mean[lane] += share_of * spare[lane]
+        x[lane] = area * (spare[lane] * x[lane] - share * pressure[0, lane])
+        y[lane] = area * spare[lane] * y[lane]
+        z[lane] = area * (spare[lane] * z[lane] - share * pressure[1, lane])
 
 
 def drag_inputs(oscillators: int) -> int:

@@ -15,7 +15,7 @@ from galewood.util import Array, Floats
 
 MAX_STEPS_PER_ADVANCE = 8
 """Most steps of one call: after a long pause a tree resumes instead of catching up."""
-BATCH = 32
+BATCH = 64
 """Trees per matrix product: few enough that BLAS stays on one core."""
 REST = 1e-7
 """In still air a motion below this share of the sampled range is set to exactly zero."""
@@ -178,7 +178,7 @@ def working_room(modal: ModalTensors) -> tuple[Array, ...]:
     heights = (d, d, 2, d)
     rooms = [np.zeros((height, BATCH)) for height in heights]
     total = np.zeros((max(d, modal.pose.shape[1]), BATCH))
-    moved = np.zeros((3 * len(modal.drag_point) + 3, BATCH))
+    moved = np.zeros((3 * len(modal.drag_point) + 6, BATCH))
     return (
         *rooms,
         np.zeros((3, 2, BATCH)),

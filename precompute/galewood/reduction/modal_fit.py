@@ -121,7 +121,7 @@ def drag_along(run: ModalRun, drag: DragPoints, dt_s: float) -> Floats:
     speed = np.ascontiguousarray(np.diff(run.e, axis=0).T / dt_s)
     force = np.zeros_like(speed)
     if len(drag.point):
-        room = np.zeros((3 * len(drag.point) + 3, speed.shape[1]))
+        room = np.zeros((3 * len(drag.point) + 6, speed.shape[1]))
         tensors = drag_tensors(drag.point, drag.shape, drag.rest)
         add_drag(*tensors, speed, np.ascontiguousarray(run.pressure.T), room, force)
     return force.T

@@ -209,7 +209,7 @@ def _simulate(
     point, inputs, outputs, rest = drag
     d, lanes = e.shape[1], e.shape[2]
     ahead, pairs = np.empty((d, lanes)), np.empty((3, 2, lanes))
-    room = np.empty((3 * len(point) + 3, lanes))
+    room = np.empty((3 * len(point) + 6, lanes))
     for t in range(len(pressure)):
         write_force_terms(sway, limits, half_s, e[t], v[t], pressure[t], ahead, pairs, terms[t])
         total = np.dot(force, terms[t]) + np.dot(load, pressure[t])
