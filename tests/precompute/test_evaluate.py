@@ -217,8 +217,9 @@ def test_the_source_of_a_table_is_recovered(table: Table, source: Source, refere
     assert source.model.report["frequencies_hz"] == table.metadata["frequencies_hz"]
     assert source.rendered.count.sum() == len(table.vertex_node)
     left = floor(table, source, reference.displacement_m)
-    assert left["truncation"] < 2e-3 * sway_of(reference) / source.height_m
-    assert left["truncation"] <= left["truncation_and_nodes"] < 6e-6
+    sway = sway_of(reference) / float(table.metadata["height_m"])
+    assert left["truncation"] < 2e-3 * sway
+    assert left["truncation"] <= left["truncation_and_nodes"] < 0.05 * sway
 
 
 @pytest.mark.parametrize("stage", ["first", "early"])
@@ -298,7 +299,8 @@ def test_a_long_run_is_cached_and_motion_is_bounded_beyond_the_sampled_range(
     share = [window["max_error"] / window["sway"] for window in first["methods"]["modal"]]
     assert len(share) == 5
     assert max(share) < 0.01
-    assert max(share[1:]) <= 1.2 * share[0]
+    # The first window begins at rest, where there is no error yet.
+    assert max(share[2:]) <= 1.2 * max(share[:2])
     again = long_run(table, source, tmp_path, lambda f, m: None, frames=2000, sway=0.005, seed=610)
     assert first == again
     far = beyond(table, source, frames=300)
