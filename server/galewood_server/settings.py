@@ -100,6 +100,8 @@ class Settings(BaseSettings):
     socket_connections_per_address: int = Field(default=32, ge=1)
     socket_stall_s: float = Field(default=10.0, gt=0)
     socket_messages_per_s: float = Field(default=60.0, gt=0)
+    socket_frames_per_s: float = Field(default=300.0, gt=0)
+    socket_bytes_per_s: float = Field(default=1.0 * MEBIBYTE, gt=0)
     forest_trees: int = Field(default=20_000, ge=1)
     forest_groups: int = Field(default=64, ge=1)
     server_trees: int = Field(default=200_000, ge=1)
