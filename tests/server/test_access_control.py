@@ -18,6 +18,7 @@ from galewood_server.ops.metrics import Metrics
 from galewood_server.ops.tracing import Tracing
 from galewood_server.settings import Settings
 from pydantic import AliasChoices
+from starlette.types import Message, Receive, Scope, Send
 
 LOCAL, FAR = ("127.0.0.1", 5), ("203.0.113.9", 5)
 
@@ -233,6 +234,52 @@ def test_unknown_paths_share_one_metrics_label() -> None:
         ask(app, "GET", f"/api/unknown/{k}")
     routes = [line for line in app.state.metrics.text().decode().splitlines() if "requests_total{" in line]
     assert routes == ['galewood_http_requests_total{method="GET",route="none",status="404"} 20.0']
+
+
+def test_invented_methods_share_one_metrics_label() -> None:
+    app = application()
+    for k in range(20):
+        ask(app, f"INVENTED{k}", "/api/thing")
+    text = app.state.metrics.text().decode()
+    assert "INVENTED" not in text
+    assert 'galewood_http_requests_total{method="other",route="/api/thing",status="405"} 20.0' in text
+
+
+@pytest.mark.parametrize("path", ["/", "/index.html", "/api/thing", "/metrics", "/docs"])
+@pytest.mark.parametrize("method", ["GET", "INVENTED"])
+def test_every_path_has_a_rate_limit(path: str, method: str) -> None:
+    app = application(reads_per_minute=3)
+    assert [ask(app, method, path).status_code == 429 for _ in range(4)] == [False] * 3 + [True]
+    assert ask(app, "GET", path, client=FAR).status_code != 429
+
+
+def test_monitoring_has_no_rate_limit() -> None:
+    app = application(reads_per_minute=1)
+    for path in ("/api/health", "/api/health/ready", "/healthz"):
+        assert all(ask(app, "GET", path).status_code == 404 for _ in range(3))
+
+
+def test_opening_sockets_has_a_rate_limit() -> None:
+    sent: list[Message] = []
+
+    async def send(message: Message) -> None:
+        sent.append(message)
+
+    async def receive() -> Message:
+        return {"type": "websocket.connect"}
+
+    async def inner(_scope: Scope, _receive: Receive, send: Send) -> None:
+        await send({"type": "websocket.accept"})
+
+    async def open_twice() -> None:
+        guard = AccessControl(inner, Settings(reads_per_minute=1), Metrics("test"))
+        for _ in range(2):
+            scope = {"type": "websocket", "path": "/ws/forest", "client": FAR, "headers": []}
+            await guard(scope, receive, send)
+
+    anyio.run(open_twice)
+    assert sent[0]["type"] == "websocket.accept"
+    assert (sent[1]["type"], sent[1]["status"]) == ("websocket.http.response.start", 429)
 
 
 def test_every_setting_is_documented() -> None:

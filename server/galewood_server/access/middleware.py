@@ -16,8 +16,7 @@ from galewood_server.ops import Metrics
 from galewood_server.settings import Settings
 
 log = logging.getLogger("galewood.errors")
-CHECKED_PATHS = ("/api/", "/docs", "/openapi.json")
-EXEMPT_PATH = "/api/health"  # monitoring must always succeed
+EXEMPT_PATHS = ("/api/health", "/healthz")  # monitoring must always succeed
 GRACE_S = 10.0
 
 
@@ -32,6 +31,9 @@ class AccessControl:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on or answer it with a problem."""
+        if scope["type"] == "websocket":
+            await self._open_socket(scope, receive, send)
+            return
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -52,9 +54,17 @@ class AccessControl:
                 log.exception("%s %s failed", scope["method"], scope["path"])
             await problem_from(error).response(getattr(error, "headers", None))(scope, receive, send)
 
+    async def _open_socket(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a WebSocket on. Opening one counts as a read: it costs more than most requests."""
+        try:
+            await self._check_access(scope)
+        except ProblemError as error:
+            await error.problem.response(error.headers)(scope, receive, send)
+        else:
+            await self._app(scope, receive, send)
+
     async def _check_access(self, scope: Scope) -> None:
-        path = scope["path"]
-        if not path.startswith(CHECKED_PATHS) or path.startswith(EXEMPT_PATH):
+        if scope["path"].startswith(EXEMPT_PATHS):
             return
         try:
             await self._check(scope, (scope.get("client") or ("",))[0])
