@@ -46,6 +46,7 @@ class AccessControl:
 
         try:
             await self._check_access(scope)
+            check_text(scope)
             await self._app(scope, self._rate_limited(scope, receive), send_response)
         except Exception as error:
             if started:
@@ -103,6 +104,18 @@ class AccessControl:
             return message
 
         return receive_piece
+
+
+def check_text(scope: Scope) -> None:
+    """ProblemError 422 for NUL in the path or query, which PostgreSQL and file systems refuse with errors."""
+    if "\0" in scope["path"] or b"%00" in scope.get("query_string", b""):
+        raise ProblemError(
+            422,
+            "invalid-request",
+            "The request has invalid fields",
+            detail="The address contains a NUL character (%00).",
+            hint="See /docs for the fields and their allowed values.",
+        )
 
 
 class BodyRateMonitor:
