@@ -7,6 +7,7 @@ import logging
 import time
 
 from fastapi import HTTPException
+from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from galewood_server.access.keys import check_writer, is_write
@@ -37,12 +38,16 @@ class AccessControl:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        started = False
+        started = replaced = False
 
         async def send_response(message: Message) -> None:
-            nonlocal started
-            started = started or message["type"] == "http.response.start"
-            await send(message)
+            nonlocal started, replaced
+            if message["type"] == "http.response.start" and is_plain_413(message):
+                started = replaced = True
+                await problem_from(HTTPException(413)).response()(scope, receive, send)
+            if not replaced:
+                started = started or message["type"] == "http.response.start"
+                await send(message)
 
         try:
             await self._check_access(scope)
@@ -104,6 +109,12 @@ class AccessControl:
             return message
 
         return receive_piece
+
+
+def is_plain_413(message: Message) -> bool:
+    """Whether a response begins that Starlette's limit of the body size sends, in plain text."""
+    content_type = Headers(raw=message["headers"]).get("content-type", "")
+    return message["status"] == 413 and content_type.startswith("text/plain")
 
 
 def check_text(scope: Scope) -> None:

@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager, contextmanager
 
 from fastapi import WebSocket
 
-from galewood_server.access import origin_allowed
+from galewood_server.access import origin_allowed, rate_limit_key
 from galewood_server.context import Service
 from galewood_server.http import Problem
 
@@ -20,7 +20,7 @@ SOCKET_SHARE, EVENT_SHARE = 0.5, 0.25
 @asynccontextmanager
 async def limited_connection(websocket: WebSocket, service: Service) -> AsyncGenerator[bool]:
     """Count an open socket while the block runs. Yields False if it was rejected with an HTTP problem."""
-    address = websocket.client.host if websocket.client else ""
+    address = rate_limit_key(websocket.client.host if websocket.client else "")
     problem = _limit_exceeded(websocket, service, address)
     if problem:
         await websocket.send_denial_response(problem.response())
