@@ -3,7 +3,7 @@
 # packages, and holds neither npm nor a compiler nor the sources.
 # One image serves as server, scheduler and worker.
 
-FROM node:20-bookworm-slim AS page
+FROM node:24-bookworm-slim AS page
 WORKDIR /app/web
 COPY web/package.json web/package-lock.json ./
 RUN npm ci --no-audit --no-fund

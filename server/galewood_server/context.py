@@ -33,7 +33,9 @@ class Service:
     files_lock: threading.Lock = field(default_factory=threading.Lock)
     # set when a job is queued or cancelled, so that the supervisor reacts before its next poll
     jobs_changed: asyncio.Event = field(default_factory=asyncio.Event)
+    # open connections by address
     socket_addresses: dict[str, int] = field(default_factory=dict[str, int])
+    event_addresses: dict[str, int] = field(default_factory=dict[str, int])
 
     def wake_supervisor(self) -> None:
         """Notify the supervisor that a job was queued or cancelled. Thread-safe."""
@@ -43,6 +45,11 @@ class Service:
     def sockets(self) -> int:
         """Number of open WebSockets."""
         return sum(self.socket_addresses.values())
+
+    @property
+    def event_streams(self) -> int:
+        """Number of open event streams."""
+        return sum(self.event_addresses.values())
 
 
 def service_of(connection: HTTPConnection) -> Service:

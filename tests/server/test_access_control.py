@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import errno
+import re
+import sqlite3
+from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +18,14 @@ from galewood_server.access.middleware import AccessControl
 from galewood_server.access.rates import rate_limit_key
 from galewood_server.app.headers import SecurityHeaders
 from galewood_server.http.errors import install_error_handlers
+from galewood_server.http.multipart import FORM_OVERHEAD_BYTES
 from galewood_server.ops.metrics import Metrics
 from galewood_server.ops.tracing import Tracing
 from galewood_server.settings import Settings
 from pydantic import AliasChoices
+from sqlalchemy.exc import OperationalError
+from starlette.types import Message, Receive, Scope, Send
+from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 LOCAL, FAR = ("127.0.0.1", 5), ("203.0.113.9", 5)
 
@@ -45,7 +53,7 @@ def application(**given: Any) -> FastAPI:
 
 
 def ask(
-    app: FastAPI,
+    app: Any,
     method: str,
     path: str,
     *,
@@ -149,6 +157,85 @@ def test_an_ipv6_network_shares_one_rate_limit() -> None:
     assert rate_limit_key("192.0.2.1") != rate_limit_key("192.0.2.2")
 
 
+@pytest.mark.parametrize("port", ["", ":80"])
+def test_addresses_with_ports_and_mapped_ones_are_the_same(port: str) -> None:
+    mapped = f"[::ffff:192.0.2.1]{port}" if port else "::ffff:192.0.2.1"
+    assert rate_limit_key(f"192.0.2.1{port}") == rate_limit_key(mapped) == "192.0.2.1"
+    assert rate_limit_key(f"[2001:db8::1]{port}") == rate_limit_key("2001:db8::2")
+    assert rate_limit_key("fe80::1%a") == rate_limit_key("fe80::1%b")
+
+
+def test_junk_instead_of_an_address_has_one_limit() -> None:
+    inner: Any = application(reads_per_minute=3)
+    app = ProxyHeadersMiddleware(inner, trusted_hosts="127.0.0.1")
+    junk = ("a", "b, c", "1.2.3", "<script>", "unknown", "1.2.3.4.5", "x" * 500)
+    answers = [ask(app, "GET", "/api/thing", headers={"X-Forwarded-For": one}) for one in junk]
+    assert [answer.status_code for answer in answers] == [200] * 3 + [429] * 4
+
+
+class DiskFullError(Exception):
+    """What psycopg raises as DiskFull."""
+
+    sqlstate = "53100"
+
+
+def sqlite_full() -> Exception:
+    """The error of a database that may not grow."""
+    with sqlite3.connect(":memory:") as connection:
+        connection.execute("PRAGMA max_page_count = 2")
+        connection.execute("CREATE TABLE a (b)")
+        try:
+            connection.execute("INSERT INTO a VALUES (zeroblob(100000))")
+        except sqlite3.OperationalError as error:
+            return error
+    raise AssertionError("the database grew")
+
+
+@pytest.mark.parametrize(
+    ("error", "status"),
+    [
+        (OSError(errno.ENOSPC, "No space left on device"), 507),
+        (OSError(errno.EDQUOT, "Disk quota exceeded"), 507),
+        (OSError(errno.EACCES, "Permission denied"), 500),
+        (OperationalError("UPDATE", {}, DiskFullError()), 507),
+        (OperationalError("UPDATE", {}, sqlite_full()), 507),
+        (OperationalError("UPDATE", {}, sqlite3.OperationalError("database is locked")), 500),
+    ],
+    ids=["file system", "quota", "permission", "PostgreSQL", "SQLite", "locked"],
+)
+def test_a_full_disk_is_507(error: Exception, status: int) -> None:
+    app = application()
+
+    @app.patch("/api/full")
+    def full() -> None:
+        raise error
+
+    answer = ask(app, "PATCH", "/api/full")
+    assert code_of(answer) == (status, "disk-full" if status == 507 else "internal-error")
+
+
+@pytest.mark.parametrize("length", [True, False])
+def test_a_too_large_body_is_a_problem(length: bool) -> None:
+    app = application()
+
+    @app.patch("/api/small", max_body_size=100)
+    def small(body: dict[str, str]) -> dict[str, str]:
+        return body
+
+    async def pieces() -> AsyncIterator[bytes]:
+        yield b"x" * 200
+
+    answer = ask(app, "PATCH", "/api/small", content=b"x" * 200 if length else pieces())
+    assert code_of(answer) == (413, "request-entity-too-large")
+
+
+def test_the_proxy_lets_the_largest_upload_pass() -> None:
+    caddyfile = (Path(__file__).parents[2] / "deploy" / "Caddyfile").read_text()
+    ((number, unit),) = re.findall(r"max_size (\d+)(MB|MiB)\n", caddyfile)
+    limit = int(number) * {"MB": 10**6, "MiB": 2**20}[unit]
+    assert limit >= Settings().upload_bytes + FORM_OVERHEAD_BYTES
+
+
 def test_a_stalled_body_times_out() -> None:
     app = application(body_stall_s=0.2)
 
@@ -233,6 +320,52 @@ def test_unknown_paths_share_one_metrics_label() -> None:
         ask(app, "GET", f"/api/unknown/{k}")
     routes = [line for line in app.state.metrics.text().decode().splitlines() if "requests_total{" in line]
     assert routes == ['galewood_http_requests_total{method="GET",route="none",status="404"} 20.0']
+
+
+def test_invented_methods_share_one_metrics_label() -> None:
+    app = application()
+    for k in range(20):
+        ask(app, f"INVENTED{k}", "/api/thing")
+    text = app.state.metrics.text().decode()
+    assert "INVENTED" not in text
+    assert 'galewood_http_requests_total{method="other",route="/api/thing",status="405"} 20.0' in text
+
+
+@pytest.mark.parametrize("path", ["/", "/index.html", "/api/thing", "/metrics", "/docs"])
+@pytest.mark.parametrize("method", ["GET", "INVENTED"])
+def test_every_path_has_a_rate_limit(path: str, method: str) -> None:
+    app = application(reads_per_minute=3)
+    assert [ask(app, method, path).status_code == 429 for _ in range(4)] == [False] * 3 + [True]
+    assert ask(app, "GET", path, client=FAR).status_code != 429
+
+
+def test_monitoring_has_no_rate_limit() -> None:
+    app = application(reads_per_minute=1)
+    for path in ("/api/health", "/api/health/ready", "/healthz"):
+        assert all(ask(app, "GET", path).status_code == 404 for _ in range(3))
+
+
+def test_opening_sockets_has_a_rate_limit() -> None:
+    sent: list[Message] = []
+
+    async def send(message: Message) -> None:
+        sent.append(message)
+
+    async def receive() -> Message:
+        return {"type": "websocket.connect"}
+
+    async def inner(_scope: Scope, _receive: Receive, send: Send) -> None:
+        await send({"type": "websocket.accept"})
+
+    async def open_twice() -> None:
+        guard = AccessControl(inner, Settings(reads_per_minute=1), Metrics("test"))
+        for _ in range(2):
+            scope = {"type": "websocket", "path": "/ws/forest", "client": FAR, "headers": []}
+            await guard(scope, receive, send)
+
+    anyio.run(open_twice)
+    assert sent[0]["type"] == "websocket.accept"
+    assert (sent[1]["type"], sent[1]["status"]) == ("websocket.http.response.start", 429)
 
 
 def test_every_setting_is_documented() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import gzip
 import hashlib
+import json
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -105,6 +107,64 @@ def test_invalid_pages_are_problems(api: httpx.Client, path: str) -> None:
     for query in ("after=x", "after=WyJhIl0", "after=%00", "limit=0", "limit=9999", "after=" + "a" * 500):
         answer = api.get(f"{path}?{query}")
         assert answer.status_code == 422 and answer.json()["code"] in ("bad-cursor", "invalid-request"), query
+
+
+def cursor(*parts: str) -> str:
+    return base64.urlsafe_b64encode(json.dumps(parts).encode()).decode().rstrip("=")
+
+
+JSON = {"Content-Type": "application/json"}
+NOW = "2026-01-01T00:00:00+00:00"
+TIMES = ("0001-01-01T00:00:00+14:00", "9999-12-31T23:59:59-14:00", "0001-01-01", "soon", "2026-01-01\0")
+
+
+@pytest.mark.parametrize("path", ["/api/trees", "/api/jobs", "/api/tables"])
+def test_cursors_out_of_range_are_problems(api: httpx.Client, path: str) -> None:
+    first = ["0"] if path == "/api/trees" else []
+    wrong = [cursor(*first, time, "id") for time in TIMES]
+    wrong += [cursor(*first, NOW, text) for text in ("a\0b", "\ud800", "\udfff")]
+    if first:
+        wrong += [cursor(number, NOW, "id") for number in ("9" * 30, "-1", "2", "\u0661")]
+    for one in wrong:
+        answer = api.get(path, params={"after": one})
+        assert answer.status_code == 422 and answer.json()["code"] == "bad-cursor", (path, one)
+    for time in ("0001-01-02T00:00:00+00:00", "9999-12-30T00:00:00+00:00"):
+        assert api.get(path, params={"after": cursor(*first, time, "id")}).status_code == 200
+
+
+def test_nul_in_addresses_and_names_is_a_problem(api: httpx.Client) -> None:
+    tree = upload(api, b"a tree with a name").json()
+    answers = [
+        api.get(path)
+        for path in (
+            "/api/trees/a%00b",
+            "/api/jobs/%00",
+            "/api/jobs/%00/events",
+            "/api/jobs?tree_id=a%00",
+            "/%00",
+        )
+    ]
+    answers += [
+        api.delete("/api/trees/%00"),
+        api.patch("/api/trees/%00", json={"name": "x"}),
+        api.patch(f"/api/trees/{tree['id']}", json={"name": "a\0b"}),
+        api.patch(f"/api/trees/{tree['id']}", content=b'{"name": "\\ud800"}', headers=JSON),
+        api.post("/api/jobs", json={"tree_id": "a\0"}),
+        upload(api, b"another", name="a\0b"),
+    ]
+    for answer in answers:
+        assert answer.status_code == 422, (answer.request.url, answer.text)
+        assert answer.headers["content-type"] == "application/problem+json"
+    assert api.get(f"/api/trees/{tree['id']}").json()["name"] == tree["name"]
+
+
+@pytest.mark.parametrize("origin", ["http://[", "http://[::1", "//[", "null", "http://]"])
+def test_malformed_origins_are_foreign(api: httpx.Client, origin: str) -> None:
+    answer = api.delete("/api/trees/none", headers={"Origin": origin})
+    assert answer.status_code == 403 and answer.json()["code"] == "foreign-origin"
+    upgrade = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
+    upgrade |= {"Sec-WebSocket-Key": "Z2FsZXdvb2QtYmVuY2gtMQ=="}
+    assert api.get("/ws/forest", headers={"Origin": origin, **upgrade}).status_code == 403
 
 
 def test_jobs_are_listed_newest_first_and_can_be_retried(api: httpx.Client) -> None:

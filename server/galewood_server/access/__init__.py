@@ -6,6 +6,7 @@ from galewood_server.access.keys import READ_ONLY_POSTS, WRITE_METHODS, new_key
 from galewood_server.access.middleware import AccessControl
 from galewood_server.access.origins import origin_allowed
 from galewood_server.access.quota import check_quota, count_stored, stored_bytes
+from galewood_server.access.rates import rate_limit_key
 
 __all__ = [
     "READ_ONLY_POSTS",
@@ -18,5 +19,6 @@ __all__ = [
     "limited_importer",
     "new_key",
     "origin_allowed",
+    "rate_limit_key",
     "stored_bytes",
 ]

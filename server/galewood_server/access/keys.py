@@ -33,7 +33,7 @@ def key_hash(key: str) -> str:
 def is_write(scope: Scope) -> bool:
     """Whether a request needs write access."""
     path = scope["path"]
-    return scope["method"] in WRITE_METHODS and path.startswith("/api/") and path not in READ_ONLY_POSTS
+    return scope.get("method") in WRITE_METHODS and path.startswith("/api/") and path not in READ_ONLY_POSTS
 
 
 def check_writer(scope: Scope, settings: Settings) -> None:

@@ -7,6 +7,7 @@ import logging
 import time
 
 from fastapi import HTTPException
+from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from galewood_server.access.keys import check_writer, is_write
@@ -16,8 +17,7 @@ from galewood_server.ops import Metrics
 from galewood_server.settings import Settings
 
 log = logging.getLogger("galewood.errors")
-CHECKED_PATHS = ("/api/", "/docs", "/openapi.json")
-EXEMPT_PATH = "/api/health"  # monitoring must always succeed
+EXEMPT_PATHS = ("/api/health", "/healthz")  # monitoring must always succeed
 GRACE_S = 10.0
 
 
@@ -32,18 +32,26 @@ class AccessControl:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on or answer it with a problem."""
+        if scope["type"] == "websocket":
+            await self._open_socket(scope, receive, send)
+            return
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        started = False
+        started = replaced = False
 
         async def send_response(message: Message) -> None:
-            nonlocal started
-            started = started or message["type"] == "http.response.start"
-            await send(message)
+            nonlocal started, replaced
+            if message["type"] == "http.response.start" and is_plain_413(message):
+                started = replaced = True
+                await problem_from(HTTPException(413)).response()(scope, receive, send)
+            if not replaced:
+                started = started or message["type"] == "http.response.start"
+                await send(message)
 
         try:
             await self._check_access(scope)
+            check_text(scope)
             await self._app(scope, self._rate_limited(scope, receive), send_response)
         except Exception as error:
             if started:
@@ -52,9 +60,17 @@ class AccessControl:
                 log.exception("%s %s failed", scope["method"], scope["path"])
             await problem_from(error).response(getattr(error, "headers", None))(scope, receive, send)
 
+    async def _open_socket(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a WebSocket on. Opening one counts as a read: it costs more than most requests."""
+        try:
+            await self._check_access(scope)
+        except ProblemError as error:
+            await error.problem.response(error.headers)(scope, receive, send)
+        else:
+            await self._app(scope, receive, send)
+
     async def _check_access(self, scope: Scope) -> None:
-        path = scope["path"]
-        if not path.startswith(CHECKED_PATHS) or path.startswith(EXEMPT_PATH):
+        if scope["path"].startswith(EXEMPT_PATHS):
             return
         try:
             await self._check(scope, (scope.get("client") or ("",))[0])
@@ -93,6 +109,24 @@ class AccessControl:
             return message
 
         return receive_piece
+
+
+def is_plain_413(message: Message) -> bool:
+    """Whether a response begins that Starlette's limit of the body size sends, in plain text."""
+    content_type = Headers(raw=message["headers"]).get("content-type", "")
+    return message["status"] == 413 and content_type.startswith("text/plain")
+
+
+def check_text(scope: Scope) -> None:
+    """ProblemError 422 for NUL in the path or query, which PostgreSQL and file systems refuse with errors."""
+    if "\0" in scope["path"] or b"%00" in scope.get("query_string", b""):
+        raise ProblemError(
+            422,
+            "invalid-request",
+            "The request has invalid fields",
+            detail="The address contains a NUL character (%00).",
+            hint="See /docs for the fields and their allowed values.",
+        )
 
 
 class BodyRateMonitor:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import re
 import time
 
 from limits import RateLimitItemPerMinute
@@ -13,6 +14,8 @@ from galewood_server.http import ProblemError
 from galewood_server.settings import Settings
 
 WRONG_KEYS_PER_MINUTE = 20
+UNKNOWN = "unknown"
+_WITH_PORT = re.compile(r"([0-9.]+):[0-9]{1,5}|\[([^\]]+)\](?::[0-9]{1,5})?")
 
 
 class RateLimits:
@@ -54,11 +57,25 @@ class RateLimits:
 
 
 def rate_limit_key(address: str) -> str:
-    """The IPv4 address, or the /64 network of an IPv6 address, which usually belongs to one customer."""
+    """The IPv4 address, or the /64 network of an IPv6 address, which usually belongs to one customer.
+
+    Whatever else a proxy passes on as X-Forwarded-For has one limit together: new junk in every request would
+    otherwise be a new client each time.
+    """
+    parsed = _parsed(address)
+    if parsed is None:
+        return UNKNOWN
+    if isinstance(parsed, ipaddress.IPv4Address):
+        return str(parsed)
+    if parsed.ipv4_mapped:
+        return str(parsed.ipv4_mapped)
+    return str(ipaddress.ip_network((int(parsed), 64), strict=False))
+
+
+def _parsed(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """An address, which some proxies send with a port; None if it is none."""
+    bare = _WITH_PORT.fullmatch(address)
     try:
-        parsed = ipaddress.ip_address(address)
+        return ipaddress.ip_address((bare[1] or bare[2]) if bare else address)
     except ValueError:
-        return address
-    if parsed.version == 4:
-        return address
-    return str(ipaddress.ip_network((parsed, 64), strict=False))
+        return None

@@ -1,34 +1,68 @@
-"""Connection limits of the forest socket: allowed origins, sockets per address and in total."""
+"""Limits of sockets and event streams: allowed origins, connections per address and in total."""
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator
-from contextlib import asynccontextmanager
+import resource
+from collections.abc import AsyncGenerator, Generator
+from contextlib import asynccontextmanager, contextmanager
 
 from fastapi import WebSocket
 
-from galewood_server.access import origin_allowed
+from galewood_server.access import origin_allowed, rate_limit_key
 from galewood_server.context import Service
 from galewood_server.http import Problem
+
+RESERVED_DESCRIPTORS = 64  # for the database, files and libraries
+# of the other descriptors; the rest is for requests
+SOCKET_SHARE, EVENT_SHARE = 0.5, 0.25
 
 
 @asynccontextmanager
 async def limited_connection(websocket: WebSocket, service: Service) -> AsyncGenerator[bool]:
     """Count an open socket while the block runs. Yields False if it was rejected with an HTTP problem."""
-    address = websocket.client.host if websocket.client else ""
+    address = rate_limit_key(websocket.client.host if websocket.client else "")
     problem = _limit_exceeded(websocket, service, address)
     if problem:
         await websocket.send_denial_response(problem.response())
         yield False
         return
-    counts = service.socket_addresses
+    with counted(service.socket_addresses, address):
+        yield True
+
+
+@contextmanager
+def counted(counts: dict[str, int], address: str) -> Generator[None]:
+    """Count an open connection of an address while the block runs."""
     counts[address] = counts.get(address, 0) + 1
     try:
-        yield True
+        yield
     finally:
         counts[address] -= 1
         if not counts[address]:
             del counts[address]
+
+
+def affordable(ceiling: int, share: float) -> int:
+    """A ceiling of open connections, lowered to a share of the process's file descriptors (RLIMIT_NOFILE)."""
+    descriptors, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if descriptors == resource.RLIM_INFINITY:
+        return ceiling
+    return max(1, min(ceiling, int((descriptors - RESERVED_DESCRIPTORS) * share)))
+
+
+def streams_exceeded(service: Service, address: str) -> Problem | None:
+    """The problem with which another event stream of an address is refused; None if it may open."""
+    settings, here = service.settings, service.event_addresses.get(address, 0)
+    full = service.event_streams >= affordable(settings.event_streams, EVENT_SHARE)
+    if not full and here < settings.event_streams_per_address:
+        return None
+    return Problem(
+        status=503 if full else 429,
+        code="too-many-event-streams",
+        title="Too many open event streams",
+        detail=f"{here} streams are open from this address.",
+        hint="Close some of them or try again later.",
+    )
 
 
 def _limit_exceeded(websocket: WebSocket, service: Service, address: str) -> Problem | None:
@@ -44,12 +78,10 @@ def _limit_exceeded(websocket: WebSocket, service: Service, address: str) -> Pro
             hint="Add the origin to GALEWOOD_ALLOWED_ORIGINS.",
         )
     open_sockets = service.socket_addresses.get(address, 0)
-    if (
-        service.sockets >= settings.socket_connections
-        or open_sockets >= settings.socket_connections_per_address
-    ):
+    full = service.sockets >= affordable(settings.socket_connections, SOCKET_SHARE)
+    if full or open_sockets >= settings.socket_connections_per_address:
         return Problem(
-            status=503 if service.sockets >= settings.socket_connections else 429,
+            status=503 if full else 429,
             code="too-many-sockets",
             title="Too many open sockets",
             detail=f"{open_sockets} sockets are open from this address.",

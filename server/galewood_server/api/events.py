@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Generator, Sequence
+import math
+import time
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Generator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Protocol, TypeVar
 
@@ -12,7 +15,10 @@ from fastapi import APIRouter, Request
 from sqlalchemy import func, select
 from sse_starlette import EventSourceResponse, ServerSentEvent
 from starlette.requests import HTTPConnection
+from starlette.types import Receive, Scope, Send
 
+from galewood_server.access import rate_limit_key
+from galewood_server.api.connections import counted, streams_exceeded
 from galewood_server.api.trees import job_out, tree_out
 from galewood_server.context import Service, ServiceDep, service_of
 from galewood_server.http import Change, JobOut, ProblemError
@@ -22,6 +28,7 @@ from galewood_server.storage import ACTIVE, Job, JobState, Tree
 router = APIRouter(prefix="/api", tags=["events"])
 POLL_S = 0.3
 SEND_TIMEOUT_S = 20.0
+PIECE_BYTES = 64 * 1024  # of the snapshot, so that a slow listener holds no copy of all of it
 
 Stamp = tuple[datetime, int, datetime | None]
 """Last change of a tree, its number of jobs, and the last change of its jobs."""
@@ -42,24 +49,40 @@ class JobView(Protocol):
 Value = TypeVar("Value", bound=JobView)
 
 
-class ClientBuffer:
-    """Unsent changes of one subscriber: only the newest of each tree, so that memory stays bounded."""
+@dataclass(frozen=True)
+class Event:
+    """A change, serialised once for all subscribers."""
 
-    def __init__(self) -> None:
-        self._changes: dict[str, Change] = {}
+    tree_id: str
+    data: bytes
+    # false if only an analysis of the tree changed, which is not part of the serialised state
+    visible: bool
+
+
+class ClientBuffer:
+    """Unsent events of one subscriber: only the newest of each tree, so that memory stays bounded."""
+
+    def __init__(self, idle_s: float) -> None:
+        self._idle_s = idle_s
+        self._events: dict[str, Event] = {}
         self._arrived = asyncio.Event()
 
-    def put(self, change: Change) -> None:
-        """Add a change; it replaces an older one of the same tree."""
-        self._changes[change.tree.id] = change
+    def put(self, event: Event) -> None:
+        """Add an event; it replaces an older one of the same tree, unless it shows nothing new."""
+        if event.visible or event.tree_id not in self._events:
+            self._events[event.tree_id] = event
         self._arrived.set()
 
-    async def take(self) -> list[Change]:
-        """Wait for changes and remove them from the buffer."""
-        await self._arrived.wait()
+    async def take(self) -> list[Event]:
+        """Wait for events and remove them from the buffer. Empty if nothing happens for long."""
+        try:
+            async with asyncio.timeout(self._idle_s):
+                await self._arrived.wait()
+        except TimeoutError:
+            return []
         self._arrived.clear()
-        changes, self._changes = list(self._changes.values()), {}
-        return changes
+        events, self._events = list(self._events.values()), {}
+        return events
 
 
 class ChangeFeed:
@@ -68,12 +91,15 @@ class ChangeFeed:
     def __init__(self, service: Service) -> None:
         self._service = service
         self._buffers: set[ClientBuffer] = set()
-        self._known: dict[str, tuple[Stamp, Change]] = {}
+        self._known: dict[str, Known] = {}
+        self._snapshot: bytes | None = None
+        self._polling = asyncio.Lock()
+        self._polled_s = -math.inf
 
     @contextmanager
     def subscribe(self) -> Generator[ClientBuffer]:
         """A buffer that receives changes while the block runs."""
-        buffer = ClientBuffer()
+        buffer = ClientBuffer(self._service.settings.event_stream_idle_s)
         self._buffers.add(buffer)
         try:
             yield buffer
@@ -84,12 +110,29 @@ class ChangeFeed:
         """Poll until cancelled; does not query the database while there are no subscribers."""
         while True:
             if self._buffers:
-                for change in await asyncio.to_thread(self._changes):
-                    for buffer in self._buffers:
-                        buffer.put(change)
+                await self.refresh()
             await asyncio.sleep(POLL_S)
 
-    def _changes(self) -> list[Change]:
+    async def refresh(self) -> None:
+        """Poll unless another task has just done so: many listeners that come at once cost one query."""
+        async with self._polling:
+            if time.monotonic() - self._polled_s < POLL_S / 2:
+                return
+            began_s = time.monotonic()
+            stamps, changes = await asyncio.to_thread(self._query)
+            self._polled_s = began_s
+            self._publish(stamps, changes)
+
+    @property
+    def snapshot(self) -> bytes:
+        """All trees as of the last poll, serialised once for all listeners."""
+        if self._snapshot is None:
+            known = sorted(self._known.values(), key=lambda one: one.order)
+            self._snapshot = b"".join(one.data for one in known)
+        return self._snapshot
+
+    def _query(self) -> tuple[dict[str, Stamp], list[Change]]:
+        """The stamps of all trees, and those that changed since the last poll."""
         newest = (
             select(Tree.id, Tree.updated_at, func.count(Job.id), func.max(Job.updated_at))
             .outerjoin(Job)
@@ -98,15 +141,49 @@ class ChangeFeed:
         with self._service.sessions() as session:
             stamps: dict[str, Stamp] = {row[0]: (row[1], row[2], row[3]) for row in session.execute(newest)}
             changed = [
-                key for key, stamp in stamps.items() if key not in self._known or self._known[key][0] != stamp
+                key
+                for key, stamp in stamps.items()
+                if key not in self._known or self._known[key].stamp != stamp
             ]
             trees: Sequence[Tree] = ()
             if changed:
                 trees = session.scalars(select(Tree).where(Tree.id.in_(changed))).all()
-            changes = [Change(tree=tree_out(tree), job=job_out(tree)) for tree in trees]
-        deleted = [self._known.pop(key)[1] for key in list(self._known) if key not in stamps]
-        self._known.update({change.tree.id: (stamps[change.tree.id], change) for change in changes})
-        return changes + [Change(tree=last.tree, job=last.job, deleted=True) for last in deleted]
+            return stamps, [Change(tree=tree_out(tree), job=job_out(tree)) for tree in trees]
+
+    def _publish(self, stamps: dict[str, Stamp], changes: Sequence[Change]) -> None:
+        events: list[Event] = []
+        for key in [key for key in self._known if key not in stamps]:
+            last = self._known.pop(key).change
+            events.append(_event(Change(tree=last.tree, job=last.job, deleted=True), visible=True))
+        for change in changes:
+            before = self._known.get(change.tree.id)
+            # a comparison or evaluation changes the stamp of its tree but not this event
+            event = _event(change, visible=before is None or before.change != change)
+            self._known[change.tree.id] = Known(stamps[change.tree.id], change, event.data)
+            events.append(event)
+        if any(event.visible for event in events):
+            self._snapshot = None
+        for event in events:
+            for buffer in self._buffers:
+                buffer.put(event)
+
+
+@dataclass(frozen=True)
+class Known:
+    """The last published state of a tree."""
+
+    stamp: Stamp
+    change: Change
+    data: bytes
+
+    @property
+    def order(self) -> tuple[bool, datetime]:
+        """Sort key: built-in trees first, then by age."""
+        return not self.change.tree.builtin, self.change.tree.created_at
+
+
+def _event(change: Change, *, visible: bool) -> Event:
+    return Event(change.tree.id, ServerSentEvent(change.model_dump_json()).encode(), visible)
 
 
 def feed_of(connection: HTTPConnection) -> ChangeFeed:
@@ -119,7 +196,8 @@ def feed_of(connection: HTTPConnection) -> ChangeFeed:
 @router.get("/events", response_class=EventSourceResponse)
 async def all_events(request: Request) -> EventSourceResponse:
     """The current state of all trees, then every change: {"tree": Tree, "job": Job|null, "deleted": bool}."""
-    return stream(_all_events(service_of(request), feed_of(request)))
+    service = service_of(request)
+    return stream(service, all_changes(feed_of(request)))
 
 
 @router.get("/jobs/{job_id}/events", response_class=EventSourceResponse)
@@ -131,37 +209,57 @@ async def job_events(job_id: str, request: Request, service: ServiceDep) -> Even
             return JobOut.model_validate(find_job(session, job_id))
 
     await asyncio.to_thread(read)  # 404 before the stream begins
-    return stream(follow_job(feed_of(request), read))
+    return stream(service, follow_job(feed_of(request), read))
 
 
-def stream(events: AsyncIterator[ServerSentEvent]) -> EventSourceResponse:
+class LimitedEvents(EventSourceResponse):
+    """Server-sent events, or a problem if too many streams are open."""
+
+    def __init__(self, service: Service, events: AsyncIterator[ServerSentEvent | bytes]) -> None:
+        super().__init__(events, send_timeout=SEND_TIMEOUT_S)  # pyright: ignore[reportUnknownMemberType]
+        self._service = service
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Count the stream while it is open."""
+        address = rate_limit_key((scope.get("client") or ("",))[0])
+        problem = streams_exceeded(self._service, address)
+        if problem:
+            await problem.response({"Retry-After": "30"})(scope, receive, send)
+            return
+        with counted(self._service.event_addresses, address):
+            await super().__call__(scope, receive, send)
+
+
+def stream(service: Service, events: AsyncIterator[ServerSentEvent | bytes]) -> EventSourceResponse:
     """A response of server-sent events; clients that do not read for SEND_TIMEOUT_S are disconnected."""
-    return EventSourceResponse(events, send_timeout=SEND_TIMEOUT_S)
+    return LimitedEvents(service, events)
 
 
-async def _all_events(service: Service, feed: ChangeFeed) -> AsyncIterator[ServerSentEvent]:
-    sent: dict[str, Change] = {}
+async def all_changes(feed: ChangeFeed) -> AsyncGenerator[bytes]:
+    """The state of all trees in pieces, then every change."""
+    await feed.refresh()
     with feed.subscribe() as buffer:
-        changes = await asyncio.to_thread(_current, service)
-        while True:
-            for change in changes:
-                # a comparison or evaluation changes the stamp of its tree but not this event
-                if sent.get(change.tree.id) != change:
-                    yield ServerSentEvent(change.model_dump_json())
-                sent[change.tree.id] = change
-                if change.deleted:
-                    del sent[change.tree.id]
-            changes = await buffer.take()
+        snapshot = feed.snapshot  # nothing is awaited since subscribing: no change is missed or sent twice
+        for start in range(0, len(snapshot), PIECE_BYTES):
+            yield snapshot[start : start + PIECE_BYTES]
+        del snapshot
+        # a client that is still there when an idle stream ends connects again
+        while events := await buffer.take():
+            for event in events:
+                if event.visible:
+                    yield event.data
 
 
 async def follow_job(feed: ChangeFeed, read: Callable[[], Value]) -> AsyncIterator[ServerSentEvent]:
-    """The current state of a job, then every change, until it ends or its tree is deleted."""
+    """The current state of a job, then every change, until it ends, its tree is deleted or it is idle."""
     with feed.subscribe() as buffer:
         job = await asyncio.to_thread(read)  # after subscribing, so that no change is missed
         yield ServerSentEvent(job.model_dump_json(), event="progress")
         while job.state in ACTIVE:
-            changes = await buffer.take()
-            if any(change.tree.id == job.tree_id for change in changes):
+            events = await buffer.take()
+            if not events:
+                return
+            if any(event.tree_id == job.tree_id for event in events):
                 try:
                     now = await asyncio.to_thread(read)
                 except ProblemError:
@@ -169,9 +267,3 @@ async def follow_job(feed: ChangeFeed, read: Callable[[], Value]) -> AsyncIterat
                 if now != job:
                     yield ServerSentEvent(now.model_dump_json(), event="progress")
                 job = now
-
-
-def _current(service: Service) -> list[Change]:
-    with service.sessions() as session:
-        trees = session.scalars(select(Tree).order_by(Tree.builtin.desc(), Tree.created_at)).all()
-        return [Change(tree=tree_out(tree), job=job_out(tree)) for tree in trees]

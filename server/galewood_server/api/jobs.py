@@ -16,9 +16,9 @@ from galewood_server.http import (
     JobOut,
     JobRequest,
     PageQuery,
+    cursor_time,
     decode_cursor,
     encode_cursor,
-    invalid_cursor,
     json_with_etag,
     problems,
     rows_after,
@@ -57,10 +57,7 @@ def list_jobs(request: Request, service: ServiceDep, query: Annotated[JobQuery, 
 
 def _sort_key(cursor: str) -> tuple[datetime, str]:
     created_at, job_id = decode_cursor(cursor, 2)
-    try:
-        return datetime.fromisoformat(created_at), job_id
-    except ValueError:
-        raise invalid_cursor() from None
+    return cursor_time(created_at), job_id
 
 
 STARTED = {

@@ -38,6 +38,9 @@ class ServiceCollector(Collector):
         yield _labelled_gauge("galewood_jobs", "Number of jobs", "state", self._count(Job.state))
         yield GaugeMetricFamily("galewood_sockets", "Number of open WebSockets", service.sockets)
         yield GaugeMetricFamily(
+            "galewood_event_streams", "Number of open event streams", service.event_streams
+        )
+        yield GaugeMetricFamily(
             "galewood_stored_bytes", "Bytes in the data folder", stored_bytes(service.settings)
         )
         free = shutil.disk_usage(service.settings.data_dir).free

@@ -19,6 +19,7 @@ from galewood_server.http import (
     ProblemError,
     TreeList,
     TreeOut,
+    cursor_time,
     decode_cursor,
     encode_cursor,
     invalid_cursor,
@@ -66,10 +67,9 @@ def _cursor_parts(tree: Tree) -> list[str]:
 
 def _sort_key(cursor: str) -> tuple[int, datetime, str]:
     uploaded, created_at, tree_id = decode_cursor(cursor, 3)
-    try:
-        return int(uploaded), datetime.fromisoformat(created_at), tree_id
-    except ValueError:
-        raise invalid_cursor() from None
+    if uploaded not in ("0", "1"):
+        raise invalid_cursor()
+    return int(uploaded), cursor_time(created_at), tree_id
 
 
 @router.get("/{tree_id}", response_model=TreeOut, responses={**NOT_MODIFIED, **problems(404)})

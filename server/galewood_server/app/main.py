@@ -27,7 +27,7 @@ from galewood_server.jobs import Supervisor
 from galewood_server.ops import Metrics, Tracing, configure_logging
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores, TableCache, migrate, open_database, records_of
-from galewood_server.stream import Forests, SocketProtocol
+from galewood_server.stream import Forests, SocketLimits, metered_protocol
 
 log = logging.getLogger("galewood")
 
@@ -113,7 +113,11 @@ def run(app: FastAPI, settings: Settings) -> None:
         host=settings.host,
         port=settings.port,
         http=protocol_with_limit(settings.header_s),
-        ws=SocketProtocol,
+        ws=metered_protocol(
+            SocketLimits(
+                settings.socket_frames_per_s, settings.socket_bytes_per_s, settings.socket_message_bytes
+            )
+        ),
         ws_max_size=settings.socket_message_bytes,
         ws_per_message_deflate=False,
         timeout_graceful_shutdown=settings.shutdown_s,

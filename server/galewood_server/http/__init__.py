@@ -14,6 +14,7 @@ from galewood_server.http.multipart import UPLOAD_FORM, Upload, read_upload
 from galewood_server.http.pagination import (
     PageParams,
     PageQuery,
+    cursor_time,
     decode_cursor,
     encode_cursor,
     invalid_cursor,
@@ -63,6 +64,7 @@ __all__ = [
     "Upload",
     "WoodSpeciesList",
     "WoodSpeciesOut",
+    "cursor_time",
     "decode_cursor",
     "encode_cursor",
     "etag_matches",

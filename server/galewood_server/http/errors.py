@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
+from sqlite3 import SQLITE_FULL
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -13,6 +15,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response
 from galewood.util import MeshError, Reason
 from galewood.wind import WindError
+from sqlalchemy.exc import DBAPIError
 from starlette.exceptions import HTTPException
 from starlette.formparsers import MultiPartException
 
@@ -135,8 +138,28 @@ PROBLEMS_BY_TYPE: Mapping[type[Exception], Callable[[Any], Problem]] = {
 }
 
 
+DISK_FULL = Problem(
+    status=507,
+    code="disk-full",
+    title="The server's disk is full",
+    detail="Nothing was changed.",
+    hint="Try again later, or ask the operator for space.",
+)
+
+
+def is_disk_full(error: BaseException | None) -> bool:
+    """Whether a file system (ENOSPC, EDQUOT), SQLite or PostgreSQL (disk_full, 53100) had no space left."""
+    if isinstance(error, OSError):
+        return error.errno in (errno.ENOSPC, errno.EDQUOT)
+    if isinstance(error, DBAPIError):
+        return is_disk_full(error.orig)
+    return getattr(error, "sqlstate", "") == "53100" or getattr(error, "sqlite_errorcode", 0) == SQLITE_FULL
+
+
 def problem_from(error: Exception) -> Problem:
     """The problem for an exception, by the first matching type in PROBLEMS_BY_TYPE."""
+    if is_disk_full(error):
+        return DISK_FULL
     return next(make(error) for kind, make in PROBLEMS_BY_TYPE.items() if isinstance(error, kind))
 
 

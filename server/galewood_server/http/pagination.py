@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from typing import Annotated, Any, cast
 
 from fastapi import Query
@@ -12,6 +13,7 @@ from pydantic import BaseModel
 from sqlalchemy import ColumnElement, and_, or_
 
 from galewood_server.http.errors import ProblemError
+from galewood_server.http.texts import is_storable
 
 MAX_PAGE_LENGTH = 500
 
@@ -39,8 +41,19 @@ def decode_cursor(cursor: str, count: int) -> list[str]:
         parts = None
     if isinstance(parts, list):
         texts = [part for part in cast(list[object], parts) if isinstance(part, str)]
-        if len(texts) == count == len(cast(list[object], parts)):
+        if len(texts) == count == len(cast(list[object], parts)) and all(map(is_storable, texts)):
             return texts
+    raise invalid_cursor()
+
+
+def cursor_time(text: str) -> datetime:
+    """The time in a cursor, in UTC. ProblemError 422 without a zone or outside the years 1 to 9999."""
+    try:
+        time = datetime.fromisoformat(text)
+        if time.tzinfo is not None:
+            return time.astimezone(UTC)
+    except (ValueError, OverflowError):
+        pass
     raise invalid_cursor()
 
 

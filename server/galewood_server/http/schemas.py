@@ -8,9 +8,10 @@ from typing import Annotated, Any
 from galewood.options import BuildRequest, ImportRequest
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
+from galewood_server.http.texts import StorableText
 from galewood_server.storage import Form, JobState, TreeState
 
-TreeName = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=200)]
+TreeName = Annotated[StorableText, StringConstraints(strip_whitespace=True, min_length=1, max_length=200)]
 
 
 class JobOut(BaseModel):
@@ -153,7 +154,7 @@ class PrecomputeRequest(BaseModel):
 class JobRequest(PrecomputeRequest):
     """Body of POST /api/jobs."""
 
-    tree_id: str = Field(min_length=1, max_length=64)
+    tree_id: StorableText = Field(min_length=1, max_length=64)
 
 
 class Liveness(BaseModel):

@@ -16,6 +16,7 @@ from galewood_server.ops.metrics import Metrics
 log = logging.getLogger("galewood.requests")
 HEADER = "x-request-id"
 _VALID_ID = re.compile(r"[A-Za-z0-9._:-]{1,128}")
+METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 QUIET = ("/healthz", "/api/health", "/metrics", "/assets/")
 
 
@@ -56,17 +57,22 @@ class Tracing:
 
     def _record(self, scope: Scope, status: int, seconds: float) -> None:
         """Log and count a request. Status 499: the client disconnected before the response."""
-        self._metrics.request(scope["method"], route_of(scope), status, seconds)
+        self._metrics.request(method_of(scope), route_of(scope), status, seconds)
         client = scope.get("client") or ("",)
         level = logging.DEBUG if scope["path"].startswith(QUIET) else logging.INFO
         fields = {
-            "method": scope["method"],
+            "method": scope["method"][:20],
             "path": scope["path"][:200],
             "status": status,
             "ms": round(seconds * 1000, 1),
             "client": client[0],
         }
         log.log(level, "request", extra=fields)
+
+
+def method_of(scope: Scope) -> str:
+    """The method, or "other": clients invent methods, and metric labels must stay bounded."""
+    return scope["method"] if scope["method"] in METHODS else "other"
 
 
 def route_of(scope: Scope) -> str:

@@ -3,13 +3,14 @@
 from galewood_server.stream import wire
 from galewood_server.stream.envelope import WIRE_VERSION, WireError, pack_msgpack, unpack_msgpack
 from galewood_server.stream.forests import Forests, Subscription
+from galewood_server.stream.frame_meter import SocketLimits
 from galewood_server.stream.session_error import (
     INVALID_DATA,
     POLICY_VIOLATION,
     UNSUPPORTED_DATA,
     SessionError,
 )
-from galewood_server.stream.socket_protocol import SocketProtocol, protocol_of
+from galewood_server.stream.socket_protocol import SocketProtocol, metered_protocol, protocol_of
 from galewood_server.stream.wire import Failure, Hello, Reply, decode_reply, encode_request
 from galewood_server.stream.wire_forest import Forest, Method
 from galewood_server.stream.wire_frame import FRAME
@@ -27,11 +28,13 @@ __all__ = [
     "Method",
     "Reply",
     "SessionError",
+    "SocketLimits",
     "SocketProtocol",
     "Subscription",
     "WireError",
     "decode_reply",
     "encode_request",
+    "metered_protocol",
     "pack_msgpack",
     "protocol_of",
     "unpack_msgpack",

@@ -1,21 +1,29 @@
-"""uvicorn's WebSocket protocol, extended by pre-encoded frames and disconnection of stalled clients."""
+"""uvicorn's WebSocket protocol, extended by pre-encoded frames, a meter of what arrives, and disconnection of
+stalled clients.
+"""
 
 from __future__ import annotations
 
 import fcntl
+import logging
 import socket
 import struct
 import sys
 from asyncio.transports import BaseTransport
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+
+from galewood_server.stream.frame_meter import FrameMeter, SocketLimits
+from galewood_server.stream.session_error import POLICY_VIOLATION
 
 UNACKNOWLEDGED_MS = 20_000
 KERNEL_BYTES = 256 * 1024  # limits latency; the default can be megabytes
 EXTENSION = "galewood.socket"
+LAST_WORDS_S = 1.0  # for a refused client to read why
 SIOCOUTQNSD = 0x894B  # linux/sockios.h: unsent bytes in the socket's queue
 _count = bytearray(4)
+log = logging.getLogger("galewood.stream")
 _BINARY = 0x82  # FIN and opcode "binary" (RFC 6455, section 5.2)
 
 
@@ -40,11 +48,18 @@ def _is_text(data: bytes) -> bool:
 
 
 class SocketProtocol(WebSocketsSansIOProtocol):
-    """A closing handshake waits until the peer has read everything, so stalled peers are aborted instead."""
+    """A closing handshake waits until the peer has read everything, so stalled peers are aborted instead.
+
+    What a client sends is metered before it is parsed; above the limits the socket is closed with 1008.
+    """
+
+    limits: ClassVar[SocketLimits] = SocketLimits()
+    _refused = False
 
     def connection_made(self, transport: BaseTransport) -> None:
         """Set a small kernel send buffer and a timeout for unacknowledged data."""
         super().connection_made(transport)
+        self._meter = FrameMeter(self.limits, self.loop.time())
         raw = cast(socket.socket | None, transport.get_extra_info("socket"))
         tcp = raw is not None and raw.family in (socket.AF_INET, socket.AF_INET6)
         self._raw = raw if tcp and sys.platform == "linux" else None
@@ -52,6 +67,32 @@ class SocketProtocol(WebSocketsSansIOProtocol):
             raw.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BYTES)
             if hasattr(socket, "TCP_USER_TIMEOUT"):
                 raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, UNACKNOWLEDGED_MS)
+
+    def data_received(self, data: bytes) -> None:
+        """Meter and parse what arrived; discard what follows a refusal."""
+        if self._refused:
+            return
+        # the first call is uvicorn's own: it passes the request head on
+        excess = self._meter.excess(data, self.loop.time()) if self.handshake_initiated else None
+        if excess:
+            self._refuse(excess)
+        else:
+            super().data_received(data)
+
+    def _refuse(self, reason: str) -> None:
+        """Close with 1008, read no more, and abort a moment later: at once would discard the close frame."""
+        self._refused = True
+        if not self.handshake_complete or self.closing:
+            self.abort()
+            return
+        log.info("refused a socket: %s", reason)
+        self.stop_keepalive()
+        self.transport.pause_reading()
+        self.queue.put_nowait({"type": "websocket.disconnect", "code": POLICY_VIOLATION, "reason": reason})
+        self.conn.send_close(POLICY_VIOLATION, reason)
+        self.transport.write(b"".join(self.conn.data_to_send()))
+        self.close_sent = True
+        self.loop.call_later(LAST_WORDS_S, self.abort)
 
     def keepalive_timeout(self) -> None:
         """Abort the connection if a ping is not answered."""
@@ -100,11 +141,14 @@ class SocketProtocol(WebSocketsSansIOProtocol):
         await super().run_asgi()
 
 
+def metered_protocol(limits: SocketLimits) -> type[SocketProtocol]:
+    """A protocol class with its own limits, for uvicorn."""
+    return type("MeteredProtocol", (SocketProtocol,), {"limits": limits})
+
+
 def protocol_of(scope: Any) -> SocketProtocol:
     """The SocketProtocol of an ASGI scope. RuntimeError if uvicorn was started without it."""
     extension: dict[str, SocketProtocol] = scope.get("extensions", {}).get(EXTENSION, {})
     if "protocol" not in extension:
-        raise RuntimeError(
-            "streams need uvicorn with ws=galewood_server.stream.socket_protocol.SocketProtocol"
-        )
+        raise RuntimeError("streams need uvicorn with a protocol of galewood_server.stream.metered_protocol")
     return extension["protocol"]

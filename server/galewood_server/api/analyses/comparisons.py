@@ -103,7 +103,7 @@ def comparison_events(comparison_id: str, request: Request, service: ServiceDep)
         return get_comparison(comparison_id, service)
 
     read()  # 404 before the stream begins
-    return stream(follow_job(feed_of(request), read))
+    return stream(service, follow_job(feed_of(request), read))
 
 
 @router.get(

@@ -155,7 +155,7 @@ def evaluation_events(evaluation_id: str, request: Request, service: ServiceDep)
         return get_evaluation(evaluation_id, service)
 
     read()  # 404 before the stream begins
-    return stream(follow_job(feed_of(request), read))
+    return stream(service, follow_job(feed_of(request), read))
 
 
 @router.get(

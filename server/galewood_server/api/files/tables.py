@@ -17,9 +17,9 @@ from galewood_server.http import (
     ProblemError,
     TableList,
     TableOut,
+    cursor_time,
     decode_cursor,
     encode_cursor,
-    invalid_cursor,
     json_with_etag,
     not_found,
     problems,
@@ -56,10 +56,7 @@ def list_tables(request: Request, service: ServiceDep, query: PageParams) -> Res
 
 def _sort_key(cursor: str) -> tuple[datetime, str]:
     created_at, tree_id = decode_cursor(cursor, 2)
-    try:
-        return datetime.fromisoformat(created_at), tree_id
-    except ValueError:
-        raise invalid_cursor() from None
+    return cursor_time(created_at), tree_id
 
 
 def _out(service: Service, tree: Tree) -> TableOut | None:

@@ -1,0 +1,129 @@
+"""The Compose file: what Docker Compose and the kernel refuse, checked without an engine.
+
+The file's merge keys are resolved as YAML does; variables are substituted as in the Compose specification.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+SECRETS = {"POSTGRES_PASSWORD": "p" * 32, "S3_SECRET": "5" * 32, "GALEWOOD_API_KEYS": "0" * 64}
+# file capabilities of the images' programs: getcap /usr/bin/caddy in caddy:2-alpine
+FILE_CAPABILITIES = {"caddy": "NET_BIND_SERVICE"}
+_VARIABLE = re.compile(r"\$\{(\w+)(?::([-?])([^}]*))?\}")
+
+
+def substituted(text: str) -> str:
+    """Variables replaced as Compose does. KeyError for one that is neither given nor has a default."""
+
+    def value(found: re.Match[str]) -> str:
+        name, kind, default = found.groups()
+        return SECRETS.get(name) or (default if kind == "-" else SECRETS[name])
+
+    return _VARIABLE.sub(value, text)
+
+
+def composition() -> dict[str, Any]:
+    return yaml.safe_load(substituted((REPOSITORY / "docker-compose.yml").read_text()))
+
+
+SERVICES: dict[str, dict[str, Any]] = composition()["services"]
+
+
+def mounts(service: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """(source, target, options) of every short-form volume."""
+    parts = [str(volume).split(":") for volume in service.get("volumes", [])]
+    return [(part[0], part[1], part[2] if len(part) > 2 else "") for part in parts]
+
+
+@pytest.mark.parametrize("name", SERVICES)
+def test_programs_with_file_capabilities_keep_them_in_the_bounding_set(name: str) -> None:
+    service = SERVICES[name]
+    needed = FILE_CAPABILITIES.get(service["image"].split(":")[0])
+    assert "ALL" in service["cap_drop"] and "no-new-privileges:true" in service["security_opt"]
+    assert needed is None or needed in service.get("cap_add", [])
+
+
+@pytest.mark.parametrize("name", SERVICES)
+def test_read_only_services_have_no_inline_configs(name: str) -> None:
+    whole, service = composition(), SERVICES[name]
+    assert service["read_only"] is True
+    for kind in ("configs", "secrets"):
+        for entry in service.get(kind, []):
+            source = entry["source"] if isinstance(entry, dict) else entry
+            assert "file" in whole[kind][source], f"Compose cannot copy {source} into a read-only container"
+
+
+@pytest.mark.parametrize("name", SERVICES)
+def test_every_mount_exists(name: str) -> None:
+    service = SERVICES[name]
+    for source, target, options in mounts(service):
+        if source.startswith((".", "/")):
+            assert (REPOSITORY / source).is_file(), f"{source} does not exist; Docker would make a folder"
+            assert options == "ro" and os.access(REPOSITORY / source, os.R_OK)
+        else:
+            assert source in composition()["volumes"]
+        assert target.startswith("/")
+    targets = {target for _, target, _ in mounts(service)}
+    scripts = [word for word in service.get("entrypoint", []) if word.endswith(".sh")]
+    assert targets.issuperset(scripts)
+
+
+def test_dependencies_exist_and_can_be_met() -> None:
+    for name, service in SERVICES.items():
+        for other, condition in service.get("depends_on", {}).items():
+            assert other in SERVICES and other != name
+            if condition["condition"] == "service_completed_successfully":
+                assert SERVICES[other]["restart"] == "no"
+            elif "build" not in SERVICES[other]:  # our image has a health check of its own
+                assert "healthcheck" in SERVICES[other], f"{name} waits for {other} to be healthy"
+
+
+def test_the_bucket_is_created_before_a_server_starts() -> None:
+    for name in ("server-a", "server-b"):
+        store = SERVICES[name]["environment"]["GALEWOOD_STORE_URL"]
+        assert SERVICES[name]["depends_on"]["bucket"]["condition"] == "service_completed_successfully"
+        assert store == f"s3://{SERVICES['bucket']['environment']['BUCKET']}"
+    assert SERVICES["bucket"]["depends_on"]["objects"]["condition"] == "service_healthy"
+
+
+def fake_weed(folder: Path, script: str) -> dict[str, str]:
+    program = folder / "weed"
+    program.write_text(f"#!/bin/sh\n{script}\n")
+    program.chmod(0o755)
+    return {"PATH": f"{folder}:{os.environ['PATH']}", "PAUSE_S": "0", "BUCKET": "galewood"}
+
+
+def run_script(name: str, environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
+    command = ["/bin/sh", str(REPOSITORY / "deploy" / name)]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=20)
+
+
+def test_the_bucket_script_fails_unless_the_bucket_exists(tmp_path: Path) -> None:
+    made = tmp_path / "made"
+    works = (
+        f'read line; case $line in *create*) touch {made};; *) test -e {made} && echo "galewood size:0"; esac'
+    )
+    assert run_script("create-bucket.sh", fake_weed(tmp_path, works)).returncode == 0
+    broken = fake_weed(tmp_path, "cat >/dev/null; echo error: no filer")
+    assert run_script("create-bucket.sh", broken).returncode == 1
+
+
+def test_the_object_store_gets_its_credentials(tmp_path: Path) -> None:
+    file = tmp_path / "s3.json"
+    environment = fake_weed(tmp_path, 'echo "$@"') | {"CREDENTIALS": str(file), "S3_SECRET": "ab/+=12"}
+    started = run_script("object-store.sh", environment)
+    assert f"-s3.config={file}" in started.stdout and file.stat().st_mode & 0o77 == 0
+    (user,) = json.loads(file.read_text())["identities"]
+    assert user["credentials"] == [{"accessKey": "galewood", "secretKey": "ab/+=12"}]
+    refused = run_script("object-store.sh", environment | {"S3_SECRET": 'a"b'})
+    assert refused.returncode == 2 and "S3_SECRET" in refused.stderr
