@@ -168,6 +168,7 @@ def test_leaves_hang_at_the_ends_of_branches() -> None:
 def test_leaves_hang_along_the_thin_part_of_a_branch_and_at_its_tip() -> None:
     """A pole is thinner than 2 cm over its upper third: the sprigs begin there, not lower."""
     leaves = read(make.pole(base_m=0.05, tip_m=0.005), ImportOptions()).primitives[1]
+    assert leaves.uv is not None
     base = leaves.positions_m[leaves.uv[:, 1] == 1]  # the stalks
     assert base[:, 1].min() > 3.0
     assert 3.5 < np.median(base[:, 1]) < 5.5
