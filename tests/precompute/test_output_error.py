@@ -167,7 +167,9 @@ def test_a_linear_model_follows_a_nonlinear_one_after_the_fit() -> None:
     linear = replace(exact, force=0 * exact.force)
     sway, limits = np.asarray(exact.sway, np.float64), np.asarray(exact.limits, np.float64)
     tables = [force_table(run, sway, limits, DT_S / 2) for run in runs]
-    force = output_error.fitted_force(linear, [np.zeros(linear.force.shape)], runs, tables, np.ones(8), np.eye(2, 6), DT_S)
+    force = output_error.fitted_force(
+        linear, [np.zeros(linear.force.shape)], runs, tables, np.ones(8), np.eye(2, 6), DT_S
+    )
     fitted = replace(linear, force=np.ascontiguousarray(force, np.float32))
 
     def gap(model: ModalTensors, wind: Floats) -> float:
