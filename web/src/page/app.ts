@@ -16,6 +16,7 @@ import { ForestFigures } from "./forestFigures";
 import { FrameStatistics } from "./frameStatistics";
 import { PaperMethod } from "./paper/paperMethod";
 import { Planting } from "./planting";
+import { Playback } from "./playback";
 import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { queryFromSettings, type Settings } from "./settings/settings";
@@ -72,6 +73,7 @@ export class App {
   private readonly scenery: SceneryBar;
   readonly picker: TreePicker;
   private readonly pickedCard: PickedCard;
+  readonly playback = new Playback();
   private readonly meter = new FrameStatistics();
   private readonly status: StatusReport;
   private readonly flutter = { value: { x: 0, y: 0 } };
@@ -98,9 +100,10 @@ export class App {
       () => this.catalogue,
       () => this.client.time_s,
       () => void this.comparison.open(),
+      this.playback,
     );
     this.visit.restore(location.search);
-    this.panel = new Panel(settings, this.meter.statistics, (key) => this.change(key));
+    this.panel = new Panel(settings, this.meter.statistics, this.playback, (key) => this.change(key));
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
       change: (change) => this.treeChanged(change),
       assetsChanged: () => {
@@ -265,7 +268,9 @@ export class App {
     const frame_ms = now_ms - this.last_ms;
     const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
     this.last_ms = now_ms;
-    this.move(dt_s);
+    this.visit.advance(dt_s);
+    const played_s = this.playback.advance_s(dt_s, this.settings.lookup === "server");
+    this.move(played_s ?? 0, played_s !== null);
     this.draw();
     this.frame++;
     this.meter.count(frame_ms, performance.now() - begin_ms);
@@ -275,16 +280,16 @@ export class App {
     }
   }
 
-  private move(dt_s: number): void {
-    if (!this.paused) this.client.advance(dt_s);
-    this.takePoses();
+  /** Advances by dt_s; without `playing` the trees keep their poses. */
+  private move(dt_s: number, playing = true): void {
+    if (playing && !this.paused) this.client.advance(dt_s);
+    if (playing) this.takePoses();
     this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);
     this.studio.tipOf = this.picker.moving;
     this.studio.advance(dt_s, this.client, this.forest);
     const wind_m_s = meanVelocity_m_s(this.settings.wind);
     this.stage.sky.advance(dt_s, wind_m_s);
-    this.visit.advance(dt_s);
     this.stage.cover.update(this.stage.camera.position, wind_m_s, this.client.time_s);
     this.flutter.value.x += dt_s;
     this.flutter.value.y = this.settings.flutter ? 1 : 0;
@@ -297,6 +302,7 @@ export class App {
 
   /** Advances by dt_s and waits for the poses; for frame-by-frame rendering while asleep. */
   async step(dt_s: number, drawn = true): Promise<void> {
+    this.visit.advance(dt_s);
     this.move(dt_s);
     while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));
     this.takePoses();

@@ -5,6 +5,7 @@ import { type Subject, type ViewName, viewpoint } from "../scene/camera/viewpoin
 import type { Forest } from "../scene/forest";
 import type { Stage } from "../scene/stage";
 import { canFilm, Film, LONGEST_FILM_S, savePhoto } from "./capture";
+import type { Playback } from "./playback";
 import type { Catalogue } from "./server/catalogue";
 import { type Moment, momentFrom, shareQuery } from "./settings/link";
 import type { Settings } from "./settings/settings";
@@ -13,12 +14,14 @@ import { PhysicsCards } from "./ui/physicsCards";
 import { showToast } from "./ui/toast";
 import { Toolbar } from "./ui/toolbar";
 
+const CALM = "The motion is paused.";
 const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class Visit {
   private readonly flight: CameraFlight;
   private readonly toolbar: Toolbar;
   private readonly physics = new PhysicsCards();
+  private readonly life = new AbortController();
   private film: Film | null = null;
   private photoWanted = false;
 
@@ -29,10 +32,14 @@ export class Visit {
     private readonly catalogue: () => Catalogue,
     private readonly clock_s: () => number,
     private readonly compare: () => void,
+    private readonly playback: Playback,
   ) {
     this.flight = new CameraFlight(stage.camera, stage.controls, () => this.toolbar.showFlight(false));
     this.toolbar = new Toolbar(
       {
+        pause: () => {
+          playback.paused = !playback.paused;
+        },
         view: (name) => this.view(name),
         fly: () => this.fly(),
         link: () => void this.copyLink(),
@@ -45,6 +52,24 @@ export class Visit {
       },
       { film: canFilm(), fullScreen: document.fullscreenEnabled },
     );
+    playback.onPause = (paused) => this.toolbar.showPause(paused);
+    addEventListener("keydown", (event) => this.keyDown(event), { signal: this.life.signal });
+    if (calm()) {
+      playback.paused = true;
+      showToast(
+        CALM,
+        "Your system asks for reduced motion. Press the pause button or Space to let the trees sway.",
+        "good",
+      );
+    }
+  }
+
+  /** Space pauses, unless a control has the focus. */
+  private keyDown(event: KeyboardEvent): void {
+    const free = event.target === document.body || event.target instanceof HTMLCanvasElement;
+    if (event.key !== " " || !free || event.repeat) return;
+    event.preventDefault();
+    this.playback.paused = !this.playback.paused;
   }
 
   /** Restores camera and clouds from a link. */
@@ -135,6 +160,7 @@ export class Visit {
   }
 
   dispose(): void {
+    this.life.abort();
     this.film?.stop();
     this.toolbar.dispose();
     this.physics.dispose();

@@ -2,6 +2,7 @@
 import { type BladeApi, type FolderApi, Pane } from "tweakpane";
 import { type PlainWind, withinTurn, withPlain } from "../../core/wind/edit";
 import type { Statistics } from "../frameStatistics";
+import { type Playback, SPEEDS } from "../playback";
 import { LIMITS, type Settings } from "../settings/settings";
 import { WIND_LIMITS } from "../settings/windQuery";
 import { labelInputs } from "./accessible";
@@ -25,6 +26,7 @@ export class Panel {
   constructor(
     private readonly settings: Settings,
     private readonly statistics: Statistics,
+    playback: Playback,
     onChange: (key: SettingKey) => void,
   ) {
     this.changed = (key) => {
@@ -34,7 +36,10 @@ export class Panel {
     this.wind(this.pane.addFolder({ title: "Wind" }));
     this.forest(this.pane.addFolder({ title: "Forest" }));
     this.species = this.pane.addFolder({ title: "Species mix", expanded: false });
-    this.lookup(this.pane.addFolder({ title: "Motion" }));
+    const motion = this.pane.addFolder({ title: "Motion" });
+    motion.addBinding(playback, "speed", { label: "Speed", options: SPEEDS });
+    motion.addButton({ title: "Pause, and one step on" }).on("click", () => playback.step());
+    this.lookup(motion);
     this.figures(this.pane.addFolder({ title: "Statistics", expanded: false }));
     labelInputs(element("panel"));
   }

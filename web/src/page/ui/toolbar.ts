@@ -1,9 +1,11 @@
-/** The toolbar: camera views, fly-through, tree physics, accuracy check, link, photo, video, full screen. */
+/** The toolbar: pause, camera views, fly-through, tree physics, accuracy check, link, photo, video, full screen. */
 import { VIEWS, type ViewName } from "../../scene/camera/viewpoints";
 import { element, make } from "./dom";
 import { type IconName, icon } from "./icons";
 
 export interface Tools {
+  /** Pauses the motion, or lets it go on. */
+  pause(): void;
   view(name: ViewName): void;
   /** Starts or stops the fly-through; returns whether it is running. */
   fly(): boolean;
@@ -17,6 +19,7 @@ export interface Tools {
 }
 
 export class Toolbar {
+  private readonly pause: HTMLButtonElement;
   private readonly fly: HTMLButtonElement;
   private readonly film: HTMLButtonElement;
   private readonly menu = make("div", "", "views-menu");
@@ -29,6 +32,8 @@ export class Toolbar {
     views.setAttribute("aria-controls", "views-menu");
     views.addEventListener("click", () => this.openMenu(this.menu.hidden === true, views));
     this.fillMenu(tools, views);
+    this.pause = button("pause", "Pause the motion (Space)", () => tools.pause());
+    this.pause.setAttribute("aria-pressed", "false");
     this.fly = toggle("fly", "Fly through the forest", () => tools.fly());
     this.film = toggle("film", "Record video", () => tools.film());
     this.film.hidden = !can.film;
@@ -36,6 +41,7 @@ export class Toolbar {
     full.hidden = !can.fullScreen;
     full.addEventListener("click", () => void switchFullScreen());
     bar.replaceChildren(
+      this.pause,
       views,
       this.menu,
       this.fly,
@@ -85,6 +91,10 @@ export class Toolbar {
   private openMenu(open: boolean, opener: HTMLButtonElement): void {
     this.menu.hidden = !open;
     opener.setAttribute("aria-expanded", String(open));
+  }
+
+  showPause(paused: boolean): void {
+    this.pause.setAttribute("aria-pressed", String(paused));
   }
 
   showFlight(flying: boolean): void {

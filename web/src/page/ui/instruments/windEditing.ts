@@ -31,10 +31,16 @@ export function presetOf(wind: WindDocument): PresetName | null {
   const same = (name: PresetName) => {
     const preset: WindDocument = { ...PRESETS[name], direction_deg: wind.direction_deg, seed: wind.seed };
     const names = new Set([...Object.keys(preset), ...Object.keys(wind)]) as Set<keyof WindDocument>;
-    return [...names].every((key) => preset[key] === wind[key] || (key === "beta" && isUsual(preset, wind)));
+    return [...names].every(
+      (key) => alike(preset[key], wind[key]) || (key === "beta" && isUsual(preset, wind)),
+    );
   };
   return (Object.keys(PRESETS) as PresetName[]).find(same) ?? null;
 }
+
+/** Equal but for rounding: a wind that came through a link or a slider has 0.49999999999999994 for 0.5. */
+const alike = (a: unknown, b: unknown): boolean =>
+  a === b || (typeof a === "number" && typeof b === "number" && Math.abs(a - b) < 1e-6);
 
 const isUsual = (a: WindDocument, b: WindDocument): boolean =>
   (a.beta ?? STANDARD.beta) === (b.beta ?? STANDARD.beta);
