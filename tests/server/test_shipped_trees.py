@@ -149,10 +149,11 @@ def test_a_built_in_tree_that_is_not_shipped_is_computed_with_and_without_leaves
     (species / "small.obj").write_bytes(b"another mesh")
     with start(start_server, species).client() as api:
         tree = ready(api)
-        assert tree["form"] == "open" and tree["bare_table_sha256"] is None
-        address = "/api/trees/small"
-        bare = wait_until(lambda: api.get(address).json()["bare_table_sha256"])
-        assert bare == sha256(b"bare table of another mesh")
+        # The bare table follows; on a busy machine it may be there before the tree is first seen.
+        expected = sha256(b"bare table of another mesh")
+        assert tree["form"] == "open" and tree["bare_table_sha256"] in (None, expected)
+        bare = wait_until(lambda: api.get("/api/trees/small").json()["bare_table_sha256"])
+        assert bare == expected
 
 
 def test_the_forms_of_a_species_are_trees(start_server: StartServer, species: Path) -> None:
