@@ -29,14 +29,6 @@ class RunLike(Protocol):
 
 
 @dataclass(frozen=True)
-class Run:
-    """A run in memory."""
-
-    pressure_pa: Array
-    displacement_m: Array
-
-
-@dataclass(frozen=True)
 class ModalRun:
     """A run in modal coordinates: e, v (T + 1, d), pressure (T, 2), Pa, and output modes q (T + 1, r)."""
 

@@ -96,6 +96,7 @@ def fitted_force(
 
 
 def side_by_side(runs: Sequence[ModalRun], weights: Floats) -> Target:
+    """The runs with their weights (R,) as lanes; each run's squared errors are averaged over its frames."""
     frames, (_, d) = max(len(run.pressure) for run in runs), runs[0].e.shape
     pressure = np.zeros((frames, 2, len(runs)))
     e, weight = np.zeros((frames + 1, d, len(runs))), np.zeros((frames + 1, len(runs)))

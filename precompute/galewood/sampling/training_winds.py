@@ -20,7 +20,7 @@ WINDS, FRAMES = 20, 200
 FURTHER_WINDS = 20
 """Additional winds for trees that bend far, which continue the sequence."""
 SWAY_SHARES = (0.2, 0.05, 0.2, 0.1, 0.2, 0.03, 0.15)
-"""Largest sway of the winds, in turn, over the height. Seven, as five kinds of wind alternate."""
+"""Largest sway of the winds, in turn, over the height. Seven, as the kinds of wind repeat after five."""
 STRONGEST_M_S = 60.0
 """Limit of the speed, for trees too stiff to sway so far in any wind."""
 GUSTINESS, WHITE_GUSTINESS = 0.45, 0.6
