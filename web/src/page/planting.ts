@@ -47,6 +47,7 @@ export class Planting {
       () => {
         this.forest.show(placed);
         this.stage.surround(woodReach_m(placed.map(({ instances }) => instances.placement)));
+        this.stage.shelter(this.forest.crowns);
         this.shown();
       },
     );

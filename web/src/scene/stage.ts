@@ -16,9 +16,13 @@ import { setGroundSeason } from "./ground/groundMaterial";
 import { groundHeight_m } from "./ground/landscape";
 import { Terrain } from "./ground/terrain";
 import type { Quality } from "./quality";
+import { FlyingLeaves } from "./season/flyingLeaves";
 import type { Season } from "./season/season";
+import { Snowfall } from "./season/snowfall";
 import { Daylight } from "./sky/daylight";
 import type { Atmosphere } from "./sky/daytime";
+import type { Crowns } from "./sky/exposure";
+import { Lighting } from "./sky/lighting";
 import { Sky } from "./sky/sky";
 import { Pictures } from "./textures/pictures";
 import type { View } from "./trees/drawList";
@@ -38,6 +42,9 @@ export class Stage {
   readonly sky = new Sky(this.pictures);
   readonly daylight: Daylight;
   private readonly terrain = new Terrain(this.pictures);
+  private readonly lighting: Lighting;
+  private readonly leaves: FlyingLeaves;
+  private readonly snow: Snowfall;
   readonly cover: GroundCover;
   private readonly farWood = new FarWood();
   private readonly frustum = new Frustum();
@@ -63,7 +70,13 @@ export class Stage {
     this.renderer.info.autoReset = false;
     this.pictures.setQuality(quality);
     this.daylight = new Daylight(quality);
+    this.lighting = new Lighting(this.sky, this.daylight, (light, season) =>
+      this.farWood.show(light, season),
+    );
     this.cover = new GroundCover(quality);
+    this.leaves = new FlyingLeaves(quality, groundHeight_m);
+    this.snow = new Snowfall(quality);
+    this.scene.add(this.leaves.mesh, this.snow.mesh);
     this.scene.add(this.terrain.mesh, this.sky.mesh, this.cover.mesh, this.farWood.mesh, this.daylight.group);
     this.camera.position.set(EYE_M.x, groundHeight_m(EYE_M.x, EYE_M.z) + EYE_M.above, EYE_M.z);
     this.controls = this.orbit();
@@ -98,14 +111,29 @@ export class Stage {
 
   /** Sets sky, light and ground for a season and time of day. */
   show(daytime: number, season: Season): Atmosphere {
-    this.season = season;
-    const light = this.daylight.show(daytime, season);
-    this.sky.show(light);
     setGroundSeason(season);
     this.cover.setSeason(season);
-    this.farWood.show(light, season);
-    this.renderer.toneMappingExposure = light.exposure;
-    return light;
+    this.season = season;
+    return this.lighting.choose(daytime, season);
+  }
+
+  /** Tells the scene where the trees stand, for the exposure in their shade. */
+  shelter(crowns: Crowns): void {
+    this.lighting.crowns = crowns;
+  }
+
+  /** Moves sky, flying leaves, snow and ground cover on by dt_s in this wind; the clouds follow its strength. */
+  advance(dt_s: number, wind_m_s: { x: number; z: number }, time_s: number): void {
+    this.lighting.advance(dt_s, wind_m_s);
+    this.leaves.advance(
+      dt_s,
+      wind_m_s,
+      this.season,
+      this.lighting.crownsNear(this.camera.position),
+      this.camera.position,
+    );
+    this.snow.advance(dt_s, wind_m_s, this.season);
+    this.cover.update(this.camera.position, wind_m_s, time_s);
   }
 
   /** Places the background forest around simulated trees of this extent. */
@@ -117,6 +145,8 @@ export class Stage {
     this.quality = quality;
     this.pictures.setQuality(quality);
     this.cover.setQuality(quality);
+    this.leaves.setQuality(quality);
+    this.snow.setQuality(quality);
     this.daylight.setQuality(quality);
     this.resize();
   }
@@ -149,7 +179,9 @@ export class Stage {
     };
   }
 
-  render(): void {
+  /** `dt_s`: time since the last picture, in which the exposure adapts. */
+  render(dt_s = 0): void {
+    this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);
     this.renderer.render(this.scene, this.camera);
   }
 
@@ -159,6 +191,8 @@ export class Stage {
     this.sky.dispose();
     this.terrain.dispose();
     this.cover.dispose();
+    this.leaves.dispose();
+    this.snow.dispose();
     this.farWood.dispose();
     this.pictures.dispose();
     this.daylight.dispose();

@@ -23,7 +23,8 @@ function texture({ side, pixels }: Picture, colour: boolean): DataTexture {
 }
 
 export class Pictures {
-  readonly noise = texture(paintNoise(256), false);
+  readonly noisePicture = paintNoise(256);
+  readonly noise = texture(this.noisePicture, false);
   readonly litter = texture(paintLitter(512), true);
   readonly grass = texture(paintGrass(512), true);
 

@@ -23,6 +23,9 @@ export interface SurfaceUniforms {
   readonly uSnowColour: { value: Color };
   /** Share of the leaves that are still on the tree. */
   readonly uLeafShare: { value: number };
+  /** Sunlight before any shadow, and sky light on level ground. */
+  readonly uSunColour: { value: Color };
+  readonly uSkyColour: { value: Color };
 }
 
 const VERTEX_PARS = /* glsl */ `
