@@ -15,6 +15,7 @@ import { GroundCover } from "./ground/groundCover";
 import { setGroundSeason } from "./ground/groundMaterial";
 import { groundHeight_m } from "./ground/landscape";
 import { Terrain } from "./ground/terrain";
+import { Undergrowth } from "./ground/undergrowth";
 import type { Quality } from "./quality";
 import { FlyingLeaves } from "./season/flyingLeaves";
 import type { Season } from "./season/season";
@@ -43,6 +44,7 @@ export class Stage {
   readonly daylight: Daylight;
   private readonly terrain = new Terrain(this.pictures);
   private readonly lighting: Lighting;
+  private readonly undergrowth: Undergrowth;
   private readonly leaves: FlyingLeaves;
   private readonly snow: Snowfall;
   readonly cover: GroundCover;
@@ -52,6 +54,7 @@ export class Stage {
   private readonly seen = new Matrix4();
   private readonly observer: ResizeObserver;
   private quality: Quality;
+  private sheltering: Crowns = new Float32Array(0);
   private season: Season = "autumn";
 
   constructor(
@@ -74,9 +77,10 @@ export class Stage {
       this.farWood.show(light, season),
     );
     this.cover = new GroundCover(quality);
+    this.undergrowth = new Undergrowth(quality, this.pictures.plants);
     this.leaves = new FlyingLeaves(quality, groundHeight_m);
     this.snow = new Snowfall(quality);
-    this.scene.add(this.leaves.mesh, this.snow.mesh);
+    this.scene.add(this.undergrowth.group, this.leaves.mesh, this.snow.mesh);
     this.scene.add(this.terrain.mesh, this.sky.mesh, this.cover.mesh, this.farWood.mesh, this.daylight.group);
     this.camera.position.set(EYE_M.x, groundHeight_m(EYE_M.x, EYE_M.z) + EYE_M.above, EYE_M.z);
     this.controls = this.orbit();
@@ -113,13 +117,18 @@ export class Stage {
   show(daytime: number, season: Season): Atmosphere {
     setGroundSeason(season);
     this.cover.setSeason(season);
+    this.undergrowth.setSeason(season);
     this.season = season;
     return this.lighting.choose(daytime, season);
   }
 
-  /** Tells the scene where the trees stand, for the exposure in their shade. */
+  /** Tells the scene where the trees stand, for the exposure and the undergrowth in their shade. */
   shelter(crowns: Crowns): void {
+    const { sheltering: before } = this;
+    if (crowns.length === before.length && crowns.every((value, k) => value === before[k])) return;
+    this.sheltering = crowns;
     this.lighting.crowns = crowns;
+    this.undergrowth.shelter(crowns);
   }
 
   /** Moves sky, flying leaves, snow and ground cover on by dt_s in this wind; the clouds follow its strength. */
@@ -134,6 +143,7 @@ export class Stage {
     );
     this.snow.advance(dt_s, wind_m_s, this.season);
     this.cover.update(this.camera.position, wind_m_s, time_s);
+    this.undergrowth.update(this.camera.position, wind_m_s, time_s);
   }
 
   /** Places the background forest around simulated trees of this extent. */
@@ -145,6 +155,7 @@ export class Stage {
     this.quality = quality;
     this.pictures.setQuality(quality);
     this.cover.setQuality(quality);
+    this.undergrowth.setQuality(quality);
     this.leaves.setQuality(quality);
     this.snow.setQuality(quality);
     this.daylight.setQuality(quality);
@@ -191,6 +202,7 @@ export class Stage {
     this.sky.dispose();
     this.terrain.dispose();
     this.cover.dispose();
+    this.undergrowth.dispose();
     this.leaves.dispose();
     this.snow.dispose();
     this.farWood.dispose();

@@ -1,7 +1,5 @@
 /** Leaves that the wind tears off the crowns around the camera: one draw call, animated in the vertex shader. */
 import {
-  BufferAttribute,
-  BufferGeometry,
   DoubleSide,
   DynamicDrawUsage,
   InstancedBufferAttribute,
@@ -10,6 +8,7 @@ import {
   MeshLambertMaterial,
 } from "three";
 import { hashUnit } from "../../core/math/random";
+import { leafBlade } from "../ground/plantShapes";
 import type { Quality } from "../quality";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
 import { CROWN_FLOATS, type Crowns } from "../sky/exposure";
@@ -22,22 +21,7 @@ const MOST: Record<Quality, number> = { low: 300, medium: 1400, high: 3000 };
 const LIFE_S = 8;
 /** Leaves start on the surface of a crown, this share of its half axes from its centre. */
 const SHELL = 0.92;
-
-/** A leaf of length 1, bent along its midrib. */
-function blade(): BufferGeometry {
-  const geometry = new BufferGeometry();
-  const corners = [0, 0, -0.5, 0.3, 0.1, -0.08, -0.3, 0.1, -0.08, 0, 0.06, 0.55, 0, -0.03, 0];
-  geometry.setAttribute("position", new BufferAttribute(Float32Array.from(corners), 3));
-  geometry.setAttribute(
-    "normal",
-    new BufferAttribute(
-      Float32Array.from(corners, (_, i) => (i % 3 === 1 ? 1 : 0)),
-      3,
-    ),
-  );
-  geometry.setIndex([0, 4, 1, 0, 2, 4, 4, 3, 1, 4, 2, 3]);
-  return geometry;
-}
+const MOST_RANGES = 32;
 
 const VERTEX_PARS = /* glsl */ `
 attribute vec4 aFrom; // place where the leaf came off, m; time, s
@@ -123,7 +107,7 @@ export class FlyingLeaves {
     const most = MOST[quality];
     if (most === this.most) return;
     this.most = most;
-    const leaf = blade();
+    const leaf = leafBlade();
     const geometry = new InstancedBufferGeometry();
     geometry.setIndex(leaf.index);
     geometry.setAttribute("position", leaf.getAttribute("position"));
@@ -209,7 +193,11 @@ export class FlyingLeaves {
     const first = (this.count - fresh) % this.most;
     for (const name of ["aFrom", "aFlight", "aLook"]) {
       const attribute = this.attribute(name);
-      attribute.clearUpdateRanges();
+      // Ranges pile up while nothing is drawn: upload everything then.
+      if (attribute.updateRanges.length > MOST_RANGES) {
+        attribute.clearUpdateRanges();
+        attribute.addUpdateRange(0, 4 * this.most);
+      }
       attribute.addUpdateRange(4 * first, 4 * Math.min(fresh, this.most - first));
       if (first + fresh > this.most) attribute.addUpdateRange(0, 4 * (first + fresh - this.most));
       attribute.needsUpdate = true;

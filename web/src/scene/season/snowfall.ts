@@ -35,9 +35,9 @@ void main() {
   place += 0.35 * sin(uClock * (1.0 + aSeed.wxy) + 40.0 * aSeed.zyx);
   vec3 away = mod(place - cameraPosition + 0.5 * BOX, BOX) - 0.5 * BOX;
   vec3 centre = (viewMatrix * vec4(cameraPosition + away, 1.0)).xyz;
-  // A streak along the motion, as an exposure of 1/80 s records it.
-  vec2 streak = (viewMatrix * vec4(uSpeed, 0.0)).xy * 0.012;
-  float size = mix(0.014, 0.034, aSeed.w);
+  // A streak along the motion, as an exposure of 1/60 s records it.
+  vec2 streak = (viewMatrix * vec4(uSpeed, 0.0)).xy * 0.016;
+  float size = mix(0.008, 0.02, aSeed.w);
   vec2 along = normalize(streak + 1e-5);
   vec2 corner = position.x * size * vec2(along.y, -along.x) + position.y * (size * along + 0.5 * streak);
   vAt = position.xy;

@@ -16,8 +16,8 @@ const CLEAR: Weather = { cover: 0, dark: 0, speed_m_s: 0 };
 /** A storm looks darker and hazier than its light alone makes it. */
 const STORM_EXPOSURE = 0.2;
 const STORM_HAZE = 1.1;
-/** Haze of driven snow, relative to that of the season. */
-const SNOW_HAZE = 9;
+/** Extinction of driven snow per metre, the same for all colours: visibility of some hundred metres. */
+const SNOW_HAZE = 0.006;
 /** Gain of the light between snow on the ground and a closed cover, which reflect it to and fro. */
 const SNOW_GAIN = 0.5;
 
@@ -77,6 +77,7 @@ export interface Atmosphere {
 }
 
 const times = (a: Rgb, k: number): Rgb => [a[0] * k, a[1] * k, a[2] * k];
+const plus = (a: Rgb, k: number): Rgb => [a[0] + k, a[1] + k, a[2] + k];
 const brightness = ([r, g, b]: Rgb) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
 /** Partial adaptation: dusk stays darker than noon but visible. */
@@ -123,7 +124,7 @@ export function underClouds(clear: Atmosphere, season: Season, weather: Weather,
     ...lit,
     weather,
     exposure: base * (1 - STORM_EXPOSURE * weather.dark * closed(weather)),
-    haze: times(haze, 1 + STORM_HAZE * weather.dark + SNOW_HAZE * snowShare(weather.speed_m_s, season)),
+    haze: plus(times(haze, 1 + STORM_HAZE * weather.dark), SNOW_HAZE * snowShare(weather.speed_m_s, season)),
     mist: mist * (1 - smoothstep(3, 9, weather.speed_m_s)),
   };
 }
