@@ -282,7 +282,7 @@ export class App {
 
   /** Advances by dt_s; without `playing` the trees keep their poses. */
   private move(dt_s: number, playing = true): void {
-    if (playing && !this.paused) this.client.advance(dt_s);
+    if (playing && !this.paused) this.client.advance(dt_s, this.stage.camera.position);
     if (playing) this.takePoses();
     this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);

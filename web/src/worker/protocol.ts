@@ -20,9 +20,10 @@ export interface ShareRequest {
 /** Nodes for one level of detail. */
 export interface NodeLevel {
   readonly nodes: number;
-  /** Texels per tree: the first modes, then the local wind speed in m/s, padding. */
+  /** Texels per tree: the modes of this level, then the local wind speed in m/s, padding. */
   readonly quads: number;
-  readonly modes: number;
+  /** Modes of the table that this level keeps. */
+  readonly columns: Uint16Array<ArrayBuffer>;
   /** Node of this level for each node of the table. */
   readonly of: Uint16Array<ArrayBuffer>;
   /** [nodes, 3, 4 quads]: displacement in m per unit of each coordinate, zero beyond the modes. */
@@ -131,7 +132,14 @@ export type ToWorker =
   /** Selects the tree whose figures are sent with the poses. */
   | { kind: "watch"; at: TreeAt | null }
   /** Advances the forest; the buffers are returned filled. */
-  | { kind: "advance"; epoch: number; dt_s: number; buffers: Float32Array<ArrayBuffer>[] };
+  | {
+      kind: "advance";
+      epoch: number;
+      dt_s: number;
+      /** Where the viewer is, m: x and z. */
+      viewer: readonly [number, number];
+      buffers: Float32Array<ArrayBuffer>[];
+    };
 
 export type ConnectionState = "idle" | "connecting" | "live" | "lost";
 

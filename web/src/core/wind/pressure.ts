@@ -49,6 +49,23 @@ export function heightFactor(height_m: number, exponent: number, referenceHeight
   return (height_m / referenceHeight_m) ** exponent;
 }
 
+/** Pressures beyond the sampled range are compressed: 2 times the range to 1.53, 5 times to 2.03. */
+const COMPRESSION = 0.45;
+
+/** Pressure over the strongest sampled one, compressed where it is above 1: it grows with the logarithm. */
+export const compressed = (ratio: number): number =>
+  ratio <= 1 ? ratio : 1 + COMPRESSION * Math.log(1 + (ratio - 1) / COMPRESSION);
+
+/**
+ * Factor that compresses a pressure to the range of a table, `ratio` times its strongest sampled one, in a wind whose
+ * strongest gusts are `strongest` times that. The wind is first scaled as a whole: if only its gusts were compressed, a
+ * storm would sway trees less than a breeze.
+ */
+export function compression(ratio: number, strongest: number): number {
+  const scale = strongest > 1 ? compressed(strongest) / strongest : 1;
+  return ratio * scale > 1 ? compressed(ratio * scale) / ratio : scale;
+}
+
 /**
  * Clamps pressures in place to the largest sampled magnitude and keeps their direction: beyond it every record would
  * be equally wrong.

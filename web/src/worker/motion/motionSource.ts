@@ -17,6 +17,8 @@ export interface MotionSource {
   windChanged(wind: WindDocument): void;
   /** Stops or resumes the clock of a shared forest, for everyone. */
   pause?(paused: boolean): void;
+  /** Tells where the viewer is (m, world); trees far away may move with less detail. */
+  see?(x: number, z: number): void;
   /** Advances and writes `poseStride(modes)` floats per tree; returns false while no poses are known. */
   advance(dt_s: number, out: readonly Float32Array[]): boolean;
   dispose(): void;

@@ -44,6 +44,7 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
   const stride = poseStride(modes);
   const basis = padBasis(table.nodeBasis, modes, stride);
   const nodes = table.nodeRest.length / 3;
+  const all = Uint16Array.from({ length: modes }, (_, k) => k);
   const of = Uint16Array.from({ length: nodes }, (_, node) => node);
   return {
     sha256,
@@ -52,7 +53,7 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     nodes,
     basis,
     rest_m: Float32Array.from(table.nodeRest),
-    levels: [{ nodes, quads: stride / 4, modes, of, basis }, ...coarserNodes(table)],
+    levels: [{ nodes, quads: stride / 4, columns: all, of, basis }, ...coarserNodes(table)],
     reach_m,
     vertexNode: Uint16Array.from(table.vertexNode),
     primitives: primitives.map(({ name, kind, vertices }) => ({ name, kind, vertices })),
@@ -71,6 +72,12 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
 /** The buffers to transfer instead of copying. */
 export function motionBuffers(motion: TableMotion): ArrayBuffer[] {
   const { basis, rest_m, vertexNode, crownBasis, levels } = motion;
-  const own = [basis, rest_m, vertexNode, crownBasis, ...levels.flatMap(({ of, basis: rows }) => [of, rows])];
+  const own = [
+    basis,
+    rest_m,
+    vertexNode,
+    crownBasis,
+    ...levels.flatMap(({ of, columns, basis: rows }) => [of, columns, rows]),
+  ];
   return [...new Set(own.map(({ buffer }) => buffer))];
 }
