@@ -1,7 +1,7 @@
 """Write the golden motion of trees in a wind field: ``python -m tests.golden.make_gusts``.
 
-It covers what lies between a wind document and the poses: the pressure at every tree and its compression beyond
-the sampled range, the gusts within the crowns, the modal model and the gust layer.
+It covers what lies between a wind document and the poses: the pressure at every tree and its compression
+beyond the sampled range, the gusts within the crowns, the modal model and the gust layer.
 """
 
 from __future__ import annotations

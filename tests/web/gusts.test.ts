@@ -125,5 +125,6 @@ test("pressure beyond the sampled range is compressed, and never falls as the wi
   // A wind within the range is not changed, whatever its gusts may be, and one beyond it is scaled as a whole.
   expect(compression(0.7, 0.9)).toBe(1);
   expect(compression(0.5, 3)).toBeCloseTo(compressed(3) / 3, 12);
-  expect(compression(3, 3) * 3).toBeCloseTo(compressed(compressed(3)), 12);
+  expect(compression(6, 3) * 6).toBeCloseTo(compressed(3) * compressed(2), 12);
+  expect(compression(2, 0.5) * 2).toBeCloseTo(compressed(2), 12);
 });

@@ -65,7 +65,7 @@ def advance_gusts(
             local[2 * g], local[2 * g + 1] = a * x - b * z, a * z + b * x
         per_speed = strength / speed_of_pressure(strength) if strength > 0.0 else 0.0
         passed = phase[i] + rate[i]
-        for n in range(min(int(passed), MAX_STEPS_PER_ADVANCE)):
+        for _ in range(min(int(passed), MAX_STEPS_PER_ADVANCE)):
             largest = fastest = 0.0
             for k in range(oscillators):
                 force = 0.0

@@ -34,7 +34,7 @@ from galewood.table import FORMAT, VERSION, Metadata, Records, Table
 from galewood.util import Array, Floats
 
 REACH_MARGIN = 1.5
-"""Allowance for motion beyond that of the training runs: pressure is compressed to 1.5 times the sampled one."""
+"""Allowance for motion beyond that of the training runs, as in pressures beyond the sampled range."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,7 @@
-"""The gust layer of many trees: motion under gusts that differ within each crown. Twin: web/src/core/modal/gustLayer.ts."""
+"""The gust layer of many trees: motion under gusts that differ within each crown.
+
+Twin: web/src/core/modal/gustLayer.ts.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,9 @@ class GustLayer:
             crown_field(moment.wind.seed), crown_carried(moment), self._place, trees.x_m, trees.z_m,
             trees.turn, trees.size, pressure_x, pressure_z, self._gusts,
         )  # fmt: skip
+        step, load, drag = self._tensors
+        e, v, now, before = self._state
         advance_gusts(
-            *self._tensors, trees.rate, trees.turn, pressure_x, pressure_z, self._gusts, trees.phase,
-            *self._state, q,
+            step, load, drag, trees.rate, trees.turn, pressure_x, pressure_z, self._gusts, trees.phase,
+            e, v, now, before, q,
         )  # fmt: skip

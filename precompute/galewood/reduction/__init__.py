@@ -1,6 +1,6 @@
 """Model order reduction; in: training runs; out: POD basis, fitted modal model, render nodes."""
 
-from galewood.reduction.gust_modes import GustModes, gust_modes, gust_range
+from galewood.reduction.gust_layer import GustModes, gust_modes, gust_range
 from galewood.reduction.linear import LinearMotion, linear_motion
 from galewood.reduction.nodes import Nodes, largest_motion_m, make_nodes, render_basis
 from galewood.reduction.oscillators import Exposure, Oscillators, oscillators_of

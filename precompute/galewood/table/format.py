@@ -109,6 +109,14 @@ class Table:
         return self.paper
 
     @property
+    def recorded_q_m(self) -> npt.NDArray[np.float64]:
+        """(z, r) poses of the records, m; they have no gusts. Raises TableError if the table has none."""
+        q = np.zeros((len(self.records.dq), int(self.metadata["modes"])))
+        fitted = self.fitted_modes
+        q[:, :fitted] = self.records.pose() * self.mode_scale[:fitted].astype(np.float64)
+        return q
+
+    @property
     def peak_pressure_pa(self) -> float:
         """Largest dynamic pressure of the winds that the table was made from, Pa."""
         return float(self.metadata["peak_pressure_pa"])
@@ -139,6 +147,21 @@ TENSORS: Layout = {
     "gusts.load": ("gust_load", np.float32, 2),
     "gusts.drag": ("gust_drag", np.float32, 1),
 }
+
+
+def without_gusts(table: Table) -> Table:
+    """The table without its gust layer: only the modes that one pressure per tree moves."""
+    fitted = table.fitted_modes
+    return replace(
+        table,
+        metadata={**table.metadata, "modes": fitted},
+        mode_scale=table.mode_scale[:fitted],
+        node_basis=np.ascontiguousarray(table.node_basis[:, :, :fitted]),
+        gust_place=table.gust_place[:0],
+        gust_step=table.gust_step[:0],
+        gust_load=table.gust_load[:0, :0],
+        gust_drag=table.gust_drag[:0],
+    )
 
 
 def encode(table: Table) -> bytes:

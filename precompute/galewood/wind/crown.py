@@ -1,9 +1,9 @@
 """Turbulence within a crown: gusts of a few metres, which the gust models of a forest are too coarse for.
 
-A frozen, periodic velocity field is carried over the forest by the wind (Taylor's hypothesis). It is the sum of
-plane waves of 3 to 12 m whose power per octave falls with the 2/3 power of the wavelength, as in the inertial
-range (Kolmogorov 1941), each across its own direction, so that the field is free of divergence. Gusts reach the
-top of a crown first. Specified in docs/formats/wind.md; twin: web/src/core/wind/crown.ts.
+A frozen, periodic velocity field is carried over the forest by the wind (Taylor's hypothesis). It is a sum of
+plane waves of 3 to 12 m, each across its own direction, so that the field is free of divergence. Their power
+per octave falls with the 2/3 power of the wavelength, as in the inertial range (Kolmogorov 1941). Gusts reach
+the top of a crown first. Specified in docs/formats/wind.md; twin: web/src/core/wind/crown.ts.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
@@ -37,8 +37,8 @@ WAVES = 48
 INTENSITY = 0.6
 """Standard deviation of each component over the mean speed, for a gustiness of 1.
 
-Assumed. Near the top of a canopy the turbulence intensity along the wind is about 0.5 (Raupach, Finnigan &
-Brunet 1996), of which the gust models provide 0.3 at this gustiness.
+Assumed. Near the top of a canopy the turbulence intensity is about 0.5, and larger below (Raupach, Finnigan &
+Brunet 1996; unchecked); the gust models provide 0.3 at this gustiness.
 """
 LEAN_ALONG, LEAN_ACROSS = -0.6, 0.8
 """Metres by which the field is shifted per metre of height."""
@@ -87,10 +87,10 @@ def write_gusts(
 ):  # pragma: no cover  (compiled)
     """Write the relative pressures of the gusts at places of trees to out (count, 2G).
 
-    ``field`` is from ``crown_field``, ``carried`` from ``crown_carried``; places (G, 3) are points of a tree, m;
-    turn (count, 2) cosine and sine of the yaw, size (count,) the scale; the pressures (count,), Pa, are those
-    at the trees. ``out`` has two numbers for each place: what the pressure there is in addition to that at the
-    tree, along it and across it, over its strength.
+    ``field`` is from ``crown_field``, ``carried`` from ``crown_carried``; places (G, 3) are points of a tree,
+    m; turn (count, 2) cosine and sine of the yaw, size (count,) the scale; the pressures (count,), Pa, are
+    those at the trees. ``out`` has two numbers for each place: what the pressure there is in addition to that
+    at the tree, along it and across it, over its strength.
     """
     c, s, distance, intensity = carried
     for i in range(len(x_m)):

@@ -75,8 +75,8 @@ def sampled_peak_pa(sample_pressure_pa: npt.NDArray[np.float32]) -> float:
     return float(np.sqrt(np.max(np.sum(np.square(sample_pressure_pa, dtype=np.float64), axis=1))))
 
 
-COMPRESSION = 0.45
-"""Pressures beyond the sampled range are compressed: 2 times the range to 1.53, 5 times to 2.03."""
+COMPRESSION = 0.25
+"""Pressures beyond the sampled range are compressed: 2 times the range to 1.40, 5 times to 1.71."""
 
 
 @numba.njit(cache=True, nogil=True)
@@ -96,17 +96,18 @@ def compress_pressure(
 ) -> None:  # pragma: no cover  (compiled)
     """Compress pressures in place to the range of a table whose strongest sampled pressure is most_pa.
 
-    A wind whose gusts exceed the range is first scaled as a whole, by what its strongest gust, ``peak`` (n,)
-    Pa, requires: if only the gusts were compressed, a storm would sway trees less than a breeze. Writes the
-    largest pressure before over most_pa to ``ratio`` (n,).
+    A wind whose gusts exceed the range is scaled as a whole, by what its strongest gust, ``peak`` (n,) Pa,
+    requires: if only the gusts were compressed, a storm would sway trees less than a breeze. What exceeds
+    even that gust is compressed in turn. Writes the pressure before over most_pa to ``ratio`` (n,).
     """
     for i in range(len(pressure_x)):
         strength = math.sqrt(float(pressure_x[i]) ** 2 + float(pressure_z[i]) ** 2) / most_pa
         ratio[i] = strength
-        strongest = peak[i] / most_pa
-        scale = compressed(strongest) / strongest if strongest > 1.0 else 1.0
-        if strength * scale > 1.0:
-            scale = compressed(strength * scale) / strength
+        strongest = max(peak[i] / most_pa, 1.0)
+        most = compressed(strongest)
+        scale = most / strongest
+        if strength > strongest:
+            scale = most * compressed(strength / strongest) / strength
         if scale != 1.0:
             pressure_x[i] *= scale
             pressure_z[i] *= scale

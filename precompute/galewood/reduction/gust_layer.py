@@ -23,7 +23,7 @@ from galewood.wind import crown_field, speed_of_pressure, write_gusts
 PLACES, OSCILLATORS = 16, 12
 WINDS, FRAMES = 4, 300
 SLOPE = 1.0
-"""Exponent of the noise's spectrum: between the −5/3 of free air and the short-circuit of leaves in between."""
+"""Exponent of the noise's spectrum: flatter than the 5/3 of free air, as leaves break up the large eddies."""
 SEED = 4
 DRAG = 1.85
 """Damping of motion in a gusty wind over pressure per speed and area: calibrated on six trees (FEM).
@@ -127,13 +127,16 @@ def _motion(tensors: GustTensors, pressure_pa: float, dt_s: float, frames: int) 
         for tensor in (tensors.place, tensors.step, tensors.load, tensors.drag)
     )
     count = len(step)
-    state, q = [np.zeros((1, count)) for _ in range(4)], np.zeros((1, count), np.float32)
+    e, v, now, before = (np.zeros((1, count)) for _ in range(4))
+    q = np.zeros((1, count), np.float32)
     one, nothing, turn = np.ones(1), np.zeros(1), np.array([[1.0, 0.0]])
     speed_m_s = float(speed_of_pressure(pressure_pa))
     track, gusts, field = np.zeros((frames, count)), np.zeros((1, 2 * len(place))), crown_field(0)
     for frame in range(frames):
         carried = (1.0, 0.0, max(speed_m_s, 1.0) * frame * dt_s, INTENSITY)
         write_gusts(field, carried, place, nothing, nothing, turn, one, pressure_pa * one, nothing, gusts)
-        advance_gusts(step, load, drag, one, turn, pressure_pa * one, nothing, gusts, nothing, *state, q)
-        track[frame] = state[0][0]
+        advance_gusts(
+            step, load, drag, one, turn, pressure_pa * one, nothing, gusts, nothing, e, v, now, before, q
+        )
+        track[frame] = e[0]
     return track
