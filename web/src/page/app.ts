@@ -89,7 +89,7 @@ export class App {
   ) {
     useKeys({ known: keptKey, ask: askForKey });
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
-    this.forest = new Forest(this.speciesOptions());
+    this.forest = new Forest(this.speciesOptions(), this.stage.impostors);
     this.stage.scene.add(this.forest.group);
     this.applyScenery();
     this.scenery = new SceneryBar(settings, () => this.change("season"));
@@ -290,6 +290,7 @@ export class App {
     this.studio.advance(dt_s, this.client, this.forest);
     const wind_m_s = meanVelocity_m_s(this.settings.wind);
     this.stage.sky.advance(dt_s, wind_m_s);
+    if (this.client.wind) this.stage.farWood.advance(this.client.wind.state, this.client.time_s);
     this.stage.cover.update(this.stage.camera.position, wind_m_s, this.client.time_s);
     this.flutter.value.x += dt_s;
     this.flutter.value.y = this.settings.flutter ? 1 : 0;
@@ -319,7 +320,10 @@ export class App {
     const { stage, forest } = this;
     const moved = stage.updateCamera();
     if (!moved && !this.dirty && this.waitsForTrees) return;
-    if (moved || this.dirty) forest.select(stage.view());
+    if (moved || this.dirty) {
+      forest.select(stage.view());
+      stage.select(stage.view());
+    }
     this.dirty = false;
     stage.renderer.info.reset();
     forest.renderNodes(stage.renderer);

@@ -46,7 +46,13 @@ export class Planting {
       settings.wind,
       () => {
         this.forest.show(placed);
-        this.stage.surround(woodReach_m(placed.map(({ instances }) => instances.placement)));
+        this.stage.surround({
+          edge_m: woodReach_m(placed.map(({ instances }) => instances.placement)),
+          seed: settings.forestSeed,
+          density: settings.density,
+          shares: { ...settings.shares },
+          assets: this.catalogue.assets,
+        });
         this.shown();
       },
     );

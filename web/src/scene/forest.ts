@@ -4,6 +4,7 @@ import type { Ray } from "../core/math/groundRay";
 import type { TableMotion } from "../worker/protocol";
 import { type Form, type FormChoice, plant } from "./forms";
 import { groundHeight_m } from "./ground/landscape";
+import type { ImpostorLibrary } from "./impostors/library";
 import { placeTrees } from "./placement";
 import { leafTint } from "./season/palette";
 import type { Season } from "./season/season";
@@ -93,7 +94,10 @@ export class Forest {
   private leafless = false;
 
   /** `options` apply to the next placement. */
-  constructor(public options: SpeciesOptions) {}
+  constructor(
+    public options: SpeciesOptions,
+    private readonly impostors: ImpostorLibrary | null = null,
+  ) {}
 
   /** Shows a placement; species that stay keep their meshes and textures on the GPU. */
   show(placed: readonly PlacedSpecies[]): void {
@@ -123,6 +127,7 @@ export class Forest {
     const forest = new SpeciesForest(model, motion, instances, this.options);
     if (this.frozen) forest.freeze(true);
     forest.leafless = this.leafless;
+    forest.cards = motion && (this.impostors?.cardsFor(model, this.group, motion) ?? null);
     this.group.add(forest.group);
     return forest;
   }

@@ -10,11 +10,13 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { FarWood } from "./ground/farWood";
+import { FarWood, type Planted } from "./ground/farWood";
 import { GroundCover } from "./ground/groundCover";
 import { setGroundSeason } from "./ground/groundMaterial";
 import { groundHeight_m } from "./ground/landscape";
 import { Terrain } from "./ground/terrain";
+import { shared as impostorUniforms } from "./impostors/cardMaterial";
+import { ImpostorLibrary } from "./impostors/library";
 import type { Quality } from "./quality";
 import type { Season } from "./season/season";
 import { Daylight } from "./sky/daylight";
@@ -26,6 +28,10 @@ import type { View } from "./trees/drawList";
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
 const BARE_DETAIL = 5;
+/** Distance from which simulated trees of scale 1 are drawn as impostors. */
+const CARDS_FROM_M: Record<Quality, number> = { low: 60, medium: 85, high: 120 };
+/** Side of the picture from which each view of an impostor is reduced, px. */
+const BAKED_PX: Record<Quality, number> = { low: 256, medium: 512, high: 512 };
 const LOOK_AT_M = new Vector3(-1, 6.2, -16);
 const EYE_M = { x: 7, above: 8.2, z: 24 };
 
@@ -39,7 +45,10 @@ export class Stage {
   readonly daylight: Daylight;
   private readonly terrain = new Terrain(this.pictures);
   readonly cover: GroundCover;
-  private readonly farWood = new FarWood();
+  readonly impostors: ImpostorLibrary;
+  readonly farWood: FarWood;
+  /** Whether trees must be selected again although the camera stands still. */
+  private impostorsChanged = false;
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
@@ -63,8 +72,18 @@ export class Stage {
     this.renderer.info.autoReset = false;
     this.pictures.setQuality(quality);
     this.daylight = new Daylight(quality);
+    this.impostors = new ImpostorLibrary(BAKED_PX[quality]);
+    this.impostors.from_m = CARDS_FROM_M[quality];
+    this.farWood = new FarWood(this.impostors);
+    canvas.addEventListener("webglcontextrestored", this.renewImpostors);
     this.cover = new GroundCover(quality);
-    this.scene.add(this.terrain.mesh, this.sky.mesh, this.cover.mesh, this.farWood.mesh, this.daylight.group);
+    this.scene.add(
+      this.terrain.mesh,
+      this.sky.mesh,
+      this.cover.mesh,
+      this.farWood.group,
+      this.daylight.group,
+    );
     this.camera.position.set(EYE_M.x, groundHeight_m(EYE_M.x, EYE_M.z) + EYE_M.above, EYE_M.z);
     this.controls = this.orbit();
     this.observer = new ResizeObserver(() => this.resize());
@@ -103,32 +122,49 @@ export class Stage {
     this.sky.show(light);
     setGroundSeason(season);
     this.cover.setSeason(season);
-    this.farWood.show(light, season);
+    this.farWood.setSeason(season);
+    this.impostors.setLeafless(season === "winter");
+    impostorUniforms.uBare.value = season === "winter" ? 1 : 0;
+    this.impostorsChanged = true;
     this.renderer.toneMappingExposure = light.exposure;
     return light;
   }
 
-  /** Places the background forest around simulated trees of this extent. */
-  surround(reach_m: number): void {
-    this.farWood.populate(reach_m, this.quality);
+  /** Plants the background forest around the simulated trees. */
+  surround(planted: Planted): void {
+    const models = planted.assets.filter(({ model }) => model !== null);
+    models.sort((a, b) => Number(b.builtin) - Number(a.builtin));
+    this.impostors.keep(models.flatMap(({ model }) => model ?? []));
+    this.farWood.populate(planted, this.quality);
+    this.impostorsChanged = true;
   }
+
+  private readonly renewImpostors = (): void => {
+    this.impostors.renew();
+    this.impostorsChanged = true;
+  };
 
   setQuality(quality: Quality): void {
     this.quality = quality;
     this.pictures.setQuality(quality);
     this.cover.setQuality(quality);
     this.daylight.setQuality(quality);
+    this.impostors.setDetail(BAKED_PX[quality]);
+    this.impostors.from_m = CARDS_FROM_M[quality];
     this.resize();
   }
 
-  /** Updates the camera; returns whether it moved, so that trees must be selected again. */
+  /** Updates the camera; returns whether trees must be selected again, because it moved or impostors changed. */
   updateCamera(): boolean {
     this.controls.update();
     const floor_m = groundHeight_m(this.camera.position.x, this.camera.position.z) + 1.4;
     if (this.camera.position.y < floor_m) this.camera.position.y = floor_m;
     this.camera.updateMatrixWorld();
     this.clip.multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
-    if (this.clip.equals(this.seen)) return false;
+    const changed = this.impostorsChanged || this.impostors.arriving;
+    this.impostorsChanged = false;
+    this.impostors.arriving = false;
+    if (this.clip.equals(this.seen) && !changed) return false;
     this.seen.copy(this.clip);
     return true;
   }
@@ -149,7 +185,18 @@ export class Stage {
     };
   }
 
+  /** Selects the background trees of the current view. */
+  select(view: View): void {
+    this.farWood.select(view);
+  }
+
+  /** Whether all impostors are baked, and the number of background trees. */
+  get impostorFigures(): { ready: boolean; backgroundTrees: number } {
+    return { ready: this.impostors.isReady, backgroundTrees: this.farWood.count };
+  }
+
   render(): void {
+    if (this.impostors.work(this.renderer)) this.impostorsChanged = true;
     this.renderer.render(this.scene, this.camera);
   }
 
@@ -160,6 +207,8 @@ export class Stage {
     this.terrain.dispose();
     this.cover.dispose();
     this.farWood.dispose();
+    this.impostors.dispose();
+    this.canvas.removeEventListener("webglcontextrestored", this.renewImpostors);
     this.pictures.dispose();
     this.daylight.dispose();
     this.renderer.dispose();

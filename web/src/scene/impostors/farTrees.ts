@@ -1,0 +1,175 @@
+/** The background trees of one species: selection, motion and cards. */
+import { heightFactor, type WindField } from "../../core/wind/wind";
+import type { TableMotion } from "../../worker/protocol";
+import { groundHeight_m } from "../ground/landscape";
+import { type Bounds, cylinderSeen, shadowSeen } from "../trees/culling";
+import type { View } from "../trees/drawList";
+import {
+  createInstanceData,
+  INSTANCE_FLOATS,
+  type InstanceData,
+  type Placement,
+  setTints,
+  type Tint,
+} from "../trees/instanceData";
+import { BEND_FLOATS, CARD_FLOATS, type CardList, type Cards } from "./cards";
+import { Sway, TIP_FLOATS } from "./sway";
+
+/** Cards are drawn near to far, in bins. */
+const BINS = 32;
+const BIN_M = 16;
+/** A card that the eye passes through disappears between these distances. */
+const CLEAR_M = { gone: 3, full: 9 } as const;
+/** Below this elevation of the sun, shadows do not get longer. */
+const LOWEST_SUN = 0.15;
+/** Largest sway of the cards, for their bounds, relative to the height. */
+const LEAN = 0.15;
+
+export class FarTrees {
+  private readonly instances: InstanceData;
+  private readonly x: Float32Array;
+  private readonly z: Float32Array;
+  private readonly pressureX: Float32Array;
+  private readonly pressureZ: Float32Array;
+  private readonly factor: Float32Array;
+  private readonly bins: Uint8Array;
+  private readonly before: Float32Array;
+  private readonly seen: Uint32Array;
+  private readonly casting: Uint32Array;
+  private sway: Sway | null = null;
+  private moves: TableMotion | null = null;
+
+  constructor(
+    private readonly places: readonly Placement[],
+    tint: Tint,
+  ) {
+    const count = places.length;
+    this.instances = createInstanceData(places, groundHeight_m, tint);
+    this.x = Float32Array.from(places, ({ x_m }) => x_m);
+    this.z = Float32Array.from(places, ({ z_m }) => z_m);
+    this.pressureX = new Float32Array(count);
+    this.pressureZ = new Float32Array(count);
+    this.factor = new Float32Array(count);
+    this.bins = new Uint8Array(count);
+    this.before = new Float32Array(TIP_FLOATS * count);
+    this.seen = new Uint32Array(count);
+    this.casting = new Uint32Array(count);
+  }
+
+  get count(): number {
+    return this.places.length;
+  }
+
+  setTints(tint: Tint): void {
+    setTints(this.instances, tint);
+  }
+
+  /** Chooses the cards to draw in this view, near to far, and those whose shadows can be seen. */
+  select(cards: Cards, view: View): void {
+    const { height_m, reach, across_m } = cards.atlas.box;
+    const bounds = { height_m, radius_m: reach * across_m, reach_m: LEAN * height_m };
+    const seen = this.sortByDistance(bounds, view);
+    const casting = this.chooseCasters(bounds, view);
+    this.fill(cards.seen, this.seen, seen, view);
+    this.fill(cards.casting, this.casting, casting, null);
+  }
+
+  private sortByDistance(bounds: Bounds, { planes, eye }: View): number {
+    const { data, count } = this.instances;
+    const first = new Uint32Array(BINS + 1);
+    for (let tree = 0; tree < count; tree++) {
+      const at = tree * INSTANCE_FLOATS;
+      const scale = data[at + 6];
+      const height_m = bounds.height_m * scale;
+      const radius_m = (bounds.radius_m + bounds.reach_m) * scale;
+      if (!cylinderSeen(planes, data[at], data[at + 1], data[at + 2], height_m, radius_m)) {
+        this.bins[tree] = BINS;
+        continue;
+      }
+      const distance_m = Math.hypot(data[at] - eye.x, data[at + 2] - eye.z);
+      this.bins[tree] = Math.min(BINS - 1, Math.floor(distance_m / BIN_M));
+      first[this.bins[tree] + 1]++;
+    }
+    for (let bin = 1; bin <= BINS; bin++) first[bin] += first[bin - 1];
+    const seen = first[BINS];
+    for (let tree = 0; tree < count; tree++) {
+      if (this.bins[tree] < BINS) this.seen[first[this.bins[tree]]++] = tree;
+    }
+    return seen;
+  }
+
+  private chooseCasters(bounds: Bounds, { planes, eye, sun, shadow_m }: View): number {
+    const { data, count } = this.instances;
+    let casters = 0;
+    for (let tree = 0; tree < count; tree++) {
+      const at = tree * INSTANCE_FLOATS;
+      const scale = data[at + 6];
+      const half_m = 0.5 * bounds.height_m * scale;
+      const ball_m = Math.hypot(half_m, bounds.radius_m * scale);
+      const slide_m = (2 * half_m) / Math.max(LOWEST_SUN, sun.y);
+      const [x, y, z] = [data[at], data[at + 1] + half_m, data[at + 2]];
+      const nearest_m = Math.hypot(x - eye.x, y - eye.y, z - eye.z) - ball_m - slide_m;
+      if (nearest_m > shadow_m || !shadowSeen(planes, sun, x, y, z, ball_m, slide_m)) continue;
+      this.casting[casters++] = tree;
+    }
+    return casters;
+  }
+
+  private fill(list: CardList, trees: Uint32Array, count: number, view: View | null): void {
+    list.reserve(count);
+    const { data } = list;
+    for (let i = 0; i < count; i++) {
+      const from = trees[i] * INSTANCE_FLOATS;
+      const to = i * CARD_FLOATS;
+      for (let k = 0; k < CARD_FLOATS; k++) data[to + k] = this.instances.data[from + k];
+      data[to + 3] = view ? this.opacity(trees[i], view) : 1;
+      data[to + 7] = (trees[i] * 0.618034) % 1;
+    }
+    this.writeBend(list, trees, count);
+    list.show(count);
+  }
+
+  private opacity(tree: number, { eye }: View): number {
+    const distance_m = Math.hypot(this.x[tree] - eye.x, this.z[tree] - eye.z);
+    return Math.min(1, Math.max(0, (distance_m - CLEAR_M.gone) / (CLEAR_M.full - CLEAR_M.gone)));
+  }
+
+  private writeBend({ bend }: CardList, trees: Uint32Array, count: number): void {
+    const { before } = this;
+    const tips = this.sway?.tips ?? before;
+    for (let i = 0; i < count; i++) {
+      const tree = TIP_FLOATS * trees[i];
+      const to = BEND_FLOATS * i;
+      bend[to] = before[tree];
+      bend[to + 1] = before[tree + 1];
+      bend[to + 2] = tips[tree];
+      bend[to + 3] = tips[tree + 1];
+    }
+  }
+
+  /** Advances all trees, also hidden ones, in the wind at a time; the cards then move towards their new poses. */
+  advance(dt_s: number, time_s: number, field: WindField, motion: TableMotion, cards: Cards | null): void {
+    const { wind } = field.at(time_s);
+    if (this.moves !== motion) this.take(motion, wind.height_exponent, wind.reference_height_m);
+    if (!this.sway) return;
+    this.before.set(this.sway.tips);
+    field.pressure(this.x, this.z, time_s, this.pressureX, this.pressureZ, this.factor);
+    this.sway.advance(dt_s, this.pressureX, this.pressureZ, wind.mean_speed_m_s);
+    if (!cards) return;
+    this.writeBend(cards.seen, this.seen, cards.seen.count);
+    cards.seen.moved();
+    this.writeBend(cards.casting, this.casting, cards.casting.count);
+    cards.casting.moved();
+  }
+
+  private take(motion: TableMotion, exponent: number, reference_m: number): void {
+    this.moves = motion;
+    const scales = Float32Array.from(this.places, ({ scale }) => scale);
+    scales.forEach((scale, tree) => {
+      this.factor[tree] = heightFactor(motion.height_m * scale, exponent, reference_m);
+    });
+    const before = this.sway;
+    this.sway = new Sway(motion.sway, motion.height_m, scales);
+    if (before) this.sway.adopt(before);
+  }
+}
