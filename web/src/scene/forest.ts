@@ -86,6 +86,17 @@ export function placeForest(
   });
 }
 
+/** Position, height and crown radius of all trees, packed, for their shadows on distant ground. */
+export function shadingOf(placed: readonly PlacedSpecies[]): Float32Array {
+  return Float32Array.from(
+    placed.flatMap(({ model: { height_m, radius_m }, instances: { placement, count } }) =>
+      Array.from({ length: count }, (_, i) => placement.subarray(4 * i, 4 * i + 4)).flatMap(
+        ([x, z, , scale]) => [x, z, scale * height_m, 0.8 * scale * radius_m],
+      ),
+    ),
+  );
+}
+
 export class Forest {
   readonly group = new Group();
   moving: MovingGroup[] = [];

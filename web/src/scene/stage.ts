@@ -16,6 +16,7 @@ import { setGroundSeason } from "./ground/groundMaterial";
 import { groundHeight_m } from "./ground/landscape";
 import { Terrain } from "./ground/terrain";
 import { shared as impostorUniforms } from "./impostors/cardMaterial";
+import { castShade, groundShade } from "./impostors/groundShade";
 import { ImpostorLibrary } from "./impostors/library";
 import type { Quality } from "./quality";
 import type { Season } from "./season/season";
@@ -30,6 +31,7 @@ const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: 
 const BARE_DETAIL = 5;
 /** Distance from which simulated trees of scale 1 are drawn as impostors. */
 const CARDS_FROM_M: Record<Quality, number> = { low: 60, medium: 85, high: 120 };
+const SHADE_EVERY_MS = 300;
 /** Side of the picture from which each view of an impostor is reduced, px. */
 const BAKED_PX: Record<Quality, number> = { low: 256, medium: 512, high: 512 };
 const LOOK_AT_M = new Vector3(-1, 6.2, -16);
@@ -49,6 +51,10 @@ export class Stage {
   readonly farWood: FarWood;
   /** Whether trees must be selected again although the camera stands still. */
   private impostorsChanged = false;
+  /** The simulated trees whose shadows lie on distant ground. */
+  private shading: Float32Array = new Float32Array(0);
+  private shadeOutdated = false;
+  private shaded_ms = 0;
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
@@ -122,6 +128,7 @@ export class Stage {
     this.sky.show(light);
     setGroundSeason(season);
     this.cover.setSeason(season);
+    this.shadeOutdated = true;
     this.farWood.setSeason(season);
     this.impostors.setLeafless(season === "winter");
     impostorUniforms.uBare.value = season === "winter" ? 1 : 0;
@@ -136,6 +143,8 @@ export class Stage {
     models.sort((a, b) => Number(b.builtin) - Number(a.builtin));
     this.impostors.keep(models.flatMap(({ model }) => model ?? []));
     this.farWood.populate(planted, this.quality);
+    this.shading = planted.trees;
+    this.shadeOutdated = true;
     this.impostorsChanged = true;
   }
 
@@ -195,7 +204,19 @@ export class Stage {
     return { ready: this.impostors.isReady, backgroundTrees: this.farWood.count };
   }
 
+  /** Renews the shadows on distant ground, which takes some milliseconds, not in every frame of a moving sun. */
+  private shadeGround(): void {
+    const now_ms = performance.now();
+    const reach_m = this.daylight.shadowReach_m;
+    groundShade.uShadeFrom.value.set(0.75 * reach_m, reach_m);
+    if (!this.shadeOutdated || now_ms - this.shaded_ms < SHADE_EVERY_MS) return;
+    this.shadeOutdated = false;
+    this.shaded_ms = now_ms;
+    castShade(Float32Array.from([...this.shading, ...this.farWood.shading]), this.daylight.towardsSun);
+  }
+
   render(): void {
+    this.shadeGround();
     if (this.impostors.work(this.renderer)) this.impostorsChanged = true;
     this.renderer.render(this.scene, this.camera);
   }

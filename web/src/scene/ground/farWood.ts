@@ -19,6 +19,8 @@ export interface Planted {
   readonly density: number;
   readonly shares: Readonly<Record<string, number>>;
   readonly assets: readonly TreeAsset[];
+  /** The simulated trees: x, z, height, crown radius, packed. */
+  readonly trees: Float32Array;
 }
 
 /** Each species takes new poses every so many frames, one after the other. */
@@ -119,6 +121,14 @@ export class FarWood {
       }
       if (stand.cards) stand.cards.uniforms.uShare.value = Math.min(1, stand.age / PERIOD);
     }
+  }
+
+  /** All background trees: x, z, height, crown radius, packed. */
+  get shading(): number[] {
+    return [...this.stands].flatMap(([id, { trees }]) => {
+      const model = this.asset(id)?.model;
+      return model ? trees.shading(model.height_m, model.radius_m) : [];
+    });
   }
 
   get count(): number {

@@ -57,7 +57,7 @@ void main() {
   vec3 facing = normalize(vNormal);
   if (!uLeaves && !gl_FrontFacing) facing = -facing;
   colour = vec4(sqrt(clamp(light, 0.0, 1.0)), 1.0);
-  surface = vec4(0.5 + 0.5 * octahedron(facing), 0.5 + 0.5 * vDepth, 0.5 * clamp(vPiece.y, 0.0, 1.0) + (uLeaves ? 0.5 : 0.0));
+  surface = vec4(0.5 + 0.5 * octahedron(facing), 0.5 + 0.5 * vDepth, 0.4 * clamp(vPiece.y, 0.0, 1.0) + (uLeaves ? 0.6 : 0.0));
 }
 `;
 
@@ -89,25 +89,47 @@ vec2 octahedron(vec3 n) {
   vec2 folded = (1.0 - abs(n.zx)) * vec2(n.z < 0.0 ? -1.0 : 1.0, n.x < 0.0 ? -1.0 : 1.0);
   return n.y < 0.0 ? folded : n.zx;
 }
+/** How far a place lies behind the leaves around it: in the gaps between tufts, less light arrives. 0 to 1. */
+float hollowness(ivec2 at, float depth) {
+  ivec2 size = textureSize(uColour, 0);
+  int stride = max(1, size.x / 72);
+  float ahead = 0.0;
+  for (int y = -3; y <= 3; y++) {
+    for (int x = -3; x <= 3; x++) {
+      ivec2 place = clamp(at + stride * ivec2(x, y), ivec2(0), size - 1);
+      if (texelFetch(uColour, place, 0).a < 0.5) continue;
+      ahead += clamp(texelFetch(uSurface, place, 0).z - depth - 0.004, -0.02, 0.06);
+    }
+  }
+  return clamp(ahead * 0.68, 0.0, 1.0);
+}
 void main() {
   ivec2 first = (ivec2(gl_FragCoord.xy) - uFrom) * uBlock;
   vec4 sum = vec4(0.0);
+  float depth = 0.0;
   float covered = 0.0;
   for (int y = 0; y < uBlock; y++) {
     for (int x = 0; x < uBlock; x++) {
       vec4 colour = texelFetch(uColour, first + ivec2(x, y), 0);
       if (colour.a < 0.5) continue;
       covered += 1.0;
+      depth += texelFetch(uSurface, first + ivec2(x, y), 0).z;
       sum += uOfSurface ? texelFetch(uSurface, first + ivec2(x, y), 0) : vec4(colour.rgb * colour.rgb, 1.0);
     }
   }
+  float hollow = covered > 0.0 ? hollowness(first + uBlock / 2, depth / covered) : 0.0;
   if (uOfSurface) {
+    if (covered > 0.0) {
+      sum /= covered;
+      float kind = sum.w < 0.5 ? 0.0 : 0.6; // wood, leaves
+      sum.w = kind + clamp((sum.w - kind) * (1.0 - 0.75 * hollow), 0.0, 0.4);
+    }
     vec2 at = 2.0 * (gl_FragCoord.xy - vec2(uFrom)) / uSide - 1.0;
     vec3 ball = at.x * uRight + at.y * uUp + 0.5 * uTowards;
-    mean = covered > 0.0 ? sum / covered : vec4(0.5 + 0.5 * octahedron(normalize(ball)), 0.5, 0.9);
+    mean = covered > 0.0 ? sum : vec4(0.5 + 0.5 * octahedron(normalize(ball)), 0.5, 0.92);
   } else {
     float share = covered / float(uBlock * uBlock);
-    mean = vec4(covered > 0.0 ? sqrt(sum.rgb / covered) * share : vec3(0.0), share);
+    mean = vec4(covered > 0.0 ? sqrt(sum.rgb / covered * (1.0 - 0.55 * hollow)) * share : vec3(0.0), share);
   }
 }
 `;

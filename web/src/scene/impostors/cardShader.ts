@@ -147,9 +147,9 @@ const CUT = /* glsl */ `
 float noise = gradientNoise(gl_FragCoord.xy);
 if (vLook.x < 0.999 && vLook.x <= gradientNoise(gl_FragCoord.xy + 71.0)) discard;
 Seen seen = look(noise);
-float leafy = smoothstep(0.42, 0.58, seen.surface.w);
+float leafy = smoothstep(0.44, 0.56, seen.surface.w);
 // Thin twigs cover less than a pixel: keep some of their pixels, at random.
-float cut = mix(uEdge, 0.12 + 0.5 * fract(noise + 0.5 * vLook.y), mix(0.45, 1.0, uBare));
+float cut = mix(uEdge, 0.12 + 0.5 * fract(noise + 0.5 * vLook.y), mix(0.12, 1.0, uBare));
 seen.colour.a *= 1.0 - uBare * leafy;
 if (seen.colour.a < cut) discard;
 `;

@@ -60,6 +60,11 @@ export class FarTrees {
     return this.places.length;
   }
 
+  /** x, z, height and crown radius of each tree, packed. */
+  shading(height_m: number, radius_m: number): number[] {
+    return this.places.flatMap(({ x_m, z_m, scale }) => [x_m, z_m, scale * height_m, 0.8 * scale * radius_m]);
+  }
+
   setTints(tint: Tint): void {
     setTints(this.instances, tint);
   }

@@ -70,13 +70,18 @@ vec3 viewAt(vec2 view) {
   d.y = max(0.0, 1.0 - abs(d.x) - abs(d.z));
   return normalize(d);
 }
-/** One of the three views around a direction, each as often as its weight; chance is uniform in 0..1. */
+/**
+ * One of the three views around a direction; chance is uniform in 0..1. Their weights are sharpened, so that most trees show
+ * a single picture, and those between two of them a mixture of pixels.
+ */
 vec2 chooseView(vec4 corner, float chance) {
   vec2 f = corner.zw;
   bool low = f.x + f.y < 1.0;
-  float first = low ? 1.0 - f.x - f.y : f.x + f.y - 1.0;
-  float second = first + (low ? f.x : 1.0 - f.y);
-  if (chance < first) return corner.xy + (low ? vec2(0.0) : vec2(1.0));
-  return corner.xy + (chance < second ? vec2(1.0, 0.0) : vec2(0.0, 1.0));
+  vec3 weight = low ? vec3(1.0 - f.x - f.y, f.x, f.y) : vec3(f.x + f.y - 1.0, 1.0 - f.y, 1.0 - f.x);
+  weight *= weight;
+  weight *= weight;
+  chance *= weight.x + weight.y + weight.z;
+  if (chance < weight.x) return corner.xy + (low ? vec2(0.0) : vec2(1.0));
+  return corner.xy + (chance < weight.x + weight.y ? vec2(1.0, 0.0) : vec2(0.0, 1.0));
 }
 `;
