@@ -1,6 +1,6 @@
 /** Plants the forest: places the trees of the catalogue and sends them to the worker. */
 
-import { type Forest, type PlacedSpecies, placeForest, shadingOf } from "../scene/forest";
+import { type Forest, type PlacedSpecies, placeForest } from "../scene/forest";
 import { woodReach_m } from "../scene/placement";
 import type { Stage } from "../scene/stage";
 import type { ClientGroup, ForestClient } from "./forestClient";
@@ -52,8 +52,8 @@ export class Planting {
           density: settings.density,
           shares: { ...settings.shares },
           assets: this.catalogue.assets,
-          trees: shadingOf(placed),
         });
+        this.stage.shelter(this.forest.crowns);
         this.shown();
       },
     );

@@ -52,7 +52,7 @@ export interface Probe {
   /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
   readonly statistics: App["figures"]["statistics"] & {
     readonly extent: number;
-    readonly impostors: App["stage"]["impostorFigures"];
+    readonly impostors: App["stage"]["backdrop"]["figures"];
   };
   /** Draws the trees as static instances, or moving again, to measure the cost of the motion. */
   freeze(frozen: boolean): void;
@@ -139,7 +139,7 @@ export function exposeProbe(app: App): void {
       return {
         ...statistics,
         extent: statistics.extrapolationRatio,
-        impostors: app.stage.impostorFigures,
+        impostors: app.stage.backdrop.figures,
       };
     },
     freeze: (frozen) => app.freeze(frozen),

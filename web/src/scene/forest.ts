@@ -8,6 +8,7 @@ import type { ImpostorLibrary } from "./impostors/library";
 import { placeTrees } from "./placement";
 import { leafTint } from "./season/palette";
 import type { Season } from "./season/season";
+import { CROWN_FLOATS, type Crowns } from "./sky/exposure";
 import type { View } from "./trees/drawList";
 import { createInstanceData, INSTANCE_FLOATS, type InstanceData, setTints } from "./trees/instanceData";
 import { disposeModel, type TreeModel } from "./trees/mesh/treeMesh";
@@ -86,15 +87,22 @@ export function placeForest(
   });
 }
 
-/** Position, height and crown radius of all trees, packed, for their shadows on distant ground. */
-export function shadingOf(placed: readonly PlacedSpecies[]): Float32Array {
-  return Float32Array.from(
-    placed.flatMap(({ model: { height_m, radius_m }, instances: { placement, count } }) =>
-      Array.from({ length: count }, (_, i) => placement.subarray(4 * i, 4 * i + 4)).flatMap(
-        ([x, z, , scale]) => [x, z, scale * height_m, 0.8 * scale * radius_m],
-      ),
-    ),
-  );
+/** Share of a tree's height below its crown, and of the largest reach that the crown fills. */
+const TRUNK = 0.26;
+const FILLED = 0.8;
+
+function writeCrown(
+  crowns: Float32Array,
+  at: number,
+  data: Float32Array,
+  tree: number,
+  { height_m, radius_m }: TreeModel,
+): void {
+  const scale = data[tree + 6];
+  const tall = 0.5 * (1 - TRUNK) * height_m * scale;
+  const middle = data[tree + 1] + TRUNK * height_m * scale + tall;
+  crowns.set([data[tree], middle, data[tree + 2], FILLED * radius_m * scale, tall], at);
+  crowns.set(data.subarray(tree + 8, tree + 11), at + 5);
 }
 
 export class Forest {
@@ -185,6 +193,20 @@ export class Forest {
       radius_m: forest.model.radius_m * scale,
       distance_m: hit.distance_m,
     };
+  }
+
+  /** The crowns of all trees. */
+  get crowns(): Crowns {
+    const crowns = new Float32Array(
+      CROWN_FLOATS * this.all.reduce((sum, { forest }) => sum + forest.instances.count, 0),
+    );
+    let at = 0;
+    for (const { forest } of this.all) {
+      for (let tree = 0; tree < forest.instances.count; tree++, at += CROWN_FLOATS) {
+        writeCrown(crowns, at, forest.instances.data, tree * INSTANCE_FLOATS, forest.model);
+      }
+    }
+    return crowns;
   }
 
   /** Whether this tree still exists. */

@@ -10,18 +10,21 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { FarWood, type Planted } from "./ground/farWood";
+import { Backdrop } from "./backdrop";
+import type { Planted } from "./ground/farWood";
 import { GroundCover } from "./ground/groundCover";
 import { setGroundSeason } from "./ground/groundMaterial";
 import { groundHeight_m } from "./ground/landscape";
 import { Terrain } from "./ground/terrain";
-import { shared as impostorUniforms } from "./impostors/cardMaterial";
-import { castShade, groundShade } from "./impostors/groundShade";
-import { ImpostorLibrary } from "./impostors/library";
+import { Undergrowth } from "./ground/undergrowth";
 import type { Quality } from "./quality";
+import { FlyingLeaves } from "./season/flyingLeaves";
 import type { Season } from "./season/season";
+import { Snowfall } from "./season/snowfall";
 import { Daylight } from "./sky/daylight";
 import type { Atmosphere } from "./sky/daytime";
+import type { Crowns } from "./sky/exposure";
+import { Lighting } from "./sky/lighting";
 import { Sky } from "./sky/sky";
 import { Pictures } from "./textures/pictures";
 import type { View } from "./trees/drawList";
@@ -29,11 +32,6 @@ import type { View } from "./trees/drawList";
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
 const BARE_DETAIL = 5;
-/** Distance from which simulated trees of scale 1 are drawn as impostors. */
-const CARDS_FROM_M: Record<Quality, number> = { low: 60, medium: 85, high: 120 };
-const SHADE_EVERY_MS = 300;
-/** Side of the picture from which each view of an impostor is reduced, px. */
-const BAKED_PX: Record<Quality, number> = { low: 256, medium: 512, high: 512 };
 const LOOK_AT_M = new Vector3(-1, 6.2, -16);
 const EYE_M = { x: 7, above: 8.2, z: 24 };
 
@@ -46,20 +44,18 @@ export class Stage {
   readonly sky = new Sky(this.pictures);
   readonly daylight: Daylight;
   private readonly terrain = new Terrain(this.pictures);
+  private readonly lighting: Lighting;
+  private readonly undergrowth: Undergrowth;
+  private readonly leaves: FlyingLeaves;
+  private readonly snow: Snowfall;
   readonly cover: GroundCover;
-  readonly impostors: ImpostorLibrary;
-  readonly farWood: FarWood;
-  /** Whether trees must be selected again although the camera stands still. */
-  private impostorsChanged = false;
-  /** The simulated trees whose shadows lie on distant ground. */
-  private shading: Float32Array = new Float32Array(0);
-  private shadeOutdated = false;
-  private shaded_ms = 0;
+  readonly backdrop: Backdrop;
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
   private readonly observer: ResizeObserver;
   private quality: Quality;
+  private sheltering: Crowns = new Float32Array(0);
   private season: Season = "autumn";
 
   constructor(
@@ -78,16 +74,18 @@ export class Stage {
     this.renderer.info.autoReset = false;
     this.pictures.setQuality(quality);
     this.daylight = new Daylight(quality);
-    this.impostors = new ImpostorLibrary(BAKED_PX[quality]);
-    this.impostors.from_m = CARDS_FROM_M[quality];
-    this.farWood = new FarWood(this.impostors);
-    canvas.addEventListener("webglcontextrestored", this.renewImpostors);
+    this.lighting = new Lighting(this.sky, this.daylight);
+    this.backdrop = new Backdrop(canvas, this.daylight, quality);
     this.cover = new GroundCover(quality);
+    this.undergrowth = new Undergrowth(quality, this.pictures.plants);
+    this.leaves = new FlyingLeaves(quality, groundHeight_m);
+    this.snow = new Snowfall(quality);
+    this.scene.add(this.undergrowth.group, this.leaves.mesh, this.snow.mesh);
     this.scene.add(
       this.terrain.mesh,
       this.sky.mesh,
       this.cover.mesh,
-      this.farWood.group,
+      this.backdrop.wood.group,
       this.daylight.group,
     );
     this.camera.position.set(EYE_M.x, groundHeight_m(EYE_M.x, EYE_M.z) + EYE_M.above, EYE_M.z);
@@ -123,43 +121,54 @@ export class Stage {
 
   /** Sets sky, light and ground for a season and time of day. */
   show(daytime: number, season: Season): Atmosphere {
-    this.season = season;
-    const light = this.daylight.show(daytime, season);
-    this.sky.show(light);
     setGroundSeason(season);
     this.cover.setSeason(season);
-    this.shadeOutdated = true;
-    this.farWood.setSeason(season);
-    this.impostors.setLeafless(season === "winter");
-    impostorUniforms.uBare.value = season === "winter" ? 1 : 0;
-    this.impostorsChanged = true;
-    this.renderer.toneMappingExposure = light.exposure;
+    this.undergrowth.setSeason(season);
+    this.season = season;
+    const light = this.lighting.choose(daytime, season);
+    this.backdrop.setSeason(season);
     return light;
+  }
+
+  /** Tells the scene where the trees stand, for the exposure and the undergrowth in their shade. */
+  shelter(crowns: Crowns): void {
+    const { sheltering: before } = this;
+    if (crowns.length === before.length && crowns.every((value, k) => value === before[k])) return;
+    this.sheltering = crowns;
+    this.lighting.crowns = crowns;
+    this.undergrowth.shelter(crowns);
+    this.backdrop.shelter(crowns);
+  }
+
+  /** Moves sky, flying leaves, snow and ground cover on by dt_s in this wind; the clouds follow its strength. */
+  advance(dt_s: number, wind_m_s: { x: number; z: number }, time_s: number): void {
+    this.lighting.advance(dt_s, wind_m_s);
+    this.leaves.advance(
+      dt_s,
+      wind_m_s,
+      this.season,
+      this.lighting.crownsNear(this.camera.position),
+      this.camera.position,
+    );
+    this.snow.advance(dt_s, wind_m_s, this.season);
+    this.cover.update(this.camera.position, wind_m_s, time_s);
+    this.undergrowth.update(this.camera.position, wind_m_s, time_s);
   }
 
   /** Plants the background forest around the simulated trees. */
   surround(planted: Planted): void {
-    const models = planted.assets.filter(({ model }) => model !== null);
-    models.sort((a, b) => Number(b.builtin) - Number(a.builtin));
-    this.impostors.keep(models.flatMap(({ model }) => model ?? []));
-    this.farWood.populate(planted, this.quality);
-    this.shading = planted.trees;
-    this.shadeOutdated = true;
-    this.impostorsChanged = true;
+    this.backdrop.surround(planted);
   }
-
-  private readonly renewImpostors = (): void => {
-    this.impostors.renew();
-    this.impostorsChanged = true;
-  };
 
   setQuality(quality: Quality): void {
     this.quality = quality;
     this.pictures.setQuality(quality);
     this.cover.setQuality(quality);
+    this.undergrowth.setQuality(quality);
+    this.leaves.setQuality(quality);
+    this.snow.setQuality(quality);
     this.daylight.setQuality(quality);
-    this.impostors.setDetail(BAKED_PX[quality]);
-    this.impostors.from_m = CARDS_FROM_M[quality];
+    this.backdrop.setQuality(quality);
     this.resize();
   }
 
@@ -170,9 +179,7 @@ export class Stage {
     if (this.camera.position.y < floor_m) this.camera.position.y = floor_m;
     this.camera.updateMatrixWorld();
     this.clip.multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
-    const changed = this.impostorsChanged || this.impostors.arriving;
-    this.impostorsChanged = false;
-    this.impostors.arriving = false;
+    const changed = this.backdrop.takeChange();
     if (this.clip.equals(this.seen) && !changed) return false;
     this.seen.copy(this.clip);
     return true;
@@ -194,30 +201,10 @@ export class Stage {
     };
   }
 
-  /** Selects the background trees of the current view. */
-  select(view: View): void {
-    this.farWood.select(view);
-  }
-
-  /** Whether all impostors are baked, and the number of background trees. */
-  get impostorFigures(): { ready: boolean; backgroundTrees: number } {
-    return { ready: this.impostors.isReady, backgroundTrees: this.farWood.count };
-  }
-
-  /** Renews the shadows on distant ground, which takes some milliseconds, not in every frame of a moving sun. */
-  private shadeGround(): void {
-    const now_ms = performance.now();
-    const reach_m = this.daylight.shadowReach_m;
-    groundShade.uShadeFrom.value.set(0.75 * reach_m, reach_m);
-    if (!this.shadeOutdated || now_ms - this.shaded_ms < SHADE_EVERY_MS) return;
-    this.shadeOutdated = false;
-    this.shaded_ms = now_ms;
-    castShade(Float32Array.from([...this.shading, ...this.farWood.shading]), this.daylight.towardsSun);
-  }
-
-  render(): void {
-    this.shadeGround();
-    if (this.impostors.work(this.renderer)) this.impostorsChanged = true;
+  /** `dt_s`: time since the last picture, in which the exposure adapts. */
+  render(dt_s = 0): void {
+    this.backdrop.prepare(this.renderer);
+    this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);
     this.renderer.render(this.scene, this.camera);
   }
 
@@ -227,9 +214,10 @@ export class Stage {
     this.sky.dispose();
     this.terrain.dispose();
     this.cover.dispose();
-    this.farWood.dispose();
-    this.impostors.dispose();
-    this.canvas.removeEventListener("webglcontextrestored", this.renewImpostors);
+    this.undergrowth.dispose();
+    this.leaves.dispose();
+    this.snow.dispose();
+    this.backdrop.dispose();
     this.pictures.dispose();
     this.daylight.dispose();
     this.renderer.dispose();

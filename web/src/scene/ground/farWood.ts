@@ -19,8 +19,6 @@ export interface Planted {
   readonly density: number;
   readonly shares: Readonly<Record<string, number>>;
   readonly assets: readonly TreeAsset[];
-  /** The simulated trees: x, z, height, crown radius, packed. */
-  readonly trees: Float32Array;
 }
 
 /** Each species takes new poses every so many frames, one after the other. */

@@ -49,8 +49,8 @@ void main() {
   if (own.a < uCut) discard;
   vec3 light = own.rgb * uColour;
   if (uLeaves) {
-    light *= 0.8 + 0.42 * vPiece.x;
-    light = mix(light, light * vec3(1.12, 0.92, 0.7), 0.6 * fract(vPiece.x * 7.31));
+    light *= 0.82 + 0.36 * vPiece.x;
+    light *= mix(vec3(1.09, 1.01, 0.8), vec3(0.92, 1.02, 1.05), fract(vPiece.x * 7.31));
   } else {
     light *= (0.85 + 0.3 * vPiece.x) * (1.0 - 0.5 * light.g);
   }

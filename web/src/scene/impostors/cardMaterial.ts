@@ -23,7 +23,13 @@ export interface CardUniforms {
   readonly uShare: { value: number };
 }
 
-function uniformsOf({ box, colour, surface }: Atlas, own: CardUniforms, crowded: number, middle: number) {
+function uniformsOf(
+  { box, colour, surface, model }: Atlas,
+  own: CardUniforms,
+  crowded: number,
+  middle: number,
+) {
+  const map = model.parts.find(({ kind, uv }) => kind === "leaves" && uv)?.material.map ?? null;
   return {
     ...air,
     ...seasonal,
@@ -34,6 +40,8 @@ function uniformsOf({ box, colour, surface }: Atlas, own: CardUniforms, crowded:
     uBoxM: { value: new Vector3(box.across_m, box.up_m, box.middle_m) },
     uTree: { value: new Vector3(box.reach, box.height_m, middle) },
     uCrowded: { value: crowded },
+    uLeafMap: { value: map },
+    uMapped: { value: map ? 1 : 0 },
     uEdge: { value: EDGE },
   };
 }

@@ -1,5 +1,7 @@
 /** Shader code of impostors: a card that faces the eye, bends with its tree and is lit like it. */
+
 import { AIR_FRAGMENT, AIR_PARS } from "../sky/air";
+import { CROWN_LIGHT } from "../trees/treeLight";
 import { COLOUR_SIDE } from "./atlasLayout";
 import { FLAT_VARYINGS, LIGHT, NORMAL, SURFACE } from "./cardSurface";
 import { OCTAHEDRAL_GLSL } from "./octahedral";
@@ -17,6 +19,8 @@ uniform vec3 uBoxM;    // metres per unit across and up, height of the centre
 uniform vec3 uTree;    // reach in units, height in m, height of the middle node relative to it
 uniform float uShare;
 uniform vec3 uTowardsSun;
+uniform sampler2D uLeafMap;
+uniform float uMapped;
 #ifdef SIMULATED
 uniform highp sampler2D uNodes;
 uniform int uNodeShift;
@@ -81,6 +85,7 @@ vCard = card;
 vRay = card - eye;
 vCorner = cornerOf(towards);
 vTint = aTint;
+vMean = vec4(max(textureLod(uLeafMap, vec2(0.5), 10.0).rgb, 0.01), uMapped); // the coarsest mip level
 vLook = vec2(aPlace.w, aTurn.w);
 vTurn = aTurn.xy / aTurn.z;
 vSunward = normalize(inTree(sunward) / span);
@@ -102,6 +107,8 @@ uniform float uCrowded;
 uniform float uSnow;
 uniform vec3 uSnowColour;
 uniform float uEdge;
+uniform vec3 uSunColour;
+uniform vec3 uSkyColour;
 ${FLAT_VARYINGS}
 varying vec3 vCard;
 varying vec3 vRay;
@@ -117,6 +124,19 @@ vec3 fromOctahedron(vec2 folded) {
   n.x += n.x >= 0.0 ? -under : under;
   n.z += n.z >= 0.0 ? -under : under;
   return normalize(n);
+}
+float corner_(vec2 at) {
+  vec3 p = fract(vec3(at.xyx) * 0.1031);
+  p += dot(p, p.yzx + 33.33);
+  return fract((p.x + p.y) * p.z);
+}
+/** Smooth noise between 0 and 1. */
+float tuft(vec2 at) {
+  vec2 f = fract(at);
+  f *= f * (3.0 - 2.0 * f);
+  vec2 i = floor(at);
+  return mix(mix(corner_(i), corner_(i + vec2(1.0, 0.0)), f.x),
+    mix(corner_(i + vec2(0.0, 1.0)), corner_(i + vec2(1.0, 1.0)), f.x), f.y);
 }
 struct Seen { vec4 colour; vec4 surface; vec3 at; };
 /** What the ray through a point of the card meets, in one of the three views around it. */
@@ -135,8 +155,16 @@ Seen look(float chance) {
   q = clamp(vec2(dot(at, across), dot(at, upward)), -0.98, 0.98);
   vec2 place = (view + 0.5 + 0.5 * q) / VIEWS;
   vec4 colour = textureLod(uColour, place, lod);
-  // Mip levels reduce the coverage of leaves and twigs: restore it.
   colour.rgb /= max(colour.a, 0.02);
+  if (lod < -0.5) {
+    // Near the eye the picture is coarser than the screen: add leaves at its edges and in its light.
+    vec2 fine = place * VIEWS * ${COLOUR_SIDE.toFixed(1)};
+    float leaf = 0.55 * tuft(1.1 * fine) + 0.45 * tuft(2.6 * fine + 7.0);
+    float amount = min(1.0, -0.5 * lod - 0.2);
+    colour.a += amount * 1.5 * (leaf - 0.5) * step(0.01, colour.a);
+    colour.rgb *= 1.0 + amount * 0.8 * (leaf - 0.5);
+  }
+  // Mip levels reduce the coverage of leaves and twigs: restore it.
   colour.a *= 1.0 + mix(0.12, 0.3, uBare) * clamp(lod + 1.0, 0.0, 4.0);
   return Seen(colour, textureLod(uSurface, place, lod - 1.0), at);
 }
@@ -162,7 +190,7 @@ export function patchCard(shader: { vertexShader: string; fragmentShader: string
     .replace("#include <begin_vertex>", POSITION)
     .replace("#include <shadowmap_vertex>", RECEIVE);
   shader.fragmentShader = shader.fragmentShader
-    .replace("#include <common>", `#include <common>\n${AIR_PARS}${FRAGMENT_PARS}`)
+    .replace("#include <common>", `#include <common>\n${AIR_PARS}${CROWN_LIGHT}${FRAGMENT_PARS}`)
     .replace("#include <map_fragment>", CUT + SURFACE)
     .replace("#include <alphatest_fragment>", "")
     .replace("#include <normal_fragment_begin>", NORMAL)
