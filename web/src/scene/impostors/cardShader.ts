@@ -150,7 +150,7 @@ Seen look(float chance) {
   vec2 q = vec2(dot(vCard, across), dot(vCard, upward));
   float depth = 2.0 * textureLod(uSurface, (view + clamp(0.5 + 0.5 * q, 0.01, 0.99)) / VIEWS, lod - 1.0).z - 1.0;
   vec3 ray = normalize(vRay);
-  float way = (depth - dot(vCard, towards)) / min(-0.3, dot(ray, towards));
+  float way = clamp((depth - dot(vCard, towards)) / min(-0.3, dot(ray, towards)), -1.0, 1.0);
   vec3 at = vCard + way * ray;
   q = clamp(vec2(dot(at, across), dot(at, upward)), -0.98, 0.98);
   vec2 place = (view + 0.5 + 0.5 * q) / VIEWS;

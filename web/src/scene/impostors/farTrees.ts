@@ -18,8 +18,8 @@ import { Sway, TIP_FLOATS } from "./sway";
 /** Cards are drawn near to far, in bins. */
 const BINS = 32;
 const BIN_M = 16;
-/** A card that the eye passes through disappears between these distances. */
-const CLEAR_M = { gone: 3, full: 9 } as const;
+/** From near, a picture of a tree is too coarse: background trees dissolve between these distances. */
+const CLEAR_M = { gone: 26, full: 40 } as const;
 /** Below this elevation of the sun, shadows do not get longer. */
 const LOWEST_SUN = 0.15;
 /** Largest sway of the cards, for their bounds, relative to the height. */
@@ -76,7 +76,7 @@ export class FarTrees {
     const seen = this.sortByDistance(bounds, view);
     const casting = this.chooseCasters(bounds, view);
     this.fill(cards.seen, this.seen, seen, view);
-    this.fill(cards.casting, this.casting, casting, null);
+    this.fill(cards.casting, this.casting, casting, view);
   }
 
   private sortByDistance(bounds: Bounds, { planes, eye }: View): number {
@@ -91,7 +91,11 @@ export class FarTrees {
         this.bins[tree] = BINS;
         continue;
       }
-      const distance_m = Math.hypot(data[at] - eye.x, data[at + 2] - eye.z);
+      const distance_m = Math.hypot(data[at] - eye.x, data[at + 1] - eye.y, data[at + 2] - eye.z);
+      if (distance_m < CLEAR_M.gone) {
+        this.bins[tree] = BINS;
+        continue;
+      }
       this.bins[tree] = Math.min(BINS - 1, Math.floor(distance_m / BIN_M));
       first[this.bins[tree] + 1]++;
     }
@@ -114,20 +118,21 @@ export class FarTrees {
       const slide_m = (2 * half_m) / Math.max(LOWEST_SUN, sun.y);
       const [x, y, z] = [data[at], data[at + 1] + half_m, data[at + 2]];
       const nearest_m = Math.hypot(x - eye.x, y - eye.y, z - eye.z) - ball_m - slide_m;
-      if (nearest_m > shadow_m || !shadowSeen(planes, sun, x, y, z, ball_m, slide_m)) continue;
+      if (nearest_m > shadow_m || nearest_m + ball_m + slide_m < CLEAR_M.gone) continue;
+      if (!shadowSeen(planes, sun, x, y, z, ball_m, slide_m)) continue;
       this.casting[casters++] = tree;
     }
     return casters;
   }
 
-  private fill(list: CardList, trees: Uint32Array, count: number, view: View | null): void {
+  private fill(list: CardList, trees: Uint32Array, count: number, view: View): void {
     list.reserve(count);
     const { data } = list;
     for (let i = 0; i < count; i++) {
       const from = trees[i] * INSTANCE_FLOATS;
       const to = i * CARD_FLOATS;
       for (let k = 0; k < CARD_FLOATS; k++) data[to + k] = this.instances.data[from + k];
-      data[to + 3] = view ? this.opacity(trees[i], view) : 1;
+      data[to + 3] = this.opacity(trees[i], view);
       data[to + 7] = (trees[i] * 0.618034) % 1;
     }
     this.writeBend(list, trees, count);
@@ -135,7 +140,8 @@ export class FarTrees {
   }
 
   private opacity(tree: number, { eye }: View): number {
-    const distance_m = Math.hypot(this.x[tree] - eye.x, this.z[tree] - eye.z);
+    const y = this.instances.data[tree * INSTANCE_FLOATS + 1];
+    const distance_m = Math.hypot(this.x[tree] - eye.x, y - eye.y, this.z[tree] - eye.z);
     return Math.min(1, Math.max(0, (distance_m - CLEAR_M.gone) / (CLEAR_M.full - CLEAR_M.gone)));
   }
 
