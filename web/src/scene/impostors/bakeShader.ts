@@ -126,7 +126,9 @@ void main() {
     }
     vec2 at = 2.0 * (gl_FragCoord.xy - vec2(uFrom)) / uSide - 1.0;
     vec3 ball = at.x * uRight + at.y * uUp + 0.5 * uTowards;
-    mean = covered > 0.0 ? sum : vec4(0.5 + 0.5 * octahedron(normalize(ball)), 0.5, 0.92);
+    // Beside thin parts, most of which are near the axis: the upright plane through it.
+    float axis = at.y * uTowards.y / max(0.25, length(uTowards.xz));
+    mean = covered > 0.0 ? sum : vec4(0.5 + 0.5 * octahedron(normalize(ball)), 0.5 + 0.5 * clamp(axis, -0.8, 0.8), 0.92);
   } else {
     float share = covered / float(uBlock * uBlock);
     mean = vec4(covered > 0.0 ? sqrt(sum.rgb / covered * (1.0 - 0.55 * hollow)) * share : vec3(0.0), share);

@@ -147,9 +147,12 @@ Seen look(float chance) {
   vec3 upward = cross(towards, across);
   float texels = ${(COLOUR_SIDE / 2).toFixed(1)};
   float lod = 0.5 * log2(max(dot(dFdx(vCard), dFdx(vCard)), dot(dFdy(vCard), dFdy(vCard))) * texels * texels);
-  vec2 q = vec2(dot(vCard, across), dot(vCard, upward));
-  float depth = 2.0 * textureLod(uSurface, (view + clamp(0.5 + 0.5 * q, 0.01, 0.99)) / VIEWS, lod - 1.0).z - 1.0;
+  // Begin at the upright plane through the axis, where the trunk is.
   vec3 ray = normalize(vRay);
+  vec2 level = normalize(towards.xz);
+  vec3 from = vCard + clamp(-dot(vCard.xz, level) / min(-0.3, dot(ray.xz, level)), -0.8, 0.8) * ray;
+  vec2 q = vec2(dot(from, across), dot(from, upward));
+  float depth = 2.0 * textureLod(uSurface, (view + clamp(0.5 + 0.5 * q, 0.01, 0.99)) / VIEWS, lod - 1.0).z - 1.0;
   float way = clamp((depth - dot(vCard, towards)) / min(-0.3, dot(ray, towards)), -1.0, 1.0);
   vec3 at = vCard + way * ray;
   q = clamp(vec2(dot(at, across), dot(at, upward)), -0.98, 0.98);
@@ -174,7 +177,7 @@ Seen look(float chance) {
 const CUT = /* glsl */ `
 float noise = gradientNoise(gl_FragCoord.xy);
 if (vLook.x < 0.999 && vLook.x <= gradientNoise(gl_FragCoord.xy + 71.0)) discard;
-Seen seen = look(noise);
+Seen seen = look(corner_(gl_FragCoord.xy));
 float leafy = smoothstep(0.44, 0.56, seen.surface.w);
 // Thin twigs cover less than a pixel: keep some of their pixels, at random.
 float cut = mix(uEdge, 0.12 + 0.5 * fract(noise + 0.5 * vLook.y), mix(0.12, 1.0, uBare));

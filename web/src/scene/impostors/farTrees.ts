@@ -18,8 +18,13 @@ import { Sway, TIP_FLOATS } from "./sway";
 /** Cards are drawn near to far, in bins. */
 const BINS = 32;
 const BIN_M = 16;
-/** From near, a picture of a tree is too coarse: background trees dissolve between these distances. */
-const CLEAR_M = { gone: 26, full: 40 } as const;
+/**
+ * From near, a picture of a tree is too coarse: background trees dissolve before. Each has its own distance between `gone`
+ * and `gone + spread`, so that few are transparent at a time.
+ */
+const CLEAR_M = { gone: 26, spread: 12, fade: 1.5 } as const;
+/** A number between 0 and 1 that differs between neighbours. */
+const chance = (tree: number) => (tree * 0.618034) % 1;
 /** Below this elevation of the sun, shadows do not get longer. */
 const LOWEST_SUN = 0.15;
 /** Largest sway of the cards, for their bounds, relative to the height. */
@@ -133,7 +138,7 @@ export class FarTrees {
       const to = i * CARD_FLOATS;
       for (let k = 0; k < CARD_FLOATS; k++) data[to + k] = this.instances.data[from + k];
       data[to + 3] = this.opacity(trees[i], view);
-      data[to + 7] = (trees[i] * 0.618034) % 1;
+      data[to + 7] = chance(trees[i]);
     }
     this.writeBend(list, trees, count);
     list.show(count);
@@ -142,7 +147,8 @@ export class FarTrees {
   private opacity(tree: number, { eye }: View): number {
     const y = this.instances.data[tree * INSTANCE_FLOATS + 1];
     const distance_m = Math.hypot(this.x[tree] - eye.x, y - eye.y, this.z[tree] - eye.z);
-    return Math.min(1, Math.max(0, (distance_m - CLEAR_M.gone) / (CLEAR_M.full - CLEAR_M.gone)));
+    const gone_m = CLEAR_M.gone + CLEAR_M.spread * chance(tree);
+    return Math.min(1, Math.max(0, (distance_m - gone_m) / CLEAR_M.fade));
   }
 
   private writeBend({ bend }: CardList, trees: Uint32Array, count: number): void {
