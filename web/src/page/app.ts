@@ -89,7 +89,7 @@ export class App {
   ) {
     useKeys({ known: keptKey, ask: askForKey });
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
-    this.forest = new Forest(this.speciesOptions());
+    this.forest = new Forest(this.speciesOptions(), this.stage.backdrop.library);
     this.stage.scene.add(this.forest.group);
     this.applyScenery();
     this.scenery = new SceneryBar(settings, () => this.change("season"));
@@ -229,6 +229,7 @@ export class App {
     const { daytime, season } = this.settings;
     this.stage.show(daytime, season);
     this.forest.setSeason(season);
+    this.stage.shelter(this.forest.crowns);
     this.dirty = true;
   }
 
@@ -271,7 +272,7 @@ export class App {
     this.visit.advance(dt_s);
     const played_s = this.playback.advance_s(dt_s, this.settings.lookup === "server");
     this.move(played_s ?? 0, played_s !== null);
-    this.draw();
+    this.draw(dt_s);
     this.frame++;
     this.meter.count(frame_ms, performance.now() - begin_ms);
     if (now_ms - this.reported_ms > REPORT_EVERY_MS) {
@@ -288,9 +289,8 @@ export class App {
     this.picker.advance(dt_s);
     this.studio.tipOf = this.picker.moving;
     this.studio.advance(dt_s, this.client, this.forest);
-    const wind_m_s = meanVelocity_m_s(this.settings.wind);
-    this.stage.sky.advance(dt_s, wind_m_s);
-    this.stage.cover.update(this.stage.camera.position, wind_m_s, this.client.time_s);
+    this.stage.advance(dt_s, meanVelocity_m_s(this.settings.wind), this.client.time_s);
+    if (this.client.wind) this.stage.backdrop.wood.advance(this.client.wind.state, this.client.time_s);
     this.flutter.value.x += dt_s;
     this.flutter.value.y = this.settings.flutter ? 1 : 0;
   }
@@ -306,7 +306,7 @@ export class App {
     this.move(dt_s);
     while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));
     this.takePoses();
-    if (drawn) this.draw();
+    if (drawn) this.draw(dt_s);
     this.frame++;
   }
 
@@ -315,15 +315,19 @@ export class App {
     return this.frame > 0 && this.forest.group.children.length === 0 && performance.now() < PATIENCE_MS;
   }
 
-  private draw(): void {
+  /** `dt_s`: time since the last picture. */
+  private draw(dt_s: number): void {
     const { stage, forest } = this;
     const moved = stage.updateCamera();
     if (!moved && !this.dirty && this.waitsForTrees) return;
-    if (moved || this.dirty) forest.select(stage.view());
+    if (moved || this.dirty) {
+      forest.select(stage.view());
+      stage.backdrop.select(stage.view());
+    }
     this.dirty = false;
     stage.renderer.info.reset();
     forest.renderNodes(stage.renderer);
-    stage.render();
+    stage.render(dt_s);
     this.visit.drawn();
   }
 

@@ -46,7 +46,14 @@ export class Planting {
       settings.wind,
       () => {
         this.forest.show(placed);
-        this.stage.surround(woodReach_m(placed.map(({ instances }) => instances.placement)));
+        this.stage.surround({
+          edge_m: woodReach_m(placed.map(({ instances }) => instances.placement)),
+          seed: settings.forestSeed,
+          density: settings.density,
+          shares: { ...settings.shares },
+          assets: this.catalogue.assets,
+        });
+        this.stage.shelter(this.forest.crowns);
         this.shown();
       },
     );

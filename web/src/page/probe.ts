@@ -50,7 +50,10 @@ export interface Probe {
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
   /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
-  readonly statistics: App["figures"]["statistics"] & { readonly extent: number };
+  readonly statistics: App["figures"]["statistics"] & {
+    readonly extent: number;
+    readonly impostors: App["stage"]["backdrop"]["figures"];
+  };
   /** Draws the trees as static instances, or moving again, to measure the cost of the motion. */
   freeze(frozen: boolean): void;
 }
@@ -133,7 +136,11 @@ export function exposeProbe(app: App): void {
     },
     get statistics() {
       const { statistics } = app.figures;
-      return { ...statistics, extent: statistics.extrapolationRatio };
+      return {
+        ...statistics,
+        extent: statistics.extrapolationRatio,
+        impostors: app.stage.backdrop.figures,
+      };
     },
     freeze: (frozen) => app.freeze(frozen),
   };

@@ -4,9 +4,11 @@ import type { Ray } from "../core/math/groundRay";
 import type { TableMotion } from "../worker/protocol";
 import { type Form, type FormChoice, plant } from "./forms";
 import { groundHeight_m } from "./ground/landscape";
+import type { ImpostorLibrary } from "./impostors/library";
 import { placeTrees } from "./placement";
 import { leafTint } from "./season/palette";
 import type { Season } from "./season/season";
+import { CROWN_FLOATS, type Crowns } from "./sky/exposure";
 import type { View } from "./trees/drawList";
 import { createInstanceData, INSTANCE_FLOATS, type InstanceData, setTints } from "./trees/instanceData";
 import { disposeModel, type TreeModel } from "./trees/mesh/treeMesh";
@@ -85,6 +87,24 @@ export function placeForest(
   });
 }
 
+/** Share of a tree's height below its crown, and of the largest reach that the crown fills. */
+const TRUNK = 0.26;
+const FILLED = 0.8;
+
+function writeCrown(
+  crowns: Float32Array,
+  at: number,
+  data: Float32Array,
+  tree: number,
+  { height_m, radius_m }: TreeModel,
+): void {
+  const scale = data[tree + 6];
+  const tall = 0.5 * (1 - TRUNK) * height_m * scale;
+  const middle = data[tree + 1] + TRUNK * height_m * scale + tall;
+  crowns.set([data[tree], middle, data[tree + 2], FILLED * radius_m * scale, tall], at);
+  crowns.set(data.subarray(tree + 8, tree + 11), at + 5);
+}
+
 export class Forest {
   readonly group = new Group();
   moving: MovingGroup[] = [];
@@ -93,7 +113,10 @@ export class Forest {
   private leafless = false;
 
   /** `options` apply to the next placement. */
-  constructor(public options: SpeciesOptions) {}
+  constructor(
+    public options: SpeciesOptions,
+    private readonly impostors: ImpostorLibrary | null = null,
+  ) {}
 
   /** Shows a placement; species that stay keep their meshes and textures on the GPU. */
   show(placed: readonly PlacedSpecies[]): void {
@@ -123,6 +146,7 @@ export class Forest {
     const forest = new SpeciesForest(model, motion, instances, this.options);
     if (this.frozen) forest.freeze(true);
     forest.leafless = this.leafless;
+    forest.cards = motion && (this.impostors?.cardsFor(model, this.group, motion) ?? null);
     this.group.add(forest.group);
     return forest;
   }
@@ -169,6 +193,20 @@ export class Forest {
       radius_m: forest.model.radius_m * scale,
       distance_m: hit.distance_m,
     };
+  }
+
+  /** The crowns of all trees. */
+  get crowns(): Crowns {
+    const crowns = new Float32Array(
+      CROWN_FLOATS * this.all.reduce((sum, { forest }) => sum + forest.instances.count, 0),
+    );
+    let at = 0;
+    for (const { forest } of this.all) {
+      for (let tree = 0; tree < forest.instances.count; tree++, at += CROWN_FLOATS) {
+        writeCrown(crowns, at, forest.instances.data, tree * INSTANCE_FLOATS, forest.model);
+      }
+    }
+    return crowns;
   }
 
   /** Whether this tree still exists. */

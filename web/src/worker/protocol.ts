@@ -30,6 +30,15 @@ export interface NodeLevel {
   readonly basis: Float32Array<ArrayBuffer>;
 }
 
+/** First sway mode of a tree of scale 1, by which trees of the background move. */
+export interface FirstSway {
+  readonly frequency_hz: number;
+  /** Relative to critical damping. */
+  readonly damping: number;
+  /** Static displacement of the tip per Pa of wind pressure. */
+  readonly tip_m_pa: number;
+}
+
 /** The part of a table that drawing needs, unpacked by the worker. */
 export interface TableMotion {
   readonly sha256: string;
@@ -50,6 +59,7 @@ export interface TableMotion {
   readonly primitives: readonly { name: string; kind: string; vertices: number }[];
   /** [3, modes]: mean displacement of the crown (upper 40 % of the height) per unit of each coordinate. */
   readonly crownBasis: Float32Array<ArrayBuffer>;
+  readonly sway: FirstSway;
   readonly height_m: number;
   readonly meshSha256: string;
   /** Whether the table was made from the tree in leaf or bare. */

@@ -4,6 +4,7 @@ import type { NodeLevel, TableMotion } from "../../worker/protocol";
 import type { Bounds } from "./culling";
 import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
 import { DrawList, type View } from "./drawList";
+import { type BendNodes, bendNodes, type FarCards, fillCards } from "./farCards";
 import type { InstanceData } from "./instanceData";
 import { LevelMeshes, type LevelPart, type LevelTexels } from "./levelMeshes";
 import type { TreeModel, TreePart } from "./mesh/treeMesh";
@@ -49,6 +50,9 @@ export class SpeciesForest {
   private list: DrawList;
   private frozen = false;
   private nodeRadius_m: Float32Array | null = null;
+  /** Impostors of distant trees, if the scene has any. */
+  cards: FarCards | null = null;
+  private readonly bend: BendNodes | null;
 
   /** Without `motion` the trees are static and grey. */
   constructor(
@@ -65,6 +69,7 @@ export class SpeciesForest {
       uFlutter: options.flutter,
       uGhost: { value: motion ? 0 : 1 },
     };
+    this.bend = motion && bendNodes(motion);
     this.parts = this.makeParts();
     this.levels = LEVEL_SHARES.map((_, level) => this.makeLevel(level));
     this.list = new DrawList(instances);
@@ -141,12 +146,21 @@ export class SpeciesForest {
 
   /** Selects the trees that are drawn in this view, and their level of detail. */
   select(view: View): void {
-    this.list.select(this.bounds, view);
+    const cardsFrom_m = this.cards?.from_m;
+    this.list.select(this.bounds, cardsFrom_m === undefined ? view : { ...view, cardsFrom_m });
     const texels = this.nodes?.place(this.list);
     if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
     for (let level = 0; level < LEVEL_COUNT; level++) {
       this.levels[level].fill(this.list, this.instances.data, texels?.[level] ?? ALL);
     }
+    if (texels) this.selectCards(texels);
+  }
+
+  private selectCards(texels: readonly LevelTexels[]): void {
+    const { cards, nodes, motion, bend } = this;
+    if (!cards || !nodes || !motion || !bend || !Number.isFinite(cards.from_m)) return;
+    const count = fillCards(cards, this.list, this.instances.data, texels, motion, bend);
+    cards.show(count, nodes.target.texture, nodes.shift);
   }
 
   /** Triangles of the last selection in the colour pass. */
@@ -179,6 +193,7 @@ export class SpeciesForest {
   dispose(): void {
     this.group.removeFromParent();
     this.nodes?.dispose();
+    this.cards?.dispose();
     for (const level of this.levels) level.dispose();
     for (const { moving, still } of this.parts) {
       for (const materials of [moving, still]) {

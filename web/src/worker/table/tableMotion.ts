@@ -3,6 +3,7 @@
 import { poseStride } from "../../core/motion/poseStride";
 import type { Table } from "../../core/table/table";
 import type { TableMotion } from "../protocol";
+import { firstSwayOf } from "./firstSway";
 import { coarserNodes } from "./nodeLevels";
 
 /** The crown is the part above this share of the height. */
@@ -58,6 +59,7 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     vertexNode: Uint16Array.from(table.vertexNode),
     primitives: primitives.map(({ name, kind, vertices }) => ({ name, kind, vertices })),
     crownBasis: crownBasisOf(table),
+    sway: firstSwayOf(table, stride, basis),
     height_m,
     meshSha256: mesh_sha256,
     foliage,
