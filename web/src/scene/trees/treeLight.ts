@@ -46,7 +46,7 @@ float shade = dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722));
 #else
   vec3 own = vec3(0.35 + 1.9 * shade);
 #endif
-diffuseColor.rgb = mix(diffuseColor.rgb, vTint.rgb * mix(vec3(1.0), own, 0.85), vTint.a);
+diffuseColor.rgb = mix(diffuseColor.rgb, 0.87 * vTint.rgb * mix(vec3(1.0), own, 0.85), vTint.a);
 // Cards differ in lightness and hue: some yellower, some bluer.
 diffuseColor.rgb *= 0.82 + 0.36 * vPiece.x;
 diffuseColor.rgb *= mix(vec3(1.09, 1.01, 0.8), vec3(0.92, 1.02, 1.05), fract(vPiece.x * 7.31));
