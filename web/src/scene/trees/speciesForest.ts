@@ -50,7 +50,7 @@ export class SpeciesForest {
   private frozen = false;
   private nodeRadius_m: Float32Array | null = null;
 
-  /** Without `motion` the trees are static and grey. */
+  /** Without `motion` the trees stand still. */
   constructor(
     readonly model: TreeModel,
     readonly motion: TableMotion | null,
@@ -63,7 +63,6 @@ export class SpeciesForest {
       uNodes: { value: this.nodes?.target.texture ?? null },
       uNodeShift: { value: 0 },
       uFlutter: options.flutter,
-      uGhost: { value: motion ? 0 : 1 },
     };
     this.parts = this.makeParts();
     this.levels = LEVEL_SHARES.map((_, level) => this.makeLevel(level));

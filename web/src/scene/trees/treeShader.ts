@@ -9,8 +9,6 @@ export interface TreeUniforms {
   uNodeShift: { value: number };
   /** Time (s) and amplitude of the leaf flutter; amplitude 0 disables it. */
   uFlutter: { value: { x: number; y: number } };
-  /** 1 while the motion of this species is still being computed. */
-  uGhost: { value: number };
 }
 
 /** Surface uniforms shared by all trees. */
@@ -81,7 +79,6 @@ vPiece = aPiece;
 `;
 
 const FRAGMENT_PARS = /* glsl */ `
-uniform float uGhost;
 uniform float uSnow;
 uniform vec3 uSnowColour;
 varying vec4 vTint;
@@ -122,10 +119,6 @@ float lying = smoothstep(0.05, 0.5, skyward + 0.35 * (fract(vPiece.x * 7.0) - 0.
 diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying);
 `;
 
-const GHOST = /* glsl */ `
-diffuseColor.rgb = mix(diffuseColor.rgb, vec3(0.36, 0.43, 0.5) * (0.5 + dot(diffuseColor.rgb, vec3(0.5))), 0.88 * uGhost);
-`;
-
 const LEAF_NORMAL = /* glsl */ `
 float faceDirection = gl_FrontFacing ? 1.0 : -1.0;
 vec3 normal = normalize(vNormal); // crown normals: the same from both sides
@@ -164,7 +157,7 @@ function patchColour(
   const leaves = part === "leaves";
   shader.fragmentShader = shader.fragmentShader
     .replace("#include <common>", `#include <common>\n${FRAGMENT_PARS}${atmosphere.declarations}`)
-    .replace("#include <map_fragment>", (leaves ? LEAF_MAP : WOOD_MAP) + GHOST)
+    .replace("#include <map_fragment>", leaves ? LEAF_MAP : WOOD_MAP)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
     .replace("#include <normal_fragment_maps>", SNOW)
     .replace("#include <opaque_fragment>", atmosphere.output)
