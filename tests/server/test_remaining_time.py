@@ -1,7 +1,6 @@
 """The estimate of the remaining time of a job."""
 
 import pytest
-
 from galewood_server.jobs.progress import USUAL_S, seconds_left
 
 

@@ -15,7 +15,7 @@ from galewood_server.storage import Job, Sessions
 
 REPORT_S = 0.25
 USUAL_S = 60.0
-"""Usual duration of the work, s: builds of the shipped trees took 25 to 65 s up to their tables (measured)."""
+"""Usual duration of the work, s: measured builds of the shipped trees took 25 to 65 s to their tables."""
 USUAL_WEIGHT = 0.15
 """Fraction of the work, done at the usual speed, as which `USUAL_S` counts beside the observed speed."""
 
@@ -89,8 +89,8 @@ class ProgressReporter:
 def seconds_left(spent_s: float, done: float, fraction: float) -> float:
     """Estimate of the remaining time, s, if `done` of the work took `spent_s` and `fraction` of all is done.
 
-    The observed duration per unit of work is averaged with the usual one, so that the first, short stages do not
-    decide: their shares of the whole differ most between trees and machines.
+    The observed duration per unit of work is averaged with the usual one, so that the first, short stages do
+    not decide: their shares of the whole differ most between trees and machines.
     """
     whole_s = (USUAL_WEIGHT * USUAL_S + spent_s) / (USUAL_WEIGHT + done)
     return whole_s * (1 - fraction)

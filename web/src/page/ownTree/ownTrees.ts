@@ -33,6 +33,10 @@ const isCalm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 export class OwnTrees implements ProgressTools {
   private readonly marks = new Map<string, TreeMark>();
   private readonly attention: Attention;
+  /** Trees whose computation is being ended. */
+  private readonly ending = new Set<string>();
+  /** Jobs that the server was asked to end. */
+  private readonly asked = new Set<string>();
 
   constructor(
     private readonly uploads: OwnUploads,
@@ -80,6 +84,7 @@ export class OwnTrees implements ProgressTools {
   changed(change: TreeChange): void {
     const { tree, deleted } = change;
     this.uploads.tell(tree.id, change);
+    if (this.ending.has(tree.id)) this.end(change);
     if (deleted && (this.uploads.find(tree.id) || tree.id in this.page.settings.planted)) {
       this.uploads.forget(tree.id);
       this.plant(tree.id, null);
@@ -141,11 +146,20 @@ export class OwnTrees implements ProgressTools {
 
   /** Ends the computation. A tree that does not move yet is removed, another one keeps its motion. */
   cancel(id: string): void {
+    this.ending.add(id);
     const known = this.page.catalogue.find(id);
-    if (!known) return;
-    const { tree, job } = known;
-    if (tree.table_sha256 === null) this.request(deleteTree(id));
-    else if (isActive(job)) this.request(cancelJob(job.id));
+    if (known && isActive(known.job)) this.end(known); // otherwise once the server has announced the job
+  }
+
+  private end({ tree, job, deleted }: TreeChange): void {
+    const cancelled = job?.state === "cancelled";
+    if (isActive(job)) {
+      if (!this.asked.has(job.id)) this.request(cancelJob(job.id));
+      this.asked.add(job.id);
+      return;
+    }
+    this.ending.delete(tree.id);
+    if (cancelled && !deleted && tree.table_sha256 === null) this.request(deleteTree(tree.id));
   }
 
   again(id: string): void {

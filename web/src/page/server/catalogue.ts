@@ -166,8 +166,9 @@ export class Catalogue {
 
   private receive(change: TreeChange): void {
     const { tree } = change;
-    if (change.deleted || tree.state === "failed") this.remove(tree.id);
-    else if (tree.state !== "uploaded") this.keep(change); // uploads join once they are submitted
+    // Uploads join once they are submitted; one without a table leaves when its computation is cancelled.
+    if (change.deleted || tree.state === "failed" || tree.state === "uploaded") this.remove(tree.id);
+    else this.keep(change);
     this.events.change(change);
   }
 
@@ -203,7 +204,7 @@ export class Catalogue {
     const { mesh_sha256: mesh } = entry.tree;
     if (!mesh || mesh === entry.mesh) return;
     entry.mesh = mesh;
-    const model = await readTreeModel(await fetchMesh(mesh));
+    const model = await readTreeModel(await fetchMesh(mesh), entry.tree.builtin);
     if (entry.mesh !== mesh) return;
     entry.asset.model = model;
     this.join(entry);
