@@ -41,6 +41,8 @@ interface Card {
   readonly job: JobProgress;
   readonly pictures: HTMLElement;
   readonly buttons: Readonly<Record<Offer, HTMLButtonElement>>;
+  /** Whether its computation has ended. */
+  over: boolean;
   leaving: ReturnType<typeof setTimeout>[];
 }
 
@@ -93,7 +95,7 @@ export class ProgressCards {
     };
     row.append(...Object.values(buttons));
     root.append(heading, job.line, job.bar.root, row, pictures);
-    return { root, job, pictures, buttons, leaving: [] };
+    return { root, job, pictures, buttons, over: false, leaving: [] };
   }
 
   private offer({ buttons }: Card, offers: readonly Offer[]): void {
@@ -101,7 +103,7 @@ export class ProgressCards {
   }
 
   private compute(id: string, name: string, job: Job): void {
-    if (this.cards.get(id)?.leaving.length) this.drop(id);
+    if (this.cards.get(id)?.over) this.drop(id);
     const known = this.cards.has(id);
     const card = this.card(id, name);
     card.job.show(job);
@@ -130,6 +132,7 @@ export class ProgressCards {
   private fail(id: string, name: string, job: Job, own: boolean): void {
     if (!this.cards.has(id) && !own) return;
     const card = this.card(id, name);
+    card.over = true;
     card.root.classList.add("failed");
     card.job.end(faultOf(job));
     card.job.percent.textContent = "failed";
@@ -140,6 +143,7 @@ export class ProgressCards {
   private finish(id: string, words: string, own: boolean): void {
     const card = this.cards.get(id);
     if (!card || card.leaving.length > 0) return;
+    card.over = true;
     card.job.end(words);
     card.job.bar.show(1);
     this.offer(card, own ? ["show", "more"] : []);
@@ -172,7 +176,7 @@ function offer(name: Offer, tree: string, pressed: () => void): HTMLButtonElemen
 }
 
 function lastWords({ tree, deleted }: TreeChange): string {
-  if (deleted) return "Cancelled";
+  if (deleted) return "Removed";
   if (tree.state === "ready") return "Complete: it moves by its full table";
   return tree.table_sha256 ? "Cancelled: it keeps the motion computed so far" : "Cancelled";
 }

@@ -9,8 +9,16 @@ const CHOICES = {
   "Only this": "only",
 };
 
+interface Row {
+  readonly id: string;
+  how: string;
+}
+
 export class UploadList {
-  private shown = "";
+  private names = "";
+  private rows: Row[] = [];
+  /** True while choices made elsewhere are shown: Tweakpane reports them as changes. */
+  private refreshing = false;
 
   /** `planted` says how an upload is planted, null if it is not; `plant` changes it. */
   constructor(
@@ -23,17 +31,33 @@ export class UploadList {
   }
 
   show(uploads: readonly { id: string; name: string }[]): void {
-    const rows = uploads.map(({ id, name }) => ({ id, name, how: this.planted(id) ?? "none" }));
-    const key = JSON.stringify(rows);
-    if (key === this.shown) return;
-    this.shown = key;
-    this.folder.hidden = rows.length === 0;
+    const names = JSON.stringify(uploads);
+    if (names !== this.names) this.rebuild(uploads);
+    else if (this.rows.some(({ id, how }) => how !== this.how(id))) this.refresh();
+    this.names = names;
+  }
+
+  private how(id: string): string {
+    return this.planted(id) ?? "none";
+  }
+
+  private rebuild(uploads: readonly { id: string; name: string }[]): void {
+    this.folder.hidden = uploads.length === 0;
     for (const child of [...this.folder.children]) this.folder.remove(child);
-    for (const { id, name, how } of rows) {
-      this.folder
-        .addBinding({ how: how as string }, "how", { label: name, options: CHOICES })
-        .on("change", ({ value }) => this.plant(id, value === "none" ? null : (value as Planted)));
-    }
+    this.rows = uploads.map(({ id, name }) => {
+      const row = { id, how: this.how(id) };
+      this.folder.addBinding(row, "how", { label: name, options: CHOICES }).on("change", ({ value }) => {
+        if (!this.refreshing) this.plant(id, value === "none" ? null : (value as Planted));
+      });
+      return row;
+    });
     this.changed();
+  }
+
+  private refresh(): void {
+    for (const row of this.rows) row.how = this.how(row.id);
+    this.refreshing = true;
+    this.folder.refresh();
+    this.refreshing = false;
   }
 }
