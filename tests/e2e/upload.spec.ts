@@ -84,7 +84,7 @@ async function start(page: Page, comment: string) {
   return { dialog, id };
 }
 
-const planted = (page: Page, id: string) => page.evaluate((tree) => window.galewood!.planted(tree), id);
+const planted = (page: Page, id: string) => page.evaluate((tree) => window.galewood?.planted(tree) ?? -1, id);
 
 test("an upload leads its owner to it, and only its owner", async ({ page, browser }) => {
   test.setTimeout(20 * 60_000);
