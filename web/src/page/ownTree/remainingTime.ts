@@ -1,7 +1,7 @@
 /** A steady estimate of the time that a computation still takes, from the server's, which jump. Pure. */
 
 /** Estimates that are taken into account. */
-const KEPT = 5;
+const KEPT = 3;
 /** Overtime after which the estimate is given up, s, and relative to the whole time. */
 const LATE_S = 10;
 const LATE_SHARE = 0.1;

@@ -5,7 +5,7 @@ import { make } from "./dom";
 const CHOICES: readonly (readonly [Planted | null, string, string])[] = [
   ["one", "One", "One in the clearing"],
   ["more", "More", "Also among the other trees"],
-  ["only", "Only mine", "Fill the forest with this tree"],
+  ["only", "Only", "Fill the forest with this tree"],
   [null, "None", "Remove it from this forest"],
 ];
 
