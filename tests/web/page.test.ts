@@ -20,7 +20,7 @@ describe("texts of the page", () => {
 
   test("the summary counts moving and static trees", () => {
     expect(summary({ moving: 1, still: 0 }, 0)).toBe("1 tree, moving");
-    expect(summary({ moving: 300, still: 100 }, 1)).toMatch(/^300 trees moving, 100 grey trees not computed yet$/);
+    expect(summary({ moving: 300, still: 100 }, 1)).toMatch(/^300 trees moving, 100 trees not computed yet$/);
     expect(summary({ moving: 0, still: 0 }, 3)).toBe("The first trees are being computed");
   });
 

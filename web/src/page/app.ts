@@ -14,11 +14,14 @@ import { Comparison } from "./compare/comparison";
 import { ForestClient } from "./forestClient";
 import { ForestFigures } from "./forestFigures";
 import { FrameStatistics } from "./frameStatistics";
+import { OwnTrees } from "./ownTree/ownTrees";
+import type { OwnUploads } from "./ownTree/ownUploads";
 import { PaperMethod } from "./paper/paperMethod";
 import { Planting } from "./planting";
 import { Playback } from "./playback";
 import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
+import { plantedAs } from "./settings/planted";
 import { queryFromSettings, type Settings } from "./settings/settings";
 import { adoptPlacement, withShared } from "./settings/sharedForest";
 import { keep } from "./settings/storedSettings";
@@ -41,6 +44,7 @@ const PLACEMENT_KEYS: SettingKey[] = [
   "trees",
   "density",
   "shares",
+  "planted",
   "form",
   "forestSeed",
   "lookup",
@@ -66,7 +70,8 @@ export class App {
   private readonly planting: Planting;
   private readonly comparison: Comparison;
   readonly figures: ForestFigures;
-  private readonly cards = new ProgressCards();
+  private readonly cards: ProgressCards;
+  private readonly ownTrees: OwnTrees;
   private readonly panel: Panel;
   readonly studio: WindStudio;
   readonly visit: Visit;
@@ -86,6 +91,7 @@ export class App {
   constructor(
     readonly settings: Settings,
     private readonly defaults: Settings,
+    uploads: OwnUploads,
   ) {
     useKeys({ known: keptKey, ask: askForKey });
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
@@ -103,8 +109,15 @@ export class App {
       this.playback,
     );
     this.visit.restore(location.search);
-    this.panel = new Panel(settings, this.meter.statistics, this.playback, (key) => this.change(key));
+    this.panel = new Panel(
+      settings,
+      this.meter.statistics,
+      this.playback,
+      (key) => this.change(key),
+      (id, how) => this.ownTrees.plant(id, how),
+    );
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
+      isPlanted: (id) => plantedAs(settings, id) !== null,
       change: (change) => this.treeChanged(change),
       assetsChanged: () => {
         this.planting.place();
@@ -118,7 +131,19 @@ export class App {
     });
     this.planting = new Planting(settings, this.stage, this.forest, this.client, this.catalogue, () => {
       this.dirty = true;
+      this.ownTrees.appeared();
     });
+    this.ownTrees = new OwnTrees(uploads, {
+      settings,
+      stage: this.stage,
+      forest: this.forest,
+      catalogue: this.catalogue,
+      visit: this.visit,
+      isShared: this.planting.share !== null,
+      replant: () => this.change("planted"),
+      planted: (id) => this.cards.planted(id),
+    });
+    this.cards = new ProgressCards(this.ownTrees);
     this.catalogue.bare = this.playsBareTables;
     this.paper = new PaperMethod(settings, {
       trees: () => this.catalogue.known,
@@ -138,6 +163,8 @@ export class App {
       compare: () => void this.comparison.open(),
       physics: () => this.visit.openPhysics(),
       cancel: (jobId) => void this.cancel(jobId),
+      planted: (id) => plantedAs(settings, id),
+      plant: (id, how) => this.ownTrees.plant(id, how),
       close: () => this.picker.select(null),
     });
     const { stage, forest, client, catalogue, paper, meter, picker } = this;
@@ -165,6 +192,7 @@ export class App {
   }
 
   private treeChanged(change: TreeChange): void {
+    this.ownTrees.changed(change);
     this.cards.update(change);
     this.report();
   }
@@ -287,6 +315,7 @@ export class App {
     if (playing) this.takePoses();
     this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);
+    this.ownTrees.advance();
     this.studio.tipOf = this.picker.moving;
     this.studio.advance(dt_s, this.client, this.forest);
     this.stage.advance(dt_s, meanVelocity_m_s(this.settings.wind), this.client.time_s);
@@ -333,6 +362,7 @@ export class App {
 
   private report(): void {
     this.panel.showSpecies(this.catalogue.kinds);
+    this.panel.uploads.show(this.catalogue.uploads);
     this.panel.showMethodNote(this.paper.note);
     this.status.show(this.connected, this.catalogue.waiting);
     this.showPicked();
@@ -362,6 +392,7 @@ export class App {
     this.stage.renderer.setAnimationLoop(null);
     this.picker.dispose();
     this.pickedCard.dispose();
+    this.ownTrees.dispose();
     this.studio.dispose();
     this.visit.dispose();
     this.comparison.dispose();

@@ -1,8 +1,11 @@
 import "./ui/instruments/instruments.css";
+import "./ui/uploads.css";
 import { App } from "./app";
 import { detectGraphics } from "./graphics";
+import { OwnUploads } from "./ownTree/ownUploads";
 import { exposeProbe } from "./probe";
 import { defaultsFor, settingsFromQuery } from "./settings/settings";
+import { sharedFrom } from "./settings/sharedForest";
 import { remembered } from "./settings/storedSettings";
 import { windFromQuery } from "./settings/windQuery";
 import { element } from "./ui/dom";
@@ -21,6 +24,8 @@ function panelToggle(id: string, open: boolean): void {
   show(open);
 }
 
+const uploads = new OwnUploads(() => localStorage);
+
 /** Reports an invalid wind in the link. */
 function checkWind(): void {
   try {
@@ -37,12 +42,13 @@ function start(software: boolean): void {
   const own = !/[?&](panel=0|view=)/.test(location.search);
   const usual = own ? remembered(defaults, () => localStorage) : defaults;
   const settings = settingsFromQuery(location.search, usual);
+  if (own && sharedFrom(location.search) === null) settings.planted = uploads.plantedWith(settings.planted);
   document.body.classList.toggle("bare", !settings.panel);
   checkWind();
   panelToggle("panel", false);
   panelToggle("instruments", settings.panel && innerWidth > 760);
   panelToggle("tools", innerWidth > 760);
-  const app = new App(settings, defaults);
+  const app = new App(settings, defaults, uploads);
   exposeProbe(app);
   addEventListener("pagehide", (event) => {
     if (!event.persisted) app.dispose();
@@ -61,7 +67,7 @@ function afterPaint(then: () => void): void {
 }
 
 // Accept files from the start: otherwise the browser would navigate to a dropped file.
-const stopUploads = acceptUploads();
+const stopUploads = acceptUploads(uploads);
 addEventListener("pagehide", ({ persisted }) => {
   if (!persisted) stopUploads();
 });

@@ -15,6 +15,8 @@ export interface Probe {
   readonly time_s: number;
   readonly readySpecies: string[];
   readonly trees: { moving: number; still: number };
+  /** Number of trees of an upload or of a form of a species, by its id on the server. */
+  planted(treeId: string): number;
   /** Number of trees that move by the paper's state search. */
   readonly paperTrees: number;
   /** Number of trees that move by a table without leaves. */
@@ -78,6 +80,7 @@ export function exposeProbe(app: App): void {
     get trees() {
       return app.figures.trees;
     },
+    planted: (treeId) => app.figures.planted(treeId),
     get paperTrees() {
       return app.figures.paperTrees;
     },

@@ -36,14 +36,17 @@ export function tableWords(
   return `${kind}${follows}.${without}`;
 }
 
-export function timeLeft(seconds: number | null): string {
+export function timeLeft(seconds: number | "late" | null): string {
+  if (seconds === "late") return "longer than expected";
   if (seconds === null || !Number.isFinite(seconds)) return "";
   if (seconds < 5) return "a few seconds left";
   if (seconds < 90) return `about ${Math.round(seconds / 5) * 5} s left`;
   return `about ${Math.round(seconds / 60)} min left`;
 }
 
-export function progressLine(job: Pick<Job, "state" | "stage" | "seconds_left">): string {
+export function progressLine(
+  job: Pick<Job, "state" | "stage"> & { seconds_left: number | "late" | null },
+): string {
   if (job.state === "queued") return STAGES.queued;
   const left = timeLeft(job.seconds_left);
   const stage = STAGES[job.stage] ?? capital(job.stage);
@@ -57,7 +60,7 @@ export function summary(trees: { moving: number; still: number }, waiting: numbe
   const moving = `${trees.moving.toLocaleString("en")} ${trees.moving === 1 ? "tree" : "trees"}`;
   if (trees.still === 0)
     return trees.moving === 1 ? `${moving}, moving` : `${moving}, each with its own simulated motion`;
-  const still = `${trees.still.toLocaleString("en")} grey ${trees.still === 1 ? "tree" : "trees"} not computed yet`;
+  const still = `${trees.still.toLocaleString("en")} ${trees.still === 1 ? "tree" : "trees"} not computed yet`;
   return trees.moving > 0 ? `${moving} moving, ${still}` : still;
 }
 

@@ -25,16 +25,15 @@ const ALL: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 }
 
 /** Node of each vertex of one part at one level. */
 function nodeAttribute(part: TreePart, firstVertex: number, motion: TableMotion, level: NodeLevel) {
-  const fine = motion.vertexNode.subarray(firstVertex, firstVertex + part.vertices);
-  return new BufferAttribute(
-    fine.map((_, vertex) => level.of[fine[part.hold[vertex]]]),
-    1,
-  );
+  const nodes = Uint16Array.from(part.hold, (vertex) => level.of[motion.vertexNode[firstVertex + vertex]]);
+  return new BufferAttribute(nodes, 1);
 }
 
 interface OwnPart {
   readonly part: TreePart;
   readonly firstVertex: number;
+  /** Drawn in place of leaves that have fallen. */
+  readonly bare: boolean;
   readonly moving: PartMaterials | null;
   /** Materials without any deformation, created on first use. */
   still: PartMaterials | null;
@@ -49,12 +48,13 @@ export class SpeciesForest {
   private readonly room: number;
   private list: DrawList;
   private frozen = false;
+  private fallen = false;
   private nodeRadius_m: Float32Array | null = null;
   /** Impostors of distant trees, if the scene has any. */
   cards: FarCards | null = null;
   private readonly bend: BendNodes | null;
 
-  /** Without `motion` the trees are static and grey. */
+  /** Without `motion` the trees stand still. */
   constructor(
     readonly model: TreeModel,
     readonly motion: TableMotion | null,
@@ -67,7 +67,6 @@ export class SpeciesForest {
       uNodes: { value: this.nodes?.target.texture ?? null },
       uNodeShift: { value: 0 },
       uFlutter: options.flutter,
-      uGhost: { value: motion ? 0 : 1 },
     };
     this.bend = motion && bendNodes(motion);
     this.parts = this.makeParts();
@@ -77,16 +76,25 @@ export class SpeciesForest {
 
   private makeParts(): OwnPart[] {
     let firstVertex = 0;
-    return this.model.parts.map((part) => {
-      const own = {
-        part,
-        firstVertex,
-        moving: this.motion ? this.materials(part, true) : null,
-        still: this.motion ? null : this.materials(part, false),
-      };
+    const parts = this.model.parts.map((part) => {
+      const own = this.ownPart(part, firstVertex, false);
       firstVertex += part.vertices;
       return own;
     });
+    // Without smoothed edges, such thin twigs would be specks.
+    const shoots = this.options.smoothEdges ? this.model.bare : [];
+    const bare = shoots.map(({ part, of }) => this.ownPart(part, parts[of].firstVertex, true));
+    return [...parts, ...bare];
+  }
+
+  private ownPart(part: TreePart, firstVertex: number, bare: boolean): OwnPart {
+    return {
+      part,
+      firstVertex,
+      bare,
+      moving: this.motion ? this.materials(part, true) : null,
+      still: this.motion ? null : this.materials(part, false),
+    };
   }
 
   private materials(part: TreePart, moves: boolean): PartMaterials {
@@ -121,9 +129,10 @@ export class SpeciesForest {
 
   /** Whether the leaves are not drawn, because they have fallen. */
   set leafless(leafless: boolean) {
-    for (const { part, moving, still } of this.parts) {
-      if (part.kind !== "leaves") continue;
-      for (const materials of [moving, still]) if (materials) materials.colour.visible = !leafless;
+    this.fallen = leafless;
+    for (const { part, bare, moving, still } of this.parts) {
+      if (part.kind !== "leaves" && !bare) continue;
+      for (const materials of [moving, still]) if (materials) materials.colour.visible = leafless === bare;
     }
   }
 
@@ -185,6 +194,7 @@ export class SpeciesForest {
         return [own.moving, own.still] as const;
       }),
     );
+    this.leafless = this.fallen; // also of the new materials
     for (const level of this.levels) {
       level.useMaterials((moving) => (frozen && still.get(moving)) || moving);
     }
