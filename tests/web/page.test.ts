@@ -19,9 +19,25 @@ describe("texts of the page", () => {
   });
 
   test("the summary counts moving and static trees", () => {
-    expect(summary({ moving: 1, still: 0 }, 0)).toBe("1 tree, moving");
-    expect(summary({ moving: 300, still: 100 }, 1)).toMatch(/^300 trees moving, 100 grey trees not computed yet$/);
-    expect(summary({ moving: 0, still: 0 }, 3)).toBe("The first trees are being computed");
+    const listed = { known: true, computing: 0, loading: 0 };
+    const none = { moving: 0, still: 0, loading: 0 };
+    expect(summary({ ...none, moving: 1 }, listed)).toBe("1 tree, moving");
+    expect(summary({ ...none, moving: 300, still: 100 }, { ...listed, computing: 1 })).toBe(
+      "300 trees moving, 100 grey trees not computed yet",
+    );
+    expect(summary(none, { ...listed, computing: 3 })).toBe("The first trees are being computed");
+    expect(summary(none, listed)).toBe("No trees yet");
+  });
+
+  test("what is only being loaded is not said to be computed", () => {
+    const listed = { known: true, computing: 2, loading: 1 };
+    const none = { moving: 0, still: 0, loading: 0 };
+    expect(summary(none, listed)).toBe("Loading the trees");
+    expect(summary(none, { ...listed, known: false, loading: 0 })).toBe("Loading the trees");
+    expect(summary({ moving: 0, still: 9, loading: 9 }, listed)).toBe("9 grey trees loading");
+    expect(summary({ moving: 30, still: 9, loading: 1 }, listed)).toBe(
+      "30 trees moving, 8 grey trees not computed yet, 1 grey tree loading",
+    );
   });
 
   test("the status line shows connection problems", () => {

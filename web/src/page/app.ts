@@ -10,6 +10,7 @@ import { seasonal } from "../scene/season/seasonal";
 import { aerialPerspective } from "../scene/sky/air";
 import { Stage } from "../scene/stage";
 import type { SpeciesOptions } from "../scene/trees/speciesForest";
+import { Attention } from "./attention";
 import { Comparison } from "./compare/comparison";
 import { ForestClient } from "./forestClient";
 import { ForestFigures } from "./forestFigures";
@@ -75,6 +76,10 @@ export class App {
   private readonly pickedCard: PickedCard;
   readonly playback = new Playback();
   private readonly meter = new FrameStatistics();
+  private readonly attention = new Attention({
+    hide: (hidden) => this.client.hide(hidden),
+    retry: () => this.reconnect(),
+  });
   private readonly status: StatusReport;
   private readonly flutter = { value: { x: 0, y: 0 } };
   private connected = true;
@@ -145,7 +150,7 @@ export class App {
       // The forest stops meanwhile, to leave the processor to the comparison.
       this.asleep = busy;
     });
-    this.status = new StatusReport(settings, stage, forest, client, meter);
+    this.status = new StatusReport(settings, stage, forest, client, meter, () => this.reconnect());
     this.figures = new ForestFigures(forest, client, catalogue, paper, meter);
     this.stage.renderer.setAnimationLoop((now) => this.onFrame(now));
   }
@@ -263,7 +268,7 @@ export class App {
   }
 
   private onFrame(now_ms: number): void {
-    if (this.asleep) return;
+    if (this.asleep || this.attention.hidden) return;
     const begin_ms = performance.now();
     const frame_ms = now_ms - this.last_ms;
     const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
@@ -330,7 +335,7 @@ export class App {
   private report(): void {
     this.panel.showSpecies(this.catalogue.kinds);
     this.panel.showMethodNote(this.paper.note);
-    this.status.show(this.connected, this.catalogue.waiting);
+    this.status.show(this.connected, this.catalogue.listed);
     this.showPicked();
   }
 
@@ -338,6 +343,12 @@ export class App {
     const { figures } = this.picker;
     const known = figures && this.catalogue.find(figures.treeId);
     this.pickedCard.show(figures, known, known ? this.paper.stateOf(known) : { kind: "missing" });
+  }
+
+  /** Tries lost connections to the server at once. */
+  private reconnect(): void {
+    this.client.retry();
+    this.catalogue.retry();
   }
 
   freeze(frozen: boolean): void {
@@ -356,6 +367,7 @@ export class App {
 
   dispose(): void {
     this.stage.renderer.setAnimationLoop(null);
+    this.attention.dispose();
     this.picker.dispose();
     this.pickedCard.dispose();
     this.studio.dispose();

@@ -135,6 +135,16 @@ export class ForestClient {
     this.send({ kind: "pause", paused });
   }
 
+  /** Connects to the server at once if the connection is lost. */
+  retry(): void {
+    this.send({ kind: "retry" });
+  }
+
+  /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */
+  hide(hidden: boolean): void {
+    this.send({ kind: "hide", hidden });
+  }
+
   /** Requests the figures of one tree with every frame; null or a new plan ends it. */
   watch(at: TreeAt | null): void {
     this.watched = null;

@@ -128,6 +128,10 @@ export type ToWorker =
   | { kind: "wind"; wind: WindDocument }
   /** Stops or resumes the clock of a shared forest, for everyone. */
   | { kind: "pause"; paused: boolean }
+  /** Connects to the server at once if the connection is lost. */
+  | { kind: "retry" }
+  /** Whether nobody looks at the page. */
+  | { kind: "hide"; hidden: boolean }
   /** Selects the tree whose figures are sent with the poses. */
   | { kind: "watch"; at: TreeAt | null }
   /** Advances the forest; the buffers are returned filled. */

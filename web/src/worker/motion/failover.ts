@@ -55,6 +55,14 @@ export class FailoverMotion implements MotionSource {
     this.stream.pause(paused);
   }
 
+  retry(): void {
+    this.stream.retry();
+  }
+
+  hide(hidden: boolean): void {
+    this.stream.hide(hidden);
+  }
+
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const lost = this.stream.connection.state === "lost";
     if (lost && !this.local) {

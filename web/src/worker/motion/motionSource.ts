@@ -17,6 +17,10 @@ export interface MotionSource {
   windChanged(wind: WindDocument): void;
   /** Stops or resumes the clock of a shared forest, for everyone. */
   pause?(paused: boolean): void;
+  /** Connects to the server at once if the connection is lost. */
+  retry?(): void;
+  /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */
+  hide?(hidden: boolean): void;
   /** Advances and writes `poseStride(modes)` floats per tree; returns false while no poses are known. */
   advance(dt_s: number, out: readonly Float32Array[]): boolean;
   dispose(): void;

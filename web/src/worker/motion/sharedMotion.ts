@@ -76,6 +76,16 @@ export class SharedMotion implements MotionSource {
     this.socket.send({ type: "pause", paused });
   }
 
+  retry(): void {
+    this.socket.retry();
+  }
+
+  hide(hidden: boolean): void {
+    this.socket.suspend(hidden);
+    // The forest has gone on meanwhile: wait for its clock.
+    if (!hidden) this.clockReceived_ms = Number.NaN;
+  }
+
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const step = this.clock.step(this.local.time_s, dt_s, performance.now());
     if (step.jump_s !== null) this.local.time_s = step.jump_s;
