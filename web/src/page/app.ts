@@ -26,6 +26,7 @@ import { keep } from "./settings/storedSettings";
 import { StatusReport } from "./statusReport";
 import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
+import { showExaggeration } from "./ui/exaggerated";
 import { askForKey, keptKey } from "./ui/keyDialog";
 import { Panel, type SettingKey } from "./ui/panel";
 import { PickedCard } from "./ui/pickedCard";
@@ -82,6 +83,7 @@ export class App {
   });
   private readonly status: StatusReport;
   private readonly flutter = { value: { x: 0, y: 0 } };
+  private readonly exaggeration = { value: 1 };
   private connected = true;
   private dirty = true;
   private last_ms = performance.now();
@@ -97,6 +99,7 @@ export class App {
     this.forest = new Forest(this.speciesOptions());
     this.stage.scene.add(this.forest.group);
     this.applyScenery();
+    this.exaggerate();
     this.scenery = new SceneryBar(settings, () => this.change("season"));
     this.visit = new Visit(
       settings,
@@ -106,6 +109,7 @@ export class App {
       () => this.client.time_s,
       () => void this.comparison.open(),
       this.playback,
+      (keys) => this.showReplaced(keys),
     );
     this.visit.restore(location.search);
     this.panel = new Panel(settings, this.meter.statistics, this.playback, (key) => this.change(key));
@@ -166,6 +170,7 @@ export class App {
       surface: seasonal,
       atmosphere: aerialPerspective,
       flutter: this.flutter,
+      exaggeration: this.exaggeration,
     };
   }
 
@@ -200,7 +205,8 @@ export class App {
     if (origin !== "panel") this.panel.refresh();
     if (origin !== "shared") this.client.setWind(wind);
     this.studio.showWind();
-    this.remember();
+    if (origin === "shared") this.visit.undo.adopt();
+    this.remember("wind");
   }
 
   /** Called when another client replaced the trees of this shared forest. */
@@ -209,7 +215,8 @@ export class App {
     this.panel.refresh();
     this.planting.place();
     this.paper.chosen();
-    this.remember();
+    this.visit.undo.adopt();
+    this.remember("placement");
   }
 
   get paused(): boolean {
@@ -257,11 +264,31 @@ export class App {
       this.forest.options = this.speciesOptions();
       this.planting.place();
     }
-    this.remember();
+    if (key === "exaggeration") this.exaggerate();
+    this.remember(key);
   }
 
-  /** Stores the settings and updates the URL. */
-  private remember(): void {
+  /** Settings were replaced by undo or redo. */
+  private showReplaced(keys: SettingKey[]): void {
+    this.panel.showReplaced();
+    this.scenery.show();
+    for (const key of keys) {
+      if (key === "wind") this.changeWind(this.settings.wind, "instruments");
+      else this.change(key);
+    }
+  }
+
+  /** Sets the factor of all displacements on screen; figures stay as simulated. */
+  private exaggerate(): void {
+    const { exaggeration } = this.settings;
+    this.exaggeration.value = exaggeration;
+    showExaggeration(exaggeration);
+    this.dirty = true;
+  }
+
+  /** Stores the settings and updates the URL; `kind` names what was changed. */
+  private remember(kind: string): void {
+    this.visit.undo.record(kind);
     if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
     const query = withShared(queryFromSettings(this.settings), this.planting.share);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);

@@ -6,20 +6,10 @@ import { defaultsFor, settingsFromQuery } from "./settings/settings";
 import { remembered } from "./settings/storedSettings";
 import { windFromQuery } from "./settings/windQuery";
 import { element } from "./ui/dom";
+import { showHint } from "./ui/hint";
+import { connectSheets } from "./ui/sheets";
 import { showToast } from "./ui/toast";
 import { acceptUploads } from "./ui/upload";
-
-/** Connects a panel with its toggle button; `open` is the initial state. */
-function panelToggle(id: string, open: boolean): void {
-  const panel = element(id);
-  const toggle = element<HTMLButtonElement>(`${id}-toggle`);
-  const show = (visible: boolean) => {
-    panel.hidden = !visible;
-    toggle.setAttribute("aria-expanded", String(visible));
-  };
-  toggle.addEventListener("click", () => show(panel.hidden === true));
-  show(open);
-}
 
 /** Reports an invalid wind in the link. */
 function checkWind(): void {
@@ -39,11 +29,10 @@ function start(software: boolean): void {
   const settings = settingsFromQuery(location.search, usual);
   document.body.classList.toggle("bare", !settings.panel);
   checkWind();
-  panelToggle("panel", false);
-  panelToggle("instruments", settings.panel && innerWidth > 760);
-  panelToggle("tools", innerWidth > 760);
+  connectSheets(settings.panel);
   const app = new App(settings, defaults);
   exposeProbe(app);
+  if (settings.panel) showHint(() => localStorage);
   addEventListener("pagehide", (event) => {
     if (!event.persisted) app.dispose();
   });

@@ -13,6 +13,7 @@ import { sharedFrom, withShared } from "./settings/sharedForest";
 import { PhysicsCards } from "./ui/physicsCards";
 import { showToast } from "./ui/toast";
 import { Toolbar } from "./ui/toolbar";
+import { Undo, type UndoEvents } from "./undo";
 
 const CALM = "The motion is paused.";
 const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -21,6 +22,7 @@ export class Visit {
   private readonly flight: CameraFlight;
   private readonly toolbar: Toolbar;
   private readonly physics = new PhysicsCards();
+  readonly undo: Undo;
   private readonly life = new AbortController();
   private film: Film | null = null;
   private photoWanted = false;
@@ -33,6 +35,7 @@ export class Visit {
     private readonly clock_s: () => number,
     private readonly compare: () => void,
     private readonly playback: Playback,
+    replaced: UndoEvents["replaced"],
   ) {
     this.flight = new CameraFlight(stage.camera, stage.controls, () => this.toolbar.showFlight(false));
     this.toolbar = new Toolbar(
@@ -40,6 +43,8 @@ export class Visit {
         pause: () => {
           playback.paused = !playback.paused;
         },
+        undo: () => this.undo.undo(),
+        redo: () => this.undo.redo(),
         view: (name) => this.view(name),
         fly: () => this.fly(),
         link: () => void this.copyLink(),
@@ -52,6 +57,10 @@ export class Visit {
       },
       { film: canFilm(), fullScreen: document.fullscreenEnabled },
     );
+    this.undo = new Undo(settings, {
+      replaced,
+      possible: (undo, redo) => this.toolbar.showUndo(undo, redo),
+    });
     playback.onPause = (paused) => this.toolbar.showPause(paused);
     addEventListener("keydown", (event) => this.keyDown(event), { signal: this.life.signal });
     if (calm()) {
@@ -161,6 +170,7 @@ export class Visit {
 
   dispose(): void {
     this.life.abort();
+    this.undo.dispose();
     this.film?.stop();
     this.toolbar.dispose();
     this.physics.dispose();

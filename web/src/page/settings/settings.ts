@@ -29,6 +29,8 @@ export interface Settings {
   season: Season;
   /** Elapsed share of the daylight: 0 before sunrise, 0.5 at noon, 1 after sunset. */
   daytime: number;
+  /** Factor of all displacements on screen; above 1 the motion is exaggerated. */
+  exaggeration: number;
   /** Leaf flutter, added by the shader to the simulated motion. */
   flutter: boolean;
   panel: boolean;
@@ -40,6 +42,7 @@ export const LIMITS = {
   forestSeed: { min: 0, max: 9999, step: 1 },
   poseEasing: { min: 0, max: 0.5, step: 0.005 },
   daytime: { min: 0, max: 1, step: 0.005 },
+  exaggeration: { min: 1, max: 4, step: 0.1 },
 } as const;
 
 type NumberKey = keyof typeof LIMITS;
@@ -57,6 +60,7 @@ export const DEFAULTS: Settings = {
   quality: "high",
   season: "autumn",
   daytime: 0.66,
+  exaggeration: 1,
   flutter: true,
   panel: true,
 };
@@ -67,6 +71,7 @@ const NAMES: Record<NumberKey, string> = {
   forestSeed: "forest",
   poseEasing: "easing",
   daytime: "time",
+  exaggeration: "motion",
 };
 
 const FLAGS = { panel: "panel", flutter: "flutter" } as const;

@@ -6,6 +6,8 @@ import { type IconName, icon } from "./icons";
 export interface Tools {
   /** Pauses the motion, or lets it go on. */
   pause(): void;
+  undo(): void;
+  redo(): void;
   view(name: ViewName): void;
   /** Starts or stops the fly-through; returns whether it is running. */
   fly(): boolean;
@@ -20,6 +22,8 @@ export interface Tools {
 
 export class Toolbar {
   private readonly pause: HTMLButtonElement;
+  private readonly undo: HTMLButtonElement;
+  private readonly redo: HTMLButtonElement;
   private readonly fly: HTMLButtonElement;
   private readonly film: HTMLButtonElement;
   private readonly menu = make("div", "", "views-menu");
@@ -34,14 +38,19 @@ export class Toolbar {
     this.fillMenu(tools, views);
     this.pause = button("pause", "Pause the motion (Space)", () => tools.pause());
     this.pause.setAttribute("aria-pressed", "false");
+    this.undo = button("undo", "Undo (Ctrl+Z)", () => tools.undo());
+    this.redo = button("redo", "Redo (Ctrl+Y)", () => tools.redo());
+    this.showUndo(false, false);
     this.fly = toggle("fly", "Fly through the forest", () => tools.fly());
     this.film = toggle("film", "Record video", () => tools.film());
     this.film.hidden = !can.film;
     const full = tool("full", "Full screen");
     full.hidden = !can.fullScreen;
     full.addEventListener("click", () => void switchFullScreen());
+    element("playback").replaceChildren(this.pause);
     bar.replaceChildren(
-      this.pause,
+      this.undo,
+      this.redo,
       views,
       this.menu,
       this.fly,
@@ -95,6 +104,12 @@ export class Toolbar {
 
   showPause(paused: boolean): void {
     this.pause.setAttribute("aria-pressed", String(paused));
+  }
+
+  /** Enables what is possible. */
+  showUndo(undo: boolean, redo: boolean): void {
+    this.undo.disabled = !undo;
+    this.redo.disabled = !redo;
   }
 
   showFlight(flying: boolean): void {
