@@ -15,6 +15,7 @@ import { Comparison } from "./compare/comparison";
 import { ForestClient } from "./forestClient";
 import { ForestFigures } from "./forestFigures";
 import { FrameStatistics } from "./frameStatistics";
+import { TreeOverlays } from "./overlays/treeOverlays";
 import { PaperMethod } from "./paper/paperMethod";
 import { Planting } from "./planting";
 import { Playback } from "./playback";
@@ -71,6 +72,7 @@ export class App {
   private readonly cards = new ProgressCards();
   private readonly panel: Panel;
   readonly studio: WindStudio;
+  readonly overlays: TreeOverlays;
   readonly visit: Visit;
   private readonly scenery: SceneryBar;
   readonly picker: TreePicker;
@@ -140,15 +142,28 @@ export class App {
       problem: showToast,
     });
     this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
-    this.pickedCard = new PickedCard({
-      follow: (following) => {
-        this.picker.following = following;
+    this.overlays = new TreeOverlays(this.stage, this.forest, this.client, {
+      picked: () => {
+        const { figures, moving } = this.picker;
+        return figures && { treeId: figures.treeId, at: moving };
       },
-      compare: () => void this.comparison.open(),
-      physics: () => this.visit.openPhysics(),
-      cancel: (jobId) => void this.cancel(jobId),
-      close: () => this.picker.select(null),
+      find: (treeId) => this.catalogue.find(treeId),
+      error: (sha256) => this.comparison.errors.get(sha256) ?? null,
+      field: this.studio.field,
+      exaggeration: this.exaggeration,
     });
+    this.pickedCard = new PickedCard(
+      {
+        follow: (following) => {
+          this.picker.following = following;
+        },
+        compare: () => void this.comparison.open(),
+        physics: () => this.visit.openPhysics(),
+        cancel: (jobId) => void this.cancel(jobId),
+        close: () => this.picker.select(null),
+      },
+      this.overlays.menu.element,
+    );
     const { stage, forest, client, catalogue, paper, meter, picker } = this;
     this.comparison = new Comparison(forest, client, catalogue, picker, (busy) => {
       // The forest stops meanwhile, to leave the processor to the comparison.
@@ -319,6 +334,7 @@ export class App {
     this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);
     this.studio.tipOf = this.picker.moving;
+    this.overlays.advance(playing ? dt_s : 0);
     this.studio.advance(dt_s, this.client, this.forest);
     const wind_m_s = meanVelocity_m_s(this.settings.wind);
     this.stage.sky.advance(dt_s, wind_m_s);
@@ -397,6 +413,7 @@ export class App {
     this.attention.dispose();
     this.picker.dispose();
     this.pickedCard.dispose();
+    this.overlays.dispose();
     this.studio.dispose();
     this.visit.dispose();
     this.comparison.dispose();

@@ -49,6 +49,8 @@ export interface TableMotion {
   readonly primitives: readonly { name: string; kind: string; vertices: number }[];
   /** [3, modes]: mean displacement of the crown (upper 40 % of the height) per unit of each coordinate. */
   readonly crownBasis: Float32Array<ArrayBuffer>;
+  /** Natural frequencies of the first coordinates, which are the oscillators' own shapes. */
+  readonly frequencies_hz: Float32Array<ArrayBuffer>;
   readonly height_m: number;
   readonly meshSha256: string;
   /** Whether the table was made from the tree in leaf or bare. */

@@ -45,7 +45,8 @@ export class PickedCard {
   private shownId = "";
   private jobId = "";
 
-  constructor(tools: PickedTools) {
+  /** `overlays` is the menu of what to draw on the tree. */
+  constructor(tools: PickedTools, overlays: HTMLElement) {
     this.root.hidden = true;
     this.root.setAttribute("aria-label", "Selected tree");
     const row = make("div", "", "picked-tools");
@@ -71,7 +72,7 @@ export class PickedCard {
     this.cancel.addEventListener("click", () => tools.cancel(this.jobId));
     const state = make("p", "", "picked-state");
     state.append(this.words, this.cancel);
-    this.root.append(this.heading, this.list, state, this.pictures, row);
+    this.root.append(this.heading, this.list, state, overlays, this.pictures, row);
     for (const made of [this.cancel, ...row.querySelectorAll("button")]) made.type = "button";
     element("progress").before(this.root);
   }

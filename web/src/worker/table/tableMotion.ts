@@ -4,6 +4,7 @@ import { poseStride } from "../../core/motion/poseStride";
 import type { Table } from "../../core/table/table";
 import type { TableMotion } from "../protocol";
 import { coarserNodes } from "./nodeLevels";
+import { oscillatorFrequencies_hz } from "./oscillators";
 
 /** The crown is the part above this share of the height. */
 const CROWN_FROM = 0.6;
@@ -57,6 +58,7 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     vertexNode: Uint16Array.from(table.vertexNode),
     primitives: primitives.map(({ name, kind, vertices }) => ({ name, kind, vertices })),
     crownBasis: crownBasisOf(table),
+    frequencies_hz: oscillatorFrequencies_hz(table.modal.step, table.metadata.dt_s),
     height_m,
     meshSha256: mesh_sha256,
     foliage,
