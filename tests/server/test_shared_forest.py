@@ -209,3 +209,24 @@ def test_an_offset_beyond_the_table_is_rejected(server: Server) -> None:
         client.send(forest("table", have={SHA256: len(POLE) + 1}))
         failure, close, _ = client.session_error()
         assert (failure.code, close) == ("no-such-offset", 1008)
+
+
+def told_of(client: Client, clients: int) -> None:
+    """Receive messages until one says that the forest has this many clients."""
+    for _ in range(600):
+        if client.receive() == wire.Presence(clients):
+            return
+    raise AssertionError(f"was not told of {clients} clients")
+
+
+def test_all_clients_are_told_how_many_they_are(server: Server) -> None:
+    with Client(server) as first:
+        first.send(forest(share="present"))
+        told_of(first, 1)
+        with Client(server) as second:
+            second.send(joining("present", mode="table"))
+            told_of(second, 2)
+            told_of(first, 2)
+            second.send(joining("present"))  # another request of the same client
+            told_of(second, 2)
+        told_of(first, 1)

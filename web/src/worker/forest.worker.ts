@@ -100,6 +100,7 @@ function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: str
 
 function onReply(reply: Reply): void {
   if (reply.type === "shared") scope.postMessage({ kind: "shared", about: reply.about });
+  if (reply.type === "presence") scope.postMessage({ kind: "present", clients: reply.clients });
   if (reply.type === "windState")
     scope.postMessage({ kind: "sharedWind", wind: parseState(reply.state).wind });
 }

@@ -169,5 +169,7 @@ export type FromWorker =
     }
   /** Changes that others made to a shared forest. */
   | { kind: "shared"; about: About }
+  /** Number of clients of the shared forest, this one included. */
+  | { kind: "present"; clients: number }
   | { kind: "sharedWind"; wind: WindDocument }
   | { kind: "problem"; title: string; hint: string };

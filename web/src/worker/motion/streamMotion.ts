@@ -27,7 +27,7 @@ export interface StreamOptions {
   readonly poseEasing: number | null;
   /** The shared forest, if any. */
   readonly share?: ShareRequest | null;
-  /** Receives SHARED and WIND_STATE. */
+  /** Receives SHARED, WIND_STATE and PRESENCE. */
   onReply?(reply: Reply): void;
   problem(title: string, hint: string): void;
 }
@@ -95,7 +95,8 @@ export class StreamMotion implements MotionSource {
     if (reply.type === "frame") this.frame(reply);
     else if (reply.type === "clock") this.takeClock(reply);
     else if (reply.type === "windState") this.field.state = parseState(reply.state);
-    if (reply.type === "shared" || reply.type === "windState") this.options.onReply?.(reply);
+    if (reply.type === "shared" || reply.type === "windState" || reply.type === "presence")
+      this.options.onReply?.(reply);
   }
 
   private takeClock(clock: Clock): void {
