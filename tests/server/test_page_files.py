@@ -8,7 +8,10 @@ from pathlib import Path
 import httpx
 import pytest
 from fastapi import FastAPI
+from galewood_server.app.headers import policy_of
 from galewood_server.app.page import Page
+from galewood_server.settings import Settings
+from pydantic import ValidationError
 
 from tests.server.test_access_control import ask
 
@@ -67,3 +70,15 @@ def test_a_file_without_copies_is_sent_as_it_is(app: FastAPI) -> None:
     answer = get(app, "gzip, br", "/assets/plain-abc.js")
     assert answer.content == b"1;"
     assert "content-encoding" not in answer.headers
+
+
+def test_only_configured_sites_may_frame_the_page() -> None:
+    assert "frame-ancestors 'self'" in policy_of("/").split("; ")
+    blog = Settings(frame_ancestors=["https://blog.example", "http://localhost:4000"]).frame_ancestors
+    assert policy_of("/", blog).endswith(
+        "; frame-ancestors 'self' https://blog.example http://localhost:4000"
+    )
+    assert "frame-ancestors 'none'" in policy_of("/api/trees", blog)
+    for wrong in ("https://a.example; script-src *", "blog.example", "'unsafe-inline'"):
+        with pytest.raises(ValidationError):
+            Settings(frame_ancestors=[wrong])

@@ -22,8 +22,9 @@ import { Playback } from "./playback";
 import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { queryFromSettings, type Settings } from "./settings/settings";
-import { adoptPlacement, withShared } from "./settings/sharedForest";
+import { adoptPlacement, sharedFrom, withShared } from "./settings/sharedForest";
 import { keep } from "./settings/storedSettings";
+import { WindSound } from "./sound";
 import { StatusReport } from "./statusReport";
 import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
@@ -59,6 +60,7 @@ export class App {
   asleep = false;
   private readonly client = new ForestClient(showToast, {
     placement: (about) => this.takePlacement(about),
+    present: (clients) => this.visit.sharing.present(clients),
     wind: (wind) => {
       if (!sameWind(wind, this.settings.wind)) this.changeWind(wind, "shared");
     },
@@ -78,9 +80,13 @@ export class App {
   readonly picker: TreePicker;
   private readonly pickedCard: PickedCard;
   readonly playback = new Playback();
+  readonly sound = new WindSound();
   private readonly meter = new FrameStatistics();
   private readonly attention = new Attention({
-    hide: (hidden) => this.client.hide(hidden),
+    hide: (hidden) => {
+      this.client.hide(hidden);
+      this.sound.hide(hidden);
+    },
     retry: () => this.reconnect(),
   });
   private readonly status: StatusReport;
@@ -111,10 +117,17 @@ export class App {
       () => this.client.time_s,
       () => void this.comparison.open(),
       this.playback,
-      (keys) => this.showReplaced(keys),
+      this.sound,
+      {
+        replaced: (keys) => this.showReplaced(keys),
+        share: () => this.planting?.share ?? sharedFrom(location.search),
+        startSharing: (id) => this.startSharing(id),
+      },
     );
     this.visit.restore(location.search);
-    this.panel = new Panel(settings, this.meter.statistics, this.playback, (key) => this.change(key));
+    this.panel = new Panel(settings, this.meter.statistics, this.playback, this.sound, (key) =>
+      this.change(key),
+    );
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
       change: (change) => this.treeChanged(change),
       assetsChanged: () => {
@@ -234,6 +247,14 @@ export class App {
     this.remember("placement");
   }
 
+  /** The forest of this page becomes a shared one: its trees, its wind and its time. */
+  private startSharing(id: string): void {
+    this.planting.share = id;
+    this.catalogue.bare = this.playsBareTables;
+    this.planting.place(true);
+    this.remember("share");
+  }
+
   get paused(): boolean {
     return this.stopped;
   }
@@ -335,6 +356,7 @@ export class App {
     this.picker.advance(dt_s);
     this.studio.tipOf = this.picker.moving;
     this.overlays.advance(playing ? dt_s : 0);
+    this.sound.advance(this.studio.field, this.stage.camera.position, this.client.time_s, playing);
     this.studio.advance(dt_s, this.client, this.forest);
     const wind_m_s = meanVelocity_m_s(this.settings.wind);
     this.stage.sky.advance(dt_s, wind_m_s);

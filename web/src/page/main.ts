@@ -24,10 +24,11 @@ function start(software: boolean): void {
   const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches, software };
   const defaults = defaultsFor(screen);
   // Embedded pages and shared views use their address only; otherwise the stored settings apply.
-  const own = !/[?&](panel=0|view=)/.test(location.search);
+  const own = !/[?&](panel=0|view=|embed)/.test(location.search);
   const usual = own ? remembered(defaults, () => localStorage) : defaults;
   const settings = settingsFromQuery(location.search, usual);
   document.body.classList.toggle("bare", !settings.panel);
+  document.body.classList.toggle("embedded", settings.embed);
   checkWind();
   connectSheets(settings.panel);
   const app = new App(settings, defaults);

@@ -34,6 +34,8 @@ export interface Settings {
   /** Leaf flutter, added by the shader to the simulated motion. */
   flutter: boolean;
   panel: boolean;
+  /** Embedded in another page: no controls but pause and a link. */
+  embed: boolean;
 }
 
 export const LIMITS = {
@@ -63,6 +65,7 @@ export const DEFAULTS: Settings = {
   exaggeration: 1,
   flutter: true,
   panel: true,
+  embed: false,
 };
 
 const NAMES: Record<NumberKey, string> = {
@@ -74,7 +77,7 @@ const NAMES: Record<NumberKey, string> = {
   exaggeration: "motion",
 };
 
-const FLAGS = { panel: "panel", flutter: "flutter" } as const;
+const FLAGS = { panel: "panel", flutter: "flutter", embed: "embed" } as const;
 const numberKeys = Object.keys(LIMITS) as NumberKey[];
 /** Parses "maple:0.5,poplar:0"; invalid parts are ignored. */
 function sharesFrom(text: string): Record<string, number> {
@@ -113,6 +116,7 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
     const text = given.get(FLAGS[key]);
     if (text !== null) settings[key] = text !== "0";
   }
+  if (settings.embed) settings.panel = false;
   const lookup = given.get("lookup");
   if (lookup === "worker" || lookup === "server") settings.lookup = lookup;
   const method = parseMethod(given.get("method"));

@@ -29,6 +29,7 @@ export class Panel {
     private readonly settings: Settings,
     private readonly statistics: Statistics,
     playback: Playback,
+    sound: { volume: number },
     onChange: (key: SettingKey) => void,
   ) {
     this.changed = (key) => {
@@ -43,6 +44,8 @@ export class Panel {
     this.number(motion, "exaggeration", "Exaggeration", (value) => `×${value.toFixed(1)}`, false);
     motion.addButton({ title: "Pause, and one step on" }).on("click", () => playback.step());
     this.lookup(motion);
+    const loud = this.pane.addFolder({ title: "Sound", expanded: false });
+    loud.addBinding(sound, "volume", { label: "Volume", min: 0, max: 1, step: 0.05 });
     this.figures(this.pane.addFolder({ title: "Statistics", expanded: false }));
     labelInputs(element("panel"));
   }

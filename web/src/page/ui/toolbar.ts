@@ -1,4 +1,4 @@
-/** The toolbar: pause, camera views, fly-through, tree physics, accuracy check, link, photo, video, full screen. */
+/** The toolbar: pause, undo, camera views, tree physics, accuracy check, sharing, sound, photo, video, full screen. */
 import { VIEWS, type ViewName } from "../../scene/camera/viewpoints";
 import { element, make } from "./dom";
 import { type IconName, icon } from "./icons";
@@ -11,7 +11,13 @@ export interface Tools {
   view(name: ViewName): void;
   /** Starts or stops the fly-through; returns whether it is running. */
   fly(): boolean;
+  /** Makes the forest a shared one and copies its link. */
+  share(): void;
   link(): void;
+  /** Shows the code that embeds the forest in another page. */
+  embed(): void;
+  /** Turns the sound of the wind on or off; returns whether it is on. */
+  sound(): boolean;
   photo(): void;
   /** Starts or stops recording; returns whether it is recording. */
   film(): boolean;
@@ -56,7 +62,10 @@ export class Toolbar {
       this.fly,
       button("trees", "Tree physics", () => tools.physics()),
       button("compare", "Check accuracy", () => tools.compare()),
+      button("share", "Share this forest", () => tools.share()),
       button("link", "Copy link", () => tools.link()),
+      button("embed", "Embed code", () => tools.embed()),
+      toggle("sound", "Sound of the wind", () => tools.sound()),
       button("photo", "Save photo", () => tools.photo()),
       this.film,
       full,
