@@ -12,6 +12,7 @@ import { Stage } from "../scene/stage";
 import type { SpeciesOptions } from "../scene/trees/speciesForest";
 import { Attention } from "./attention";
 import { Comparison } from "./compare/comparison";
+import { ContextLoss } from "./contextLoss";
 import { ForestClient } from "./forestClient";
 import { ForestFigures } from "./forestFigures";
 import { FrameStatistics } from "./frameStatistics";
@@ -81,6 +82,7 @@ export class App {
   private readonly pickedCard: PickedCard;
   readonly playback = new Playback();
   readonly sound = new WindSound();
+  private readonly graphics: ContextLoss;
   private readonly meter = new FrameStatistics();
   private readonly attention = new Attention({
     hide: (hidden) => {
@@ -104,6 +106,8 @@ export class App {
   ) {
     useKeys({ known: keptKey, ask: askForKey });
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
+    // three.js creates its own resources again when it draws; what depends on the view is selected again.
+    this.graphics = new ContextLoss(this.stage.renderer.domElement, () => this.applyScenery());
     this.forest = new Forest(this.speciesOptions());
     this.stage.scene.add(this.forest.group);
     this.applyScenery();
@@ -331,7 +335,7 @@ export class App {
   }
 
   private onFrame(now_ms: number): void {
-    if (this.asleep || this.attention.hidden) return;
+    if (this.asleep || this.attention.hidden || this.graphics.lost) return;
     const begin_ms = performance.now();
     const frame_ms = now_ms - this.last_ms;
     const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
@@ -433,6 +437,7 @@ export class App {
   dispose(): void {
     this.stage.renderer.setAnimationLoop(null);
     this.attention.dispose();
+    this.graphics.dispose();
     this.picker.dispose();
     this.pickedCard.dispose();
     this.overlays.dispose();
