@@ -127,3 +127,38 @@ test.describe("for fingers", () => {
     });
   }
 });
+
+for (const deviceScaleFactor of [1, 2]) {
+  test.describe(`the plots at a pixel ratio of ${deviceScaleFactor}`, () => {
+    test.use({ deviceScaleFactor, viewport: { width: 800, height: 600 } });
+
+    test("no label is clipped", async ({ page }) => {
+      await page.addInitScript(() => {
+        const faults: string[] = [];
+        Object.assign(window, { labels: { drawn: 0, faults } });
+        const original = CanvasRenderingContext2D.prototype.fillText;
+        CanvasRenderingContext2D.prototype.fillText = function fillText(text: string, x: number, y: number) {
+          if (!this.canvas.closest?.(".uplot") || text === "") return original.call(this, text, x, y);
+          const { actualBoundingBoxLeft, actualBoundingBoxRight } = this.measureText(text);
+          const at = this.getTransform().transformPoint({ x, y });
+          const [left, right] = [at.x - actualBoundingBoxLeft, at.x + actualBoundingBoxRight];
+          const labels = (window as unknown as { labels: { drawn: number } }).labels;
+          labels.drawn++;
+          if (left < 0 || right > this.canvas.width) faults.push(`${text}: ${left.toFixed(0)} to ${right.toFixed(0)}`);
+          original.call(this, text, x, y);
+        };
+      });
+      // Weak wind: the labels of the tip's displacement have the most digits.
+      for (const speed of [1, 60]) {
+        await open(page, `quality=low&trees=3&speed=${speed}&gust=0.9`);
+        await forest(page);
+        await page.getByRole("button", { name: "Anemometer" }).click();
+        await page.mouse.click(420, 420);
+        const labels = () =>
+          page.evaluate(() => (window as unknown as { labels: { drawn: number; faults: string[] } }).labels);
+        await expect.poll(async () => (await labels()).drawn).toBeGreaterThan(20);
+        expect((await labels()).faults).toEqual([]);
+      }
+    });
+  });
+}
