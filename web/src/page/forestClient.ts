@@ -28,6 +28,8 @@ const absolute = (path: string) => new URL(path, document.baseURI).href;
 export interface SharedForestListener {
   placement(about: About): void;
   wind(wind: WindDocument): void;
+  /** The number of clients, this one included. */
+  present(clients: number): void;
 }
 
 /** A group for the worker, with the motion that determines its row length. */
@@ -135,6 +137,16 @@ export class ForestClient {
     this.send({ kind: "pause", paused });
   }
 
+  /** Connects to the server at once if the connection is lost. */
+  retry(): void {
+    this.send({ kind: "retry" });
+  }
+
+  /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */
+  hide(hidden: boolean): void {
+    this.send({ kind: "hide", hidden });
+  }
+
   /** Requests the figures of one tree with every frame; null or a new plan ends it. */
   watch(at: TreeAt | null): void {
     this.watched = null;
@@ -182,6 +194,7 @@ export class ForestClient {
       this.settle(message.sha256, ({ reject }) => reject(new Error(message.title)));
     } else if (message.kind === "records") this.settleRecords(message.table, message.fault);
     else if (message.kind === "shared") this.shared.placement(message.about);
+    else if (message.kind === "present") this.shared.present(message.clients);
     else if (message.kind === "sharedWind") this.shared.wind(message.wind);
     else this.problem(message.title, message.hint);
   }

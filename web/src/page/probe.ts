@@ -49,6 +49,10 @@ export interface Probe {
   pick(left_px: number, top_px: number): ProbedTree | null;
   /** The picked tree and its current figures. */
   readonly picked: ProbedTree | null;
+  /** What is drawn on the picked tree. */
+  readonly overlay: App["overlays"]["shown"];
+  /** Loudness of the wind, 0..1. */
+  readonly loudness: number;
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
   /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
@@ -133,6 +137,12 @@ export function exposeProbe(app: App): void {
     },
     get picked() {
       return probed(app.picker.figures);
+    },
+    get overlay() {
+      return app.overlays.shown;
+    },
+    get loudness() {
+      return app.sound.loudness;
     },
     follow(following) {
       app.picker.following = following;

@@ -261,9 +261,16 @@ export class Forest {
     return this.all.reduce((sum, { forest }) => sum + forest.triangles, 0);
   }
 
-  get trees(): { moving: number; still: number } {
-    const moving = this.moving.reduce((sum, { forest }) => sum + forest.instances.count, 0);
-    return { moving, still: this.all.reduce((sum, { forest }) => sum + forest.instances.count, 0) - moving };
+  /** Numbers of trees that move and that do not; of these, `loading` have a table that is being fetched. */
+  get trees(): { moving: number; still: number; loading: number } {
+    const count = (groups: readonly MovingGroup[]) =>
+      groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
+    const still = this.all.filter(({ forest }) => !forest.motion);
+    return {
+      moving: count(this.moving),
+      still: count(still),
+      loading: count(still.filter(({ asset }) => asset.hasTable)),
+    };
   }
 
   clear(): void {

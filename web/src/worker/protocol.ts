@@ -60,6 +60,8 @@ export interface TableMotion {
   /** [3, modes]: mean displacement of the crown (upper 40 % of the height) per unit of each coordinate. */
   readonly crownBasis: Float32Array<ArrayBuffer>;
   readonly sway: FirstSway;
+  /** Natural frequencies of the first coordinates, which are the oscillators' own shapes. */
+  readonly frequencies_hz: Float32Array<ArrayBuffer>;
   readonly height_m: number;
   readonly meshSha256: string;
   /** Whether the table was made from the tree in leaf or bare. */
@@ -139,6 +141,10 @@ export type ToWorker =
   | { kind: "wind"; wind: WindDocument }
   /** Stops or resumes the clock of a shared forest, for everyone. */
   | { kind: "pause"; paused: boolean }
+  /** Connects to the server at once if the connection is lost. */
+  | { kind: "retry" }
+  /** Whether nobody looks at the page. */
+  | { kind: "hide"; hidden: boolean }
   /** Selects the tree whose figures are sent with the poses. */
   | { kind: "watch"; at: TreeAt | null }
   /** Advances the forest; the buffers are returned filled. */
@@ -181,5 +187,7 @@ export type FromWorker =
     }
   /** Changes that others made to a shared forest. */
   | { kind: "shared"; about: About }
+  /** Number of clients of the shared forest, this one included. */
+  | { kind: "present"; clients: number }
   | { kind: "sharedWind"; wind: WindDocument }
   | { kind: "problem"; title: string; hint: string };

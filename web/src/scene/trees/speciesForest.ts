@@ -17,6 +17,8 @@ export interface SpeciesOptions extends MaterialOptions {
   readonly maxTextureSide: number;
   /** Shared clock and amplitude of the flutter of leaves. */
   readonly flutter: { value: { x: number; y: number } };
+  /** Shared factor of all displacements on screen. */
+  readonly exaggeration: { value: number };
 }
 
 /** Buffers grow in steps of this many trees. */
@@ -67,6 +69,7 @@ export class SpeciesForest {
       uNodes: { value: this.nodes?.target.texture ?? null },
       uNodeShift: { value: 0 },
       uFlutter: options.flutter,
+      uExaggeration: options.exaggeration,
     };
     this.bend = motion && bendNodes(motion);
     this.parts = this.makeParts();
@@ -136,21 +139,25 @@ export class SpeciesForest {
     }
   }
 
+  private get exaggeration(): number {
+    return this.options.exaggeration.value;
+  }
+
   get bounds(): Bounds {
     const { height_m, radius_m } = this.model;
-    return { height_m, radius_m, reach_m: this.motion?.reach_m ?? 0 };
+    return { height_m, radius_m, reach_m: this.exaggeration * (this.motion?.reach_m ?? 0) };
   }
 
   /** Data for picking. */
   get pickable() {
-    const { instances, bounds, motion } = this;
+    const { instances, bounds, motion, exaggeration } = this;
     this.nodeRadius_m ??= motion
       ? nodeRadii(
           this.model.parts.map(({ position }) => position.array),
           motion,
         )
       : new Float32Array(0);
-    return { instances, bounds, motion, nodeRadius_m: this.nodeRadius_m };
+    return { instances, bounds, motion, exaggeration, nodeRadius_m: this.nodeRadius_m };
   }
 
   /** Selects the trees that are drawn in this view, and their level of detail. */

@@ -13,6 +13,8 @@ export interface TreeUniforms {
   uNodeShift: { value: number };
   /** Time (s) and amplitude of the leaf flutter; amplitude 0 disables it. */
   uFlutter: { value: { x: number; y: number } };
+  /** Factor of the displacements. */
+  uExaggeration: { value: number };
 }
 
 /** Surface uniforms shared by all trees. */
@@ -37,6 +39,7 @@ attribute vec4 aPiece; // random number of the piece, openness to the sky, flutt
 attribute float aNode;
 uniform highp sampler2D uNodes;
 uniform int uNodeShift;
+uniform float uExaggeration;
 #endif
 uniform vec2 uFlutter;
 uniform float uLeafShare;
@@ -59,7 +62,7 @@ vec3 local = mix(aAnchor.xyz, position, grown);
 #ifndef STILL
   int nodeIndex = int(aPlace.w + 0.5) + int(aNode + 0.5);
   vec4 motion = texelFetch(uNodes, ivec2(nodeIndex & ((1 << uNodeShift) - 1), nodeIndex >> uNodeShift), 0);
-  local += motion.xyz;
+  local += uExaggeration * motion.xyz;
   #ifdef LEAVES
     float tremble = uFlutter.y * aPiece.z * min(motion.w, 14.0) * 0.0045;
     float beat = uFlutter.x * (5.0 + 4.0 * aPiece.x) + 40.0 * aPiece.x + dot(aPlace.xz, vec2(1.7, 2.3));

@@ -59,6 +59,14 @@ export class FailoverMotion implements MotionSource {
     this.local?.see(x, z);
   }
 
+  retry(): void {
+    this.stream.retry();
+  }
+
+  hide(hidden: boolean): void {
+    this.stream.hide(hidden);
+  }
+
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const lost = this.stream.connection.state === "lost";
     if (lost && !this.local) {

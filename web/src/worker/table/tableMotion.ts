@@ -5,6 +5,7 @@ import type { Table } from "../../core/table/table";
 import type { TableMotion } from "../protocol";
 import { firstSwayOf } from "./firstSway";
 import { coarserNodes } from "./nodeLevels";
+import { oscillatorFrequencies_hz } from "./oscillators";
 
 /** The crown is the part above this share of the height. */
 const CROWN_FROM = 0.6;
@@ -60,6 +61,7 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     primitives: primitives.map(({ name, kind, vertices }) => ({ name, kind, vertices })),
     crownBasis: crownBasisOf(table),
     sway: firstSwayOf(table, stride, basis),
+    frequencies_hz: oscillatorFrequencies_hz(table.modal.step, table.metadata.dt_s),
     height_m,
     meshSha256: mesh_sha256,
     foliage,
