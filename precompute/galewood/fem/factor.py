@@ -18,7 +18,7 @@ class TangentFactor:
 
     pointer (n + 1,) and rows (b,) are compressed columns, the diagonal block first. blocks (b, 9) are
     row-major; the diagonal block k holds the inverse of L_kk instead: i00, i10, i11, i20, i21, i22, 0, 0, 0.
-    rank (N,) is the elimination number of each mesh node, n for clamped ones; mass_kg (n,) that of the free nodes;
+    rank (N,) is the elimination number of each mesh node, n for clamped ones; mass_kg (n,) of the free nodes;
     limit_n (n,) is the force at each node under which some element reaches `BREAKING_STRAIN`.
     """
 

@@ -47,12 +47,13 @@ def compliance_of(factor: TangentFactor, binding: scipy.sparse.csr_matrix, mesh_
 def four_largest(binding: scipy.sparse.csr_matrix) -> tuple[Ints, Floats]:
     """Columns (v, 4) and weights (v, 4) of the largest entries of each row, normalised to sum 1."""
     matrix = scipy.sparse.csr_matrix(binding)
-    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    count = len(matrix.indptr) - 1
+    row = np.repeat(np.arange(count), np.diff(matrix.indptr))
     order = np.lexsort((-matrix.data, row))
     place = np.arange(len(order)) - matrix.indptr[row]
     kept = place < CORNERS
-    corner = np.zeros((matrix.shape[0], CORNERS), np.int64)
-    share = np.zeros((matrix.shape[0], CORNERS))
+    corner = np.zeros((count, CORNERS), np.int64)
+    share = np.zeros((count, CORNERS))
     corner[row[kept], place[kept]] = matrix.indices[order[kept]]
     share[row[kept], place[kept]] = matrix.data[order[kept]]
     return corner, share / share.sum(axis=1, keepdims=True)

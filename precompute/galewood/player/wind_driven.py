@@ -63,10 +63,12 @@ class WindDrivenTrees:
             else np.ones(len(self._x_m), np.float32)
         )
 
-    def displace(self, tree: int, e: npt.ArrayLike, v: npt.ArrayLike) -> None:
-        """Add to the oscillators of one tree, as ``ModalForest.displace``; the paper's trees have none."""
-        if isinstance(self._forest, ModalForest):
-            self._forest.displace(tree, e, v)
+    def displace(self, tree: int, e: npt.ArrayLike, v: npt.ArrayLike) -> bool:
+        """Add to the oscillators of one tree, as ``ModalForest.displace``; False: the paper's trees have none."""
+        if not isinstance(self._forest, ModalForest):
+            return False
+        self._forest.displace(tree, e, v)
+        return True
 
     def step(self, field: WindField, time_s: float, dt_s: float) -> None:
         """Advance by dt_s seconds in the wind at time_s, the end of the step."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from galewood_server.stream.socket_protocol import binary_frame
-from galewood_server.stream.wire import Clock, Shared, WindState, encode_reply
+from galewood_server.stream.wire import Clock, Pulls, Shared, WindState, encode_reply
 
-Value = Clock | Shared | WindState
+Value = Clock | Shared | WindState | Pulls
 
 
 class LatestValues:
