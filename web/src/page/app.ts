@@ -17,6 +17,9 @@ import { FrameStatistics } from "./frameStatistics";
 import { PaperMethod } from "./paper/paperMethod";
 import { Planting } from "./planting";
 import { Playback } from "./playback";
+import { Gusts } from "./pulling/gusts";
+import { Puller } from "./pulling/puller";
+import { showPulls } from "./pulling/showPulls";
 import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { queryFromSettings, type Settings } from "./settings/settings";
@@ -72,6 +75,8 @@ export class App {
   readonly visit: Visit;
   private readonly scenery: SceneryBar;
   readonly picker: TreePicker;
+  readonly puller: Puller;
+  private readonly gusts: Gusts;
   private readonly pickedCard: PickedCard;
   readonly playback = new Playback();
   private readonly meter = new FrameStatistics();
@@ -131,6 +136,10 @@ export class App {
       problem: showToast,
     });
     this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
+    const moves = () => !this.paused && !this.playback.paused;
+    this.puller = new Puller(this.stage, this.forest, this.client, this.picker, moves);
+    this.gusts = new Gusts(this.stage, this.client);
+    this.picker.onGround = (x_m, z_m) => this.gusts.send(x_m, z_m);
     this.pickedCard = new PickedCard({
       follow: (following) => {
         this.picker.following = following;
@@ -286,6 +295,8 @@ export class App {
     if (playing) this.takePoses();
     this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);
+    this.puller.advance();
+    this.gusts.advance();
     this.studio.tipOf = this.picker.moving;
     this.studio.advance(dt_s, this.client, this.forest);
     const wind_m_s = meanVelocity_m_s(this.settings.wind);
@@ -298,6 +309,7 @@ export class App {
   private takePoses(): void {
     if (!this.client.takeFreshPoses()) return;
     for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
+    showPulls(this.forest, this.client);
   }
 
   /** Advances by dt_s and waits for the poses; for frame-by-frame rendering while asleep. */
@@ -344,6 +356,11 @@ export class App {
     this.forest.freeze(frozen);
   }
 
+  /** The trees that are pulled or ring down, by anyone. */
+  get pulled() {
+    return this.client.pulled;
+  }
+
   get connection() {
     return { ...this.client.connection, events: this.connected };
   }
@@ -356,6 +373,8 @@ export class App {
 
   dispose(): void {
     this.stage.renderer.setAnimationLoop(null);
+    this.puller.dispose();
+    this.gusts.dispose();
     this.picker.dispose();
     this.pickedCard.dispose();
     this.studio.dispose();

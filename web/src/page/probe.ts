@@ -47,6 +47,10 @@ export interface Probe {
   pick(left_px: number, top_px: number): ProbedTree | null;
   /** The picked tree and its current figures. */
   readonly picked: ProbedTree | null;
+  /** The branch that this visitor pulls: its tree, where point and hand are in the window, displacement and force. */
+  readonly pull: App["puller"]["figures"];
+  /** The trees that are pulled or ring down, by anyone. */
+  readonly pulled: App["pulled"];
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
   /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
@@ -127,6 +131,12 @@ export function exposeProbe(app: App): void {
     },
     get picked() {
       return probed(app.picker.figures);
+    },
+    get pull() {
+      return app.puller.figures;
+    },
+    get pulled() {
+      return app.pulled;
     },
     follow(following) {
       app.picker.following = following;

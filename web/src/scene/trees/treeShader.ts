@@ -2,8 +2,10 @@
 import type { Color, Material, WebGLProgramParametersWithUniforms } from "three";
 import { EDGE, MOST_GROWTH } from "./detail";
 import type { Part } from "./mesh/treeMesh";
+import { PULL_PARS } from "./pull/pullShader";
+import type { PullUniforms } from "./pull/pullSlots";
 
-export interface TreeUniforms {
+export interface TreeUniforms extends Partial<PullUniforms> {
   /** Target of pass 1; null for static trees. */
   uNodes: { value: unknown };
   uNodeShift: { value: number };
@@ -43,6 +45,7 @@ attribute vec4 aPiece; // random number of the piece, openness to the sky, flutt
 attribute float aNode;
 uniform highp sampler2D uNodes;
 uniform int uNodeShift;
+${PULL_PARS}
 #endif
 uniform vec2 uFlutter;
 uniform float uLeafShare;
@@ -64,7 +67,7 @@ vec3 local = mix(aAnchor, position, grown);
 #ifndef STILL
   int nodeIndex = int(aPlace.w + 0.5) + int(aNode + 0.5);
   vec4 motion = texelFetch(uNodes, ivec2(nodeIndex & ((1 << uNodeShift) - 1), nodeIndex >> uNodeShift), 0);
-  local += motion.xyz;
+  local += motion.xyz + pulledBy();
   #ifdef LEAVES
     float tremble = uFlutter.y * aPiece.z * min(motion.w, 14.0) * 0.0045;
     float beat = uFlutter.x * (5.0 + 4.0 * aPiece.x) + 40.0 * aPiece.x + dot(aPlace.xz, vec2(1.7, 2.3));
