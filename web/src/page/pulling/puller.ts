@@ -21,7 +21,7 @@ const DRAG_PX = 6;
 const LONG_PRESS_MS = 400;
 const HOVER_EVERY_MS = 120;
 /** A press this many pixels beside a branch takes hold of it. */
-const BESIDE_PX = 10;
+const BESIDE_PX = 12;
 /** Path of the hand per key press, relative to the distance from the eye. */
 const KEY_SHARE = 0.012;
 
@@ -173,7 +173,8 @@ export class Puller {
       return;
     this.hovered_ms = now_ms;
     const picked = this.enabled ? this.picker.find(event.clientX, event.clientY) : null;
-    this.canvas.style.cursor = picked && this.isNear(picked) ? "grab" : "";
+    const near = picked && this.isNear(picked);
+    this.canvas.style.cursor = near && this.grab(picked, event.clientX, event.clientY) ? "grab" : "";
   }
 
   private isNear(picked: PickedTree): boolean {
