@@ -1,7 +1,7 @@
 """Write the golden pulls for both languages: ``python -m tests.golden.make_pull``.
 
-A compliance file for the mesh of the golden table, made of a chain of springs instead of a solid, the response
-of some of its points, and a hand that pulls one of them.
+A compliance file for the mesh of the golden table, made of a chain of springs instead of a solid, the
+response of some of its points, and a hand that pulls one of them.
 """
 
 from __future__ import annotations

@@ -128,7 +128,7 @@ def golden_response(vertex: int = 3) -> PointResponse:
 
 
 def test_hand_moves_its_point_to_the_target() -> None:
-    """In the direction in which the point yields most, within its limits, less the damping of the solution."""
+    """In the direction in which the point yields most and within its limits, to a few percent."""
     response = golden_response()
     _, axes = np.linalg.eigh(response.compliance)
     target = (

@@ -64,7 +64,7 @@ class WindDrivenTrees:
         )
 
     def displace(self, tree: int, e: npt.ArrayLike, v: npt.ArrayLike) -> bool:
-        """Add to the oscillators of one tree (``ModalForest.displace``); False: the paper's trees have none."""
+        """Add to the oscillators of a tree (``ModalForest.displace``); False: the paper's trees have none."""
         if not isinstance(self._forest, ModalForest):
             return False
         self._forest.displace(tree, e, v)

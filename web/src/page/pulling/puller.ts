@@ -49,6 +49,8 @@ interface Pull {
   readonly start: Vector3;
   /** Where the hand is. */
   readonly hand: Vector3;
+  /** From the grabbed point to where the pointer took hold. */
+  readonly offset: Vector3;
 }
 
 export class Puller {
@@ -91,6 +93,7 @@ export class Puller {
     const { tree, start, hand } = this.pull;
     return {
       ...tree.grip,
+      start_px: this.project(start),
       point_px: this.project(point),
       hand_px: this.project(hand),
       moved_m: point.distanceTo(start),
@@ -146,14 +149,16 @@ export class Puller {
     this.canvas.style.cursor = "grabbing";
     this.start(press.tree, "pointer", point);
     this.plane.setFromNormalAndCoplanarPoint(this.viewing, point);
-    this.moveHand(press.x, press.y);
+    this.aim(press.x, press.y);
+    const held = this.caster.ray.intersectPlane(this.plane, new Vector3());
+    if (held) this.pull?.offset.subVectors(held, point);
   }
 
   /** Moves the hand to the pointer, on the plane through the grabbed point that faces the camera. */
   private moveHand(left_px: number, top_px: number): void {
     this.aim(left_px, top_px);
     const { pull } = this;
-    if (pull) this.caster.ray.intersectPlane(this.plane, pull.hand);
+    if (pull && this.caster.ray.intersectPlane(this.plane, pull.hand)) pull.hand.sub(pull.offset);
   }
 
   /** Ends a press, and the pull that it has become. */
@@ -250,7 +255,7 @@ export class Puller {
   // ---- both ---------------------------------------------------------------------------------------
 
   private start(tree: HeldTree, by: Pull["by"], point: Vector3): void {
-    this.pull = { tree, by, start: point.clone(), hand: point.clone() };
+    this.pull = { tree, by, start: point.clone(), hand: point.clone(), offset: new Vector3() };
   }
 
   private letGo(): void {

@@ -26,9 +26,9 @@ const ASIDE = 4;
 /** Place of a vertex at rest, in the tree's frame. */
 export function restOf(parts: readonly TreePart[], vertex: number): Vector {
   let first = 0;
-  for (const { position, vertices, hold } of parts) {
+  for (const { position, vertices } of parts) {
     if (vertex < first + vertices) {
-      const at = 3 * hold[vertex - first];
+      const at = 3 * (vertex - first);
       return [position.array[at], position.array[at + 1], position.array[at + 2]];
     }
     first += vertices;
@@ -64,7 +64,7 @@ export function grabbedVertex(of: GrabbedTree, ray: Ray, slope: number): number 
       const score = along + ASIDE * aside;
       if (score >= least) continue;
       least = score;
-      best = first + hold[v];
+      best = first + v;
     }
     first += vertices;
   }
