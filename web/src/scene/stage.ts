@@ -10,7 +10,8 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { FarWood } from "./ground/farWood";
+import { Backdrop } from "./backdrop";
+import type { Planted } from "./ground/farWood";
 import { GroundCover } from "./ground/groundCover";
 import { setGroundSeason } from "./ground/groundMaterial";
 import { groundHeight_m } from "./ground/landscape";
@@ -30,7 +31,8 @@ import type { View } from "./trees/drawList";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
-const BARE_DETAIL = 5;
+/** How much farther bare trees keep their full detail; the lowest quality draws no shoots in place of the leaves. */
+const BARE_DETAIL: Record<Quality, number> = { low: 5, medium: 1.8, high: 1.2 };
 const LOOK_AT_M = new Vector3(-1, 6.2, -16);
 const EYE_M = { x: 7, above: 8.2, z: 24 };
 
@@ -48,7 +50,7 @@ export class Stage {
   private readonly leaves: FlyingLeaves;
   private readonly snow: Snowfall;
   readonly cover: GroundCover;
-  private readonly farWood = new FarWood();
+  readonly backdrop: Backdrop;
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
@@ -73,15 +75,20 @@ export class Stage {
     this.renderer.info.autoReset = false;
     this.pictures.setQuality(quality);
     this.daylight = new Daylight(quality);
-    this.lighting = new Lighting(this.sky, this.daylight, (light, season) =>
-      this.farWood.show(light, season),
-    );
+    this.lighting = new Lighting(this.sky, this.daylight);
+    this.backdrop = new Backdrop(canvas, this.daylight, quality);
     this.cover = new GroundCover(quality);
     this.undergrowth = new Undergrowth(quality, this.pictures.plants);
     this.leaves = new FlyingLeaves(quality, groundHeight_m);
     this.snow = new Snowfall(quality);
     this.scene.add(this.undergrowth.group, this.leaves.mesh, this.snow.mesh);
-    this.scene.add(this.terrain.mesh, this.sky.mesh, this.cover.mesh, this.farWood.mesh, this.daylight.group);
+    this.scene.add(
+      this.terrain.mesh,
+      this.sky.mesh,
+      this.cover.mesh,
+      this.backdrop.wood.group,
+      this.daylight.group,
+    );
     this.camera.position.set(EYE_M.x, groundHeight_m(EYE_M.x, EYE_M.z) + EYE_M.above, EYE_M.z);
     this.controls = this.orbit();
     this.observer = new ResizeObserver(() => this.resize());
@@ -119,7 +126,9 @@ export class Stage {
     this.cover.setSeason(season);
     this.undergrowth.setSeason(season);
     this.season = season;
-    return this.lighting.choose(daytime, season);
+    const light = this.lighting.choose(daytime, season);
+    this.backdrop.setSeason(season);
+    return light;
   }
 
   /** Tells the scene where the trees stand, for the exposure and the undergrowth in their shade. */
@@ -129,6 +138,7 @@ export class Stage {
     this.sheltering = crowns;
     this.lighting.crowns = crowns;
     this.undergrowth.shelter(crowns);
+    this.backdrop.shelter(crowns);
   }
 
   /** Moves sky, flying leaves, snow and ground cover on by dt_s in this wind; the clouds follow its strength. */
@@ -146,9 +156,9 @@ export class Stage {
     this.undergrowth.update(this.camera.position, wind_m_s, time_s);
   }
 
-  /** Places the background forest around simulated trees of this extent. */
-  surround(reach_m: number): void {
-    this.farWood.populate(reach_m, this.quality);
+  /** Plants the background forest around the simulated trees. */
+  surround(planted: Planted): void {
+    this.backdrop.surround(planted);
   }
 
   setQuality(quality: Quality): void {
@@ -159,25 +169,28 @@ export class Stage {
     this.leaves.setQuality(quality);
     this.snow.setQuality(quality);
     this.daylight.setQuality(quality);
+    this.backdrop.setQuality(quality);
     this.resize();
   }
 
-  /** Updates the camera; returns whether it moved, so that trees must be selected again. */
+  /** Updates the camera; returns whether trees must be selected again, because it moved or impostors changed. */
   updateCamera(): boolean {
     this.controls.update();
     const floor_m = groundHeight_m(this.camera.position.x, this.camera.position.z) + 1.4;
     if (this.camera.position.y < floor_m) this.camera.position.y = floor_m;
     this.camera.updateMatrixWorld();
     this.clip.multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
-    if (this.clip.equals(this.seen)) return false;
+    const changed = this.backdrop.takeChange();
+    if (this.clip.equals(this.seen) && !changed) return false;
     this.seen.copy(this.clip);
     return true;
   }
 
-  /** Bare trees keep their full detail up to a larger distance, because their leaves are not drawn. */
+  /** Bare trees keep their full detail up to a larger distance, because thin twigs are all that they show. */
   private levelFrom_m(): readonly [number, number] {
     const [first, second] = LEVEL_FROM_M[this.quality];
-    return this.season === "winter" ? [BARE_DETAIL * first, BARE_DETAIL * second] : [first, second];
+    const further = this.season === "winter" ? BARE_DETAIL[this.quality] : 1;
+    return [further * first, further * second];
   }
 
   view(): View {
@@ -192,6 +205,7 @@ export class Stage {
 
   /** `dt_s`: time since the last picture, in which the exposure adapts. */
   render(dt_s = 0): void {
+    this.backdrop.prepare(this.renderer);
     this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);
     this.renderer.render(this.scene, this.camera);
   }
@@ -205,7 +219,7 @@ export class Stage {
     this.undergrowth.dispose();
     this.leaves.dispose();
     this.snow.dispose();
-    this.farWood.dispose();
+    this.backdrop.dispose();
     this.pictures.dispose();
     this.daylight.dispose();
     this.renderer.dispose();

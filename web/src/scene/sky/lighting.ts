@@ -32,11 +32,9 @@ export class Lighting {
   private readonly nearTo = new Vector3(Number.NaN);
   private readonly axes = [new Vector3(), new Vector3(), new Vector3()] as const;
 
-  /** `shown` receives every change of the light. */
   constructor(
     private readonly sky: Sky,
     private readonly daylight: Daylight,
-    private readonly shown: (light: Atmosphere, season: Season) => void,
   ) {}
 
   /** The crowns near the camera. */
@@ -68,7 +66,6 @@ export class Lighting {
     this.daylight.show(light, this.season);
     this.sky.show(light);
     this.exposure = light.exposure;
-    this.shown(light, this.season);
     return light;
   }
 
