@@ -16,6 +16,8 @@ import type { View } from "./trees/drawList";
 const CARDS_FROM_M: Record<Quality, number> = { low: 60, medium: 85, high: 120 };
 /** Side of the picture from which each view of an impostor is reduced, px. */
 const BAKED_PX: Record<Quality, number> = { low: 256, medium: 512, high: 512 };
+/** Light that a bare crown holds back, relative to one in leaf. */
+const BARE_SHADE = 0.35;
 /** While the sun moves, the shadows on distant ground are renewed at most this often. */
 const SHADE_EVERY_MS = 300;
 
@@ -26,6 +28,8 @@ export class Backdrop {
   private crowns: Crowns = new Float32Array(0);
   private shadeOutdated = false;
   private shaded_ms = 0;
+  /** Frames since the last change. */
+  private quiet = 0;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -92,15 +96,18 @@ export class Backdrop {
   /** Per frame, before drawing: bakes some views, and renews outdated shadows. */
   prepare(renderer: WebGLRenderer): void {
     this.shadeGround();
-    if (!this.library.work(renderer)) return;
-    this.shadeOutdated = true;
-    this.changed = true;
+    if (this.library.work(renderer)) {
+      this.shadeOutdated = true;
+      this.changed = true;
+    }
+    const busy = !this.library.isReady || this.library.arriving || this.changed || this.shadeOutdated;
+    this.quiet = busy ? 0 : this.quiet + 1;
   }
 
   private shadeGround(): void {
     const now_ms = performance.now();
     const reach_m = this.daylight.shadowReach_m;
-    groundShade.uShadeFrom.value.set(0.75 * reach_m, reach_m);
+    groundShade.uShadeFrom.value.set(0.75 * reach_m, reach_m, shared.uBare.value > 0 ? BARE_SHADE : 1);
     if (!this.shadeOutdated || now_ms - this.shaded_ms < SHADE_EVERY_MS) return;
     this.shadeOutdated = false;
     this.shaded_ms = now_ms;
@@ -120,9 +127,9 @@ export class Backdrop {
     return out;
   }
 
-  /** Whether all impostors are baked, and the number of background trees. */
+  /** Whether all impostors are baked and in place, and the number of background trees. */
   get figures(): { ready: boolean; backgroundTrees: number } {
-    return { ready: this.library.isReady, backgroundTrees: this.wood.count };
+    return { ready: this.quiet > 1, backgroundTrees: this.wood.count };
   }
 
   dispose(): void {
