@@ -16,6 +16,8 @@ import type { View } from "./trees/drawList";
 const CARDS_FROM_M: Record<Quality, number> = { low: 60, medium: 85, high: 120 };
 /** Side of the picture from which each view of an impostor is reduced, px. */
 const BAKED_PX: Record<Quality, number> = { low: 256, medium: 512, high: 512 };
+/** Frames that are drawn before the background is planted, so that it does not delay the first moving tree. */
+const HEAD_START = 2;
 /** Light that a bare crown holds back, relative to one in leaf. */
 const BARE_SHADE = 0.35;
 /** While the sun moves, the shadows on distant ground are renewed at most this often. */
@@ -30,6 +32,9 @@ export class Backdrop {
   private shaded_ms = 0;
   /** Frames since the last change. */
   private quiet = 0;
+  /** What the background must be planted around, and the frames drawn since then. */
+  private planted: Planted | null = null;
+  private drawn = 0;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -58,8 +63,13 @@ export class Backdrop {
     this.changed = true;
   }
 
-  /** Plants the background around the simulated trees. */
+  /** Plants the background around the simulated trees, after these have been drawn. */
   surround(planted: Planted): void {
+    this.planted = planted;
+    this.drawn = 0;
+  }
+
+  private plant(planted: Planted): void {
     const models = planted.assets.filter(({ model }) => model !== null);
     models.sort((a, b) => Number(b.builtin) - Number(a.builtin));
     this.library.keep(models.flatMap(({ model }) => model ?? []));
@@ -95,12 +105,17 @@ export class Backdrop {
 
   /** Per frame, before drawing: bakes some views, and renews outdated shadows. */
   prepare(renderer: WebGLRenderer): void {
+    if (this.planted && this.drawn++ >= HEAD_START) {
+      this.plant(this.planted);
+      this.planted = null;
+    }
     this.shadeGround();
     if (this.library.work(renderer)) {
       this.shadeOutdated = true;
       this.changed = true;
     }
-    const busy = !this.library.isReady || this.library.arriving || this.changed || this.shadeOutdated;
+    const busy =
+      this.planted || !this.library.isReady || this.library.arriving || this.changed || this.shadeOutdated;
     this.quiet = busy ? 0 : this.quiet + 1;
   }
 
