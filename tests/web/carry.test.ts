@@ -23,7 +23,8 @@ const WIND = {
 
 function groupOf(ids: number[], of: Table = table) {
   const placement = Float32Array.from(ids.flatMap((id) => [7 * id, 3 * (id % 5), id, 0.8 + 0.05 * (id % 7)]));
-  return { key: "ash", table: of, records: of.paper, ids: Uint32Array.from(ids), placement };
+  const own = { key: "ash", table: of, records: of.paper, sha256: "", compliance: null };
+  return { ...own, ids: Uint32Array.from(ids), placement };
 }
 
 const bufferFor = (count: number) => new Float32Array(count * poseStride(table.metadata.modes));
@@ -154,7 +155,9 @@ describe("nodes of the levels of detail", () => {
     for (const level of [...coarserNodes(table), motion.levels[0]]) {
       expect(level.of.length).toBe(motion.nodes);
       expect(Math.max(...level.of)).toBe(level.nodes - 1);
-      expect(level.modes).toBeLessThan(4 * level.quads);
+      expect(level.columns.length).toBeLessThan(4 * level.quads);
+      expect(new Set(level.columns).size).toBe(level.columns.length);
+      expect(Math.max(...level.columns)).toBeLessThan(motion.modes);
       expect(level.basis.length).toBe(level.nodes * 12 * level.quads);
     }
     expect(motion.reach_m).toBeGreaterThan(0);

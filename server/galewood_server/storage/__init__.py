@@ -8,7 +8,7 @@ from galewood_server.storage.database import (
     migration_config,
     open_database,
 )
-from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file
+from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file, preferred_coding
 from galewood_server.storage.files import FileStore, file_age_s, is_hash
 from galewood_server.storage.garbage import (
     ANALYSIS_INPUTS,
@@ -36,7 +36,7 @@ from galewood_server.storage.models import (
     utc_now,
 )
 from galewood_server.storage.object_store import fetch, list_keys, open_bucket, stored
-from galewood_server.storage.records import records_of
+from galewood_server.storage.records import compliance_of, records_of
 from galewood_server.storage.stores import STORE_NAMES, Stores
 from galewood_server.storage.table_cache import TableCache
 
@@ -59,6 +59,7 @@ __all__ = [
     "TreeState",
     "coding_of",
     "collect_garbage",
+    "compliance_of",
     "database_now",
     "encoded_file",
     "engine_of",
@@ -76,6 +77,7 @@ __all__ = [
     "no_table",
     "open_bucket",
     "open_database",
+    "preferred_coding",
     "records_of",
     "referenced_files",
     "replace_files",

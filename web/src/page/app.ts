@@ -10,21 +10,32 @@ import { seasonal } from "../scene/season/seasonal";
 import { aerialPerspective } from "../scene/sky/air";
 import { Stage } from "../scene/stage";
 import type { SpeciesOptions } from "../scene/trees/speciesForest";
+import { Attention } from "./attention";
 import { Comparison } from "./compare/comparison";
+import { ContextLoss } from "./contextLoss";
 import { ForestClient } from "./forestClient";
 import { ForestFigures } from "./forestFigures";
 import { FrameStatistics } from "./frameStatistics";
+import { TreeOverlays } from "./overlays/treeOverlays";
+import { OwnTrees } from "./ownTree/ownTrees";
+import type { OwnUploads } from "./ownTree/ownUploads";
 import { PaperMethod } from "./paper/paperMethod";
 import { Planting } from "./planting";
 import { Playback } from "./playback";
+import { Gusts } from "./pulling/gusts";
+import { Puller } from "./pulling/puller";
+import { showPulls } from "./pulling/showPulls";
 import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
+import { plantedAs } from "./settings/planted";
 import { queryFromSettings, type Settings } from "./settings/settings";
-import { adoptPlacement, withShared } from "./settings/sharedForest";
+import { adoptPlacement, sharedFrom, withShared } from "./settings/sharedForest";
 import { keep } from "./settings/storedSettings";
+import { WindSound } from "./sound";
 import { StatusReport } from "./statusReport";
 import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
+import { showExaggeration } from "./ui/exaggerated";
 import { askForKey, keptKey } from "./ui/keyDialog";
 import { Panel, type SettingKey } from "./ui/panel";
 import { PickedCard } from "./ui/pickedCard";
@@ -41,6 +52,7 @@ const PLACEMENT_KEYS: SettingKey[] = [
   "trees",
   "density",
   "shares",
+  "planted",
   "form",
   "forestSeed",
   "lookup",
@@ -56,6 +68,7 @@ export class App {
   asleep = false;
   private readonly client = new ForestClient(showToast, {
     placement: (about) => this.takePlacement(about),
+    present: (clients) => this.visit.sharing.present(clients),
     wind: (wind) => {
       if (!sameWind(wind, this.settings.wind)) this.changeWind(wind, "shared");
     },
@@ -66,17 +79,31 @@ export class App {
   private readonly planting: Planting;
   private readonly comparison: Comparison;
   readonly figures: ForestFigures;
-  private readonly cards = new ProgressCards();
+  private readonly cards: ProgressCards;
+  private readonly ownTrees: OwnTrees;
   private readonly panel: Panel;
   readonly studio: WindStudio;
+  readonly overlays: TreeOverlays;
   readonly visit: Visit;
   private readonly scenery: SceneryBar;
   readonly picker: TreePicker;
+  readonly puller: Puller;
+  private readonly gusts: Gusts;
   private readonly pickedCard: PickedCard;
   readonly playback = new Playback();
+  readonly sound = new WindSound();
+  private readonly graphics: ContextLoss;
   private readonly meter = new FrameStatistics();
+  private readonly attention = new Attention({
+    hide: (hidden) => {
+      this.client.hide(hidden);
+      this.sound.hide(hidden);
+    },
+    retry: () => this.reconnect(),
+  });
   private readonly status: StatusReport;
   private readonly flutter = { value: { x: 0, y: 0 } };
+  private readonly exaggeration = { value: 1 };
   private connected = true;
   private dirty = true;
   private last_ms = performance.now();
@@ -86,12 +113,16 @@ export class App {
   constructor(
     readonly settings: Settings,
     private readonly defaults: Settings,
+    uploads: OwnUploads,
   ) {
     useKeys({ known: keptKey, ask: askForKey });
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
+    // three.js creates its own resources again when it draws; what depends on the view is selected again.
+    this.graphics = new ContextLoss(this.stage.renderer.domElement, () => this.applyScenery());
     this.forest = new Forest(this.speciesOptions(), this.stage.backdrop.library);
     this.stage.scene.add(this.forest.group);
     this.applyScenery();
+    this.exaggerate();
     this.scenery = new SceneryBar(settings, () => this.change("season"));
     this.visit = new Visit(
       settings,
@@ -101,10 +132,24 @@ export class App {
       () => this.client.time_s,
       () => void this.comparison.open(),
       this.playback,
+      this.sound,
+      {
+        replaced: (keys) => this.showReplaced(keys),
+        share: () => this.planting?.share ?? sharedFrom(location.search),
+        startSharing: (id) => this.startSharing(id),
+      },
     );
     this.visit.restore(location.search);
-    this.panel = new Panel(settings, this.meter.statistics, this.playback, (key) => this.change(key));
+    this.panel = new Panel(
+      settings,
+      this.meter.statistics,
+      this.playback,
+      this.sound,
+      (key) => this.change(key),
+      (id, how) => this.ownTrees.plant(id, how),
+    );
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
+      isPlanted: (id) => plantedAs(settings, id) !== null,
       change: (change) => this.treeChanged(change),
       assetsChanged: () => {
         this.planting.place();
@@ -118,7 +163,19 @@ export class App {
     });
     this.planting = new Planting(settings, this.stage, this.forest, this.client, this.catalogue, () => {
       this.dirty = true;
+      this.ownTrees.appeared();
     });
+    this.ownTrees = new OwnTrees(uploads, {
+      settings,
+      stage: this.stage,
+      forest: this.forest,
+      catalogue: this.catalogue,
+      visit: this.visit,
+      isShared: this.planting.share !== null,
+      replant: () => this.change("planted"),
+      planted: (id) => this.cards.planted(id),
+    });
+    this.cards = new ProgressCards(this.ownTrees);
     this.catalogue.bare = this.playsBareTables;
     this.paper = new PaperMethod(settings, {
       trees: () => this.catalogue.known,
@@ -131,21 +188,40 @@ export class App {
       problem: showToast,
     });
     this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
-    this.pickedCard = new PickedCard({
-      follow: (following) => {
-        this.picker.following = following;
+    const moves = () => !this.paused && !this.playback.paused;
+    this.puller = new Puller(this.stage, this.forest, this.client, this.picker, moves);
+    this.gusts = new Gusts(this.stage, this.client);
+    this.picker.onGround = (x_m, z_m) => this.gusts.send(x_m, z_m);
+    this.overlays = new TreeOverlays(this.stage, this.forest, this.client, {
+      picked: () => {
+        const { figures, moving } = this.picker;
+        return figures && { treeId: figures.treeId, at: moving };
       },
-      compare: () => void this.comparison.open(),
-      physics: () => this.visit.openPhysics(),
-      cancel: (jobId) => void this.cancel(jobId),
-      close: () => this.picker.select(null),
+      find: (treeId) => this.catalogue.find(treeId),
+      error: (sha256) => this.comparison.errors.get(sha256) ?? null,
+      field: this.studio.field,
+      exaggeration: this.exaggeration,
     });
+    this.pickedCard = new PickedCard(
+      {
+        follow: (following) => {
+          this.picker.following = following;
+        },
+        compare: () => void this.comparison.open(),
+        physics: () => this.visit.openPhysics(),
+        cancel: (jobId) => void this.cancel(jobId),
+        planted: (id) => plantedAs(settings, id),
+        plant: (id, how) => this.ownTrees.plant(id, how),
+        close: () => this.picker.select(null),
+      },
+      this.overlays.menu.element,
+    );
     const { stage, forest, client, catalogue, paper, meter, picker } = this;
     this.comparison = new Comparison(forest, client, catalogue, picker, (busy) => {
       // The forest stops meanwhile, to leave the processor to the comparison.
       this.asleep = busy;
     });
-    this.status = new StatusReport(settings, stage, forest, client, meter);
+    this.status = new StatusReport(settings, stage, forest, client, meter, () => this.reconnect());
     this.figures = new ForestFigures(forest, client, catalogue, paper, meter);
     this.stage.renderer.setAnimationLoop((now) => this.onFrame(now));
   }
@@ -161,10 +237,12 @@ export class App {
       surface: seasonal,
       atmosphere: aerialPerspective,
       flutter: this.flutter,
+      exaggeration: this.exaggeration,
     };
   }
 
   private treeChanged(change: TreeChange): void {
+    this.ownTrees.changed(change);
     this.cards.update(change);
     this.report();
   }
@@ -195,7 +273,8 @@ export class App {
     if (origin !== "panel") this.panel.refresh();
     if (origin !== "shared") this.client.setWind(wind);
     this.studio.showWind();
-    this.remember();
+    if (origin === "shared") this.visit.undo.adopt();
+    this.remember("wind");
   }
 
   /** Called when another client replaced the trees of this shared forest. */
@@ -204,7 +283,16 @@ export class App {
     this.panel.refresh();
     this.planting.place();
     this.paper.chosen();
-    this.remember();
+    this.visit.undo.adopt();
+    this.remember("placement");
+  }
+
+  /** The forest of this page becomes a shared one: its trees, its wind and its time. */
+  private startSharing(id: string): void {
+    this.planting.share = id;
+    this.catalogue.bare = this.playsBareTables;
+    this.planting.place(true);
+    this.remember("share");
   }
 
   get paused(): boolean {
@@ -253,18 +341,38 @@ export class App {
       this.forest.options = this.speciesOptions();
       this.planting.place();
     }
-    this.remember();
+    if (key === "exaggeration") this.exaggerate();
+    this.remember(key);
   }
 
-  /** Stores the settings and updates the URL. */
-  private remember(): void {
+  /** Settings were replaced by undo or redo. */
+  private showReplaced(keys: SettingKey[]): void {
+    this.panel.showReplaced();
+    this.scenery.show();
+    for (const key of keys) {
+      if (key === "wind") this.changeWind(this.settings.wind, "instruments");
+      else this.change(key);
+    }
+  }
+
+  /** Sets the factor of all displacements on screen; figures stay as simulated. */
+  private exaggerate(): void {
+    const { exaggeration } = this.settings;
+    this.exaggeration.value = exaggeration;
+    showExaggeration(exaggeration);
+    this.dirty = true;
+  }
+
+  /** Stores the settings and updates the URL; `kind` names what was changed. */
+  private remember(kind: string): void {
+    this.visit.undo.record(kind);
     if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
     const query = withShared(queryFromSettings(this.settings), this.planting.share);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
   }
 
   private onFrame(now_ms: number): void {
-    if (this.asleep) return;
+    if (this.asleep || this.attention.hidden || this.graphics.lost) return;
     const begin_ms = performance.now();
     const frame_ms = now_ms - this.last_ms;
     const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
@@ -283,11 +391,16 @@ export class App {
 
   /** Advances by dt_s; without `playing` the trees keep their poses. */
   private move(dt_s: number, playing = true): void {
-    if (playing && !this.paused) this.client.advance(dt_s);
+    if (playing && !this.paused) this.client.advance(dt_s, this.stage.camera.position);
     if (playing) this.takePoses();
     this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);
+    this.ownTrees.advance();
+    this.puller.advance();
+    this.gusts.advance();
     this.studio.tipOf = this.picker.moving;
+    this.overlays.advance(playing ? dt_s : 0);
+    this.sound.advance(this.studio.field, this.stage.camera.position, this.client.time_s, playing);
     this.studio.advance(dt_s, this.client, this.forest);
     this.stage.advance(dt_s, meanVelocity_m_s(this.settings.wind), this.client.time_s);
     if (this.client.wind) this.stage.backdrop.wood.advance(this.client.wind.state, this.client.time_s);
@@ -298,6 +411,7 @@ export class App {
   private takePoses(): void {
     if (!this.client.takeFreshPoses()) return;
     for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
+    showPulls(this.forest, this.client);
   }
 
   /** Advances by dt_s and waits for the poses; for frame-by-frame rendering while asleep. */
@@ -333,8 +447,9 @@ export class App {
 
   private report(): void {
     this.panel.showSpecies(this.catalogue.kinds);
+    this.panel.uploads.show(this.catalogue.uploads);
     this.panel.showMethodNote(this.paper.note);
-    this.status.show(this.connected, this.catalogue.waiting);
+    this.status.show(this.connected, this.catalogue.listed);
     this.showPicked();
   }
 
@@ -344,8 +459,19 @@ export class App {
     this.pickedCard.show(figures, known, known ? this.paper.stateOf(known) : { kind: "missing" });
   }
 
+  /** Tries lost connections to the server at once. */
+  private reconnect(): void {
+    this.client.retry();
+    this.catalogue.retry();
+  }
+
   freeze(frozen: boolean): void {
     this.forest.freeze(frozen);
+  }
+
+  /** The trees that are pulled or ring down, by anyone. */
+  get pulled() {
+    return this.client.pulled;
   }
 
   get connection() {
@@ -360,8 +486,14 @@ export class App {
 
   dispose(): void {
     this.stage.renderer.setAnimationLoop(null);
+    this.attention.dispose();
+    this.graphics.dispose();
+    this.puller.dispose();
+    this.gusts.dispose();
     this.picker.dispose();
     this.pickedCard.dispose();
+    this.ownTrees.dispose();
+    this.overlays.dispose();
     this.studio.dispose();
     this.visit.dispose();
     this.comparison.dispose();

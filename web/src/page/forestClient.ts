@@ -8,12 +8,15 @@ import type {
   FromWorker,
   GroupPlan,
   Inspection,
+  PulledTree,
+  PullOrder,
   TableMotion,
   ToWorker,
   TreeAt,
   Work,
 } from "../worker/protocol";
-import { recordsUrl, tableUrl } from "./server/api";
+import { PullFields } from "./pulling/pullFields";
+import { complianceUrl, recordsUrl, tableUrl } from "./server/api";
 
 type Buffers = Float32Array<ArrayBuffer>[];
 
@@ -28,6 +31,8 @@ const absolute = (path: string) => new URL(path, document.baseURI).href;
 export interface SharedForestListener {
   placement(about: About): void;
   wind(wind: WindDocument): void;
+  /** The number of clients, this one included. */
+  present(clients: number): void;
 }
 
 /** A group for the worker, with the motion that determines its row length. */
@@ -58,6 +63,9 @@ export class ForestClient {
   extrapolationRatio = 0;
   /** The watched tree's figures. */
   watched: Inspection | null = null;
+  /** The trees that are pulled or ring down, by anyone, and their displacements that the modes do not show. */
+  pulled: readonly PulledTree[] = [];
+  readonly pullFields = new PullFields();
   private readonly worker = startWorker();
   private readonly waiting = new Map<string, Pending<TableMotion>[]>();
   private readonly waitingRecords = new Map<string, Pending<void>>();
@@ -111,13 +119,14 @@ export class ForestClient {
     const full: ForestPlan = {
       ...plan,
       epoch: this.epoch,
-      groups: groups.map(({ key, motion, leafTable, placement, ids, recorded }) => ({
+      groups: groups.map(({ key, motion, leafTable, placement, ids, recorded, compliance }) => ({
         key,
         table: motion.sha256,
         leafTable,
         placement,
         ids,
         recorded,
+        compliance: compliance && absolute(complianceUrl(compliance)),
       })),
     };
     const socketUrl = new URL("ws/forest", document.baseURI.replace(/^http/, "ws")).href;
@@ -130,9 +139,33 @@ export class ForestClient {
     this.send({ kind: "wind", wind });
   }
 
+  /** Begins or continues a pull. */
+  pull(order: PullOrder): void {
+    this.send({ kind: "pull", order });
+  }
+
+  letGo(hand: number): void {
+    this.send({ kind: "letGo", hand });
+  }
+
+  /** Sends a gust front through the forest from a place, m; also for all who share it. */
+  gust(x_m: number, z_m: number): void {
+    this.send({ kind: "gust", x_m, z_m });
+  }
+
   /** Stops or resumes the clock of a shared forest, for everyone. */
   pause(paused: boolean): void {
     this.send({ kind: "pause", paused });
+  }
+
+  /** Connects to the server at once if the connection is lost. */
+  retry(): void {
+    this.send({ kind: "retry" });
+  }
+
+  /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */
+  hide(hidden: boolean): void {
+    this.send({ kind: "hide", hidden });
   }
 
   /** Requests the figures of one tree with every frame; null or a new plan ends it. */
@@ -141,14 +174,20 @@ export class ForestClient {
     this.send({ kind: "watch", at });
   }
 
-  /** Advances the forest by a display step. While the worker is busy, the time accumulates. */
-  advance(dt_s: number): void {
+  /** Advances the forest by a display step, seen from a place (m). While the worker is busy, the time accumulates. */
+  advance(dt_s: number, from: { readonly x: number; readonly z: number }): void {
     this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
     if (this.busy || this.spare.length === 0) return;
     this.busy = true;
     const buffers = this.spare;
     this.spare = [];
-    const message: ToWorker = { kind: "advance", epoch: this.epoch, dt_s: this.backlog_s, buffers };
+    const message: ToWorker = {
+      kind: "advance",
+      epoch: this.epoch,
+      dt_s: this.backlog_s,
+      viewer: [from.x, from.z],
+      buffers,
+    };
     this.backlog_s = 0;
     this.send(
       message,
@@ -176,6 +215,8 @@ export class ForestClient {
       this.settle(message.sha256, ({ reject }) => reject(new Error(message.title)));
     } else if (message.kind === "records") this.settleRecords(message.table, message.fault);
     else if (message.kind === "shared") this.shared.placement(message.about);
+    else if (message.kind === "present") this.shared.present(message.clients);
+    else if (message.kind === "pullField") this.pullFields.add(message.table, message.vertex, message.field);
     else if (message.kind === "sharedWind") this.shared.wind(message.wind);
     else this.problem(message.title, message.hint);
   }
@@ -205,6 +246,7 @@ export class ForestClient {
     this.wind = message.wind;
     this.extrapolationRatio = message.extrapolationRatio;
     this.watched = message.watched;
+    this.pulled = message.pulled;
     this.busy = false;
     this.fresh = true;
     arrived?.();

@@ -1,18 +1,35 @@
 /** Plants the forest: places the trees of the catalogue and sends them to the worker. */
 
-import { type Forest, type PlacedSpecies, placeForest } from "../scene/forest";
+import { clearingPlace } from "../scene/clearing";
+import { type Forest, type PlacedSpecies, placeForest, type TreeAsset } from "../scene/forest";
 import { woodReach_m } from "../scene/placement";
 import type { Stage } from "../scene/stage";
 import type { ClientGroup, ForestClient } from "./forestClient";
 import { isRecorded } from "./paper/paperState";
 import type { Catalogue } from "./server/catalogue";
 import { momentFrom } from "./settings/link";
+import { plantedAs } from "./settings/planted";
 import type { Settings } from "./settings/settings";
 import { placementOf, sharedFrom } from "./settings/sharedForest";
 
+/**
+ * Places the trees: built-in ones and uploads that are planted among them share the forest, and every planted upload
+ * stands in the clearing. Uploads that are still loading take no places, so that the forest has no gaps.
+ */
+export function plantForest(assets: readonly TreeAsset[], settings: Settings): PlacedSpecies[] {
+  const how = (asset: TreeAsset) => (asset.builtin || !asset.model ? null : plantedAs(settings, asset.id));
+  const only = assets.some((asset) => how(asset) === "only");
+  const uploads = Object.keys(settings.planted);
+  return placeForest(assets, settings.trees, settings.forestSeed, {
+    ...settings,
+    grows: (asset) => (only ? how(asset) === "only" : asset.builtin || how(asset) === "more"),
+    single: Object.fromEntries(uploads.map((id, k) => [id, clearingPlace(k)])),
+  });
+}
+
 export class Planting {
-  /** Id of the shared forest in the address. */
-  readonly share = sharedFrom(location.search);
+  /** Id of the shared forest; null while the forest is private. */
+  share = sharedFrom(location.search);
   private readonly from_s = momentFrom(location.search).time_s ?? 0;
 
   /** `shown` is called when the trees of a plan have appeared. */
@@ -33,7 +50,7 @@ export class Planting {
     const { settings, share } = this;
     // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
     if (share !== null && !this.catalogue.isLoaded) return;
-    const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
+    const placed = plantForest(this.catalogue.assets, settings);
     this.client.plan(
       placed.flatMap((group) => this.clientGroup(group)),
       {
@@ -63,7 +80,8 @@ export class Planting {
   private clientGroup({ asset: { id }, motion, instances }: PlacedSpecies): ClientGroup[] {
     const leafTable = this.catalogue.leafMotion(id)?.sha256 ?? motion?.sha256;
     if (!motion || !leafTable) return [];
-    return [{ key: id, motion, leafTable, ...instances, recorded: this.isRecorded(id) }];
+    const compliance = this.catalogue.find(id)?.tree.compliance_sha256 ?? null;
+    return [{ key: id, motion, leafTable, ...instances, recorded: this.isRecorded(id), compliance }];
   }
 
   /** Whether the server has the records of the table by which it knows these trees. */

@@ -15,6 +15,8 @@ export interface Probe {
   readonly time_s: number;
   readonly readySpecies: string[];
   readonly trees: { moving: number; still: number };
+  /** Number of trees of an upload or of a form of a species, by its id on the server. */
+  planted(treeId: string): number;
   /** Number of trees that move by the paper's state search. */
   readonly paperTrees: number;
   /** Number of trees that move by a table without leaves. */
@@ -47,6 +49,14 @@ export interface Probe {
   pick(left_px: number, top_px: number): ProbedTree | null;
   /** The picked tree and its current figures. */
   readonly picked: ProbedTree | null;
+  /** What is drawn on the picked tree. */
+  readonly overlay: App["overlays"]["shown"];
+  /** Loudness of the wind, 0..1. */
+  readonly loudness: number;
+  /** The branch that this visitor pulls: its tree, where point and hand are in the window, displacement and force. */
+  readonly pull: App["puller"]["figures"];
+  /** The trees that are pulled or ring down, by anyone. */
+  readonly pulled: App["pulled"];
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
   /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
@@ -78,6 +88,7 @@ export function exposeProbe(app: App): void {
     get trees() {
       return app.figures.trees;
     },
+    planted: (treeId) => app.figures.planted(treeId),
     get paperTrees() {
       return app.figures.paperTrees;
     },
@@ -130,6 +141,18 @@ export function exposeProbe(app: App): void {
     },
     get picked() {
       return probed(app.picker.figures);
+    },
+    get overlay() {
+      return app.overlays.shown;
+    },
+    get loudness() {
+      return app.sound.loudness;
+    },
+    get pull() {
+      return app.puller.figures;
+    },
+    get pulled() {
+      return app.pulled;
     },
     follow(following) {
       app.picker.following = following;

@@ -10,7 +10,13 @@ import { leafTint } from "./season/palette";
 import type { Season } from "./season/season";
 import { CROWN_FLOATS, type Crowns } from "./sky/exposure";
 import type { View } from "./trees/drawList";
-import { createInstanceData, INSTANCE_FLOATS, type InstanceData, setTints } from "./trees/instanceData";
+import {
+  createInstanceData,
+  INSTANCE_FLOATS,
+  type InstanceData,
+  type Placement,
+  setTints,
+} from "./trees/instanceData";
 import { disposeModel, type TreeModel } from "./trees/mesh/treeMesh";
 import { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
 import { pickTree } from "./trees/treePick";
@@ -24,7 +30,7 @@ export interface TreeAsset {
   /** Whether the server has its mesh and table. */
   hasTable: boolean;
   model: TreeModel | null;
-  /** null until the table is loaded; until then the trees are static and grey. */
+  /** null until the table is loaded; until then the trees stand still. */
   motion: TableMotion | null;
 }
 
@@ -63,6 +69,10 @@ export interface PlacementOptions {
   readonly shares?: Readonly<Record<string, number>>;
   readonly form?: FormChoice;
   readonly season?: Season;
+  /** Whether a tree is planted at the places of the forest; all are if omitted. */
+  readonly grows?: (asset: TreeAsset) => boolean;
+  /** Further places of single trees, by id. */
+  readonly single?: Readonly<Record<string, Placement>>;
 }
 
 /**
@@ -73,12 +83,21 @@ export function placeForest(
   assets: readonly TreeAsset[],
   count: number,
   seed: number,
-  { density = 1, shares = {}, form = "place", season = "autumn" }: PlacementOptions = {},
+  options: PlacementOptions = {},
 ): PlacedSpecies[] {
+  const {
+    density = 1,
+    shares = {},
+    form = "place",
+    season = "autumn",
+    grows = () => true,
+    single = {},
+  } = options;
   const places = placeTrees(count, seed, density);
-  const planted = plant(assets, places, shares, form);
+  const planted = plant(assets.filter(grows), places, shares, form);
   return assets.flatMap((asset) => {
     const own = places.filter((_, i) => planted[i] === asset);
+    if (single[asset.id]) own.push(single[asset.id]);
     if (!asset.model || own.length === 0) return [];
     const instances = createInstanceData(own, groundHeight_m, (treeId) =>
       leafTint(asset.species, treeId, season),
@@ -151,6 +170,11 @@ export class Forest {
     return forest;
   }
 
+  /** Whether the trees have no leaves in this season. */
+  get isLeafless(): boolean {
+    return this.leafless;
+  }
+
   /** Sets the season of all trees, including later placements; call `select` afterwards. */
   setSeason(season: Season): void {
     this.leafless = season === "winter";
@@ -209,6 +233,30 @@ export class Forest {
     return crowns;
   }
 
+  /** The tree of a kind with the largest id, which is the one in the clearing if there is one; null if none is drawn. */
+  last(treeId: string): (Omit<PickedTree, "distance_m"> & { readonly moves: boolean }) | null {
+    const group = this.all.find(({ asset }) => asset.id === treeId);
+    if (!group) return null;
+    const { instances, model, motion } = group.forest;
+    const tree = instances.ids.reduce((last, id, at, ids) => (id > ids[last] ? at : last), 0);
+    const [x, y, z, , , , scale] = instances.data.subarray(tree * INSTANCE_FLOATS);
+    return {
+      id: instances.ids[tree],
+      treeId,
+      species: group.asset.species,
+      position: { x, y, z },
+      height_m: model.height_m * scale,
+      radius_m: model.radius_m * scale,
+      moves: motion !== null,
+    };
+  }
+
+  /** Number of trees of a kind. */
+  count(treeId: string): number {
+    const groups = this.all.filter(({ asset }) => asset.id === treeId);
+    return groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
+  }
+
   /** Whether this tree still exists. */
   has({ treeId, id }: { treeId: string; id: number }): boolean {
     return this.all.some(({ asset, forest }) => asset.id === treeId && forest.instances.ids.includes(id));
@@ -218,9 +266,16 @@ export class Forest {
     return this.all.reduce((sum, { forest }) => sum + forest.triangles, 0);
   }
 
-  get trees(): { moving: number; still: number } {
-    const moving = this.moving.reduce((sum, { forest }) => sum + forest.instances.count, 0);
-    return { moving, still: this.all.reduce((sum, { forest }) => sum + forest.instances.count, 0) - moving };
+  /** Numbers of trees that move and that do not; of these, `loading` have a table that is being fetched. */
+  get trees(): { moving: number; still: number; loading: number } {
+    const count = (groups: readonly MovingGroup[]) =>
+      groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
+    const still = this.all.filter(({ forest }) => !forest.motion);
+    return {
+      moving: count(this.moving),
+      still: count(still),
+      loading: count(still.filter(({ asset }) => asset.hasTable)),
+    };
   }
 
   clear(): void {

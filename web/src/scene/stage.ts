@@ -31,7 +31,8 @@ import type { View } from "./trees/drawList";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
-const BARE_DETAIL = 5;
+/** How much farther bare trees keep their full detail; the lowest quality draws no shoots in place of the leaves. */
+const BARE_DETAIL: Record<Quality, number> = { low: 5, medium: 1.8, high: 1.2 };
 const LOOK_AT_M = new Vector3(-1, 6.2, -16);
 const EYE_M = { x: 7, above: 8.2, z: 24 };
 
@@ -185,10 +186,11 @@ export class Stage {
     return true;
   }
 
-  /** Bare trees keep their full detail up to a larger distance, because their leaves are not drawn. */
+  /** Bare trees keep their full detail up to a larger distance, because thin twigs are all that they show. */
   private levelFrom_m(): readonly [number, number] {
     const [first, second] = LEVEL_FROM_M[this.quality];
-    return this.season === "winter" ? [BARE_DETAIL * first, BARE_DETAIL * second] : [first, second];
+    const further = this.season === "winter" ? BARE_DETAIL[this.quality] : 1;
+    return [further * first, further * second];
   }
 
   view(): View {

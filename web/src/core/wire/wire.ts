@@ -28,10 +28,22 @@ import {
   type Shared,
 } from "./wireForest";
 import { decodeFrame, encodeFrame, FRAME, type Frame } from "./wireFrame";
+import {
+  decodeOfHand,
+  decodePulls,
+  encodeOfHand,
+  encodePulls,
+  type Gust,
+  PULLS,
+  type Pull,
+  type Pulls,
+  type Release,
+} from "./wirePull";
 
 export { VERSION, WireError } from "./envelope";
 export type { About, Forest, Group, Shared } from "./wireForest";
 export type { Frame, Rows } from "./wireFrame";
+export type { Gust, Pull, Pulling, Pulls, Release } from "./wirePull";
 
 const HELLO = 1;
 const WIND = 3;
@@ -44,6 +56,7 @@ const ERROR = 68;
 const PONG = 69;
 const WIND_STATE = 70;
 const CLOCK = 71;
+const PRESENCE = 74;
 
 // ---- client to server ----------------------------------------------------------------------------
 
@@ -76,7 +89,7 @@ export interface Resync {
   type: "resync";
 }
 
-export type Request = Hello | Forest | WindChange | Ping | Pause | Resync;
+export type Request = Hello | Forest | WindChange | Ping | Pause | Resync | Pull | Release | Gust;
 
 /** Encodes a client's message. */
 export function encodeRequest(request: Request): Uint8Array<ArrayBuffer> {
@@ -93,6 +106,8 @@ export function encodeRequest(request: Request): Uint8Array<ArrayBuffer> {
       return encodeMessage(RESYNC, {});
     case "forest":
       return encodeForest(request);
+    default:
+      return encodeOfHand(request);
   }
 }
 
@@ -117,9 +132,10 @@ export function decodeRequest(data: ArrayBuffer): Request {
     case RESYNC:
       only(header);
       return { type: "resync" };
-    default:
-      throw new WireError(`kind ${kind} is not a message that clients send`, "unknown-kind");
   }
+  const ofHand = decodeOfHand(kind, header);
+  if (ofHand) return ofHand;
+  throw new WireError(`kind ${kind} is not a message that clients send`, "unknown-kind");
 }
 
 // ---- server to client ----------------------------------------------------------------------------
@@ -164,13 +180,29 @@ export interface Clock {
   paused: boolean;
 }
 
+/** Number of clients of a shared forest, sent to all of them when it changes. */
+export interface Presence {
+  type: "presence";
+  clients: number;
+}
+
 /** The forest's wind and its clock (docs/formats/wind.md), after a change or on joining. */
 export interface WindStateReply {
   type: "windState";
   state: Header;
 }
 
-export type Reply = Welcome | TableChunk | Frame | Failure | Pong | WindStateReply | Clock | Shared;
+export type Reply =
+  | Welcome
+  | TableChunk
+  | Frame
+  | Failure
+  | Pong
+  | WindStateReply
+  | Clock
+  | Presence
+  | Pulls
+  | Shared;
 
 /** Encodes a server's message. */
 export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
@@ -191,12 +223,16 @@ export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
       const header = { time_s: reply.time_s, made_s: reply.made_s, paused: reply.paused };
       return encodeMessage(CLOCK, header);
     }
+    case "presence":
+      return encodeMessage(PRESENCE, { clients: reply.clients });
     case "shared":
       return encodeShared(reply);
     case "windState":
       return encodeMessage(WIND_STATE, { state: reply.state });
     case "frame":
       return encodeFrame(reply);
+    case "pulls":
+      return encodePulls(reply);
   }
 }
 
@@ -235,9 +271,14 @@ export function decodeReply(data: ArrayBuffer): Reply {
         made_s: number(header, "made_s"),
         paused: truth(header, "paused"),
       };
+    case PRESENCE:
+      only(header, "clients");
+      return { type: "presence", clients: whole(header, "clients") };
     case WIND_STATE:
       only(header, "state");
       return { type: "windState", state: textMap(header.state, "state") };
+    case PULLS:
+      return decodePulls(header);
     default:
       throw new WireError(`kind ${kind} is not a message that servers send`, "unknown-kind");
   }

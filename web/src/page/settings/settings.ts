@@ -6,6 +6,7 @@ import { FORM_CHOICES, type FormChoice } from "../../scene/forms";
 import type { Quality } from "../../scene/quality";
 import { SEASONS, type Season } from "../../scene/season/season";
 import type { LookupPlace } from "../../worker/protocol";
+import { type PlantedTrees, plantedFrom, textOfPlanted } from "./planted";
 import { numberFrom, queryText } from "./queryNumbers";
 import { windFromQuery, withQueryNumbers, writeWind } from "./windQuery";
 
@@ -15,6 +16,8 @@ export interface Settings {
   density: number;
   /** Relative frequency of each species by id; 1 if omitted. */
   shares: Record<string, number>;
+  /** Uploaded trees of this forest, and how they are planted. */
+  planted: PlantedTrees;
   /** Form of the built-in species: the one that suits each place, or the same everywhere. */
   form: FormChoice;
   /** Seed of the placement. */
@@ -29,9 +32,13 @@ export interface Settings {
   season: Season;
   /** Elapsed share of the daylight: 0 before sunrise, 0.5 at noon, 1 after sunset. */
   daytime: number;
+  /** Factor of all displacements on screen; above 1 the motion is exaggerated. */
+  exaggeration: number;
   /** Leaf flutter, added by the shader to the simulated motion. */
   flutter: boolean;
   panel: boolean;
+  /** Embedded in another page: no controls but pause and a link. */
+  embed: boolean;
 }
 
 export const LIMITS = {
@@ -40,6 +47,7 @@ export const LIMITS = {
   forestSeed: { min: 0, max: 9999, step: 1 },
   poseEasing: { min: 0, max: 0.5, step: 0.005 },
   daytime: { min: 0, max: 1, step: 0.005 },
+  exaggeration: { min: 1, max: 4, step: 0.1 },
 } as const;
 
 type NumberKey = keyof typeof LIMITS;
@@ -48,6 +56,7 @@ export const DEFAULTS: Settings = {
   trees: 400,
   density: 1,
   shares: {},
+  planted: {},
   form: "place",
   forestSeed: 7,
   wind: plainWind({ mean_speed_m_s: 7, direction_deg: 30, gustiness: 0.6, seed: 1 }),
@@ -57,8 +66,10 @@ export const DEFAULTS: Settings = {
   quality: "high",
   season: "autumn",
   daytime: 0.66,
+  exaggeration: 1,
   flutter: true,
   panel: true,
+  embed: false,
 };
 
 const NAMES: Record<NumberKey, string> = {
@@ -67,9 +78,10 @@ const NAMES: Record<NumberKey, string> = {
   forestSeed: "forest",
   poseEasing: "easing",
   daytime: "time",
+  exaggeration: "motion",
 };
 
-const FLAGS = { panel: "panel", flutter: "flutter" } as const;
+const FLAGS = { panel: "panel", flutter: "flutter", embed: "embed" } as const;
 const numberKeys = Object.keys(LIMITS) as NumberKey[];
 /** Parses "maple:0.5,poplar:0"; invalid parts are ignored. */
 function sharesFrom(text: string): Record<string, number> {
@@ -108,6 +120,7 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
     const text = given.get(FLAGS[key]);
     if (text !== null) settings[key] = text !== "0";
   }
+  if (settings.embed) settings.panel = false;
   const lookup = given.get("lookup");
   if (lookup === "worker" || lookup === "server") settings.lookup = lookup;
   const method = parseMethod(given.get("method"));
@@ -116,6 +129,8 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   if (quality === "low" || quality === "medium" || quality === "high") settings.quality = quality;
   const mix = given.get("mix");
   if (mix !== null) settings.shares = sharesFrom(mix);
+  const planted = given.get("tree");
+  if (planted !== null) settings.planted = plantedFrom(planted);
   const form = FORM_CHOICES.find((name) => name === given.get("form"));
   if (form) settings.form = form;
   const season = SEASONS.find((name) => name === given.get("season"));
@@ -138,6 +153,8 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   if (settings.quality !== defaults.quality) query.set("quality", settings.quality);
   const mix = textOfShares(settings.shares);
   if (mix) query.set("mix", mix);
+  const planted = textOfPlanted(settings.planted);
+  if (planted !== textOfPlanted(defaults.planted)) query.set("tree", planted);
   if (settings.form !== defaults.form) query.set("form", settings.form);
   if (settings.season !== defaults.season) query.set("season", settings.season);
   writeWind(query, settings.wind, defaults.wind);

@@ -2,8 +2,10 @@
 import { onlyExtrasLeft, type PaperState, stateWords } from "../paper/paperState";
 import { jobPictures, pictureUrl, type Tree } from "../server/api";
 import type { KnownTree } from "../server/catalogue";
+import type { Planted } from "../settings/planted";
 import type { PickedFigures } from "../treePicker";
 import { element, make } from "./dom";
+import { PlantedChoice } from "./plantedChoice";
 import { displayName } from "./words";
 
 export interface PickedTools {
@@ -12,21 +14,21 @@ export interface PickedTools {
   physics(): void;
   /** Ends the computation of this job. */
   cancel(jobId: string): void;
+  /** How an upload is planted; `plant` changes it. */
+  planted(id: string): Planted | null;
+  plant(id: string, how: Planted | null): void;
   close(): void;
 }
 
 const PICTURES = { "tetrahedra.png": "Tetrahedra", "skeleton.png": "Skeleton" } as const;
 
-/** The figures as rows of label and value. Pure. */
-export function figuresInWords({
-  moves,
-  height_m,
-  tip_m,
-  extrapolationRatio,
-  record,
-}: PickedFigures): [string, string][] {
+/** The figures as rows of label and value; `loading`: whether its table is being fetched. Pure. */
+export function figuresInWords(
+  { moves, height_m, tip_m, extrapolationRatio, record }: PickedFigures,
+  loading = false,
+): [string, string][] {
   const rows: [string, string][] = [["Height", `${height_m.toFixed(1)} m`]];
-  if (!moves) return [...rows, ["Motion", "not computed yet"]];
+  if (!moves) return [...rows, ["Motion", loading ? "loading" : "not computed yet"]];
   rows.push(["Tip displacement", `${tip_m.toFixed(2)} m`]);
   rows.push(["Relative to height", `${((100 * tip_m) / height_m).toFixed(1)} %`]);
   if (extrapolationRatio !== null) {
@@ -45,10 +47,15 @@ export class PickedCard {
   private readonly cancel = make("button", "Cancel", "picked-cancel");
   private readonly pictures = make("div", "", "job-pictures");
   private readonly follow = make("button", "Follow");
+  private readonly planted: PlantedChoice;
   private shownId = "";
   private jobId = "";
 
-  constructor(tools: PickedTools) {
+  /** `overlays` is the menu of what to draw on the tree. */
+  constructor(
+    private readonly tools: PickedTools,
+    overlays: HTMLElement,
+  ) {
     this.root.hidden = true;
     this.root.setAttribute("aria-label", "Selected tree");
     const row = make("div", "", "picked-tools");
@@ -74,7 +81,8 @@ export class PickedCard {
     this.cancel.addEventListener("click", () => tools.cancel(this.jobId));
     const state = make("p", "", "picked-state");
     state.append(this.words, this.cancel);
-    this.root.append(this.heading, this.list, state, this.pictures, row);
+    this.planted = new PlantedChoice((how) => tools.plant(this.shownId, how));
+    this.root.append(this.heading, this.list, state, this.planted.root, overlays, this.pictures, row);
     for (const made of [this.cancel, ...row.querySelectorAll("button")]) made.type = "button";
     element("progress").before(this.root);
   }
@@ -93,12 +101,14 @@ export class PickedCard {
       this.heading.textContent = displayName(tree);
       void this.showPictures(tree);
     }
-    const rows = figuresInWords(figures).map(([name, value]) => {
+    const rows = figuresInWords(figures, Boolean(tree.table_sha256)).map(([name, value]) => {
       const row = make("div");
       row.append(make("dt", name), make("dd", value));
       return row;
     });
     this.list.replaceChildren(...rows);
+    this.planted.root.hidden = tree.builtin;
+    this.planted.show(this.tools.planted(tree.id));
     this.showState(known, paper);
   }
 

@@ -16,7 +16,7 @@ import { flightFrom, LEAF_PATH, looseShare, REST_S } from "./leafFlight";
 import type { Season } from "./season";
 import { seasonal } from "./seasonal";
 
-const MOST: Record<Quality, number> = { low: 300, medium: 1400, high: 3000 };
+const MOST: Record<Quality, number> = { low: 700, medium: 4000, high: 7000 };
 /** Typical time from coming off to disappearing, s: a slot is free again after it. */
 const LIFE_S = 8;
 /** Leaves start on the surface of a crown, this share of its half axes from its centre. */

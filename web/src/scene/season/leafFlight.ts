@@ -26,6 +26,8 @@ const FALL_M_S = [1, 1.9] as const;
 /** Strong wind keeps leaves aloft longer: share of the wind speed that is lost to the fall. */
 const ALOFT = 0.025;
 const SWERVE_M = 0.55;
+/** Gusts lift a leaf by up to this height per speed of the air, m per m/s. */
+const LOFT_S = 0.3;
 /** A leaf on the ground stays for a while and then disappears. */
 export const REST_S = 3.5;
 /** Landed leaves lie this far above the ground, so that grass does not swallow them. */
@@ -61,9 +63,10 @@ export function leafAt(flight: Flight, age_s: number): { x: number; y: number; z
   const beat = 6.2832 * flight.seed + age * (2.1 + 1.7 * flight.seed);
   const swerve = SWERVE_M * free * Math.sin(beat);
   const speed = Math.hypot(flight.vx, flight.vz) + 1e-6;
+  const loft = LOFT_S * speed * ((13.7 * flight.seed) % 1) ** 2;
   return {
     x: flight.x + flight.vx * carried - (swerve * flight.vz) / speed,
-    y: flight.y + (flight.ground_m + LYING_M - flight.y) * share,
+    y: flight.y + (flight.ground_m + LYING_M - flight.y) * share + loft * free,
     z: flight.z + flight.vz * carried + (swerve * flight.vx) / speed,
   };
 }
@@ -75,9 +78,11 @@ vec3 leafAt(vec3 from, vec4 flight, float seed, float since) {
   float part = age / flight.z;
   float carried = age - ${PICKED_UP_S.toFixed(3)} * (1.0 - exp(-age / ${PICKED_UP_S.toFixed(3)}));
   float swerve = ${SWERVE_M.toFixed(3)} * part * (1.0 - part) * 4.0 * sin(6.2832 * seed + age * (2.1 + 1.7 * seed));
+  float loft = fract(13.7 * seed);
+  loft *= ${LOFT_S.toFixed(3)} * length(flight.xy) * loft * 4.0 * part * (1.0 - part);
   vec2 across = vec2(-flight.y, flight.x) / (length(flight.xy) + 1e-6);
   vec2 level = from.xz + flight.xy * carried + swerve * across;
-  return vec3(level.x, mix(from.y, flight.w + ${LYING_M.toFixed(3)}, part), level.y);
+  return vec3(level.x, mix(from.y, flight.w + ${LYING_M.toFixed(3)}, part) + loft, level.y);
 }
 `;
 

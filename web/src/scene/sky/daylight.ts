@@ -26,7 +26,7 @@ const SKY_GAIN = 1.35;
 /** Exposure of the visible sky relative to the land, which keeps its blue from getting too dark. */
 const SKY_SHOWN = 1.5;
 /** The same for clouds that cover it. */
-const OVERCAST_SHOWN = [0.8, 0.8, 0.8] as const;
+const OVERCAST_SHOWN = 0.8;
 
 export class Daylight {
   readonly group = new Group();
@@ -47,7 +47,11 @@ export class Daylight {
     const { sun, sunlight, skylight, weather } = light;
     this.point(sun.azimuth_deg, sun.elevation_deg);
     const share = closed(weather);
-    const irradiance = OVERCAST_SHOWN.map((shown, c) => shown * skylight[c]) as unknown as Rgb;
+    const irradiance: Rgb = [
+      OVERCAST_SHOWN * skylight[0],
+      OVERCAST_SHOWN * skylight[1],
+      OVERCAST_SHOWN * skylight[2],
+    ];
     fillSkyTexture(this.texture, light.table, SKY_SHOWN * SUN_POWER, { share, irradiance });
     this.sun.color.setRGB(...sunlight);
     seasonal.uSunColour.value.setRGB(...sunlight);

@@ -6,6 +6,7 @@ import {
   InstancedBufferGeometry,
   InstancedInterleavedBuffer,
   InterleavedBufferAttribute,
+  type Material,
   Mesh,
   type OrthographicCamera,
 } from "three";
@@ -22,7 +23,7 @@ export interface LevelPart {
   readonly materials: PartMaterials;
 }
 
-type InstancedMesh = Mesh<InstancedBufferGeometry>;
+type InstancedMesh = Mesh<InstancedBufferGeometry, Material>;
 
 /** Location of the level's trees in the target of pass 1. */
 export interface LevelTexels {
@@ -60,9 +61,6 @@ export class LevelMeshes {
   private visible = 0;
   private casters = 0;
   private castersWithin: (distance_m: number) => number = () => 0;
-  /** Triangles of one tree in the colour pass. */
-  readonly triangles: number;
-
   /** `shadowShare`: largest share of a tree's pieces that is drawn into shadow maps. */
   constructor(
     private readonly level: number,
@@ -80,7 +78,6 @@ export class LevelMeshes {
     for (const part of parts) {
       group.add(this.colourMesh(part), this.shadowMesh(part, shadowLevel));
     }
-    this.triangles = parts.reduce((sum, { part }) => sum + part.counts[level] / 3, 0);
   }
 
   private mesh(part: LevelPart, level: number, caster: boolean): InstancedMesh {
@@ -158,7 +155,8 @@ export class LevelMeshes {
   }
 
   get visibleTriangles(): number {
-    return this.triangles * this.visible;
+    const seen = this.meshes.filter(({ mesh, caster }) => !caster && mesh.material.visible);
+    return seen.reduce((sum, { mesh }) => sum + (mesh.geometry.drawRange.count / 3) * this.visible, 0);
   }
 
   /** Draws with these materials, one pair per part. */

@@ -9,6 +9,7 @@ import type { InstanceData } from "./instanceData";
 import { LevelMeshes, type LevelPart, type LevelTexels } from "./levelMeshes";
 import type { TreeModel, TreePart } from "./mesh/treeMesh";
 import { NodePass } from "./nodes/nodePass";
+import { PullSlots, type ShownPull } from "./pull/pullSlots";
 import { type MaterialOptions, type PartMaterials, partMaterials } from "./treeMaterial";
 import { nodeRadii } from "./treePick";
 import type { TreeUniforms } from "./treeShader";
@@ -17,6 +18,8 @@ export interface SpeciesOptions extends MaterialOptions {
   readonly maxTextureSide: number;
   /** Shared clock and amplitude of the flutter of leaves. */
   readonly flutter: { value: { x: number; y: number } };
+  /** Shared factor of all displacements on screen. */
+  readonly exaggeration: { value: number };
 }
 
 /** Buffers grow in steps of this many trees. */
@@ -25,16 +28,26 @@ const ALL: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 }
 
 /** Node of each vertex of one part at one level. */
 function nodeAttribute(part: TreePart, firstVertex: number, motion: TableMotion, level: NodeLevel) {
-  const fine = motion.vertexNode.subarray(firstVertex, firstVertex + part.vertices);
-  return new BufferAttribute(
-    fine.map((_, vertex) => level.of[fine[part.hold[vertex]]]),
-    1,
-  );
+  const nodes = Uint16Array.from(part.hold, (vertex) => level.of[motion.vertexNode[firstVertex + vertex]]);
+  return new BufferAttribute(nodes, 1);
+}
+
+/** For each vertex of all parts, the vertex whose motion it takes. */
+function holdsOf(model: TreeModel): Uint32Array {
+  const holds = new Uint32Array(model.parts.reduce((sum, { vertices }) => sum + vertices, 0));
+  let first = 0;
+  for (const { hold, vertices } of model.parts) {
+    for (let v = 0; v < vertices; v++) holds[first + v] = first + hold[v];
+    first += vertices;
+  }
+  return holds;
 }
 
 interface OwnPart {
   readonly part: TreePart;
   readonly firstVertex: number;
+  /** Drawn in place of leaves that have fallen. */
+  readonly bare: boolean;
   readonly moving: PartMaterials | null;
   /** Materials without any deformation, created on first use. */
   still: PartMaterials | null;
@@ -43,18 +56,20 @@ interface OwnPart {
 export class SpeciesForest {
   readonly group = new Group();
   private readonly nodes: NodePass | null;
+  private readonly pulls: PullSlots;
   private readonly uniforms: TreeUniforms;
   private readonly parts: OwnPart[];
   private readonly levels: LevelMeshes[];
   private readonly room: number;
   private list: DrawList;
   private frozen = false;
+  private fallen = false;
   private nodeRadius_m: Float32Array | null = null;
   /** Impostors of distant trees, if the scene has any. */
   cards: FarCards | null = null;
   private readonly bend: BendNodes | null;
 
-  /** Without `motion` the trees are static and grey. */
+  /** Without `motion` the trees stand still. */
   constructor(
     readonly model: TreeModel,
     readonly motion: TableMotion | null,
@@ -63,11 +78,13 @@ export class SpeciesForest {
   ) {
     this.room = Math.ceil(instances.count / ROOM_STEP) * ROOM_STEP;
     this.nodes = motion ? new NodePass(motion, this.room, options.maxTextureSide) : null;
+    this.pulls = new PullSlots(holdsOf(model));
     this.uniforms = {
+      ...this.pulls.uniforms,
       uNodes: { value: this.nodes?.target.texture ?? null },
       uNodeShift: { value: 0 },
       uFlutter: options.flutter,
-      uGhost: { value: motion ? 0 : 1 },
+      uExaggeration: options.exaggeration,
     };
     this.bend = motion && bendNodes(motion);
     this.parts = this.makeParts();
@@ -77,20 +94,34 @@ export class SpeciesForest {
 
   private makeParts(): OwnPart[] {
     let firstVertex = 0;
-    return this.model.parts.map((part) => {
-      const own = {
-        part,
-        firstVertex,
-        moving: this.motion ? this.materials(part, true) : null,
-        still: this.motion ? null : this.materials(part, false),
-      };
+    const parts = this.model.parts.map((part) => {
+      const own = this.ownPart(part, firstVertex, false);
       firstVertex += part.vertices;
       return own;
     });
+    // Without smoothed edges, such thin twigs would be specks.
+    const shoots = this.options.smoothEdges ? this.model.bare : [];
+    const bare = shoots.map(({ part, of }) => this.ownPart(part, parts[of].firstVertex, true));
+    return [...parts, ...bare];
   }
 
-  private materials(part: TreePart, moves: boolean): PartMaterials {
-    return partMaterials(part.material, part.kind, this.uniforms, this.options, moves);
+  private ownPart(part: TreePart, firstVertex: number, bare: boolean): OwnPart {
+    return {
+      part,
+      firstVertex,
+      bare,
+      moving: this.motion ? this.materials(part, true, bare ? null : firstVertex) : null,
+      still: this.motion ? null : this.materials(part, false, null),
+    };
+  }
+
+  /** `firstVertex`: of the part in the fields of pulled points, which leave out the shoots of winter (null). */
+  private materials(part: TreePart, moves: boolean, firstVertex: number | null): PartMaterials {
+    const uniforms =
+      firstVertex === null
+        ? { ...this.uniforms, uPulls: { value: 0 } }
+        : { ...this.uniforms, uPullFirst: { value: firstVertex } };
+    return partMaterials(part.material, part.kind, uniforms, this.options, moves);
   }
 
   private makeLevel(level: number): LevelMeshes {
@@ -121,27 +152,32 @@ export class SpeciesForest {
 
   /** Whether the leaves are not drawn, because they have fallen. */
   set leafless(leafless: boolean) {
-    for (const { part, moving, still } of this.parts) {
-      if (part.kind !== "leaves") continue;
-      for (const materials of [moving, still]) if (materials) materials.colour.visible = !leafless;
+    this.fallen = leafless;
+    for (const { part, bare, moving, still } of this.parts) {
+      if (part.kind !== "leaves" && !bare) continue;
+      for (const materials of [moving, still]) if (materials) materials.colour.visible = leafless === bare;
     }
+  }
+
+  private get exaggeration(): number {
+    return this.options.exaggeration.value;
   }
 
   get bounds(): Bounds {
     const { height_m, radius_m } = this.model;
-    return { height_m, radius_m, reach_m: this.motion?.reach_m ?? 0 };
+    return { height_m, radius_m, reach_m: this.exaggeration * (this.motion?.reach_m ?? 0) };
   }
 
   /** Data for picking. */
   get pickable() {
-    const { instances, bounds, motion } = this;
+    const { instances, bounds, motion, exaggeration } = this;
     this.nodeRadius_m ??= motion
       ? nodeRadii(
           this.model.parts.map(({ position }) => position.array),
           motion,
         )
       : new Float32Array(0);
-    return { instances, bounds, motion, nodeRadius_m: this.nodeRadius_m };
+    return { instances, bounds, motion, exaggeration, nodeRadius_m: this.nodeRadius_m };
   }
 
   /** Selects the trees that are drawn in this view, and their level of detail. */
@@ -172,6 +208,11 @@ export class SpeciesForest {
     if (!this.frozen) this.nodes?.setPoses(poses);
   }
 
+  /** Shows what the modes do not show of pulled trees. */
+  showPulls(pulls: readonly ShownPull[]): void {
+    this.pulls.show(pulls);
+  }
+
   renderNodes(renderer: WebGLRenderer): void {
     if (!this.frozen) this.nodes?.render(renderer);
   }
@@ -181,10 +222,11 @@ export class SpeciesForest {
     this.frozen = frozen;
     const still = new Map(
       this.parts.map((own) => {
-        if (frozen) own.still ??= this.materials(own.part, false);
+        if (frozen) own.still ??= this.materials(own.part, false, own.firstVertex);
         return [own.moving, own.still] as const;
       }),
     );
+    this.leafless = this.fallen; // also of the new materials
     for (const level of this.levels) {
       level.useMaterials((moving) => (frozen && still.get(moving)) || moving);
     }
@@ -194,6 +236,7 @@ export class SpeciesForest {
     this.group.removeFromParent();
     this.nodes?.dispose();
     this.cards?.dispose();
+    this.pulls.dispose();
     for (const level of this.levels) level.dispose();
     for (const { moving, still } of this.parts) {
       for (const materials of [moving, still]) {

@@ -14,7 +14,6 @@ export interface AtmosphereShader {
 }
 
 const FRAGMENT_PARS = /* glsl */ `
-uniform float uGhost;
 uniform float uSnow;
 uniform vec3 uSnowColour;
 uniform vec3 uSunColour;
@@ -46,7 +45,7 @@ float shade = dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722));
 #else
   vec3 own = vec3(0.35 + 1.9 * shade);
 #endif
-diffuseColor.rgb = mix(diffuseColor.rgb, vTint.rgb * mix(vec3(1.0), own, 0.85), vTint.a);
+diffuseColor.rgb = mix(diffuseColor.rgb, 0.87 * vTint.rgb * mix(vec3(1.0), own, 0.85), vTint.a);
 // Cards differ in lightness and hue: some yellower, some bluer.
 diffuseColor.rgb *= 0.82 + 0.36 * vPiece.x;
 diffuseColor.rgb *= mix(vec3(1.09, 1.01, 0.8), vec3(0.92, 1.02, 1.05), fract(vPiece.x * 7.31));
@@ -64,10 +63,6 @@ const SNOW = /* glsl */ `
 float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
 float lying = smoothstep(0.05, 0.5, skyward + 0.35 * (fract(vPiece.x * 7.0) - 0.6)) * uSnow;
 diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying);
-`;
-
-const GHOST = /* glsl */ `
-diffuseColor.rgb = mix(diffuseColor.rgb, vec3(0.36, 0.43, 0.5) * (0.5 + dot(diffuseColor.rgb, vec3(0.5))), 0.88 * uGhost);
 `;
 
 const LEAF_NORMAL = /* glsl */ `
@@ -150,7 +145,7 @@ export function patchColour(
       "#include <common>",
       `#include <common>\n${FRAGMENT_PARS}${CROWN_LIGHT}${atmosphere.declarations}`,
     )
-    .replace("#include <map_fragment>", (leaves ? LEAF_MAP : WOOD_MAP) + GHOST)
+    .replace("#include <map_fragment>", leaves ? LEAF_MAP : WOOD_MAP)
     .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
     .replace("#include <normal_fragment_maps>", SNOW)
     .replace("#include <opaque_fragment>", atmosphere.output)

@@ -1,19 +1,22 @@
 /** Shader code of pass 2, shared by the colour and shadow materials. */
 import type { Color, Material, WebGLProgramParametersWithUniforms } from "three";
+import { LOT_SHADER } from "./boughLots";
 import { EDGE, MOST_GROWTH } from "./detail";
 import type { Part } from "./mesh/treeMesh";
+import { PULL_PARS } from "./pull/pullShader";
+import type { PullUniforms } from "./pull/pullSlots";
 import { type AtmosphereShader, patchColour } from "./treeLight";
 
 export type { AtmosphereShader } from "./treeLight";
 
-export interface TreeUniforms {
+export interface TreeUniforms extends Partial<PullUniforms> {
   /** Target of pass 1; null for static trees. */
   uNodes: { value: unknown };
   uNodeShift: { value: number };
   /** Time (s) and amplitude of the leaf flutter; amplitude 0 disables it. */
   uFlutter: { value: { x: number; y: number } };
-  /** 1 while the motion of this species is still being computed. */
-  uGhost: { value: number };
+  /** Factor of the displacements. */
+  uExaggeration: { value: number };
 }
 
 /** Surface uniforms shared by all trees. */
@@ -32,18 +35,20 @@ const VERTEX_PARS = /* glsl */ `
 attribute vec4 aPlace; // x, y, z in m; first texel of the tree in the node target
 attribute vec4 aTurn;  // scale*cos(yaw), scale*sin(yaw), scale, share of the pieces that are drawn
 attribute vec4 aTint;  // colour; weight relative to the texture colour
-attribute vec3 aAnchor; // point to which the leaf or branch shrinks
+attribute vec4 aAnchor; // point to which the leaf or branch shrinks; lot of its bough, negative: every tree has it
 attribute vec4 aPiece; // random number of the piece, openness to the sky, flutter weight, rank
 #ifndef STILL
 attribute float aNode;
 uniform highp sampler2D uNodes;
 uniform int uNodeShift;
+uniform float uExaggeration;
+${PULL_PARS}
 #endif
 uniform vec2 uFlutter;
 uniform float uLeafShare;
 varying vec4 vTint;
 varying vec4 vPiece;
-`;
+${LOT_SHADER}`;
 
 const NORMAL = /* glsl */ `
 vec3 objectNormal = normalize(vec3(
@@ -55,11 +60,12 @@ float grown = clamp((aTurn.w * ${1 + EDGE} - aPiece.w) / (${EDGE} * aTurn.w), 0.
 #ifdef LEAVES
   grown *= min(${MOST_GROWTH.toFixed(1)}, inversesqrt(aTurn.w));
 #endif
-vec3 local = mix(aAnchor, position, grown);
+grown *= hasLot(aAnchor.w, aPlace.xz);
+vec3 local = mix(aAnchor.xyz, position, grown);
 #ifndef STILL
   int nodeIndex = int(aPlace.w + 0.5) + int(aNode + 0.5);
   vec4 motion = texelFetch(uNodes, ivec2(nodeIndex & ((1 << uNodeShift) - 1), nodeIndex >> uNodeShift), 0);
-  local += motion.xyz;
+  local += uExaggeration * (motion.xyz + pulledBy());
   #ifdef LEAVES
     float tremble = uFlutter.y * aPiece.z * min(motion.w, 14.0) * 0.0045;
     float beat = uFlutter.x * (5.0 + 4.0 * aPiece.x) + 40.0 * aPiece.x + dot(aPlace.xz, vec2(1.7, 2.3));

@@ -3,8 +3,8 @@
 import type { Method } from "../../core/motion/method";
 import { poseStride } from "../../core/motion/poseStride";
 import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
-import type { Frame, Reply, Request } from "../../core/wire/wire";
-import type { Connection, Inspection, ShareRequest, TreeAt } from "../protocol";
+import type { Clock, Frame, Reply, Request } from "../../core/wire/wire";
+import type { Connection, Inspection, PullOrder, ShareRequest, TreeAt } from "../protocol";
 import { forestRequest } from "../stream/forestRequest";
 import { ForestSocket } from "../stream/forestSocket";
 import { PoseSum } from "../stream/poseSum";
@@ -12,6 +12,10 @@ import { SharedClock } from "../stream/sharedClock";
 import { PoseTimeline } from "../stream/timeline";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motionSource";
+import type { PointResponses, PulledTable } from "./pulls/pointResponses";
+import type { Pulled } from "./pulls/pulled";
+import { PullSender } from "./pulls/pullSender";
+import { StreamedPulls } from "./pulls/streamedPulls";
 
 export interface StreamGroup {
   readonly table: string;
@@ -19,6 +23,7 @@ export interface StreamGroup {
   readonly placement: Float32Array;
   readonly height_m: number;
   readonly sampledPeak_pa: number;
+  readonly pulledTable: PulledTable;
 }
 
 export interface StreamOptions {
@@ -27,7 +32,8 @@ export interface StreamOptions {
   readonly poseEasing: number | null;
   /** The shared forest, if any. */
   readonly share?: ShareRequest | null;
-  /** Receives SHARED and WIND_STATE. */
+  readonly responses: PointResponses;
+  /** Receives SHARED, WIND_STATE and PRESENCE. */
   onReply?(reply: Reply): void;
   problem(title: string, hint: string): void;
 }
@@ -43,6 +49,11 @@ export class StreamMotion implements MotionSource {
   private readonly sum: PoseSum;
   private readonly timeline: PoseTimeline;
   private readonly winds: GroupWind[];
+  private paused = false;
+  private hidden = false;
+  private readonly sender: PullSender;
+  private readonly pulls: StreamedPulls;
+  pulled: Pulled[] = [];
 
   constructor(
     private readonly groups: readonly StreamGroup[],
@@ -59,10 +70,17 @@ export class StreamMotion implements MotionSource {
     );
     this.socket = new ForestSocket(options.url, {
       request: () => this.forestRequest(),
+      opened: () => {
+        if (!options.share && this.stopped) this.sendPause();
+      },
       reply: (reply) => this.reply(reply),
       problem: options.problem,
     });
     this.clock = new SharedClock(this.socket.clock);
+    const placements = groups.map(({ placement }) => placement);
+    this.sender = new PullSender(placements, (request) => this.socket.send(request));
+    const tables = groups.map(({ pulledTable }) => pulledTable);
+    this.pulls = new StreamedPulls(tables, placements, options.responses);
   }
 
   get connection(): Connection {
@@ -88,9 +106,17 @@ export class StreamMotion implements MotionSource {
 
   private reply(reply: Reply): void {
     if (reply.type === "frame") this.frame(reply);
-    else if (reply.type === "clock") this.clock.update(reply);
+    else if (reply.type === "clock") this.takeClock(reply);
+    else if (reply.type === "pulls") this.pulls.receive(reply);
     else if (reply.type === "windState") this.field.state = parseState(reply.state);
-    if (reply.type === "shared" || reply.type === "windState") this.options.onReply?.(reply);
+    if (reply.type === "shared" || reply.type === "windState" || reply.type === "presence")
+      this.options.onReply?.(reply);
+  }
+
+  private takeClock(clock: Clock): void {
+    const resumes = this.clock.paused && !clock.paused;
+    this.clock.update(clock);
+    if (resumes) this.received_ms = performance.now(); // its frames follow
   }
 
   private frame(frame: Frame): void {
@@ -106,12 +132,48 @@ export class StreamMotion implements MotionSource {
     this.timeline.push(frame.time_s, poses);
   }
 
+  pull(order: PullOrder): void {
+    this.sender.pull(order, performance.now());
+  }
+
+  letGo(hand: number): void {
+    this.sender.release(hand);
+  }
+
+  gust(x: number, z: number): void {
+    this.socket.send({ type: "gust", x, z });
+  }
+
   windChanged(wind: WindDocument): void {
     this.socket.send({ type: "wind", wind: { ...wind } });
   }
 
   pause(paused: boolean): void {
-    this.socket.send({ type: "pause", paused });
+    this.paused = paused;
+    this.sendPause();
+  }
+
+  private get stopped(): boolean {
+    return this.paused || this.hidden;
+  }
+
+  private sendPause(): void {
+    this.socket.send({ type: "pause", paused: this.stopped });
+  }
+
+  retry(): void {
+    this.socket.retry();
+  }
+
+  /** The server stops a forest of this page alone, which goes on later from the same pose; a shared one is left. */
+  hide(hidden: boolean): void {
+    if (this.options.share) {
+      this.socket.suspend(hidden);
+      if (!hidden) this.received_ms = Number.NaN;
+    } else if (hidden !== this.hidden) {
+      this.hidden = hidden;
+      this.sendPause();
+    }
   }
 
   get coverage(): number {
@@ -137,8 +199,10 @@ export class StreamMotion implements MotionSource {
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const shown_s = this.timeline.advance(dt_s);
+    this.sender.flush(performance.now());
     if (!this.timeline.sample(out)) return false;
     this.time_s = shown_s;
+    this.pulled = this.pulls.at(shown_s);
     const begin_ms = performance.now();
     for (const [g, wind] of this.winds.entries()) {
       wind.update(this.field, shown_s);
