@@ -22,7 +22,7 @@ const BIN_M = 16;
  * From near, a picture of a tree is too coarse: background trees dissolve before. Each has its own distance between `gone`
  * and `gone + spread`, so that few are transparent at a time.
  */
-const CLEAR_M = { gone: 26, spread: 12, fade: 1.5 } as const;
+const CLEAR_M = { gone: 30, spread: 14, fade: 1.5 } as const;
 /** A number between 0 and 1 that differs between neighbours. */
 const chance = (tree: number) => (tree * 0.618034) % 1;
 /** Below this elevation of the sun, shadows do not get longer. */
