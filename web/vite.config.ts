@@ -1,8 +1,10 @@
 import { defineConfig } from "vite";
+import { precompress } from "./scripts/precompress";
 
 const server = process.env.GALEWOOD_SERVER ?? "http://127.0.0.1:8000";
 
 export default defineConfig({
+  plugins: [precompress()],
   build: { target: "es2023", chunkSizeWarningLimit: 900, sourcemap: false },
   worker: { format: "es" },
   server: {

@@ -95,6 +95,7 @@ class Settings(BaseSettings):
     log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = "INFO"
 
     allowed_origins: list[str] = Field(default_factory=list)
+    frame_ancestors: list[str] = Field(default_factory=list)
     socket_message_bytes: int = Field(default=4 * MEBIBYTE, ge=1024)
     socket_connections: int = Field(default=256, ge=1)
     socket_connections_per_address: int = Field(default=32, ge=1)
@@ -122,6 +123,14 @@ class Settings(BaseSettings):
                 "expected SHA-256 hashes in hex, separated by commas; create them with `galewood key`"
             )
         return hashes
+
+    @field_validator("frame_ancestors")
+    @classmethod
+    def _check_origins(cls, given: list[str]) -> list[str]:
+        """Origins, as they are written into a policy. ValueError for anything else."""
+        if not all(re.fullmatch(r"https?://(\*\.)?[A-Za-z0-9.-]+(:\d{1,5})?|\*", one) for one in given):
+            raise ValueError('expected origins such as "https://example.org", or "*" for all')
+        return given
 
     @property
     def database(self) -> str:

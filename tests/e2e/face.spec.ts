@@ -151,6 +151,7 @@ test.describe("on a wide page", () => {
     await forest(page);
     const eye = () => page.evaluate(() => window.galewood!.eye);
     const first = await eye();
+    await page.getByRole("button", { name: "Tools" }).click();
     await page.getByRole("button", { name: "Views" }).click();
     await page.getByRole("button", { name: "Above the canopy" }).click();
     await expect.poll(async () => (await eye())[1]).toBeGreaterThan(first[1] + 8);

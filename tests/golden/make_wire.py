@@ -98,6 +98,7 @@ REPLIES: dict[str, dict[str, Any]] = {
     },
     "error": {"type": "error", "code": "no-such-table", "title": "Unknown table", "hint": "List the trees."},
     "pong": {"type": "pong", "t": -0.5, "server_s": 1000.25},
+    "presence": {"type": "presence", "clients": 12},
     "clock": {"type": "clock", "time_s": 60.5, "made_s": 1000.75, "paused": True},
     "shared": {
         "type": "shared",
@@ -139,6 +140,7 @@ REPLY_KINDS: dict[str, Any] = {
     "pong": wire.Pong,
     "windState": wire.WindState,
     "clock": wire.Clock,
+    "presence": wire.Presence,
     "shared": wire.Shared,
 }
 

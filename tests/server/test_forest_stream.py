@@ -116,7 +116,7 @@ class Client:
                 self.tick = frame.tick
                 yield frame, self.poses
             else:
-                assert isinstance(frame, wire.Pong)
+                assert isinstance(frame, wire.Pong | wire.Presence)
 
     def session_error(self) -> tuple[wire.Failure, int, str]:
         """The server's error message, close code and reason."""

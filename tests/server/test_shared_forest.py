@@ -135,8 +135,12 @@ def test_table_mode_receives_wind_and_clock(server: Server) -> None:
         streaming.send(forest(share="clock"))
         frames_until(streaming, lambda frame: frame.tick >= 30)
         table.send(joining("clock", mode="table"))
-        told = [table.receive() for _ in range(3)]
-        assert [type(reply) for reply in told] == [wire.Shared, wire.WindState, wire.Clock]
+        told = [table.receive() for _ in range(4)]
+        assert [type(reply) for reply in told if not isinstance(reply, wire.Presence)][:3] == [
+            wire.Shared,
+            wire.WindState,
+            wire.Clock,
+        ]
         while not isinstance(clock := table.receive(), wire.Clock):
             pass
         (frame, _), *_ = frames_until(streaming, lambda frame: frame.made_s >= clock.made_s)
@@ -209,3 +213,24 @@ def test_an_offset_beyond_the_table_is_rejected(server: Server) -> None:
         client.send(forest("table", have={SHA256: len(POLE) + 1}))
         failure, close, _ = client.session_error()
         assert (failure.code, close) == ("no-such-offset", 1008)
+
+
+def told_of(client: Client, clients: int) -> None:
+    """Receive messages until one says that the forest has this many clients."""
+    for _ in range(600):
+        if client.receive() == wire.Presence(clients):
+            return
+    raise AssertionError(f"was not told of {clients} clients")
+
+
+def test_all_clients_are_told_how_many_they_are(server: Server) -> None:
+    with Client(server) as first:
+        first.send(forest(share="present"))
+        told_of(first, 1)
+        with Client(server) as second:
+            second.send(joining("present", mode="table"))
+            told_of(second, 2)
+            told_of(first, 2)
+            second.send(joining("present"))  # another request of the same client
+            told_of(second, 2)
+        told_of(first, 1)

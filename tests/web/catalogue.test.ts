@@ -9,11 +9,13 @@ const handlers = vi.hoisted(() => ({ change: (_: unknown) => {} }));
 vi.mock("../../web/src/scene/trees/mesh/treeMesh", () => ({ readTreeModel: async () => model }));
 vi.mock("../../web/src/page/server/api", () => ({
   fetchMesh: async () => new ArrayBuffer(0),
+  Problem: class extends Error {},
+}));
+vi.mock("../../web/src/page/server/eventStream", () => ({
   followEvents: (given: typeof handlers) => {
     handlers.change = given.change;
-    return () => {};
+    return { retry() {}, close() {} };
   },
-  Problem: class extends Error {},
 }));
 
 const tree = (table: string | null): Tree =>

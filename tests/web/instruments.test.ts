@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import { groundUnder } from "../../web/src/core/math/groundRay";
 import { nearestTree, tipDisplacement_m, tipNode } from "../../web/src/core/motion/tip";
-import { beaufort, compassPoint, windInWords } from "../../web/src/page/ui/instruments/beaufort";
+import { bearingFrom_deg, beaufort, directionFrom_deg, windInWords, windName } from "../../web/src/page/ui/instruments/beaufort";
 import { dialTurn_deg, placeOfWind, windAfterKey, windAtPlace } from "../../web/src/page/ui/instruments/dial";
 import { kolmogorovLine, powerSpectrum } from "../../web/src/page/ui/instruments/powerSpectrum";
 import { KEPT_SAMPLES, RATE_HZ, Recorder } from "../../web/src/page/ui/instruments/recorder";
@@ -19,11 +19,23 @@ describe("Beaufort", () => {
     [60, 12, "hurricane"],
   ])("%f m/s is force %i, %s", (speed, force, name) => expect(beaufort(speed)).toEqual({ force, name }));
 
-  test("names the direction the wind blows towards", () => {
-    expect(compassPoint(0)).toBe("east");
-    expect(compassPoint(-90)).toBe("north");
-    expect(compassPoint(359)).toBe("east");
-    expect(windInWords(7, 45)).toBe("7.0 m/s to the south-east: Beaufort 4, moderate breeze");
+  test("names the direction the wind comes from, as forecasts do", () => {
+    expect(windName(0)).toBe("westerly"); // towards x, which is east
+    expect(windName(-90)).toBe("southerly");
+    expect(windName(359)).toBe("westerly");
+    expect(windInWords(7, 45)).toBe("North-westerly, 7 m/s: moderate breeze (Beaufort 4)");
+    expect(windInWords(7.54, 90)).toBe("Northerly, 7.5 m/s: moderate breeze (Beaufort 4)");
+    expect(windInWords(0, 90)).toBe("Still air: calm (Beaufort 0)");
+  });
+
+  test("bearing and direction are inverse functions", () => {
+    for (let direction = 0; direction < 360; direction += 7) {
+      expect(directionFrom_deg(bearingFrom_deg(direction))).toBeCloseTo(direction, 9);
+      // the air comes from where the bearing points: (sin, -cos) in (x, z), against the velocity
+      const [to, from] = [direction, bearingFrom_deg(direction)].map((angle) => (angle * Math.PI) / 180);
+      expect(Math.sin(from)).toBeCloseTo(-Math.cos(to), 12);
+      expect(-Math.cos(from)).toBeCloseTo(-Math.sin(to), 12);
+    }
   });
 });
 
@@ -31,7 +43,7 @@ describe("the dial", () => {
   test("the viewing direction is at the top", () => {
     for (const [x, z] of [[0, -1], [1, 0], [-0.6, 0.8]]) {
       const ahead_deg = (Math.atan2(z, x) * 180) / Math.PI;
-      const { right, down } = placeOfWind({ direction_deg: ahead_deg, mean_speed_m_s: 25 }, dialTurn_deg({ x, z }));
+      const { right, down } = placeOfWind({ direction_deg: ahead_deg, mean_speed_m_s: 60 }, dialTurn_deg({ x, z }));
       expect(right).toBeCloseTo(0, 12);
       expect(down).toBeCloseTo(-1, 12);
     }
@@ -41,7 +53,7 @@ describe("the dial", () => {
     const next = random(3);
     for (let k = 0; k < 200; k++) {
       const turn = 720 * next() - 360;
-      const wind = { direction_deg: Math.floor(360 * next()), mean_speed_m_s: Math.round(10 + 240 * next()) / 10 };
+      const wind = { direction_deg: Math.floor(360 * next()), mean_speed_m_s: Math.round(10 + 590 * next()) / 10 };
       const found = windAtPlace(placeOfWind(wind, turn), turn, wind);
       expect(found).toEqual(wind);
     }
@@ -53,9 +65,9 @@ describe("the dial", () => {
   });
 
   test("keys change direction and speed within the range", () => {
-    const wind = { direction_deg: 2, mean_speed_m_s: 24.8 };
+    const wind = { direction_deg: 2, mean_speed_m_s: 59.8 };
     expect(windAfterKey("ArrowLeft", wind)?.direction_deg).toBe(357);
-    expect(windAfterKey("ArrowUp", wind)?.mean_speed_m_s).toBe(25);
+    expect(windAfterKey("ArrowUp", wind)?.mean_speed_m_s).toBe(60);
     expect(windAfterKey("Home", wind)?.mean_speed_m_s).toBe(0);
     expect(windAfterKey("x", wind)).toBeNull();
   });

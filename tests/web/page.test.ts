@@ -6,6 +6,7 @@ import { leafTint } from "../../web/src/scene/season/palette";
 import { progressLine, statusLine, summary, timeLeft } from "../../web/src/page/ui/words";
 import { plainWind } from "../../web/src/core/wind/edit";
 import { parseWind } from "../../web/src/core/wind/wind";
+import { WIND_LIMITS } from "../../web/src/page/settings/windQuery";
 import { DEFAULTS } from "../../web/src/page/settings/settings";
 
 describe("texts of the page", () => {
@@ -19,9 +20,25 @@ describe("texts of the page", () => {
   });
 
   test("the summary counts moving and static trees", () => {
-    expect(summary({ moving: 1, still: 0 }, 0)).toBe("1 tree, moving");
-    expect(summary({ moving: 300, still: 100 }, 1)).toMatch(/^300 trees moving, 100 trees not computed yet$/);
-    expect(summary({ moving: 0, still: 0 }, 3)).toBe("The first trees are being computed");
+    const listed = { known: true, computing: 0, loading: 0 };
+    const none = { moving: 0, still: 0, loading: 0 };
+    expect(summary({ ...none, moving: 1 }, listed)).toBe("1 tree, moving");
+    expect(summary({ ...none, moving: 300, still: 100 }, { ...listed, computing: 1 })).toBe(
+      "300 trees moving, 100 trees not computed yet",
+    );
+    expect(summary(none, { ...listed, computing: 3 })).toBe("The first trees are being computed");
+    expect(summary(none, listed)).toBe("No trees yet");
+  });
+
+  test("what is only being loaded is not said to be computed", () => {
+    const listed = { known: true, computing: 2, loading: 1 };
+    const none = { moving: 0, still: 0, loading: 0 };
+    expect(summary(none, listed)).toBe("Loading the trees");
+    expect(summary(none, { ...listed, known: false, loading: 0 })).toBe("Loading the trees");
+    expect(summary({ moving: 0, still: 9, loading: 9 }, listed)).toBe("9 trees loading");
+    expect(summary({ moving: 30, still: 9, loading: 1 }, listed)).toBe(
+      "30 trees moving, 8 trees not computed yet, 1 tree loading",
+    );
   });
 
   test("the status line shows connection problems", () => {
@@ -43,7 +60,7 @@ describe("texts of the page", () => {
 });
 
 test("every setting of the panel gives a valid wind document", () => {
-  for (const mean_speed_m_s of [0, 0.1, 25]) {
+  for (const mean_speed_m_s of [0, 0.1, WIND_LIMITS.mean_speed_m_s.max]) {
     expect(() => parseWind(plainWind({ ...DEFAULTS.wind, mean_speed_m_s }))).not.toThrow();
   }
 });

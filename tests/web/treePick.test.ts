@@ -27,6 +27,7 @@ function group(places: { x_m: number; z_m: number; yaw_rad?: number; scale?: num
     motion: moves ? motion : null,
     nodeRadius_m: Float32Array.of(1, 1, 1),
     poses: new Float32Array(places.length * 4),
+    exaggeration: 1,
   };
 }
 
@@ -40,6 +41,17 @@ test("the entry into a sphere is the first root of |o + t d| = r", () => {
   expect(ballEntry(-10, 3, 0, 1, 0, 0, 2)).toBe(Number.POSITIVE_INFINITY);
   expect(ballEntry(10, 0, 0, 1, 0, 0, 2)).toBe(Number.POSITIVE_INFINITY);
   expect(ballEntry(1, 0, 0, 1, 0, 0, 2)).toBe(0);
+});
+
+test("a tree is picked where its exaggerated motion is drawn", () => {
+  const trees = group([{ x_m: 0, z_m: 0 }]);
+  trees.poses?.set([1.5]); // moves the top node by 1.5 m, drawn at 4.5 m
+  const at = (x: number, exaggeration: number) =>
+    pickTree([{ ...trees, bounds: { ...BOUNDS, reach_m: 5 }, exaggeration }], ray(x, 9, 20, 0, 0, -1));
+  expect(at(4.5, 3)?.distance_m).toBeCloseTo(19, 2);
+  expect(at(4.5, 1)).toBeNull();
+  expect(at(1.5, 1)?.distance_m).toBeCloseTo(19, 2);
+  expect(at(1.5, 3)).toBeNull();
 });
 
 test("the nearer of two trees in line is picked", () => {

@@ -35,7 +35,13 @@ test("a link holds a plain wind as four numbers and any other wind as a document
   const queryOf = (wind: WindDocument) => queryFromSettings({ ...DEFAULTS, wind });
   expect(queryOf(withPlain(DEFAULTS.wind, { mean_speed_m_s: 12, direction_deg: 271 }))).toBe("speed=12&direction=271");
   expect(windFromQuery(queryOf({ ...DEFAULTS.wind, direction_deg: 30.5 }))).toMatchObject({ direction_deg: 30.5 });
-  expect(windFromQuery(queryOf(withPlain(DEFAULTS.wind, { mean_speed_m_s: 40 })))).toMatchObject({ mean_speed_m_s: 40 });
+  // The whole range of the wind document, not only what the page used to offer.
+  for (const mean_speed_m_s of [40, 60]) {
+    const wind = withPlain(DEFAULTS.wind, { mean_speed_m_s });
+    expect(queryOf(wind)).toBe(`speed=${mean_speed_m_s}`);
+    expect(settingsFromQuery(queryOf(wind)).wind).toEqual(wind);
+  }
+  expect(settingsFromQuery("?speed=61").wind.mean_speed_m_s).toBe(60);
   expect(settingsFromQuery(queryOf({ ...DEFAULTS.wind, direction_deg: -30 })).wind).toMatchObject({ direction_deg: 330 });
 });
 

@@ -6,6 +6,7 @@ from galewood.skeleton.extraction import Skeleton, extract_skeleton, sampled_ele
 from galewood.skeleton.outline import Outline, outline_of
 from galewood.skeleton.radius_correction import with_corrected_radii
 from galewood.skeleton.roots import CLAMPED_SHARE, root_vertices
+from galewood.skeleton.structure import structure_limited
 
 __all__ = [
     "CLAMPED_SHARE",
@@ -16,5 +17,6 @@ __all__ = [
     "outline_of",
     "root_vertices",
     "sampled_elements",
+    "structure_limited",
     "with_corrected_radii",
 ]

@@ -17,12 +17,12 @@ from galewood_server.api import (
     wood_species,
 )
 from galewood_server.api.analyses import comparisons, evaluations
-from galewood_server.api.files import artefacts, job_pictures, tables, thumbnails
+from galewood_server.api.files import artefacts, job_pictures, structures, tables, thumbnails
 
 ROUTERS: tuple[APIRouter, ...] = tuple(
     module.router
     for module in (
-        uploads, trees, revisions, thumbnails, jobs, job_pictures, comparisons, evaluations,
+        uploads, trees, revisions, thumbnails, structures, jobs, job_pictures, comparisons, evaluations,
         tables, artefacts, wood_species, winds, events, socket, health, metrics,
     )
 )  # fmt: skip

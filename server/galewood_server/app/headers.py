@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -22,7 +22,6 @@ PAGE_POLICY = "; ".join(
         "manifest-src 'self'",
         "base-uri 'none'",
         "form-action 'none'",
-        "frame-ancestors 'self'",
     )
 )
 DATA_POLICY = "default-src 'none'; frame-ancestors 'none'; sandbox"
@@ -48,18 +47,25 @@ ALWAYS: Mapping[str, str] = {
 }
 
 
-def policy_of(path: str) -> str:
+def page_policy(frame_ancestors: Sequence[str] = ()) -> str:
+    """The Content-Security-Policy of the page, which these origins may show in a frame."""
+    return "; ".join((PAGE_POLICY, " ".join(("frame-ancestors 'self'", *frame_ancestors))))
+
+
+def policy_of(path: str, frame_ancestors: Sequence[str] = ()) -> str:
     """The Content-Security-Policy of a path."""
     if path == "/docs" or path.startswith("/docs/"):
         return DOCS_POLICY
-    return DATA_POLICY if path.startswith(("/api/", "/metrics", "/healthz", "/openapi.json")) else PAGE_POLICY
+    data = path.startswith(("/api/", "/metrics", "/healthz", "/openapi.json"))
+    return DATA_POLICY if data else page_policy(frame_ancestors)
 
 
 class SecurityHeaders:
     """ASGI middleware that adds the security headers to every response unless the route has set them."""
 
-    def __init__(self, app: ASGIApp) -> None:
+    def __init__(self, app: ASGIApp, frame_ancestors: Sequence[str] = ()) -> None:
         self._app = app
+        self._frame_ancestors = frame_ancestors
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request and add the headers to its response."""
@@ -72,7 +78,7 @@ class SecurityHeaders:
                 headers = MutableHeaders(scope=message)
                 for name, value in ALWAYS.items():
                     headers.setdefault(name, value)
-                headers.setdefault("Content-Security-Policy", policy_of(scope["path"]))
+                headers.setdefault("Content-Security-Policy", policy_of(scope["path"], self._frame_ancestors))
                 if scope["path"].startswith("/api/"):
                     headers.setdefault("Cache-Control", "no-store")
             await send(message)

@@ -70,7 +70,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
     app.mount("/", Page(settings.page_dir))
     # the middleware added last handles a request first
     app.add_middleware(AccessControl, settings=settings, metrics=metrics)
-    app.add_middleware(SecurityHeaders)
+    app.add_middleware(SecurityHeaders, frame_ancestors=settings.frame_ancestors)
     app.add_middleware(Tracing, metrics=metrics)
     return app
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import mimetypes
+import os
 from pathlib import Path
 
-from fastapi.responses import HTMLResponse, Response
-from starlette.staticfiles import StaticFiles
+from fastapi.responses import FileResponse, HTMLResponse, Response
+from starlette.datastructures import Headers
+from starlette.staticfiles import NotModifiedResponse, StaticFiles
 from starlette.types import Receive, Scope, Send
+
+from galewood_server.storage import preferred_coding
 
 NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Galewood</title>
 <body style="font: 16px/1.5 system-ui; max-width: 40rem; margin: 4rem auto; padding: 0 1rem">
@@ -16,6 +21,8 @@ NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Galew
 <p>The REST API is documented at <a href="/docs">/docs</a>.</p></body></html>"""
 HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "same-origin"}
 IMMUTABLE = "public, max-age=31536000, immutable"
+SUFFIXES = {"br": ".br", "gzip": ".gz"}
+"""Codings of the copies that the build writes beside the page's files (web/scripts/precompress.ts)."""
 
 
 class Page(StaticFiles):
@@ -35,6 +42,32 @@ class Page(StaticFiles):
         response = await super().get_response(path, scope)
         response.headers["Cache-Control"] = IMMUTABLE if path.startswith("assets/") else "no-cache"
         response.headers.update(HEADERS)
+        return response
+
+    def file_response(
+        self,
+        full_path: str | os.PathLike[str],
+        stat_result: os.stat_result,
+        scope: Scope,
+        status_code: int = 200,
+    ) -> Response:
+        """A file, or its compressed copy where the client accepts one; each has its own ETag."""
+        asked = Headers(scope=scope)
+        copies = [name for name, suffix in SUFFIXES.items() if Path(f"{full_path}{suffix}").is_file()]
+        coding = preferred_coding(asked.get("accept-encoding", ""), copies)
+        sent = f"{full_path}{SUFFIXES[coding]}" if coding else full_path
+        response = FileResponse(
+            sent,
+            status_code=status_code,
+            stat_result=Path(sent).stat() if coding else stat_result,
+            media_type=mimetypes.guess_type(full_path)[0] or "text/plain",
+        )
+        if copies:
+            response.headers["Vary"] = "Accept-Encoding"
+        if coding:
+            response.headers["Content-Encoding"] = coding
+        if self.is_not_modified(response.headers, asked):
+            return NotModifiedResponse(response.headers)
         return response
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

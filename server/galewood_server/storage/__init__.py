@@ -8,7 +8,7 @@ from galewood_server.storage.database import (
     migration_config,
     open_database,
 )
-from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file
+from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file, preferred_coding
 from galewood_server.storage.files import FileStore, file_age_s, is_hash
 from galewood_server.storage.garbage import (
     ANALYSIS_INPUTS,
@@ -76,6 +76,7 @@ __all__ = [
     "no_table",
     "open_bucket",
     "open_database",
+    "preferred_coding",
     "records_of",
     "referenced_files",
     "replace_files",

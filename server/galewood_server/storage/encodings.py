@@ -5,15 +5,16 @@ from __future__ import annotations
 import gzip
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeVar
 
 import zstandard
 from galewood.util import write_whole
 
 Coding = Literal["zstd", "gzip"]
+Name = TypeVar("Name", bound=str)
 PREFERRED: tuple[Coding, ...] = ("zstd", "gzip")
 ZSTD_LEVEL, GZIP_LEVEL = 12, 6
 _lock = threading.Lock()
@@ -23,12 +24,18 @@ log = logging.getLogger("galewood.encodings")
 
 
 def coding_of(accept_encoding: str) -> Coding | None:
-    """The preferred coding of an Accept-Encoding header (RFC 9110, section 12.5.3); None: uncompressed."""
+    """The preferred coding of an Accept-Encoding header for stored files; None: uncompressed."""
+    return preferred_coding(accept_encoding, PREFERRED)
+
+
+def preferred_coding(accept_encoding: str, offered: Sequence[Name]) -> Name | None:
+    """The coding to send by an Accept-Encoding header (RFC 9110, section 12.5.3); None: uncompressed.
+
+    Of several that the client likes equally, the first one offered.
+    """
     weights = dict(_weight(part) for part in accept_encoding.lower().split(",") if part.strip())
-    offered: list[tuple[float, Coding]] = [
-        (weights.get(name, weights.get("*", 0.0)), name) for name in PREFERRED
-    ]
-    weight, best = max(offered, key=lambda one: one[0])
+    weighted = [(weights.get(name, weights.get("*", 0.0)), name) for name in offered]
+    weight, best = max(weighted, key=lambda one: one[0], default=(0.0, None))
     return best if weight > 0 and weight >= weights.get("identity", 0.0) else None
 
 

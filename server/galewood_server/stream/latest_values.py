@@ -1,11 +1,11 @@
-"""The latest values of a forest other than poses (clock, wind, description), each encoded once."""
+"""The latest values of a forest other than poses (clock, wind, description, clients), each encoded once."""
 
 from __future__ import annotations
 
 from galewood_server.stream.socket_protocol import binary_frame
-from galewood_server.stream.wire import Clock, Shared, WindState, encode_reply
+from galewood_server.stream.wire import Clock, Presence, Shared, WindState, encode_reply
 
-Value = Clock | Shared | WindState
+Value = Clock | Presence | Shared | WindState
 
 
 class LatestValues:

@@ -11,7 +11,7 @@ import numpy as np
 from galewood_server.stream.client_buffer import ClientBuffer
 from galewood_server.stream.frames import FrameHistory
 from galewood_server.stream.latest_values import LatestValues
-from galewood_server.stream.wire import TICK_HZ, Clock, Forest, Shared, WindState
+from galewood_server.stream.wire import TICK_HZ, Clock, Forest, Presence, Shared, WindState
 
 if TYPE_CHECKING:
     from galewood.table import Table
@@ -37,6 +37,7 @@ class LiveForest:
         self._history: FrameHistory | None = None
         self._made_s = now_s
         self._sent_wind = clock.wind
+        self._told_clients = 0
         self._failed = False
         self.empty_since_s = now_s
         if self.share is not None:
@@ -116,8 +117,13 @@ class LiveForest:
         if self._clock.wind is not self._sent_wind:
             self._sent_wind = self._clock.wind
             self._latest.post(WindState(self._sent_wind.document()))
-        if self.share is not None and self._clock.ticks % CLOCK_EVERY_TICKS == 0:
-            self._send_clock()
+        if self.share is not None:
+            if self._clock.ticks % CLOCK_EVERY_TICKS == 0:
+                self._send_clock()
+            # at most once per tick, because a client that replaces its request joins before it leaves
+            if len(self.clients) != self._told_clients:
+                self._told_clients = len(self.clients)
+                self._latest.post(Presence(self._told_clients))
         for client in self.clients:
             client.deliver(self._latest, self._history, now_s)
 

@@ -50,6 +50,7 @@ __all__ = [
     "Ping",
     "Pong",
     "Poses",
+    "Presence",
     "Reply",
     "Request",
     "Resync",
@@ -67,6 +68,7 @@ __all__ = [
 
 HELLO, WIND, PING, PAUSE, RESYNC = 1, 3, 4, 5, 6
 WELCOME, TABLE, ERROR, PONG, WIND_STATE, CLOCK = 65, 66, 68, 69, 70, 71
+PRESENCE = 74
 
 TICK_HZ = 30
 """Frames per second of a stream and ticks per second of a forest's clock."""
@@ -208,7 +210,14 @@ class Clock:
     paused: bool
 
 
-Reply = Welcome | TableChunk | Frame | Failure | Pong | WindState | Clock | Shared
+@dataclass(frozen=True)
+class Presence:
+    """Number of clients of a shared forest, sent to all of them when it changes."""
+
+    clients: int
+
+
+Reply = Welcome | TableChunk | Frame | Failure | Pong | WindState | Clock | Shared | Presence
 
 
 def encode_reply(reply: Reply) -> bytes:
@@ -229,6 +238,8 @@ def encode_reply(reply: Reply) -> bytes:
         case Clock():
             header = {"time_s": reply.time_s, "made_s": reply.made_s, "paused": reply.paused}
             return encode_message(CLOCK, header)
+        case Presence():
+            return encode_message(PRESENCE, {"clients": reply.clients})
         case Shared():
             return encode_shared(reply)
         case Frame():
@@ -266,6 +277,9 @@ def _decode_short(kind: int, header: Header) -> Reply:
     if kind == CLOCK:
         check_fields(header, "time_s", "made_s", "paused")
         return Clock(number(header, "time_s"), number(header, "made_s"), boolean(header, "paused"))
+    if kind == PRESENCE:
+        check_fields(header, "clients")
+        return Presence(whole_number(header, "clients"))
     raise WireError(f"kind {kind} is not a message that servers send", "unknown-kind")
 
 

@@ -10,10 +10,13 @@ import { seasonal } from "../scene/season/seasonal";
 import { aerialPerspective } from "../scene/sky/air";
 import { Stage } from "../scene/stage";
 import type { SpeciesOptions } from "../scene/trees/speciesForest";
+import { Attention } from "./attention";
 import { Comparison } from "./compare/comparison";
+import { ContextLoss } from "./contextLoss";
 import { ForestClient } from "./forestClient";
 import { ForestFigures } from "./forestFigures";
 import { FrameStatistics } from "./frameStatistics";
+import { TreeOverlays } from "./overlays/treeOverlays";
 import { OwnTrees } from "./ownTree/ownTrees";
 import type { OwnUploads } from "./ownTree/ownUploads";
 import { PaperMethod } from "./paper/paperMethod";
@@ -23,11 +26,13 @@ import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { plantedAs } from "./settings/planted";
 import { queryFromSettings, type Settings } from "./settings/settings";
-import { adoptPlacement, withShared } from "./settings/sharedForest";
+import { adoptPlacement, sharedFrom, withShared } from "./settings/sharedForest";
 import { keep } from "./settings/storedSettings";
+import { WindSound } from "./sound";
 import { StatusReport } from "./statusReport";
 import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
+import { showExaggeration } from "./ui/exaggerated";
 import { askForKey, keptKey } from "./ui/keyDialog";
 import { Panel, type SettingKey } from "./ui/panel";
 import { PickedCard } from "./ui/pickedCard";
@@ -60,6 +65,7 @@ export class App {
   asleep = false;
   private readonly client = new ForestClient(showToast, {
     placement: (about) => this.takePlacement(about),
+    present: (clients) => this.visit.sharing.present(clients),
     wind: (wind) => {
       if (!sameWind(wind, this.settings.wind)) this.changeWind(wind, "shared");
     },
@@ -74,14 +80,25 @@ export class App {
   private readonly ownTrees: OwnTrees;
   private readonly panel: Panel;
   readonly studio: WindStudio;
+  readonly overlays: TreeOverlays;
   readonly visit: Visit;
   private readonly scenery: SceneryBar;
   readonly picker: TreePicker;
   private readonly pickedCard: PickedCard;
   readonly playback = new Playback();
+  readonly sound = new WindSound();
+  private readonly graphics: ContextLoss;
   private readonly meter = new FrameStatistics();
+  private readonly attention = new Attention({
+    hide: (hidden) => {
+      this.client.hide(hidden);
+      this.sound.hide(hidden);
+    },
+    retry: () => this.reconnect(),
+  });
   private readonly status: StatusReport;
   private readonly flutter = { value: { x: 0, y: 0 } };
+  private readonly exaggeration = { value: 1 };
   private connected = true;
   private dirty = true;
   private last_ms = performance.now();
@@ -95,9 +112,12 @@ export class App {
   ) {
     useKeys({ known: keptKey, ask: askForKey });
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
-    this.forest = new Forest(this.speciesOptions());
+    // three.js creates its own resources again when it draws; what depends on the view is selected again.
+    this.graphics = new ContextLoss(this.stage.renderer.domElement, () => this.applyScenery());
+    this.forest = new Forest(this.speciesOptions(), this.stage.backdrop.library);
     this.stage.scene.add(this.forest.group);
     this.applyScenery();
+    this.exaggerate();
     this.scenery = new SceneryBar(settings, () => this.change("season"));
     this.visit = new Visit(
       settings,
@@ -107,12 +127,19 @@ export class App {
       () => this.client.time_s,
       () => void this.comparison.open(),
       this.playback,
+      this.sound,
+      {
+        replaced: (keys) => this.showReplaced(keys),
+        share: () => this.planting?.share ?? sharedFrom(location.search),
+        startSharing: (id) => this.startSharing(id),
+      },
     );
     this.visit.restore(location.search);
     this.panel = new Panel(
       settings,
       this.meter.statistics,
       this.playback,
+      this.sound,
       (key) => this.change(key),
       (id, how) => this.ownTrees.plant(id, how),
     );
@@ -156,23 +183,36 @@ export class App {
       problem: showToast,
     });
     this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
-    this.pickedCard = new PickedCard({
-      follow: (following) => {
-        this.picker.following = following;
+    this.overlays = new TreeOverlays(this.stage, this.forest, this.client, {
+      picked: () => {
+        const { figures, moving } = this.picker;
+        return figures && { treeId: figures.treeId, at: moving };
       },
-      compare: () => void this.comparison.open(),
-      physics: () => this.visit.openPhysics(),
-      cancel: (jobId) => void this.cancel(jobId),
-      planted: (id) => plantedAs(settings, id),
-      plant: (id, how) => this.ownTrees.plant(id, how),
-      close: () => this.picker.select(null),
+      find: (treeId) => this.catalogue.find(treeId),
+      error: (sha256) => this.comparison.errors.get(sha256) ?? null,
+      field: this.studio.field,
+      exaggeration: this.exaggeration,
     });
+    this.pickedCard = new PickedCard(
+      {
+        follow: (following) => {
+          this.picker.following = following;
+        },
+        compare: () => void this.comparison.open(),
+        physics: () => this.visit.openPhysics(),
+        cancel: (jobId) => void this.cancel(jobId),
+        planted: (id) => plantedAs(settings, id),
+        plant: (id, how) => this.ownTrees.plant(id, how),
+        close: () => this.picker.select(null),
+      },
+      this.overlays.menu.element,
+    );
     const { stage, forest, client, catalogue, paper, meter, picker } = this;
     this.comparison = new Comparison(forest, client, catalogue, picker, (busy) => {
       // The forest stops meanwhile, to leave the processor to the comparison.
       this.asleep = busy;
     });
-    this.status = new StatusReport(settings, stage, forest, client, meter);
+    this.status = new StatusReport(settings, stage, forest, client, meter, () => this.reconnect());
     this.figures = new ForestFigures(forest, client, catalogue, paper, meter);
     this.stage.renderer.setAnimationLoop((now) => this.onFrame(now));
   }
@@ -188,6 +228,7 @@ export class App {
       surface: seasonal,
       atmosphere: aerialPerspective,
       flutter: this.flutter,
+      exaggeration: this.exaggeration,
     };
   }
 
@@ -223,7 +264,8 @@ export class App {
     if (origin !== "panel") this.panel.refresh();
     if (origin !== "shared") this.client.setWind(wind);
     this.studio.showWind();
-    this.remember();
+    if (origin === "shared") this.visit.undo.adopt();
+    this.remember("wind");
   }
 
   /** Called when another client replaced the trees of this shared forest. */
@@ -232,7 +274,16 @@ export class App {
     this.panel.refresh();
     this.planting.place();
     this.paper.chosen();
-    this.remember();
+    this.visit.undo.adopt();
+    this.remember("placement");
+  }
+
+  /** The forest of this page becomes a shared one: its trees, its wind and its time. */
+  private startSharing(id: string): void {
+    this.planting.share = id;
+    this.catalogue.bare = this.playsBareTables;
+    this.planting.place(true);
+    this.remember("share");
   }
 
   get paused(): boolean {
@@ -257,6 +308,7 @@ export class App {
     const { daytime, season } = this.settings;
     this.stage.show(daytime, season);
     this.forest.setSeason(season);
+    this.stage.shelter(this.forest.crowns);
     this.dirty = true;
   }
 
@@ -280,18 +332,38 @@ export class App {
       this.forest.options = this.speciesOptions();
       this.planting.place();
     }
-    this.remember();
+    if (key === "exaggeration") this.exaggerate();
+    this.remember(key);
   }
 
-  /** Stores the settings and updates the URL. */
-  private remember(): void {
+  /** Settings were replaced by undo or redo. */
+  private showReplaced(keys: SettingKey[]): void {
+    this.panel.showReplaced();
+    this.scenery.show();
+    for (const key of keys) {
+      if (key === "wind") this.changeWind(this.settings.wind, "instruments");
+      else this.change(key);
+    }
+  }
+
+  /** Sets the factor of all displacements on screen; figures stay as simulated. */
+  private exaggerate(): void {
+    const { exaggeration } = this.settings;
+    this.exaggeration.value = exaggeration;
+    showExaggeration(exaggeration);
+    this.dirty = true;
+  }
+
+  /** Stores the settings and updates the URL; `kind` names what was changed. */
+  private remember(kind: string): void {
+    this.visit.undo.record(kind);
     if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
     const query = withShared(queryFromSettings(this.settings), this.planting.share);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
   }
 
   private onFrame(now_ms: number): void {
-    if (this.asleep) return;
+    if (this.asleep || this.attention.hidden || this.graphics.lost) return;
     const begin_ms = performance.now();
     const frame_ms = now_ms - this.last_ms;
     const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
@@ -299,7 +371,7 @@ export class App {
     this.visit.advance(dt_s);
     const played_s = this.playback.advance_s(dt_s, this.settings.lookup === "server");
     this.move(played_s ?? 0, played_s !== null);
-    this.draw();
+    this.draw(dt_s);
     this.frame++;
     this.meter.count(frame_ms, performance.now() - begin_ms);
     if (now_ms - this.reported_ms > REPORT_EVERY_MS) {
@@ -310,16 +382,17 @@ export class App {
 
   /** Advances by dt_s; without `playing` the trees keep their poses. */
   private move(dt_s: number, playing = true): void {
-    if (playing && !this.paused) this.client.advance(dt_s);
+    if (playing && !this.paused) this.client.advance(dt_s, this.stage.camera.position);
     if (playing) this.takePoses();
     this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);
     this.ownTrees.advance();
     this.studio.tipOf = this.picker.moving;
+    this.overlays.advance(playing ? dt_s : 0);
+    this.sound.advance(this.studio.field, this.stage.camera.position, this.client.time_s, playing);
     this.studio.advance(dt_s, this.client, this.forest);
-    const wind_m_s = meanVelocity_m_s(this.settings.wind);
-    this.stage.sky.advance(dt_s, wind_m_s);
-    this.stage.cover.update(this.stage.camera.position, wind_m_s, this.client.time_s);
+    this.stage.advance(dt_s, meanVelocity_m_s(this.settings.wind), this.client.time_s);
+    if (this.client.wind) this.stage.backdrop.wood.advance(this.client.wind.state, this.client.time_s);
     this.flutter.value.x += dt_s;
     this.flutter.value.y = this.settings.flutter ? 1 : 0;
   }
@@ -335,7 +408,7 @@ export class App {
     this.move(dt_s);
     while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));
     this.takePoses();
-    if (drawn) this.draw();
+    if (drawn) this.draw(dt_s);
     this.frame++;
   }
 
@@ -344,15 +417,19 @@ export class App {
     return this.frame > 0 && this.forest.group.children.length === 0 && performance.now() < PATIENCE_MS;
   }
 
-  private draw(): void {
+  /** `dt_s`: time since the last picture. */
+  private draw(dt_s: number): void {
     const { stage, forest } = this;
     const moved = stage.updateCamera();
     if (!moved && !this.dirty && this.waitsForTrees) return;
-    if (moved || this.dirty) forest.select(stage.view());
+    if (moved || this.dirty) {
+      forest.select(stage.view());
+      stage.backdrop.select(stage.view());
+    }
     this.dirty = false;
     stage.renderer.info.reset();
     forest.renderNodes(stage.renderer);
-    stage.render();
+    stage.render(dt_s);
     this.visit.drawn();
   }
 
@@ -360,7 +437,7 @@ export class App {
     this.panel.showSpecies(this.catalogue.kinds);
     this.panel.uploads.show(this.catalogue.uploads);
     this.panel.showMethodNote(this.paper.note);
-    this.status.show(this.connected, this.catalogue.waiting);
+    this.status.show(this.connected, this.catalogue.listed);
     this.showPicked();
   }
 
@@ -368,6 +445,12 @@ export class App {
     const { figures } = this.picker;
     const known = figures && this.catalogue.find(figures.treeId);
     this.pickedCard.show(figures, known, known ? this.paper.stateOf(known) : { kind: "missing" });
+  }
+
+  /** Tries lost connections to the server at once. */
+  private reconnect(): void {
+    this.client.retry();
+    this.catalogue.retry();
   }
 
   freeze(frozen: boolean): void {
@@ -386,9 +469,12 @@ export class App {
 
   dispose(): void {
     this.stage.renderer.setAnimationLoop(null);
+    this.attention.dispose();
+    this.graphics.dispose();
     this.picker.dispose();
     this.pickedCard.dispose();
     this.ownTrees.dispose();
+    this.overlays.dispose();
     this.studio.dispose();
     this.visit.dispose();
     this.comparison.dispose();

@@ -28,6 +28,8 @@ const absolute = (path: string) => new URL(path, document.baseURI).href;
 export interface SharedForestListener {
   placement(about: About): void;
   wind(wind: WindDocument): void;
+  /** The number of clients, this one included. */
+  present(clients: number): void;
 }
 
 /** A group for the worker, with the motion that determines its row length. */
@@ -135,20 +137,36 @@ export class ForestClient {
     this.send({ kind: "pause", paused });
   }
 
+  /** Connects to the server at once if the connection is lost. */
+  retry(): void {
+    this.send({ kind: "retry" });
+  }
+
+  /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */
+  hide(hidden: boolean): void {
+    this.send({ kind: "hide", hidden });
+  }
+
   /** Requests the figures of one tree with every frame; null or a new plan ends it. */
   watch(at: TreeAt | null): void {
     this.watched = null;
     this.send({ kind: "watch", at });
   }
 
-  /** Advances the forest by a display step. While the worker is busy, the time accumulates. */
-  advance(dt_s: number): void {
+  /** Advances the forest by a display step, seen from a place (m). While the worker is busy, the time accumulates. */
+  advance(dt_s: number, from: { readonly x: number; readonly z: number }): void {
     this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
     if (this.busy || this.spare.length === 0) return;
     this.busy = true;
     const buffers = this.spare;
     this.spare = [];
-    const message: ToWorker = { kind: "advance", epoch: this.epoch, dt_s: this.backlog_s, buffers };
+    const message: ToWorker = {
+      kind: "advance",
+      epoch: this.epoch,
+      dt_s: this.backlog_s,
+      viewer: [from.x, from.z],
+      buffers,
+    };
     this.backlog_s = 0;
     this.send(
       message,
@@ -176,6 +194,7 @@ export class ForestClient {
       this.settle(message.sha256, ({ reject }) => reject(new Error(message.title)));
     } else if (message.kind === "records") this.settleRecords(message.table, message.fault);
     else if (message.kind === "shared") this.shared.placement(message.about);
+    else if (message.kind === "present") this.shared.present(message.clients);
     else if (message.kind === "sharedWind") this.shared.wind(message.wind);
     else this.problem(message.title, message.hint);
   }

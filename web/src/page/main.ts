@@ -9,20 +9,10 @@ import { sharedFrom } from "./settings/sharedForest";
 import { remembered } from "./settings/storedSettings";
 import { windFromQuery } from "./settings/windQuery";
 import { element } from "./ui/dom";
+import { showHint } from "./ui/hint";
+import { connectSheets } from "./ui/sheets";
 import { showToast } from "./ui/toast";
 import { acceptUploads } from "./ui/upload";
-
-/** Connects a panel with its toggle button; `open` is the initial state. */
-function panelToggle(id: string, open: boolean): void {
-  const panel = element(id);
-  const toggle = element<HTMLButtonElement>(`${id}-toggle`);
-  const show = (visible: boolean) => {
-    panel.hidden = !visible;
-    toggle.setAttribute("aria-expanded", String(visible));
-  };
-  toggle.addEventListener("click", () => show(panel.hidden === true));
-  show(open);
-}
 
 const uploads = new OwnUploads(() => localStorage);
 
@@ -39,17 +29,17 @@ function start(software: boolean): void {
   const screen = { width_px: innerWidth, touch: matchMedia("(pointer: coarse)").matches, software };
   const defaults = defaultsFor(screen);
   // Embedded pages and shared views use their address only; otherwise the stored settings apply.
-  const own = !/[?&](panel=0|view=)/.test(location.search);
+  const own = !/[?&](panel=0|view=|embed)/.test(location.search);
   const usual = own ? remembered(defaults, () => localStorage) : defaults;
   const settings = settingsFromQuery(location.search, usual);
   if (own && sharedFrom(location.search) === null) settings.planted = uploads.plantedWith(settings.planted);
   document.body.classList.toggle("bare", !settings.panel);
+  document.body.classList.toggle("embedded", settings.embed);
   checkWind();
-  panelToggle("panel", false);
-  panelToggle("instruments", settings.panel && innerWidth > 760);
-  panelToggle("tools", innerWidth > 760);
+  connectSheets(settings.panel);
   const app = new App(settings, defaults, uploads);
   exposeProbe(app);
+  if (settings.panel) showHint(() => localStorage);
   addEventListener("pagehide", (event) => {
     if (!event.persisted) app.dispose();
   });

@@ -28,8 +28,8 @@ export function plantForest(assets: readonly TreeAsset[], settings: Settings): P
 }
 
 export class Planting {
-  /** Id of the shared forest in the address. */
-  readonly share = sharedFrom(location.search);
+  /** Id of the shared forest; null while the forest is private. */
+  share = sharedFrom(location.search);
   private readonly from_s = momentFrom(location.search).time_s ?? 0;
 
   /** `shown` is called when the trees of a plan have appeared. */
@@ -63,7 +63,14 @@ export class Planting {
       settings.wind,
       () => {
         this.forest.show(placed);
-        this.stage.surround(woodReach_m(placed.map(({ instances }) => instances.placement)));
+        this.stage.surround({
+          edge_m: woodReach_m(placed.map(({ instances }) => instances.placement)),
+          seed: settings.forestSeed,
+          density: settings.density,
+          shares: { ...settings.shares },
+          assets: this.catalogue.assets,
+        });
+        this.stage.shelter(this.forest.crowns);
         this.shown();
       },
     );

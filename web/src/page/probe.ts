@@ -49,10 +49,17 @@ export interface Probe {
   pick(left_px: number, top_px: number): ProbedTree | null;
   /** The picked tree and its current figures. */
   readonly picked: ProbedTree | null;
+  /** What is drawn on the picked tree. */
+  readonly overlay: App["overlays"]["shown"];
+  /** Loudness of the wind, 0..1. */
+  readonly loudness: number;
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
   /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
-  readonly statistics: App["figures"]["statistics"] & { readonly extent: number };
+  readonly statistics: App["figures"]["statistics"] & {
+    readonly extent: number;
+    readonly impostors: App["stage"]["backdrop"]["figures"];
+  };
   /** Draws the trees as static instances, or moving again, to measure the cost of the motion. */
   freeze(frozen: boolean): void;
 }
@@ -131,12 +138,22 @@ export function exposeProbe(app: App): void {
     get picked() {
       return probed(app.picker.figures);
     },
+    get overlay() {
+      return app.overlays.shown;
+    },
+    get loudness() {
+      return app.sound.loudness;
+    },
     follow(following) {
       app.picker.following = following;
     },
     get statistics() {
       const { statistics } = app.figures;
-      return { ...statistics, extent: statistics.extrapolationRatio };
+      return {
+        ...statistics,
+        extent: statistics.extrapolationRatio,
+        impostors: app.stage.backdrop.figures,
+      };
     },
     freeze: (frozen) => app.freeze(frozen),
   };

@@ -6,25 +6,34 @@ import type { Connection } from "../worker/protocol";
 import type { ForestClient } from "./forestClient";
 import type { FrameStatistics } from "./frameStatistics";
 import type { Settings } from "./settings/settings";
-import { element } from "./ui/dom";
-import { statusLine, summary } from "./ui/words";
+import { element, make } from "./ui/dom";
+import { type ListedTrees, statusLine, summary } from "./ui/words";
 
 /** Replaces a text only if it differs: screen readers announce every replacement. */
-function write(id: string, text: string): void {
-  if (element(id).textContent !== text) element(id).textContent = text;
+function write(place: HTMLElement, text: string): void {
+  if (place.textContent !== text) place.textContent = text;
 }
 
 export class StatusReport {
+  private readonly words = make("span");
+  private readonly again = make("button", "Try now", "try-now");
+
+  /** `retry` tries lost connections at once. */
   constructor(
     private readonly settings: Settings,
     private readonly stage: Stage,
     private readonly forest: Forest,
     private readonly client: ForestClient,
     private readonly meter: FrameStatistics,
-  ) {}
+    retry: () => void,
+  ) {
+    this.again.type = "button";
+    this.again.addEventListener("click", retry);
+    element("status").replaceChildren(this.words, this.again);
+  }
 
-  /** `events`: whether the event stream is open; `waiting`: trees that are not computed yet. */
-  show(events: boolean, waiting: number): void {
+  /** `events`: whether the event stream is open. */
+  show(events: boolean, listed: ListedTrees): void {
     const { forest } = this;
     const { connection, lookup_ms } = this.client;
     this.meter.publish({
@@ -38,8 +47,9 @@ export class StatusReport {
     const { dataset } = element("status");
     dataset.state = state;
     dataset.lookup = this.settings.lookup;
-    write("status", text);
-    write("summary", summary(forest.trees, waiting));
+    write(this.words, text);
+    this.again.hidden = state !== "lost";
+    write(element("summary"), summary(forest.trees, listed));
   }
 }
 

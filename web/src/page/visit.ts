@@ -11,17 +11,39 @@ import type { Catalogue } from "./server/catalogue";
 import { type Moment, momentFrom, shareQuery } from "./settings/link";
 import type { Settings } from "./settings/settings";
 import { sharedFrom, withShared } from "./settings/sharedForest";
+import { Sharing } from "./sharing";
+import type { WindSound } from "./sound";
+import { EmbedBar } from "./ui/embedBar";
 import { PhysicsCards } from "./ui/physicsCards";
 import { showToast } from "./ui/toast";
 import { Toolbar } from "./ui/toolbar";
+import { Undo, type UndoEvents } from "./undo";
 
 const CALM = "The motion is paused.";
 const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+/** What the tools change elsewhere on the page. */
+export interface VisitPage {
+  /** Settings were replaced by undo or redo. */
+  readonly replaced: UndoEvents["replaced"];
+  /** Id of the shared forest; null while the forest is private. */
+  share(): string | null;
+  startSharing(id: string): void;
+}
+
+/** The address of the whole page, given that of an embedded one. */
+function withoutEmbed(link: string): string {
+  const url = new URL(link);
+  for (const name of ["embed", "panel"]) url.searchParams.delete(name);
+  return url.href;
+}
 
 export class Visit {
   private readonly flight: CameraFlight;
   private readonly toolbar: Toolbar;
   private readonly physics = new PhysicsCards();
+  readonly undo: Undo;
+  readonly sharing: Sharing;
   private readonly life = new AbortController();
   private film: Film | null = null;
   private photoWanted = false;
@@ -34,6 +56,8 @@ export class Visit {
     private readonly clock_s: () => number,
     private readonly compare: () => void,
     private readonly playback: Playback,
+    private readonly sound: WindSound,
+    page: VisitPage,
   ) {
     this.flight = new CameraFlight(stage.camera, stage.controls, () => this.toolbar.showFlight(false));
     this.toolbar = new Toolbar(
@@ -41,9 +65,17 @@ export class Visit {
         pause: () => {
           playback.paused = !playback.paused;
         },
+        undo: () => this.undo.undo(),
+        redo: () => this.undo.redo(),
         view: (name) => this.view(name),
         fly: () => this.fly(),
+        share: () => this.sharing.share(),
         link: () => void this.copyLink(),
+        embed: () => this.sharing.embed(),
+        sound: () => {
+          sound.on = !sound.on;
+          return sound.on;
+        },
         photo: () => {
           this.photoWanted = true;
         },
@@ -53,7 +85,29 @@ export class Visit {
       },
       { film: canFilm(), fullScreen: document.fullscreenEnabled },
     );
-    playback.onPause = (paused) => this.toolbar.showPause(paused);
+    this.undo = new Undo(settings, {
+      replaced: page.replaced,
+      possible: (undo, redo) => this.toolbar.showUndo(undo, redo),
+    });
+    this.sharing = new Sharing({
+      get share() {
+        return page.share();
+      },
+      start: page.startSharing,
+      link: () => this.link,
+    });
+    const bar = settings.embed
+      ? new EmbedBar(
+          () => {
+            playback.paused = !playback.paused;
+          },
+          () => withoutEmbed(this.link),
+        )
+      : null;
+    playback.onPause = (paused) => {
+      this.toolbar.showPause(paused);
+      bar?.show(paused);
+    };
     addEventListener("keydown", (event) => this.keyDown(event), { signal: this.life.signal });
     if (calm()) {
       playback.paused = true;
@@ -173,6 +227,9 @@ export class Visit {
 
   dispose(): void {
     this.life.abort();
+    this.undo.dispose();
+    this.sharing.dispose();
+    this.sound.dispose();
     this.film?.stop();
     this.toolbar.dispose();
     this.physics.dispose();

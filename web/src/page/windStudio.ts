@@ -24,7 +24,7 @@ const CLICK_PX = 6;
 const COVERAGE_EVERY_MS = 500;
 
 export class WindStudio {
-  private readonly field: WindField;
+  readonly field: WindField;
   private readonly overlay = new WindOverlay();
   private readonly mast = new Mast();
   private readonly instruments: Instruments;

@@ -4,9 +4,11 @@ import type { Ray } from "../core/math/groundRay";
 import type { TableMotion } from "../worker/protocol";
 import { type Form, type FormChoice, plant } from "./forms";
 import { groundHeight_m } from "./ground/landscape";
+import type { ImpostorLibrary } from "./impostors/library";
 import { placeTrees } from "./placement";
 import { leafTint } from "./season/palette";
 import type { Season } from "./season/season";
+import { CROWN_FLOATS, type Crowns } from "./sky/exposure";
 import type { View } from "./trees/drawList";
 import {
   createInstanceData,
@@ -104,6 +106,24 @@ export function placeForest(
   });
 }
 
+/** Share of a tree's height below its crown, and of the largest reach that the crown fills. */
+const TRUNK = 0.26;
+const FILLED = 0.8;
+
+function writeCrown(
+  crowns: Float32Array,
+  at: number,
+  data: Float32Array,
+  tree: number,
+  { height_m, radius_m }: TreeModel,
+): void {
+  const scale = data[tree + 6];
+  const tall = 0.5 * (1 - TRUNK) * height_m * scale;
+  const middle = data[tree + 1] + TRUNK * height_m * scale + tall;
+  crowns.set([data[tree], middle, data[tree + 2], FILLED * radius_m * scale, tall], at);
+  crowns.set(data.subarray(tree + 8, tree + 11), at + 5);
+}
+
 export class Forest {
   readonly group = new Group();
   moving: MovingGroup[] = [];
@@ -112,7 +132,10 @@ export class Forest {
   private leafless = false;
 
   /** `options` apply to the next placement. */
-  constructor(public options: SpeciesOptions) {}
+  constructor(
+    public options: SpeciesOptions,
+    private readonly impostors: ImpostorLibrary | null = null,
+  ) {}
 
   /** Shows a placement; species that stay keep their meshes and textures on the GPU. */
   show(placed: readonly PlacedSpecies[]): void {
@@ -142,6 +165,7 @@ export class Forest {
     const forest = new SpeciesForest(model, motion, instances, this.options);
     if (this.frozen) forest.freeze(true);
     forest.leafless = this.leafless;
+    forest.cards = motion && (this.impostors?.cardsFor(model, this.group, motion) ?? null);
     this.group.add(forest.group);
     return forest;
   }
@@ -190,6 +214,20 @@ export class Forest {
     };
   }
 
+  /** The crowns of all trees. */
+  get crowns(): Crowns {
+    const crowns = new Float32Array(
+      CROWN_FLOATS * this.all.reduce((sum, { forest }) => sum + forest.instances.count, 0),
+    );
+    let at = 0;
+    for (const { forest } of this.all) {
+      for (let tree = 0; tree < forest.instances.count; tree++, at += CROWN_FLOATS) {
+        writeCrown(crowns, at, forest.instances.data, tree * INSTANCE_FLOATS, forest.model);
+      }
+    }
+    return crowns;
+  }
+
   /** The tree of a kind with the largest id, which is the one in the clearing if there is one; null if none is drawn. */
   last(treeId: string): (Omit<PickedTree, "distance_m"> & { readonly moves: boolean }) | null {
     const group = this.all.find(({ asset }) => asset.id === treeId);
@@ -223,9 +261,16 @@ export class Forest {
     return this.all.reduce((sum, { forest }) => sum + forest.triangles, 0);
   }
 
-  get trees(): { moving: number; still: number } {
-    const moving = this.moving.reduce((sum, { forest }) => sum + forest.instances.count, 0);
-    return { moving, still: this.all.reduce((sum, { forest }) => sum + forest.instances.count, 0) - moving };
+  /** Numbers of trees that move and that do not; of these, `loading` have a table that is being fetched. */
+  get trees(): { moving: number; still: number; loading: number } {
+    const count = (groups: readonly MovingGroup[]) =>
+      groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
+    const still = this.all.filter(({ forest }) => !forest.motion);
+    return {
+      moving: count(this.moving),
+      still: count(still),
+      loading: count(still.filter(({ asset }) => asset.hasTable)),
+    };
   }
 
   clear(): void {

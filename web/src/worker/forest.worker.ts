@@ -29,6 +29,7 @@ let epoch = 0;
 const shown = new ShownPoses();
 let shownMethod: Method = "modal";
 let watched: TreeAt | null = null;
+let hidden = false;
 
 const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
 const problem = (title: string, hint: string) => scope.postMessage({ kind: "problem", title, hint });
@@ -99,6 +100,7 @@ function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: str
 
 function onReply(reply: Reply): void {
   if (reply.type === "shared") scope.postMessage({ kind: "shared", about: reply.about });
+  if (reply.type === "presence") scope.postMessage({ kind: "present", clients: reply.clients });
   if (reply.type === "windState")
     scope.postMessage({ kind: "sharedWind", wind: parseState(reply.state).wind });
 }
@@ -108,6 +110,7 @@ function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void 
   const next = makeSource(plan, wind, socketUrl, starts);
   source?.dispose();
   source = next;
+  if (hidden) source.hide?.(true);
   shownMethod = plan.method;
   epoch = plan.epoch;
   watched = null;
@@ -159,10 +162,18 @@ scope.onmessage = ({ data }) => {
     case "pause":
       source?.pause?.(data.paused);
       break;
+    case "retry":
+      source?.retry?.();
+      break;
+    case "hide":
+      hidden = data.hidden;
+      source?.hide?.(hidden);
+      break;
     case "watch":
       watched = data.at;
       break;
     case "advance":
+      source?.see?.(...data.viewer);
       if (data.epoch === epoch) advance(data.dt_s, data.buffers);
       break;
   }

@@ -20,13 +20,23 @@ export interface ShareRequest {
 /** Nodes for one level of detail. */
 export interface NodeLevel {
   readonly nodes: number;
-  /** Texels per tree: the first modes, then the local wind speed in m/s, padding. */
+  /** Texels per tree: the modes of this level, then the local wind speed in m/s, padding. */
   readonly quads: number;
-  readonly modes: number;
+  /** Modes of the table that this level keeps. */
+  readonly columns: Uint16Array<ArrayBuffer>;
   /** Node of this level for each node of the table. */
   readonly of: Uint16Array<ArrayBuffer>;
   /** [nodes, 3, 4 quads]: displacement in m per unit of each coordinate, zero beyond the modes. */
   readonly basis: Float32Array<ArrayBuffer>;
+}
+
+/** First sway mode of a tree of scale 1, by which trees of the background move. */
+export interface FirstSway {
+  readonly frequency_hz: number;
+  /** Relative to critical damping. */
+  readonly damping: number;
+  /** Static displacement of the tip per Pa of wind pressure. */
+  readonly tip_m_pa: number;
 }
 
 /** The part of a table that drawing needs, unpacked by the worker. */
@@ -49,6 +59,9 @@ export interface TableMotion {
   readonly primitives: readonly { name: string; kind: string; vertices: number }[];
   /** [3, modes]: mean displacement of the crown (upper 40 % of the height) per unit of each coordinate. */
   readonly crownBasis: Float32Array<ArrayBuffer>;
+  readonly sway: FirstSway;
+  /** Natural frequencies of the first coordinates, which are the oscillators' own shapes. */
+  readonly frequencies_hz: Float32Array<ArrayBuffer>;
   readonly height_m: number;
   readonly meshSha256: string;
   /** Whether the table was made from the tree in leaf or bare. */
@@ -128,10 +141,21 @@ export type ToWorker =
   | { kind: "wind"; wind: WindDocument }
   /** Stops or resumes the clock of a shared forest, for everyone. */
   | { kind: "pause"; paused: boolean }
+  /** Connects to the server at once if the connection is lost. */
+  | { kind: "retry" }
+  /** Whether nobody looks at the page. */
+  | { kind: "hide"; hidden: boolean }
   /** Selects the tree whose figures are sent with the poses. */
   | { kind: "watch"; at: TreeAt | null }
   /** Advances the forest; the buffers are returned filled. */
-  | { kind: "advance"; epoch: number; dt_s: number; buffers: Float32Array<ArrayBuffer>[] };
+  | {
+      kind: "advance";
+      epoch: number;
+      dt_s: number;
+      /** Where the viewer is, m: x and z. */
+      viewer: readonly [number, number];
+      buffers: Float32Array<ArrayBuffer>[];
+    };
 
 export type ConnectionState = "idle" | "connecting" | "live" | "lost";
 
@@ -163,5 +187,7 @@ export type FromWorker =
     }
   /** Changes that others made to a shared forest. */
   | { kind: "shared"; about: About }
+  /** Number of clients of the shared forest, this one included. */
+  | { kind: "present"; clients: number }
   | { kind: "sharedWind"; wind: WindDocument }
   | { kind: "problem"; title: string; hint: string };

@@ -44,6 +44,7 @@ const ERROR = 68;
 const PONG = 69;
 const WIND_STATE = 70;
 const CLOCK = 71;
+const PRESENCE = 74;
 
 // ---- client to server ----------------------------------------------------------------------------
 
@@ -164,13 +165,28 @@ export interface Clock {
   paused: boolean;
 }
 
+/** Number of clients of a shared forest, sent to all of them when it changes. */
+export interface Presence {
+  type: "presence";
+  clients: number;
+}
+
 /** The forest's wind and its clock (docs/formats/wind.md), after a change or on joining. */
 export interface WindStateReply {
   type: "windState";
   state: Header;
 }
 
-export type Reply = Welcome | TableChunk | Frame | Failure | Pong | WindStateReply | Clock | Shared;
+export type Reply =
+  | Welcome
+  | TableChunk
+  | Frame
+  | Failure
+  | Pong
+  | WindStateReply
+  | Clock
+  | Presence
+  | Shared;
 
 /** Encodes a server's message. */
 export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
@@ -191,6 +207,8 @@ export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
       const header = { time_s: reply.time_s, made_s: reply.made_s, paused: reply.paused };
       return encodeMessage(CLOCK, header);
     }
+    case "presence":
+      return encodeMessage(PRESENCE, { clients: reply.clients });
     case "shared":
       return encodeShared(reply);
     case "windState":
@@ -235,6 +253,9 @@ export function decodeReply(data: ArrayBuffer): Reply {
         made_s: number(header, "made_s"),
         paused: truth(header, "paused"),
       };
+    case PRESENCE:
+      only(header, "clients");
+      return { type: "presence", clients: whole(header, "clients") };
     case WIND_STATE:
       only(header, "state");
       return { type: "windState", state: textMap(header.state, "state") };

@@ -25,6 +25,8 @@ export interface ComparePage {
   candidates(): Candidate[];
   /** The current wind and its time. */
   wind(): { state: WindState; time_s: number } | null;
+  /** A comparison of this table has been computed. */
+  compared(motion: TableMotion, tracks: Tracks): void;
   closed(): void;
 }
 
@@ -163,6 +165,7 @@ export class CompareView {
       const tracks = await compare(asked, { progress: (f, w) => this.progress(f, w) }, running.signal);
       if (tracks.modes !== chosen.motion.modes)
         throw new Problem("The table has changed.", "Repeat the comparison.");
+      this.page.compared(chosen.motion, tracks);
       this.arrive(tracks);
     } catch (error) {
       if (!running.signal.aborted) this.fail(error);

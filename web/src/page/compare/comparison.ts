@@ -3,12 +3,15 @@
 import type { Forest } from "../../scene/forest";
 import type { SpeciesForest } from "../../scene/trees/speciesForest";
 import type { ForestClient } from "../forestClient";
+import { localError_m } from "../overlays/localError";
 import type { Catalogue } from "../server/catalogue";
 import type { TreePicker } from "../treePicker";
 import type { Candidate, CompareView } from "./compareView";
 
 export class Comparison {
   private view: CompareView | null = null;
+  /** Error of each node, m, by the table's hash, from the last comparison. */
+  readonly errors = new Map<string, Float32Array>();
 
   /** `busy` is called with true when the comparison opens, and with false when it closes. */
   constructor(
@@ -24,6 +27,7 @@ export class Comparison {
     this.view ??= new view.CompareView({
       candidates: () => this.forest.moving.flatMap(({ asset, forest }) => this.candidate(asset.id, forest)),
       wind: () => this.client.wind && { state: this.client.wind.state, time_s: this.client.time_s },
+      compared: (motion, tracks) => this.errors.set(motion.sha256, localError_m(motion, tracks)),
       closed: () => this.busy(false),
     });
     this.busy(true);

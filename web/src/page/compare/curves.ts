@@ -49,7 +49,7 @@ export class Curves {
       scales: { x: { time: false }, y: { distr: 3, range: [...DECADES] } },
       axes: [
         { ...AXIS, size: 28, values: (_, ticks) => ticks.map((tick) => `${tick} s`) },
-        { ...AXIS, size: 58, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} %` : "")) },
+        { ...AXIS, size: 68, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} %` : "")) },
       ],
       series: [
         { label: "time", value: (_, value) => (value === null ? "–" : `${value.toFixed(1)} s`) },

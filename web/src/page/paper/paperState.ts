@@ -56,8 +56,8 @@ export function paperWords(state: PaperState): string {
 }
 
 /** How complete the table of a tree is, and what about the paper's method. */
-export function stateWords({ motion, job }: KnownTree, state: PaperState): string {
-  const table = tableWords(motion, job);
+export function stateWords({ tree, motion, job }: KnownTree, state: PaperState): string {
+  const table = tableWords(motion, job, Boolean(tree.table_sha256));
   return motion && state.kind !== "later" ? `${table} Paper's method: ${paperWords(state)}.` : table;
 }
 

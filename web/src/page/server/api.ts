@@ -190,33 +190,3 @@ export const recordsUrl = (sha256: string) => `api/records/${sha256}`;
 export async function fetchMesh(sha256: string): Promise<ArrayBuffer> {
   return (await fetchApi(`api/meshes/${sha256}`)).arrayBuffer();
 }
-
-export interface EventHandlers {
-  change(change: TreeChange): void;
-  open(): void;
-  lost(): void;
-}
-
-const EVENTS_AGAIN_MS = 1000;
-
-/** Receives the state of every tree, then every change. Reconnects automatically; the returned function stops it. */
-export function followEvents(handlers: EventHandlers): () => void {
-  let source: EventSource | null = null;
-  let timer: ReturnType<typeof setTimeout> | undefined;
-  const connect = () => {
-    source = new EventSource("api/events");
-    source.onmessage = (event: MessageEvent<string>) => handlers.change(JSON.parse(event.data) as TreeChange);
-    source.onopen = () => handlers.open();
-    source.onerror = () => {
-      // Browsers wait seconds before reconnecting and give up after some responses, so reconnect here.
-      source?.close();
-      handlers.lost();
-      timer = setTimeout(connect, EVENTS_AGAIN_MS);
-    };
-  };
-  connect();
-  return () => {
-    clearTimeout(timer);
-    source?.close();
-  };
-}

@@ -5,7 +5,8 @@ import { type Form, kindsOf } from "../../scene/forms";
 import { readTreeModel, type TreeModel } from "../../scene/trees/mesh/treeMesh";
 import type { TableMotion } from "../../worker/protocol";
 import { displayName } from "../ui/words";
-import { fetchMesh, followEvents, type Job, Problem, type Tree, type TreeChange } from "./api";
+import { fetchMesh, type Job, Problem, type Tree, type TreeChange } from "./api";
+import { type EventStream, followEvents } from "./eventStream";
 
 export interface CatalogueEvents {
   /** Whether an upload is planted in this visitor's forest; others are listed but not loaded. */
@@ -68,16 +69,20 @@ const knownTree = ({ tree, job, asset }: Entry): KnownTree => ({ tree, job, moti
 
 export class Catalogue {
   private bareWanted = false;
+  private opened = false;
   private readonly entries = new Map<string, Entry>();
-  private readonly stop: () => void;
+  private readonly stream: EventStream;
 
   constructor(
     private readonly loadTable: (sha256: string) => Promise<TableMotion>,
     private readonly events: CatalogueEvents,
   ) {
-    this.stop = followEvents({
+    this.stream = followEvents({
       change: (change) => this.receive(change),
-      open: () => events.connected(true),
+      open: () => {
+        this.opened = true;
+        events.connected(true);
+      },
       lost: () => events.connected(false),
     });
   }
@@ -159,9 +164,14 @@ export class Catalogue {
     }
   }
 
-  /** Number of trees whose motion is still being computed. */
-  get waiting(): number {
-    return this.grown.filter(({ tree }) => tree.state === "building").length;
+  /** What is known of the server's trees, and what is still missing. */
+  get listed() {
+    const entries = [...this.grown];
+    return {
+      known: this.opened || entries.length > 0,
+      computing: entries.filter(({ tree }) => tree.state === "building").length,
+      loading: entries.filter(({ asset, leaf }) => asset.hasTable && !(asset.model && leaf.motion)).length,
+    };
   }
 
   private receive(change: TreeChange): void {
@@ -277,7 +287,12 @@ export class Catalogue {
       );
   }
 
+  /** Connects to the server at once if the connection is lost. */
+  retry(): void {
+    this.stream.retry();
+  }
+
   dispose(): void {
-    this.stop();
+    this.stream.close();
   }
 }

@@ -32,9 +32,13 @@ export interface Settings {
   season: Season;
   /** Elapsed share of the daylight: 0 before sunrise, 0.5 at noon, 1 after sunset. */
   daytime: number;
+  /** Factor of all displacements on screen; above 1 the motion is exaggerated. */
+  exaggeration: number;
   /** Leaf flutter, added by the shader to the simulated motion. */
   flutter: boolean;
   panel: boolean;
+  /** Embedded in another page: no controls but pause and a link. */
+  embed: boolean;
 }
 
 export const LIMITS = {
@@ -43,6 +47,7 @@ export const LIMITS = {
   forestSeed: { min: 0, max: 9999, step: 1 },
   poseEasing: { min: 0, max: 0.5, step: 0.005 },
   daytime: { min: 0, max: 1, step: 0.005 },
+  exaggeration: { min: 1, max: 4, step: 0.1 },
 } as const;
 
 type NumberKey = keyof typeof LIMITS;
@@ -61,8 +66,10 @@ export const DEFAULTS: Settings = {
   quality: "high",
   season: "autumn",
   daytime: 0.66,
+  exaggeration: 1,
   flutter: true,
   panel: true,
+  embed: false,
 };
 
 const NAMES: Record<NumberKey, string> = {
@@ -71,9 +78,10 @@ const NAMES: Record<NumberKey, string> = {
   forestSeed: "forest",
   poseEasing: "easing",
   daytime: "time",
+  exaggeration: "motion",
 };
 
-const FLAGS = { panel: "panel", flutter: "flutter" } as const;
+const FLAGS = { panel: "panel", flutter: "flutter", embed: "embed" } as const;
 const numberKeys = Object.keys(LIMITS) as NumberKey[];
 /** Parses "maple:0.5,poplar:0"; invalid parts are ignored. */
 function sharesFrom(text: string): Record<string, number> {
@@ -112,6 +120,7 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
     const text = given.get(FLAGS[key]);
     if (text !== null) settings[key] = text !== "0";
   }
+  if (settings.embed) settings.panel = false;
   const lookup = given.get("lookup");
   if (lookup === "worker" || lookup === "server") settings.lookup = lookup;
   const method = parseMethod(given.get("method"));

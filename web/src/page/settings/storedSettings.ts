@@ -15,7 +15,7 @@ export function remembered(defaults: Settings, store: () => Store): Settings {
     const { version, query } = kept as Record<string, unknown>;
     if (version !== VERSION || typeof query !== "string") return defaults;
     windFromQuery(query); // throws if the wind is invalid
-    return { ...settingsFromQuery(query, defaults), panel: defaults.panel };
+    return { ...settingsFromQuery(query, defaults), panel: defaults.panel, embed: false };
   } catch {
     return defaults;
   }

@@ -8,6 +8,7 @@ import { LIMITS, type Settings } from "../settings/settings";
 import { WIND_LIMITS } from "../settings/windQuery";
 import { labelInputs } from "./accessible";
 import { element, make } from "./dom";
+import { bearingFrom_deg, directionFrom_deg } from "./instruments/beaufort";
 import { UploadList } from "./uploadList";
 
 export type SettingKey = keyof Settings;
@@ -25,11 +26,13 @@ export class Panel {
   private shownSpecies = "";
   /** True during refresh(): Tweakpane reports a refresh as a change, with values clamped to the slider limits. */
   private refreshing = false;
+  private showEasing = () => {};
 
   constructor(
     private readonly settings: Settings,
     private readonly statistics: Statistics,
     playback: Playback,
+    sound: { volume: number },
     onChange: (key: SettingKey) => void,
     plant: (id: string, how: Planted | null) => void,
   ) {
@@ -48,32 +51,48 @@ export class Panel {
     );
     const motion = this.pane.addFolder({ title: "Motion" });
     motion.addBinding(playback, "speed", { label: "Speed", options: SPEEDS });
+    this.number(motion, "exaggeration", "Exaggeration", (value) => `×${value.toFixed(1)}`, false);
     motion.addButton({ title: "Pause, and one step on" }).on("click", () => playback.step());
     this.lookup(motion);
+    const loud = this.pane.addFolder({ title: "Sound", expanded: false });
+    loud.addBinding(sound, "volume", { label: "Volume", min: 0, max: 1, step: 0.05 });
     this.figures(this.pane.addFolder({ title: "Statistics", expanded: false }));
     labelInputs(element("panel"));
   }
 
-  private number(folder: FolderApi, key: keyof typeof LIMITS, label: string, format = whole): void {
+  /** `released`: the change counts only once the slider is released. */
+  private number(
+    folder: FolderApi,
+    key: keyof typeof LIMITS,
+    label: string,
+    format = whole,
+    released = true,
+  ): void {
     folder
       .addBinding(this.settings as Settings & { poseEasing: number }, key, { label, format, ...LIMITS[key] })
       .on("change", ({ last }) => {
-        if (last) this.changed(key); // the trees are placed again only when the slider is released
+        if (last || !released) this.changed(key); // trees are placed again only when the slider is released
       });
   }
 
   /** A number of the wind document; changes apply immediately. */
-  private windNumber(folder: FolderApi, key: keyof PlainWind, label: string, format = whole): void {
+  private windNumber(
+    folder: FolderApi,
+    key: keyof PlainWind,
+    label: string,
+    format = whole,
+    { shown, meant } = { shown: (value: number) => value, meant: (value: number) => value },
+  ): void {
     const { settings } = this;
     const choose = (value: number) => {
       if (!this.refreshing) settings.wind = withPlain(settings.wind, { [key]: value });
     };
     const bound = {
       get value() {
-        return withinTurn(settings.wind)[key];
+        return shown(withinTurn(settings.wind)[key]);
       },
       set value(value) {
-        choose(value);
+        choose(meant(value));
       },
     };
     folder
@@ -83,7 +102,10 @@ export class Panel {
 
   private wind(folder: FolderApi): void {
     this.windNumber(folder, "mean_speed_m_s", "Mean speed (m/s)", fine);
-    this.windNumber(folder, "direction_deg", "Blows towards (°)");
+    this.windNumber(folder, "direction_deg", "From (°, 90 is east)", whole, {
+      shown: bearingFrom_deg,
+      meant: directionFrom_deg,
+    });
     this.windNumber(folder, "gustiness", "Gustiness", (value) => value.toFixed(2));
     this.windNumber(folder, "seed", "Gust seed");
     this.choice(folder, "flutter", "Leaf flutter");
@@ -110,24 +132,37 @@ export class Panel {
     const advanced = folder.addFolder({ title: "Advanced", expanded: false });
     method.element.after(this.methodNote);
     this.methodNote.hidden = true;
-    const easing = { own: this.settings.poseEasing !== null };
-    const slider = () => {
-      advanced
-        .addBinding(this.settings as Settings & { poseEasing: number }, "poseEasing", {
-          label: "Pose easing",
-          format: (value: number) => value.toFixed(3),
-          ...LIMITS.poseEasing,
-        })
-        .on("change", () => this.changed("poseEasing"));
+    const { settings } = this;
+    const easing = {
+      get own() {
+        return settings.poseEasing !== null;
+      },
+      set own(own: boolean) {
+        if (own !== this.own) settings.poseEasing = own ? 0.05 : null;
+      },
+    };
+    let slider: BladeApi | null = null;
+    this.showEasing = () => {
+      if (easing.own === (slider !== null)) return;
+      if (slider) advanced.remove(slider);
+      slider = easing.own ? this.easingSlider(advanced) : null;
       labelInputs(element("panel"));
     };
-    advanced.addBinding(easing, "own", { label: "Custom easing" }).on("change", ({ value }) => {
-      this.settings.poseEasing = value ? 0.05 : null;
-      if (value) slider();
-      else advanced.remove(advanced.children[1]);
+    advanced.addBinding(easing, "own", { label: "Custom easing" }).on("change", () => {
+      this.showEasing();
       this.changed("poseEasing");
     });
-    if (easing.own) slider();
+    this.showEasing();
+  }
+
+  private easingSlider(folder: FolderApi): BladeApi {
+    return folder
+      .addBinding(this.settings as Settings & { poseEasing: number }, "poseEasing", {
+        label: "Pose easing",
+        format: (value: number) => value.toFixed(3),
+        ...LIMITS.poseEasing,
+      })
+      .on("change", () => this.changed("poseEasing"));
   }
 
   private choice(
@@ -197,9 +232,16 @@ export class Panel {
     labelInputs(element("panel"));
   }
 
+  /** Shows settings that were replaced, also the shares of the species. */
+  showReplaced(): void {
+    this.shownSpecies = "";
+    this.refresh();
+  }
+
   /** Shows settings that were changed elsewhere. */
   refresh(): void {
     this.refreshing = true;
+    this.showEasing();
     this.pane.refresh();
     this.refreshing = false;
   }

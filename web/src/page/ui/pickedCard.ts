@@ -22,16 +22,13 @@ export interface PickedTools {
 
 const PICTURES = { "tetrahedra.png": "Tetrahedra", "skeleton.png": "Skeleton" } as const;
 
-/** The figures as rows of label and value. Pure. */
-export function figuresInWords({
-  moves,
-  height_m,
-  tip_m,
-  extrapolationRatio,
-  record,
-}: PickedFigures): [string, string][] {
+/** The figures as rows of label and value; `loading`: whether its table is being fetched. Pure. */
+export function figuresInWords(
+  { moves, height_m, tip_m, extrapolationRatio, record }: PickedFigures,
+  loading = false,
+): [string, string][] {
   const rows: [string, string][] = [["Height", `${height_m.toFixed(1)} m`]];
-  if (!moves) return [...rows, ["Motion", "not computed yet"]];
+  if (!moves) return [...rows, ["Motion", loading ? "loading" : "not computed yet"]];
   rows.push(["Tip displacement", `${tip_m.toFixed(2)} m`]);
   rows.push(["Relative to height", `${((100 * tip_m) / height_m).toFixed(1)} %`]);
   if (extrapolationRatio !== null) {
@@ -54,7 +51,11 @@ export class PickedCard {
   private shownId = "";
   private jobId = "";
 
-  constructor(private readonly tools: PickedTools) {
+  /** `overlays` is the menu of what to draw on the tree. */
+  constructor(
+    private readonly tools: PickedTools,
+    overlays: HTMLElement,
+  ) {
     this.root.hidden = true;
     this.root.setAttribute("aria-label", "Selected tree");
     const row = make("div", "", "picked-tools");
@@ -81,7 +82,7 @@ export class PickedCard {
     const state = make("p", "", "picked-state");
     state.append(this.words, this.cancel);
     this.planted = new PlantedChoice((how) => tools.plant(this.shownId, how));
-    this.root.append(this.heading, this.list, state, this.planted.root, this.pictures, row);
+    this.root.append(this.heading, this.list, state, this.planted.root, overlays, this.pictures, row);
     for (const made of [this.cancel, ...row.querySelectorAll("button")]) made.type = "button";
     element("progress").before(this.root);
   }
@@ -100,7 +101,7 @@ export class PickedCard {
       this.heading.textContent = displayName(tree);
       void this.showPictures(tree);
     }
-    const rows = figuresInWords(figures).map(([name, value]) => {
+    const rows = figuresInWords(figures, Boolean(tree.table_sha256)).map(([name, value]) => {
       const row = make("div");
       row.append(make("dt", name), make("dd", value));
       return row;

@@ -1,4 +1,4 @@
-/** The toolbar: pause, camera views, fly-through, tree physics, accuracy check, link, photo, video, full screen. */
+/** The toolbar: pause, undo, camera views, tree physics, accuracy check, sharing, sound, photo, video, full screen. */
 import { VIEWS, type ViewName } from "../../scene/camera/viewpoints";
 import { element, make } from "./dom";
 import { type IconName, icon } from "./icons";
@@ -6,10 +6,18 @@ import { type IconName, icon } from "./icons";
 export interface Tools {
   /** Pauses the motion, or lets it go on. */
   pause(): void;
+  undo(): void;
+  redo(): void;
   view(name: ViewName): void;
   /** Starts or stops the fly-through; returns whether it is running. */
   fly(): boolean;
+  /** Makes the forest a shared one and copies its link. */
+  share(): void;
   link(): void;
+  /** Shows the code that embeds the forest in another page. */
+  embed(): void;
+  /** Turns the sound of the wind on or off; returns whether it is on. */
+  sound(): boolean;
   photo(): void;
   /** Starts or stops recording; returns whether it is recording. */
   film(): boolean;
@@ -20,6 +28,8 @@ export interface Tools {
 
 export class Toolbar {
   private readonly pause: HTMLButtonElement;
+  private readonly undo: HTMLButtonElement;
+  private readonly redo: HTMLButtonElement;
   private readonly fly: HTMLButtonElement;
   private readonly film: HTMLButtonElement;
   private readonly menu = make("div", "", "views-menu");
@@ -34,20 +44,28 @@ export class Toolbar {
     this.fillMenu(tools, views);
     this.pause = button("pause", "Pause the motion (Space)", () => tools.pause());
     this.pause.setAttribute("aria-pressed", "false");
+    this.undo = button("undo", "Undo (Ctrl+Z)", () => tools.undo());
+    this.redo = button("redo", "Redo (Ctrl+Y)", () => tools.redo());
+    this.showUndo(false, false);
     this.fly = toggle("fly", "Fly through the forest", () => tools.fly());
     this.film = toggle("film", "Record video", () => tools.film());
     this.film.hidden = !can.film;
     const full = tool("full", "Full screen");
     full.hidden = !can.fullScreen;
     full.addEventListener("click", () => void switchFullScreen());
+    element("playback").replaceChildren(this.pause);
     bar.replaceChildren(
-      this.pause,
+      this.undo,
+      this.redo,
       views,
       this.menu,
       this.fly,
       button("trees", "Tree physics", () => tools.physics()),
       button("compare", "Check accuracy", () => tools.compare()),
+      button("share", "Share this forest", () => tools.share()),
       button("link", "Copy link", () => tools.link()),
+      button("embed", "Embed code", () => tools.embed()),
+      toggle("sound", "Sound of the wind", () => tools.sound()),
       button("photo", "Save photo", () => tools.photo()),
       this.film,
       full,
@@ -95,6 +113,12 @@ export class Toolbar {
 
   showPause(paused: boolean): void {
     this.pause.setAttribute("aria-pressed", String(paused));
+  }
+
+  /** Enables what is possible. */
+  showUndo(undo: boolean, redo: boolean): void {
+    this.undo.disabled = !undo;
+    this.redo.disabled = !redo;
   }
 
   showFlight(flying: boolean): void {

@@ -26,8 +26,9 @@ export const displayName = (tree: Pick<Tree, "name" | "species">) =>
 export function tableWords(
   motion: Pick<TableMotion, "preliminary" | "linear" | "leftOut" | "foliage"> | null,
   job: Job | null,
+  loading = false,
 ): string {
-  if (!motion) return "No motion yet.";
+  if (!motion) return loading ? "Its table is being loaded." : "No motion yet.";
   if (!motion.preliminary)
     return motion.foliage === "bare" ? "Complete table, without leaves." : "Complete table.";
   const follows = isActive(job) ? "; the full table follows" : "";
@@ -53,16 +54,36 @@ export function progressLine(
   return left ? `${stage}, ${left}` : stage;
 }
 
-export function summary(trees: { moving: number; still: number }, waiting: number): string {
+/** What the summary needs to know of the server's list of trees. */
+export interface ListedTrees {
+  /** Whether the list has arrived. */
+  readonly known: boolean;
+  /** Number of trees whose motion is being computed, and of those whose files are being fetched. */
+  readonly computing: number;
+  readonly loading: number;
+}
+
+/** `still` are the trees without motion, of which `loading` only wait for their files. */
+export function summary(
+  trees: { moving: number; still: number; loading: number },
+  listed: ListedTrees,
+): string {
   if (trees.moving + trees.still === 0) {
-    return waiting > 0 ? "The first trees are being computed" : "No trees yet";
+    if (!listed.known || listed.loading > 0) return "Loading the trees";
+    return listed.computing > 0 ? "The first trees are being computed" : "No trees yet";
   }
   const moving = `${trees.moving.toLocaleString("en")} ${trees.moving === 1 ? "tree" : "trees"}`;
   if (trees.still === 0)
     return trees.moving === 1 ? `${moving}, moving` : `${moving}, each with its own simulated motion`;
-  const still = `${trees.still.toLocaleString("en")} ${trees.still === 1 ? "tree" : "trees"} not computed yet`;
-  return trees.moving > 0 ? `${moving} moving, ${still}` : still;
+  const missing = [
+    countWords(trees.still - trees.loading, "not computed yet"),
+    countWords(trees.loading, "loading"),
+  ].filter((words) => words !== "");
+  return [...(trees.moving > 0 ? [`${moving} moving`] : []), ...missing].join(", ");
 }
+
+const countWords = (count: number, state: string) =>
+  count === 0 ? "" : `${count.toLocaleString("en")} ${count === 1 ? "tree" : "trees"} ${state}`;
 
 export interface ServiceState {
   /** Whether the event stream is open. */

@@ -119,12 +119,12 @@ export class LevelMeshes {
     const { level } = this;
     const start = list.start[level];
     this.visible = Math.min(list.visible[level], texels.trees);
-    this.copy(this.seen, data, list, texels, this.visible, 1, (i) => start + i);
+    this.copy(this.seen, data, list, texels, this.visible, list.share, (i) => start + i);
     const castStart = list.castStart[level];
     this.casters = list.castersWithin(level, Number.POSITIVE_INFINITY);
     this.castersWithin = (distance_m) => list.castersWithin(level, distance_m);
     const casterAt = (i: number) => Math.min(list.casters[castStart + i], start + texels.trees - 1);
-    this.copy(this.casting, data, list, texels, this.casters, this.shadowShare, casterAt);
+    this.copy(this.casting, data, list, texels, this.casters, list.castShare, casterAt);
     for (const { mesh, caster } of this.meshes) mesh.visible = (caster ? this.casters : this.visible) > 0;
   }
 
@@ -134,11 +134,12 @@ export class LevelMeshes {
     list: DrawList,
     { first, nodes }: LevelTexels,
     count: number,
-    mostShare: number,
+    shares: Float32Array,
     placeOf: (i: number) => number,
   ): void {
     const array = buffer.array as Float32Array;
     const start = list.start[this.level];
+    const mostShare = buffer === this.casting ? this.shadowShare : 1;
     for (let i = 0; i < count; i++) {
       const place = placeOf(i);
       const tree = list.order[place];
@@ -146,7 +147,7 @@ export class LevelMeshes {
       const to = i * INSTANCE_FLOATS;
       for (let k = 0; k < INSTANCE_FLOATS; k++) array[to + k] = data[from + k];
       array[to + 3] = first + (place - start) * nodes;
-      array[to + 7] = Math.min(mostShare, list.share[tree]);
+      array[to + 7] = Math.min(mostShare, shares[tree]);
     }
     buffer.clearUpdateRanges();
     buffer.addUpdateRange(0, count * INSTANCE_FLOATS);

@@ -4,6 +4,7 @@ import type { NodeLevel, TableMotion } from "../../worker/protocol";
 import type { Bounds } from "./culling";
 import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
 import { DrawList, type View } from "./drawList";
+import { type BendNodes, bendNodes, type FarCards, fillCards } from "./farCards";
 import type { InstanceData } from "./instanceData";
 import { LevelMeshes, type LevelPart, type LevelTexels } from "./levelMeshes";
 import type { TreeModel, TreePart } from "./mesh/treeMesh";
@@ -16,6 +17,8 @@ export interface SpeciesOptions extends MaterialOptions {
   readonly maxTextureSide: number;
   /** Shared clock and amplitude of the flutter of leaves. */
   readonly flutter: { value: { x: number; y: number } };
+  /** Shared factor of all displacements on screen. */
+  readonly exaggeration: { value: number };
 }
 
 /** Buffers grow in steps of this many trees. */
@@ -49,6 +52,9 @@ export class SpeciesForest {
   private frozen = false;
   private fallen = false;
   private nodeRadius_m: Float32Array | null = null;
+  /** Impostors of distant trees, if the scene has any. */
+  cards: FarCards | null = null;
+  private readonly bend: BendNodes | null;
 
   /** Without `motion` the trees stand still. */
   constructor(
@@ -63,7 +69,9 @@ export class SpeciesForest {
       uNodes: { value: this.nodes?.target.texture ?? null },
       uNodeShift: { value: 0 },
       uFlutter: options.flutter,
+      uExaggeration: options.exaggeration,
     };
+    this.bend = motion && bendNodes(motion);
     this.parts = this.makeParts();
     this.levels = LEVEL_SHARES.map((_, level) => this.makeLevel(level));
     this.list = new DrawList(instances);
@@ -131,31 +139,44 @@ export class SpeciesForest {
     }
   }
 
+  private get exaggeration(): number {
+    return this.options.exaggeration.value;
+  }
+
   get bounds(): Bounds {
     const { height_m, radius_m } = this.model;
-    return { height_m, radius_m, reach_m: this.motion?.reach_m ?? 0 };
+    return { height_m, radius_m, reach_m: this.exaggeration * (this.motion?.reach_m ?? 0) };
   }
 
   /** Data for picking. */
   get pickable() {
-    const { instances, bounds, motion } = this;
+    const { instances, bounds, motion, exaggeration } = this;
     this.nodeRadius_m ??= motion
       ? nodeRadii(
           this.model.parts.map(({ position }) => position.array),
           motion,
         )
       : new Float32Array(0);
-    return { instances, bounds, motion, nodeRadius_m: this.nodeRadius_m };
+    return { instances, bounds, motion, exaggeration, nodeRadius_m: this.nodeRadius_m };
   }
 
   /** Selects the trees that are drawn in this view, and their level of detail. */
   select(view: View): void {
-    this.list.select(this.bounds, view);
+    const cardsFrom_m = this.cards?.from_m;
+    this.list.select(this.bounds, cardsFrom_m === undefined ? view : { ...view, cardsFrom_m });
     const texels = this.nodes?.place(this.list);
     if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
     for (let level = 0; level < LEVEL_COUNT; level++) {
       this.levels[level].fill(this.list, this.instances.data, texels?.[level] ?? ALL);
     }
+    if (texels) this.selectCards(texels);
+  }
+
+  private selectCards(texels: readonly LevelTexels[]): void {
+    const { cards, nodes, motion, bend } = this;
+    if (!cards || !nodes || !motion || !bend || !Number.isFinite(cards.from_m)) return;
+    const count = fillCards(cards, this.list, this.instances.data, texels, motion, bend);
+    cards.show(count, nodes.target.texture, nodes.shift);
   }
 
   /** Triangles of the last selection in the colour pass. */
@@ -189,6 +210,7 @@ export class SpeciesForest {
   dispose(): void {
     this.group.removeFromParent();
     this.nodes?.dispose();
+    this.cards?.dispose();
     for (const level of this.levels) level.dispose();
     for (const { moving, still } of this.parts) {
       for (const materials of [moving, still]) {

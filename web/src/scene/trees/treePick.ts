@@ -13,6 +13,8 @@ export interface PickGroup {
   /** Extent of the mesh around each node, m at scale 1. */
   readonly nodeRadius_m: Float32Array;
   readonly poses: Float32Array | null;
+  /** Factor of the displacements on screen. */
+  readonly exaggeration: number;
 }
 
 export interface PickedTree {
@@ -81,20 +83,21 @@ function ownRay(data: Float32Array, tree: number, { from, to }: Ray): Float64Arr
   );
 }
 
-/** Writes the current position of a node (tree frame) into `out`. */
+/** Writes the current position of a node (tree frame) into `out`, as drawn with this exaggeration. */
 export function nodeNow(
   motion: TableMotion,
   poses: Float32Array | null,
   tree: number,
   node: number,
   out: Float64Array,
+  exaggeration = 1,
 ): void {
   const { stride, modes, basis, rest_m } = motion;
   for (let axis = 0; axis < 3; axis++) {
     let moved = 0;
     const row = (node * 3 + axis) * stride;
     if (poses) for (let k = 0; k < modes; k++) moved += basis[row + k] * poses[tree * stride + k];
-    out[axis] = rest_m[node * 3 + axis] + moved;
+    out[axis] = rest_m[node * 3 + axis] + exaggeration * moved;
   }
 }
 
@@ -102,13 +105,13 @@ const place = new Float64Array(3);
 
 /** Distance along the ray to a tree, m. */
 function entry(group: PickGroup, tree: number, ray: Ray): number {
-  const { instances, bounds, motion, nodeRadius_m, poses } = group;
+  const { instances, bounds, motion, nodeRadius_m, poses, exaggeration } = group;
   const scale = instances.data[tree * INSTANCE_FLOATS + 6];
   const [ox, oy, oz, dx, dy, dz] = ownRay(instances.data, tree, ray);
   if (!motion) return crownEntry(bounds, ox, oy, oz, dx, dy, dz) * scale;
   let nearest = Number.POSITIVE_INFINITY;
   for (let node = 0; node < motion.nodes; node++) {
-    nodeNow(motion, poses, tree, node, place);
+    nodeNow(motion, poses, tree, node, place, exaggeration);
     const t = ballEntry(ox - place[0], oy - place[1], oz - place[2], dx, dy, dz, nodeRadius_m[node]);
     if (t < nearest) nearest = t;
   }

@@ -55,6 +55,18 @@ export class FailoverMotion implements MotionSource {
     this.stream.pause(paused);
   }
 
+  see(x: number, z: number): void {
+    this.local?.see(x, z);
+  }
+
+  retry(): void {
+    this.stream.retry();
+  }
+
+  hide(hidden: boolean): void {
+    this.stream.hide(hidden);
+  }
+
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const lost = this.stream.connection.state === "lost";
     if (lost && !this.local) {

@@ -17,6 +17,12 @@ export interface MotionSource {
   windChanged(wind: WindDocument): void;
   /** Stops or resumes the clock of a shared forest, for everyone. */
   pause?(paused: boolean): void;
+  /** Tells where the viewer is (m, world); trees far away may move with less detail. */
+  see?(x: number, z: number): void;
+  /** Connects to the server at once if the connection is lost. */
+  retry?(): void;
+  /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */
+  hide?(hidden: boolean): void;
   /** Advances and writes `poseStride(modes)` floats per tree; returns false while no poses are known. */
   advance(dt_s: number, out: readonly Float32Array[]): boolean;
   dispose(): void;

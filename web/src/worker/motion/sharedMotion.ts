@@ -10,7 +10,7 @@ import type { MotionSource } from "./motionSource";
 export interface SharedMotionOptions {
   readonly url: string;
   request(): Request;
-  /** Receives SHARED and WIND_STATE. */
+  /** Receives SHARED, WIND_STATE and PRESENCE. */
   onReply(reply: Reply): void;
   problem(title: string, hint: string): void;
 }
@@ -37,7 +37,8 @@ export class SharedMotion implements MotionSource {
       this.clockReceived_ms = performance.now();
       this.socket.arrived();
     } else if (reply.type === "windState") this.field.state = parseState(reply.state);
-    if (reply.type === "windState" || reply.type === "shared") this.options.onReply(reply);
+    if (reply.type === "windState" || reply.type === "shared" || reply.type === "presence")
+      this.options.onReply(reply);
   }
 
   get time_s(): number {
@@ -74,6 +75,20 @@ export class SharedMotion implements MotionSource {
 
   pause(paused: boolean): void {
     this.socket.send({ type: "pause", paused });
+  }
+
+  see(x: number, z: number): void {
+    this.local.see(x, z);
+  }
+
+  retry(): void {
+    this.socket.retry();
+  }
+
+  hide(hidden: boolean): void {
+    this.socket.suspend(hidden);
+    // The forest has gone on meanwhile: wait for its clock.
+    if (!hidden) this.clockReceived_ms = Number.NaN;
   }
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {

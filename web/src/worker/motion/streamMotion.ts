@@ -3,7 +3,7 @@
 import type { Method } from "../../core/motion/method";
 import { poseStride } from "../../core/motion/poseStride";
 import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
-import type { Frame, Reply, Request } from "../../core/wire/wire";
+import type { Clock, Frame, Reply, Request } from "../../core/wire/wire";
 import type { Connection, Inspection, ShareRequest, TreeAt } from "../protocol";
 import { forestRequest } from "../stream/forestRequest";
 import { ForestSocket } from "../stream/forestSocket";
@@ -27,7 +27,7 @@ export interface StreamOptions {
   readonly poseEasing: number | null;
   /** The shared forest, if any. */
   readonly share?: ShareRequest | null;
-  /** Receives SHARED and WIND_STATE. */
+  /** Receives SHARED, WIND_STATE and PRESENCE. */
   onReply?(reply: Reply): void;
   problem(title: string, hint: string): void;
 }
@@ -43,6 +43,8 @@ export class StreamMotion implements MotionSource {
   private readonly sum: PoseSum;
   private readonly timeline: PoseTimeline;
   private readonly winds: GroupWind[];
+  private paused = false;
+  private hidden = false;
 
   constructor(
     private readonly groups: readonly StreamGroup[],
@@ -59,6 +61,9 @@ export class StreamMotion implements MotionSource {
     );
     this.socket = new ForestSocket(options.url, {
       request: () => this.forestRequest(),
+      opened: () => {
+        if (!options.share && this.stopped) this.sendPause();
+      },
       reply: (reply) => this.reply(reply),
       problem: options.problem,
     });
@@ -88,9 +93,16 @@ export class StreamMotion implements MotionSource {
 
   private reply(reply: Reply): void {
     if (reply.type === "frame") this.frame(reply);
-    else if (reply.type === "clock") this.clock.update(reply);
+    else if (reply.type === "clock") this.takeClock(reply);
     else if (reply.type === "windState") this.field.state = parseState(reply.state);
-    if (reply.type === "shared" || reply.type === "windState") this.options.onReply?.(reply);
+    if (reply.type === "shared" || reply.type === "windState" || reply.type === "presence")
+      this.options.onReply?.(reply);
+  }
+
+  private takeClock(clock: Clock): void {
+    const resumes = this.clock.paused && !clock.paused;
+    this.clock.update(clock);
+    if (resumes) this.received_ms = performance.now(); // its frames follow
   }
 
   private frame(frame: Frame): void {
@@ -111,7 +123,31 @@ export class StreamMotion implements MotionSource {
   }
 
   pause(paused: boolean): void {
-    this.socket.send({ type: "pause", paused });
+    this.paused = paused;
+    this.sendPause();
+  }
+
+  private get stopped(): boolean {
+    return this.paused || this.hidden;
+  }
+
+  private sendPause(): void {
+    this.socket.send({ type: "pause", paused: this.stopped });
+  }
+
+  retry(): void {
+    this.socket.retry();
+  }
+
+  /** The server stops a forest of this page alone, which goes on later from the same pose; a shared one is left. */
+  hide(hidden: boolean): void {
+    if (this.options.share) {
+      this.socket.suspend(hidden);
+      if (!hidden) this.received_ms = Number.NaN;
+    } else if (hidden !== this.hidden) {
+      this.hidden = hidden;
+      this.sendPause();
+    }
   }
 
   get coverage(): number {

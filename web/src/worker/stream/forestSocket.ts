@@ -1,19 +1,22 @@
 /** The socket to the server: reconnects automatically, pings, and estimates the server's clock. */
+import { Backoff } from "../../core/net/backoff";
 import { decodeReply, encodeRequest, type Reply, type Request } from "../../core/wire/wire";
 import { ServerClock } from "./serverClock";
 
 export interface SocketHandlers {
   /** The request to send after every connect. */
   request(): Request;
+  /** Called after the request was sent. */
+  opened?(): void;
   reply(reply: Reply): void;
   problem(title: string, hint: string): void;
 }
 
 const PING_EVERY_MS = 1000;
-/** Short, so that the stream resumes soon after the server returns; meanwhile the local tables move the trees. */
-const RETRY_MS = { first: 250, longest: 1000 } as const;
 /** A connection without messages for this long is closed. */
 const DEAD_MS = 5000;
+/** So is one that is not established after this long. */
+const CONNECTED_WITHIN_MS = 10_000;
 
 export class ForestSocket {
   /** True after the connection was lost, until the next message. */
@@ -23,8 +26,11 @@ export class ForestSocket {
   readonly clock = new ServerClock();
   private socket: WebSocket | null = null;
   private lastMessage_ms = Number.NaN;
+  private begun_ms = Number.NaN;
   private bytes = 0;
-  private retry_ms: number = RETRY_MS.first;
+  private readonly backoff = new Backoff();
+  private waiting: ReturnType<typeof setTimeout> | null = null;
+  private suspended = false;
   private disposed = false;
   private readonly pinging = setInterval(() => this.ping(), PING_EVERY_MS);
 
@@ -36,22 +42,48 @@ export class ForestSocket {
   }
 
   private connect(): void {
+    this.waiting = null;
+    if (this.disposed || this.suspended) return;
     const socket = new WebSocket(this.url);
     this.socket = socket;
+    this.begun_ms = performance.now();
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.send({ type: "hello", client: "galewood-web" });
       this.send(this.handlers.request());
+      this.handlers.opened?.();
       this.ping();
     };
     socket.onmessage = (event: MessageEvent<ArrayBuffer>) => this.receive(event.data);
     socket.onclose = () => {
-      if (this.disposed) return;
-      this.lost = true;
+      if (this.socket !== socket) return;
+      this.socket = null;
       this.lastMessage_ms = Number.NaN;
-      setTimeout(() => !this.disposed && this.connect(), this.retry_ms);
-      this.retry_ms = Math.min(RETRY_MS.longest, this.retry_ms * 1.7);
+      if (this.disposed || this.suspended) return;
+      this.lost = true;
+      this.waiting = setTimeout(() => this.connect(), this.backoff.next_ms());
     };
+  }
+
+  /** Tries to connect at once if the connection is lost, for example because the network is back. */
+  retry(): void {
+    if (this.waiting === null) return;
+    clearTimeout(this.waiting);
+    this.backoff.reset();
+    this.connect();
+  }
+
+  /** Closes the connection until it is wanted again. */
+  suspend(suspended: boolean): void {
+    if (suspended === this.suspended) return;
+    this.suspended = suspended;
+    if (suspended) this.socket?.close();
+    else {
+      this.backoff.reset();
+      if (this.waiting !== null) clearTimeout(this.waiting);
+      this.socket = null; // it may still be closing
+      this.connect();
+    }
   }
 
   send(request: Request): void {
@@ -61,11 +93,14 @@ export class ForestSocket {
   /** Called when the requested data arrives. */
   arrived(): void {
     this.lost = false;
-    this.retry_ms = RETRY_MS.first;
+    this.backoff.reset();
   }
 
   private ping(): void {
-    if (performance.now() - this.lastMessage_ms > DEAD_MS) this.socket?.close();
+    const now_ms = performance.now();
+    const unconnected = this.socket?.readyState === WebSocket.CONNECTING;
+    if (now_ms - this.lastMessage_ms > DEAD_MS) this.socket?.close();
+    else if (unconnected && now_ms - this.begun_ms > CONNECTED_WITHIN_MS) this.socket?.close();
     this.send({ type: "ping", t: performance.now() });
     this.kB_s = this.bytes / PING_EVERY_MS;
     this.bytes = 0;
@@ -95,6 +130,7 @@ export class ForestSocket {
   dispose(): void {
     this.disposed = true;
     clearInterval(this.pinging);
+    if (this.waiting !== null) clearTimeout(this.waiting);
     this.socket?.close();
   }
 }

@@ -22,18 +22,33 @@ export function beaufort(speed_m_s: number): { force: number; name: string } {
   return { force, name: FORCES[force][0] };
 }
 
-const POINTS = ["east", "south-east", "south", "south-west", "west", "north-west", "north", "north-east"];
+const POINTS = ["north", "north-east", "east", "south-east", "south", "south-west", "west", "north-west"];
 
-/** Compass point that the wind blows towards; −z is north. */
-export function compassPoint(direction_deg: number): string {
-  const turns = direction_deg / 360;
-  return POINTS[Math.round((turns - Math.floor(turns)) * 8) % 8];
+/**
+ * The bearing that a wind comes from, as forecasts give it: 0° north, 90° east. `direction_deg` is the direction that it
+ * blows towards, from x (east) to z (south).
+ */
+export function bearingFrom_deg(direction_deg: number): number {
+  const bearing = direction_deg + 270;
+  return bearing - 360 * Math.floor(bearing / 360);
 }
 
-/** "7.0 m/s to the east: Beaufort 4, moderate breeze". */
+/** The direction of a wind that comes from a bearing. */
+export const directionFrom_deg = (bearing_deg: number): number => {
+  const direction = bearing_deg - 270;
+  return direction - 360 * Math.floor(direction / 360);
+};
+
+/** "north-westerly": compass point that the wind comes from. */
+export function windName(direction_deg: number): string {
+  return `${POINTS[Math.round(bearingFrom_deg(direction_deg) / 45) % 8]}erly`;
+}
+
+/** "North-westerly, 7 m/s: moderate breeze (Beaufort 4)". */
 export function windInWords(speed_m_s: number, direction_deg: number): string {
   const { force, name } = beaufort(speed_m_s);
-  const strength = `Beaufort ${force}, ${name}`;
+  const strength = `${name} (Beaufort ${force})`;
   if (force === 0) return `Still air: ${strength}`;
-  return `${speed_m_s.toFixed(1)} m/s to the ${compassPoint(direction_deg)}: ${strength}`;
+  const from = windName(direction_deg);
+  return `${from.charAt(0).toUpperCase()}${from.slice(1)}, ${Number(speed_m_s.toFixed(1))} m/s: ${strength}`;
 }

@@ -1,6 +1,9 @@
 /** Geometry of the wind rose: conversion between positions on the dial and winds. Pure. */
 
-export const FASTEST_M_S = 25;
+/** The strongest wind of the wind document. */
+export const FASTEST_M_S = 60;
+/** Speeds of the rings. */
+export const RINGS_M_S = [5, 15, 30, 60] as const;
 
 export interface DialWind {
   readonly direction_deg: number;
@@ -32,10 +35,13 @@ export function windAtPlace({ right, down }: DialPlace, turn_deg: number, before
   return { direction_deg: Math.round(wrap_deg(screen_deg - turn_deg)) % 360, mean_speed_m_s };
 }
 
+/** Radius of a speed on the dial, 1 at the rim. */
+export const radiusOf = (speed_m_s: number): number => Math.sqrt(Math.min(1, speed_m_s / FASTEST_M_S));
+
 /** Position of the arrow tip for a wind. */
 export function placeOfWind({ direction_deg, mean_speed_m_s }: DialWind, turn_deg: number): DialPlace {
   const angle = ((direction_deg + turn_deg) * Math.PI) / 180;
-  const radius = Math.sqrt(Math.min(1, mean_speed_m_s / FASTEST_M_S));
+  const radius = radiusOf(mean_speed_m_s);
   return { right: radius * Math.cos(angle), down: radius * Math.sin(angle) };
 }
 

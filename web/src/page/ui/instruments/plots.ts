@@ -25,8 +25,8 @@ const timeOptions: uPlot.Options = {
   },
   axes: [
     { ...AXIS, size: 26, gap: 3, values: (_, ticks) => ticks.map((tick) => `${tick} s`) },
-    { ...AXIS, scale: "speed", size: 34, values: (_, ticks) => ticks.map((tick) => `${tick}`) },
-    { ...AXIS, scale: "tip", side: 1, size: 38, stroke: "#8fd694", grid: { show: false } },
+    { ...AXIS, scale: "speed", size: 40, values: (_, ticks) => ticks.map((tick) => `${tick}`) },
+    { ...AXIS, scale: "tip", side: 1, size: 48, stroke: "#8fd694", grid: { show: false } },
   ],
   series: [
     {},
@@ -51,7 +51,7 @@ const spectrumOptions: uPlot.Options = {
       gap: 3,
       values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? `${tick} Hz` : "")),
     },
-    { ...AXIS, size: 40, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? exponent(tick) : "")) },
+    { ...AXIS, size: 46, values: (_, ticks) => ticks.map((tick) => (isDecade(tick) ? exponent(tick) : "")) },
   ],
   series: [
     {},

@@ -34,12 +34,16 @@ export function powerSpectrum(values: Float64Array, count: number, rate_hz: numb
   return { frequency_hz, power: power.map((value) => value * scale) };
 }
 
+/** Weaker bins than this share of the strongest are gaps between the waves of a model, not turbulence. */
+const WEAKEST = 1e-4;
+
 /** A line of slope −5/3, fitted to the spectrum between two frequencies. */
 export function kolmogorovLine(spectrum: PowerSpectrum, from_hz: number, to_hz: number): Float64Array {
   let sum = 0;
   let bins = 0;
+  const floor = WEAKEST * Math.max(...spectrum.power);
   spectrum.frequency_hz.forEach((f, k) => {
-    if (f < from_hz || f > to_hz || spectrum.power[k] <= 0) return;
+    if (f < from_hz || f > to_hz || spectrum.power[k] <= floor) return;
     sum += Math.log(spectrum.power[k]) + (5 / 3) * Math.log(f);
     bins++;
   });

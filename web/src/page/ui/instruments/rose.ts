@@ -1,6 +1,14 @@
 /** The wind rose: drag the arrow's end, or use the arrow keys. The dial turns with the camera. */
 import { windInWords } from "./beaufort";
-import { type DialWind, FASTEST_M_S, placeOfWind, windAfterKey, windAtPlace } from "./dial";
+import {
+  type DialWind,
+  FASTEST_M_S,
+  placeOfWind,
+  RINGS_M_S,
+  radiusOf,
+  windAfterKey,
+  windAtPlace,
+} from "./dial";
 
 const SVG = "http://www.w3.org/2000/svg";
 const RIM = 64;
@@ -21,6 +29,7 @@ function draw<K extends keyof SVGElementTagNameMap>(
 export class WindRose {
   readonly element = document.createElementNS(SVG, "svg");
   private readonly letters: SVGTextElement[];
+  private readonly labels: { label: SVGTextElement; radius: number }[];
   private readonly shaft: SVGLineElement;
   private readonly handle: SVGGElement;
   private wind: DialWind = { direction_deg: 0, mean_speed_m_s: 0 };
@@ -33,14 +42,21 @@ export class WindRose {
     svg.setAttribute("viewBox", `${-VIEW} ${-VIEW} ${2 * VIEW} ${2 * VIEW}`);
     svg.classList.add("rose");
     draw(svg, "circle", { r: RIM + 16, class: "rose-face" });
-    for (const share of [0.25, 0.5, 0.75, 1]) draw(svg, "circle", { r: share * RIM, class: "rose-ring" });
+    for (const speed_m_s of RINGS_M_S)
+      draw(svg, "circle", { r: radiusOf(speed_m_s) * RIM, class: "rose-ring" });
     this.letters = Object.keys(LETTERS).map((letter) => {
       const text = draw(svg, "text", { class: "rose-letter", "text-anchor": "middle", dy: "0.35em" });
       text.textContent = letter;
       return text;
     });
+    this.labels = RINGS_M_S.map((speed_m_s) => {
+      const label = draw(svg, "text", { class: "rose-speed", "text-anchor": "middle", dy: "0.35em" });
+      label.textContent = speed_m_s === FASTEST_M_S ? `${speed_m_s} m/s` : String(speed_m_s);
+      return { label, radius: radiusOf(speed_m_s) * RIM };
+    });
     this.shaft = draw(svg, "line", { class: "rose-shaft", x1: 0, y1: 0 });
-    this.handle = draw(svg, "g", { class: "rose-handle", tabindex: 0, role: "slider", "aria-label": "Wind" });
+    this.handle = draw(svg, "g", { class: "rose-handle", tabindex: 0, role: "slider" });
+    this.handle.setAttribute("aria-label", "Wind");
     this.handle.setAttribute("aria-valuemin", "0");
     this.handle.setAttribute("aria-valuemax", String(FASTEST_M_S));
     draw(this.handle, "circle", { r: 20, class: "rose-reach" });
@@ -82,6 +98,16 @@ export class WindRose {
     this.choose(windAtPlace({ right, down }, this.turn_deg, this.wind));
   }
 
+  /** The speeds of the rings, between two letters on the side that the arrow leaves free. */
+  private placeLabels(arrow_deg: number): void {
+    const quarters = Math.round((arrow_deg + 135 - this.turn_deg) / 90);
+    const angle = ((this.turn_deg + 45 + 90 * quarters) * Math.PI) / 180;
+    for (const { label, radius } of this.labels) {
+      label.setAttribute("x", String(radius * Math.cos(angle)));
+      label.setAttribute("y", String(radius * Math.sin(angle)));
+    }
+  }
+
   private choose(wind: DialWind): void {
     this.show(wind, this.turn_deg);
     this.changed(wind);
@@ -93,6 +119,7 @@ export class WindRose {
     this.wind = wind;
     this.turn_deg = turn_deg;
     const { right, down } = placeOfWind(wind, turn_deg);
+    this.placeLabels(wind.direction_deg + turn_deg);
     this.shaft.setAttribute("x2", String(right * RIM));
     this.shaft.setAttribute("y2", String(down * RIM));
     const place = `translate(${right * RIM} ${down * RIM}) rotate(${wind.direction_deg + turn_deg})`;

@@ -1,0 +1,62 @@
+"""The tetrahedra and the skeleton of a tree over REST."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.server.conftest import NO_CLUSTER, REPOSITORY, Server
+
+SPECIES = REPOSITORY / "assets" / "species"
+NAME = "apricot"
+
+
+@pytest.fixture
+def species(tmp_path: Path) -> Path:
+    """A folder with one built-in tree and what is shipped of it."""
+    folder = tmp_path / "species"
+    (folder / "shipped").mkdir(parents=True)
+    entries = [e for e in json.loads((SPECIES / "species.json").read_bytes()) if e["id"] == NAME]
+    (folder / "species.json").write_text(json.dumps(entries))
+    shutil.copy(SPECIES / entries[0]["file"], folder / entries[0]["file"])
+    for path in (SPECIES / "shipped").glob(f"{NAME}.*"):
+        shutil.copy(path, folder / "shipped" / path.name)
+    return folder
+
+
+def test_the_structure_is_that_of_the_build(tmp_path: Path, species: Path) -> None:
+    environment = {"GALEWOOD_BUILTIN_SPECIES": "true", "GALEWOOD_SPECIES_DIR": str(species)}
+    data_dir = tmp_path / "data"
+    data_dir.mkdir()
+    server = Server(data_dir, "galewood_server.cli.main", {**environment, **NO_CLUSTER}).start("serve")
+    try:
+        check(server, species)
+    finally:
+        server.stop()
+
+
+def check(server: Server, species: Path) -> None:
+    address = f"/api/trees/{NAME}/structure"
+    with server.client() as api:
+        report = api.get(f"/api/trees/{NAME}").json()["report"]
+        answer = api.get(address)
+        structure = answer.json()
+        with np.load(species / "shipped" / f"{NAME}.tets.npz") as kept:
+            np.testing.assert_allclose(structure["vertices_m"], kept["vertices"], atol=1e-4)
+            np.testing.assert_array_equal(structure["tets"], kept["tets"])
+        points, parent = np.array(structure["skeleton"]["points_m"]), structure["skeleton"]["parent"]
+        assert len(points) == report["skeleton"]["points"] == len(structure["skeleton"]["radius_m"])
+        assert parent[0] == -1 and all(above < at for at, above in enumerate(parent))
+        length_m = np.linalg.norm(points[1:] - points[parent[1:]], axis=1).sum()
+        assert length_m == pytest.approx(report["skeleton"]["length_m"], rel=1e-3)
+        current = api.get(address, headers={"if-none-match": answer.headers["etag"]})
+        assert current.status_code == 304
+
+        shutil.rmtree(server.data_dir / "cache")
+        missing = api.get(address)
+        assert (missing.status_code, missing.json()["code"]) == (404, "no-structure")
+        assert api.get("/api/trees/none/structure").status_code == 404

@@ -1,0 +1,171 @@
+/** Draws skeleton, tetrahedra, modes, wind or error on the picked tree, moving with it. */
+import { Group } from "three";
+import type { WindField } from "../../core/wind/wind";
+import type { Forest } from "../../scene/forest";
+import type { Stage } from "../../scene/stage";
+import { INSTANCE_FLOATS } from "../../scene/trees/instanceData";
+import type { TableMotion, TreeAt } from "../../worker/protocol";
+import { Nodes } from "../compare/bentTree";
+import type { ForestClient } from "../forestClient";
+import { Problem } from "../server/api";
+import type { KnownTree } from "../server/catalogue";
+import { type OverlayKind, OverlayMenu } from "../ui/overlayMenu";
+import {
+  type Drawing,
+  errorDrawing,
+  modeDrawing,
+  skeletonDrawing,
+  tetrahedraDrawing,
+  windDrawing,
+} from "./drawings";
+import { modesByFrequency, modeWords } from "./modes";
+import { structureOf } from "./structure";
+
+/** What the overlays need from the page. */
+export interface OverlayPage {
+  /** The picked tree. */
+  picked(): { readonly treeId: string; readonly at: TreeAt | null } | null;
+  find(treeId: string): KnownTree | null;
+  /** Error of each node of a table, m, from the last comparison; null without one. */
+  error(tableSha256: string): Float32Array | null;
+  readonly field: WindField;
+  readonly exaggeration: { readonly value: number };
+}
+
+const millimetres = (error_m: Float32Array) => Math.max(...error_m) * 1000;
+
+export class TreeOverlays {
+  readonly menu = new OverlayMenu({
+    chosen: (kind) => this.choose(kind),
+    mode: (step) => {
+      this.mode += step;
+    },
+  });
+  private readonly frame = new Group();
+  private kind: OverlayKind = "none";
+  private mode = 0;
+  private drawing: Drawing | null = null;
+  private nodes: Nodes | null = null;
+  /** What the drawing shows; another key needs another drawing. */
+  private key = "";
+  private note = "";
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly forest: Forest,
+    private readonly client: ForestClient,
+    private readonly page: OverlayPage,
+  ) {
+    stage.scene.add(this.frame);
+  }
+
+  choose(kind: OverlayKind): void {
+    this.kind = kind;
+    this.menu.show(kind, "");
+  }
+
+  /** What is drawn now: the kind, once its data have arrived. */
+  get shown(): OverlayKind {
+    return this.drawing ? this.kind : "none";
+  }
+
+  /** Per frame: makes the drawing that was chosen, and moves it with the tree. */
+  advance(step_s: number): void {
+    const picked = this.kind === "none" ? null : this.page.picked();
+    const group = picked?.at ? this.forest.moving[picked.at.group]?.forest : undefined;
+    const poses = picked?.at ? this.client.poses[picked.at.group] : undefined;
+    if (!picked?.at || !group?.motion || !poses) {
+      this.clear();
+      return;
+    }
+    const { motion, instances } = group;
+    const { tree } = picked.at;
+    this.stand(instances.data.subarray(tree * INSTANCE_FLOATS, (tree + 1) * INSTANCE_FLOATS));
+    this.prepare(picked.treeId, motion);
+    if (!this.drawing || !this.nodes) return;
+    const q = poses.subarray(tree * motion.stride, tree * motion.stride + motion.modes);
+    this.nodes.bend(q as Float32Array, this.page.exaggeration.value);
+    this.drawing.update({ moved: this.nodes.moved, time_s: this.client.time_s, step_s });
+  }
+
+  /** Places the drawing where the tree stands: x, y, z, texel, scale·cos(yaw), scale·sin(yaw), scale. */
+  private stand(data: Float32Array): void {
+    const [x, y, z, , cosine, sine, scale] = data;
+    this.frame.position.set(x, y, z);
+    this.frame.rotation.y = Math.atan2(sine, cosine);
+    this.frame.scale.setScalar(scale);
+  }
+
+  private prepare(treeId: string, motion: TableMotion): void {
+    const order = modesByFrequency(motion);
+    const at = ((this.mode % order.length) + order.length) % order.length;
+    const error_m = this.kind === "error" ? this.page.error(motion.sha256) : null;
+    const key = [treeId, motion.sha256, this.kind, this.kind === "modes" && at, error_m !== null].join(" ");
+    if (key === this.key) return;
+    this.clear();
+    this.key = key;
+    this.nodes = new Nodes(motion);
+    this.make(treeId, motion, order[at], error_m).catch((problem: unknown) => {
+      if (this.key !== key) return;
+      this.say(problem instanceof Problem ? `${problem.title}. ${problem.hint}` : String(problem));
+    });
+  }
+
+  private async make(
+    treeId: string,
+    motion: TableMotion,
+    mode: number,
+    error_m: Float32Array | null,
+  ): Promise<void> {
+    const { kind, key } = this;
+    if (kind === "wind") {
+      this.use(windDrawing(this.page.field, motion, this.frame), "");
+      return;
+    }
+    if (kind === "error") {
+      if (error_m) this.use(errorDrawing(error_m, motion), errorWords(error_m));
+      else
+        this.say("“Check accuracy” compares this tree with finite elements. Its error is shown afterwards.");
+      return;
+    }
+    const known = this.page.find(treeId);
+    if (!known) return;
+    this.say("Loading …");
+    const structure = await structureOf(known.tree);
+    if (this.key !== key) return;
+    if (kind === "skeleton")
+      this.use(skeletonDrawing(structure, motion), `${structure.points_m.length / 3} points`);
+    else if (kind === "tetrahedra")
+      this.use(tetrahedraDrawing(structure, motion), `${structure.tets.toLocaleString("en")} tetrahedra`);
+    else this.use(modeDrawing(structure, motion, mode), modeWords(motion, mode));
+  }
+
+  private use(drawing: Drawing, note: string): void {
+    this.drawing = drawing;
+    // Arrows are placed in the world, the rest in the tree's frame.
+    (this.kind === "wind" ? this.stage.scene : this.frame).add(drawing.object);
+    this.say(note);
+  }
+
+  private say(note: string): void {
+    this.note = note;
+    this.menu.show(this.kind, note);
+  }
+
+  private clear(): void {
+    this.key = "";
+    this.drawing?.object.removeFromParent();
+    this.drawing?.dispose();
+    this.drawing = null;
+    if (this.note !== "") this.say("");
+  }
+
+  dispose(): void {
+    this.clear();
+    this.frame.removeFromParent();
+  }
+}
+
+function errorWords(error_m: Float32Array): string {
+  return `White: none, red: ${millimetres(error_m).toFixed(0)} mm (root mean square against finite elements).`;
+}
