@@ -3,7 +3,7 @@
  * stream takes over with its next frame. Both use the same wind, so the jump is small; the caller blends it.
  */
 import type { WindDocument } from "../../core/wind/wind";
-import type { Inspection, TreeAt } from "../protocol";
+import type { Inspection, PullOrder, TreeAt } from "../protocol";
 import type { LocalMotion } from "./localMotion";
 import type { MotionSource } from "./motionSource";
 import type { StreamMotion } from "./streamMotion";
@@ -49,6 +49,23 @@ export class FailoverMotion implements MotionSource {
   windChanged(wind: WindDocument): void {
     this.stream.windChanged(wind);
     this.local?.windChanged();
+  }
+
+  pull(order: PullOrder): void {
+    this.source.pull(order);
+  }
+
+  letGo(hand: number): void {
+    this.stream.letGo(hand);
+    this.local?.letGo(hand);
+  }
+
+  get pulled() {
+    return this.source.pulled;
+  }
+
+  gust(x_m: number, z_m: number): void {
+    this.source.gust(x_m, z_m);
   }
 
   pause(paused: boolean): void {

@@ -1,6 +1,7 @@
 import type { WindDocument } from "../../core/wind/wind";
 /** The interface of everything that produces poses. */
-import type { Connection, Inspection, TreeAt } from "../protocol";
+import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
+import type { Pulled } from "./pulls/pulled";
 
 /** A source of poses for all groups: the tables in this browser, or the server's stream. */
 export interface MotionSource {
@@ -23,6 +24,13 @@ export interface MotionSource {
   retry?(): void;
   /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */
   hide?(hidden: boolean): void;
+  /** Begins or continues a pull. */
+  pull(order: PullOrder): void;
+  letGo(hand: number): void;
+  /** The trees that are pulled, by anyone, in the last poses. */
+  readonly pulled: readonly Pulled[];
+  /** Sends a gust front from a place, m. */
+  gust(x_m: number, z_m: number): void;
   /** Advances and writes `poseStride(modes)` floats per tree; returns false while no poses are known. */
   advance(dt_s: number, out: readonly Float32Array[]): boolean;
   dispose(): void;
