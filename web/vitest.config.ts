@@ -8,5 +8,5 @@ export default defineConfig({
   root: here(".."),
   resolve: { alias: { vitest: here("node_modules/vitest"), three: here("node_modules/three") } },
   server: { fs: { allow: [here("..")] } },
-  test: { include: ["tests/web/**/*.test.ts"], environment: "node" },
+  test: { include: ["tests/web/**/*.test.ts"], environment: "node", testTimeout: 60_000 },
 });

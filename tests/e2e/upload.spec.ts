@@ -1,6 +1,6 @@
 import type { Page } from "@playwright/test";
 import { branchedTree } from "./branchedTree";
-import { expect, forest, open, SMALL, sway_m, test } from "./forest";
+import { expect, forest, open, SMALL, test } from "./forest";
 
 const panelled = SMALL.replace("panel=0", "panel=1");
 
@@ -66,27 +66,91 @@ test("a scanned tree can be corrected before its motion is computed", async ({ p
   await dialog.getByRole("button", { name: "Discard" }).click();
 });
 
-test("an uploaded tree joins the moving forest", async ({ page }) => {
-  test.setTimeout(20 * 60_000);
-  await open(page, `${panelled.replace("trees=6", "trees=12")}&speed=12`);
-  await forest(page);
-  const buffer = Buffer.from(branchedTree());
-  await page.setInputFiles("#file", { name: "garden-tree.obj", mimeType: "model/obj", buffer });
+const garden = (comment: string) => ({
+  name: "garden-tree.obj",
+  mimeType: "model/obj",
+  buffer: Buffer.from(`# ${comment}\n${branchedTree()}`),
+});
+
+/** Uploads a tree and starts its computation; returns the dialog and the tree's id. */
+async function start(page: Page, comment: string) {
+  const uploaded = page.waitForResponse((answer) => answer.request().method() === "POST" && answer.url().endsWith("/api/trees"));
+  await page.setInputFiles("#file", garden(comment));
+  const { id } = (await (await uploaded).json()) as { id: string };
   const dialog = page.getByRole("dialog", { name: /garden/i });
   await expect(dialog.getByLabel("Height (m)")).toHaveValue(/\d/);
   await dialog.getByRole("button", { name: "Add to the forest" }).click();
-  await expect(page.getByRole("alert")).toContainText("Computing");
-  await expect(page.getByRole("progressbar", { name: /garden/i })).toBeVisible();
+  await expect(dialog.getByRole("progressbar", { name: /garden/i })).toBeVisible();
+  return { dialog, id };
+}
+
+const planted = (page: Page, id: string) => page.evaluate((tree) => window.galewood?.planted(tree) ?? -1, id);
+
+test("an upload leads its owner to it, and only its owner", async ({ page, browser }) => {
+  test.setTimeout(20 * 60_000);
+  page.setDefaultTimeout(3 * 60_000);
+  await open(page, `${panelled.replace("trees=6", "trees=12")}&speed=12`);
+  await forest(page);
+  const eye = await page.evaluate(() => window.galewood!.eye);
+  const { dialog, id } = await start(page, "mine");
+  await expect(dialog.getByText(/ left$|longer than expected$/)).toBeVisible();
+  // One of its kind stands in the clearing while it is computed.
+  await expect.poll(() => planted(page, id)).toBe(1);
   // Use a tiny viewport meanwhile: software rendering would slow down the computation of the table.
   await page.setViewportSize({ width: 64, height: 36 });
-  await page.waitForFunction(
-    () => window.galewood!.readySpecies.some((name) => /garden/i.test(name)),
-    null,
-    { timeout: 18 * 60_000, polling: 1000 },
-  );
+  await expect(dialog).toBeHidden({ timeout: 18 * 60_000 }); // it closes when the tree moves
   await page.setViewportSize({ width: 320, height: 180 });
-  await expect.poll(() => sway_m(page)).toBeGreaterThan(0.005);
+  const picked = () => page.evaluate(() => window.galewood!.pick(innerWidth / 2, innerHeight / 2)?.treeId);
+  await expect.poll(picked).toBe(id);
+  const seen = await page.evaluate(() => window.galewood!.eye);
+  expect(Math.hypot(...seen.map((at, axis) => at - eye[axis]))).toBeGreaterThan(3);
+  await expect.poll(() => page.evaluate(() => window.galewood!.picked!.tip_m)).toBeGreaterThan(1e-4); // thick and bare
+  expect(await planted(page, id)).toBe(1);
   await cancelBuilds(page); // the first table is sufficient; the others would slow down the next tests
+
+  await test.step("it is still planted after a reload, and the settings plant more of it", async () => {
+    await open(page, `${panelled.replace("trees=6", "trees=40")}&speed=12`);
+    await forest(page);
+    await expect.poll(() => planted(page, id)).toBe(1);
+    await page.setViewportSize({ width: 640, height: 480 });
+    await page.getByRole("button", { name: "Settings" }).click();
+    await page.locator("#panel").getByRole("button", { name: "Uploaded trees" }).click();
+    const choice = page.locator("#panel").getByRole("combobox", { name: /garden/i });
+    await choice.selectOption("Among the others");
+    await expect.poll(() => planted(page, id)).toBeGreaterThan(1);
+    await choice.selectOption("Only this");
+    await expect.poll(() => planted(page, id)).toBe(41);
+    await choice.selectOption("One in the clearing");
+    await expect.poll(() => planted(page, id)).toBe(1);
+  });
+
+  await test.step("another visitor has it only by a link", async () => {
+    const other = await (await browser.newContext()).newPage();
+    await open(other, `${SMALL}&speed=12`);
+    await forest(other);
+    expect(await planted(other, id)).toBe(0);
+    await open(other, `${SMALL}&speed=12&tree=${id}`);
+    await expect.poll(() => planted(other, id)).toBe(1);
+    await other.context().close();
+  });
+});
+
+test("an upload can be cancelled while it is computed", async ({ page }) => {
+  await open(page, `${panelled}&speed=5`);
+  await forest(page);
+  const { dialog, id } = await start(page, "cancelled");
+  await dialog.getByRole("button", { name: "Cancel" }).click();
+  await expect(dialog).toBeHidden();
+  // It is gone unless it had begun to move; then only its computation ends.
+  const active = async () => {
+    const { trees } = await (await page.request.get(`${process.env.BASE_URL}/api/trees`)).json();
+    const tree = trees.find((one: { id: string }) => one.id === id);
+    if (!tree) return false;
+    const { state } = await (await page.request.get(`${process.env.BASE_URL}/api/jobs/${tree.job_id}`)).json();
+    return state === "queued" || state === "running";
+  };
+  await expect.poll(active).toBe(false);
+  await expect(page.getByText(/^Cancelled/)).toBeVisible();
 });
 
 /** Cancels every build, also one that has only the records of the paper's method left. */

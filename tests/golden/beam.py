@@ -36,7 +36,7 @@ class Beam:
         wind[:, 0, 0] = wind[:, 2, 1] = self.area_m2
         squared, modes = scipy.linalg.eigh(self.stiffness, np.diag(self.mass))
         shapes = modes.T
-        exposure = Exposure(self.drag.exposed_m2, self.drag.share, self.drag.profile)
+        exposure = Exposure(self.drag.exposed_m2, self.drag.share, self.drag.profile, self.rest_m)
         load = shapes @ wind.reshape(-1, 2)
         return Oscillators(np.sqrt(squared), shapes @ self.damping @ modes, shapes, load, exposure)
 

@@ -175,8 +175,25 @@ def version_5(data: bytes) -> bytes:
     return _saved(data, {**metadata, "version": 5, "errors": errors}, "tangent.")
 
 
+def version_8(data: bytes) -> bytes:
+    """A table of this version as version 8 wrote it: no gust layer."""
+    metadata, tensors = without_gusts(read_metadata(data), load(data))
+    text = json.dumps({**metadata, "version": 8}, allow_nan=False, separators=(",", ":"))
+    return save(tensors, {"galewood": text})
+
+
+def without_gusts(metadata: dict[str, Any], tensors: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Metadata and tensors without the gust layer and its modes."""
+    fitted = metadata["modes"] - len(tensors.get("gusts.drag", ()))
+    kept = {name: tensor for name, tensor in tensors.items() if not name.startswith("gusts.")}
+    kept["modes.scale"] = np.ascontiguousarray(kept["modes.scale"][:fitted])
+    kept["nodes.basis"] = np.ascontiguousarray(kept["nodes.basis"][:, :, :fitted])
+    return {**metadata, "modes": fitted}, kept
+
+
 def _saved(data: bytes, metadata: dict[str, Any], modal: str) -> bytes:
-    former = {name: tensor for name, tensor in load(data).items() if not name.startswith("modal.drag_")}
+    metadata, tensors = without_gusts(metadata, load(data))
+    former = {name: tensor for name, tensor in tensors.items() if not name.startswith("modal.drag_")}
     renamed = {name.replace("modal.", modal, 1): tensor for name, tensor in former.items()}
     text = json.dumps(metadata, allow_nan=False, separators=(",", ":"))
     return save(renamed, {"galewood": text})
@@ -192,6 +209,7 @@ def main() -> None:
     (HERE / "pole-v6.json").write_text(json.dumps(derived) + "\n")
     (HERE / "pole-v5.safetensors").write_bytes(version_5(version_6(encode(table))))
     alone = encode(replace(table, paper=None))
+    (HERE / "pole-v8.safetensors").write_bytes(version_8(alone))
     (HERE / "pole-table.safetensors").write_bytes(alone)
     records = encode_records(table.records, hashlib.sha256(alone).hexdigest())
     (HERE / "pole-records.safetensors").write_bytes(records)

@@ -93,7 +93,7 @@ def test_hausdorff_distance_matches_brute_force() -> None:
 def test_a_sampled_wind_is_its_own_nearest_sample() -> None:
     start, end = TABLE.records.trajectory[:2].astype(int)
     track = nearest_sample(TABLE, TABLE.records.pressure_pa[start:end].astype(np.float64))
-    assert np.allclose(track, TABLE.records.pose()[start:end] * TABLE.mode_scale, atol=1e-6)
+    assert np.allclose(track, TABLE.recorded_q_m[start:end], atol=1e-6)
 
 
 def test_poses_of_the_modal_model_follow_a_sampled_run() -> None:
@@ -101,7 +101,7 @@ def test_poses_of_the_modal_model_follow_a_sampled_run() -> None:
     track, extrapolation_ratio = played(
         TABLE, TABLE.records.pressure_pa[start:end].astype(np.float64), METHODS["modal"]
     )
-    true = TABLE.records.pose()[start + 1 : end] * TABLE.mode_scale
+    true = TABLE.recorded_q_m[start + 1 : end]
     assert np.abs(track[:-1] - true).max() < 2e-3 * np.abs(true).max()
     assert 0 < extrapolation_ratio < 1.3
 

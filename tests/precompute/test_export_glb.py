@@ -97,7 +97,7 @@ def test_a_sampled_run_has_the_poses_of_the_table(table: Table) -> None:
     table = replace(table, paper=replace(table.records, metadata=named))
     q = sampled(table, "breeze")
     first, last = int(table.records.trajectory[1]), int(table.records.trajectory[2])
-    assert np.array_equal(q, table.records.pose()[first:last] * table.mode_scale.astype(np.float64))
+    assert np.array_equal(q, table.recorded_q_m[first:last])
     with pytest.raises(KeyError, match="no run"):
         sampled(table, "hurricane")
 

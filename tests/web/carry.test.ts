@@ -154,7 +154,9 @@ describe("nodes of the levels of detail", () => {
     for (const level of [...coarserNodes(table), motion.levels[0]]) {
       expect(level.of.length).toBe(motion.nodes);
       expect(Math.max(...level.of)).toBe(level.nodes - 1);
-      expect(level.modes).toBeLessThan(4 * level.quads);
+      expect(level.columns.length).toBeLessThan(4 * level.quads);
+      expect(new Set(level.columns).size).toBe(level.columns.length);
+      expect(Math.max(...level.columns)).toBeLessThan(motion.modes);
       expect(level.basis.length).toBe(level.nodes * 12 * level.quads);
     }
     expect(motion.reach_m).toBeGreaterThan(0);

@@ -25,7 +25,7 @@ const motionOf = (sha256: string, vertices = 3) =>
   ({ sha256, vertexNode: new Uint16Array(vertices) }) as unknown as TableMotion;
 
 /** A catalogue whose tables are delivered by the test. */
-function started() {
+function started(isPlanted: (id: string) => boolean = () => true) {
   const arriving = new Map<string, { resolve(motion: TableMotion): void; reject(error: Error): void }>();
   const grown: (string | null)[] = [];
   const problems: string[] = [];
@@ -33,6 +33,7 @@ function started() {
   const catalogue: Catalogue = new Catalogue(
     (sha256) => new Promise((resolve, reject) => arriving.set(sha256, { resolve, reject })),
     {
+      isPlanted,
       change: () => {},
       assetsChanged: () => grown.push(catalogue.assets[0]?.motion?.sha256 ?? null),
       recordsChanged: () => {
@@ -184,10 +185,24 @@ test("the forms of a built-in species are one kind, each upload is its own", () 
   const uploaded = { ...tree(null), id: "mine", name: "my ash", builtin: false, form: "open" as const };
   for (const one of [builtin("ash-forest", "forest"), builtin("ash", "open"), uploaded])
     handlers.change({ tree: one, job: null });
-  expect(catalogue.kinds).toEqual([
-    { id: "ash", name: "Ash" },
-    { id: "mine", name: "My ash" },
-  ]);
+  expect(catalogue.kinds).toEqual([{ id: "ash", name: "Ash" }]);
+  expect(catalogue.uploads).toEqual([{ id: "mine", name: "My ash" }]);
+});
+
+test("an upload is loaded once it is planted, and leaves the forest when it no longer is", async () => {
+  const planted = new Set<string>();
+  const { arriving, grown, settle, catalogue } = started((id) => planted.has(id));
+  handlers.change({ tree: { ...tree("full"), id: "yours", builtin: false }, job: null });
+  await settle();
+  expect([arriving.size, catalogue.assets, catalogue.known, grown]).toEqual([0, [], [], []]);
+  expect(catalogue.uploads).toHaveLength(1);
+  planted.add("yours");
+  catalogue.choose();
+  arriving.get("full")?.resolve(motionOf("full"));
+  await settle();
+  expect(grown).toEqual(["full"]);
+  planted.clear();
+  expect(catalogue.assets).toEqual([]);
 });
 
 test("the other form stands in for one that cannot be loaded", async () => {

@@ -24,7 +24,7 @@ describe("texts of the page", () => {
     const none = { moving: 0, still: 0, loading: 0 };
     expect(summary({ ...none, moving: 1 }, listed)).toBe("1 tree, moving");
     expect(summary({ ...none, moving: 300, still: 100 }, { ...listed, computing: 1 })).toBe(
-      "300 trees moving, 100 grey trees not computed yet",
+      "300 trees moving, 100 trees not computed yet",
     );
     expect(summary(none, { ...listed, computing: 3 })).toBe("The first trees are being computed");
     expect(summary(none, listed)).toBe("No trees yet");
@@ -35,9 +35,9 @@ describe("texts of the page", () => {
     const none = { moving: 0, still: 0, loading: 0 };
     expect(summary(none, listed)).toBe("Loading the trees");
     expect(summary(none, { ...listed, known: false, loading: 0 })).toBe("Loading the trees");
-    expect(summary({ moving: 0, still: 9, loading: 9 }, listed)).toBe("9 grey trees loading");
+    expect(summary({ moving: 0, still: 9, loading: 9 }, listed)).toBe("9 trees loading");
     expect(summary({ moving: 30, still: 9, loading: 1 }, listed)).toBe(
-      "30 trees moving, 8 grey trees not computed yet, 1 grey tree loading",
+      "30 trees moving, 8 trees not computed yet, 1 tree loading",
     );
   });
 

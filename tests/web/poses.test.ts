@@ -2,6 +2,7 @@ import { describe, expect, test } from "vitest";
 import { poseStride } from "../../web/src/core/motion/poseStride";
 import { levelRows, nodeLayout } from "../../web/src/scene/trees/nodes/nodeLayout";
 import { meanCrownDisplacement_m } from "../../web/src/core/motion/crownDisplacement";
+import { compressed } from "../../web/src/core/wind/pressure";
 import { CALM_BREEZE, dynamicPressure, WindField } from "../../web/src/core/wind/wind";
 import type { Frame } from "../../web/src/core/wire/wire";
 import { JumpBlend } from "../../web/src/worker/motion/blend";
@@ -126,11 +127,14 @@ describe("stream of poses", () => {
   });
 });
 
-test("wind of a group: speed at each tree's height, clamped pressure, share within the sampled range", () => {
+test.each([
+  ["clamped", true],
+  ["compressed", false],
+])("wind of a group: speed at each tree's height, %s pressure, share within the sampled range", (_, clamps) => {
   const placement = Float32Array.of(0, 0, 0, 1, 5, 3, 1, 1.3);
   const field = new WindField({ ...CALM_BREEZE, mean_speed_m_s: 8, gustiness: 0 });
   const peak_pa = dynamicPressure(7);
-  const wind = new GroupWind(placement, 10, peak_pa);
+  const wind = new GroupWind(placement, 10, peak_pa, clamps);
   wind.update(field, 3);
   const out = new Float32Array(2 * poseStride(3));
   wind.writeSpeeds(out, 3);
@@ -141,7 +145,8 @@ test("wind of a group: speed at each tree's height, clamped pressure, share with
   expect(wind.extrapolationRatioAt(0)).toBeCloseTo(dynamicPressure(out[3]) / peak_pa, 6);
   for (const tree of [0, 1]) {
     const held = Math.hypot(wind.pressureX[tree], wind.pressureZ[tree]);
-    expect(held).toBeCloseTo(Math.min(peak_pa, dynamicPressure(out[4 * tree + 3])), 3);
+    const felt = dynamicPressure(out[4 * tree + 3]);
+    expect(held).toBeCloseTo(clamps ? Math.min(peak_pa, felt) : peak_pa * compressed(felt / peak_pa), 3);
     expect(Math.atan2(wind.pressureZ[tree], wind.pressureX[tree])).toBeCloseTo(
       Math.atan2(velocityZ[tree], velocityX[tree]),
       6,

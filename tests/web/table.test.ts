@@ -1,7 +1,7 @@
 import { createHash } from "node:crypto";
 import { describe, expect, test } from "vitest";
 import { decodeRecords, poses, type Records, recordsOf } from "../../web/src/core/table/records";
-import { decodeTable, type Table, TableError } from "../../web/src/core/table/table";
+import { decodeTable, type Table, TableError, fittedModes } from "../../web/src/core/table/table";
 import { tableMotion } from "../../web/src/worker/table/tableMotion";
 import { golden, random } from "./golden";
 import { tampered } from "./tableFile";
@@ -64,22 +64,36 @@ describe("a table without records", () => {
   });
 });
 
+describe("version 8", () => {
+  test("is the same table without a gust layer", () => {
+    const former = decodeTable(golden("pole-v8.safetensors"));
+    const present = decodeTable(ALONE);
+    expect(former.modal).toEqual(present.modal);
+    expect(former.metadata.modes).toBe(fittedModes(present));
+    expect(former.gusts.step.length).toBe(0);
+  });
+});
+
 describe("versions 5 and 6", () => {
   test("hold the same table, with reach and peak pressure from their records", () => {
     const [first, second, present] = ["pole-v5", "pole-v6", "pole"].map((name) =>
       withRecords(decodeTable(golden(`${name}.safetensors`))),
     );
     expect(first).toEqual(second);
-    for (const name of ["modeScale", "nodeBasis", "nodeRest", "vertexNode"] as const) {
-      expect(second[name]).toEqual(present[name]);
-    }
+    for (const name of ["nodeRest", "vertexNode"] as const) expect(second[name]).toEqual(present[name]);
+    const fitted = fittedModes(present);
+    const all = present.metadata.modes;
+    expect(second.metadata.modes).toBe(fitted);
+    expect(second.modeScale).toEqual(present.modeScale.slice(0, fitted));
+    expect(second.nodeBasis).toEqual(present.nodeBasis.filter((_, i) => i % all < fitted));
+    expect(second.gusts.drag.length).toBe(0);
     const { dragPoint, dragShape, dragRest, ...others } = second.modal;
     expect(present.modal).toMatchObject(others);
     expect([dragPoint.length, dragShape.length, Math.max(...dragRest)]).toEqual([0, 0, 0]);
     expect(second.paper).toEqual(present.paper);
     const { reach_m, peak_pressure_pa, errors } = second.metadata;
     expect(errors).toEqual(present.metadata.errors);
-    expect(second.metadata.version).toBe(8);
+    expect(second.metadata.version).toBe(9);
     const python = JSON.parse(new TextDecoder().decode(golden("pole-v6.json")));
     expect(reach_m).toBeCloseTo(python.reach_m, 12);
     expect(peak_pressure_pa).toBeCloseTo(python.peak_pressure_pa, 10);
@@ -129,9 +143,9 @@ describe("rejects", () => {
   });
 
   test("another version, with the known ones in the message", () => {
-    for (const version of [2, 4, 9, "7"]) {
+    for (const version of [2, 4, 10, "7"]) {
       const file = tampered(FILE, (_, metadata) => Object.assign(metadata, { version }));
-      expect(() => decodeTable(file)).toThrow(`table version ${version}; this reader supports versions 5 to 8`);
+      expect(() => decodeTable(file)).toThrow(`table version ${version}; this reader supports versions 5 to 9`);
     }
     const file = tampered(RECORDS, (_, metadata) => Object.assign(metadata, { version: 2 }));
     expect(() => decodeRecords(file)).toThrow("records version 2; this reader supports version 1");

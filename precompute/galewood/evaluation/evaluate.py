@@ -20,7 +20,7 @@ from galewood.evaluation.reference_runs import ReferenceRun, ReferenceTask, read
 from galewood.evaluation.source import Source
 from galewood.evaluation.winds import unseen_winds
 from galewood.player import ModalForest, PaperForest
-from galewood.table import Table
+from galewood.table import Table, without_gusts
 from galewood.util import Array, Floats
 
 Forest = PaperForest | ModalForest
@@ -67,7 +67,7 @@ def nearest_sample(table: Table, pressure_pa: Floats) -> Floats:
     starts = records.trajectory.astype(np.int64)
     places = [np.resize(np.arange(a, b), len(pressure_pa)) for a, b in pairwise(starts.tolist())]
     gaps = [float(np.mean((records.pressure_pa[place] - pressure_pa) ** 2)) for place in places]
-    return records.pose()[places[int(np.argmin(gaps))]] * table.mode_scale.astype(np.float64)
+    return table.recorded_q_m[places[int(np.argmin(gaps))]]
 
 
 def evaluate_table(
@@ -91,6 +91,7 @@ def evaluate_table(
     that the table was made from. ``winds`` (pressures (T, 2) Pa by name) replace the
     default ones. With ``converged`` each wind is also simulated with smaller steps (`converged.py`).
     """
+    table = without_gusts(table)  # these winds are the same everywhere in the crown
     winds = winds or _winds(table, frames, strength if sway is None else 0.9, seed)
     tasks = reference_tasks(table, source, list(winds.values()), sway)
 
@@ -133,7 +134,7 @@ def compare_methods(table: Table, source: Source, reference: ReferenceRun, lead:
 
     Without the paper's records, those are the modal model and the tree at rest.
     """
-    pressure = reference.pressure_pa
+    table, pressure = without_gusts(table), reference.pressure_pa
     tracks = {method: played(table, pressure, make) for method, make in methods_of(table).items()}
     if table.paper:
         tracks["nearest-sample"] = (nearest_sample(table, pressure), 1.0)
@@ -153,7 +154,7 @@ def against_converged(
     table: Table, source: Source, reference: ReferenceRun, limit: ReferenceRun
 ) -> dict[str, Any]:
     """Largest errors over the height: of the elements' time steps, of the table, and of both together."""
-    height_m = float(table.metadata["height_m"])
+    table, height_m = without_gusts(table), float(table.metadata["height_m"])
     q, _ = played(table, reference.pressure_pa, METHODS["modal"])
     worst = {"elements": 0.0, "table": 0.0, "total": 0.0}
     for a in range(0, len(q), CHUNK):

@@ -23,7 +23,7 @@ from galewood.evaluation.winds import long_gusts
 from galewood.fem import Simulator
 from galewood.player import ModalForest
 from galewood.sampling import content_hash
-from galewood.table import Table, encode
+from galewood.table import Table, encode, without_gusts
 from galewood.util import Floats
 from galewood.wind import dynamic_pressure
 
@@ -53,6 +53,7 @@ def long_run(
 
     The result is cached under ``cache_dir``/evaluations by ``long_run_key``.
     """
+    table = without_gusts(table)
     key = long_run_key(table, source, frames=frames, sway=sway, seed=seed)
     kept = cache_dir / "evaluations" / f"{key}.json"
     if kept.exists():
@@ -138,7 +139,7 @@ def beyond(table: Table, source: Source, *, times: float = BEYOND, frames: int =
     the largest displacement of a vertex of the wood over the height, the largest extrapolation ratio,
     and the largest coordinate q left after 4 minutes of still air, m.
     """
-    forest = METHODS["modal"](table)
+    forest = METHODS["modal"](without_gusts(table))
     assert isinstance(forest, ModalForest)
     dt_s, height_m = float(table.metadata["dt_s"]), float(table.metadata["height_m"])
     peak = times * table.peak_pressure_pa

@@ -235,7 +235,8 @@ def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
 def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:
     """Raise SourceError unless each node's basis row is the mean of the rows of its vertices."""
     rows = render_basis(binding, subspace.basis).reshape(len(table.vertex_node), -1)
-    if rows.shape[1] != table.node_basis[0].size:
+    basis = table.node_basis[:, :, : table.fitted_modes]
+    if rows.shape[1] != basis[0].size:
         raise SourceError(
             "the modes computed from the simulated runs are not those of the table: build the table again"
         )
@@ -244,7 +245,7 @@ def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:
     entries = (np.ones(len(label)), (label, np.arange(len(label))))
     gather = scipy.sparse.csr_matrix(entries, shape=(len(count), len(label)))
     mean = np.asarray(gather @ rows) / np.maximum(count, 1)[:, None]
-    gap = np.abs(mean - table.node_basis.reshape(len(count), -1))[count > 0].max()
+    gap = np.abs(mean - basis.reshape(len(count), -1))[count > 0].max()
     if gap > 2e-3:
         raise SourceError(
             f"the computed modes differ from those of the table by {gap:.1g}: build the table again"

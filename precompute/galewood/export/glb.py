@@ -62,7 +62,7 @@ def sampled(table: Table, name: str) -> Floats:
     if name not in names:
         raise KeyError(f"no run {name!r} in this table; it has {', '.join(names)}")
     first, last = records.trajectory[names.index(name) : names.index(name) + 2]
-    return records.pose()[int(first) : int(last)] * table.mode_scale.astype(np.float64)
+    return table.recorded_q_m[int(first) : int(last)]
 
 
 def animated_glb(table: Table, glb: bytes, q: Floats) -> bytes:

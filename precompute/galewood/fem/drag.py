@@ -54,11 +54,12 @@ class Drag:
     def at(self, velocity_m_s: Floats, pressure_pa: Floats) -> DragLoads:
         """Drag at the velocities (N,3), m/s, in a wind whose dynamic pressure is (p_x, p_z), Pa.
 
-        The arrays of the result are overwritten by the next call.
+        ``pressure_pa`` is (2,), the same at all nodes, or (N,2). The arrays of the result are overwritten by
+        the next call.
         """
         exposed, share, profile = self._parts
-        px, pz = float(pressure_pa[0]), float(pressure_pa[1])
-        _drag(self._nodes, exposed, share, profile, velocity_m_s, px, pz, *self._loads)
+        pressure = np.ascontiguousarray(pressure_pa, np.float64).reshape(-1, 2)
+        _drag(self._nodes, exposed, share, profile, velocity_m_s, pressure, *self._loads)
         return self._loads
 
 
@@ -67,11 +68,13 @@ LEAST_PROFILE = 0.1
 
 
 @numba.njit(cache=True, nogil=True)
-def _drag(nodes, exposed, share, profile, velocity, px, pz, force, damping):  # pragma: no cover  (compiled)
-    wind_pa = math.sqrt(px * px + pz * pz)
-    x, z = (px / wind_pa, pz / wind_pa) if wind_pa > 0 else (0.0, 0.0)
+def _drag(nodes, exposed, share, profile, velocity, pressure, force, damping):  # pragma: no cover  (compiled)
+    everywhere = len(pressure) == 1
     for j in range(len(nodes)):
         i = nodes[j]
+        px, pz = pressure[0 if everywhere else i]
+        wind_pa = math.sqrt(px * px + pz * pz)
+        x, z = (px / wind_pa, pz / wind_pa) if wind_pa > 0 else (0.0, 0.0)
         speed = speed_of_pressure(share[j] * wind_pa)
         wx = speed * x - velocity[i, 0] / profile[j]
         wy = -velocity[i, 1] / profile[j]

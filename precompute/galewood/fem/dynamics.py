@@ -94,11 +94,12 @@ class Simulator:
         return self._near[1]
 
     def step(self, pressure_pa: Floats) -> None:
-        """Advance by the table's time step in a constant wind of dynamic pressure (2,) = (p_x, p_z), Pa.
+        """Advance by the table's time step in a constant wind of dynamic pressure (p_x, p_z), Pa.
 
-        Raises FloatingPointError if the solution diverges.
+        ``pressure_pa`` is (2,), the same everywhere, or (N,2), of each node. Raises FloatingPointError if the
+        solution diverges.
         """
-        self._pressure_pa = pressure_pa
+        self._pressure_pa = pressure_pa if np.ndim(pressure_pa) == 1 else pressure_pa[self._system.order]
         self._before[:] = self._u
         for _ in range(self._substeps):
             if self.model.settings.scheme == "backward-euler":

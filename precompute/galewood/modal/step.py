@@ -130,7 +130,9 @@ def advance_trees(
     extrapolation_ratio,
     batch,
 ):  # pragma: no cover  (compiled)
-    """Advance all trees by ``rate`` steps each (count,) and write the interpolated poses to q (count, r).
+    """Advance all trees by ``rate`` steps each (count,) and write the interpolated poses to q.
+
+    q is (count, r or more).
 
     ``tensors`` is from ``widened``, ``batch`` from ``working_room``; ``half_s`` is half a step, s. ``turn``
     holds cosine and sine of the yaw, the pressures (count,) are in Pa. Updates e, v (count, d), phase,
@@ -156,7 +158,7 @@ def advance_trees(
             break
     for i in range(len(phase)):
         phase[i] -= np.floor(phase[i])
-        for k in range(q.shape[1]):
+        for k in range(now.shape[1]):
             q[i, k] = before[i, k] + (now[i, k] - before[i, k]) * phase[i]
 
 

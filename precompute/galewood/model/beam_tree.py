@@ -36,8 +36,9 @@ class BeamModel:
 
     Each point of the frame is four particles: itself, and one beside it along each axis, so that particles
     hold its rotation. The shapes (k, 4n, 3) are mass-normalised, 1/√kg; load (k, 2) is the modal force per
-    Pa of wind along x and z. ``binding`` (v, 4n) moves the render vertices with the particles. The last three
-    (4n,) are the drag area without shelter, m², the share of it in shelter, and the wind profile.
+    Pa of wind along x and z. ``binding`` (v, 4n) moves the render vertices with the particles. The next three
+    (4n,) are the drag area without shelter, m², the share of it in shelter, and the wind profile; ``place_m``
+    (4n, 3) is where the points rest.
     """
 
     frequencies_hz: Floats
@@ -49,6 +50,7 @@ class BeamModel:
     exposed_area_m2: Floats
     sheltered_share: Floats
     wind_profile: Floats
+    place_m: Floats
 
     def sway_m(self, pressure_pa: float) -> float:
         """Largest displacement under a steady wind along x or z, m, for a linear response."""
@@ -101,6 +103,7 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
         _on_points(crown.exposed_area_m2),
         np.repeat(crown.drag_area_m2 / np.maximum(crown.exposed_area_m2, 1e-12), 4),
         np.repeat(np.maximum(crown.wind_profile, LEAST_PROFILE), 4),
+        np.repeat(frame.points_m, 4, axis=0),
     )
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from galewood.mesh import ImportOptions
 from galewood.pipeline import BuildOptions, build_table
-from galewood.table import Table, decode, encode
+from galewood.table import Table, decode, encode, without_gusts
 from galewood.util import write_whole
 
 OnProgress = Callable[[float, str], None]
@@ -132,4 +132,4 @@ def built(plan: Plan, notes: Notes, species: str, on_progress: OnProgress) -> tu
         )
         write_whole(path.with_suffix(".glb"), result.render_glb)
         write_whole(path, result.whole_table())
-    return decode(path.read_bytes()), path, path.with_suffix(".glb")
+    return without_gusts(decode(path.read_bytes())), path, path.with_suffix(".glb")

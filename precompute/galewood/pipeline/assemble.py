@@ -13,11 +13,14 @@ from galewood.fem import FemSettings
 from galewood.modal import ModalTensors
 from galewood.pipeline.table_settings import TableSettings
 from galewood.reduction import (
+    GustModes,
     ModalTraining,
     Nodes,
     Oscillators,
     Subspace,
     fit_smallest,
+    gust_modes,
+    gust_range,
     largest_motion_m,
     linear_motion,
     make_nodes,
@@ -30,8 +33,8 @@ from galewood.search import Compared, InternalStates, Rule, air_of, build_search
 from galewood.table import FORMAT, VERSION, Metadata, Records, Table
 from galewood.util import Array, Floats
 
-REACH_MARGIN = 1.25
-"""Allowance for motion beyond that of the training runs."""
+REACH_MARGIN = 1.5
+"""Allowance for motion beyond that of the training runs, as in pressures beyond the sampled range."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,8 @@ def assemble_first(
     ``winds_pa`` (T, 2) are the winds whose motion decides which vertices share a node.
     """
     motion = linear_motion(body, of.mass_kg, winds_pa, fem)
-    return _table(motion.modal, motion.subspace, motion.q, winds_pa, {}, of)
+    moved = Moved(motion.modal, motion.subspace, motion.q, winds_pa)
+    return _table(moved, gust_modes(body, fem), {}, of)
 
 
 def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
@@ -90,7 +94,9 @@ def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
     }
     q = [subspace.project(run.displacement_m) for run in training.runs]
     winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
-    return DefaultPart(_table(fitted.modal, subspace, q, winds_pa, errors, of), subspace)
+    moved = Moved(fitted.modal, subspace, q, winds_pa)
+    layer = gust_modes(training.body, training.scheme)
+    return DefaultPart(_table(moved, layer, errors, of), subspace)
 
 
 def assemble_records(
@@ -137,46 +143,64 @@ def assemble_table(
     return replace(default.table, paper=assemble_records(runs, winds, default, of.settings))
 
 
-def _table(
-    modal: ModalTensors,
-    subspace: Subspace,
-    q: Sequence[Floats],
-    winds_pa: Sequence[Floats],
-    errors: Metadata,
-    of: Surroundings,
-) -> Table:
-    """The table of a modal model, given its motion q (T + 1, r) under the winds that it was made from."""
-    vertex_basis = render_basis(of.mesh.binding, subspace.basis)
-    every = np.concatenate(q)
-    nodes = _nodes(vertex_basis, every, of)
+@dataclass(frozen=True)
+class Moved:
+    """A modal model, and its motion q (T + 1, r) under the winds (T, 2), Pa, that it was made from."""
+
+    modal: ModalTensors
+    subspace: Subspace
+    q: Sequence[Floats]
+    winds_pa: Sequence[Floats]
+
+    @property
+    def strengths_pa(self) -> Floats:
+        """Strengths of all winds, Pa."""
+        return np.concatenate([np.linalg.norm(wind, axis=1) for wind in self.winds_pa])
+
+
+def _table(moved: Moved, layer: GustModes, errors: Metadata, of: Surroundings) -> Table:
+    """The table of a modal model and a gust layer."""
+    modal, strengths_pa = moved.modal, moved.strengths_pa
+    most_pa = max(float(strengths_pa.max(initial=0.0)), float(modal.limits[2]))
+    typical_pa = float(np.sqrt(np.mean(np.square(strengths_pa))))
+    dt_s = float(of.description["dt_s"])
+    typical, strongest = gust_range(layer, (typical_pa, most_pa), dt_s)
+    shapes = layer.shapes.reshape(len(layer.shapes), -1, 3).transpose(1, 2, 0)
+    basis = np.concatenate([moved.subspace.basis, shapes], axis=2)
+    every = np.concatenate(moved.q)
+    q_rms = np.sqrt(np.concatenate([np.mean(every**2, axis=0), np.mean(typical**2, axis=0)]))
+    nodes = _nodes(render_basis(of.mesh.binding, basis), q_rms, of)
+    r = moved.subspace.modes
+    reach_m = _reach_m(nodes.basis[:, :, :r], every) + _reach_m(nodes.basis[:, :, r:], strongest)
     metadata: Metadata = {
         "format": FORMAT,
         "version": VERSION,
         **of.description,
-        "modes": subspace.modes,
+        "modes": basis.shape[2],
         "primitives": of.mesh.primitives,
-        "peak_pressure_pa": max(float(np.linalg.norm(wind, axis=1).max(initial=0.0)) for wind in winds_pa),
-        "reach_m": REACH_MARGIN * _reach_m(nodes, every),
+        "peak_pressure_pa": most_pa,
+        "reach_m": REACH_MARGIN * reach_m,
         "errors": {**errors, "node_rms_m": nodes.rms_error_m, "node_max_m": nodes.max_error_m},
     }
-    scale = np.full(subspace.modes, quantum(q), np.float32)
+    scale = np.full(basis.shape[2], quantum([*moved.q, strongest]), np.float32)
+    gusts = layer.tensors
     return Table(
         metadata, scale, nodes.basis, nodes.rest_m, nodes.vertex_node,
         modal.step, modal.load, modal.sway, modal.force, modal.shown, modal.pose, modal.limits,
         modal.drag_point, modal.drag_shape, modal.drag_rest,
+        gusts.place, gusts.step, gusts.load, gusts.drag,
     )  # fmt: skip
 
 
-def _nodes(vertex_basis: Floats, q: Floats, of: Surroundings) -> Nodes:
-    q_rms = np.sqrt(np.mean(q**2, axis=0))
+def _nodes(vertex_basis: Floats, q_rms: Floats, of: Surroundings) -> Nodes:
     sway_m = largest_motion_m(vertex_basis, q_rms)
     tolerance_m = min(of.settings.node_share * of.height_m, of.settings.node_sway_share * sway_m)
     return make_nodes(vertex_basis, of.mesh.vertices_m, q_rms, tolerance_m)
 
 
-def _reach_m(nodes: Nodes, q: Floats) -> float:
-    """Largest displacement of any node under the motion q (T, r), m."""
-    squared = (np.square(q @ node.T) for node in nodes.basis.astype(np.float64))
+def _reach_m(basis: Array, q: Floats) -> float:
+    """Largest displacement of any node (n, 3, r) under the motion q (T, r), m."""
+    squared = (np.square(q @ node.T) for node in basis.astype(np.float64))
     return float(np.sqrt(max((x[:, 0] + x[:, 1] + x[:, 2]).max() for x in squared)))
 
 

@@ -22,7 +22,7 @@ class ModalForest(TreeInstances):
 
     def __init__(self, modal: ModalTensors, dt_s: float, mode_scale: Singles, count: int) -> None:
         """Create ``count`` trees at rest; dt_s: table step, s; mode_scale (r,): unit of streamed q."""
-        super().__init__(count, mode_scale, dt_s)
+        super().__init__(count, mode_scale, dt_s, modal.modes)
         self._tensors, self._batch = widened(modal), working_room(modal)
         d = len(modal.step)
         self._e, self._v = np.zeros((count, d)), np.zeros((count, d))

@@ -216,7 +216,7 @@ def _find(search, state, weight, air, fx, fz):
 def _advance(
     search, dq, poses, starts, scale, rule, rate, turn, px, pz, record, weight, phase, now, before, q
 ):
-    """Advance all trees by ``rate`` steps each and write the interpolated poses to q (count, r)."""
+    """Advance all trees by ``rate`` steps each and write the interpolated poses to q (count, r or more)."""
     for i in range(len(record)):
         fx = turn[i, 0] * px[i] - turn[i, 1] * pz[i]
         fz = turn[i, 1] * px[i] + turn[i, 0] * pz[i]
@@ -227,7 +227,7 @@ def _advance(
             phase[i] -= 1.0
             steps += 1
         phase[i] -= np.floor(phase[i])
-        for k in range(len(scale)):
+        for k in range(now.shape[1]):
             q[i, k] = (before[i, k] + (now[i, k] - before[i, k]) * phase[i]) * scale[k]
 
 
@@ -272,7 +272,7 @@ class PaperForest(TreeInstances):
         pose_easing: 0..1, how fast the pose approaches that of the record found; None: the table's value.
         still_air: in still air search only records of still air, otherwise only records of moving air.
         """
-        super().__init__(count, table.mode_scale, float(table.metadata["dt_s"]))
+        super().__init__(count, table.mode_scale, float(table.metadata["dt_s"]), table.fitted_modes)
         metadata = table.records.metadata
         easing = metadata["pose_easing"] if pose_easing is None else pose_easing
         arrays = lookup_arrays(table)

@@ -7,11 +7,12 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from galewood.player.gust_layer import GustLayer
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
 from galewood.table import Table
 from galewood.util import Singles
-from galewood.wind import WindField, height_factor, limit_pressure
+from galewood.wind import Wind, WindField, compress_pressure, dynamic_pressure, height_factor, limit_pressure
 
 Method = Literal["modal", "paper"]
 """The modal reduced-order model, or the paper's state search."""
@@ -40,13 +41,18 @@ class WindDrivenTrees:
         rows = np.asarray(trees, np.float32).reshape(-1, 4)
         count = len(rows)
         self._x_m, self._z_m = rows[:, 0].astype(np.float64), rows[:, 1].astype(np.float64)
-        self._pressure_x, self._pressure_z = np.zeros(count, np.float32), np.zeros(count, np.float32)
+        self._pressure_x, self._pressure_z = np.zeros(count), np.zeros(count)
         self._height_m = float(table.metadata["height_m"]) * rows[:, 3].astype(np.float64)
-        self._peak_pa = table.peak_pressure_pa
-        self._profile: tuple[float, float] | None = None
-        self._height_factor = np.ones(count)
+        self._most_pa = table.peak_pressure_pa
+        self._strength: tuple[float, ...] | None = None
+        self._height_factor, self._peak_pa = np.ones(count), np.zeros(count)
+        self._ratio = np.zeros(count)
         self._forest = forest_of(table, count, method, pose_easing)
         self._forest.set_trees(rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3])
+        self._gusts = GustLayer(table.gusts, count) if isinstance(self._forest, ModalForest) else None
+        self._gust_modes = slice(table.fitted_modes, None)
+        if self._gusts:
+            self._most_pa = float(table.modal_limits[2])
 
     @property
     def q(self) -> Singles:
@@ -57,23 +63,31 @@ class WindDrivenTrees:
     def extrapolation_ratio(self) -> Singles:
         """(n,) sway or pressure over the largest sampled value; always 1 for the paper's state search."""
         forest = self._forest
-        return (
-            forest.extrapolation_ratio
-            if isinstance(forest, ModalForest)
-            else np.ones(len(self._x_m), np.float32)
-        )
+        if not isinstance(forest, ModalForest):
+            return np.ones(len(self._x_m), np.float32)
+        return np.maximum(forest.extrapolation_ratio, self._ratio).astype(np.float32)
 
     def step(self, field: WindField, time_s: float, dt_s: float) -> None:
         """Advance by dt_s seconds in the wind at time_s, the end of the step."""
-        wind = field.at(time_s).wind
-        self._set_profile(wind.height_exponent, wind.reference_height_m)
+        self._set_strength(field.at(time_s).wind)
         out = (self._pressure_x, self._pressure_z)
         field.pressure(self._x_m, self._z_m, time_s, *out, self._height_factor)
-        limit_pressure(*out, self._peak_pa)
-        self._forest.advance(dt_s, self._pressure_x, self._pressure_z)
+        if self._gusts:
+            compress_pressure(*out, self._peak_pa, self._most_pa, self._ratio)
+            q = self._forest.q[:, self._gust_modes]
+            self._gusts.advance(field, time_s, self._forest.stepping(dt_s), *out, q)
+        else:
+            limit_pressure(*out, self._most_pa)
+        self._forest.advance(dt_s, *out)
 
-    def _set_profile(self, exponent: float, reference_height_m: float) -> None:
-        """Update the height factors if the wind profile has changed."""
-        if self._profile != (exponent, reference_height_m):
-            self._profile = (exponent, reference_height_m)
-            self._height_factor = height_factor(self._height_m, exponent, reference_height_m)
+    def _set_strength(self, wind: Wind) -> None:
+        """Update the height factors and the pressures of the strongest gusts if the wind has changed."""
+        strength = (
+            wind.height_exponent, wind.reference_height_m, wind.mean_speed_m_s, wind.gustiness,
+        )  # fmt: skip
+        if self._strength == strength:
+            return
+        self._strength = strength
+        exponent, reference_height_m, mean_m_s, gustiness = strength
+        self._height_factor = height_factor(self._height_m, exponent, reference_height_m)
+        self._peak_pa = dynamic_pressure(mean_m_s * (1.0 + gustiness) * self._height_factor)

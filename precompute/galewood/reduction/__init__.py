@@ -1,5 +1,6 @@
 """Model order reduction; in: training runs; out: POD basis, fitted modal model, render nodes."""
 
+from galewood.reduction.gust_layer import GustModes, gust_modes, gust_range
 from galewood.reduction.linear import LinearMotion, linear_motion
 from galewood.reduction.nodes import Nodes, largest_motion_m, make_nodes, render_basis
 from galewood.reduction.oscillators import Exposure, Oscillators, oscillators_of
@@ -10,6 +11,7 @@ from galewood.reduction.wind_scale import TrainingWinds, training_winds
 __all__ = [
     "Exposure",
     "Fitted",
+    "GustModes",
     "LinearMotion",
     "ModalTraining",
     "Nodes",
@@ -18,6 +20,8 @@ __all__ = [
     "Subspace",
     "TrainingWinds",
     "fit_smallest",
+    "gust_modes",
+    "gust_range",
     "largest_motion_m",
     "linear_motion",
     "make_nodes",

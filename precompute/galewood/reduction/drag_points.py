@@ -39,7 +39,7 @@ def drag_points(own: Oscillators, speed: Floats) -> DragPoints:
     # A node's force acts on the oscillators by its displacement, not by that over the profile.
     area = own.exposure.area_m2[nodes] * profile
     count = min(POINTS_FEW if d <= FEW_OSCILLATORS else POINTS_MANY, len(nodes))
-    cluster = _clusters((motion * speed).reshape(len(nodes), -1), area, count)
+    cluster = clusters((motion * speed).reshape(len(nodes), -1), area, count)
     count = int(cluster.max()) + 1
     point, shape, rest = np.zeros((count, 2)), np.zeros((3, count, d)), np.zeros(d)
     for j in range(count):
@@ -52,7 +52,7 @@ def drag_points(own: Oscillators, speed: Floats) -> DragPoints:
     return DragPoints(point.astype(np.float32), shape.astype(np.float32), rest.astype(np.float32))
 
 
-def _clusters(places: Floats, weight: Floats, count: int) -> Array:
+def clusters(places: Floats, weight: Floats, count: int) -> Array:
     """Cluster (n,) of each place (n, k): k-means (Lloyd), begun at places far from each other."""
     first = np.argmax(weight * np.square(places).sum(axis=1))
     centres = [places[first]]

@@ -8,7 +8,7 @@ orthogonal decomposition (POD); the model is projected on the result and diagona
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -36,6 +36,7 @@ class Exposure:
     area_m2: Floats  # (n,) without shelter
     share: Floats  # (n,) drag area with shelter over that without
     profile: Floats  # (n,) wind speed over that at the top
+    place_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))  # (n, 3) at rest, m
 
 
 NOT_EXPOSED = Exposure(np.zeros(0), np.ones(0), np.ones(0))
@@ -65,9 +66,8 @@ def oscillators_of(model: FemModel, count: int = NATURAL_MODES) -> Oscillators:
     load = np.einsum("kni,n->ki", shapes[:, :, [0, 2]], model.drag_area_m2)
     of_vertices = shapes[:, : model.vertex_count].reshape(len(shapes), -1)
     drag = model.drag()
-    exposure = Exposure(
-        *(values[: model.vertex_count] for values in (drag.exposed_m2, drag.share, drag.profile))
-    )
+    parts = (drag.exposed_m2, drag.share, drag.profile, model.nodes_m + model.u_rest)
+    exposure = Exposure(*(values[: model.vertex_count] for values in parts))
     return Oscillators(2 * np.pi * modes.frequencies_hz, damping, of_vertices, load, exposure)
 
 

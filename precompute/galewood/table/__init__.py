@@ -1,7 +1,7 @@
 """The table file format: encodes a Table to bytes and decodes it again; the paper's records are optional."""
 
 from galewood.table.container import Foliage, Metadata, TableError, foliage_of, read_metadata
-from galewood.table.format import FORMAT, VERSION, Table, decode, encode, with_records
+from galewood.table.format import FORMAT, VERSION, Table, decode, encode, with_records, without_gusts
 from galewood.table.records import Records, encode_records, poses
 
 __all__ = [
@@ -19,4 +19,5 @@ __all__ = [
     "poses",
     "read_metadata",
     "with_records",
+    "without_gusts",
 ]

@@ -42,13 +42,14 @@ from galewood.table.records import (
 )
 
 if TYPE_CHECKING:
-    from galewood.modal import ModalTensors
+    from galewood.modal import GustTensors, ModalTensors
 
 FORMAT = "galewood-table"
-VERSION = 8
-READABLE = (5, 6, 7, 8)
+VERSION = 9
+READABLE = (5, 6, 7, 8, 9)
 MAX_DYNAMIC = 64
 MAX_DRAG_POINTS = 32
+MAX_GUST_PLACES, MAX_GUST_OSCILLATORS = 32, 64
 
 
 @dataclass(frozen=True)
@@ -65,11 +66,15 @@ class Table:
     modal_sway: npt.NDArray[np.float32]  # (2, d)
     modal_force: npt.NDArray[np.float32]  # (44 + 6c, d)
     modal_shown: npt.NDArray[np.float32]  # (d,)
-    modal_pose: npt.NDArray[np.float32]  # (d + 9 + 2c, r - d)
+    modal_pose: npt.NDArray[np.float32]  # (d + 9 + 2c, r - L - d)
     modal_limits: npt.NDArray[np.float32]  # (3 + 2c,)
     modal_drag_point: npt.NDArray[np.float32]  # (m, 2)
     modal_drag_shape: npt.NDArray[np.float32]  # (3, m, d)
     modal_drag_rest: npt.NDArray[np.float32]  # (d,)
+    gust_place: npt.NDArray[np.float32]  # (G, 3); gust_*: see galewood.modal.GustTensors
+    gust_step: npt.NDArray[np.float32]  # (L, 6)
+    gust_load: npt.NDArray[np.float32]  # (L, 2G)
+    gust_drag: npt.NDArray[np.float32]  # (L,)
     paper: Records | None = None
     """Records of the paper's state search, if the table has them."""
 
@@ -85,11 +90,31 @@ class Table:
         )  # fmt: skip
 
     @property
+    def gusts(self) -> GustTensors:
+        """Tensors of the gust layer."""
+        from galewood.modal import GustTensors  # loads numba
+
+        return GustTensors(self.gust_place, self.gust_step, self.gust_load, self.gust_drag)
+
+    @property
+    def fitted_modes(self) -> int:
+        """r − L: the modes of the modal model and of the paper's records; the last L are the gust layer's."""
+        return int(self.metadata["modes"]) - len(self.gust_step)
+
+    @property
     def records(self) -> Records:
         """Records of the paper's state search. Raises TableError if the table has none."""
         if self.paper is None:
             raise TableError("this table has no records of the paper's state search")
         return self.paper
+
+    @property
+    def recorded_q_m(self) -> npt.NDArray[np.float64]:
+        """(z, r) poses of the records, m; they have no gusts. Raises TableError if the table has none."""
+        q = np.zeros((len(self.records.dq), int(self.metadata["modes"])))
+        fitted = self.fitted_modes
+        q[:, :fitted] = self.records.pose() * self.mode_scale[:fitted].astype(np.float64)
+        return q
 
     @property
     def peak_pressure_pa(self) -> float:
@@ -117,7 +142,26 @@ TENSORS: Layout = {
     "modal.drag_point": ("modal_drag_point", np.float32, 2),
     "modal.drag_shape": ("modal_drag_shape", np.float32, 3),
     "modal.drag_rest": ("modal_drag_rest", np.float32, 1),
+    "gusts.place": ("gust_place", np.float32, 2),
+    "gusts.step": ("gust_step", np.float32, 2),
+    "gusts.load": ("gust_load", np.float32, 2),
+    "gusts.drag": ("gust_drag", np.float32, 1),
 }
+
+
+def without_gusts(table: Table) -> Table:
+    """The table without its gust layer: only the modes that one pressure per tree moves."""
+    fitted = table.fitted_modes
+    return replace(
+        table,
+        metadata={**table.metadata, "modes": fitted},
+        mode_scale=table.mode_scale[:fitted],
+        node_basis=np.ascontiguousarray(table.node_basis[:, :, :fitted]),
+        gust_place=table.gust_place[:0],
+        gust_step=table.gust_step[:0],
+        gust_load=table.gust_load[:0, :0],
+        gust_drag=table.gust_drag[:0],
+    )
 
 
 def encode(table: Table) -> bytes:
@@ -145,7 +189,7 @@ def decode(data: bytes, records: bytes | None = None) -> Table:
     table = Table(metadata, **fields(tensors, TENSORS))
     check(table)
     if paper is not None:
-        return replace(table, paper=read_records(paper, tensors, int(metadata["modes"])))
+        return replace(table, paper=read_records(paper, tensors, table.fitted_modes))
     return with_records(table, records, hashlib.sha256(data).hexdigest()) if records else table
 
 
@@ -153,7 +197,7 @@ def with_records(table: Table, records: bytes, table_sha256: str) -> Table:
     """The table with the records of a file that was made for it. Raises TableError."""
     paper, belongs_to = decode_records(records)
     need(belongs_to == table_sha256, "these records belong to another table")
-    check_records(paper, int(table.metadata["modes"]))
+    check_records(paper, table.fitted_modes)
     return replace(table, paper=paper)
 
 
@@ -164,7 +208,7 @@ def check(table: Table) -> None:
     _check_numbers(table)
     _check_modal(table)
     if table.paper is not None:
-        check_records(table.paper, int(table.metadata["modes"]))
+        check_records(table.paper, table.fitted_modes)
 
 
 def check_metadata(metadata: Metadata) -> None:
@@ -193,8 +237,14 @@ def _check_shapes(table: Table) -> None:
 
     r, n = int(table.metadata["modes"]), len(table.node_rest_m)
     vertices = sum(int(p["vertices"]) for p in table.metadata["primitives"])
-    d = len(table.modal_step)
-    most = min(MAX_DYNAMIC, r)
+    d, oscillators, places = len(table.modal_step), len(table.gust_step), len(table.gust_place)
+    need(
+        oscillators <= MAX_GUST_OSCILLATORS,
+        f"tensor gusts.step: expected at most {MAX_GUST_OSCILLATORS} rows",
+    )
+    need(places <= MAX_GUST_PLACES, f"tensor gusts.place: expected at most {MAX_GUST_PLACES} rows")
+    fitted = r - oscillators
+    most = min(MAX_DYNAMIC, fitted)
     need(2 <= d <= most, f"tensor modal.step: expected 2..{most} rows")
     c, odd = divmod(len(table.modal_limits) - 3, 2)
     need(not odd and 0 <= c <= d - 2, f"tensor modal.limits: expected 3, 5, … {2 * d - 1} numbers")
@@ -210,11 +260,15 @@ def _check_shapes(table: Table) -> None:
         "modal.sway": (2, d),
         "modal.force": (force_terms(c), d),
         "modal.shown": (d,),
-        "modal.pose": (d + 2 + shape_terms(c), r - d),
+        "modal.pose": (d + 2 + shape_terms(c), fitted - d),
         "modal.limits": (3 + 2 * c,),
         "modal.drag_point": (m, 2),
         "modal.drag_shape": (3, m, d),
         "modal.drag_rest": (d,),
+        "gusts.place": (places, 3),
+        "gusts.step": (oscillators, 6),
+        "gusts.load": (oscillators, 2 * places),
+        "gusts.drag": (oscillators,),
     }
     check_shapes(table, TENSORS, expected)
 
@@ -235,8 +289,14 @@ def _check_modal(table: Table) -> None:
         (area >= 0).all() and (share >= 0).all() and (share <= 1).all() and bool(area.any() or not len(area))
     )
     need(bool(inside), "tensor modal.drag_point: expected areas of at least 0, not all 0, and shares in 0..1")
-    step = table.modal_step.astype(np.float64)
-    r00, r01, r10, r11 = 1.0 + step[:, 0], step[:, 1], step[:, 2], 1.0 + step[:, 3]
+    need(bool((table.gust_drag >= 0).all()), "tensor gusts.drag: negative")
+    for name, step in (("modal.step", table.modal_step), ("gusts.step", table.gust_step)):
+        need(_contracts(step), f"tensor {name}: an oscillator that does not come to rest")
+
+
+def _contracts(step: npt.NDArray[np.float32]) -> bool:
+    """Whether all steps (k, 6) contract."""
+    wide = step.astype(np.float64)
+    r00, r01, r10, r11 = 1.0 + wide[:, 0], wide[:, 1], wide[:, 2], 1.0 + wide[:, 3]
     product = r00 * r11 - r01 * r10
-    contracts = (np.abs(product) < 1.0) & (np.abs(r00 + r11) < 1.0 + product)
-    need(bool(contracts.all()), "tensor modal.step: an oscillator that does not come to rest")
+    return bool(((np.abs(product) < 1.0) & (np.abs(r00 + r11) < 1.0 + product)).all())

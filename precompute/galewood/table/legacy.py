@@ -22,13 +22,15 @@ REACH_MARGIN = 1.25
 
 
 def upgraded(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Metadata, dict[str, Array]]:
-    """Metadata and tensors of a file of version 5, 6 or 7 in the layout of version 8."""
+    """Metadata and tensors of a file of version 5 to 8 in the layout of version 9."""
     if metadata.get("version") == 5:
         metadata, tensors = _from_version_5(metadata, tensors)
     if metadata.get("version") == 6:
         metadata = _from_version_6(metadata, tensors)
     if metadata.get("version") == 7:
         metadata, tensors = {**metadata, "version": 8}, tensors | _without_drag(tensors)
+    if metadata.get("version") == 8:
+        metadata, tensors = {**metadata, "version": 9}, tensors | _without_gusts()
     return metadata, tensors
 
 
@@ -40,6 +42,12 @@ def _without_drag(tensors: dict[str, Array]) -> dict[str, Array]:
         "modal.drag_shape": np.zeros((3, 0, d), np.float32),
         "modal.drag_rest": np.zeros(d, np.float32),
     }
+
+
+def _without_gusts() -> dict[str, Array]:
+    """The tensors that version 9 added: no gust layer, so each tree feels one pressure."""
+    shapes = {"place": (0, 3), "step": (0, 6), "load": (0, 0), "drag": (0,)}
+    return {f"gusts.{name}": np.zeros(shape, np.float32) for name, shape in shapes.items()}
 
 
 def _from_version_5(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Metadata, dict[str, Array]]:

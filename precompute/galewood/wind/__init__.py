@@ -11,12 +11,14 @@ from galewood.wind.presets import PRESETS
 from galewood.wind.transition import WindState, change_wind, parse_wind_or_state
 
 if TYPE_CHECKING:
+    from galewood.wind.crown import crown_carried, crown_field, write_gusts
     from galewood.wind.evaluation import wind_pressure
     from galewood.wind.field import WindField
     from galewood.wind.pressure import (
         HALF_AIR_DENSITY_KG_M3,
         STREAMLINED_EXPONENT,
         STREAMLINING_SPEED_M_S,
+        compress_pressure,
         dynamic_pressure,
         height_factor,
         limit_pressure,
@@ -30,6 +32,7 @@ _PRESSURE = (
     "HALF_AIR_DENSITY_KG_M3",
     "STREAMLINED_EXPONENT",
     "STREAMLINING_SPEED_M_S",
+    "compress_pressure",
     "dynamic_pressure",
     "height_factor",
     "limit_pressure",
@@ -42,6 +45,7 @@ __getattr__ = lazily(
     __name__,
     {
         "WindField": "galewood.wind.field",
+        **dict.fromkeys(("crown_carried", "crown_field", "write_gusts"), "galewood.wind.crown"),
         "wind_pressure": "galewood.wind.evaluation",
         **dict.fromkeys(_PRESSURE, "galewood.wind.pressure"),
     },
@@ -57,6 +61,9 @@ __all__ = [
     "WindField",
     "WindState",
     "change_wind",
+    "compress_pressure",
+    "crown_carried",
+    "crown_field",
     "dynamic_pressure",
     "height_factor",
     "limit_pressure",
@@ -67,4 +74,5 @@ __all__ = [
     "speed_of_pressure",
     "to_tree_frame",
     "wind_pressure",
+    "write_gusts",
 ]

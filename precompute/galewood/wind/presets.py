@@ -39,8 +39,8 @@ PRESETS: dict[str, Wind] = {
     "storm-front": Wind(
         mean_speed_m_s=18.0,
         gustiness=0.9,
-        convection_speed_m_s=20.0,
+        convection_speed_m_s=18.0,
         model="navier-stokes",
-        length_scale_m=40.0,
+        length_scale_m=34.0,
     ),
 }

@@ -75,6 +75,44 @@ def sampled_peak_pa(sample_pressure_pa: npt.NDArray[np.float32]) -> float:
     return float(np.sqrt(np.max(np.sum(np.square(sample_pressure_pa, dtype=np.float64), axis=1))))
 
 
+COMPRESSION = 0.25
+"""Pressures beyond the sampled range are compressed: 2 times the range to 1.40, 5 times to 1.71."""
+
+
+@numba.njit(cache=True, nogil=True)
+def compressed(ratio):  # pragma: no cover  (compiled)
+    """Pressure over the strongest sampled one, compressed where it is above 1: it grows with the logarithm.
+
+    Value and slope are continuous, and stronger wind always moves a tree farther.
+    """
+    if ratio <= 1.0:
+        return ratio
+    return 1.0 + COMPRESSION * math.log(1.0 + (ratio - 1.0) / COMPRESSION)
+
+
+@numba.njit(cache=True, nogil=True)
+def compress_pressure(
+    pressure_x: Array, pressure_z: Array, peak: Floats, most_pa: float, ratio: Array
+) -> None:  # pragma: no cover  (compiled)
+    """Compress pressures in place to the range of a table whose strongest sampled pressure is most_pa.
+
+    A wind whose gusts exceed the range is scaled as a whole, by what its strongest gust, ``peak`` (n,) Pa,
+    requires: if only the gusts were compressed, a storm would sway trees less than a breeze. What exceeds
+    even that gust is compressed in turn. Writes the pressure before over most_pa to ``ratio`` (n,).
+    """
+    for i in range(len(pressure_x)):
+        strength = math.sqrt(float(pressure_x[i]) ** 2 + float(pressure_z[i]) ** 2) / most_pa
+        ratio[i] = strength
+        strongest = max(peak[i] / most_pa, 1.0)
+        most = compressed(strongest)
+        scale = most / strongest
+        if strength > strongest:
+            scale = most * compressed(strength / strongest) / strength
+        if scale != 1.0:
+            pressure_x[i] *= scale
+            pressure_z[i] *= scale
+
+
 @numba.njit(cache=True, nogil=True)
 def limit_pressure(
     pressure_x: Array, pressure_z: Array, peak_pa: float

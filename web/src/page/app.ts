@@ -3,6 +3,7 @@
 import { meanVelocity_m_s, sameWind } from "../core/wind/edit";
 import { parseWind, type WindDocument } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
+import { exaggeration } from "../scene/exaggeration";
 import { Forest } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
 import type { Season } from "../scene/season/season";
@@ -17,11 +18,14 @@ import { ForestClient } from "./forestClient";
 import { ForestFigures } from "./forestFigures";
 import { FrameStatistics } from "./frameStatistics";
 import { TreeOverlays } from "./overlays/treeOverlays";
+import { OwnTrees } from "./ownTree/ownTrees";
+import type { OwnUploads } from "./ownTree/ownUploads";
 import { PaperMethod } from "./paper/paperMethod";
 import { Planting } from "./planting";
 import { Playback } from "./playback";
 import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
+import { plantedAs } from "./settings/planted";
 import { queryFromSettings, type Settings } from "./settings/settings";
 import { adoptPlacement, sharedFrom, withShared } from "./settings/sharedForest";
 import { keep } from "./settings/storedSettings";
@@ -46,6 +50,7 @@ const PLACEMENT_KEYS: SettingKey[] = [
   "trees",
   "density",
   "shares",
+  "planted",
   "form",
   "forestSeed",
   "lookup",
@@ -72,7 +77,8 @@ export class App {
   private readonly planting: Planting;
   private readonly comparison: Comparison;
   readonly figures: ForestFigures;
-  private readonly cards = new ProgressCards();
+  private readonly cards: ProgressCards;
+  private readonly ownTrees: OwnTrees;
   private readonly panel: Panel;
   readonly studio: WindStudio;
   readonly overlays: TreeOverlays;
@@ -93,7 +99,7 @@ export class App {
   });
   private readonly status: StatusReport;
   private readonly flutter = { value: { x: 0, y: 0 } };
-  private readonly exaggeration = { value: 1 };
+  private readonly exaggeration = exaggeration;
   private connected = true;
   private dirty = true;
   private last_ms = performance.now();
@@ -103,12 +109,13 @@ export class App {
   constructor(
     readonly settings: Settings,
     private readonly defaults: Settings,
+    uploads: OwnUploads,
   ) {
     useKeys({ known: keptKey, ask: askForKey });
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
     // three.js creates its own resources again when it draws; what depends on the view is selected again.
     this.graphics = new ContextLoss(this.stage.renderer.domElement, () => this.applyScenery());
-    this.forest = new Forest(this.speciesOptions());
+    this.forest = new Forest(this.speciesOptions(), this.stage.backdrop.library);
     this.stage.scene.add(this.forest.group);
     this.applyScenery();
     this.exaggerate();
@@ -129,10 +136,16 @@ export class App {
       },
     );
     this.visit.restore(location.search);
-    this.panel = new Panel(settings, this.meter.statistics, this.playback, this.sound, (key) =>
-      this.change(key),
+    this.panel = new Panel(
+      settings,
+      this.meter.statistics,
+      this.playback,
+      this.sound,
+      (key) => this.change(key),
+      (id, how) => this.ownTrees.plant(id, how),
     );
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
+      isPlanted: (id) => plantedAs(settings, id) !== null,
       change: (change) => this.treeChanged(change),
       assetsChanged: () => {
         this.planting.place();
@@ -146,7 +159,19 @@ export class App {
     });
     this.planting = new Planting(settings, this.stage, this.forest, this.client, this.catalogue, () => {
       this.dirty = true;
+      this.ownTrees.appeared();
     });
+    this.ownTrees = new OwnTrees(uploads, {
+      settings,
+      stage: this.stage,
+      forest: this.forest,
+      catalogue: this.catalogue,
+      visit: this.visit,
+      isShared: this.planting.share !== null,
+      replant: () => this.change("planted"),
+      planted: (id) => this.cards.planted(id),
+    });
+    this.cards = new ProgressCards(this.ownTrees);
     this.catalogue.bare = this.playsBareTables;
     this.paper = new PaperMethod(settings, {
       trees: () => this.catalogue.known,
@@ -177,6 +202,8 @@ export class App {
         compare: () => void this.comparison.open(),
         physics: () => this.visit.openPhysics(),
         cancel: (jobId) => void this.cancel(jobId),
+        planted: (id) => plantedAs(settings, id),
+        plant: (id, how) => this.ownTrees.plant(id, how),
         close: () => this.picker.select(null),
       },
       this.overlays.menu.element,
@@ -207,6 +234,7 @@ export class App {
   }
 
   private treeChanged(change: TreeChange): void {
+    this.ownTrees.changed(change);
     this.cards.update(change);
     this.report();
   }
@@ -281,6 +309,7 @@ export class App {
     const { daytime, season } = this.settings;
     this.stage.show(daytime, season);
     this.forest.setSeason(season);
+    this.stage.shelter(this.forest.crowns);
     this.dirty = true;
   }
 
@@ -320,9 +349,9 @@ export class App {
 
   /** Sets the factor of all displacements on screen; figures stay as simulated. */
   private exaggerate(): void {
-    const { exaggeration } = this.settings;
-    this.exaggeration.value = exaggeration;
-    showExaggeration(exaggeration);
+    const factor = this.settings.exaggeration;
+    this.exaggeration.value = factor;
+    showExaggeration(factor);
     this.dirty = true;
   }
 
@@ -343,7 +372,7 @@ export class App {
     this.visit.advance(dt_s);
     const played_s = this.playback.advance_s(dt_s, this.settings.lookup === "server");
     this.move(played_s ?? 0, played_s !== null);
-    this.draw();
+    this.draw(dt_s);
     this.frame++;
     this.meter.count(frame_ms, performance.now() - begin_ms);
     if (now_ms - this.reported_ms > REPORT_EVERY_MS) {
@@ -354,17 +383,17 @@ export class App {
 
   /** Advances by dt_s; without `playing` the trees keep their poses. */
   private move(dt_s: number, playing = true): void {
-    if (playing && !this.paused) this.client.advance(dt_s);
+    if (playing && !this.paused) this.client.advance(dt_s, this.stage.camera.position);
     if (playing) this.takePoses();
     this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);
+    this.ownTrees.advance();
     this.studio.tipOf = this.picker.moving;
     this.overlays.advance(playing ? dt_s : 0);
     this.sound.advance(this.studio.field, this.stage.camera.position, this.client.time_s, playing);
     this.studio.advance(dt_s, this.client, this.forest);
-    const wind_m_s = meanVelocity_m_s(this.settings.wind);
-    this.stage.sky.advance(dt_s, wind_m_s);
-    this.stage.cover.update(this.stage.camera.position, wind_m_s, this.client.time_s);
+    this.stage.advance(dt_s, meanVelocity_m_s(this.settings.wind), this.client.time_s);
+    if (this.client.wind) this.stage.backdrop.wood.advance(this.client.wind.state, this.client.time_s);
     this.flutter.value.x += dt_s;
     this.flutter.value.y = this.settings.flutter ? 1 : 0;
   }
@@ -380,7 +409,7 @@ export class App {
     this.move(dt_s);
     while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));
     this.takePoses();
-    if (drawn) this.draw();
+    if (drawn) this.draw(dt_s);
     this.frame++;
   }
 
@@ -389,20 +418,25 @@ export class App {
     return this.frame > 0 && this.forest.group.children.length === 0 && performance.now() < PATIENCE_MS;
   }
 
-  private draw(): void {
+  /** `dt_s`: time since the last picture. */
+  private draw(dt_s: number): void {
     const { stage, forest } = this;
     const moved = stage.updateCamera();
     if (!moved && !this.dirty && this.waitsForTrees) return;
-    if (moved || this.dirty) forest.select(stage.view());
+    if (moved || this.dirty) {
+      forest.select(stage.view());
+      stage.backdrop.select(stage.view());
+    }
     this.dirty = false;
     stage.renderer.info.reset();
     forest.renderNodes(stage.renderer);
-    stage.render();
+    stage.render(dt_s);
     this.visit.drawn();
   }
 
   private report(): void {
     this.panel.showSpecies(this.catalogue.kinds);
+    this.panel.uploads.show(this.catalogue.uploads);
     this.panel.showMethodNote(this.paper.note);
     this.status.show(this.connected, this.catalogue.listed);
     this.showPicked();
@@ -441,6 +475,7 @@ export class App {
     this.picker.dispose();
     this.pickedCard.dispose();
     this.overlays.dispose();
+    this.ownTrees.dispose();
     this.studio.dispose();
     this.visit.dispose();
     this.comparison.dispose();

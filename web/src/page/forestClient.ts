@@ -153,14 +153,20 @@ export class ForestClient {
     this.send({ kind: "watch", at });
   }
 
-  /** Advances the forest by a display step. While the worker is busy, the time accumulates. */
-  advance(dt_s: number): void {
+  /** Advances the forest by a display step, seen from a place (m). While the worker is busy, the time accumulates. */
+  advance(dt_s: number, from: { readonly x: number; readonly z: number }): void {
     this.backlog_s = Math.min(MAX_STEP_S, this.backlog_s + dt_s);
     if (this.busy || this.spare.length === 0) return;
     this.busy = true;
     const buffers = this.spare;
     this.spare = [];
-    const message: ToWorker = { kind: "advance", epoch: this.epoch, dt_s: this.backlog_s, buffers };
+    const message: ToWorker = {
+      kind: "advance",
+      epoch: this.epoch,
+      dt_s: this.backlog_s,
+      viewer: [from.x, from.z],
+      buffers,
+    };
     this.backlog_s = 0;
     this.send(
       message,

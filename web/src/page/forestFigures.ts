@@ -28,6 +28,11 @@ export class ForestFigures {
     return this.forest.trees;
   }
 
+  /** Number of trees of an upload or of a form of a species. */
+  planted(treeId: string): number {
+    return this.forest.count(treeId);
+  }
+
   /** Number of trees that move by the paper's method. */
   get paperTrees(): number {
     return this.count(({ asset }) => {

@@ -1,8 +1,11 @@
 import "./ui/instruments/instruments.css";
+import "./ui/uploads.css";
 import { App } from "./app";
 import { detectGraphics } from "./graphics";
+import { OwnUploads } from "./ownTree/ownUploads";
 import { exposeProbe } from "./probe";
 import { defaultsFor, settingsFromQuery } from "./settings/settings";
+import { sharedFrom } from "./settings/sharedForest";
 import { remembered } from "./settings/storedSettings";
 import { windFromQuery } from "./settings/windQuery";
 import { element } from "./ui/dom";
@@ -10,6 +13,8 @@ import { showHint } from "./ui/hint";
 import { connectSheets } from "./ui/sheets";
 import { showToast } from "./ui/toast";
 import { acceptUploads } from "./ui/upload";
+
+const uploads = new OwnUploads(() => localStorage);
 
 /** Reports an invalid wind in the link. */
 function checkWind(): void {
@@ -27,11 +32,12 @@ function start(software: boolean): void {
   const own = !/[?&](panel=0|view=|embed)/.test(location.search);
   const usual = own ? remembered(defaults, () => localStorage) : defaults;
   const settings = settingsFromQuery(location.search, usual);
+  if (own && sharedFrom(location.search) === null) settings.planted = uploads.plantedWith(settings.planted);
   document.body.classList.toggle("bare", !settings.panel);
   document.body.classList.toggle("embedded", settings.embed);
   checkWind();
   connectSheets(settings.panel);
-  const app = new App(settings, defaults);
+  const app = new App(settings, defaults, uploads);
   exposeProbe(app);
   if (settings.panel) showHint(() => localStorage);
   addEventListener("pagehide", (event) => {
@@ -51,7 +57,7 @@ function afterPaint(then: () => void): void {
 }
 
 // Accept files from the start: otherwise the browser would navigate to a dropped file.
-const stopUploads = acceptUploads();
+const stopUploads = acceptUploads(uploads);
 addEventListener("pagehide", ({ persisted }) => {
   if (!persisted) stopUploads();
 });

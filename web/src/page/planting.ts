@@ -1,14 +1,31 @@
 /** Plants the forest: places the trees of the catalogue and sends them to the worker. */
 
-import { type Forest, type PlacedSpecies, placeForest } from "../scene/forest";
+import { clearingPlace } from "../scene/clearing";
+import { type Forest, type PlacedSpecies, placeForest, type TreeAsset } from "../scene/forest";
 import { woodReach_m } from "../scene/placement";
 import type { Stage } from "../scene/stage";
 import type { ClientGroup, ForestClient } from "./forestClient";
 import { isRecorded } from "./paper/paperState";
 import type { Catalogue } from "./server/catalogue";
 import { momentFrom } from "./settings/link";
+import { plantedAs } from "./settings/planted";
 import type { Settings } from "./settings/settings";
 import { placementOf, sharedFrom } from "./settings/sharedForest";
+
+/**
+ * Places the trees: built-in ones and uploads that are planted among them share the forest, and every planted upload
+ * stands in the clearing. Uploads that are still loading take no places, so that the forest has no gaps.
+ */
+export function plantForest(assets: readonly TreeAsset[], settings: Settings): PlacedSpecies[] {
+  const how = (asset: TreeAsset) => (asset.builtin || !asset.model ? null : plantedAs(settings, asset.id));
+  const only = assets.some((asset) => how(asset) === "only");
+  const uploads = Object.keys(settings.planted);
+  return placeForest(assets, settings.trees, settings.forestSeed, {
+    ...settings,
+    grows: (asset) => (only ? how(asset) === "only" : asset.builtin || how(asset) === "more"),
+    single: Object.fromEntries(uploads.map((id, k) => [id, clearingPlace(k)])),
+  });
+}
 
 export class Planting {
   /** Id of the shared forest; null while the forest is private. */
@@ -33,7 +50,7 @@ export class Planting {
     const { settings, share } = this;
     // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
     if (share !== null && !this.catalogue.isLoaded) return;
-    const placed = placeForest(this.catalogue.assets, settings.trees, settings.forestSeed, settings);
+    const placed = plantForest(this.catalogue.assets, settings);
     this.client.plan(
       placed.flatMap((group) => this.clientGroup(group)),
       {
@@ -46,7 +63,14 @@ export class Planting {
       settings.wind,
       () => {
         this.forest.show(placed);
-        this.stage.surround(woodReach_m(placed.map(({ instances }) => instances.placement)));
+        this.stage.surround({
+          edge_m: woodReach_m(placed.map(({ instances }) => instances.placement)),
+          seed: settings.forestSeed,
+          density: settings.density,
+          shares: { ...settings.shares },
+          assets: this.catalogue.assets,
+        });
+        this.stage.shelter(this.forest.crowns);
         this.shown();
       },
     );

@@ -15,6 +15,8 @@ export interface Probe {
   readonly time_s: number;
   readonly readySpecies: string[];
   readonly trees: { moving: number; still: number };
+  /** Number of trees of an upload or of a form of a species, by its id on the server. */
+  planted(treeId: string): number;
   /** Number of trees that move by the paper's state search. */
   readonly paperTrees: number;
   /** Number of trees that move by a table without leaves. */
@@ -54,7 +56,10 @@ export interface Probe {
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
   /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
-  readonly statistics: App["figures"]["statistics"] & { readonly extent: number };
+  readonly statistics: App["figures"]["statistics"] & {
+    readonly extent: number;
+    readonly impostors: App["stage"]["backdrop"]["figures"];
+  };
   /** Draws the trees as static instances, or moving again, to measure the cost of the motion. */
   freeze(frozen: boolean): void;
 }
@@ -79,6 +84,7 @@ export function exposeProbe(app: App): void {
     get trees() {
       return app.figures.trees;
     },
+    planted: (treeId) => app.figures.planted(treeId),
     get paperTrees() {
       return app.figures.paperTrees;
     },
@@ -143,7 +149,11 @@ export function exposeProbe(app: App): void {
     },
     get statistics() {
       const { statistics } = app.figures;
-      return { ...statistics, extent: statistics.extrapolationRatio };
+      return {
+        ...statistics,
+        extent: statistics.extrapolationRatio,
+        impostors: app.stage.backdrop.figures,
+      };
     },
     freeze: (frozen) => app.freeze(frozen),
   };

@@ -1,6 +1,7 @@
 /** The toolbar's actions: camera views, fly-through, link, photo, video, tree physics. */
 
 import { CameraFlight } from "../scene/camera/cameraFlight";
+import { treeView } from "../scene/camera/treeView";
 import { type Subject, type ViewName, viewpoint } from "../scene/camera/viewpoints";
 import type { Forest } from "../scene/forest";
 import type { Stage } from "../scene/stage";
@@ -174,6 +175,17 @@ export class Visit {
         height_m: model.height_m * instances.placement[tree * 4 + 3],
       })),
     );
+  }
+
+  /** Whether the camera is under way by itself, or recorded. */
+  get isBusy(): boolean {
+    return this.flight.flying || this.film !== null;
+  }
+
+  /** Moves the camera to a tree. */
+  showTree(tree: Subject): void {
+    const { camera, daylight } = this.stage;
+    this.flight.go(treeView(tree, this.subjects(), daylight.towardsSun, camera.aspect), calm());
   }
 
   private fly(): boolean {

@@ -4,11 +4,19 @@ import type { Ray } from "../core/math/groundRay";
 import type { TableMotion } from "../worker/protocol";
 import { type Form, type FormChoice, plant } from "./forms";
 import { groundHeight_m } from "./ground/landscape";
+import type { ImpostorLibrary } from "./impostors/library";
 import { placeTrees } from "./placement";
 import { leafTint } from "./season/palette";
 import type { Season } from "./season/season";
+import { CROWN_FLOATS, type Crowns } from "./sky/exposure";
 import type { View } from "./trees/drawList";
-import { createInstanceData, INSTANCE_FLOATS, type InstanceData, setTints } from "./trees/instanceData";
+import {
+  createInstanceData,
+  INSTANCE_FLOATS,
+  type InstanceData,
+  type Placement,
+  setTints,
+} from "./trees/instanceData";
 import { disposeModel, type TreeModel } from "./trees/mesh/treeMesh";
 import { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
 import { pickTree } from "./trees/treePick";
@@ -22,7 +30,7 @@ export interface TreeAsset {
   /** Whether the server has its mesh and table. */
   hasTable: boolean;
   model: TreeModel | null;
-  /** null until the table is loaded; until then the trees are static and grey. */
+  /** null until the table is loaded; until then the trees stand still. */
   motion: TableMotion | null;
 }
 
@@ -61,6 +69,10 @@ export interface PlacementOptions {
   readonly shares?: Readonly<Record<string, number>>;
   readonly form?: FormChoice;
   readonly season?: Season;
+  /** Whether a tree is planted at the places of the forest; all are if omitted. */
+  readonly grows?: (asset: TreeAsset) => boolean;
+  /** Further places of single trees, by id. */
+  readonly single?: Readonly<Record<string, Placement>>;
 }
 
 /**
@@ -71,18 +83,45 @@ export function placeForest(
   assets: readonly TreeAsset[],
   count: number,
   seed: number,
-  { density = 1, shares = {}, form = "place", season = "autumn" }: PlacementOptions = {},
+  options: PlacementOptions = {},
 ): PlacedSpecies[] {
+  const {
+    density = 1,
+    shares = {},
+    form = "place",
+    season = "autumn",
+    grows = () => true,
+    single = {},
+  } = options;
   const places = placeTrees(count, seed, density);
-  const planted = plant(assets, places, shares, form);
+  const planted = plant(assets.filter(grows), places, shares, form);
   return assets.flatMap((asset) => {
     const own = places.filter((_, i) => planted[i] === asset);
+    if (single[asset.id]) own.push(single[asset.id]);
     if (!asset.model || own.length === 0) return [];
     const instances = createInstanceData(own, groundHeight_m, (treeId) =>
       leafTint(asset.species, treeId, season),
     );
     return [{ asset, model: asset.model, motion: asset.motion, instances }];
   });
+}
+
+/** Share of a tree's height below its crown, and of the largest reach that the crown fills. */
+const TRUNK = 0.26;
+const FILLED = 0.8;
+
+function writeCrown(
+  crowns: Float32Array,
+  at: number,
+  data: Float32Array,
+  tree: number,
+  { height_m, radius_m }: TreeModel,
+): void {
+  const scale = data[tree + 6];
+  const tall = 0.5 * (1 - TRUNK) * height_m * scale;
+  const middle = data[tree + 1] + TRUNK * height_m * scale + tall;
+  crowns.set([data[tree], middle, data[tree + 2], FILLED * radius_m * scale, tall], at);
+  crowns.set(data.subarray(tree + 8, tree + 11), at + 5);
 }
 
 export class Forest {
@@ -93,7 +132,10 @@ export class Forest {
   private leafless = false;
 
   /** `options` apply to the next placement. */
-  constructor(public options: SpeciesOptions) {}
+  constructor(
+    public options: SpeciesOptions,
+    private readonly impostors: ImpostorLibrary | null = null,
+  ) {}
 
   /** Shows a placement; species that stay keep their meshes and textures on the GPU. */
   show(placed: readonly PlacedSpecies[]): void {
@@ -123,6 +165,7 @@ export class Forest {
     const forest = new SpeciesForest(model, motion, instances, this.options);
     if (this.frozen) forest.freeze(true);
     forest.leafless = this.leafless;
+    forest.cards = motion && (this.impostors?.cardsFor(model, this.group, motion) ?? null);
     this.group.add(forest.group);
     return forest;
   }
@@ -169,6 +212,44 @@ export class Forest {
       radius_m: forest.model.radius_m * scale,
       distance_m: hit.distance_m,
     };
+  }
+
+  /** The crowns of all trees. */
+  get crowns(): Crowns {
+    const crowns = new Float32Array(
+      CROWN_FLOATS * this.all.reduce((sum, { forest }) => sum + forest.instances.count, 0),
+    );
+    let at = 0;
+    for (const { forest } of this.all) {
+      for (let tree = 0; tree < forest.instances.count; tree++, at += CROWN_FLOATS) {
+        writeCrown(crowns, at, forest.instances.data, tree * INSTANCE_FLOATS, forest.model);
+      }
+    }
+    return crowns;
+  }
+
+  /** The tree of a kind with the largest id, which is the one in the clearing if there is one; null if none is drawn. */
+  last(treeId: string): (Omit<PickedTree, "distance_m"> & { readonly moves: boolean }) | null {
+    const group = this.all.find(({ asset }) => asset.id === treeId);
+    if (!group) return null;
+    const { instances, model, motion } = group.forest;
+    const tree = instances.ids.reduce((last, id, at, ids) => (id > ids[last] ? at : last), 0);
+    const [x, y, z, , , , scale] = instances.data.subarray(tree * INSTANCE_FLOATS);
+    return {
+      id: instances.ids[tree],
+      treeId,
+      species: group.asset.species,
+      position: { x, y, z },
+      height_m: model.height_m * scale,
+      radius_m: model.radius_m * scale,
+      moves: motion !== null,
+    };
+  }
+
+  /** Number of trees of a kind. */
+  count(treeId: string): number {
+    const groups = this.all.filter(({ asset }) => asset.id === treeId);
+    return groups.reduce((sum, { forest }) => sum + forest.instances.count, 0);
   }
 
   /** Whether this tree still exists. */

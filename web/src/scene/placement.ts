@@ -10,7 +10,8 @@ export const HEART = { x_m: 0, z_m: -26 } as const;
 
 const CELL_OFFSET = 512;
 
-function candidate(column: number, row: number, seed: number, spacing_m: number): Placement {
+/** The place of one cell of the lattice. */
+export function placeAt(column: number, row: number, seed: number, spacing_m: number): Placement {
   const at = (channel: number) => hashUnit(seed, column, row, channel);
   return {
     id: (row + CELL_OFFSET) * 2 * CELL_OFFSET + column + CELL_OFFSET,
@@ -21,7 +22,7 @@ function candidate(column: number, row: number, seed: number, spacing_m: number)
   };
 }
 
-const isWood = (place: Placement) => glade(place.x_m, place.z_m) < 0.5;
+export const isWood = (place: Placement) => glade(place.x_m, place.z_m) < 0.5;
 /** Distance of a place from the centre of the forest. */
 export const reach_m = ({ x_m, z_m }: Pick<Placement, "x_m" | "z_m">) =>
   Math.hypot(x_m - HEART.x_m, z_m - HEART.z_m);
@@ -32,7 +33,7 @@ export function placeTrees(count: number, seed: number, density = 1): Placement[
   const cells = Math.ceil(Math.sqrt((count * 1.6) / Math.PI) + (5 * SPACING_M) / spacing_m);
   const places: Placement[] = [];
   for (let row = -cells; row <= cells; row++) {
-    for (let column = -cells; column <= cells; column++) places.push(candidate(column, row, seed, spacing_m));
+    for (let column = -cells; column <= cells; column++) places.push(placeAt(column, row, seed, spacing_m));
   }
   return places
     .filter(isWood)

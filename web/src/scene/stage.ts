@@ -10,22 +10,29 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { FarWood } from "./ground/farWood";
+import { Backdrop } from "./backdrop";
+import type { Planted } from "./ground/farWood";
 import { GroundCover } from "./ground/groundCover";
 import { setGroundSeason } from "./ground/groundMaterial";
 import { groundHeight_m } from "./ground/landscape";
 import { Terrain } from "./ground/terrain";
+import { Undergrowth } from "./ground/undergrowth";
 import type { Quality } from "./quality";
+import { FlyingLeaves } from "./season/flyingLeaves";
 import type { Season } from "./season/season";
+import { Snowfall } from "./season/snowfall";
 import { Daylight } from "./sky/daylight";
 import type { Atmosphere } from "./sky/daytime";
+import type { Crowns } from "./sky/exposure";
+import { Lighting } from "./sky/lighting";
 import { Sky } from "./sky/sky";
 import { Pictures } from "./textures/pictures";
 import type { View } from "./trees/drawList";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };
-const BARE_DETAIL = 5;
+/** How much farther bare trees keep their full detail; the lowest quality draws no shoots in place of the leaves. */
+const BARE_DETAIL: Record<Quality, number> = { low: 5, medium: 1.8, high: 1.2 };
 const LOOK_AT_M = new Vector3(-1, 6.2, -16);
 const EYE_M = { x: 7, above: 8.2, z: 24 };
 
@@ -38,13 +45,18 @@ export class Stage {
   readonly sky = new Sky(this.pictures);
   readonly daylight: Daylight;
   private readonly terrain = new Terrain(this.pictures);
+  private readonly lighting: Lighting;
+  private readonly undergrowth: Undergrowth;
+  private readonly leaves: FlyingLeaves;
+  private readonly snow: Snowfall;
   readonly cover: GroundCover;
-  private readonly farWood = new FarWood();
+  readonly backdrop: Backdrop;
   private readonly frustum = new Frustum();
   private readonly clip = new Matrix4();
   private readonly seen = new Matrix4();
   private readonly observer: ResizeObserver;
   private quality: Quality;
+  private sheltering: Crowns = new Float32Array(0);
   private season: Season = "autumn";
 
   constructor(
@@ -63,8 +75,20 @@ export class Stage {
     this.renderer.info.autoReset = false;
     this.pictures.setQuality(quality);
     this.daylight = new Daylight(quality);
+    this.lighting = new Lighting(this.sky, this.daylight);
+    this.backdrop = new Backdrop(canvas, this.daylight, quality);
     this.cover = new GroundCover(quality);
-    this.scene.add(this.terrain.mesh, this.sky.mesh, this.cover.mesh, this.farWood.mesh, this.daylight.group);
+    this.undergrowth = new Undergrowth(quality, this.pictures.plants);
+    this.leaves = new FlyingLeaves(quality, groundHeight_m);
+    this.snow = new Snowfall(quality);
+    this.scene.add(this.undergrowth.group, this.leaves.mesh, this.snow.mesh);
+    this.scene.add(
+      this.terrain.mesh,
+      this.sky.mesh,
+      this.cover.mesh,
+      this.backdrop.wood.group,
+      this.daylight.group,
+    );
     this.camera.position.set(EYE_M.x, groundHeight_m(EYE_M.x, EYE_M.z) + EYE_M.above, EYE_M.z);
     this.controls = this.orbit();
     this.observer = new ResizeObserver(() => this.resize());
@@ -98,45 +122,75 @@ export class Stage {
 
   /** Sets sky, light and ground for a season and time of day. */
   show(daytime: number, season: Season): Atmosphere {
-    this.season = season;
-    const light = this.daylight.show(daytime, season);
-    this.sky.show(light);
     setGroundSeason(season);
     this.cover.setSeason(season);
-    this.farWood.show(light, season);
-    this.renderer.toneMappingExposure = light.exposure;
+    this.undergrowth.setSeason(season);
+    this.season = season;
+    const light = this.lighting.choose(daytime, season);
+    this.backdrop.setSeason(season);
     return light;
   }
 
-  /** Places the background forest around simulated trees of this extent. */
-  surround(reach_m: number): void {
-    this.farWood.populate(reach_m, this.quality);
+  /** Tells the scene where the trees stand, for the exposure and the undergrowth in their shade. */
+  shelter(crowns: Crowns): void {
+    const { sheltering: before } = this;
+    if (crowns.length === before.length && crowns.every((value, k) => value === before[k])) return;
+    this.sheltering = crowns;
+    this.lighting.crowns = crowns;
+    this.undergrowth.shelter(crowns);
+    this.backdrop.shelter(crowns);
+  }
+
+  /** Moves sky, flying leaves, snow and ground cover on by dt_s in this wind; the clouds follow its strength. */
+  advance(dt_s: number, wind_m_s: { x: number; z: number }, time_s: number): void {
+    this.lighting.advance(dt_s, wind_m_s);
+    this.leaves.advance(
+      dt_s,
+      wind_m_s,
+      this.season,
+      this.lighting.crownsNear(this.camera.position),
+      this.camera.position,
+    );
+    this.snow.advance(dt_s, wind_m_s, this.season);
+    this.cover.update(this.camera.position, wind_m_s, time_s);
+    this.undergrowth.update(this.camera.position, wind_m_s, time_s);
+  }
+
+  /** Plants the background forest around the simulated trees. */
+  surround(planted: Planted): void {
+    this.backdrop.surround(planted);
   }
 
   setQuality(quality: Quality): void {
     this.quality = quality;
     this.pictures.setQuality(quality);
     this.cover.setQuality(quality);
+    this.undergrowth.setQuality(quality);
+    this.leaves.setQuality(quality);
+    this.snow.setQuality(quality);
     this.daylight.setQuality(quality);
+    this.backdrop.setQuality(quality);
     this.resize();
   }
 
-  /** Updates the camera; returns whether it moved, so that trees must be selected again. */
+  /** Updates the camera; returns whether trees must be selected again, because it moved or impostors changed. */
   updateCamera(): boolean {
     this.controls.update();
     const floor_m = groundHeight_m(this.camera.position.x, this.camera.position.z) + 1.4;
     if (this.camera.position.y < floor_m) this.camera.position.y = floor_m;
     this.camera.updateMatrixWorld();
     this.clip.multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
-    if (this.clip.equals(this.seen)) return false;
+    const changed = this.backdrop.takeChange();
+    if (this.clip.equals(this.seen) && !changed) return false;
     this.seen.copy(this.clip);
     return true;
   }
 
-  /** Bare trees keep their full detail up to a larger distance, because their leaves are not drawn. */
+  /** Bare trees keep their full detail up to a larger distance, because thin twigs are all that they show. */
   private levelFrom_m(): readonly [number, number] {
     const [first, second] = LEVEL_FROM_M[this.quality];
-    return this.season === "winter" ? [BARE_DETAIL * first, BARE_DETAIL * second] : [first, second];
+    const further = this.season === "winter" ? BARE_DETAIL[this.quality] : 1;
+    return [further * first, further * second];
   }
 
   view(): View {
@@ -149,7 +203,10 @@ export class Stage {
     };
   }
 
-  render(): void {
+  /** `dt_s`: time since the last picture, in which the exposure adapts. */
+  render(dt_s = 0): void {
+    this.backdrop.prepare(this.renderer);
+    this.renderer.toneMappingExposure = this.lighting.expose(dt_s, this.camera);
     this.renderer.render(this.scene, this.camera);
   }
 
@@ -159,7 +216,10 @@ export class Stage {
     this.sky.dispose();
     this.terrain.dispose();
     this.cover.dispose();
-    this.farWood.dispose();
+    this.undergrowth.dispose();
+    this.leaves.dispose();
+    this.snow.dispose();
+    this.backdrop.dispose();
     this.pictures.dispose();
     this.daylight.dispose();
     this.renderer.dispose();

@@ -173,6 +173,7 @@ scope.onmessage = ({ data }) => {
       watched = data.at;
       break;
     case "advance":
+      source?.see?.(...data.viewer);
       if (data.epoch === epoch) advance(data.dt_s, data.buffers);
       break;
   }

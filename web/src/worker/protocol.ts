@@ -20,13 +20,23 @@ export interface ShareRequest {
 /** Nodes for one level of detail. */
 export interface NodeLevel {
   readonly nodes: number;
-  /** Texels per tree: the first modes, then the local wind speed in m/s, padding. */
+  /** Texels per tree: the modes of this level, then the local wind speed in m/s, padding. */
   readonly quads: number;
-  readonly modes: number;
+  /** Modes of the table that this level keeps. */
+  readonly columns: Uint16Array<ArrayBuffer>;
   /** Node of this level for each node of the table. */
   readonly of: Uint16Array<ArrayBuffer>;
   /** [nodes, 3, 4 quads]: displacement in m per unit of each coordinate, zero beyond the modes. */
   readonly basis: Float32Array<ArrayBuffer>;
+}
+
+/** First sway mode of a tree of scale 1, by which trees of the background move. */
+export interface FirstSway {
+  readonly frequency_hz: number;
+  /** Relative to critical damping. */
+  readonly damping: number;
+  /** Static displacement of the tip per Pa of wind pressure. */
+  readonly tip_m_pa: number;
 }
 
 /** The part of a table that drawing needs, unpacked by the worker. */
@@ -51,6 +61,7 @@ export interface TableMotion {
   readonly crownBasis: Float32Array<ArrayBuffer>;
   /** Natural frequencies of the first coordinates, which are the oscillators' own shapes. */
   readonly frequencies_hz: Float32Array<ArrayBuffer>;
+  readonly sway: FirstSway;
   readonly height_m: number;
   readonly meshSha256: string;
   /** Whether the table was made from the tree in leaf or bare. */
@@ -137,7 +148,14 @@ export type ToWorker =
   /** Selects the tree whose figures are sent with the poses. */
   | { kind: "watch"; at: TreeAt | null }
   /** Advances the forest; the buffers are returned filled. */
-  | { kind: "advance"; epoch: number; dt_s: number; buffers: Float32Array<ArrayBuffer>[] };
+  | {
+      kind: "advance";
+      epoch: number;
+      dt_s: number;
+      /** Where the viewer is, m: x and z. */
+      viewer: readonly [number, number];
+      buffers: Float32Array<ArrayBuffer>[];
+    };
 
 export type ConnectionState = "idle" | "connecting" | "live" | "lost";
 

@@ -7,7 +7,7 @@
  */
 
 import { type Numbers, TreeInstances } from "../motion/treeInstances";
-import type { Table } from "../table/table";
+import { fittedModes, type Table } from "../table/table";
 import { addRows } from "./addRows";
 import { ModalDrag } from "./modalDrag";
 import { ModalKernel } from "./modalKernel";
@@ -44,10 +44,12 @@ export class ModalForest extends TreeInstances {
   private readonly pair = new Float64Array(2);
 
   /** `plain`: use this double-precision implementation even where the kernel is available. */
-  constructor({ modal, metadata }: Table, count: number, plain = false) {
+  constructor(table: Table, count: number, plain = false) {
+    const { modal, metadata } = table;
     const { modes, dt_s } = metadata;
-    const kernel = plain ? null : ModalKernel.make(modal, modes, count, dt_s);
-    super(count, modes, dt_s, kernel);
+    const fitted = fittedModes(table);
+    const kernel = plain ? null : ModalKernel.make(modal, fitted, count, dt_s);
+    super(count, fitted, dt_s, modes, kernel);
     const d = modal.step.length / 6;
     this.d = d;
     this.kernel = kernel;
@@ -287,13 +289,13 @@ export class ModalForest extends TreeInstances {
   }
 
   protected show(i: number, part: number): void {
-    const { now, before, q, d, r } = this;
-    const width = now.length / this.count;
-    let from = i * width;
-    let at = i * r;
+    const { now, before, q, d } = this;
+    const row = now.length / this.count;
+    let from = i * row;
+    let at = i * this.width;
     for (const end = at + d; at < end; at++, from++) q[at] = before[from] + (now[from] - before[from]) * part;
-    from = i * width + this.own;
-    for (const end = (i + 1) * r; at < end; at++, from++) {
+    from = i * row + this.own;
+    for (const end = i * this.width + this.r; at < end; at++, from++) {
       q[at] = before[from] + (now[from] - before[from]) * part;
     }
   }

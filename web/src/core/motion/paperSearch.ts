@@ -5,7 +5,7 @@
  */
 
 import { lastRecords, poses, type Records } from "../table/records";
-import type { Table } from "../table/table";
+import { fittedModes, type Table } from "../table/table";
 import { TreeInstances } from "./treeInstances";
 
 /** Pose easing snaps to the record's pose once the offset and its velocity are within half an integer step. */
@@ -143,7 +143,7 @@ export class PaperForest extends TreeInstances {
     count: number,
     options: LookupOptions = {},
   ) {
-    super(count, table.metadata.modes, table.metadata.dt_s);
+    super(count, fittedModes(table), table.metadata.dt_s, table.metadata.modes);
     this.scale = table.modeScale;
     this.search = new TableSearch(records);
     this.poses = poses(records);
@@ -208,10 +208,10 @@ export class PaperForest extends TreeInstances {
   }
 
   protected show(i: number, part: number): void {
-    const { now, before, q, scale } = this;
-    for (let k = 0; k < scale.length; k++) {
-      const at = i * scale.length + k;
-      q[at] = (before[at] + (now[at] - before[at]) * part) * scale[k];
+    const { now, before, q, scale, r } = this;
+    for (let k = 0; k < r; k++) {
+      const at = i * r + k;
+      q[i * this.width + k] = (before[at] + (now[at] - before[at]) * part) * scale[k];
     }
   }
 }

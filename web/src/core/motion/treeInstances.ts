@@ -4,13 +4,29 @@
  */
 
 /** After a long pause a tree resumes instead of catching up. */
-const MAX_STEPS_PER_ADVANCE = 8;
+export const MAX_STEPS_PER_ADVANCE = 8;
 
 export type Numbers = Float64Array | Float32Array;
 
-/** Common part of both methods. `room`: pose buffers to use instead of allocating them. */
+/** Where trees stand and how far they step next; the arrays of the instances, not copies. */
+export interface Stepping {
+  readonly x: Numbers;
+  readonly z: Numbers;
+  /** [count, 2] cosine and sine of the yaw. */
+  readonly turn: Numbers;
+  readonly size: Numbers;
+  /** Fraction of a table step since the last one. */
+  readonly phase: Numbers;
+  /** Table steps of the next frame, for a tree of scale 1. */
+  readonly rate: number;
+}
+
+/**
+ * Common part of both methods. They determine the first `r` of the `width` modes of a pose, the gust layer the rest.
+ * `room`: pose buffers to use instead of allocating them.
+ */
 export abstract class TreeInstances {
-  /** [count, r] displayed pose, interpolated between the last two steps. */
+  /** [count, width] displayed pose, interpolated between the last two steps. */
   readonly q: Float32Array;
   /** Position of each tree (m), for the wind. */
   readonly x: Float32Array;
@@ -28,9 +44,10 @@ export abstract class TreeInstances {
     readonly count: number,
     protected readonly r: number,
     protected readonly dt: number,
+    protected readonly width: number,
     room: { now: Numbers; before: Numbers } | null = null,
   ) {
-    this.q = new Float32Array(count * r);
+    this.q = new Float32Array(count * width);
     this.x = new Float32Array(count);
     this.z = new Float32Array(count);
     this.now = room?.now ?? new Float64Array(count * r);
@@ -61,6 +78,12 @@ export abstract class TreeInstances {
       this.turn[2 * i] = Math.cos(Math.fround(yaw[i]));
       this.turn[2 * i + 1] = Math.sin(Math.fround(yaw[i]));
     }
+  }
+
+  /** How far the trees step in the next frame of dt seconds. */
+  stepping(dt_s: number): Stepping {
+    const { x, z, turn, size, phase } = this;
+    return { x, z, turn, size, phase, rate: dt_s / this.dt };
   }
 
   /** Copies the state of tree `row` of another forest of this table to tree i. */

@@ -3,6 +3,7 @@
  * precompute/galewood/table/. Everything is validated here, so that a decoded table can be used without bounds checks.
  */
 
+import { type GustTensors, noGusts } from "../modal/gustTensors";
 import { contracts, coupledOf, forceTerms, type ModalTensors, poseTerms } from "../modal/modalTensors";
 import {
   brief,
@@ -30,10 +31,12 @@ import { fromVersion6, peakPressure_pa, reach_m } from "./version6";
 export { TableError } from "./container";
 
 export const FORMAT = "galewood-table";
-export const VERSION = 8;
-const READABLE: readonly unknown[] = [5, 6, 7, VERSION];
+export const VERSION = 9;
+const READABLE: readonly unknown[] = [5, 6, 7, 8, VERSION];
 const MAX_DYNAMIC = 64;
 const MAX_DRAG_POINTS = 32;
+const MAX_GUST_PLACES = 32;
+const MAX_GUST_OSCILLATORS = 64;
 
 /** Whether a tree bears its leaves: a bare tree has only the mass and the wind area of its wood. */
 export type Foliage = "leaf" | "bare";
@@ -73,6 +76,7 @@ export interface Table {
   /** node of each render vertex, primitives concatenated */
   readonly vertexNode: Uint16Array;
   readonly modal: ModalTensors;
+  readonly gusts: GustTensors;
   /** Records of the paper's state search, if the file holds them. */
   readonly paper: Records | null;
 }
@@ -97,6 +101,18 @@ const DRAG_TENSORS: Layout = {
   "modal.drag_rest": ["F32", 1],
 };
 
+/** Added in version 9; trees of older tables feel one pressure each. */
+const GUST_TENSORS: Layout = {
+  "gusts.place": ["F32", 2],
+  "gusts.step": ["F32", 2],
+  "gusts.load": ["F32", 2],
+  "gusts.drag": ["F32", 1],
+};
+
+/** Modes of the modal model and of the paper's records; the last modes are those of the gust layer. */
+export const fittedModes = ({ metadata, gusts }: Pick<Table, "metadata" | "gusts">): number =>
+  metadata.modes - gusts.drag.length;
+
 /** Decodes a table file. Throws TableError that names the fault. */
 export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
   const container = readContainer(file);
@@ -109,7 +125,7 @@ export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
   return Number(version) >= 7 ? readPresent(container) : readFormer(container);
 }
 
-/** Versions 7 and 8. */
+/** Versions 7 to 9. */
 function readPresent(container: Container): Table {
   const { paper, ...metadata } = container.metadata;
   const recorded = Object.keys(container.header).some((name) => Object.hasOwn(RECORD_TENSORS, name));
@@ -140,10 +156,12 @@ function shapeInHeader(entry: unknown): number {
 
 function assemble(container: Container, given: Json, paper: unknown): Table {
   const metadata = checkMetadata(given);
-  const dragged = container.metadata.version === VERSION;
+  const dragged = Number(container.metadata.version) >= 8;
+  const gusty = Number(container.metadata.version) >= 9;
   const layout = {
     ...TENSORS,
     ...(dragged ? DRAG_TENSORS : {}),
+    ...(gusty ? GUST_TENSORS : {}),
     ...(paper === null ? {} : RECORD_TENSORS),
   };
   const tensors = readTensors(container, layout);
@@ -170,7 +188,15 @@ function assemble(container: Container, given: Json, paper: unknown): Table {
       dragShape: dragged ? values("modal.drag_shape") : new Float32Array(0),
       dragRest: dragged ? values("modal.drag_rest") : new Float32Array(shapeOf(tensors, "modal.step")[0]),
     },
-    paper: paper === null ? null : readRecords(paper, tensors, metadata.modes),
+    gusts: gusty
+      ? {
+          place: values("gusts.place"),
+          step: values("gusts.step"),
+          load: values("gusts.load"),
+          drag: values("gusts.drag"),
+        }
+      : noGusts(),
+    paper: paper === null ? null : readRecords(paper, tensors, metadata.modes - gustModes(tensors)),
   };
   checkNumbers(table);
   return table;
@@ -195,7 +221,30 @@ function checkMetadata(metadata: Json): TableMetadata {
   return metadata as unknown as TableMetadata;
 }
 
-function checkTableShapes(tensors: Tensors, { modes: r, primitives }: TableMetadata): void {
+/** Number of modes of the gust layer. */
+const gustModes = (tensors: Tensors): number =>
+  tensors.has("gusts.drag") ? shapeOf(tensors, "gusts.drag")[0] : 0;
+
+function checkGusts(tensors: Tensors): void {
+  if (!tensors.has("gusts.drag")) return;
+  const places = shapeOf(tensors, "gusts.place")[0];
+  const oscillators = gustModes(tensors);
+  need(
+    oscillators <= MAX_GUST_OSCILLATORS,
+    `tensor gusts.step: expected at most ${MAX_GUST_OSCILLATORS} rows`,
+  );
+  need(places <= MAX_GUST_PLACES, `tensor gusts.place: expected at most ${MAX_GUST_PLACES} rows`);
+  checkShapes(tensors, {
+    "gusts.place": [places, 3],
+    "gusts.step": [oscillators, 6],
+    "gusts.load": [oscillators, 2 * places],
+    "gusts.drag": [oscillators],
+  });
+}
+
+function checkTableShapes(tensors: Tensors, { modes, primitives }: TableMetadata): void {
+  checkGusts(tensors);
+  const r = modes - gustModes(tensors);
   const n = shapeOf(tensors, "nodes.rest_m")[0];
   const vertices = primitives.reduce((sum, primitive) => sum + Math.trunc(primitive.vertices), 0);
   const d = shapeOf(tensors, "modal.step")[0];
@@ -207,8 +256,8 @@ function checkTableShapes(tensors: Tensors, { modes: r, primitives }: TableMetad
     `tensor modal.limits: expected 3, 5, … ${2 * d - 1} numbers`,
   );
   checkShapes(tensors, {
-    "modes.scale": [r],
-    "nodes.basis": [n, 3, r],
+    "modes.scale": [modes],
+    "nodes.basis": [n, 3, modes],
     "nodes.rest_m": [n, 3],
     "render.vertex_node": [vertices],
     "modal.step": [d, 6],
@@ -229,7 +278,7 @@ function checkTableShapes(tensors: Tensors, { modes: r, primitives }: TableMetad
   });
 }
 
-function checkNumbers({ modeScale, nodeRest, vertexNode, modal }: Table): void {
+function checkNumbers({ modeScale, nodeRest, vertexNode, modal, gusts }: Table): void {
   need(
     modeScale.every((s) => s > 0),
     "tensor modes.scale: not positive",
@@ -252,6 +301,11 @@ function checkNumbers({ modeScale, nodeRest, vertexNode, modal }: Table): void {
     "tensor modal.drag_point: expected areas of at least 0, not all 0, and shares in 0..1",
   );
   need(contracts(modal.step), "tensor modal.step: an oscillator is not stable");
+  need(contracts(gusts.step), "tensor gusts.step: an oscillator is not stable");
+  need(
+    gusts.drag.every((damping) => damping >= 0),
+    "tensor gusts.drag: negative",
+  );
 }
 
 function fitDrag(point: Float32Array): boolean {

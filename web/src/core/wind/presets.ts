@@ -60,8 +60,8 @@ export const PRESETS = {
     model: "navier-stokes",
     mean_speed_m_s: 18,
     gustiness: 0.9,
-    convection_speed_m_s: 20,
-    length_scale_m: 40,
+    convection_speed_m_s: 18,
+    length_scale_m: 34,
   },
 } satisfies Record<string, WindDocument>;
 

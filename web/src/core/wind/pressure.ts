@@ -49,6 +49,24 @@ export function heightFactor(height_m: number, exponent: number, referenceHeight
   return (height_m / referenceHeight_m) ** exponent;
 }
 
+/** Pressures beyond the sampled range are compressed: 2 times the range to 1.40, 5 times to 1.71. */
+const COMPRESSION = 0.25;
+
+/** Pressure over the strongest sampled one, compressed where it is above 1: it grows with the logarithm. */
+export const compressed = (ratio: number): number =>
+  ratio <= 1 ? ratio : 1 + COMPRESSION * Math.log(1 + (ratio - 1) / COMPRESSION);
+
+/**
+ * Factor that compresses a pressure to the range of a table, `ratio` times its strongest sampled one, in a wind whose
+ * strongest gusts are `strongest` times that. The wind is scaled as a whole: if only its gusts were compressed, a storm
+ * would sway trees less than a breeze. What exceeds even the strongest gusts is compressed in turn.
+ */
+export function compression(ratio: number, strongest: number): number {
+  const range = Math.max(strongest, 1);
+  const most = compressed(range);
+  return ratio > range ? (most * compressed(ratio / range)) / ratio : most / range;
+}
+
 /**
  * Clamps pressures in place to the largest sampled magnitude and keeps their direction: beyond it every record would
  * be equally wrong.

@@ -36,7 +36,7 @@ export class Comparison {
 
   /** A candidate for the comparison, at the place of the picked tree or of the first of its species. */
   private candidate(id: string, { model, instances }: SpeciesForest): Candidate[] {
-    const tree = this.catalogue.trees.find((known) => known.id === id);
+    const tree = this.catalogue.find(id)?.tree;
     const motion = this.catalogue.leafMotion(id);
     if (!tree || !motion) return [];
     const picked = this.picker.figures?.treeId === id ? (this.picker.moving?.tree ?? 0) : 0;

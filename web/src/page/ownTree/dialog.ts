@@ -15,6 +15,8 @@ import type { Limits } from "../settings/queryNumbers";
 import { make } from "../ui/dom";
 import { displayName } from "../ui/words";
 import { type Assumed, assumedOf, type Scan } from "./assumed";
+import { Computing } from "./computing";
+import type { OwnUploads } from "./ownUploads";
 import { Preview } from "./preview";
 
 const AXES = { y: "Y", z: "Z", x: "X" };
@@ -24,16 +26,22 @@ export class OwnTreeDialog {
   private readonly dialog = make("dialog", "", "own-tree");
   private readonly canvas = make("canvas", "", "own-tree-stage");
   private readonly title = make("h2", "Your tree");
+  private readonly side = make("section");
   private readonly form = make("div", "", "own-tree-form");
   private readonly message = make("p", "", "own-tree-message");
   private readonly go = make("button", "Add to the forest", "primary");
   private readonly preview: Preview;
   private settle: (started: boolean) => void = () => {};
+  private computing: Computing | null = null;
+  private stopWatching = () => {};
   private started = false;
   private frame = 0;
   private last_ms = 0;
 
-  constructor(private tree: Tree) {
+  constructor(
+    private tree: Tree,
+    private readonly uploads: OwnUploads,
+  ) {
     this.title.id = "own-tree-heading";
     this.dialog.setAttribute("aria-labelledby", this.title.id);
     this.message.setAttribute("role", "status");
@@ -45,17 +53,16 @@ export class OwnTreeDialog {
     this.go.addEventListener("click", () => void this.compute());
     const foot = make("footer");
     foot.append(away, this.go);
-    const side = make("section");
-    side.append(this.form, this.message, foot);
+    this.side.append(this.form, this.message, foot);
     const body = make("div", "", "own-tree-body");
-    body.append(this.canvas, side);
+    body.append(this.canvas, this.side);
     this.dialog.append(this.title, body);
     this.dialog.addEventListener("close", () => void this.closed());
     document.body.append(this.dialog);
     this.preview = new Preview(this.canvas);
   }
 
-  /** Resolves when the dialog closes, with whether the tree is being computed; otherwise it was deleted. */
+  /** Resolves when the dialog closes, with whether the computation was started; otherwise the tree was deleted. */
   async open(): Promise<boolean> {
     const over = new Promise<boolean>((resolve) => {
       this.settle = resolve;
@@ -168,11 +175,31 @@ export class OwnTreeDialog {
     try {
       await startPrecompute(this.tree.id);
       this.started = true;
-      this.dialog.close();
+      this.follow();
     } catch (error) {
       this.go.disabled = false;
       this.say(error);
     }
+  }
+
+  /** Shows the progress until the tree moves or the visitor closes the dialog. */
+  private follow(): void {
+    const { id } = this.tree;
+    const computing = new Computing(displayName(this.tree), {
+      cancel: () => {
+        this.uploads.onCancel?.(id);
+        this.dialog.close();
+      },
+      leave: () => this.dialog.close(),
+    });
+    this.computing = computing;
+    this.side.replaceChildren(computing.root);
+    computing.focus();
+    this.stopWatching = this.uploads.watch(id, (change) => {
+      if (change) computing.update(change);
+      else this.dialog.close();
+    });
+    this.uploads.add(id, true);
   }
 
   private busy(words: string): void {
@@ -187,6 +214,8 @@ export class OwnTreeDialog {
 
   private async closed(): Promise<void> {
     cancelAnimationFrame(this.frame);
+    this.stopWatching();
+    this.computing?.dispose();
     this.preview.dispose();
     this.dialog.remove();
     if (!this.started) await deleteTree(this.tree.id).catch(() => {}); // discarded

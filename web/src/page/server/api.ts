@@ -1,6 +1,7 @@
 /** Client of the server's REST API. */
 
 import type { Form } from "../../scene/forms";
+import { type Sending, sendBody } from "./sending";
 
 export type TreeState = "uploaded" | "building" | "preliminary" | "ready" | "failed";
 export type JobState = "queued" | "running" | "done" | "failed" | "cancelled";
@@ -81,33 +82,50 @@ export function useKeys(ring: KeyRing): void {
   keys = ring;
 }
 
-async function send(path: string, init: RequestInit | undefined, key: string | null): Promise<Response> {
+type Send = (path: string, init: RequestInit) => Promise<Response>;
+
+async function send(
+  by: Send,
+  path: string,
+  init: RequestInit | undefined,
+  key: string | null,
+): Promise<Response> {
   const headers = new Headers(init?.headers);
   if (key) headers.set("authorization", `Bearer ${key}`);
   try {
-    return await fetch(path, { ...init, headers });
-  } catch {
+    return await by(path, { ...init, headers });
+  } catch (error) {
+    if (error instanceof DOMException && error.name === "AbortError") throw error;
     throw new Problem("The server cannot be reached.", "Check that it is running, then try again.");
   }
 }
 
 /** Sends a request; throws a Problem on failure. Only requests that change something carry the key. */
-export async function fetchApi(path: string, init?: RequestInit): Promise<Response> {
+export async function fetchApi(
+  path: string,
+  init?: RequestInit,
+  by: Send = (to, given) => fetch(to, given),
+): Promise<Response> {
   const writes = init?.method !== undefined && init.method !== "GET";
-  let response = await send(path, init, writes ? keys.known() : null);
+  let response = await send(by, path, init, writes ? keys.known() : null);
   if (response.status === 401) {
     const key = await keys.ask();
-    if (key) response = await send(path, init, key);
+    if (key) response = await send(by, path, init, key);
   }
   if (!response.ok) throw await problemFrom(response);
   return response;
 }
 
-/** Uploads a mesh. The server imports it immediately and rejects files that are not usable as a tree. */
-export async function uploadTree(file: File): Promise<Tree> {
+/**
+ * Uploads a mesh. The server imports it immediately and rejects files that are not usable as a tree. Throws an
+ * AbortError once `sending` was ended.
+ */
+export async function uploadTree(file: File, sending: Sending): Promise<Tree> {
   const form = new FormData();
   form.append("file", file, file.name);
-  return (await (await fetchApi("api/trees", { method: "POST", body: form })).json()) as Tree;
+  const init = { method: "POST", body: form };
+  const response = await fetchApi("api/trees", init, (to, given) => sendBody(to, given, sending));
+  return (await response.json()) as Tree;
 }
 
 export async function startPrecompute(treeId: string): Promise<Job> {

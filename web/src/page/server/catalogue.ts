@@ -9,6 +9,8 @@ import { fetchMesh, type Job, Problem, type Tree, type TreeChange } from "./api"
 import { type EventStream, followEvents } from "./eventStream";
 
 export interface CatalogueEvents {
+  /** Whether an upload is planted in this visitor's forest; others are listed but not loaded. */
+  isPlanted(id: string): boolean;
   /** A tree or its job changed. */
   change(change: TreeChange): void;
   /** The assets of the forest changed: place the trees again. */
@@ -85,40 +87,51 @@ export class Catalogue {
     });
   }
 
+  /** The built-in trees and the planted uploads. */
+  private get grown(): Entry[] {
+    return [...this.entries.values()].filter((entry) => this.isGrown(entry));
+  }
+
+  private isGrown({ tree }: Entry): boolean {
+    return tree.builtin || this.events.isPlanted(tree.id);
+  }
+
   get assets(): TreeAsset[] {
-    return [...this.entries.values()].map((entry) => entry.asset);
+    return this.grown.map((entry) => entry.asset);
   }
 
   /** Whether the mesh and the table of every tree that has them are loaded. */
   get isLoaded(): boolean {
-    return [...this.entries.values()].every(
+    return this.grown.every(
       ({ asset, leaf }) => !asset.hasTable || (asset.model !== null && leaf.motion !== null),
     );
   }
 
   /** Names of the trees that move. */
   get ready(): string[] {
-    return [...this.entries.values()]
-      .filter(({ asset }) => asset.motion)
-      .map(({ tree }) => tree.species ?? tree.name);
+    return this.grown.filter(({ asset }) => asset.motion).map(({ tree }) => tree.species ?? tree.name);
   }
 
-  /** Every tree of the forest, as last received from the server. */
-  get trees(): Tree[] {
-    return [...this.entries.values()].map(({ tree }) => tree);
-  }
-
-  /** Species with their forms, and uploads: id and name of each. */
+  /** The built-in species with their forms: id and name of each. */
   get kinds(): { id: string; name: string }[] {
-    const trees = this.trees.map((tree) => ({ ...tree, form: tree.form ?? ("open" as Form) }));
-    return kindsOf(trees).flatMap(({ id, open, forest }) => {
-      const tree = open ?? forest;
-      return tree ? [{ id, name: displayName(tree) }] : [];
-    });
+    const builtin = [...this.entries.values()].flatMap(({ tree }) => (tree.builtin ? [tree] : []));
+    return kindsOf(builtin.map((tree) => ({ ...tree, form: tree.form ?? ("open" as Form) }))).flatMap(
+      ({ id, open, forest }) => {
+        const tree = open ?? forest;
+        return tree ? [{ id, name: displayName(tree) }] : [];
+      },
+    );
   }
 
+  /** All uploads on the server, planted or not. */
+  get uploads(): { id: string; name: string }[] {
+    const uploads = [...this.entries.values()].filter(({ tree }) => !tree.builtin);
+    return uploads.map(({ tree }) => ({ id: tree.id, name: displayName(tree) }));
+  }
+
+  /** The trees of this forest, as last received from the server. */
   get known(): KnownTree[] {
-    return [...this.entries.values()].map(knownTree);
+    return this.grown.map(knownTree);
   }
 
   find(id: string): KnownTree | null {
@@ -136,18 +149,26 @@ export class Catalogue {
   set bare(bare: boolean) {
     if (bare === this.bareWanted) return;
     this.bareWanted = bare;
-    const entries = [...this.entries.values()];
+    const entries = this.grown;
     for (const entry of entries) {
       void this.takeBareTable(entry).catch((error: unknown) => this.report(error));
     }
     if (entries.filter((entry) => this.chooseMotion(entry)).length > 0) this.events.assetsChanged();
   }
 
+  /** The choice of planted uploads has changed: loads those that were not planted before. */
+  choose(): void {
+    for (const entry of this.grown) {
+      this.chooseMotion(entry);
+      void this.follow(entry).catch((error: unknown) => this.failed(entry, error));
+    }
+  }
+
   /** What is known of the server's trees, and what is still missing. */
   get listed() {
-    const entries = [...this.entries.values()];
+    const entries = this.grown;
     return {
-      known: this.opened || entries.length > 0,
+      known: this.opened || this.entries.size > 0,
       computing: entries.filter(({ tree }) => tree.state === "building").length,
       loading: entries.filter(({ asset, leaf }) => asset.hasTable && !(asset.model && leaf.motion)).length,
     };
@@ -155,8 +176,9 @@ export class Catalogue {
 
   private receive(change: TreeChange): void {
     const { tree } = change;
-    if (change.deleted || tree.state === "failed") this.remove(tree.id);
-    else if (tree.state !== "uploaded") this.keep(change); // uploads join once they are submitted
+    // Uploads join once they are submitted; one without a table leaves when its computation is cancelled.
+    if (change.deleted || tree.state === "failed" || tree.state === "uploaded") this.remove(tree.id);
+    else this.keep(change);
     this.events.change(change);
   }
 
@@ -176,6 +198,7 @@ export class Catalogue {
     const recorded = (entry.tree.records_sha256 ?? null) !== (tree.records_sha256 ?? null);
     entry.tree = tree;
     entry.job = job;
+    if (!this.isGrown(entry)) return;
     if (recorded) this.events.recordsChanged();
     // The other form of its species may stand in for a tree without a table.
     if (hadTable && !asset.hasTable) this.events.assetsChanged();
@@ -191,7 +214,7 @@ export class Catalogue {
     const { mesh_sha256: mesh } = entry.tree;
     if (!mesh || mesh === entry.mesh) return;
     entry.mesh = mesh;
-    const model = await readTreeModel(await fetchMesh(mesh));
+    const model = await readTreeModel(await fetchMesh(mesh), entry.tree.builtin);
     if (entry.mesh !== mesh) return;
     entry.asset.model = model;
     this.join(entry);

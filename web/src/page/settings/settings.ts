@@ -6,6 +6,7 @@ import { FORM_CHOICES, type FormChoice } from "../../scene/forms";
 import type { Quality } from "../../scene/quality";
 import { SEASONS, type Season } from "../../scene/season/season";
 import type { LookupPlace } from "../../worker/protocol";
+import { type PlantedTrees, plantedFrom, textOfPlanted } from "./planted";
 import { numberFrom, queryText } from "./queryNumbers";
 import { windFromQuery, withQueryNumbers, writeWind } from "./windQuery";
 
@@ -15,6 +16,8 @@ export interface Settings {
   density: number;
   /** Relative frequency of each species by id; 1 if omitted. */
   shares: Record<string, number>;
+  /** Uploaded trees of this forest, and how they are planted. */
+  planted: PlantedTrees;
   /** Form of the built-in species: the one that suits each place, or the same everywhere. */
   form: FormChoice;
   /** Seed of the placement. */
@@ -53,6 +56,7 @@ export const DEFAULTS: Settings = {
   trees: 400,
   density: 1,
   shares: {},
+  planted: {},
   form: "place",
   forestSeed: 7,
   wind: plainWind({ mean_speed_m_s: 7, direction_deg: 30, gustiness: 0.6, seed: 1 }),
@@ -125,6 +129,8 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   if (quality === "low" || quality === "medium" || quality === "high") settings.quality = quality;
   const mix = given.get("mix");
   if (mix !== null) settings.shares = sharesFrom(mix);
+  const planted = given.get("tree");
+  if (planted !== null) settings.planted = plantedFrom(planted);
   const form = FORM_CHOICES.find((name) => name === given.get("form"));
   if (form) settings.form = form;
   const season = SEASONS.find((name) => name === given.get("season"));
@@ -147,6 +153,8 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   if (settings.quality !== defaults.quality) query.set("quality", settings.quality);
   const mix = textOfShares(settings.shares);
   if (mix) query.set("mix", mix);
+  const planted = textOfPlanted(settings.planted);
+  if (planted !== textOfPlanted(defaults.planted)) query.set("tree", planted);
   if (settings.form !== defaults.form) query.set("form", settings.form);
   if (settings.season !== defaults.season) query.set("season", settings.season);
   writeWind(query, settings.wind, defaults.wind);

@@ -4,7 +4,16 @@ import type { About } from "../../core/wire/wire";
 import { queryFromSettings, type Settings, settingsFromQuery } from "./settings";
 
 /** The settings that determine the placement. */
-const PLACEMENT_KEYS = ["trees", "density", "shares", "form", "forestSeed", "method", "poseEasing"] as const;
+const PLACEMENT_KEYS = [
+  "trees",
+  "density",
+  "shares",
+  "planted",
+  "form",
+  "forestSeed",
+  "method",
+  "poseEasing",
+] as const;
 
 /** The id of an address's `share` parameter; null without a valid one. */
 export function sharedFrom(query: string): string | null {
@@ -22,7 +31,7 @@ export function withShared(query: string, share: string | null): string {
 /** What others need to reproduce the placement. */
 export function placementOf(settings: Settings): About {
   const usual: Settings = { ...settings, trees: Number.NaN, forestSeed: Number.NaN };
-  for (const key of ["density", "shares", "form", "method", "poseEasing"] as const) {
+  for (const key of ["density", "shares", "planted", "form", "method", "poseEasing"] as const) {
     Object.assign(usual, { [key]: settingsFromQuery("")[key] });
   }
   const query = queryFromSettings(settings, usual);

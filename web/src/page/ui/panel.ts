@@ -3,11 +3,13 @@ import { type BladeApi, type FolderApi, Pane } from "tweakpane";
 import { type PlainWind, withinTurn, withPlain } from "../../core/wind/edit";
 import type { Statistics } from "../frameStatistics";
 import { type Playback, SPEEDS } from "../playback";
+import { type Planted, plantedAs } from "../settings/planted";
 import { LIMITS, type Settings } from "../settings/settings";
 import { WIND_LIMITS } from "../settings/windQuery";
 import { labelInputs } from "./accessible";
 import { element, make } from "./dom";
 import { bearingFrom_deg, directionFrom_deg } from "./instruments/beaufort";
+import { UploadList } from "./uploadList";
 
 export type SettingKey = keyof Settings;
 
@@ -17,6 +19,7 @@ const fine = (value: number) => value.toFixed(1);
 export class Panel {
   private readonly pane: Pane;
   private readonly species: FolderApi;
+  readonly uploads: UploadList;
   private readonly changed: (key: SettingKey) => void;
   /** What keeps trees from using the chosen method. */
   private readonly methodNote = make("p", "", "method-note");
@@ -31,6 +34,7 @@ export class Panel {
     playback: Playback,
     sound: { volume: number },
     onChange: (key: SettingKey) => void,
+    plant: (id: string, how: Planted | null) => void,
   ) {
     this.changed = (key) => {
       if (!this.refreshing) onChange(key);
@@ -39,6 +43,12 @@ export class Panel {
     this.wind(this.pane.addFolder({ title: "Wind" }));
     this.forest(this.pane.addFolder({ title: "Forest" }));
     this.species = this.pane.addFolder({ title: "Species mix", expanded: false });
+    this.uploads = new UploadList(
+      this.pane.addFolder({ title: "Uploaded trees", expanded: false }),
+      (id) => plantedAs(settings, id),
+      plant,
+      () => labelInputs(element("panel")),
+    );
     const motion = this.pane.addFolder({ title: "Motion" });
     motion.addBinding(playback, "speed", { label: "Speed", options: SPEEDS });
     this.number(motion, "exaggeration", "Exaggeration", (value) => `×${value.toFixed(1)}`, false);

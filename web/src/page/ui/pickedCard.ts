@@ -2,8 +2,10 @@
 import { onlyExtrasLeft, type PaperState, stateWords } from "../paper/paperState";
 import { jobPictures, pictureUrl, type Tree } from "../server/api";
 import type { KnownTree } from "../server/catalogue";
+import type { Planted } from "../settings/planted";
 import type { PickedFigures } from "../treePicker";
 import { element, make } from "./dom";
+import { PlantedChoice } from "./plantedChoice";
 import { displayName } from "./words";
 
 export interface PickedTools {
@@ -12,6 +14,9 @@ export interface PickedTools {
   physics(): void;
   /** Ends the computation of this job. */
   cancel(jobId: string): void;
+  /** How an upload is planted; `plant` changes it. */
+  planted(id: string): Planted | null;
+  plant(id: string, how: Planted | null): void;
   close(): void;
 }
 
@@ -42,11 +47,15 @@ export class PickedCard {
   private readonly cancel = make("button", "Cancel", "picked-cancel");
   private readonly pictures = make("div", "", "job-pictures");
   private readonly follow = make("button", "Follow");
+  private readonly planted: PlantedChoice;
   private shownId = "";
   private jobId = "";
 
   /** `overlays` is the menu of what to draw on the tree. */
-  constructor(tools: PickedTools, overlays: HTMLElement) {
+  constructor(
+    private readonly tools: PickedTools,
+    overlays: HTMLElement,
+  ) {
     this.root.hidden = true;
     this.root.setAttribute("aria-label", "Selected tree");
     const row = make("div", "", "picked-tools");
@@ -72,7 +81,8 @@ export class PickedCard {
     this.cancel.addEventListener("click", () => tools.cancel(this.jobId));
     const state = make("p", "", "picked-state");
     state.append(this.words, this.cancel);
-    this.root.append(this.heading, this.list, state, overlays, this.pictures, row);
+    this.planted = new PlantedChoice((how) => tools.plant(this.shownId, how));
+    this.root.append(this.heading, this.list, state, overlays, this.planted.root, this.pictures, row);
     for (const made of [this.cancel, ...row.querySelectorAll("button")]) made.type = "button";
     element("progress").before(this.root);
   }
@@ -97,6 +107,8 @@ export class PickedCard {
       return row;
     });
     this.list.replaceChildren(...rows);
+    this.planted.root.hidden = tree.builtin;
+    this.planted.show(this.tools.planted(tree.id));
     this.showState(known, paper);
   }
 

@@ -1,66 +1,115 @@
-/** Progress cards, one for each tree whose table is being computed. */
+/**
+ * Progress cards, one for each tree whose table is being computed: the built-in trees, and the uploads that are planted
+ * here. Only the owner of an upload can end its computation.
+ */
 
 import { onlyExtrasLeft } from "../paper/paperState";
 import { isActive, type Job, pictureUrl, type TreeChange } from "../server/api";
 import { element, make } from "./dom";
-import { displayName, progressLine } from "./words";
+import { JobProgress } from "./jobProgress";
+import { displayName } from "./words";
 
 const FAREWELL_MS = 4000;
+/** Longer, because there is something to press. */
+const OWN_FAREWELL_MS = 20_000;
 const PICTURES = { "tetrahedra.png": "Tetrahedral mesh", "skeleton.png": "Skeleton" };
+
+export interface ProgressTools {
+  /** Whether the tree's computation was started in this browser. */
+  isOwn(id: string): boolean;
+  /** Whether the tree is planted here. */
+  isPlanted(id: string): boolean;
+  show(id: string): void;
+  plantMore(id: string): void;
+  cancel(id: string): void;
+  again(id: string): void;
+  remove(id: string): void;
+}
+
+type Offer = "show" | "more" | "cancel" | "again" | "remove";
+
+const OFFERS: Record<Offer, string> = {
+  show: "Show my tree",
+  more: "Plant more",
+  cancel: "Cancel",
+  again: "Try again",
+  remove: "Remove",
+};
 
 interface Card {
   readonly root: HTMLElement;
-  readonly percent: HTMLElement;
-  readonly line: HTMLElement;
-  readonly bar: HTMLElement;
+  readonly job: JobProgress;
   readonly pictures: HTMLElement;
-  leaving: boolean;
-}
-
-function makeCard(name: string): Card {
-  const root = make("article", "", "card");
-  const heading = make("h2", name);
-  const percent = make("span");
-  heading.append(percent);
-  const line = make("p");
-  const bar = make("div", "", "bar");
-  bar.setAttribute("role", "progressbar");
-  bar.setAttribute("aria-label", `Computing ${name}`);
-  bar.setAttribute("aria-valuemin", "0");
-  bar.setAttribute("aria-valuemax", "100");
-  bar.append(make("i"));
-  const pictures = make("div", "", "job-pictures");
-  root.append(heading, line, bar, pictures);
-  return { root, percent, line, bar, pictures, leaving: false };
+  readonly buttons: Readonly<Record<Offer, HTMLButtonElement>>;
+  /** Whether its computation has ended. */
+  over: boolean;
+  leaving: ReturnType<typeof setTimeout>[];
 }
 
 export class ProgressCards {
   private readonly cards = new Map<string, Card>();
 
-  update({ tree, job }: TreeChange): void {
+  constructor(private readonly tools: ProgressTools) {}
+
+  update({ tree, job, deleted }: TreeChange): void {
+    const own = this.tools.isOwn(tree.id);
+    const concerned = tree.builtin || own || this.tools.isPlanted(tree.id);
     // The records of the paper's method and the bare table follow quietly once the table is complete.
-    if (isActive(job) && !onlyExtrasLeft(job)) this.show(tree.id, displayName(tree), job);
-    else if (job?.state === "failed") this.fail(tree.id, displayName(tree), job);
-    else this.finish(tree.id, tree.state === "ready" ? "Added to the forest" : "Cancelled");
+    if (!deleted && concerned && isActive(job) && !onlyExtrasLeft(job))
+      this.compute(tree.id, displayName(tree), job);
+    else if (!deleted && job?.state === "failed") this.fail(tree.id, displayName(tree), job, own);
+    else
+      this.finish(tree.id, lastWords({ tree, job, deleted }), own && !deleted && tree.table_sha256 !== null);
+  }
+
+  /** The tree has appeared in the forest: its owner can be led to it. */
+  planted(id: string): void {
+    const card = this.cards.get(id);
+    if (card && this.tools.isOwn(id)) card.buttons.show.hidden = false;
   }
 
   private card(id: string, name: string): Card {
     let card = this.cards.get(id);
     if (!card) {
-      card = makeCard(name);
+      card = this.make(id, name);
       this.cards.set(id, card);
       element("progress").append(card.root);
     }
     return card;
   }
 
-  private show(id: string, name: string, job: Job): void {
+  private make(id: string, name: string): Card {
+    const root = make("article", "", "card");
+    const heading = make("h2", name);
+    const job = new JobProgress(name);
+    heading.append(job.percent);
+    const pictures = make("div", "", "job-pictures");
+    const row = make("div", "", "job-tools");
+    const { tools } = this;
+    const buttons = {
+      show: offer("show", name, () => tools.show(id)),
+      more: offer("more", name, () => tools.plantMore(id)),
+      cancel: offer("cancel", name, () => tools.cancel(id)),
+      again: offer("again", name, () => tools.again(id)),
+      remove: offer("remove", name, () => tools.remove(id)),
+    };
+    row.append(...Object.values(buttons));
+    root.append(heading, job.line, job.bar.root, row, pictures);
+    return { root, job, pictures, buttons, over: false, leaving: [] };
+  }
+
+  private offer({ buttons }: Card, offers: readonly Offer[]): void {
+    for (const name of Object.keys(OFFERS) as Offer[]) buttons[name].hidden = !offers.includes(name);
+  }
+
+  private compute(id: string, name: string, job: Job): void {
+    if (this.cards.get(id)?.over) this.drop(id);
+    const known = this.cards.has(id);
     const card = this.card(id, name);
-    const percent = Math.round(100 * Math.min(1, Math.max(0, job.fraction)));
-    card.percent.textContent = job.state === "queued" ? "queued" : `${percent} %`;
-    card.line.textContent = progressLine(job);
-    card.bar.setAttribute("aria-valuenow", String(percent));
-    (card.bar.firstElementChild as HTMLElement).style.transform = `scaleX(${percent / 100})`;
+    card.job.show(job);
+    card.buttons.cancel.hidden = !this.tools.isOwn(id);
+    card.buttons.more.hidden = !this.tools.isOwn(id) || this.tools.isPlanted(id);
+    if (!known && this.tools.isPlanted(id)) this.planted(id);
     this.showPictures(card, name, job);
   }
 
@@ -79,31 +128,66 @@ export class ProgressCards {
     }
   }
 
-  private fail(id: string, name: string, job: Job): void {
-    if (!this.cards.has(id)) return;
+  /** Says why, and what to do. The owner's card stays until it is answered. */
+  private fail(id: string, name: string, job: Job, own: boolean): void {
+    if (!this.cards.has(id) && !own) return;
     const card = this.card(id, name);
+    card.over = true;
     card.root.classList.add("failed");
-    card.percent.textContent = "failed";
-    card.line.textContent =
-      typeof job.error === "string" ? job.error : (job.error?.title ?? "The computation failed.");
-    this.leave(id, card, 3 * FAREWELL_MS);
+    card.job.end(faultOf(job));
+    card.job.percent.textContent = "failed";
+    this.offer(card, own ? ["again", "remove"] : []);
+    if (!own) this.leave(id, card, 3 * FAREWELL_MS);
   }
 
-  private finish(id: string, words: string): void {
+  private finish(id: string, words: string, own: boolean): void {
     const card = this.cards.get(id);
-    if (!card || card.leaving) return;
-    card.percent.textContent = "";
-    card.line.textContent = words;
-    (card.bar.firstElementChild as HTMLElement).style.transform = "none";
-    this.leave(id, card, FAREWELL_MS);
+    if (!card || card.leaving.length > 0) return;
+    card.over = true;
+    card.job.end(words);
+    card.job.bar.show(1);
+    this.offer(card, own ? ["show", "more"] : []);
+    this.leave(id, card, own ? OWN_FAREWELL_MS : FAREWELL_MS);
   }
 
   private leave(id: string, card: Card, after_ms: number): void {
-    card.leaving = true;
-    setTimeout(() => card.root.classList.add("leaving"), after_ms);
-    setTimeout(() => {
-      card.root.remove();
-      if (this.cards.get(id) === card) this.cards.delete(id);
-    }, after_ms + 700);
+    card.leaving = [
+      setTimeout(() => card.root.classList.add("leaving"), after_ms),
+      setTimeout(() => this.drop(id), after_ms + 700),
+    ];
   }
+
+  private drop(id: string): void {
+    const card = this.cards.get(id);
+    for (const timer of card?.leaving ?? []) clearTimeout(timer);
+    card?.job.end("");
+    card?.root.remove();
+    this.cards.delete(id);
+  }
+}
+
+function offer(name: Offer, tree: string, pressed: () => void): HTMLButtonElement {
+  const button = make("button", OFFERS[name]);
+  button.type = "button";
+  button.hidden = true;
+  button.setAttribute("aria-label", `${OFFERS[name]}: ${tree}`);
+  button.addEventListener("click", pressed);
+  return button;
+}
+
+function lastWords({ tree, deleted }: TreeChange): string {
+  if (deleted) return "Removed";
+  if (tree.state === "ready") return "Complete: it moves by its full table";
+  return tree.table_sha256 ? "Cancelled: it keeps the motion computed so far" : "Cancelled";
+}
+
+const WHAT_TO_DO = "Try again. If it fails again, upload the tree with another height or other wood parts.";
+
+/** The fault of a job, with what to do about it. */
+export function faultOf({ error }: Pick<Job, "error">): string {
+  const title = typeof error === "string" ? error : error?.title;
+  const hint = typeof error === "string" ? "" : (error?.hint ?? "");
+  // The server's texts are a sentence about the fault and often one about the remedy.
+  const advised = hint || (/[.!] \S/.test(title ?? "") ? "" : WHAT_TO_DO);
+  return `${title ?? "The computation failed."} ${advised}`.trim();
 }

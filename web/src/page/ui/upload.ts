@@ -1,27 +1,26 @@
 /** Uploads of trees, chosen with the button or dropped anywhere on the page. */
-import { Problem, uploadTree } from "../server/api";
+import type { OwnUploads } from "../ownTree/ownUploads";
+import { sendFile } from "../ownTree/sendingDialog";
+import { Problem } from "../server/api";
 import { element } from "./dom";
 import { showToast } from "./toast";
 import { displayName } from "./words";
 
-async function send(file: File): Promise<void> {
+async function send(file: File, uploads: OwnUploads): Promise<void> {
   try {
-    const tree = await uploadTree(file);
+    const tree = await sendFile(file);
+    if (!tree) return;
     if (tree.state !== "uploaded" && tree.state !== "failed") {
+      uploads.add(tree.id, false);
       showToast(
         `${displayName(tree)} is already on the server`,
-        "The same file was uploaded before.",
+        "The same file was uploaded before. One such tree is planted in the clearing of your forest.",
         "good",
       );
       return;
     }
     const { OwnTreeDialog } = await import("../ownTree/dialog");
-    if (!(await new OwnTreeDialog(tree).open())) return;
-    showToast(
-      `Computing ${displayName(tree)}`,
-      "It joins the forest with a first, simple motion; the full table follows.",
-      "good",
-    );
+    await new OwnTreeDialog(tree, uploads).open();
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
     showToast(error.title, error.hint);
@@ -29,19 +28,19 @@ async function send(file: File): Promise<void> {
 }
 
 /** Shows the dialogs one after another. */
-async function sendInTurn(files: Iterable<File>): Promise<void> {
-  for (const file of files) await send(file);
+async function sendInTurn(files: Iterable<File>, uploads: OwnUploads): Promise<void> {
+  for (const file of files) await send(file, uploads);
 }
 
 /** Accepts uploads until the returned function is called. */
-export function acceptUploads(): () => void {
+export function acceptUploads(uploads: OwnUploads): () => void {
   const input = element<HTMLInputElement>("file");
   const curtain = element("drop");
   const life = new AbortController();
   const { signal } = life;
   element("upload").addEventListener("click", () => input.click(), { signal });
   const sendAll = (files: Iterable<File>) => {
-    void sendInTurn(files);
+    void sendInTurn(files, uploads);
   };
   const sendChosen = () => {
     sendAll([...(input.files ?? [])]); // copied, because clearing the input empties the list

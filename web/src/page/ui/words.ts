@@ -37,14 +37,17 @@ export function tableWords(
   return `${kind}${follows}.${without}`;
 }
 
-export function timeLeft(seconds: number | null): string {
+export function timeLeft(seconds: number | "late" | null): string {
+  if (seconds === "late") return "longer than expected";
   if (seconds === null || !Number.isFinite(seconds)) return "";
   if (seconds < 5) return "a few seconds left";
   if (seconds < 90) return `about ${Math.round(seconds / 5) * 5} s left`;
   return `about ${Math.round(seconds / 60)} min left`;
 }
 
-export function progressLine(job: Pick<Job, "state" | "stage" | "seconds_left">): string {
+export function progressLine(
+  job: Pick<Job, "state" | "stage"> & { seconds_left: number | "late" | null },
+): string {
   if (job.state === "queued") return STAGES.queued;
   const left = timeLeft(job.seconds_left);
   const stage = STAGES[job.stage] ?? capital(job.stage);
@@ -72,15 +75,15 @@ export function summary(
   const moving = `${trees.moving.toLocaleString("en")} ${trees.moving === 1 ? "tree" : "trees"}`;
   if (trees.still === 0)
     return trees.moving === 1 ? `${moving}, moving` : `${moving}, each with its own simulated motion`;
-  const grey = [
-    greyWords(trees.still - trees.loading, "not computed yet"),
-    greyWords(trees.loading, "loading"),
+  const still = [
+    stillWords(trees.still - trees.loading, "not computed yet"),
+    stillWords(trees.loading, "loading"),
   ].filter((words) => words !== "");
-  return [...(trees.moving > 0 ? [`${moving} moving`] : []), ...grey].join(", ");
+  return [...(trees.moving > 0 ? [`${moving} moving`] : []), ...still].join(", ");
 }
 
-const greyWords = (count: number, state: string) =>
-  count === 0 ? "" : `${count.toLocaleString("en")} grey ${count === 1 ? "tree" : "trees"} ${state}`;
+const stillWords = (count: number, state: string) =>
+  count === 0 ? "" : `${count.toLocaleString("en")} ${count === 1 ? "tree" : "trees"} ${state}`;
 
 export interface ServiceState {
   /** Whether the event stream is open. */

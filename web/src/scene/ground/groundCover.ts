@@ -7,19 +7,20 @@ import {
   BufferGeometry,
   Color,
   DoubleSide,
-  InstancedBufferAttribute,
   InstancedBufferGeometry,
   Mesh,
   MeshLambertMaterial,
   Vector2,
   Vector3,
 } from "three";
+import { valueNoise } from "../../core/math/noise";
 import { hashUnit } from "../../core/math/random";
 import type { Quality } from "../quality";
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
 import { glade, groundHeight_m } from "./landscape";
+import { PlantField } from "./plantField";
 
 const COVER: Record<Quality, { side: number; spacing_m: number }> = {
   low: { side: 56, spacing_m: 0.85 },
@@ -63,33 +64,63 @@ function tuft(): BufferGeometry {
 }
 
 const VERTEX_PARS = /* glsl */ `
-attribute vec4 aTuft; // x, y, z in m; size, 0 for none
-attribute vec2 aLook; // random number, dryness
+attribute vec4 aPlant; // x, y, z in m; size
+attribute vec4 aLook; // random number, dryness, width, flower
 uniform vec3 uBreeze; // heading and speed of the wind, m/s; seconds
 uniform vec3 uEye;
 uniform float uReach;
 varying float vUp;
-varying vec2 vLook;
+varying vec4 vLook;
 `;
 
 const POSITION = /* glsl */ `
-float near = 1.0 - smoothstep(0.7, 1.0, distance(aTuft.xz, uEye.xz) / uReach);
+float near = 1.0 - smoothstep(0.7, 1.0, distance(aPlant.xz, uEye.xz) / uReach);
 float turn = aLook.x * 6.2832;
-vec2 spun = mat2(cos(turn), sin(turn), -sin(turn), cos(turn)) * position.xz;
+vec2 spun = mat2(cos(turn), sin(turn), -sin(turn), cos(turn)) * position.xz * aLook.z;
 float speed = length(uBreeze.xy);
-float gust = 0.6 + 0.4 * sin(uBreeze.z * 2.1 - dot(aTuft.xz, uBreeze.xy) * 0.16 / max(speed, 0.5) * 4.0 + aLook.x * 2.0);
+float gust = 0.6 + 0.4 * sin(uBreeze.z * 2.1 - dot(aPlant.xz, uBreeze.xy) * 0.16 / max(speed, 0.5) * 4.0 + aLook.x * 2.0);
 vec2 bow = uBreeze.xy * min(0.05, 0.6 / max(speed, 1.0)) * gust * position.y * position.y;
-float size = aTuft.w * near;
-vec3 transformed = aTuft.xyz + size * vec3(spun.x + bow.x, position.y * ${HEIGHT_M.toFixed(2)} / 0.42 - 0.4 * dot(bow, bow), spun.y + bow.y);
+float size = aPlant.w * near;
+vec3 transformed = aPlant.xyz + size * vec3(spun.x + bow.x, position.y * ${HEIGHT_M.toFixed(2)} / 0.42 - 0.4 * dot(bow, bow), spun.y + bow.y);
 vUp = position.y;
 vLook = aLook;
 `;
 
 const COLOUR = /* glsl */ `
-vec3 green = mix(vec3(0.12, 0.17, 0.035), vec3(0.34, 0.3, 0.1), vLook.y) * uGrassTint;
-diffuseColor.rgb = green * (0.35 + 0.85 * vUp) * (0.8 + 0.4 * vLook.x);
+vec3 green = mix(vec3(0.11, 0.17, 0.035), vec3(0.36, 0.31, 0.11), vLook.y) * uGrassTint;
+diffuseColor.rgb = green * (0.3 + 0.9 * vUp) * (0.8 + 0.4 * vLook.x);
+// Ears of old blades, and flowers.
+diffuseColor.rgb = mix(diffuseColor.rgb, vec3(0.4, 0.3, 0.14), 0.6 * vLook.y * smoothstep(0.75, 0.95, vUp));
+vec3 petals = vLook.x < 0.4 ? vec3(0.8, 0.8, 0.74) : (vLook.x < 0.75 ? vec3(0.8, 0.58, 0.05) : vec3(0.42, 0.22, 0.6));
+diffuseColor.rgb = mix(diffuseColor.rgb, petals, vLook.w * uFlowers * smoothstep(0.86, 0.9, vUp));
 diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, 0.55 * uSnow * vUp);
 `;
+
+/** Light through the blades, most at their tips. */
+const LIGHT = /* glsl */ `
+#include <lights_fragment_end>
+reflectedLight.directDiffuse += diffuseColor.rgb * RECIPROCAL_PI * directLight.color * vec3(1.1, 1.0, 0.5)
+  * vUp * (0.12 + 0.6 * pow(saturate(dot(-geometryViewDir, directLight.direction)), 3.0));
+`;
+
+/** Share of the tufts that flower, in patches. */
+const FLOWERS = 0.3;
+
+/** The tuft of a cell: place and size, random number, dryness, width, flower. */
+function tuftIn(column: number, row: number, spacing_m: number): number[] {
+  const at = (channel: number) => hashUnit(73, column, row, channel);
+  const x = (column + at(0)) * spacing_m;
+  const z = (row + at(1)) * spacing_m;
+  const open = glade(x, z);
+  if (at(2) >= 0.16 + 0.7 * open) return [0, 0, 0, 0, 0, 0, 0, 0];
+  // Patches of tall, of short and of dry grass.
+  const tall = 0.5 + 0.5 * valueNoise(x / 7, z / 7, 811);
+  const dry = 0.5 + 0.5 * valueNoise(x / 11, z / 11, 823);
+  const size = (0.28 + 0.3 * at(3) + 0.5 * tall ** 2) * (0.55 + 0.45 * open);
+  const flower = at(6) < FLOWERS * Math.max(0, 1 - 2 * Math.abs(dry - 0.4)) && open > 0.3 ? 1 : 0;
+  const dryness = Math.min(1, at(5) ** 2 * (0.4 + 1.2 * dry));
+  return [x, groundHeight_m(x, z) - 0.03, z, size, at(4), dryness, 1.35 - 0.5 * tall, flower];
+}
 
 export class GroundCover {
   readonly mesh: Mesh<InstancedBufferGeometry, MeshLambertMaterial>;
@@ -98,11 +129,10 @@ export class GroundCover {
     uEye: { value: new Vector3() },
     uReach: { value: 1 },
     uGrassTint: { value: new Color(1, 1, 1) },
+    uFlowers: { value: 0 },
   };
-  private side = 0;
-  private spacing_m = 1;
-  private column = Number.NaN;
-  private row = Number.NaN;
+  private field: PlantField | null = null;
+  private quality: Quality | null = null;
 
   constructor(quality: Quality) {
     this.mesh = new Mesh(new InstancedBufferGeometry(), this.material());
@@ -122,7 +152,7 @@ export class GroundCover {
         .replace("#include <beginnormal_vertex>", "vec3 objectNormal = vec3(0.0, 1.0, 0.0);")
         .replace("#include <begin_vertex>", POSITION);
       const pars =
-        "uniform vec3 uGrassTint;\nuniform float uSnow;\nuniform vec3 uSnowColour;\nvarying float vUp;\nvarying vec2 vLook;\n";
+        "uniform vec3 uGrassTint;\nuniform float uFlowers;\nuniform float uSnow;\nuniform vec3 uSnowColour;\nvarying float vUp;\nvarying vec4 vLook;\n";
       shader.fragmentShader = shader.fragmentShader
         .replace("#include <common>", `#include <common>\n${AIR_PARS}${pars}`)
         .replace("#include <map_fragment>", COLOUR)
@@ -130,6 +160,7 @@ export class GroundCover {
           "#include <normal_fragment_begin>",
           "vec3 normal = normalize(vNormal);\nvec3 nonPerturbedNormal = normal;",
         )
+        .replace("#include <lights_fragment_end>", LIGHT)
         .replace("#include <opaque_fragment>", AIR_FRAGMENT)
         .replace("#include <fog_fragment>", "");
     };
@@ -138,67 +169,28 @@ export class GroundCover {
   }
 
   setQuality(quality: Quality): void {
+    if (quality === this.quality) return;
+    this.quality = quality;
     const { side, spacing_m } = COVER[quality];
-    if (side === this.side) return;
-    this.side = side;
-    this.spacing_m = spacing_m;
-    this.uniforms.uReach.value = 0.5 * side * spacing_m;
-    const geometry = new InstancedBufferGeometry();
-    const blades = tuft();
-    geometry.setIndex(blades.index);
-    geometry.setAttribute("position", blades.getAttribute("position"));
-    geometry.setAttribute("normal", blades.getAttribute("normal"));
-    geometry.setAttribute("aTuft", new InstancedBufferAttribute(new Float32Array(side * side * 4), 4));
-    geometry.setAttribute("aLook", new InstancedBufferAttribute(new Float32Array(side * side * 2), 2));
-    geometry.instanceCount = side * side;
+    this.field = new PlantField(tuft(), side, spacing_m, (out, at, column, row) =>
+      out.set(tuftIn(column, row, spacing_m), at),
+    );
+    this.uniforms.uReach.value = this.field.reach_m;
     this.mesh.geometry.dispose();
-    this.mesh.geometry = geometry;
-    this.column = Number.NaN;
+    this.mesh.geometry = this.field.geometry;
   }
 
   setSeason(season: Season): void {
     this.mesh.visible = SEASON_LOOKS[season].snow === 0; // hidden under snow
     this.uniforms.uGrassTint.value.setRGB(...SEASON_LOOKS[season].grass);
+    this.uniforms.uFlowers.value = season === "spring" || season === "summer" ? 1 : 0;
   }
 
   /** Follows the camera and applies the wind of this step. */
   update(eye: Vector3, wind_m_s: { x: number; z: number }, time_s: number): void {
     this.uniforms.uEye.value.copy(eye);
     this.uniforms.uBreeze.value.set(wind_m_s.x, wind_m_s.z, time_s);
-    this.populate(Math.round(eye.x / this.spacing_m), Math.round(eye.z / this.spacing_m));
-  }
-
-  /** Fills the cells that came into range; all others keep their tufts. */
-  private populate(column: number, row: number): void {
-    if (column === this.column && row === this.row) return;
-    const { side } = this;
-    const fresh = Number.isNaN(this.column);
-    const half = side >> 1;
-    for (let r = row - half; r < row + half; r++) {
-      const known = !fresh && r >= this.row - half && r < this.row + half;
-      for (let c = column - half; c < column + half; c++) {
-        if (known && c >= this.column - half && c < this.column + half) continue;
-        this.grow(c, r);
-      }
-    }
-    this.column = column;
-    this.row = row;
-    this.mesh.geometry.getAttribute("aTuft").needsUpdate = true;
-    this.mesh.geometry.getAttribute("aLook").needsUpdate = true;
-  }
-
-  private grow(column: number, row: number): void {
-    const { side, spacing_m } = this;
-    const slot = (((row % side) + side) % side) * side + (((column % side) + side) % side);
-    const at = (channel: number) => hashUnit(73, column, row, channel);
-    const x = (column + at(0)) * spacing_m;
-    const z = (row + at(1)) * spacing_m;
-    const open = glade(x, z);
-    const grows = at(2) < 0.16 + 0.7 * open;
-    const size = grows ? (0.35 + 0.5 * at(3)) * (0.55 + 0.45 * open) : 0;
-    const y = size > 0 ? groundHeight_m(x, z) - 0.03 : 0;
-    (this.mesh.geometry.getAttribute("aTuft") as BufferAttribute).setXYZW(slot, x, y, z, size);
-    (this.mesh.geometry.getAttribute("aLook") as BufferAttribute).setXY(slot, at(4), at(5) ** 2);
+    if (this.mesh.visible) this.field?.update(eye);
   }
 
   dispose(): void {

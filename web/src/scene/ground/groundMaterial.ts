@@ -1,5 +1,6 @@
 /** Colour of the ground: leaf litter and meadow nearby, tree crowns towards the horizon, snow. */
 import { Color, MeshLambertMaterial } from "three";
+import { GROUND_SHADE, GROUND_SHADE_PARS, groundShade } from "../impostors/groundShade";
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";
@@ -45,6 +46,7 @@ if (distant > 0.0) {
 }
 float bare = 0.9 * distant * smoothstep(0.3, 0.55, texture2D(uNoise, g * 0.013).g) + 0.4 * (1.0 - open) * smoothstep(0.5, 0.75, patchy.r);
 ground = mix(ground, uSnowColour * (0.9 + 0.12 * patchy.b), uSnow * (1.0 - bare));
+${GROUND_SHADE}
 diffuseColor.rgb = ground;
 `;
 
@@ -69,7 +71,7 @@ export function setGroundSeason(season: Season): void {
 export function groundMaterial(pictures: Pictures): MeshLambertMaterial {
   const material = new MeshLambertMaterial();
   material.onBeforeCompile = (shader) => {
-    Object.assign(shader.uniforms, air, seasonal, uniforms, {
+    Object.assign(shader.uniforms, air, seasonal, uniforms, groundShade, {
       uNoise: { value: pictures.noise },
       uLitter: { value: pictures.litter },
       uGrass: { value: pictures.grass },
@@ -79,7 +81,7 @@ export function groundMaterial(pictures: Pictures): MeshLambertMaterial {
       .replace("#include <common>", `#include <common>\n${varyings}`)
       .replace("#include <begin_vertex>", "#include <begin_vertex>\nvGround = position;\nvMeadow = aMeadow;");
     shader.fragmentShader = shader.fragmentShader
-      .replace("#include <common>", `#include <common>\n${AIR_PARS}${PARS}`)
+      .replace("#include <common>", `#include <common>\n${AIR_PARS}${PARS}${GROUND_SHADE_PARS}`)
       .replace("#include <map_fragment>", COLOUR)
       .replace("#include <opaque_fragment>", AIR_FRAGMENT)
       .replace("#include <fog_fragment>", "");

@@ -101,3 +101,58 @@ export function leafTint(
   const channel = (k: 0 | 1 | 2) => light * (palette[pick][k] * (1 - mix) + next[k] * mix);
   return [channel(0), channel(1), channel(2), strengthOf(own !== undefined, season)];
 }
+
+/** Colours of low plants by season: of a fresh and of an old leaf. */
+const UNDERGROWTH: Record<"shrub" | "fern", Record<Season, readonly [Rgb, Rgb]>> = {
+  shrub: {
+    spring: [
+      [0.22, 0.36, 0.06],
+      [0.15, 0.27, 0.05],
+    ],
+    summer: [
+      [0.1, 0.2, 0.035],
+      [0.06, 0.13, 0.03],
+    ],
+    autumn: [
+      [0.36, 0.26, 0.04],
+      [0.3, 0.1, 0.03],
+    ],
+    winter: [
+      [0.1, 0.08, 0.06],
+      [0.08, 0.06, 0.05],
+    ],
+  },
+  fern: {
+    spring: [
+      [0.2, 0.36, 0.05],
+      [0.15, 0.3, 0.05],
+    ],
+    summer: [
+      [0.13, 0.26, 0.04],
+      [0.08, 0.18, 0.03],
+    ],
+    autumn: [
+      [0.4, 0.27, 0.06],
+      [0.26, 0.14, 0.05],
+    ],
+    winter: [
+      [0.2, 0.13, 0.07],
+      [0.16, 0.1, 0.06],
+    ],
+  },
+};
+const WITHERED: Rgb = [0.24, 0.13, 0.055];
+
+/** Colour of one low plant, or of one leaf on the ground below a crown of this colour; hue: 0 to 1. */
+export function undergrowthTint(
+  kind: "shrub" | "fern" | "leaf",
+  hue: number,
+  season: Season,
+  crown: Rgb | null,
+): Rgb {
+  const [a, b] =
+    kind === "leaf" ? [season === "autumn" && crown ? crown : WITHERED, WITHERED] : UNDERGROWTH[kind][season];
+  const share = kind === "leaf" ? 0.75 * hue : hue;
+  const mix = (c: 0 | 1 | 2) => (a[c] + share * (b[c] - a[c])) * (0.8 + 0.4 * ((hue * 7.3) % 1));
+  return [mix(0), mix(1), mix(2)];
+}

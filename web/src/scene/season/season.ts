@@ -9,7 +9,7 @@ export interface SeasonLook {
   readonly declination_deg: number;
   /** 1 is clean air. */
   readonly haziness: number;
-  /** Cloud cover, 0 to 1. */
+  /** Cloud cover in a light wind, 0 to 1. */
   readonly clouds: number;
   readonly snow: number;
   /** Ground mist in the early morning. */
@@ -27,11 +27,11 @@ export const SEASON_LOOKS: Record<Season, SeasonLook> = {
   spring: {
     declination_deg: 8,
     haziness: 1.5,
-    clouds: 0.5,
+    clouds: 0.34,
     snow: 0,
     mist: 0.8,
     grass: [0.62, 1.12, 0.5],
-    litter: [0.24, 0.56, 0.9],
+    litter: [0.5, 0.7, 0.9],
     fallen: 0.1,
     woods: [
       [0.15, 0.26, 0.05],
@@ -42,11 +42,11 @@ export const SEASON_LOOKS: Record<Season, SeasonLook> = {
   summer: {
     declination_deg: 20,
     haziness: 1.9,
-    clouds: 0.44,
+    clouds: 0.26,
     snow: 0,
     mist: 0.6,
     grass: [0.52, 0.8, 0.42],
-    litter: [0.17, 0.5, 0.8],
+    litter: [0.45, 0.62, 0.75],
     fallen: 0.06,
     woods: [
       [0.06, 0.13, 0.03],
@@ -57,7 +57,7 @@ export const SEASON_LOOKS: Record<Season, SeasonLook> = {
   autumn: {
     declination_deg: -7,
     haziness: 1.7,
-    clouds: 0.48,
+    clouds: 0.3,
     snow: 0,
     mist: 1,
     grass: [0.8, 0.86, 0.6],
@@ -72,7 +72,7 @@ export const SEASON_LOOKS: Record<Season, SeasonLook> = {
   winter: {
     declination_deg: -18,
     haziness: 1.3,
-    clouds: 0.56,
+    clouds: 0.4,
     snow: 1,
     mist: 0.7,
     grass: [0.9, 0.8, 0.62],

@@ -1,4 +1,4 @@
-/** Seasonal uniforms shared by trees, ground and ground cover. */
+/** Uniforms shared by trees, ground and ground cover: snow, leaves, and the light of the moment. */
 import { Color } from "three";
 
 export const seasonal = {
@@ -7,4 +7,7 @@ export const seasonal = {
   uSnowColour: { value: new Color(0.74, 0.79, 0.86) },
   /** Share of the leaves that are still on the trees. */
   uLeafShare: { value: 1 },
+  /** Sunlight before any shadow, and sky light on level ground. */
+  uSunColour: { value: new Color() },
+  uSkyColour: { value: new Color() },
 };

@@ -5,8 +5,10 @@ import type { Quality } from "../quality";
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";
 import { air } from "./air";
-import { type Atmosphere, atmosphereAt, SUN_POWER } from "./daytime";
+import type { Rgb } from "./atmosphere";
+import { type Atmosphere, SUN_POWER } from "./daytime";
 import { fillSkyTexture, makeSkyTexture } from "./skyTexture";
+import { closed } from "./weather";
 
 const SHADOWS: Record<Quality, { side: number; reach_m: number }> = {
   low: { side: 768, reach_m: 55 },
@@ -23,6 +25,8 @@ const SKY_GAIN = 1.35;
 
 /** Exposure of the visible sky relative to the land, which keeps its blue from getting too dark. */
 const SKY_SHOWN = 1.5;
+/** The same for clouds that cover it. */
+const OVERCAST_SHOWN = 0.8;
 
 export class Daylight {
   readonly group = new Group();
@@ -38,17 +42,24 @@ export class Daylight {
     this.setQuality(quality);
   }
 
-  /** Sets and returns the light of a season and time of day. */
-  show(daytime: number, season: Season): Atmosphere {
-    const light = atmosphereAt(daytime, season);
-    this.point(light.sun.azimuth_deg, light.sun.elevation_deg);
-    fillSkyTexture(this.texture, light.table, SKY_SHOWN * SUN_POWER);
-    this.sun.color.setRGB(...light.sunlight);
+  /** Shows the light of a moment. */
+  show(light: Atmosphere, season: Season): void {
+    const { sun, sunlight, skylight, weather } = light;
+    this.point(sun.azimuth_deg, sun.elevation_deg);
+    const share = closed(weather);
+    const irradiance: Rgb = [
+      OVERCAST_SHOWN * skylight[0],
+      OVERCAST_SHOWN * skylight[1],
+      OVERCAST_SHOWN * skylight[2],
+    ];
+    fillSkyTexture(this.texture, light.table, SKY_SHOWN * SUN_POWER, { share, irradiance });
+    this.sun.color.setRGB(...sunlight);
+    seasonal.uSunColour.value.setRGB(...sunlight);
+    seasonal.uSkyColour.value.setRGB(...skylight);
     this.fillIn(light, season);
     air.uHaze.value.setRGB(...light.haze);
     air.uMist.value.x = light.mist;
     seasonal.uSnow.value = SEASON_LOOKS[season].snow;
-    return light;
   }
 
   /** Hemisphere light: sky above, ground below. */

@@ -2,6 +2,7 @@
 
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { type Rgb, type SkyTable, skyIrradiance, skyTable, sunlight } from "./atmosphere";
+import { belowClouds, closed, smoothstep, snowShare, type Weather } from "./weather";
 
 const LATITUDE_DEG = 47;
 /** Sunlight above the atmosphere, in the renderer's units. */
@@ -11,6 +12,14 @@ const TWILIGHT = 0.015;
 /** Height of the clouds, for their lighting. */
 const CLOUDS_M = 2500;
 const DEG = Math.PI / 180;
+const CLEAR: Weather = { cover: 0, dark: 0, speed_m_s: 0 };
+/** A storm looks darker and hazier than its light alone makes it. */
+const STORM_EXPOSURE = 0.2;
+const STORM_HAZE = 1.1;
+/** Extinction of driven snow per metre, the same for all colours: visibility of some hundred metres. */
+const SNOW_HAZE = 0.006;
+/** Gain of the light between snow on the ground and a closed cover, which reflect it to and fro. */
+const SNOW_GAIN = 0.5;
 
 export interface SunPlace {
   /** 0 = +x (east), 90 = +z (south). */
@@ -64,15 +73,12 @@ export interface Atmosphere {
   readonly haze: Rgb;
   /** Extinction per metre at the base of the mist. */
   readonly mist: number;
-  readonly clouds: number;
+  readonly weather: Weather;
 }
 
 const times = (a: Rgb, k: number): Rgb => [a[0] * k, a[1] * k, a[2] * k];
+const plus = (a: Rgb, k: number): Rgb => [a[0] + k, a[1] + k, a[2] + k];
 const brightness = ([r, g, b]: Rgb) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
-const step = (from: number, to: number, x: number) => {
-  const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
-  return t * t * (3 - 2 * t);
-};
 
 /** Partial adaptation: dusk stays darker than noon but visible. */
 function exposureFor(sun: Rgb, sky: Rgb, elevation_deg: number, snow: number): number {
@@ -81,7 +87,7 @@ function exposureFor(sun: Rgb, sky: Rgb, elevation_deg: number, snow: number): n
   return Math.min(3.6, 1.12 * (2.1 / light) ** 0.66) * (1 - 0.3 * snow);
 }
 
-/** Computes the lighting of one moment; takes several milliseconds. */
+/** Computes the lighting of one moment below a clear sky; takes several milliseconds. */
 export function atmosphereAt(daytime: number, season: Season): Atmosphere {
   const look = SEASON_LOOKS[season];
   const sun = sunPlace(daytime, season);
@@ -90,24 +96,35 @@ export function atmosphereAt(daytime: number, season: Season): Atmosphere {
   const direct = times(sunlight(0, Math.sin(elevation), look.haziness), SUN_POWER);
   const clear = times(skyIrradiance(table, elevation), SUN_POWER);
   const cloudlight = times(sunlight(CLOUDS_M, Math.sin(elevation), look.haziness), SUN_POWER);
-  // Clouds add light that is less blue than the clear sky.
-  const cloudy = look.clouds * 0.16 * Math.max(0.1, Math.sin(elevation));
-  const skylight: Rgb = [
-    clear[0] + cloudy * cloudlight[0],
-    clear[1] + cloudy * cloudlight[1],
-    clear[2] + cloudy * cloudlight[2],
-  ];
-  const morning = 1 - step(0.1, 0.34, daytime);
-  const dusk = step(0.9, 1, daytime);
+  const morning = 1 - smoothstep(0.1, 0.34, daytime);
+  const dusk = smoothstep(0.9, 1, daytime);
   return {
     sun,
     table,
     sunlight: direct,
-    skylight,
+    skylight: clear,
     cloudlight,
-    exposure: exposureFor(direct, skylight, sun.elevation_deg, look.snow),
+    exposure: exposureFor(direct, clear, sun.elevation_deg, look.snow),
     haze: times([0.00042, 0.0006, 0.00092], 0.75 + 0.35 * look.haziness + 0.9 * morning + 0.3 * dusk),
     mist: 0.016 * look.mist * morning,
-    clouds: look.clouds,
+    weather: CLEAR,
+  };
+}
+
+/** The same moment below clouds; cheap. `behind`: how far a cloud hides the sun, 0 to 1. */
+export function underClouds(clear: Atmosphere, season: Season, weather: Weather, behind: number): Atmosphere {
+  const { sun, skylight, haze, mist } = clear;
+  const sine = Math.sin(sun.elevation_deg * DEG);
+  const { snow } = SEASON_LOOKS[season];
+  const below = belowClouds({ sunlight: clear.sunlight, skylight }, sine, weather, behind);
+  const lit = { ...below, skylight: times(below.skylight, 1 + SNOW_GAIN * snow * closed(weather)) };
+  const base = exposureFor(lit.sunlight, lit.skylight, sun.elevation_deg, snow * (1 - closed(weather)));
+  return {
+    ...clear,
+    ...lit,
+    weather,
+    exposure: base * (1 - STORM_EXPOSURE * weather.dark * closed(weather)),
+    haze: plus(times(haze, 1 + STORM_HAZE * weather.dark), SNOW_HAZE * snowShare(weather.speed_m_s, season)),
+    mist: mist * (1 - smoothstep(3, 9, weather.speed_m_s)),
   };
 }

@@ -1,8 +1,14 @@
 /** Sky dome: scattered light, the sun, and drifting clouds lit by both. */
-import { BackSide, Color, Mesh, ShaderMaterial, SphereGeometry, Vector2 } from "three";
+import { BackSide, Color, Mesh, ShaderMaterial, SphereGeometry, Vector2, type Vector3 } from "three";
+import type { Picture } from "../textures/paint";
 import type { Pictures } from "../textures/pictures";
 import { AIR_PARS, air } from "./air";
+import { behindCloud, CLOUD_PARS, cloudEdge, EDGE } from "./cloudField";
 import type { Atmosphere } from "./daytime";
+import { closed, overcastRadiance } from "./weather";
+
+/** Exposure of the clouds relative to the land, as for the clear sky. */
+const SHOWN = 1.1;
 
 const vertexShader = /* glsl */ `
 varying vec3 vDirection;
@@ -16,16 +22,15 @@ void main() {
 const fragmentShader = /* glsl */ `
 varying vec3 vDirection;
 uniform vec2 uDrift;
-uniform float uCover;
+uniform float uEdge;
+uniform float uClosed;
+uniform float uDark;
 uniform vec3 uCloudSun;
 uniform vec3 uCloudSky;
+uniform vec3 uGrey;
 uniform sampler2D uNoise;
 ${AIR_PARS}
-float cloudBody(vec2 plane) {
-  vec4 wide = texture2D(uNoise, plane * 0.062 + 0.41);
-  vec4 small = texture2D(uNoise, plane * 0.21 + wide.ba * 0.06);
-  return 0.62 * wide.r + 0.3 * small.g + 0.08 * texture2D(uNoise, plane * 0.83).b;
-}
+${CLOUD_PARS}
 void main() {
   vec3 direction = normalize(vDirection);
   float up = max(direction.y, 0.0);
@@ -37,14 +42,22 @@ void main() {
   if (up > 0.015) {
     vec2 plane = direction.xz / (up + 0.11) * vec2(0.8, 1.2) + uDrift;
     float body = cloudBody(plane);
-    float edge = 0.78 - 0.5 * uCover;
-    float cover = smoothstep(edge - 0.08, edge + 0.1, body) * smoothstep(0.015, 0.16, up);
+    float cover = smoothstep(uEdge - ${EDGE}, uEdge + ${EDGE}, body) * smoothstep(0.015, 0.16, up);
     float shade = smoothstep(-0.06, 0.14, cloudBody(plane + uSunFlat * 0.5) - body + 0.03);
+    float thick = smoothstep(uEdge, uEdge + 0.34, body);
     // Towards the sun, light shines through thin clouds.
     float lining = (1.0 - cover) * pow(max(cosine, 0.0), 6.0);
     vec3 cloud = uCloudSun * (0.27 - 0.13 * shade + 0.55 * lining) + uCloudSky * (0.34 - 0.1 * shade);
+    cloud *= 1.0 - 0.45 * thick * (1.0 - smoothstep(0.3, 0.6, uEdge));
+    if (uClosed > 0.0) {
+      // A closed cover: rolls with dark bases, and torn shreds below it that are darker still.
+      float rolls = smoothstep(0.3, 0.68, body);
+      float shreds = smoothstep(0.5, 0.72, cloudBody(plane * 1.9 + uDrift * 0.35 + 3.7));
+      float light = (1.0 + 2.0 * up) / 3.0 * mix(1.2, 0.66 - 0.22 * uDark, rolls) * (1.0 - (0.12 + 0.3 * uDark) * shreds);
+      cloud = mix(cloud, uGrey * light, uClosed);
+    }
     cloud = mix(hazeColour(direction), cloud, smoothstep(0.0, 0.3, up));
-    colour = mix(colour, cloud, 0.93 * cover);
+    colour = mix(colour, cloud, mix(0.93, 1.0, uClosed) * cover);
   }
   if (uMist.x > 0.0) colour = mix(hazeColour(direction), colour, exp(-mistDepth(direction, 4000.0)));
   gl_FragColor = vec4(colour, 1.0);
@@ -63,7 +76,10 @@ export class Sky {
   readonly mesh: Mesh<SphereGeometry, ShaderMaterial>;
   readonly drift = new Vector2(0, 0);
 
+  private readonly noise: Picture;
+
   constructor(pictures: Pictures) {
+    this.noise = pictures.noisePicture;
     const material = new ShaderMaterial({
       vertexShader,
       fragmentShader,
@@ -72,7 +88,10 @@ export class Sky {
       uniforms: {
         ...air,
         uDrift: { value: this.drift },
-        uCover: { value: 0.5 },
+        uEdge: { value: 0.5 },
+        uClosed: { value: 0 },
+        uDark: { value: 0 },
+        uGrey: { value: new Color() },
         uCloudSun: { value: new Color() },
         uCloudSky: { value: new Color() },
         uNoise: { value: pictures.noise },
@@ -84,11 +103,20 @@ export class Sky {
     this.mesh.renderOrder = 10;
   }
 
-  show({ cloudlight, skylight, clouds }: Atmosphere): void {
+  show({ cloudlight, skylight, weather }: Atmosphere): void {
     const { uniforms } = this.mesh.material;
     uniforms.uCloudSun.value.setRGB(...cloudlight);
     uniforms.uCloudSky.value.setRGB(...skylight);
-    uniforms.uCover.value = clouds;
+    uniforms.uEdge.value = cloudEdge(weather.cover);
+    uniforms.uClosed.value = closed(weather);
+    uniforms.uDark.value = weather.dark;
+    // Radiance overhead of a closed cover with this irradiance.
+    uniforms.uGrey.value.setRGB(...skylight).multiplyScalar(SHOWN * overcastRadiance(1));
+  }
+
+  /** How far a cloud hides the sun, 0 to 1. */
+  behindCloud(sun: Vector3, cover: number): number {
+    return behindCloud(this.noise, sun, this.drift, cover);
   }
 
   /** Moves the clouds with the wind of this step. */

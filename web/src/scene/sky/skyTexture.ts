@@ -1,6 +1,7 @@
 /** The sky table as a half-float texture: air in the lower half, aerosols in the upper half. */
 import { ClampToEdgeWrapping, DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat } from "three";
-import { SKY_AZIMUTHS, SKY_ELEVATIONS, type SkyTable } from "./atmosphere";
+import { elevationOf_rad, type Rgb, SKY_AZIMUTHS, SKY_ELEVATIONS, type SkyTable } from "./atmosphere";
+import { overcastRadiance } from "./weather";
 
 export function makeSkyTexture(): DataTexture {
   const data = new Uint16Array(SKY_AZIMUTHS * SKY_ELEVATIONS * 2 * 4);
@@ -12,11 +13,30 @@ export function makeSkyTexture(): DataTexture {
   return texture;
 }
 
+/** Grey light that replaces the clear sky where clouds close: share, and irradiance on level ground. */
+export interface Overcast {
+  readonly share: number;
+  readonly irradiance: Rgb;
+}
+
 /** Writes a sky, multiplied by the light of the sun. */
-export function fillSkyTexture(texture: DataTexture, { light }: SkyTable, sun: number): void {
+export function fillSkyTexture(
+  texture: DataTexture,
+  { light }: SkyTable,
+  sun: number,
+  overcast: Overcast,
+): void {
   const data = texture.image.data as Uint16Array;
-  for (let texel = 0; texel < light.length / 3; texel++) {
-    for (let c = 0; c < 3; c++) data[texel * 4 + c] = DataUtils.toHalfFloat(sun * light[texel * 3 + c]);
+  const { share, irradiance } = overcast;
+  const texels = light.length / 3;
+  for (let texel = 0; texel < texels; texel++) {
+    const air = 2 * texel < texels;
+    const row = Math.floor(texel / SKY_AZIMUTHS) % SKY_ELEVATIONS;
+    const grey = air ? overcastRadiance(Math.sin(elevationOf_rad(row))) : 0;
+    for (let c = 0; c < 3; c++) {
+      const value = (1 - share) * sun * light[texel * 3 + c] + share * grey * irradiance[c];
+      data[texel * 4 + c] = DataUtils.toHalfFloat(value);
+    }
     data[texel * 4 + 3] = DataUtils.toHalfFloat(1);
   }
   texture.needsUpdate = true;

@@ -9,6 +9,7 @@ import {
 } from "three";
 import type { Quality } from "../quality";
 import { type Picture, paintGrass, paintLitter, paintNoise } from "./paint";
+import { paintPlants } from "./plantPictures";
 
 function texture({ side, pixels }: Picture, colour: boolean): DataTexture {
   const made = new DataTexture(pixels, side, side);
@@ -22,10 +23,24 @@ function texture({ side, pixels }: Picture, colour: boolean): DataTexture {
   return made;
 }
 
+function plantTexture(): DataTexture {
+  const { width, height, pixels } = paintPlants();
+  const made = new DataTexture(pixels, width, height);
+  made.magFilter = LinearFilter;
+  made.minFilter = LinearMipmapLinearFilter;
+  made.generateMipmaps = true;
+  made.colorSpace = NoColorSpace;
+  made.needsUpdate = true;
+  return made;
+}
+
 export class Pictures {
-  readonly noise = texture(paintNoise(256), false);
+  readonly noisePicture = paintNoise(256);
+  readonly noise = texture(this.noisePicture, false);
   readonly litter = texture(paintLitter(512), true);
   readonly grass = texture(paintGrass(512), true);
+
+  readonly plants = plantTexture();
 
   /** Anisotropic filtering of the ground, depending on quality: it is expensive with software rendering. */
   setQuality(quality: Quality): void {
@@ -38,6 +53,6 @@ export class Pictures {
   }
 
   dispose(): void {
-    for (const made of [this.noise, this.litter, this.grass]) made.dispose();
+    for (const made of [this.noise, this.litter, this.grass, this.plants]) made.dispose();
   }
 }

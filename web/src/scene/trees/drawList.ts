@@ -1,6 +1,7 @@
 /** Selects the trees of a frame, their levels of detail and the shadow casters. Pure; no allocation per frame. */
+import { fadeAt } from "./crossFade";
 import { type Bounds, cylinderSeen, type Planes, type Point, shadowSeen } from "./culling";
-import { LEVEL_COUNT, levelFor, shareAt } from "./detail";
+import { LEVEL_COUNT, LEVEL_SHARES, levelFor, shareAt } from "./detail";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 
 export interface View {
@@ -12,6 +13,8 @@ export interface View {
   readonly levelFrom_m: readonly [number, number];
   /** Shadows are drawn up to this distance. */
   readonly shadow_m: number;
+  /** Distance (m) from which a tree of scale 1 is replaced by its impostor; never without it. */
+  readonly cardsFrom_m?: number;
 }
 
 /** Distance bins: trees are drawn near to far, so that hidden fragments are not shaded. */
@@ -22,6 +25,8 @@ const CLASSES = 2 * LEVEL_COUNT * BINS;
 export const CAST_BINS = 32;
 export const CAST_BIN_M = 6;
 const NONE = 255;
+/** Smallest share of the pieces while a tree gives way to its impostor. */
+const LEAST_SHOWN = 1e-3;
 /** Below this elevation of the sun, shadows do not get longer. */
 const LOWEST_SUN = 0.15;
 
@@ -39,6 +44,10 @@ export class DrawList {
   readonly castBefore = new Uint32Array(LEVEL_COUNT * (CAST_BINS + 1));
   /** Share of pieces that each tree shows. */
   readonly share: Float32Array;
+  /** The same in shadow maps, where impostors do not replace a tree. */
+  readonly castShare: Float32Array;
+  /** Opacity of the impostor of each visible tree. */
+  readonly card: Float32Array;
   /** Level of each tree, for the hysteresis; 255 at first. */
   readonly level: Uint8Array;
   private readonly classes: Uint8Array;
@@ -51,6 +60,8 @@ export class DrawList {
     this.order = new Uint32Array(count);
     this.casters = new Uint32Array(count);
     this.share = new Float32Array(count);
+    this.castShare = new Float32Array(count);
+    this.card = new Float32Array(count);
     this.level = new Uint8Array(count).fill(NONE);
     this.classes = new Uint8Array(count);
     this.castBin = new Uint8Array(count);
@@ -75,14 +86,26 @@ export class DrawList {
     const distance_m = Math.sqrt((x - eye.x) ** 2 + (y + 0.5 * height_m - eye.y) ** 2 + (z - eye.z) ** 2);
     const seen = cylinderSeen(planes, x, y, z, height_m, radius_m);
     this.castBin[tree] = this.castBinOf(x, y, z, height_m, radius_m, distance_m, view);
+    this.card[tree] = 0;
     if (!seen && this.castBin[tree] === NONE) {
       this.classes[tree] = NONE;
       return;
     }
-    this.share[tree] = shareAt(distance_m / scale, view.levelFrom_m);
-    this.level[tree] = levelFor(this.share[tree], this.level[tree]);
+    const pieces = this.detail(tree, distance_m / scale, seen, view);
     const bin = Math.min(BINS - 1, Math.floor(distance_m / BIN_M));
-    this.classes[tree] = (2 * this.level[tree] + (seen ? 0 : 1)) * BINS + bin;
+    this.classes[tree] = (2 * this.level[tree] + (seen && pieces > 0 ? 0 : 1)) * BINS + bin;
+  }
+
+  /** Sets level and shares of a tree; returns the share of its pieces that its impostor leaves. */
+  private detail(tree: number, distance_m: number, seen: boolean, view: View): number {
+    const share = shareAt(distance_m, view.levelFrom_m);
+    const { card, pieces } = fadeAt(distance_m, view.cardsFrom_m ?? Number.POSITIVE_INFINITY);
+    if (seen) this.card[tree] = card;
+    const shown = Math.max(LEAST_SHOWN, share * pieces);
+    this.share[tree] = pieces === 1 ? share : shown;
+    this.level[tree] = levelFor(this.share[tree], this.level[tree]);
+    this.castShare[tree] = pieces === 1 ? share : Math.min(share, LEVEL_SHARES[this.level[tree]]);
+    return pieces;
   }
 
   /** Bin of the smallest distance from the eye to the tree's shadow; NONE if it is not drawn. */

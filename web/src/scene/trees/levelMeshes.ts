@@ -6,6 +6,7 @@ import {
   InstancedBufferGeometry,
   InstancedInterleavedBuffer,
   InterleavedBufferAttribute,
+  type Material,
   Mesh,
   type OrthographicCamera,
 } from "three";
@@ -22,7 +23,7 @@ export interface LevelPart {
   readonly materials: PartMaterials;
 }
 
-type InstancedMesh = Mesh<InstancedBufferGeometry>;
+type InstancedMesh = Mesh<InstancedBufferGeometry, Material>;
 
 /** Location of the level's trees in the target of pass 1. */
 export interface LevelTexels {
@@ -60,9 +61,6 @@ export class LevelMeshes {
   private visible = 0;
   private casters = 0;
   private castersWithin: (distance_m: number) => number = () => 0;
-  /** Triangles of one tree in the colour pass. */
-  readonly triangles: number;
-
   /** `shadowShare`: largest share of a tree's pieces that is drawn into shadow maps. */
   constructor(
     private readonly level: number,
@@ -80,7 +78,6 @@ export class LevelMeshes {
     for (const part of parts) {
       group.add(this.colourMesh(part), this.shadowMesh(part, shadowLevel));
     }
-    this.triangles = parts.reduce((sum, { part }) => sum + part.counts[level] / 3, 0);
   }
 
   private mesh(part: LevelPart, level: number, caster: boolean): InstancedMesh {
@@ -122,12 +119,12 @@ export class LevelMeshes {
     const { level } = this;
     const start = list.start[level];
     this.visible = Math.min(list.visible[level], texels.trees);
-    this.copy(this.seen, data, list, texels, this.visible, 1, (i) => start + i);
+    this.copy(this.seen, data, list, texels, this.visible, list.share, (i) => start + i);
     const castStart = list.castStart[level];
     this.casters = list.castersWithin(level, Number.POSITIVE_INFINITY);
     this.castersWithin = (distance_m) => list.castersWithin(level, distance_m);
     const casterAt = (i: number) => Math.min(list.casters[castStart + i], start + texels.trees - 1);
-    this.copy(this.casting, data, list, texels, this.casters, this.shadowShare, casterAt);
+    this.copy(this.casting, data, list, texels, this.casters, list.castShare, casterAt);
     for (const { mesh, caster } of this.meshes) mesh.visible = (caster ? this.casters : this.visible) > 0;
   }
 
@@ -137,11 +134,12 @@ export class LevelMeshes {
     list: DrawList,
     { first, nodes }: LevelTexels,
     count: number,
-    mostShare: number,
+    shares: Float32Array,
     placeOf: (i: number) => number,
   ): void {
     const array = buffer.array as Float32Array;
     const start = list.start[this.level];
+    const mostShare = buffer === this.casting ? this.shadowShare : 1;
     for (let i = 0; i < count; i++) {
       const place = placeOf(i);
       const tree = list.order[place];
@@ -149,7 +147,7 @@ export class LevelMeshes {
       const to = i * INSTANCE_FLOATS;
       for (let k = 0; k < INSTANCE_FLOATS; k++) array[to + k] = data[from + k];
       array[to + 3] = first + (place - start) * nodes;
-      array[to + 7] = Math.min(mostShare, list.share[tree]);
+      array[to + 7] = Math.min(mostShare, shares[tree]);
     }
     buffer.clearUpdateRanges();
     buffer.addUpdateRange(0, count * INSTANCE_FLOATS);
@@ -157,7 +155,8 @@ export class LevelMeshes {
   }
 
   get visibleTriangles(): number {
-    return this.triangles * this.visible;
+    const seen = this.meshes.filter(({ mesh, caster }) => !caster && mesh.material.visible);
+    return seen.reduce((sum, { mesh }) => sum + (mesh.geometry.drawRange.count / 3) * this.visible, 0);
   }
 
   /** Draws with these materials, one pair per part. */

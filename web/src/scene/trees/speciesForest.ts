@@ -4,6 +4,7 @@ import type { NodeLevel, TableMotion } from "../../worker/protocol";
 import type { Bounds } from "./culling";
 import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
 import { DrawList, type View } from "./drawList";
+import { type BendNodes, bendNodes, type FarCards, fillCards } from "./farCards";
 import type { InstanceData } from "./instanceData";
 import { LevelMeshes, type LevelPart, type LevelTexels } from "./levelMeshes";
 import type { TreeModel, TreePart } from "./mesh/treeMesh";
@@ -26,16 +27,15 @@ const ALL: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 }
 
 /** Node of each vertex of one part at one level. */
 function nodeAttribute(part: TreePart, firstVertex: number, motion: TableMotion, level: NodeLevel) {
-  const fine = motion.vertexNode.subarray(firstVertex, firstVertex + part.vertices);
-  return new BufferAttribute(
-    fine.map((_, vertex) => level.of[fine[part.hold[vertex]]]),
-    1,
-  );
+  const nodes = Uint16Array.from(part.hold, (vertex) => level.of[motion.vertexNode[firstVertex + vertex]]);
+  return new BufferAttribute(nodes, 1);
 }
 
 interface OwnPart {
   readonly part: TreePart;
   readonly firstVertex: number;
+  /** Drawn in place of leaves that have fallen. */
+  readonly bare: boolean;
   readonly moving: PartMaterials | null;
   /** Materials without any deformation, created on first use. */
   still: PartMaterials | null;
@@ -50,9 +50,13 @@ export class SpeciesForest {
   private readonly room: number;
   private list: DrawList;
   private frozen = false;
+  private fallen = false;
   private nodeRadius_m: Float32Array | null = null;
+  /** Impostors of distant trees, if the scene has any. */
+  cards: FarCards | null = null;
+  private readonly bend: BendNodes | null;
 
-  /** Without `motion` the trees are static and grey. */
+  /** Without `motion` the trees stand still. */
   constructor(
     readonly model: TreeModel,
     readonly motion: TableMotion | null,
@@ -66,8 +70,8 @@ export class SpeciesForest {
       uNodeShift: { value: 0 },
       uFlutter: options.flutter,
       uExaggeration: options.exaggeration,
-      uGhost: { value: motion ? 0 : 1 },
     };
+    this.bend = motion && bendNodes(motion);
     this.parts = this.makeParts();
     this.levels = LEVEL_SHARES.map((_, level) => this.makeLevel(level));
     this.list = new DrawList(instances);
@@ -75,16 +79,25 @@ export class SpeciesForest {
 
   private makeParts(): OwnPart[] {
     let firstVertex = 0;
-    return this.model.parts.map((part) => {
-      const own = {
-        part,
-        firstVertex,
-        moving: this.motion ? this.materials(part, true) : null,
-        still: this.motion ? null : this.materials(part, false),
-      };
+    const parts = this.model.parts.map((part) => {
+      const own = this.ownPart(part, firstVertex, false);
       firstVertex += part.vertices;
       return own;
     });
+    // Without smoothed edges, such thin twigs would be specks.
+    const shoots = this.options.smoothEdges ? this.model.bare : [];
+    const bare = shoots.map(({ part, of }) => this.ownPart(part, parts[of].firstVertex, true));
+    return [...parts, ...bare];
+  }
+
+  private ownPart(part: TreePart, firstVertex: number, bare: boolean): OwnPart {
+    return {
+      part,
+      firstVertex,
+      bare,
+      moving: this.motion ? this.materials(part, true) : null,
+      still: this.motion ? null : this.materials(part, false),
+    };
   }
 
   private materials(part: TreePart, moves: boolean): PartMaterials {
@@ -119,9 +132,10 @@ export class SpeciesForest {
 
   /** Whether the leaves are not drawn, because they have fallen. */
   set leafless(leafless: boolean) {
-    for (const { part, moving, still } of this.parts) {
-      if (part.kind !== "leaves") continue;
-      for (const materials of [moving, still]) if (materials) materials.colour.visible = !leafless;
+    this.fallen = leafless;
+    for (const { part, bare, moving, still } of this.parts) {
+      if (part.kind !== "leaves" && !bare) continue;
+      for (const materials of [moving, still]) if (materials) materials.colour.visible = leafless === bare;
     }
   }
 
@@ -148,12 +162,21 @@ export class SpeciesForest {
 
   /** Selects the trees that are drawn in this view, and their level of detail. */
   select(view: View): void {
-    this.list.select(this.bounds, view);
+    const cardsFrom_m = this.cards?.from_m;
+    this.list.select(this.bounds, cardsFrom_m === undefined ? view : { ...view, cardsFrom_m });
     const texels = this.nodes?.place(this.list);
     if (this.nodes) this.uniforms.uNodeShift.value = this.nodes.shift;
     for (let level = 0; level < LEVEL_COUNT; level++) {
       this.levels[level].fill(this.list, this.instances.data, texels?.[level] ?? ALL);
     }
+    if (texels) this.selectCards(texels);
+  }
+
+  private selectCards(texels: readonly LevelTexels[]): void {
+    const { cards, nodes, motion, bend } = this;
+    if (!cards || !nodes || !motion || !bend || !Number.isFinite(cards.from_m)) return;
+    const count = fillCards(cards, this.list, this.instances.data, texels, motion, bend);
+    cards.show(count, nodes.target.texture, nodes.shift);
   }
 
   /** Triangles of the last selection in the colour pass. */
@@ -178,6 +201,7 @@ export class SpeciesForest {
         return [own.moving, own.still] as const;
       }),
     );
+    this.leafless = this.fallen; // also of the new materials
     for (const level of this.levels) {
       level.useMaterials((moving) => (frozen && still.get(moving)) || moving);
     }
@@ -186,6 +210,7 @@ export class SpeciesForest {
   dispose(): void {
     this.group.removeFromParent();
     this.nodes?.dispose();
+    this.cards?.dispose();
     for (const level of this.levels) level.dispose();
     for (const { moving, still } of this.parts) {
       for (const materials of [moving, still]) {

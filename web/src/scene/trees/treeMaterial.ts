@@ -27,7 +27,7 @@ export type TreeMaterial = MeshStandardMaterial | MeshLambertMaterial;
 export interface MaterialOptions {
   readonly anisotropy: number;
   readonly smoothEdges: boolean;
-  /** Gloss of bark and leaves; without it, shading costs about half. */
+  /** Gloss of bark; without it, shading costs about half. */
   readonly gloss: boolean;
   readonly surface: SurfaceUniforms;
   readonly atmosphere: AtmosphereShader;
@@ -49,9 +49,12 @@ function colourMaterial(
     alphaTest: cut ? ALPHA_TEST : 0,
     alphaToCoverage: cut && options.smoothEdges,
   };
-  const material = options.gloss
-    ? new MeshStandardMaterial({ ...common, roughness: leaves ? 0.72 : 0.94, metalness: 0 })
-    : new MeshLambertMaterial(common);
+  // Leaves have a gloss of their own, which is cheaper: see treeLight.ts.
+  const material =
+    options.gloss && !leaves
+      ? new MeshStandardMaterial({ ...common, roughness: 0.94, metalness: 0 })
+      : new MeshLambertMaterial(common);
+  if (leaves && options.smoothEdges) material.defines = { ...material.defines, CUTICLE: "" };
   if (material.alphaToCoverage) keepAlpha(material);
   const { surface, atmosphere } = options;
   deform(material, part, "colour", moves, { ...uniforms, ...atmosphere.uniforms, ...surface }, atmosphere);

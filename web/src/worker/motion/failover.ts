@@ -63,6 +63,10 @@ export class FailoverMotion implements MotionSource {
     this.stream.hide(hidden);
   }
 
+  see(x: number, z: number): void {
+    this.local?.see(x, z);
+  }
+
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const lost = this.stream.connection.state === "lost";
     if (lost && !this.local) {

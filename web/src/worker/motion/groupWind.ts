@@ -1,7 +1,7 @@
 /** The wind at the trees of one group, written into pose buffers. Nothing is allocated per frame. */
 
 import { poseStride } from "../../core/motion/poseStride";
-import { pressureOfVelocity } from "../../core/wind/pressure";
+import { compression, pressureOfVelocity } from "../../core/wind/pressure";
 import { dynamicPressure, heightFactor, type WindField } from "../../core/wind/wind";
 
 export class GroupWind {
@@ -19,14 +19,20 @@ export class GroupWind {
   private readonly velocityX: Float64Array;
   private readonly velocityZ: Float64Array;
   private readonly factor: Float64Array;
+  /** Speed of the strongest gusts at the reference height. */
+  private gust_m_s = 0;
   private exponent = 0;
   private reference_m = 1;
 
-  /** `placement`: x, z, yaw, scale of each tree; `height_m`: height of a tree of scale 1. */
+  /**
+   * `placement`: x, z, yaw, scale of each tree; `height_m`: height of a tree of scale 1. Pressures beyond the sampled
+   * peak are compressed, or clamped to it for the paper's state search, whose records end there.
+   */
   constructor(
     readonly placement: Float32Array,
     private readonly height_m: number,
     private readonly sampledPeak_pa: number,
+    private readonly clamps = false,
   ) {
     this.count = placement.length / 4;
     this.x = this.column(0);
@@ -44,17 +50,21 @@ export class GroupWind {
   }
 
   update(field: WindField, time_s: number): void {
-    const { height_exponent, reference_height_m } = field.at(time_s).wind;
-    this.setProfile(height_exponent, reference_height_m);
+    const { wind } = field.at(time_s);
+    this.setProfile(wind.height_exponent, wind.reference_height_m);
+    this.gust_m_s = wind.mean_speed_m_s * (1 + wind.gustiness);
     field.velocity(this.x, this.z, time_s, this.velocityX, this.velocityZ);
     pressureOfVelocity(this.velocityX, this.velocityZ, this.pressureX, this.pressureZ, this.factor);
     this.limit();
   }
 
-  /** Clamps pressures to the sampled range and counts those beyond it. */
+  /** Limits pressures to the sampled range, or nearly so, and counts those beyond it. */
   private limit(): void {
     const { pressureX, pressureZ, velocityX, velocityZ, speed_m_s, factor, sampledPeak_pa } = this;
     const most = sampledPeak_pa * sampledPeak_pa;
+    // Whether the strongest gusts of this wind exceed the range somewhere: then pressures within it are scaled, too.
+    const tallest = factor.reduce((a, b) => Math.max(a, b), 0);
+    const gusty = !this.clamps && dynamicPressure(this.gust_m_s * tallest) > sampledPeak_pa;
     let beyond = 0;
     let strongest = 0;
     for (let tree = 0; tree < this.count; tree++) {
@@ -65,14 +75,20 @@ export class GroupWind {
       const pz = pressureZ[tree];
       const square = px * px + pz * pz;
       if (square > strongest) strongest = square;
-      if (square <= most) continue;
-      beyond++;
-      const share = sampledPeak_pa / Math.sqrt(square);
+      if (square > most) beyond++;
+      else if (!gusty) continue;
+      const share = this.shareAt(tree, Math.sqrt(square) / sampledPeak_pa);
       pressureX[tree] = px * share;
       pressureZ[tree] = pz * share;
     }
     this.coverage = this.count === 0 ? 1 : 1 - beyond / this.count;
     this.extrapolationRatio = Math.sqrt(strongest) / sampledPeak_pa;
+  }
+
+  /** Factor of the pressure at a tree, which is `ratio` times the sampled peak. */
+  private shareAt(tree: number, ratio: number): number {
+    if (this.clamps) return ratio > 1 ? 1 / ratio : 1;
+    return compression(ratio, dynamicPressure(this.gust_m_s * this.factor[tree]) / this.sampledPeak_pa);
   }
 
   /** Pressure at one tree relative to the sampled maximum. */

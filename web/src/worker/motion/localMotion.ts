@@ -1,5 +1,6 @@
 /** Poses computed from the tables in this worker. */
 
+import { GustLayer } from "../../core/modal/gustLayer";
 import { ModalForest } from "../../core/modal/modalForest";
 import type { Method } from "../../core/motion/method";
 import { PaperForest } from "../../core/motion/paperSearch";
@@ -16,6 +17,10 @@ import type { StartOfGroup } from "./shownPoses";
 /** Maximum step of wind and poses, so that the motion does not depend on the frame rate. */
 const MAX_STEP_S = 1 / 30;
 
+/** Distances from the viewer up to which gusts within crowns move trees fully, and at all. */
+const FULL_M = 80;
+const GONE_M = 120;
+
 export interface LocalGroup extends ShownGroup {
   readonly table: Table;
   /** Records of the table; without them its trees use the modal method. */
@@ -26,6 +31,10 @@ export interface LocalGroup extends ShownGroup {
 interface Moving {
   readonly group: LocalGroup;
   readonly lookup: PaperForest | ModalForest;
+  /** Only with the modal method. */
+  readonly gusts: GustLayer | null;
+  /** [count] share of the gusts within the crown: fades out with the distance from the viewer. */
+  readonly nearness: Float32Array;
   readonly wind: GroupWind;
   readonly modes: number;
 }
@@ -50,9 +59,12 @@ export class LocalMotion implements MotionSource {
         method === "paper" && records
           ? new PaperForest(table, records, count, options)
           : new ModalForest(table, count);
-      const own = new GroupWind(placement, height_m, peak_pressure_pa);
+      const modal = lookup instanceof ModalForest;
+      const peak_pa = modal ? table.modal.limits[2] : peak_pressure_pa;
+      const own = new GroupWind(placement, height_m, peak_pa, !modal);
       lookup.setTrees(own.x, own.z, own.column(2), own.column(3));
-      return { group, lookup, wind: own, modes };
+      const gusts = modal ? new GustLayer(table, count) : null;
+      return { group, lookup, gusts, wind: own, modes, nearness: new Float32Array(count).fill(1) };
     });
   }
 
@@ -74,7 +86,7 @@ export class LocalMotion implements MotionSource {
 
   /** Takes over the state of trees that existed before with the same table and method. */
   adopt(before: LocalMotion): void {
-    for (const { group, lookup } of this.groups) {
+    for (const { group, lookup, gusts } of this.groups) {
       const old = before.groups.find(
         (other) => other.group.key === group.key && other.group.table === group.table,
       );
@@ -82,6 +94,7 @@ export class LocalMotion implements MotionSource {
       const rows = rowsBefore(old.group.ids, group.ids);
       if (lookup instanceof ModalForest && old.lookup instanceof ModalForest) {
         lookup.adopt(old.lookup, rows);
+        if (gusts && old.gusts) gusts.adopt(old.gusts, rows);
       } else if (lookup instanceof PaperForest && old.lookup instanceof PaperForest) {
         lookup.adopt(old.lookup, rows);
       }
@@ -101,6 +114,16 @@ export class LocalMotion implements MotionSource {
         for (const one of lookup.extrapolationRatio) most = Math.max(most, one);
       return most;
     }, winds);
+  }
+
+  /** Trees far from the viewer (m, world) do without the gusts within their crowns. */
+  see(x: number, z: number): void {
+    for (const { wind, nearness } of this.groups) {
+      for (let tree = 0; tree < nearness.length; tree++) {
+        const far_m = Math.hypot(wind.x[tree] - x, wind.z[tree] - z);
+        nearness[tree] = Math.min(1, Math.max(0, (GONE_M - far_m) / (GONE_M - FULL_M)));
+      }
+    }
   }
 
   takeWind_ms(): number {
@@ -130,7 +153,12 @@ export class LocalMotion implements MotionSource {
     const begin_ms = performance.now();
     for (const { wind } of this.groups) wind.update(this.field, this.time_s);
     this.wind_ms += performance.now() - begin_ms;
-    for (const { lookup, wind } of this.groups) lookup.advance(dt_s, wind.pressureX, wind.pressureZ);
+    const moment = this.field.at(this.time_s);
+    for (const { lookup, gusts, wind, nearness } of this.groups) {
+      const { pressureX, pressureZ } = wind;
+      gusts?.advance(moment, lookup.stepping(dt_s), pressureX, pressureZ, nearness, lookup.q);
+      lookup.advance(dt_s, pressureX, pressureZ);
+    }
   }
 
   private write(group: number, out: Float32Array): void {

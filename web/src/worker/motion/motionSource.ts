@@ -21,6 +21,8 @@ export interface MotionSource {
   retry?(): void;
   /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */
   hide?(hidden: boolean): void;
+  /** Tells where the viewer is (m, world); trees far away may move with less detail. */
+  see?(x: number, z: number): void;
   /** Advances and writes `poseStride(modes)` floats per tree; returns false while no poses are known. */
   advance(dt_s: number, out: readonly Float32Array[]): boolean;
   dispose(): void;

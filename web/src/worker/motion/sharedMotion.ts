@@ -87,6 +87,10 @@ export class SharedMotion implements MotionSource {
     if (!hidden) this.clockReceived_ms = Number.NaN;
   }
 
+  see(x: number, z: number): void {
+    this.local.see(x, z);
+  }
+
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const step = this.clock.step(this.local.time_s, dt_s, performance.now());
     if (step.jump_s !== null) this.local.time_s = step.jump_s;

@@ -1,13 +1,16 @@
 /** Fewer nodes and modes for distant trees: nodes that move alike are merged. Pure. */
-import type { Table } from "../../core/table/table";
+import { fittedModes, type Table } from "../../core/table/table";
 import type { NodeLevel } from "../protocol";
 
-/** Number of nodes, and of texels of four modes (the last holds the wind), for each level after the full one. */
+/**
+ * Number of nodes, of texels of four modes (the last holds the wind), and of modes of the gust layer among them, for
+ * each level after the full one.
+ */
 const COARSER = [
-  { nodes: 256, quads: 4 },
-  { nodes: 112, quads: 3 },
-  { nodes: 48, quads: 2 },
-  { nodes: 24, quads: 2 },
+  { nodes: 256, quads: 6, gusts: 8 },
+  { nodes: 112, quads: 4, gusts: 4 },
+  { nodes: 48, quads: 2, gusts: 2 },
+  { nodes: 24, quads: 2, gusts: 2 },
 ] as const;
 
 /** Basis rows scaled by the typical amplitude of each mode, so that distances between rows are distances in space. */
@@ -48,7 +51,7 @@ export function groupRows(rows: Float32Array, width: number, numbers: readonly n
 }
 
 /** Mean basis of each group over its render vertices, [groups, 3, 4 quads]; wind and padding are zero. */
-function groupBasis(table: Table, group: Uint16Array, groups: number, modes: number, stride: number) {
+function groupBasis(table: Table, group: Uint16Array, groups: number, columns: Uint16Array, stride: number) {
   const { modes: all } = table.metadata;
   const basis = new Float32Array(groups * 3 * stride);
   const weight = new Float64Array(groups);
@@ -60,7 +63,7 @@ function groupBasis(table: Table, group: Uint16Array, groups: number, modes: num
     for (let axis = 0; axis < 3; axis++) {
       const from = (node * 3 + axis) * all;
       const to = (group[node] * 3 + axis) * stride;
-      for (let k = 0; k < modes; k++) basis[to + k] += share * table.nodeBasis[from + k];
+      for (const [k, column] of columns.entries()) basis[to + k] += share * table.nodeBasis[from + column];
     }
   }
   return basis;
@@ -71,11 +74,20 @@ export function coarserNodes(table: Table): NodeLevel[] {
   const { modes: all } = table.metadata;
   const numbers = COARSER.map(({ nodes }) => nodes);
   const grouped = groupRows(weighed(table), 3 * all, numbers);
-  return COARSER.map(({ quads: most }, level) => {
+  return COARSER.map(({ quads: most, gusts }, level) => {
     const of = grouped[level].slice();
     const nodes = of.reduce((a, b) => Math.max(a, b), 0) + 1;
     const quads = Math.min(most, Math.ceil((all + 1) / 4));
-    const modes = Math.min(all, 4 * quads - 1);
-    return { nodes, quads, modes, of, basis: groupBasis(table, of, nodes, modes, 4 * quads) };
+    const columns = columnsOf(table, 4 * quads - 1, gusts);
+    return { nodes, quads, columns, of, basis: groupBasis(table, of, nodes, columns, 4 * quads) };
   });
+}
+
+/** The modes of a level: the first fitted ones, and the first of the gust layer. Both begin with the largest. */
+function columnsOf(table: Table, most: number, gusts: number): Uint16Array<ArrayBuffer> {
+  const all = table.metadata.modes;
+  const fitted = fittedModes(table);
+  const layered = Math.min(all - fitted, Math.max(gusts, most - fitted));
+  const first = Math.min(fitted, most - layered);
+  return Uint16Array.from({ length: first + layered }, (_, k) => (k < first ? k : fitted + k - first));
 }

@@ -3,6 +3,7 @@
 import { poseStride } from "../../core/motion/poseStride";
 import type { Table } from "../../core/table/table";
 import type { TableMotion } from "../protocol";
+import { firstSwayOf } from "./firstSway";
 import { coarserNodes } from "./nodeLevels";
 import { oscillatorFrequencies_hz } from "./oscillators";
 
@@ -45,6 +46,7 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
   const stride = poseStride(modes);
   const basis = padBasis(table.nodeBasis, modes, stride);
   const nodes = table.nodeRest.length / 3;
+  const all = Uint16Array.from({ length: modes }, (_, k) => k);
   const of = Uint16Array.from({ length: nodes }, (_, node) => node);
   return {
     sha256,
@@ -53,12 +55,13 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     nodes,
     basis,
     rest_m: Float32Array.from(table.nodeRest),
-    levels: [{ nodes, quads: stride / 4, modes, of, basis }, ...coarserNodes(table)],
+    levels: [{ nodes, quads: stride / 4, columns: all, of, basis }, ...coarserNodes(table)],
     reach_m,
     vertexNode: Uint16Array.from(table.vertexNode),
     primitives: primitives.map(({ name, kind, vertices }) => ({ name, kind, vertices })),
     crownBasis: crownBasisOf(table),
     frequencies_hz: oscillatorFrequencies_hz(table.modal.step, table.metadata.dt_s),
+    sway: firstSwayOf(table, stride, basis),
     height_m,
     meshSha256: mesh_sha256,
     foliage,
@@ -73,6 +76,12 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
 /** The buffers to transfer instead of copying. */
 export function motionBuffers(motion: TableMotion): ArrayBuffer[] {
   const { basis, rest_m, vertexNode, crownBasis, levels } = motion;
-  const own = [basis, rest_m, vertexNode, crownBasis, ...levels.flatMap(({ of, basis: rows }) => [of, rows])];
+  const own = [
+    basis,
+    rest_m,
+    vertexNode,
+    crownBasis,
+    ...levels.flatMap(({ of, columns, basis: rows }) => [of, columns, rows]),
+  ];
   return [...new Set(own.map(({ buffer }) => buffer))];
 }

@@ -9,7 +9,10 @@ import {
 } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { hashUnit } from "../../../core/math/random";
+import { ALWAYS, lotsOf, pieceLots } from "../boughLots";
 import { branchBases, leafRanks, rankedIndex, woodRanks } from "../detail";
+import { bareShoots } from "./bareShoots";
+import { type BornePart, boughsOf } from "./boughs";
 import {
   type Components,
   componentCentres,
@@ -29,7 +32,7 @@ export interface TreePart {
   readonly normal: BufferAttribute;
   readonly uv: BufferAttribute | null;
   readonly position: BufferAttribute;
-  /** The point to which the vertex's leaf or branch shrinks. */
+  /** The point to which the vertex's leaf or branch shrinks, and the lot of its bough (boughLots.ts). */
   readonly anchor: BufferAttribute;
   /** Random number of the piece, openness to the sky, freedom of the leaf vertex to flutter, rank of the piece. */
   readonly piece: BufferAttribute;
@@ -40,8 +43,16 @@ export interface TreePart {
   readonly counts: readonly number[];
 }
 
+/** What is drawn of a leaf part once the leaves have fallen. Its `hold` names vertices of that part. */
+export interface BarePart {
+  readonly part: TreePart;
+  /** Index of the leaf part. */
+  readonly of: number;
+}
+
 export interface TreeModel {
   readonly parts: readonly TreePart[];
+  readonly bare: readonly BarePart[];
   readonly height_m: number;
   /** Largest horizontal reach from the trunk. */
   readonly radius_m: number;
@@ -94,12 +105,18 @@ function woodDetail(index: ArrayLike<number>, positions: Float32Array, bare: boo
   return { of, ranks, anchors: branchBases(of, positions) };
 }
 
+/** A part with what is needed to find its boughs. */
+interface ReadPart {
+  readonly part: TreePart;
+  readonly borne: BornePart;
+}
+
 function partFrom(
   mesh: Mesh<BufferGeometry, MeshStandardMaterial>,
   centre: Vector3,
   radius_m: number,
   bare: boolean,
-): TreePart {
+): ReadPart {
   const { geometry } = mesh;
   const kind = kindOf(mesh);
   if (!geometry.getAttribute("normal")) geometry.computeVertexNormals();
@@ -113,30 +130,90 @@ function partFrom(
   const reach = leaves ? leafReach(pieces, positions) : new Float32Array(vertices);
   const { ranks, anchors, of } = leaves ? leafDetail(pieces, positions) : woodDetail(index, positions, bare);
   const piece = new Float32Array(vertices * 4);
-  const anchor = new Float32Array(vertices * 3);
+  const anchor = new Float32Array(vertices * 4).fill(ALWAYS);
   for (let v = 0; v < vertices; v++) {
     piece.set([hashUnit(pieces.ofVertex[v], 3), open[v], reach[v], ranks[of.ofVertex[v]]], v * 4);
-    for (let axis = 0; axis < 3; axis++) anchor[v * 3 + axis] = anchors[of.ofVertex[v] * 3 + axis];
+    for (let axis = 0; axis < 3; axis++) anchor[v * 4 + axis] = anchors[of.ofVertex[v] * 3 + axis];
   }
   const ranked = rankedIndex(index, (v) => ranks[of.ofVertex[v]]);
   const uv = geometry.getAttribute("uv") as BufferAttribute | undefined;
-  return {
+  const part: TreePart = {
     kind,
     vertices,
     material: mesh.material,
     normal: new BufferAttribute(leaves ? roundNormals(positions, normals, centre) : normals, 3),
     uv: uv ? new BufferAttribute(floats(uv), 2) : null,
     position: new BufferAttribute(positions, 3),
-    anchor: new BufferAttribute(anchor, 3),
+    anchor: new BufferAttribute(anchor, 4),
     piece: new BufferAttribute(piece, 4),
     hold: leaves ? holders(pieces) : Uint32Array.from({ length: vertices }, (_, v) => v),
     index: new BufferAttribute(ranked.index, 1),
     counts: ranked.counts,
   };
+  const borneKind = leaves ? "leaves" : isTwigs(mesh) ? "twigs" : "wood";
+  return { part, borne: { kind: borneKind, positions, index, pieces: of } };
 }
 
-/** Reads a GLB; throws if it is invalid or contains no mesh. */
-export async function readTreeModel(bytes: ArrayBuffer): Promise<TreeModel> {
+const isTwigs = ({ name }: Object3D) => name.startsWith("twigs");
+
+/** Gives every bough its lot, so that trees can lack it. */
+function drawLots(read: readonly ReadPart[]): void {
+  const boughs = boughsOf(read.map(({ borne }) => borne));
+  const lots = lotsOf(1 + boughs.reduce((most, bough) => bough.reduce((a, b) => Math.max(a, b), most), -1));
+  read.forEach(({ part, borne }, k) => {
+    const ofPiece = pieceLots(boughs[k], lots);
+    const anchor = part.anchor.array as Float32Array;
+    borne.pieces.ofVertex.forEach((piece, v) => {
+      anchor[4 * v + 3] = ofPiece[piece];
+    });
+  });
+}
+
+/** First vertices of the leaves that are cards of four vertices. */
+function cardsOf({ ofVertex, count }: Components): Uint32Array {
+  const sizes = new Uint32Array(count);
+  const first = new Uint32Array(count).fill(ofVertex.length);
+  ofVertex.forEach((piece, v) => {
+    sizes[piece]++;
+    first[piece] = Math.min(first[piece], v);
+  });
+  return first.filter((_, piece) => sizes[piece] === 4);
+}
+
+/** Shoots in place of leaf cards, in the colour of the twigs; none for trees without drawn twigs. */
+function barePartsOf(read: readonly ReadPart[]): BarePart[] {
+  const twigs = read.find(({ borne }) => borne.kind === "twigs");
+  return read.flatMap(({ part, borne }, of): BarePart[] => {
+    if (part.kind !== "leaves" || !twigs) return [];
+    const positions = part.position.array as Float32Array;
+    const shoots = bareShoots({ positions, first: cardsOf(borne.pieces) });
+    const vertices = shoots.card.length;
+    const piece = new Float32Array(4 * vertices);
+    const anchor = new Float32Array(4 * vertices);
+    shoots.card.forEach((v, k) => {
+      piece.set([part.piece.getX(v), part.piece.getY(v), 0, shoots.ranks[k]], 4 * k);
+      anchor.set([...shoots.bases.subarray(3 * k, 3 * k + 3), part.anchor.getW(v)], 4 * k);
+    });
+    const ranked = rankedIndex(shoots.index, (v) => shoots.ranks[v]);
+    const bare: TreePart = {
+      kind: "wood",
+      vertices,
+      material: twigs.part.material,
+      normal: new BufferAttribute(shoots.normals, 3),
+      uv: null,
+      position: new BufferAttribute(shoots.positions, 3),
+      anchor: new BufferAttribute(anchor, 4),
+      piece: new BufferAttribute(piece, 4),
+      hold: shoots.card,
+      index: new BufferAttribute(ranked.index, 1),
+      counts: ranked.counts,
+    };
+    return [{ part: bare, of }];
+  });
+}
+
+/** Reads a GLB; throws if it is invalid or contains no mesh. `varied`: each tree lacks some boughs. */
+export async function readTreeModel(bytes: ArrayBuffer, varied = false): Promise<TreeModel> {
   const { scene } = await new GLTFLoader().parseAsync(bytes, "");
   const meshes = meshesOf(scene);
   if (meshes.length === 0) throw new Error("the tree's mesh file contains no mesh");
@@ -150,9 +227,11 @@ export async function readTreeModel(bytes: ArrayBuffer): Promise<TreeModel> {
   const radius_m = Math.max(Math.abs(low.x), Math.abs(low.z), high.x, high.z, 0.1);
   const centre = new Vector3((low.x + high.x) / 2, 0.25 * low.y + 0.62 * high.y, (low.z + high.z) / 2);
   const bare = meshes.every((mesh) => kindOf(mesh) === "wood"); // a tree without leaves
-  const parts = meshes.map((mesh) => partFrom(mesh, centre, Math.max(radius_m, high.y * 0.4), bare));
+  const read = meshes.map((mesh) => partFrom(mesh, centre, Math.max(radius_m, high.y * 0.4), bare));
+  if (varied) drawLots(read);
   for (const mesh of meshes) mesh.geometry.dispose();
-  return { parts, height_m: high.y, radius_m };
+  const parts = read.map(({ part }) => part);
+  return { parts, bare: barePartsOf(read), height_m: high.y, radius_m };
 }
 
 /** Frees the GPU resources of a model; they are uploaded again when it is drawn again. */

@@ -1,0 +1,51 @@
+"""The gust layer of many trees: motion under gusts that differ within each crown.
+
+Twin: web/src/core/modal/gustLayer.ts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from galewood.modal import GustTensors, advance_gusts
+from galewood.player.instances import Stepping
+from galewood.util import Floats, Singles
+from galewood.wind import WindField, crown_carried, crown_field, write_gusts
+
+
+class GustLayer:
+    """State of the gust layer's oscillators of the trees of one table."""
+
+    def __init__(self, tensors: GustTensors, count: int) -> None:
+        """Create ``count`` trees at rest."""
+        named = (tensors.place, tensors.step, tensors.load, tensors.drag)
+        self._place, *self._tensors = (np.ascontiguousarray(tensor, np.float64) for tensor in named)
+        self._gusts = np.zeros((count, 2 * len(self._place)))
+        self._state = [np.zeros((count, tensors.oscillators)) for _ in range(4)]
+
+    def advance(
+        self,
+        field: WindField,
+        time_s: float,
+        trees: Stepping,
+        pressure_x: Floats,
+        pressure_z: Floats,
+        q: Singles,
+    ) -> None:
+        """Advance by one frame that ends at time_s; before the modal model, whose phase it shares.
+
+        The pressures (count,), Pa, are those at the trees. Writes the output modes q (count, L), m.
+        """
+        if not q.shape[1]:
+            return
+        moment = field.at(time_s)
+        write_gusts(
+            crown_field(moment.wind.seed), crown_carried(moment), self._place, trees.x_m, trees.z_m,
+            trees.turn, trees.size, pressure_x, pressure_z, self._gusts,
+        )  # fmt: skip
+        step, load, drag = self._tensors
+        e, v, now, before = self._state
+        advance_gusts(
+            step, load, drag, trees.rate, trees.turn, pressure_x, pressure_z, self._gusts, trees.phase,
+            e, v, now, before, q,
+        )  # fmt: skip

@@ -1,0 +1,117 @@
+"""Turbulence within a crown: gusts of a few metres, which the gust models of a forest are too coarse for.
+
+A frozen, periodic velocity field is carried over the forest by the wind (Taylor's hypothesis). It is a sum of
+plane waves of 3 to 12 m, each across its own direction, so that the field is free of divergence. Their power
+per octave falls with the 2/3 power of the wavelength, as in the inertial range (Kolmogorov 1941). Gusts reach
+the top of a crown first. Specified in docs/formats/wind.md; twin: web/src/core/wind/crown.ts.
+"""
+# pyright: reportMissingParameterType=false
+# (compiled kernels take their types from the call)
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numba
+import numpy as np
+
+from galewood.util import Floats
+from galewood.wind.models.hashing import hash32
+from galewood.wind.pressure import (
+    HALF_AIR_DENSITY_KG_M3,
+    STREAMLINED_EXPONENT,
+    STREAMLINING_SPEED_M_S,
+)
+
+if TYPE_CHECKING:
+    from galewood.wind.transition import Moment
+
+CELLS = 64
+CELL_M = 0.75
+"""The field repeats after 48 m."""
+FEWEST_WAVES, MOST_WAVES = 4, 16
+"""Periods of the waves per field width: wavelengths of 12 to 3 m."""
+WAVES = 48
+INTENSITY = 0.6
+"""Standard deviation of each component over the mean speed, for a gustiness of 1.
+
+Assumed. Near the top of a canopy the turbulence intensity is about 0.5, and larger below (Raupach, Finnigan &
+Brunet 1996; unchecked); the gust models provide 0.3 at this gustiness.
+"""
+LEAN_ALONG, LEAN_ACROSS = -0.6, 0.8
+"""Metres by which the field is shifted per metre of height."""
+SLANT = 0.191
+"""Lateral drift, so that the periodic field does not return to the same tree."""
+MOST = 0.9
+"""Limit of the relative speed of a gust, which keeps the wind from turning back."""
+TURN = 2.0 * math.pi / 4294967296.0
+STRONG_PA = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
+
+
+@lru_cache(maxsize=4)
+def crown_field(seed: int) -> Floats:
+    """(CELLS, CELLS, 2) velocity along and across the wind at the grid points, unit variance each."""
+    field = np.zeros((CELLS, CELLS, 2))
+    phase = np.arange(CELLS) * (2.0 * math.pi / CELLS)
+    for k in range(WAVES):
+        octave = (k + 0.5) / WAVES
+        number = FEWEST_WAVES * (MOST_WAVES / FEWEST_WAVES) ** octave
+        heading = hash32(seed, 3 * k) * TURN
+        m, n = math.floor(number * math.cos(heading) + 0.5), math.floor(number * math.sin(heading) + 0.5)
+        size = math.hypot(m, n)
+        start = hash32(seed, 3 * k + 1) * TURN
+        wave = size ** (-1.0 / 3.0) * np.cos(n * phase[:, None] + m * phase[None, :] + start)
+        field[..., 0] += wave * (-n / size)
+        field[..., 1] += wave * (m / size)
+    field /= np.sqrt(np.mean(np.square(field), axis=(0, 1)))
+    field.flags.writeable = False
+    return field
+
+
+def crown_carried(moment: Moment) -> tuple[float, float, float, float]:
+    """What the turbulence depends on at one time: cosine and sine of the direction, distance, m, intensity.
+
+    The cosine model describes the wind completely: its intensity is 0.
+    """
+    wind = moment.wind
+    heading = math.radians(wind.direction_deg)
+    share = 0.0 if wind.model == "cosine" else INTENSITY * wind.gustiness
+    return math.cos(heading), math.sin(heading), moment.travel * wind.length_scale_m, share
+
+
+@numba.njit(cache=True, nogil=True)
+def write_gusts(
+    field, carried, places, x_m, z_m, turn, size, pressure_x, pressure_z, out
+):  # pragma: no cover  (compiled)
+    """Write the relative pressures of the gusts at places of trees to out (count, 2G).
+
+    ``field`` is from ``crown_field``, ``carried`` from ``crown_carried``; places (G, 3) are points of a tree,
+    m; turn (count, 2) cosine and sine of the yaw, size (count,) the scale; the pressures (count,), Pa, are
+    those at the trees. ``out`` has two numbers for each place: what the pressure there is in addition to that
+    at the tree, along it and across it, over its strength.
+    """
+    c, s, distance, intensity = carried
+    for i in range(len(x_m)):
+        square = pressure_x[i] * pressure_x[i] + pressure_z[i] * pressure_z[i]
+        growth = STREAMLINED_EXPONENT if square > STRONG_PA * STRONG_PA else 2.0
+        if intensity == 0.0 or square == 0.0:
+            out[i, :] = 0.0
+            continue
+        for g in range(len(places)):
+            # three.js rotation.y, as in the shader
+            x = x_m[i] + size[i] * (turn[i, 0] * places[g, 0] + turn[i, 1] * places[g, 2])
+            z = z_m[i] + size[i] * (turn[i, 0] * places[g, 2] - turn[i, 1] * places[g, 0])
+            y = size[i] * places[g, 1]
+            along = (c * x + s * z - distance + LEAN_ALONG * y) / CELL_M
+            across = (c * z - s * x + LEAN_ACROSS * y) / CELL_M + SLANT * along
+            column, row = math.floor(along), math.floor(across)
+            t, w = along - column, across - row
+            left, right = int(column) & (CELLS - 1), int(column + 1) & (CELLS - 1)
+            near, far = int(row) & (CELLS - 1), int(row + 1) & (CELLS - 1)
+            for side in range(2):
+                first = field[near, left, side] + t * (field[near, right, side] - field[near, left, side])
+                last = field[far, left, side] + t * (field[far, right, side] - field[far, left, side])
+                gust = min(max(intensity * (first + w * (last - first)), -MOST), MOST)
+                out[i, 2 * g + side] = gust * (growth if side == 0 else 1.0)

@@ -1,0 +1,14 @@
+/** Tensors of the gust layer: G places, L oscillators (docs/formats/table.md). */
+export interface GustTensors {
+  readonly place: Float32Array;
+  readonly step: Float32Array;
+  readonly load: Float32Array;
+  readonly drag: Float32Array;
+}
+
+export const noGusts = (): GustTensors => ({
+  place: new Float32Array(0),
+  step: new Float32Array(0),
+  load: new Float32Array(0),
+  drag: new Float32Array(0),
+});

@@ -1,0 +1,133 @@
+/** Everything drawn as impostors: their pictures, the background forest, and the shadows of trees on distant ground. */
+
+import type { WebGLRenderer } from "three";
+import { FarWood, type Planted } from "./ground/farWood";
+import { shared } from "./impostors/cardMaterial";
+import { castShade, groundShade } from "./impostors/groundShade";
+import { ImpostorLibrary } from "./impostors/library";
+import { SHADER_FLOATS } from "./impostors/shadeMap";
+import type { Quality } from "./quality";
+import type { Season } from "./season/season";
+import type { Daylight } from "./sky/daylight";
+import { CROWN_FLOATS, type Crowns } from "./sky/exposure";
+import type { View } from "./trees/drawList";
+
+/** Distance from which simulated trees of scale 1 are drawn as impostors. */
+const CARDS_FROM_M: Record<Quality, number> = { low: 60, medium: 85, high: 120 };
+/** Side of the picture from which each view of an impostor is reduced, px. */
+const BAKED_PX: Record<Quality, number> = { low: 256, medium: 512, high: 512 };
+/** While the sun moves, the shadows on distant ground are renewed at most this often. */
+const SHADE_EVERY_MS = 300;
+
+export class Backdrop {
+  readonly library: ImpostorLibrary;
+  readonly wood: FarWood;
+  private changed = false;
+  private crowns: Crowns = new Float32Array(0);
+  private shadeOutdated = false;
+  private shaded_ms = 0;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly daylight: Daylight,
+    private quality: Quality,
+  ) {
+    this.library = new ImpostorLibrary(BAKED_PX[quality]);
+    this.wood = new FarWood(this.library);
+    this.setQuality(quality);
+    canvas.addEventListener("webglcontextrestored", this.renew);
+  }
+
+  setQuality(quality: Quality): void {
+    this.quality = quality;
+    this.library.setDetail(BAKED_PX[quality]);
+    this.library.from_m = CARDS_FROM_M[quality];
+  }
+
+  /** Colours, leaves and shadows of a season and time of day. */
+  setSeason(season: Season): void {
+    const bare = season === "winter";
+    shared.uBare.value = bare ? 1 : 0;
+    this.library.setLeafless(bare);
+    this.wood.setSeason(season);
+    this.shadeOutdated = true;
+    this.changed = true;
+  }
+
+  /** Plants the background around the simulated trees. */
+  surround(planted: Planted): void {
+    const models = planted.assets.filter(({ model }) => model !== null);
+    models.sort((a, b) => Number(b.builtin) - Number(a.builtin));
+    this.library.keep(models.flatMap(({ model }) => model ?? []));
+    this.wood.populate(planted, this.quality);
+    this.shadeOutdated = true;
+    this.changed = true;
+  }
+
+  /** Where the simulated trees stand. */
+  shelter(crowns: Crowns): void {
+    this.crowns = crowns;
+    this.shadeOutdated = true;
+  }
+
+  private readonly renew = (): void => {
+    this.library.renew();
+    this.shadeOutdated = true;
+    this.changed = true;
+  };
+
+  /** Whether trees must be selected again although the camera stands still; call once per frame. */
+  takeChange(): boolean {
+    const changed = this.changed || this.library.arriving;
+    this.changed = false;
+    this.library.arriving = false;
+    return changed;
+  }
+
+  /** Selects the background trees of the current view. */
+  select(view: View): void {
+    this.wood.select(view);
+  }
+
+  /** Per frame, before drawing: bakes some views, and renews outdated shadows. */
+  prepare(renderer: WebGLRenderer): void {
+    this.shadeGround();
+    if (!this.library.work(renderer)) return;
+    this.shadeOutdated = true;
+    this.changed = true;
+  }
+
+  private shadeGround(): void {
+    const now_ms = performance.now();
+    const reach_m = this.daylight.shadowReach_m;
+    groundShade.uShadeFrom.value.set(0.75 * reach_m, reach_m);
+    if (!this.shadeOutdated || now_ms - this.shaded_ms < SHADE_EVERY_MS) return;
+    this.shadeOutdated = false;
+    this.shaded_ms = now_ms;
+    castShade(Float32Array.from([...this.simulated(), ...this.wood.shading]), this.daylight.towardsSun);
+  }
+
+  /** x, z, height and crown radius of the simulated trees. */
+  private simulated(): number[] {
+    const { crowns } = this;
+    const out: number[] = new Array((crowns.length / CROWN_FLOATS) * SHADER_FLOATS);
+    for (let at = 0, to = 0; at < crowns.length; at += CROWN_FLOATS) {
+      out[to++] = crowns[at];
+      out[to++] = crowns[at + 2];
+      out[to++] = 2.7 * crowns[at + 4];
+      out[to++] = crowns[at + 3];
+    }
+    return out;
+  }
+
+  /** Whether all impostors are baked, and the number of background trees. */
+  get figures(): { ready: boolean; backgroundTrees: number } {
+    return { ready: this.library.isReady, backgroundTrees: this.wood.count };
+  }
+
+  dispose(): void {
+    this.canvas.removeEventListener("webglcontextrestored", this.renew);
+    this.wood.dispose();
+    this.library.dispose();
+  }
+}

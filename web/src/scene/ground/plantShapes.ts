@@ -1,0 +1,107 @@
+/** Meshes of low plants of height 1: grass tufts, shrubs, ferns, and a single leaf. */
+import { BufferAttribute, BufferGeometry, Vector3 } from "three";
+import { hashUnit } from "../../core/math/random";
+
+const TWIGS = 18;
+const FRONDS = 9;
+const FROND_PARTS = 3;
+
+class Shape {
+  private readonly position: number[] = [];
+  private readonly normal: number[] = [];
+  private readonly uv: number[] = [];
+  private readonly index: number[] = [];
+
+  vertex(at: Vector3, normal: Vector3, u: number, v: number): number {
+    this.position.push(at.x, at.y, at.z);
+    this.normal.push(normal.x, normal.y, normal.z);
+    this.uv.push(u, v);
+    return this.position.length / 3 - 1;
+  }
+
+  quad(a: number, b: number, c: number, d: number): void {
+    this.index.push(a, b, c, a, c, d);
+  }
+
+  get geometry(): BufferGeometry {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(Float32Array.from(this.position), 3));
+    geometry.setAttribute("normal", new BufferAttribute(Float32Array.from(this.normal), 3));
+    geometry.setAttribute("uv", new BufferAttribute(Float32Array.from(this.uv), 2));
+    geometry.setIndex(this.index);
+    return geometry;
+  }
+}
+
+const UP = new Vector3(0, 1, 0);
+
+/** Cards with the twig of the left picture, leaning outwards all around; rounded normals. */
+export function shrub(): BufferGeometry {
+  const shape = new Shape();
+  for (let twig = 0; twig < TWIGS; twig++) {
+    const at = (channel: number) => hashUnit(151, twig, channel);
+    const azimuth = 2.39996 * twig + 0.5 * at(0);
+    const out = new Vector3(Math.cos(azimuth), 0, Math.sin(azimuth));
+    const lean = 0.15 + 1.05 * Math.sqrt((twig + 0.5) / TWIGS);
+    const along = out.clone().multiplyScalar(Math.sin(lean)).addScaledVector(UP, Math.cos(lean));
+    const length = 0.62 + 0.22 * at(1);
+    const foot = out.clone().multiplyScalar(0.06 + 0.1 * at(2));
+    foot.y = 0.05 + 0.3 * at(3) * (1 - lean / 1.3);
+    const across = new Vector3().crossVectors(along, out.clone().applyAxisAngle(UP, 1.2 * (at(4) - 0.5)));
+    if (across.lengthSq() < 0.01) across.set(-out.z, 0, out.x);
+    across.normalize().multiplyScalar(0.5 * length * 0.95);
+    const corner = (side: number, part: number) => {
+      const place = foot
+        .clone()
+        .addScaledVector(along, part * length)
+        .addScaledVector(across, side);
+      const normal = place
+        .clone()
+        .setY(place.y - 0.15)
+        .normalize()
+        .addScaledVector(UP, 0.35)
+        .normalize();
+      return shape.vertex(place, normal, 0.25 + 0.25 * side, part);
+    };
+    shape.quad(corner(-1, 0), corner(1, 0), corner(1, 1), corner(-1, 1));
+  }
+  return shape.geometry;
+}
+
+/** Arched strips with the frond of the right picture. */
+export function fern(): BufferGeometry {
+  const shape = new Shape();
+  for (let frond = 0; frond < FRONDS; frond++) {
+    const at = (channel: number) => hashUnit(157, frond, channel);
+    const azimuth = (2 * Math.PI * (frond + 0.5 * at(0))) / FRONDS;
+    const out = new Vector3(Math.cos(azimuth), 0, Math.sin(azimuth));
+    const across = new Vector3(-out.z, 0, out.x).multiplyScalar(0.26 + 0.06 * at(1));
+    const [reach, top] = [0.7 + 0.35 * at(2), 0.75 + 0.3 * at(3)];
+    let before: [number, number] | null = null;
+    for (let part = 0; part <= FROND_PARTS; part++) {
+      const t = part / FROND_PARTS;
+      const place = out.clone().multiplyScalar(0.04 + reach * t ** 1.3);
+      place.y = top * (1.75 * t - 0.95 * t * t);
+      const normal = UP.clone()
+        .addScaledVector(out, 0.5 * t)
+        .normalize();
+      const left = shape.vertex(place.clone().sub(across), normal, 0.5, t);
+      const right = shape.vertex(place.clone().add(across), normal, 1, t);
+      if (before) shape.quad(before[0], before[1], right, left);
+      before = [left, right];
+    }
+  }
+  return shape.geometry;
+}
+
+/** A leaf of length 1, bent along its midrib, without a picture. */
+export function leafBlade(): BufferGeometry {
+  const geometry = new BufferGeometry();
+  const corners = [0, 0, -0.5, 0.3, 0.1, -0.08, -0.3, 0.1, -0.08, 0, 0.06, 0.55, 0, -0.03, 0];
+  const up = Float32Array.from(corners, (_, i) => (i % 3 === 1 ? 1 : 0));
+  geometry.setAttribute("position", new BufferAttribute(Float32Array.from(corners), 3));
+  geometry.setAttribute("normal", new BufferAttribute(up, 3));
+  geometry.setAttribute("uv", new BufferAttribute(new Float32Array(10), 2));
+  geometry.setIndex([0, 4, 1, 0, 2, 4, 4, 3, 1, 4, 2, 3]);
+  return geometry;
+}

@@ -1,0 +1,61 @@
+/** The pictures of one tree from all sides: what an impostor is drawn from. */
+import {
+  ClampToEdgeWrapping,
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  NoColorSpace,
+  WebGLRenderTarget,
+} from "three";
+import type { TreeModel } from "../trees/mesh/treeMesh";
+import { COLOUR_SIDE, SURFACE_SIDE } from "./atlasLayout";
+import { VIEWS } from "./octahedral";
+import { type TreeBox, treeBox } from "./treeBox";
+
+export const VIEW_COUNT = VIEWS * VIEWS;
+
+function picture(side: number): WebGLRenderTarget {
+  const target = new WebGLRenderTarget(VIEWS * side, VIEWS * side, {
+    depthBuffer: false,
+    magFilter: LinearFilter,
+    minFilter: LinearMipmapLinearFilter,
+    wrapS: ClampToEdgeWrapping,
+    wrapT: ClampToEdgeWrapping,
+    colorSpace: NoColorSpace,
+    generateMipmaps: false, // only after the last view
+  });
+  target.scissorTest = true;
+  return target;
+}
+
+export class Atlas {
+  readonly box: TreeBox;
+  /** Colour without light, multiplied by the opacity; opacity. */
+  readonly colour = picture(COLOUR_SIDE);
+  /** Normal (octahedron), depth, kind and openness to the sky. */
+  readonly surface = picture(SURFACE_SIDE);
+  /** Views that have been drawn since the last start. */
+  done = 0;
+  /** Whether all views have been drawn once, so that trees can be shown. */
+  complete = false;
+  /** Whether the pictures show the tree without its leaves. */
+  leafless = false;
+
+  constructor(readonly model: TreeModel) {
+    this.box = treeBox(model.parts.map(({ position }) => position.array));
+  }
+
+  /** Draws all views again; until then the old ones are shown. */
+  restart(leafless: boolean): void {
+    this.leafless = leafless;
+    this.done = 0;
+  }
+
+  get isBaked(): boolean {
+    return this.done >= VIEW_COUNT;
+  }
+
+  dispose(): void {
+    this.colour.dispose();
+    this.surface.dispose();
+  }
+}

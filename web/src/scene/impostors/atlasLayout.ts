@@ -1,0 +1,38 @@
+/** Sizes of an impostor's two pictures. Pure. */
+import { VIEWS } from "./octahedral";
+
+/** Pixels along each side of one view: colour and opacity, and (coarser) normal, depth and kind. */
+export const COLOUR_SIDE = 128;
+export const SURFACE_SIDE = 64;
+/** Atlases kept at a time, which limits the memory: further species keep their geometry at every distance. */
+export const MOST_ATLASES = 7;
+
+/** Mip levels add a third. */
+const MIPS = 4 / 3;
+const BYTES = 4;
+
+/** GPU memory of one atlas, bytes. */
+export const ATLAS_BYTES = Math.ceil(VIEWS ** 2 * BYTES * MIPS * (COLOUR_SIDE ** 2 + SURFACE_SIDE ** 2));
+/** Memory of the target into which one view is drawn before it is reduced: two pictures, one depth buffer. */
+export const canvasBytes = (side: number): number => 3 * BYTES * side * side;
+
+export interface Viewport {
+  readonly left: number;
+  readonly bottom: number;
+  readonly side: number;
+}
+
+/** Place of one view in a picture, px. */
+export function viewport(view: number, side: number): Viewport {
+  return { left: (view % VIEWS) * side, bottom: Math.floor(view / VIEWS) * side, side };
+}
+
+/**
+ * Views to bake in this frame: few if frames are short, so that none is late. Where frames take long anyway, a view is a
+ * small part of each.
+ */
+export function viewsPerFrame(frame_ms: number): number {
+  if (frame_ms < 22) return 4;
+  if (frame_ms < 60) return 2;
+  return frame_ms < 200 ? 3 : 8;
+}

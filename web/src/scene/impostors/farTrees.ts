@@ -1,0 +1,192 @@
+/** The background trees of one species: selection, motion and cards. */
+import { heightFactor, type WindField } from "../../core/wind/wind";
+import type { TableMotion } from "../../worker/protocol";
+import { groundHeight_m } from "../ground/landscape";
+import { type Bounds, cylinderSeen, shadowSeen } from "../trees/culling";
+import type { View } from "../trees/drawList";
+import {
+  createInstanceData,
+  INSTANCE_FLOATS,
+  type InstanceData,
+  type Placement,
+  setTints,
+  type Tint,
+} from "../trees/instanceData";
+import { BEND_FLOATS, CARD_FLOATS, type CardList, type Cards } from "./cards";
+import { Sway, TIP_FLOATS } from "./sway";
+
+/** Cards are drawn near to far, in bins. */
+const BINS = 32;
+const BIN_M = 16;
+/**
+ * From near, a picture of a tree is too coarse: background trees dissolve before. Each has its own distance between `gone`
+ * and `gone + spread`, so that few are transparent at a time.
+ */
+const CLEAR_M = { gone: 26, spread: 12, fade: 1.5 } as const;
+/** A number between 0 and 1 that differs between neighbours. */
+const chance = (tree: number) => (tree * 0.618034) % 1;
+/** Below this elevation of the sun, shadows do not get longer. */
+const LOWEST_SUN = 0.15;
+/** Largest sway of the cards, for their bounds, relative to the height. */
+const LEAN = 0.15;
+
+export class FarTrees {
+  private readonly instances: InstanceData;
+  private readonly x: Float32Array;
+  private readonly z: Float32Array;
+  private readonly pressureX: Float32Array;
+  private readonly pressureZ: Float32Array;
+  private readonly factor: Float32Array;
+  private readonly bins: Uint8Array;
+  private readonly before: Float32Array;
+  private readonly seen: Uint32Array;
+  private readonly casting: Uint32Array;
+  private sway: Sway | null = null;
+  private moves: TableMotion | null = null;
+
+  constructor(
+    private readonly places: readonly Placement[],
+    tint: Tint,
+  ) {
+    const count = places.length;
+    this.instances = createInstanceData(places, groundHeight_m, tint);
+    this.x = Float32Array.from(places, ({ x_m }) => x_m);
+    this.z = Float32Array.from(places, ({ z_m }) => z_m);
+    this.pressureX = new Float32Array(count);
+    this.pressureZ = new Float32Array(count);
+    this.factor = new Float32Array(count);
+    this.bins = new Uint8Array(count);
+    this.before = new Float32Array(TIP_FLOATS * count);
+    this.seen = new Uint32Array(count);
+    this.casting = new Uint32Array(count);
+  }
+
+  get count(): number {
+    return this.places.length;
+  }
+
+  /** x, z, height and crown radius of each tree, packed. */
+  shading(height_m: number, radius_m: number): number[] {
+    return this.places.flatMap(({ x_m, z_m, scale }) => [x_m, z_m, scale * height_m, 0.8 * scale * radius_m]);
+  }
+
+  setTints(tint: Tint): void {
+    setTints(this.instances, tint);
+  }
+
+  /** Chooses the cards to draw in this view, near to far, and those whose shadows can be seen. */
+  select(cards: Cards, view: View): void {
+    const { height_m, reach, across_m } = cards.atlas.box;
+    const bounds = { height_m, radius_m: reach * across_m, reach_m: LEAN * height_m };
+    const seen = this.sortByDistance(bounds, view);
+    const casting = this.chooseCasters(bounds, view);
+    this.fill(cards.seen, this.seen, seen, view);
+    this.fill(cards.casting, this.casting, casting, view);
+  }
+
+  private sortByDistance(bounds: Bounds, { planes, eye }: View): number {
+    const { data, count } = this.instances;
+    const first = new Uint32Array(BINS + 1);
+    for (let tree = 0; tree < count; tree++) {
+      const at = tree * INSTANCE_FLOATS;
+      const scale = data[at + 6];
+      const height_m = bounds.height_m * scale;
+      const radius_m = (bounds.radius_m + bounds.reach_m) * scale;
+      if (!cylinderSeen(planes, data[at], data[at + 1], data[at + 2], height_m, radius_m)) {
+        this.bins[tree] = BINS;
+        continue;
+      }
+      const distance_m = Math.hypot(data[at] - eye.x, data[at + 1] - eye.y, data[at + 2] - eye.z);
+      if (distance_m < CLEAR_M.gone) {
+        this.bins[tree] = BINS;
+        continue;
+      }
+      this.bins[tree] = Math.min(BINS - 1, Math.floor(distance_m / BIN_M));
+      first[this.bins[tree] + 1]++;
+    }
+    for (let bin = 1; bin <= BINS; bin++) first[bin] += first[bin - 1];
+    const seen = first[BINS];
+    for (let tree = 0; tree < count; tree++) {
+      if (this.bins[tree] < BINS) this.seen[first[this.bins[tree]]++] = tree;
+    }
+    return seen;
+  }
+
+  private chooseCasters(bounds: Bounds, { planes, eye, sun, shadow_m }: View): number {
+    const { data, count } = this.instances;
+    let casters = 0;
+    for (let tree = 0; tree < count; tree++) {
+      const at = tree * INSTANCE_FLOATS;
+      const scale = data[at + 6];
+      const half_m = 0.5 * bounds.height_m * scale;
+      const ball_m = Math.hypot(half_m, bounds.radius_m * scale);
+      const slide_m = (2 * half_m) / Math.max(LOWEST_SUN, sun.y);
+      const [x, y, z] = [data[at], data[at + 1] + half_m, data[at + 2]];
+      const nearest_m = Math.hypot(x - eye.x, y - eye.y, z - eye.z) - ball_m - slide_m;
+      if (nearest_m > shadow_m || nearest_m + ball_m + slide_m < CLEAR_M.gone) continue;
+      if (!shadowSeen(planes, sun, x, y, z, ball_m, slide_m)) continue;
+      this.casting[casters++] = tree;
+    }
+    return casters;
+  }
+
+  private fill(list: CardList, trees: Uint32Array, count: number, view: View): void {
+    list.reserve(count);
+    const { data } = list;
+    for (let i = 0; i < count; i++) {
+      const from = trees[i] * INSTANCE_FLOATS;
+      const to = i * CARD_FLOATS;
+      for (let k = 0; k < CARD_FLOATS; k++) data[to + k] = this.instances.data[from + k];
+      data[to + 3] = this.opacity(trees[i], view);
+      data[to + 7] = chance(trees[i]);
+    }
+    this.writeBend(list, trees, count);
+    list.show(count);
+  }
+
+  private opacity(tree: number, { eye }: View): number {
+    const y = this.instances.data[tree * INSTANCE_FLOATS + 1];
+    const distance_m = Math.hypot(this.x[tree] - eye.x, y - eye.y, this.z[tree] - eye.z);
+    const gone_m = CLEAR_M.gone + CLEAR_M.spread * chance(tree);
+    return Math.min(1, Math.max(0, (distance_m - gone_m) / CLEAR_M.fade));
+  }
+
+  private writeBend({ bend }: CardList, trees: Uint32Array, count: number): void {
+    const { before } = this;
+    const tips = this.sway?.tips ?? before;
+    for (let i = 0; i < count; i++) {
+      const tree = TIP_FLOATS * trees[i];
+      const to = BEND_FLOATS * i;
+      bend[to] = before[tree];
+      bend[to + 1] = before[tree + 1];
+      bend[to + 2] = tips[tree];
+      bend[to + 3] = tips[tree + 1];
+    }
+  }
+
+  /** Advances all trees, also hidden ones, in the wind at a time; the cards then move towards their new poses. */
+  advance(dt_s: number, time_s: number, field: WindField, motion: TableMotion, cards: Cards | null): void {
+    const { wind } = field.at(time_s);
+    if (this.moves !== motion) this.take(motion, wind.height_exponent, wind.reference_height_m);
+    if (!this.sway) return;
+    this.before.set(this.sway.tips);
+    field.pressure(this.x, this.z, time_s, this.pressureX, this.pressureZ, this.factor);
+    this.sway.advance(dt_s, this.pressureX, this.pressureZ, wind.mean_speed_m_s);
+    if (!cards) return;
+    this.writeBend(cards.seen, this.seen, cards.seen.count);
+    cards.seen.moved();
+    this.writeBend(cards.casting, this.casting, cards.casting.count);
+    cards.casting.moved();
+  }
+
+  private take(motion: TableMotion, exponent: number, reference_m: number): void {
+    this.moves = motion;
+    const scales = Float32Array.from(this.places, ({ scale }) => scale);
+    scales.forEach((scale, tree) => {
+      this.factor[tree] = heightFactor(motion.height_m * scale, exponent, reference_m);
+    });
+    const before = this.sway;
+    this.sway = new Sway(motion.sway, motion.height_m, scales);
+    if (before) this.sway.adopt(before);
+  }
+}

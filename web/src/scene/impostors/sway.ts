@@ -1,0 +1,112 @@
+/**
+ * Motion of trees that are not simulated: the first sway mode of each, a damped oscillator along x and z with the
+ * frequency, damping and compliance of its species' table, driven by the forest's wind at its place. Pure.
+ */
+import { dynamicPressure } from "../../core/wind/wind";
+import type { FirstSway } from "../../worker/protocol";
+
+/** Largest displacement of the tip relative to the height. */
+const MOST_SWAY = 0.22;
+/** Floats per tree in `tips`: displacement x, z in the world frame, m. */
+export const TIP_FLOATS = 2;
+/** Oscillators share their step with others of nearly the same size. */
+const SIZES_PER_UNIT = 12;
+
+/** Exact step of y'' + 2ζω y' + ω² y = 0 over dt: [y, y'] becomes [[a, b], [c, d]] · [y, y']. */
+export function freeStep(
+  frequency_hz: number,
+  damping: number,
+  dt_s: number,
+): readonly [number, number, number, number] {
+  const omega = 2 * Math.PI * frequency_hz;
+  const decay = Math.min(0.95, damping) * omega;
+  const damped = Math.sqrt(omega * omega - decay * decay);
+  const fall = Math.exp(-decay * dt_s);
+  const cos = Math.cos(damped * dt_s);
+  const sin = Math.sin(damped * dt_s) / damped;
+  return [fall * (cos + decay * sin), fall * sin, -fall * omega * omega * sin, fall * (cos - decay * sin)];
+}
+
+/** Static displacement of the tip (m) per Pa, reduced smoothly towards the largest one. */
+export function softened(push_m: number, most_m: number): number {
+  return 1 / (1 + Math.abs(push_m) / most_m);
+}
+
+/**
+ * Damping ratio of the air: drag K (U - v)² on a body of stiffness k that it bends by x = K U² / k opposes the motion by
+ * 2 K U v, hence a ratio of ω x / U.
+ */
+export function airDamping({ frequency_hz, tip_m_pa }: FirstSway, speed_m_s: number): number {
+  if (speed_m_s < 1e-3) return 0;
+  return (2 * Math.PI * frequency_hz * tip_m_pa * dynamicPressure(speed_m_s)) / speed_m_s;
+}
+
+export class Sway {
+  /** [trees, 2] newest displacement of each tip. */
+  readonly tips: Float32Array;
+  private readonly speeds: Float32Array;
+  private readonly sizes: Uint16Array;
+  private settled = false;
+
+  /** `scales`: size of each tree relative to its species. */
+  constructor(
+    private readonly sway: FirstSway,
+    private readonly height_m: number,
+    private readonly scales: Float32Array,
+  ) {
+    this.tips = new Float32Array(TIP_FLOATS * scales.length);
+    this.speeds = new Float32Array(TIP_FLOATS * scales.length);
+    this.sizes = Uint16Array.from(scales, (scale) => Math.max(1, Math.round(SIZES_PER_UNIT * scale)));
+  }
+
+  /**
+   * Advances under the pressure (Pa) at each tree, constant over the step; at first the trees are at rest in it.
+   * `meanSpeed_m_s`: mean wind speed, which damps the motion.
+   */
+  advance(
+    dt_s: number,
+    pressureX: ArrayLike<number>,
+    pressureZ: ArrayLike<number>,
+    meanSpeed_m_s: number,
+  ): void {
+    const steps = new Map<number, readonly [number, number, number, number]>();
+    const { frequency_hz, tip_m_pa } = this.sway;
+    const damping = this.sway.damping + airDamping(this.sway, meanSpeed_m_s);
+    for (let tree = 0; tree < this.scales.length; tree++) {
+      const size = this.sizes[tree];
+      let step = steps.get(size);
+      if (!step) {
+        // A larger tree of the same shape sways more slowly, in inverse proportion to its size.
+        step = freeStep((frequency_hz * SIZES_PER_UNIT) / size, damping, dt_s);
+        steps.set(size, step);
+      }
+      const scale = this.scales[tree];
+      const most_m = MOST_SWAY * this.height_m * scale;
+      const push_m = tip_m_pa * scale * Math.hypot(pressureX[tree], pressureZ[tree]);
+      const gain = tip_m_pa * scale * softened(push_m, most_m);
+      this.swing(2 * tree, gain * pressureX[tree], step);
+      this.swing(2 * tree + 1, gain * pressureZ[tree], step);
+    }
+    this.settled = true;
+  }
+
+  /** Goes on from the motion of another one, of the same trees. */
+  adopt(before: Sway): void {
+    this.tips.set(before.tips);
+    this.speeds.set(before.speeds);
+    this.settled = before.settled;
+  }
+
+  /** Steps one coordinate about its static displacement. */
+  private swing(at: number, rest_m: number, [a, b, c, d]: readonly number[]): void {
+    const { tips, speeds } = this;
+    if (!this.settled) {
+      tips[at] = rest_m;
+      return;
+    }
+    const off = tips[at] - rest_m;
+    const speed = speeds[at];
+    tips[at] = rest_m + a * off + b * speed;
+    speeds[at] = c * off + d * speed;
+  }
+}

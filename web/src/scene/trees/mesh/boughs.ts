@@ -1,0 +1,169 @@
+/**
+ * Finds which bough bears each branch, twig and leaf, so that the trees of a species can differ by the boughs that they
+ * lack. Only positions are known: a side branch begins inside its parent, a twig on its limb, a leaf on its twig. Pure.
+ */
+import type { Components } from "./components";
+
+/** A part of the mesh in the order in which parts bear each other: wood, then twigs, then leaves. */
+export interface BornePart {
+  readonly kind: "wood" | "twigs" | "leaves";
+  readonly positions: ArrayLike<number>;
+  readonly index: ArrayLike<number>;
+  readonly pieces: Components;
+}
+
+/** Number of a bough per piece; this one means the stem and what it bears itself. */
+export const STEM = -1;
+/** Long edges are sampled at this distance, m, and the samples are found in cells of this size. */
+const STEP_M = 0.3;
+/** Farther than this from anything, a piece counts as borne by the stem. */
+const FARTHEST_CELLS = 6;
+
+/** Points in space with a number each, found by their distance. */
+class Nearby {
+  private readonly cells = new Map<number, number[]>();
+  private readonly points: number[] = [];
+  private readonly numbers: number[] = [];
+
+  private static key(i: number, j: number, k: number): number {
+    return ((i + 2048) * 4096 + (j + 2048)) * 4096 + (k + 2048);
+  }
+
+  add(x: number, y: number, z: number, number: number): void {
+    const key = Nearby.key(Math.floor(x / STEP_M), Math.floor(y / STEP_M), Math.floor(z / STEP_M));
+    const cell = this.cells.get(key);
+    if (cell) cell.push(this.numbers.length);
+    else this.cells.set(key, [this.numbers.length]);
+    this.points.push(x, y, z);
+    this.numbers.push(number);
+  }
+
+  /** The number of the nearest point; null if all are far. */
+  find(x: number, y: number, z: number): number | null {
+    const [i, j, k] = [Math.floor(x / STEP_M), Math.floor(y / STEP_M), Math.floor(z / STEP_M)];
+    let best: number | null = null;
+    let least = Number.POSITIVE_INFINITY;
+    for (let reach = 0; reach <= FARTHEST_CELLS; reach++) {
+      // All points outside the cells searched so far are at least this far away.
+      if (least <= (reach - 1) * STEP_M) break;
+      for (let a = i - reach; a <= i + reach; a++) {
+        for (let b = j - reach; b <= j + reach; b++) {
+          const side = Math.abs(a - i) === reach || Math.abs(b - j) === reach;
+          for (let c = k - reach; c <= k + reach; c += side ? 1 : Math.max(1, 2 * reach)) {
+            for (const at of this.cells.get(Nearby.key(a, b, c)) ?? []) {
+              const distance = Math.hypot(
+                this.points[3 * at] - x,
+                this.points[3 * at + 1] - y,
+                this.points[3 * at + 2] - z,
+              );
+              if (distance >= least) continue;
+              least = distance;
+              best = this.numbers[at];
+            }
+          }
+        }
+      }
+    }
+    return best;
+  }
+}
+
+/** Samples the vertices and long edges of a part, each with a number of its piece; NaN leaves a piece out. */
+function sampled(part: BornePart, into: Nearby, numberOf: (piece: number) => number): void {
+  const { positions, index, pieces } = part;
+  const at = (v: number): [number, number, number] => [
+    positions[3 * v],
+    positions[3 * v + 1],
+    positions[3 * v + 2],
+  ];
+  const number = Float64Array.from(pieces.ofVertex, (piece) => numberOf(piece));
+  number.forEach((own, v) => {
+    if (!Number.isNaN(own)) into.add(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2], own);
+  });
+  for (let i = 0; i < index.length; i++) {
+    const v = index[i];
+    const next = index[i % 3 === 2 ? i - 2 : i + 1];
+    // The other triangle of the edge has it in the other direction.
+    if (v > next || Number.isNaN(number[v])) continue;
+    const [a, b] = [at(v), at(next)];
+    const steps = Math.ceil(Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) / STEP_M);
+    for (let s = 1; s < steps; s++) {
+      const t = s / steps;
+      into.add(a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]), number[v]);
+    }
+  }
+}
+
+/** First vertex of every piece: the base of a branch, twig or leaf is written first. */
+function firstVertices({ ofVertex, count }: Components): Uint32Array {
+  const first = new Uint32Array(count).fill(ofVertex.length);
+  ofVertex.forEach((piece, v) => {
+    if (v < first[piece]) first[piece] = v;
+  });
+  return first;
+}
+
+/** Middle of the first vertices: the first ring of a twig, the lower edge of a leaf card, a place on a branch's ring. */
+function baseOf(part: BornePart, first: number, piece: number): [number, number, number] {
+  const { positions, pieces } = part;
+  const last = Math.min(pieces.ofVertex.length, first + (part.kind === "leaves" ? 2 : 3));
+  const sum = [0, 0, 0];
+  let count = 0;
+  for (let v = first; v < last && pieces.ofVertex[v] === piece; v++, count++) {
+    for (let axis = 0; axis < 3; axis++) sum[axis] += positions[3 * v + axis];
+  }
+  return [sum[0] / count, sum[1] / count, sum[2] / count];
+}
+
+/** Height of each piece of the wood: the stem is the tallest. */
+function stemOf({ positions, pieces }: BornePart): number {
+  const low = new Float32Array(pieces.count).fill(Number.POSITIVE_INFINITY);
+  const high = new Float32Array(pieces.count).fill(Number.NEGATIVE_INFINITY);
+  pieces.ofVertex.forEach((piece, v) => {
+    low[piece] = Math.min(low[piece], positions[3 * v + 1]);
+    high[piece] = Math.max(high[piece], positions[3 * v + 1]);
+  });
+  let stem = 0;
+  for (let piece = 1; piece < pieces.count; piece++) {
+    if (high[piece] - low[piece] > high[stem] - low[stem]) stem = piece;
+  }
+  return stem;
+}
+
+/** The bough of every piece of the wood; branches come after those that bear them. */
+function boughsOfWood(wood: BornePart): Int32Array {
+  const stem = stemOf(wood);
+  const first = firstVertices(wood.pieces);
+  const bough = new Int32Array(wood.pieces.count).fill(STEM);
+  const order = [...first.keys()].filter((piece) => piece !== stem).sort((a, b) => first[a] - first[b]);
+  const known = new Nearby();
+  sampled(wood, known, (piece) => (piece === stem ? STEM : Number.NaN));
+  let boughs = 0;
+  for (const piece of order) {
+    const borne = known.find(...baseOf(wood, first[piece], piece));
+    bough[piece] = borne === null || borne === STEM ? boughs++ : borne;
+    sampled(wood, known, (other) => (other === piece ? bough[piece] : Number.NaN));
+  }
+  return bough;
+}
+
+/** The bough of every piece of each part; STEM where the stem bears it. Parts without wood are all STEM. */
+export function boughsOf(parts: readonly BornePart[]): Int32Array[] {
+  const known = { wood: new Nearby(), twigs: new Nearby() };
+  let twigs = false;
+  return parts.map((part) => {
+    if (part.kind === "wood") {
+      const bough = boughsOfWood(part);
+      sampled(part, known.wood, (piece) => bough[piece]);
+      return bough;
+    }
+    const from = part.kind === "leaves" && twigs ? known.twigs : known.wood;
+    const first = firstVertices(part.pieces);
+    const bough = Int32Array.from(first, (v, piece) => from.find(...baseOf(part, v, piece)) ?? STEM);
+    if (part.kind === "twigs") {
+      twigs = true;
+      sampled(part, known.twigs, (piece) => bough[piece]);
+    }
+    return bough;
+  });
+}
