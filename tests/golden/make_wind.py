@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from galewood.wind import with_front
 from galewood.wind.evaluation import PRESETS, Wave, Wind, WindError, WindField, paper_wind, parse_wind
 from galewood.wind.models.navier_stokes import Eddies
 from galewood.wind.schema import wind_schema
@@ -108,6 +109,30 @@ def changed() -> dict[str, Any]:
     return {"start": Wind().document(), "changes": changes, "times_s": times, "velocity_m_s": rows}
 
 
+def with_fronts() -> dict[str, Any]:
+    """A wind with more gust fronts than are kept, one row per half second; the last start later."""
+    field, rows = WindField(Wind(6.5, 40.0, 0.5, 8.0, 3)), []
+    starts = [
+        (0.25, -20.0, -15.5),
+        (1.0, 3.5, -60.0),
+        (1.5, 100.0, 0.25),
+        (2.0, -250.0, 12.0),
+        (2.5, 0.5, 0.5),
+    ]
+    for time_s, x_m, z_m in starts:
+        field.state = with_front(field.state, x_m, z_m, time_s)
+    times = [k * 0.5 for k in range(40)]
+    for time_s in times:
+        rows += velocities(field, [time_s])
+    return {
+        "start": Wind(6.5, 40.0, 0.5, 8.0, 3).document(),
+        "fronts": starts,
+        "state": field.state.document(),
+        "times_s": times,
+        "velocity_m_s": rows,
+    }
+
+
 def eddies() -> list[dict[str, object]]:
     """Exact values of single cells after some steps."""
     solver, rows = Eddies(5), []
@@ -142,6 +167,7 @@ def main() -> None:
         "z_m": z.tolist(),
         "models": models(),
         "changed": changed(),
+        "fronts": with_fronts(),
         "eddies": eddies(),
         "refused": refusals(),
     }

@@ -30,6 +30,8 @@ BREEZE = {
 # All msgpack libraries encode non-integers as float64, so that the bytes can be compared.
 TREES = [1.5, -2.25, 0.5, 1.25, -1000.5, 0.125, 3.140625, 0.75, 0.0, 0.0, -6.25, 100.0]
 
+PULL = {"hand": 281474976710655, "x": 1.5, "z": -2.25, "vertex": 4711, "target": [0.25, -0.5, 0.125]}
+
 REQUESTS: dict[str, dict[str, Any]] = {
     "hello": {"type": "hello", "client": "größer 🌳"},
     "forest_stream": {
@@ -68,6 +70,9 @@ REQUESTS: dict[str, dict[str, Any]] = {
     "ping": {"type": "ping", "t": 1234.5},
     "pause": {"type": "pause", "paused": True},
     "resync": {"type": "resync"},
+    "pull": {"type": "pull", **PULL},
+    "release": {"type": "release", "hand": 281474976710655},
+    "gust": {"type": "gust", "x": -12.5, "z": 40.25},
 }
 REPLIES: dict[str, dict[str, Any]] = {
     "welcome": {"type": "welcome", "server": "galewood 0.1.0", "version": 2, "tick_hz": 29.5},
@@ -122,6 +127,8 @@ REPLIES: dict[str, dict[str, Any]] = {
         "type": "windState",
         "state": {"before": BREEZE, "wind": {**BREEZE, "gustiness": 0.75}, "since_s": 12.5, "travel": 3.25},
     },
+    "pulls": {"type": "pulls", "time_s": 12.5, "pulls": [{**PULL, "force": [80.5, -0.25, 3.5]}]},
+    "pulls_none": {"type": "pulls", "time_s": 13.5, "pulls": []},
 }
 
 
@@ -132,6 +139,9 @@ REQUEST_KINDS: dict[str, Any] = {
     "ping": wire.Ping,
     "pause": wire.Pause,
     "resync": wire.Resync,
+    "pull": wire.Pull,
+    "release": wire.Release,
+    "gust": wire.Gust,
 }
 REPLY_KINDS: dict[str, Any] = {
     "welcome": wire.Welcome,
@@ -153,10 +163,27 @@ def with_trees(fields: dict[str, Any]) -> dict[str, Any]:
     return {**fields, "groups": groups, "trees": np.array(fields["trees"], np.float32).reshape(-1, 4)}
 
 
+def with_target(fields: dict[str, Any]) -> dict[str, Any]:
+    """Convert the target of a pull from JSON to its Python type."""
+    return {**fields, "target": tuple(fields["target"])} if "target" in fields else fields
+
+
+def pulls_of(fields: dict[str, Any]) -> wire.Pulls:
+    """Pulls from their JSON form."""
+    pulls = [
+        wire.Pulling(
+            wire.Pull(**with_target({name: value for name, value in one.items() if name != "force"})),
+            tuple(one["force"]),
+        )
+        for one in fields["pulls"]
+    ]
+    return wire.Pulls(fields["time_s"], tuple(pulls))
+
+
 def request_of(message: dict[str, Any]) -> wire.Request:
     """A request from its JSON form (web/src/core/wire)."""
     fields = {name: value for name, value in message.items() if name != "type"}
-    return REQUEST_KINDS[message["type"]](**with_trees(fields))
+    return REQUEST_KINDS[message["type"]](**with_target(with_trees(fields)))
 
 
 def reply_of(message: dict[str, Any]) -> wire.Reply:
@@ -164,6 +191,8 @@ def reply_of(message: dict[str, Any]) -> wire.Reply:
     fields = {name: value for name, value in message.items() if name != "type"}
     if message["type"] == "frame":
         return frame_of(fields)
+    if message["type"] == "pulls":
+        return pulls_of(fields)
     if message["type"] == "table":
         fields["data"] = bytes(fields["data"])
     return REPLY_KINDS[message["type"]](**with_trees(fields))
@@ -219,6 +248,14 @@ def refused() -> dict[str, tuple[str, bytes]]:
         "number is text": ("server", encode_message(wire.PING, {"t": "1"})),
         "number not finite": ("server", encode_message(wire.PING, {"t": float("nan")})),
         "number is a truth value": ("server", encode_message(wire.PING, {"t": True})),
+        "pull of two numbers": ("server", encode_message(7, {**PULL, "target": [0.5, 0.5]})),
+        "pull too far": ("server", encode_message(7, {**PULL, "target": [0.5, 0.5, 1000.5]})),
+        "pull without a tree": ("server", encode_message(7, {**PULL, "x": float("nan")})),
+        "pulls without force": ("client", encode_message(73, {"time_s": 0.5, "pulls": [PULL]})),
+        "too many pulls": (
+            "client",
+            encode_message(73, {"time_s": 0.5, "pulls": [{**PULL, "force": [0.5, 0.5, 0.5]}] * 33}),
+        ),
         "ping with payload": ("server", ping + bytes(8)),
         "unknown mode": ("server", forest_with(mode="both")),
         "table not a hash": ("server", forest_with(tree, groups=[{"table": "../etc", "count": 1}])),

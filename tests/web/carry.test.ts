@@ -23,7 +23,8 @@ const WIND = {
 
 function groupOf(ids: number[], of: Table = table) {
   const placement = Float32Array.from(ids.flatMap((id) => [7 * id, 3 * (id % 5), id, 0.8 + 0.05 * (id % 7)]));
-  return { key: "ash", table: of, records: of.paper, ids: Uint32Array.from(ids), placement };
+  const own = { key: "ash", table: of, records: of.paper, sha256: "", compliance: null };
+  return { ...own, ids: Uint32Array.from(ids), placement };
 }
 
 const bufferFor = (count: number) => new Float32Array(count * poseStride(table.metadata.modes));

@@ -27,7 +27,7 @@ const placement = () => {
 };
 
 function forest(field: WindField, method: "modal" | "paper" = "modal"): LocalMotion {
-  const group = { key: "pole", table: TABLE, records: TABLE.paper, placement: placement(), ids: [0, 1, 2] };
+  const group = { key: "pole", table: TABLE, records: TABLE.paper, placement: placement(), ids: [0, 1, 2], sha256: "", compliance: null };
   return new LocalMotion([group], field, { method, poseEasing: null }, 0);
 }
 

@@ -31,6 +31,8 @@ const groupOf = (table: Table, records = table.paper): LocalGroup => ({
   records,
   ids: IDS,
   placement: PLACEMENT,
+  sha256: "",
+  compliance: null,
 });
 
 /** The worker's loop: a source of poses, its blend, and what is displayed. */

@@ -1,5 +1,12 @@
 import { describe, expect, test } from "vitest";
-import { parseWind, type WindDocument, WindField } from "../../web/src/core/wind/wind";
+import {
+  parseState,
+  parseWind,
+  steady,
+  type WindDocument,
+  WindField,
+  withFront,
+} from "../../web/src/core/wind/wind";
 import { Eddies } from "../../web/src/core/wind/models/navierStokes";
 import { goldenJson } from "./golden";
 
@@ -12,6 +19,13 @@ interface Golden {
   changed: {
     start: WindDocument;
     changes: { time_s: number; wind: WindDocument }[];
+    times_s: number[];
+    velocity_m_s: number[][];
+  };
+  fronts: {
+    start: WindDocument;
+    fronts: [time_s: number, x_m: number, z_m: number][];
+    state: unknown;
     times_s: number[];
     velocity_m_s: number[][];
   };
@@ -54,6 +68,17 @@ test("a change of the wind gives the same transition", () => {
     }
     expect(difference(field, time_s, velocity_m_s[row])).toBeLessThan(RELATIVE);
   });
+});
+
+test("gust fronts travel as in Python, and only the last four are kept", () => {
+  const { start, fronts, state, times_s, velocity_m_s } = golden.fronts;
+  const sent = fronts.reduce((now, [time_s, x, z]) => withFront(now, x, z, time_s), steady(parseWind(start)));
+  expect(sent.fronts).toEqual(parseState(state).fronts);
+  const field = new WindField(sent);
+  times_s.forEach((time_s, row) => {
+    expect(difference(field, time_s, velocity_m_s[row])).toBeLessThan(RELATIVE);
+  });
+  expect(() => parseState({ ...(state as object), fronts: [{ since_s: 0 }] })).toThrow(/fronts\[0\]\.x_m/);
 });
 
 test("the eddies are bit-identical", () => {

@@ -225,6 +225,9 @@ def ship(
     ] = None,
     species_dir: Annotated[Path, typer.Option(help="Folder of the built-in trees.")] = Path("assets/species"),
     cache_dir: CacheDir = Path("data/cache"),
+    compliance: Annotated[
+        bool, typer.Option("--compliance", help="Only add the compliance files to the shipped trees.")
+    ] = False,
 ) -> None:
     """Build the tables that are distributed with the built-in trees, where they are out of date."""
     from galewood.pipeline import SHIPPED_FOLDER, builtin_meshes, outdated
@@ -233,12 +236,23 @@ def ship(
     unknown = set(names or ()) - set(meshes)
     if unknown:
         raise typer.BadParameter(f"unknown tree {sorted(unknown)[0]!r}; known: {', '.join(meshes)}")
+    if compliance:
+        _ship_compliance([meshes[name] for name in names or meshes], species_dir, cache_dir)
+        return
     chosen = [meshes[name] for name in names] if names else list(outdated(species_dir))
     for mesh in chosen:
         _ship(mesh, species_dir, cache_dir)
         console.print(f"{mesh.name}: written to {species_dir / SHIPPED_FOLDER}")
     if not chosen:
         console.print("All shipped tables are up to date.")
+
+
+def _ship_compliance(meshes: list[BuiltinMesh], species_dir: Path, cache_dir: Path) -> None:
+    from galewood.pipeline import SHIPPED_FOLDER, ship_compliance
+
+    for mesh in meshes:
+        size = ship_compliance(mesh, species_dir / SHIPPED_FOLDER, cache_dir)
+        console.print(f"{mesh.name}: {'not shipped' if size is None else f'{size / 1e6:.2f} MB'}")
 
 
 def _ship(mesh: BuiltinMesh, species_dir: Path, cache_dir: Path) -> None:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from galewood.fem.drag import LEAST_PROFILE, Drag
     from galewood.fem.dynamics import Simulator
     from galewood.fem.elasticity import PAIRS, gradients, moduli, stiffness_blocks
+    from galewood.fem.factor import TangentFactor, solve_factor, tangent_factor
     from galewood.fem.foundation import on_springs, with_ground_reaction
     from galewood.fem.model import FemModel, load_model, save_model
     from galewood.fem.modes import Modes, natural_modes, tangent_modes
@@ -44,6 +45,9 @@ __getattr__ = lazily(
         "gradients": "galewood.fem.elasticity",
         "moduli": "galewood.fem.elasticity",
         "stiffness_blocks": "galewood.fem.elasticity",
+        "TangentFactor": "galewood.fem.factor",
+        "solve_factor": "galewood.fem.factor",
+        "tangent_factor": "galewood.fem.factor",
         "on_springs": "galewood.fem.foundation",
         "with_ground_reaction": "galewood.fem.foundation",
         "FemModel": "galewood.fem.model",
@@ -83,6 +87,7 @@ __all__ = [
     "Scheme",
     "Simulator",
     "Support",
+    "TangentFactor",
     "damping_report",
     "elevate",
     "gradients",
@@ -98,10 +103,12 @@ __all__ = [
     "rest_prestress",
     "save_model",
     "shown_ratio",
+    "solve_factor",
     "solve_static",
     "stiffness_blocks",
     "strain_under",
     "supporting_factors",
+    "tangent_factor",
     "tangent_modes",
     "weightless_pose",
     "with_ground_reaction",

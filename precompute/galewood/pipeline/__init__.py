@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from galewood.pipeline.build import build_table, build_tree, model_of
     from galewood.pipeline.rehearsal import compile_kernels
     from galewood.pipeline.report import render_mesh
-    from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship
+    from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship, ship_compliance
     from galewood.pipeline.tree_figures import tree_lines
 
 __getattr__ = lazily(
@@ -33,6 +33,7 @@ __getattr__ = lazily(
         "builtin_meshes": "galewood.pipeline.shipping",
         "outdated": "galewood.pipeline.shipping",
         "ship": "galewood.pipeline.shipping",
+        "ship_compliance": "galewood.pipeline.shipping",
         "tree_lines": "galewood.pipeline.tree_figures",
     },
 )
@@ -59,6 +60,7 @@ __all__ = [
     "read_shipped",
     "render_mesh",
     "ship",
+    "ship_compliance",
     "tree_lines",
     "write_shipped",
 ]

@@ -22,6 +22,7 @@ from galewood.pictures import skeleton_png, tetrahedra_png
 from galewood.pipeline.artefacts import ArtefactPublisher, Publish
 from galewood.pipeline.assemble import DefaultPart, RenderMesh
 from galewood.pipeline.beam_table import beam_table
+from galewood.pipeline.compliance_file import compliance_file
 from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
 from galewood.pipeline.report import bears_leaves, build_report, render_mesh
 from galewood.pipeline.table_builder import TableBuilder
@@ -137,7 +138,13 @@ def _build(
     run = on.runner or partial(run_in_processes, pool=pool)
     default = _default(builder, samples, run, artefacts, stages)
     report = partial(build_report, tree, solid.mesh, solid.skeleton, solid.lumped, model, wind, default.table)
-    result = BuildResult(encode(default.table), None, render_glb, report(None, None, stages))
+    result = BuildResult(
+        encode(default.table),
+        None,
+        render_glb,
+        report(None, None, stages),
+        compliance=_compliance(solid, model, render_glb),
+    )
     more: dict[str, Any] = {}
     if on.on_table:
         on.on_table(result)
@@ -158,6 +165,26 @@ def _build(
         more = {"bare_table": bare.report}
     stages.enter("done")
     return replace(result, report=report(records, compared, stages) | more)
+
+
+def compliance_of_source(
+    source: bytes, filename: str, options: BuildOptions, cache_dir: Path
+) -> bytes | None:
+    """The compliance file of a tree mesh, as in a build, without simulating anything. Raises MeshError.
+
+    The tetrahedra should be in ``cache_dir``: meshing again gives a slightly different model.
+    """
+    tree, render_glb = import_mesh_sandboxed(source, filename, options.mesh_import)
+    with WorkerPool(1) as pool:
+        on = Environment(Stages(lambda progress: None), cache_dir)
+        solid = _solid(tree, options, on, ArtefactPublisher(pool, None))
+    return _compliance(
+        solid, build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem), render_glb
+    )
+
+
+def _compliance(solid: Solid, model: FemModel, render_glb: bytes) -> bytes | None:
+    return compliance_file(model, solid.surface.binding, hashlib.sha256(render_glb).hexdigest())
 
 
 def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: ArtefactPublisher) -> Solid:

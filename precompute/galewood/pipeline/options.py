@@ -119,6 +119,8 @@ class BuildResult:
     report: dict[str, Any]
     bare_table: bytes | None = None
     """The table of the same mesh without its leaves; None: not wanted, not computed yet, or no leaves."""
+    compliance: bytes | None = None
+    """The compliance file, for pulling the tree; None: unstable rest pose, or too many nodes."""
 
     def whole_table(self) -> bytes:
         """The table file with the records inside, for use outside the service."""

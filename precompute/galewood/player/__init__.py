@@ -2,7 +2,20 @@
 
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest, gaussian
+from galewood.player.pulling import PointResponse, PullError, PullingHand, point_response
 from galewood.player.sway import grid_placements, play
 from galewood.player.wind_driven import Method, WindDrivenTrees
 
-__all__ = ["Method", "ModalForest", "PaperForest", "WindDrivenTrees", "gaussian", "grid_placements", "play"]
+__all__ = [
+    "Method",
+    "ModalForest",
+    "PaperForest",
+    "PointResponse",
+    "PullError",
+    "PullingHand",
+    "WindDrivenTrees",
+    "gaussian",
+    "grid_placements",
+    "play",
+    "point_response",
+]

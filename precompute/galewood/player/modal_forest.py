@@ -25,6 +25,7 @@ class ModalForest(TreeInstances):
         super().__init__(count, mode_scale, dt_s, modal.modes)
         self._tensors, self._batch = widened(modal), working_room(modal)
         d = len(modal.step)
+        self._shown = modal.shown.astype(np.float64)
         self._e, self._v = np.zeros((count, d)), np.zeros((count, d))
         self._turned = np.zeros((count, 2))
         self.extrapolation_ratio = np.zeros(count, np.float32)
@@ -37,3 +38,13 @@ class ModalForest(TreeInstances):
             self._tensors, self._dt_s / 2, self._rate, self._turn, px, pz, self._e, self._v, self._phase,
             self._turned, self._now, self._before, self.q, self.extrapolation_ratio, self._batch,
         )  # fmt: skip
+
+    def displace(self, tree: int, e: npt.ArrayLike, v: npt.ArrayLike) -> None:
+        """Add to the coordinates e (d,) and speeds v (d,), per second of a tree of this size, of one tree."""
+        moved = np.asarray(e, np.float64)
+        self._e[tree] += moved
+        self._v[tree] += np.asarray(v, np.float64) * self._size[tree]
+        d = len(moved)
+        shown = self._shown * moved
+        self._now[tree, :d] += shown
+        self._before[tree, :d] += shown

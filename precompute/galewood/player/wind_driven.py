@@ -67,6 +67,13 @@ class WindDrivenTrees:
             return np.ones(len(self._x_m), np.float32)
         return np.maximum(forest.extrapolation_ratio, self._ratio).astype(np.float32)
 
+    def displace(self, tree: int, e: npt.ArrayLike, v: npt.ArrayLike) -> bool:
+        """Add to the oscillators of a tree (``ModalForest.displace``); False: the paper's trees have none."""
+        if not isinstance(self._forest, ModalForest):
+            return False
+        self._forest.displace(tree, e, v)
+        return True
+
     def step(self, field: WindField, time_s: float, dt_s: float) -> None:
         """Advance by dt_s seconds in the wind at time_s, the end of the step."""
         self._set_strength(field.at(time_s).wind)

@@ -2,8 +2,9 @@
 
 A folder holds for each tree ``name``: ``name.json`` (what it was built from, the report of the build, the
 hashes of the files), ``name.table``, ``name.bare.table`` (of the tree without its leaves; it may be missing),
-``name.records.gz`` (of ``name.table``), ``name.glb`` (the render mesh), ``name.tets.npz`` (the tetrahedra,
-because the mesher is not repeatable) and pictures, ``name.*.png``.
+``name.records.gz`` (of ``name.table``), ``name.compliance.gz`` (for pulling the tree; it may be missing),
+``name.glb`` (the render mesh), ``name.tets.npz`` (the tetrahedra, because the mesher is not repeatable) and
+pictures, ``name.*.png``.
 """
 
 from __future__ import annotations
@@ -39,6 +40,8 @@ class ShippedTree:
     pictures: dict[str, bytes] = field(default_factory=dict[str, bytes])
     bare_table: bytes | None = None
     """The table of the tree without its leaves; None: it has none."""
+    compliance: bytes | None = None
+    """The compliance file; None: it has none."""
 
 
 def build_key(source: bytes, options: dict[str, Any]) -> str:
@@ -85,9 +88,14 @@ def read_shipped(folder: Path, name: str, key: str) -> ShippedTree | None:
             report=dict(index["report"]),
             pictures={file[start:]: files[file] for file in files if file.endswith(PICTURE)},
             bare_table=files.get(f"{name}.bare.table"),
+            compliance=_unpacked(files.get(f"{name}.compliance.gz")),
         )
     except (OSError, ValueError, KeyError, EOFError):
         return None
+
+
+def _unpacked(packed: bytes | None) -> bytes | None:
+    return None if packed is None else gzip.decompress(packed)
 
 
 def _contents(name: str, tree: ShippedTree) -> dict[str, bytes]:
@@ -95,6 +103,7 @@ def _contents(name: str, tree: ShippedTree) -> dict[str, bytes]:
         f"{name}.table": tree.table,
         **({f"{name}.bare.table": tree.bare_table} if tree.bare_table else {}),
         f"{name}.records.gz": gzip.compress(tree.records, 9, mtime=0),
+        **({f"{name}.compliance.gz": gzip.compress(tree.compliance, 9, mtime=0)} if tree.compliance else {}),
         f"{name}.glb": tree.render_glb,
         f"{name}.tets.npz": tree.tets,
         **{f"{name}.{picture}": content for picture, content in tree.pictures.items()},

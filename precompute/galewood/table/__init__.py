@@ -1,5 +1,6 @@
 """The table file format: encodes a Table to bytes and decodes it again; the paper's records are optional."""
 
+from galewood.table.compliance import Compliance, decode_compliance, encode_compliance
 from galewood.table.container import Foliage, Metadata, TableError, foliage_of, read_metadata
 from galewood.table.format import FORMAT, VERSION, Table, decode, encode, with_records, without_gusts
 from galewood.table.records import Records, encode_records, poses
@@ -7,13 +8,16 @@ from galewood.table.records import Records, encode_records, poses
 __all__ = [
     "FORMAT",
     "VERSION",
+    "Compliance",
     "Foliage",
     "Metadata",
     "Records",
     "Table",
     "TableError",
     "decode",
+    "decode_compliance",
     "encode",
+    "encode_compliance",
     "encode_records",
     "foliage_of",
     "poses",

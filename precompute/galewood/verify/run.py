@@ -7,7 +7,14 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from galewood.verify import beam_checks, element_checks, motion_checks, shipped_checks, species_checks
+from galewood.verify import (
+    beam_checks,
+    element_checks,
+    motion_checks,
+    pull_checks,
+    shipped_checks,
+    species_checks,
+)
 from galewood.verify.checks import Check
 from galewood.verify.specimens import cached_mesher
 
@@ -29,7 +36,7 @@ def verify_table(scope: Scope, report: Callable[[Check], None] = lambda check: N
     """Run all checks of the scope; `report` is called with each check when it is done."""
     if scope.shipped is not None:
         return _reported(shipped_checks.checks(scope.shipped), report)
-    groups = [element_checks.checks(), beam_checks.checks(), motion_checks.checks()]
+    groups = [element_checks.checks(), beam_checks.checks(), motion_checks.checks(), pull_checks.checks()]
     if scope.species_dir is not None:
         groups.append(species_checks.checks(scope.species_dir, cached_mesher(scope.cache_dir)))
     return _reported(chain.from_iterable(groups), report)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from galewood.util import lazily
 from galewood.wind.document import MODELS, Wind, WindError, parse_wind
 from galewood.wind.presets import PRESETS
-from galewood.wind.transition import WindState, change_wind, parse_wind_or_state
+from galewood.wind.transition import WindState, change_wind, parse_wind_or_state, with_front
 
 if TYPE_CHECKING:
     from galewood.wind.crown import crown_carried, crown_field, write_gusts
@@ -74,5 +74,6 @@ __all__ = [
     "speed_of_pressure",
     "to_tree_frame",
     "wind_pressure",
+    "with_front",
     "write_gusts",
 ]

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from galewood.util import Floats
 from galewood.wind.document import Wind
+from galewood.wind.fronts import add_fronts
 from galewood.wind.models.cosine import CosineGusts
 from galewood.wind.models.eddy_gusts import EddyGusts
 from galewood.wind.models.perlin import PerlinGusts
@@ -72,6 +73,7 @@ class WindField:
             self._write(moment.before, moment, x_m, z_m, other[0], other[1])
             out_x += (1.0 - moment.share) * (other[0] - out_x)
             out_z += (1.0 - moment.share) * (other[1] - out_z)
+        add_fronts(self.state.fronts, x_m, z_m, time_s, out_x, out_z)
 
     def pressure(
         self,

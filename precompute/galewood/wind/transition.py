@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from galewood.wind.document import FIELDS, Wind, WindError, parse_wind
+from galewood.wind.fronts import LIFE_S, MOST_FRONTS, Front, parse_fronts
 
 TRANSITION_S = 0.6
 _INTERPOLATED = [name for name in FIELDS if name not in ("seed", "beta", "direction_deg")]
@@ -28,6 +29,8 @@ class WindState:
     since_s: float = 0.0
     travel: float = 0.0
     """Distance travelled at ``since_s``, in length scales."""
+    fronts: tuple[Front, ...] = ()
+    """Gust fronts on their way, the oldest first."""
 
     def document(self) -> dict[str, object]:
         """The JSON object that ``parse_state`` accepts."""
@@ -36,6 +39,7 @@ class WindState:
             "wind": self.wind.document(),
             "since_s": self.since_s,
             "travel": self.travel,
+            **({"fronts": [front.document() for front in self.fronts]} if self.fronts else {}),
         }
 
 
@@ -66,7 +70,8 @@ def parse_state(document: object) -> WindState:
         if isinstance(value, bool) or not isinstance(value, int | float) or not -1e9 <= value <= 1e9:
             raise WindError(f"wind_state.{name}", "expected a number in -1e9..1e9")
     before, wind = parse_wind(fields.get("before")), parse_wind(fields.get("wind"))
-    return WindState(before, wind, float(fields["since_s"]), float(fields["travel"]))
+    fronts = parse_fronts(fields.get("fronts", []))
+    return WindState(before, wind, float(fields["since_s"]), float(fields["travel"]), fronts)
 
 
 def parse_wind_or_state(document: object) -> WindState:
@@ -79,7 +84,15 @@ def parse_wind_or_state(document: object) -> WindState:
 def change_wind(state: WindState, wind: Wind, time_s: float) -> WindState:
     """Start a transition from the present wind to another document at this time, s."""
     now = at(state, time_s)
-    return WindState(now.before if now.share < 0.5 else now.wind, wind, time_s, now.travel)
+    return WindState(now.before if now.share < 0.5 else now.wind, wind, time_s, now.travel, state.fronts)
+
+
+def with_front(state: WindState, x_m: float, z_m: float, time_s: float) -> WindState:
+    """The same wind with a gust front that starts at a place at this time, s; old fronts are dropped."""
+    wind = at(state, time_s).wind
+    front = Front(time_s, x_m, z_m, wind.direction_deg, wind.mean_speed_m_s)
+    kept = [old for old in state.fronts if time_s - old.since_s < LIFE_S]
+    return replace(state, fronts=(*kept, front)[-MOST_FRONTS:])
 
 
 def at(state: WindState, time_s: float) -> Moment:

@@ -30,6 +30,9 @@ router = APIRouter()
 log = logging.getLogger("galewood.stream")
 CHUNK_BYTES = 256 * 1024
 HELLO_S = 10.0
+PULLS_PER_S = 40.0
+GUSTS_PER_S, MOST_GUSTS = 0.5, 3.0
+"""Gust fronts of one client per second, and in a row."""
 
 
 @router.websocket("/ws/forest")
@@ -39,6 +42,23 @@ async def forest_socket(websocket: WebSocket) -> None:
     async with limited_connection(websocket, service) as accepted:
         if accepted:
             await Session(websocket, service).run()
+
+
+class Allowance:
+    """A token bucket: `rate` per second, at most `most` at once."""
+
+    def __init__(self, rate: float, most: float) -> None:
+        self._rate, self._most, self._left, self._counted_s = rate, most, most, time.monotonic()
+
+    def take(self) -> bool:
+        """Take one; False if there is none left."""
+        now_s = time.monotonic()
+        self._left = min(self._most, self._left + (now_s - self._counted_s) * self._rate)
+        self._counted_s = now_s
+        if self._left < 1:
+            return False
+        self._left -= 1
+        return True
 
 
 class Session:
@@ -52,6 +72,7 @@ class Session:
         self._sending: asyncio.Task[None] | None = None
         self._allowance = service.settings.socket_messages_per_s
         self._counted_s = time.monotonic()
+        self._pulls, self._gusts = Allowance(PULLS_PER_S, PULLS_PER_S), Allowance(GUSTS_PER_S, MOST_GUSTS)
 
     async def run(self) -> None:
         """Serve until the client disconnects or causes an error."""
@@ -112,6 +133,14 @@ class Session:
             case wire.Pause():
                 if self._subscription:
                     self._subscription.forest.pause(request.paused)
+            case wire.Pull():
+                self._pull(request)
+            case wire.Release():
+                if self._subscription:
+                    self._subscription.forest.release(self._subscription.client_buffer)
+            case wire.Gust():
+                if self._subscription and self._gusts.take():
+                    self._subscription.forest.send_front(request.x, request.z)
             case wire.Resync():
                 if self._subscription:
                     self._subscription.client_buffer.resync()
@@ -119,6 +148,12 @@ class Session:
                 await self._subscribe(request, tasks)
             case wire.Hello():
                 raise SessionError("second-hello", "HELLO may be sent only once")
+
+    def _pull(self, pull: wire.Pull) -> None:
+        """Continue or begin a pull. Above the rate, or where the forest has no room for it, it is ignored."""
+        subscription = self._subscription
+        if subscription and self._pulls.take():
+            subscription.forest.pull(subscription.client_buffer, pull)
 
     async def _subscribe(self, forest: wire.Forest, tasks: asyncio.TaskGroup) -> None:
         """Replace the current subscription or table transfer by the requested one."""

@@ -118,6 +118,8 @@ def _remove_files(session: Session, service: Service, tree: Tree) -> None:
     for sha256 in (tree.table_sha256, tree.bare_table_sha256):
         remove_unshared(session, service.stores.tables, tables, sha256)
     remove_unshared(session, service.stores.records, (Tree.records_sha256,), tree.records_sha256)
+    compliances = (Tree.compliance_sha256,)
+    remove_unshared(session, service.stores.compliances, compliances, tree.compliance_sha256)
 
 
 def remove_unshared(

@@ -84,10 +84,14 @@ def _register(service: Service, entry: BuiltinTree) -> None:
     with service.sessions.begin() as session:
         tree = _upsert(session, entry, source_sha256)
         current = fingerprint(source_sha256, tree.options, {})
-        if tree.fingerprint == current and tree.table_sha256:
+        complete = tree.fingerprint == current and tree.table_sha256
+        if complete and tree.compliance_sha256:
             return
         folder = service.settings.species_dir / SHIPPED_FOLDER
         shipped = read_shipped(folder, entry.id, build_key(source, tree.options))
+        if complete:
+            shipped_trees.add_compliance(session, service, tree, shipped)
+            return
         if shipped:
             shipped_trees.install(session, service, tree, shipped, current)
             log.info("%s: its table is shipped", entry.name)

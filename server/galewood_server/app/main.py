@@ -26,7 +26,7 @@ from galewood_server.http import install_error_handlers
 from galewood_server.jobs import Supervisor
 from galewood_server.ops import Metrics, Tracing, configure_logging
 from galewood_server.settings import Settings
-from galewood_server.storage import Stores, TableCache, migrate, open_database, records_of
+from galewood_server.storage import Stores, TableCache, compliance_of, migrate, open_database, records_of
 from galewood_server.stream import Forests, SocketLimits, metered_protocol
 
 log = logging.getLogger("galewood")
@@ -82,7 +82,9 @@ def _service(settings: Settings, importer: MeshImporter) -> Service:
         settings=settings,
         sessions=sessions,
         stores=stores,
-        forests=Forests(settings, TableCache(stores), partial(records_of, sessions)),
+        forests=Forests(
+            settings, TableCache(stores), partial(records_of, sessions), partial(compliance_of, sessions)
+        ),
         server_name=f"galewood {VERSION}",
         importer=importer,
         loop=asyncio.get_running_loop(),

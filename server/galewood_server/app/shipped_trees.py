@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+
 from galewood.shipped import ShippedTree
 from galewood.util import write_whole
 from sqlalchemy.orm import Session
@@ -36,6 +38,7 @@ def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree
         "table_sha256": shipped.table,
         "bare_table_sha256": shipped.bare_table,
         "records_sha256": shipped.records,
+        "compliance_sha256": shipped.compliance,
         "mesh_sha256": shipped.render_glb,
     }
     hashes = {
@@ -53,3 +56,12 @@ def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree
     # pictures belong to a job, which also tells when and how the table was made
     job = Job(tree_id=tree.id, state="done", stage="done", fraction=1.0, message=MESSAGE, pictures=pictures)
     tree.jobs.append(job)
+
+
+def add_compliance(session: Session, service: Service, tree: Tree, shipped: ShippedTree | None) -> None:
+    """Store the compliance file of a shipped tree that was installed without one."""
+    if shipped is None or shipped.compliance is None:
+        return
+    if tree.mesh_sha256 == hashlib.sha256(shipped.render_glb).hexdigest():
+        kind = FILE_COLUMNS["compliance_sha256"]
+        tree.compliance_sha256 = store_referenced(session, service.stores, kind, shipped.compliance)

@@ -120,12 +120,12 @@ def _missing(session: Session, stores: Stores, repair: bool) -> Iterator[Finding
 def _clear_reference(tree: Tree, field: str) -> None:
     """Clear a reference; the tree is computed again at the next start or on request.
 
-    Without its records or its bare table the tree keeps its table.
+    Without its records, its bare table or its compliance the tree keeps its table.
     """
     setattr(tree, field, None)
     tree.fingerprint = None
-    if field not in ("records_sha256", "bare_table_sha256"):
-        tree.table_sha256 = tree.bare_table_sha256 = tree.records_sha256 = None
+    if field not in ("records_sha256", "bare_table_sha256", "compliance_sha256"):
+        tree.table_sha256 = tree.bare_table_sha256 = tree.records_sha256 = tree.compliance_sha256 = None
 
 
 def _missing_of_job(job: Job, stores: Stores, repair: bool) -> Iterator[Finding]:
@@ -171,9 +171,8 @@ def _remove_stale_copies(settings: Settings, stores: Stores, repair: bool) -> No
         return
     for coding in PREFERRED:
         for path in (settings.cache_dir / "encoded" / coding).rglob("*"):
-            if path.is_file() and not any(
-                store.has(path.name) for store in (stores.tables, stores.records, stores.meshes)
-            ):
+            used = (stores.tables, stores.records, stores.compliances, stores.meshes)
+            if path.is_file() and not any(store.has(path.name) for store in used):
                 path.unlink(missing_ok=True)
     for path in (settings.cache_dir / "thumbnails").glob("*.png"):
         if not stores.meshes.has(path.stem):

@@ -43,7 +43,7 @@ class TreeOut(BaseModel):
     `records_sha256` is null until the records of the paper's state search are computed, and for tables of
     older versions, which contain them. `bare_table_sha256` is the table of the same mesh without its leaves,
     for the winter; null: there is none. `form`: grown in the open, or slender between other trees; a built-in
-    species may have one tree of each form.
+    species may have one tree of each form. `compliance_sha256` is needed only to pull the tree at a point.
     """
 
     model_config = ConfigDict(from_attributes=True)
@@ -58,6 +58,7 @@ class TreeOut(BaseModel):
     table_sha256: str | None
     bare_table_sha256: str | None = None
     records_sha256: str | None
+    compliance_sha256: str | None = None
     mesh_sha256: str | None
     job_id: str | None
     report: dict[str, Any]

@@ -36,7 +36,7 @@ Build = Callable[..., BuildResult]
 RECORDS_PRIORITY = -10
 """Priority of the simulations of that stage on the cluster; those of other builds have 0."""
 
-FOLLOWING = ("records_sha256", "bare_table_sha256")
+FOLLOWING = ("records_sha256", "bare_table_sha256", "compliance_sha256")
 """Columns of the files that follow a complete table."""
 LOADED_EARLY = ("scipy.signal", "distributed")
 """Modules that are slow to load, in the order in which they are needed."""
@@ -174,6 +174,7 @@ def _put(stores: Stores, result: BuildResult, model: bytes | None) -> dict[str, 
         "table_sha256": result.table,
         "bare_table_sha256": result.bare_table,
         "records_sha256": result.records,
+        "compliance_sha256": result.compliance,
         "mesh_sha256": result.render_glb,
         "model_sha256": model,
     }

@@ -36,7 +36,7 @@ from galewood_server.storage.models import (
     utc_now,
 )
 from galewood_server.storage.object_store import fetch, list_keys, open_bucket, stored
-from galewood_server.storage.records import records_of
+from galewood_server.storage.records import compliance_of, records_of
 from galewood_server.storage.stores import STORE_NAMES, Stores
 from galewood_server.storage.table_cache import TableCache
 
@@ -59,6 +59,7 @@ __all__ = [
     "TreeState",
     "coding_of",
     "collect_garbage",
+    "compliance_of",
     "database_now",
     "encoded_file",
     "engine_of",

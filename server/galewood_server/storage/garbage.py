@@ -21,6 +21,7 @@ FILE_COLUMNS = {
     "table_sha256": "tables",
     "bare_table_sha256": "tables",
     "records_sha256": "records",
+    "compliance_sha256": "compliances",
     "model_sha256": "models",
 }
 """Column of a tree -> store of the file whose hash it holds."""
@@ -47,7 +48,7 @@ def store_referenced(session: Session, stores: Stores, kind: str, data: bytes) -
 
 def no_table() -> dict[str, str | None]:
     """The columns of everything that belongs to one table, without a file."""
-    names = ("table_sha256", "bare_table_sha256", "records_sha256", "model_sha256")
+    names = ("table_sha256", "bare_table_sha256", "records_sha256", "compliance_sha256", "model_sha256")
     return dict.fromkeys(names)
 
 

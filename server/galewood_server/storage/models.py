@@ -68,6 +68,8 @@ class Tree(Base):
     bare_table_sha256: Mapped[str | None] = mapped_column(String(64))
     # the records of the paper's state search, which belong to this table and follow it
     records_sha256: Mapped[str | None] = mapped_column(String(64))
+    # for pulling the tree at a point; belongs to the mesh and its model
+    compliance_sha256: Mapped[str | None] = mapped_column(String(64))
     # the FEM model of the table's training runs
     model_sha256: Mapped[str | None] = mapped_column(String(64))
     # the table is preliminary (from the first few winds); the build will replace it

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from galewood_server.storage.files import FileStore
 
-STORE_NAMES = ("sources", "meshes", "tables", "records", "models", "pictures", "results")
+STORE_NAMES = ("sources", "meshes", "tables", "records", "compliances", "models", "pictures", "results")
 
 
 class Stores:
@@ -24,6 +24,7 @@ class Stores:
         self.meshes = self._named["meshes"]
         self.tables = self._named["tables"]
         self.records = self._named["records"]
+        self.compliances = self._named["compliances"]
         self.models = self._named["models"]
         self.pictures = self._named["pictures"]
         self.results = self._named["results"]

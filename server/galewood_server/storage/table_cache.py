@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 
-from galewood.table import Table, decode, with_records
+from galewood.table import Compliance, Table, decode, decode_compliance, with_records
 
 from galewood_server.storage.stores import Stores
 
@@ -17,6 +17,7 @@ class TableCache:
         self._stores = stores
         self._capacity = capacity
         self._tables: OrderedDict[str, Table] = OrderedDict()
+        self._compliances: OrderedDict[str, Compliance] = OrderedDict()
         self._lock = threading.Lock()
 
     def take(self, sha256: str, records_sha256: str | None = None) -> Table:
@@ -34,3 +35,13 @@ class TableCache:
             while len(self._tables) > self._capacity:
                 self._tables.popitem(last=False)
             return self._tables[sha256]
+
+    def take_compliance(self, sha256: str) -> Compliance:
+        """A compliance file by its hash. FileNotFoundError, TableError."""
+        with self._lock:
+            if sha256 not in self._compliances:
+                self._compliances[sha256] = decode_compliance(self._stores.compliances.get(sha256))
+            self._compliances.move_to_end(sha256)
+            while len(self._compliances) > self._capacity:
+                self._compliances.popitem(last=False)
+            return self._compliances[sha256]

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numba
 import numpy as np
 from galewood.player import WindDrivenTrees
-from galewood.table import Table
+from galewood.table import Compliance, Table
 from galewood.util import Floats, Singles
-from galewood.wind import Wind, WindField, WindState, change_wind
+from galewood.wind import Wind, WindField, WindState, change_wind, with_front
 
 from galewood_server.stream.frames import Shape
-from galewood_server.stream.wire import TICK_HZ, Forest, Method, Poses
+from galewood_server.stream.pulls import GroupPulls, pullings
+from galewood_server.stream.wire import TICK_HZ, Forest, Method, Poses, Pull, Pulling
 from galewood_server.stream.wire_forest import Trees
 
 STREAM_ERROR_M = 0.25e-3
@@ -63,6 +64,11 @@ class ForestClock:
         self._next = change_wind(self._next, wind, self.time_s + 1 / TICK_HZ)
         return self._next
 
+    def send_front(self, x_m: float, z_m: float) -> WindState:
+        """Start a gust front at a place at the next tick. Thread-safe like `change_wind`."""
+        self._next = with_front(self._next, x_m, z_m, self.time_s + 1 / TICK_HZ)
+        return self._next
+
     def tick(self) -> None:
         """Advance by one tick."""
         self.field.state = self._next
@@ -72,16 +78,25 @@ class ForestClock:
 class GroupStepper:
     """The trees of one table, and their poses as integers for the stream."""
 
-    def __init__(self, table: Table, trees: Trees, pose_easing: float | None, method: Method) -> None:
+    def __init__(
+        self,
+        table: Table,
+        trees: Trees,
+        pose_easing: float | None,
+        method: Method,
+        compliance: Compliance | None = None,
+    ) -> None:
         """trees (n, 4): x (m), z (m), yaw (rad), scale."""
         self._trees = WindDrivenTrees(table, trees, method, pose_easing)
+        self.pulls = GroupPulls(table, trees, compliance)
         quantum = stream_quantum(table)
         self._unit = quantum * table.mode_scale.astype(np.float64)
         self.shape: Shape = (len(trees), len(table.mode_scale), quantum)
 
-    def step(self, field: WindField, time_s: float, dt_s: float) -> None:
-        """Advance all trees by dt_s to time_s under the wind at time_s."""
+    def step(self, field: WindField, time_s: float, dt_s: float, pulls: Sequence[Pull] = ()) -> None:
+        """Advance all trees by dt_s to time_s under the wind at time_s, and those pulled by their hands."""
         self._trees.step(field, time_s, dt_s)
+        self.pulls.step(self._trees, pulls, dt_s)
 
     def write_poses(self, out: Poses) -> None:
         """Write the poses (n, r) in units of quantum × modes.scale."""
@@ -91,14 +106,21 @@ class GroupStepper:
 class ForestStepper:
     """All groups of a forest, stepped under one clock."""
 
-    def __init__(self, tables: Sequence[Table], forest: Forest, clock: ForestClock) -> None:
-        """`tables` has one table per group of `forest`."""
+    def __init__(
+        self,
+        tables: Sequence[Table],
+        forest: Forest,
+        clock: ForestClock,
+        compliances: Sequence[Compliance | None] = (),
+    ) -> None:
+        """`tables` has one table per group of `forest`, `compliances` its compliance or None, if given."""
         ends = np.cumsum([group.count for group in forest.groups], dtype=np.int64)
         parts = np.split(forest.trees, ends)[:-1]
         self.clock = clock
+        given = compliances or [None] * len(tables)
         self._groups = [
-            GroupStepper(table, part, forest.pose_easing, forest.method)
-            for table, part in zip(tables, parts, strict=True)
+            GroupStepper(table, part, forest.pose_easing, forest.method, compliance)
+            for table, part, compliance in zip(tables, parts, given, strict=True)
         ]
 
     @property
@@ -106,10 +128,14 @@ class ForestStepper:
         """(count, modes, quantum) of each group."""
         return [group.shape for group in self._groups]
 
-    def step(self) -> None:
+    def step(self, pulls: Sequence[Pull] = ()) -> None:
         """Advance by one tick under the wind at its end, like the browser."""
         for group in self._groups:
-            group.step(self.clock.field, self.clock.time_s, 1 / TICK_HZ)
+            group.step(self.clock.field, self.clock.time_s, 1 / TICK_HZ, pulls)
+
+    def pullings(self, pulls: Sequence[Pull]) -> tuple[Pulling, ...]:
+        """The pulls and the forces that they exerted in the last step."""
+        return pullings(pulls, [group.pulls for group in self._groups])
 
     def write_poses(self, out: Sequence[Poses]) -> None:
         """Write the poses (count, r) of each group."""

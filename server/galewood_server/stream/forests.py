@@ -21,7 +21,7 @@ from galewood_server.stream.step_workers import StepWorker
 from galewood_server.stream.wire import Forest
 
 if TYPE_CHECKING:
-    from galewood.table import Table
+    from galewood.table import Compliance, Table
     from galewood.wind import WindState
 
     from galewood_server.stream.forest import ForestStepper
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 log = logging.getLogger("galewood.stream")
 RecordsOf = Callable[[str], str | None]
 """The records file of a table, both by their hashes; None: there is none."""
+ComplianceOf = Callable[[str], str | None]
+"""The compliance file of a table's tree, both by their hashes; None: there is none."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +49,15 @@ def cores() -> int:
 class Forests:
     """Creates, shares and ends forests. Runs in the event loop, except for slow operations."""
 
-    def __init__(self, settings: Settings, table_cache: TableCache, records_of: RecordsOf) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        table_cache: TableCache,
+        records_of: RecordsOf,
+        compliance_of: ComplianceOf = lambda table_sha256: None,
+    ) -> None:
         self._settings = settings
+        self._compliance_of = compliance_of
         self._table_cache = table_cache
         self._records_of = records_of
         self._shared: dict[str, LiveForest] = {}
@@ -85,6 +94,7 @@ class Forests:
         """End a subscription. A private forest ends with it, a shared one after `shared_forest_idle_s`."""
         forest = subscription.forest
         forest.clients.discard(subscription.client_buffer)
+        forest.release(subscription.client_buffer)
         if forest.clients:
             return
         if forest.share is None:
@@ -134,7 +144,20 @@ class Forests:
             raise SessionError(
                 "server-full", "This server has reached its tree limit", "Try again later.", TRY_AGAIN_LATER
             )
-        return await asyncio.to_thread(lambda: forest.make_stepper(self._tables(plan), plan))
+        return await asyncio.to_thread(
+            lambda: forest.make_stepper(self._tables(plan), plan, self._compliances(plan))
+        )
+
+    def _compliances(self, plan: Forest) -> list[Compliance | None]:
+        return [self._compliance(group.table) for group in plan.groups]
+
+    def _compliance(self, table_sha256: str) -> Compliance | None:
+        sha256 = self._compliance_of(table_sha256)
+        try:
+            return self._table_cache.take_compliance(sha256) if sha256 else None
+        except (FileNotFoundError, TableError) as error:
+            log.warning("a compliance file is missing or unreadable: %s", error)
+            return None
 
     def _tables(self, plan: Forest) -> list[Table]:
         try:

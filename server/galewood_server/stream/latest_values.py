@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from galewood_server.stream.socket_protocol import binary_frame
-from galewood_server.stream.wire import Clock, Presence, Shared, WindState, encode_reply
+from galewood_server.stream.wire import Clock, Presence, Pulls, Shared, WindState, encode_reply
 
-Value = Clock | Presence | Shared | WindState
+Value = Clock | Presence | Pulls | Shared | WindState
 
 
 class LatestValues:

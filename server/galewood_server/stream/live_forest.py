@@ -11,10 +11,21 @@ import numpy as np
 from galewood_server.stream.client_buffer import ClientBuffer
 from galewood_server.stream.frames import FrameHistory
 from galewood_server.stream.latest_values import LatestValues
-from galewood_server.stream.wire import TICK_HZ, Clock, Forest, Presence, Shared, WindState
+from galewood_server.stream.pulls import STILL, ForestHands
+from galewood_server.stream.wire import (
+    TICK_HZ,
+    Clock,
+    Forest,
+    Presence,
+    Pull,
+    Pulling,
+    Pulls,
+    Shared,
+    WindState,
+)
 
 if TYPE_CHECKING:
-    from galewood.table import Table
+    from galewood.table import Compliance, Table
     from galewood.wind import Wind
 
     from galewood_server.stream.forest import ForestClock, ForestStepper
@@ -39,6 +50,10 @@ class LiveForest:
         self._sent_wind = clock.wind
         self._told_clients = 0
         self._failed = False
+        self._hands = ForestHands()
+        self._pulls: tuple[Pulling, ...] = ()
+        """The pulls of the last tick."""
+        self._sent_pulls: tuple[Pulling, ...] = ()
         self.empty_since_s = now_s
         if self.share is not None:
             self._post_shared()
@@ -78,11 +93,13 @@ class LiveForest:
             self.set_stepper(stepper)
         self._post_shared()
 
-    def make_stepper(self, tables: Sequence[Table], plan: Forest) -> ForestStepper:
+    def make_stepper(
+        self, tables: Sequence[Table], plan: Forest, compliances: Sequence[Compliance | None] = ()
+    ) -> ForestStepper:
         """Create a simulation of trees under this forest's clock. Slow: call it in a thread."""
         from galewood_server.stream.forest import ForestStepper
 
-        return ForestStepper(tables, plan, self._clock)
+        return ForestStepper(tables, plan, self._clock, compliances)
 
     def same_trees(self, plan: Forest) -> bool:
         """Whether a request describes the current trees."""
@@ -103,6 +120,18 @@ class LiveForest:
         """Start a transition to another wind at the next tick; all clients are notified."""
         self._clock.change_wind(wind)
 
+    def send_front(self, x_m: float, z_m: float) -> None:
+        """Start a gust front at the next tick; all clients are notified."""
+        self._clock.send_front(x_m, z_m)
+
+    def pull(self, client: ClientBuffer, pull: Pull) -> bool:
+        """Begin or continue a client's pull; whether the forest has room for it."""
+        return self._hands.pull(client, pull)
+
+    def release(self, client: ClientBuffer) -> None:
+        """End a client's pull, if it has one."""
+        self._hands.release(client)
+
     def pause(self, paused: bool) -> None:
         """Pause or resume the clock; all clients are notified."""
         self._clock.paused = paused
@@ -117,6 +146,7 @@ class LiveForest:
         if self._clock.wind is not self._sent_wind:
             self._sent_wind = self._clock.wind
             self._latest.post(WindState(self._sent_wind.document()))
+        self._send_pulls()
         if self.share is not None:
             if self._clock.ticks % CLOCK_EVERY_TICKS == 0:
                 self._send_clock()
@@ -126,6 +156,11 @@ class LiveForest:
                 self._latest.post(Presence(self._told_clients))
         for client in self.clients:
             client.deliver(self._latest, self._history, now_s)
+
+    def _send_pulls(self) -> None:
+        if self._pulls != self._sent_pulls:
+            self._sent_pulls = self._pulls
+            self._latest.post(Pulls(self._clock.time_s, self._sent_pulls))
 
     def _post_shared(self) -> None:
         plan = self.plan
@@ -152,7 +187,10 @@ class LiveForest:
         if self._clock.paused or self._failed:
             return
         self._clock.tick()
-        stepper, history = self._stepper, self._history
+        stepper, history, pulls = self._stepper, self._history, self._hands.pulls
         if stepper is not None and history is not None and self.streamed:
-            stepper.step()
+            stepper.step(pulls)
             history.add(self._clock.ticks, self._clock.time_s, made_s, stepper.write_poses)
+            self._pulls = stepper.pullings(pulls)
+        else:
+            self._pulls = tuple(Pulling(pull, STILL) for pull in pulls)

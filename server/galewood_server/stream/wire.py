@@ -7,7 +7,7 @@ Decoders validate all fields, so that later code need not check them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +36,25 @@ from galewood_server.stream.wire_forest import Group as Group
 from galewood_server.stream.wire_forest import Method as Method
 from galewood_server.stream.wire_forest import Shared as Shared
 from galewood_server.stream.wire_frame import FRAME, Frame, Poses, Rows, decode_frame, encode_frame
+from galewood_server.stream.wire_pull import (
+    GUST,
+    PULL,
+    PULLS,
+    RELEASE,
+    Gust,
+    Pull,
+    Pulls,
+    Release,
+    decode_gust,
+    decode_pull,
+    decode_pulls,
+    decode_release,
+    encode_gust,
+    encode_pull,
+    encode_pulls,
+    encode_release,
+)
+from galewood_server.stream.wire_pull import Pulling as Pulling
 
 __all__ = [
     "TICK_HZ",
@@ -44,6 +63,7 @@ __all__ = [
     "Forest",
     "Frame",
     "Group",
+    "Gust",
     "Hello",
     "Method",
     "Pause",
@@ -51,6 +71,10 @@ __all__ = [
     "Pong",
     "Poses",
     "Presence",
+    "Pull",
+    "Pulling",
+    "Pulls",
+    "Release",
     "Reply",
     "Request",
     "Resync",
@@ -110,7 +134,14 @@ class Resync:
     """Requests a key frame after the client lost synchronisation."""
 
 
-Request = Hello | Forest | WindChange | Ping | Pause | Resync
+Request = Hello | Forest | WindChange | Ping | Pause | Resync | Pull | Release | Gust
+
+
+_OF_HANDS: Mapping[int, Callable[[Header], Pull | Release | Gust]] = {
+    PULL: decode_pull,
+    RELEASE: decode_release,
+    GUST: decode_gust,
+}
 
 
 def encode_request(request: Request) -> bytes:
@@ -126,6 +157,12 @@ def encode_request(request: Request) -> bytes:
             return encode_message(PAUSE, {"paused": request.paused})
         case Resync():
             return encode_message(RESYNC, {})
+        case Pull():
+            return encode_pull(request)
+        case Release():
+            return encode_release(request)
+        case Gust():
+            return encode_gust(request)
         case Forest():
             return encode_forest(request)
 
@@ -152,6 +189,8 @@ def decode_request(data: bytes) -> Request:
     if kind == RESYNC:
         check_fields(header)
         return Resync()
+    if kind in _OF_HANDS:
+        return _OF_HANDS[kind](header)
     raise WireError(f"kind {kind} is not a message that clients send", "unknown-kind")
 
 
@@ -217,7 +256,7 @@ class Presence:
     clients: int
 
 
-Reply = Welcome | TableChunk | Frame | Failure | Pong | WindState | Clock | Shared | Presence
+Reply = Welcome | TableChunk | Frame | Failure | Pong | WindState | Clock | Shared | Presence | Pulls
 
 
 def encode_reply(reply: Reply) -> bytes:
@@ -242,6 +281,8 @@ def encode_reply(reply: Reply) -> bytes:
             return encode_message(PRESENCE, {"clients": reply.clients})
         case Shared():
             return encode_shared(reply)
+        case Pulls():
+            return encode_pulls(reply)
         case Frame():
             return encode_frame(reply)
 
@@ -280,6 +321,8 @@ def _decode_short(kind: int, header: Header) -> Reply:
     if kind == PRESENCE:
         check_fields(header, "clients")
         return Presence(whole_number(header, "clients"))
+    if kind == PULLS:
+        return decode_pulls(header)
     raise WireError(f"kind {kind} is not a message that servers send", "unknown-kind")
 
 

@@ -23,6 +23,9 @@ import type { OwnUploads } from "./ownTree/ownUploads";
 import { PaperMethod } from "./paper/paperMethod";
 import { Planting } from "./planting";
 import { Playback } from "./playback";
+import { Gusts } from "./pulling/gusts";
+import { Puller } from "./pulling/puller";
+import { showPulls } from "./pulling/showPulls";
 import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { plantedAs } from "./settings/planted";
@@ -85,6 +88,8 @@ export class App {
   readonly visit: Visit;
   private readonly scenery: SceneryBar;
   readonly picker: TreePicker;
+  readonly puller: Puller;
+  private readonly gusts: Gusts;
   private readonly pickedCard: PickedCard;
   readonly playback = new Playback();
   readonly sound = new WindSound();
@@ -184,6 +189,10 @@ export class App {
       problem: showToast,
     });
     this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
+    const moves = () => !this.paused && !this.playback.paused;
+    this.puller = new Puller(this.stage, this.forest, this.client, this.picker, moves);
+    this.gusts = new Gusts(this.stage, this.client);
+    this.picker.onGround = (x_m, z_m) => this.gusts.send(x_m, z_m);
     this.overlays = new TreeOverlays(this.stage, this.forest, this.client, {
       picked: () => {
         const { figures, moving } = this.picker;
@@ -388,6 +397,8 @@ export class App {
     this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);
     this.ownTrees.advance();
+    this.puller.advance();
+    this.gusts.advance();
     this.studio.tipOf = this.picker.moving;
     this.overlays.advance(playing ? dt_s : 0);
     this.sound.advance(this.studio.field, this.stage.camera.position, this.client.time_s, playing);
@@ -401,6 +412,7 @@ export class App {
   private takePoses(): void {
     if (!this.client.takeFreshPoses()) return;
     for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
+    showPulls(this.forest, this.client);
   }
 
   /** Advances by dt_s and waits for the poses; for frame-by-frame rendering while asleep. */
@@ -458,6 +470,11 @@ export class App {
     this.forest.freeze(frozen);
   }
 
+  /** The trees that are pulled or ring down, by anyone. */
+  get pulled() {
+    return this.client.pulled;
+  }
+
   get connection() {
     return { ...this.client.connection, events: this.connected };
   }
@@ -472,10 +489,12 @@ export class App {
     this.stage.renderer.setAnimationLoop(null);
     this.attention.dispose();
     this.graphics.dispose();
+    this.puller.dispose();
+    this.gusts.dispose();
     this.picker.dispose();
     this.pickedCard.dispose();
-    this.overlays.dispose();
     this.ownTrees.dispose();
+    this.overlays.dispose();
     this.studio.dispose();
     this.visit.dispose();
     this.comparison.dispose();

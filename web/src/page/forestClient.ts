@@ -8,12 +8,15 @@ import type {
   FromWorker,
   GroupPlan,
   Inspection,
+  PulledTree,
+  PullOrder,
   TableMotion,
   ToWorker,
   TreeAt,
   Work,
 } from "../worker/protocol";
-import { recordsUrl, tableUrl } from "./server/api";
+import { PullFields } from "./pulling/pullFields";
+import { complianceUrl, recordsUrl, tableUrl } from "./server/api";
 
 type Buffers = Float32Array<ArrayBuffer>[];
 
@@ -60,6 +63,9 @@ export class ForestClient {
   extrapolationRatio = 0;
   /** The watched tree's figures. */
   watched: Inspection | null = null;
+  /** The trees that are pulled or ring down, by anyone, and their displacements that the modes do not show. */
+  pulled: readonly PulledTree[] = [];
+  readonly pullFields = new PullFields();
   private readonly worker = startWorker();
   private readonly waiting = new Map<string, Pending<TableMotion>[]>();
   private readonly waitingRecords = new Map<string, Pending<void>>();
@@ -113,13 +119,14 @@ export class ForestClient {
     const full: ForestPlan = {
       ...plan,
       epoch: this.epoch,
-      groups: groups.map(({ key, motion, leafTable, placement, ids, recorded }) => ({
+      groups: groups.map(({ key, motion, leafTable, placement, ids, recorded, compliance }) => ({
         key,
         table: motion.sha256,
         leafTable,
         placement,
         ids,
         recorded,
+        compliance: compliance && absolute(complianceUrl(compliance)),
       })),
     };
     const socketUrl = new URL("ws/forest", document.baseURI.replace(/^http/, "ws")).href;
@@ -130,6 +137,20 @@ export class ForestClient {
 
   setWind(wind: WindDocument): void {
     this.send({ kind: "wind", wind });
+  }
+
+  /** Begins or continues a pull. */
+  pull(order: PullOrder): void {
+    this.send({ kind: "pull", order });
+  }
+
+  letGo(hand: number): void {
+    this.send({ kind: "letGo", hand });
+  }
+
+  /** Sends a gust front through the forest from a place, m; also for all who share it. */
+  gust(x_m: number, z_m: number): void {
+    this.send({ kind: "gust", x_m, z_m });
   }
 
   /** Stops or resumes the clock of a shared forest, for everyone. */
@@ -195,6 +216,7 @@ export class ForestClient {
     } else if (message.kind === "records") this.settleRecords(message.table, message.fault);
     else if (message.kind === "shared") this.shared.placement(message.about);
     else if (message.kind === "present") this.shared.present(message.clients);
+    else if (message.kind === "pullField") this.pullFields.add(message.table, message.vertex, message.field);
     else if (message.kind === "sharedWind") this.shared.wind(message.wind);
     else this.problem(message.title, message.hint);
   }
@@ -224,6 +246,7 @@ export class ForestClient {
     this.wind = message.wind;
     this.extrapolationRatio = message.extrapolationRatio;
     this.watched = message.watched;
+    this.pulled = message.pulled;
     this.busy = false;
     this.fresh = true;
     arrived?.();

@@ -80,7 +80,8 @@ export class Planting {
   private clientGroup({ asset: { id }, motion, instances }: PlacedSpecies): ClientGroup[] {
     const leafTable = this.catalogue.leafMotion(id)?.sha256 ?? motion?.sha256;
     if (!motion || !leafTable) return [];
-    return [{ key: id, motion, leafTable, ...instances, recorded: this.isRecorded(id) }];
+    const compliance = this.catalogue.find(id)?.tree.compliance_sha256 ?? null;
+    return [{ key: id, motion, leafTable, ...instances, recorded: this.isRecorded(id), compliance }];
   }
 
   /** Whether the server has the records of the table by which it knows these trees. */

@@ -53,6 +53,10 @@ export interface Probe {
   readonly overlay: App["overlays"]["shown"];
   /** Loudness of the wind, 0..1. */
   readonly loudness: number;
+  /** The branch that this visitor pulls: its tree, where point and hand are in the window, displacement and force. */
+  readonly pull: App["puller"]["figures"];
+  /** The trees that are pulled or ring down, by anyone. */
+  readonly pulled: App["pulled"];
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
   /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
@@ -143,6 +147,12 @@ export function exposeProbe(app: App): void {
     },
     get loudness() {
       return app.sound.loudness;
+    },
+    get pull() {
+      return app.puller.figures;
+    },
+    get pulled() {
+      return app.pulled;
     },
     follow(following) {
       app.picker.following = following;

@@ -34,6 +34,8 @@ export class TreePicker {
   following = false;
   /** Whether clicks pick trees. */
   enabled = true;
+  /** Called with the place of a click on open ground. */
+  onGround: (x_m: number, z_m: number) => void = () => {};
   private picked: PickedTree | null = null;
   private at: TreeAt | null = null;
   private shown: readonly MovingGroup[] = [];
@@ -67,7 +69,10 @@ export class TreePicker {
     this.pressed = null;
     if (!this.enabled || !pressed || !event.isPrimary) return;
     if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > CLICK_PX) return;
-    this.select(this.find(event.clientX, event.clientY));
+    const picked = this.find(event.clientX, event.clientY);
+    this.select(picked);
+    const ground = picked ? null : groundUnder(this.ray(event.clientX, event.clientY), groundHeight_m);
+    if (ground) this.onGround(ground.x, ground.z);
   };
 
   private readonly key = (event: KeyboardEvent): void => {
@@ -108,6 +113,11 @@ export class TreePicker {
       this.ring.hide();
     } else this.locate(picked);
     this.changed(picked);
+  }
+
+  /** The picked tree. */
+  get selected(): PickedTree | null {
+    return this.picked;
   }
 
   /** Group and index of the picked tree; null if there is none or it is static. */

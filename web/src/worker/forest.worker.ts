@@ -7,6 +7,8 @@ import { JumpBlend } from "./motion/blend";
 import { FailoverMotion } from "./motion/failover";
 import { type LocalGroup, LocalMotion } from "./motion/localMotion";
 import type { MotionSource } from "./motion/motionSource";
+import { PointResponses } from "./motion/pulls/pointResponses";
+import { RestRings } from "./motion/pulls/restRings";
 import { SharedMotion } from "./motion/sharedMotion";
 import { ShownPoses, type StartOfGroup } from "./motion/shownPoses";
 import { StreamMotion } from "./motion/streamMotion";
@@ -30,6 +32,12 @@ const shown = new ShownPoses();
 let shownMethod: Method = "modal";
 let watched: TreeAt | null = null;
 let hidden = false;
+const responses = new PointResponses(
+  { load: (url) => store.loadCompliance(url), get: (url) => store.complianceAt(url) },
+  (table, vertex, rest) =>
+    scope.postMessage({ kind: "pullField", table, vertex, field: rest }, [rest.buffer]),
+);
+const rests = new RestRings();
 
 const reason = (error: unknown) => (error instanceof Error ? error.message : String(error));
 const problem = (title: string, hint: string) => scope.postMessage({ kind: "problem", title, hint });
@@ -52,6 +60,7 @@ async function loadRecords(table: string, url: string): Promise<void> {
 const localGroups = ({ groups }: ForestPlan): LocalGroup[] =>
   groups.map((group) => ({
     ...group,
+    sha256: group.table,
     table: store.table(group.table),
     records: store.recordsOf(group.table),
   }));
@@ -66,7 +75,7 @@ function makeSource(
   field ??= new WindField(wind);
   const shared = field;
   if (plan.lookup === "worker" || plan.groups.length === 0) {
-    const motion = new LocalMotion(localGroups(plan), shared, plan, time_s);
+    const motion = new LocalMotion(localGroups(plan), shared, plan, time_s, responses);
     // A pose of the paper's method may be far from the modal one: there the blend alone is smoother.
     if (shownMethod === "modal") motion.startAt(starts);
     const before = source instanceof SharedMotion ? source.local : source;
@@ -74,17 +83,18 @@ function makeSource(
     return plan.share ? sharing(motion, plan, shared, socketUrl) : motion;
   }
   const groups = plan.groups.map((group) => {
-    const { modeScale, metadata } = store.table(group.table);
-    const { height_m, peak_pressure_pa: sampledPeak_pa } = metadata;
-    return { ...group, scale: modeScale, height_m, sampledPeak_pa };
+    const table = store.table(group.table);
+    const { height_m, peak_pressure_pa: sampledPeak_pa } = table.metadata;
+    const pulledTable = { sha256: group.table, table, compliance: group.compliance };
+    return { ...group, scale: table.modeScale, height_m, sampledPeak_pa, pulledTable };
   });
   const { poseEasing, share } = plan;
   const method = streamMethod(plan.method, plan.groups);
-  const options = { url: socketUrl, method, poseEasing, share, onReply, problem };
+  const options = { url: socketUrl, method, poseEasing, share, responses, onReply, problem };
   const stream = new StreamMotion(groups, shared, options, time_s);
   return new FailoverMotion(
     stream,
-    (from_s) => new LocalMotion(localGroups(plan), shared, plan, from_s),
+    (from_s) => new LocalMotion(localGroups(plan), shared, plan, from_s, responses),
     () => blend.start(shown.all),
   );
 }
@@ -95,7 +105,8 @@ function sharing(local: LocalMotion, plan: ForestPlan, wind: WindField, url: str
   const have = Object.fromEntries(groups.map(({ table }) => [table, store.bytes(table)]));
   const method = streamMethod(plan.method, groups);
   const request = () => forestRequest("table", groups, wind, local.time_s, { ...plan, method, have });
-  return new SharedMotion(local, wind, { url, request, onReply, problem });
+  const placements = plan.groups.map(({ placement }) => placement);
+  return new SharedMotion(local, wind, { url, placements, request, onReply, problem });
 }
 
 function onReply(reply: Reply): void {
@@ -111,6 +122,7 @@ function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void 
   source?.dispose();
   source = next;
   if (hidden) source.hide?.(true);
+  rests.clear();
   shownMethod = plan.method;
   epoch = plan.epoch;
   watched = null;
@@ -136,6 +148,7 @@ function advance(dt_s: number, buffers: Float32Array<ArrayBuffer>[]): void {
     wind: { state: field.state, coverage },
     extrapolationRatio,
     watched: watched && source.inspect(watched),
+    pulled: rests.advance(source.pulled, dt_s),
   };
   scope.postMessage(
     reply,
@@ -158,6 +171,15 @@ scope.onmessage = ({ data }) => {
     case "wind":
       field?.change(data.wind, source?.time_s ?? 0);
       source?.windChanged(data.wind);
+      break;
+    case "pull":
+      source?.pull(data.order);
+      break;
+    case "letGo":
+      source?.letGo(data.hand);
+      break;
+    case "gust":
+      source?.gust(data.x_m, data.z_m);
       break;
     case "pause":
       source?.pause?.(data.paused);

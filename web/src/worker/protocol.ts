@@ -59,9 +59,9 @@ export interface TableMotion {
   readonly primitives: readonly { name: string; kind: string; vertices: number }[];
   /** [3, modes]: mean displacement of the crown (upper 40 % of the height) per unit of each coordinate. */
   readonly crownBasis: Float32Array<ArrayBuffer>;
+  readonly sway: FirstSway;
   /** Natural frequencies of the first coordinates, which are the oscillators' own shapes. */
   readonly frequencies_hz: Float32Array<ArrayBuffer>;
-  readonly sway: FirstSway;
   readonly height_m: number;
   readonly meshSha256: string;
   /** Whether the table was made from the tree in leaf or bare. */
@@ -88,12 +88,34 @@ export interface GroupPlan {
   readonly ids: Uint32Array<ArrayBuffer>;
   /** Whether the server has the table's records. */
   readonly recorded: boolean;
+  /** Address of the compliance file, which is fetched when a tree is pulled; null: there is none. */
+  readonly compliance: string | null;
 }
 
 /** One tree of a plan. */
 export interface TreeAt {
   readonly group: number;
   readonly tree: number;
+}
+
+/** A hand moves a vertex of a tree by `target_m` from rest, in the tree's frame at scale 1. */
+export interface PullOrder {
+  readonly hand: number;
+  readonly at: TreeAt;
+  readonly vertex: number;
+  readonly target_m: readonly [number, number, number];
+}
+
+/** A tree that is drawn with the displacements of a pull which the modes do not show. */
+export interface PulledTree {
+  readonly hand: number;
+  readonly at: TreeAt;
+  readonly table: string;
+  readonly vertex: number;
+  /** In the tree's frame at scale 1. */
+  readonly force_N: readonly [number, number, number];
+  /** False while it rings down after the release. */
+  readonly held: boolean;
 }
 
 /** Figures of one tree. */
@@ -139,6 +161,11 @@ export type ToWorker =
       buffers: Float32Array<ArrayBuffer>[];
     }
   | { kind: "wind"; wind: WindDocument }
+  /** Begins or continues a pull, and ends it. */
+  | { kind: "pull"; order: PullOrder }
+  | { kind: "letGo"; hand: number }
+  /** Sends a gust front from a place, m. */
+  | { kind: "gust"; x_m: number; z_m: number }
   /** Stops or resumes the clock of a shared forest, for everyone. */
   | { kind: "pause"; paused: boolean }
   /** Connects to the server at once if the connection is lost. */
@@ -184,7 +211,10 @@ export type FromWorker =
       /** Maximum over all trees. `watched`: figures of the watched tree. */
       extrapolationRatio: number;
       watched: Inspection | null;
+      pulled: readonly PulledTree[];
     }
+  /** [vertices, 3, 3] m per N: what the modes do not show of a pull at a vertex, a column per force direction. */
+  | { kind: "pullField"; table: string; vertex: number; field: Float32Array<ArrayBuffer> }
   /** Changes that others made to a shared forest. */
   | { kind: "shared"; about: About }
   /** Number of clients of the shared forest, this one included. */

@@ -1,4 +1,4 @@
-"""Tables, records and meshes by content hash: immutable, cacheable, with support for range requests."""
+"""Tables, records, compliances and meshes by content hash: immutable, cacheable, with range requests."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from galewood_server.storage import PREFERRED, FileStore, coding_of, encoded_fil
 router = APIRouter(prefix="/api", tags=["artefacts"])
 IMMUTABLE = "public, max-age=31536000, immutable"
 _RANGE = re.compile(r"bytes=\s*(\d+-\d*|-\d+)(\s*,\s*(\d+-\d*|-\d+)){0,15}\s*")
-COMPRESSED = ("table", "records")
+COMPRESSED = ("table", "records", "compliance")
 BINARY: dict[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 
 
@@ -45,6 +45,16 @@ def get_table(sha256: str, request: Request, service: ServiceDep) -> Response:
 def get_records(sha256: str, request: Request, service: ServiceDep) -> Response:
     """The records of the paper's state search for one table (docs/formats/table.md), like a table file."""
     return _file(request, service, service.stores.records, "records", sha256, "application/octet-stream")
+
+
+@router.get(
+    "/compliances/{sha256}", response_class=FileResponse, responses=_responses("application/octet-stream")
+)
+@router.head("/compliances/{sha256}", include_in_schema=False)
+def get_compliance(sha256: str, request: Request, service: ServiceDep) -> Response:
+    """How a tree yields to forces at its points (docs/formats/compliance.md), like a table file."""
+    store = service.stores.compliances
+    return _file(request, service, store, "compliance", sha256, "application/octet-stream")
 
 
 @router.get("/meshes/{sha256}", response_class=FileResponse, responses=_responses("model/gltf-binary"))

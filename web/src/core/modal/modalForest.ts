@@ -108,6 +108,18 @@ export class ModalForest extends TreeInstances {
     for (let steps = 0; steps < 2; steps++) this.step(i, this.felt.px, this.felt.pz);
   }
 
+  /** Adds to the coordinates e and speeds v [d] of tree i, per second of a tree of this size. */
+  displace(i: number, e: ArrayLike<number>, v: ArrayLike<number>): void {
+    const { d, own, now, before, shownOf } = this;
+    const width = now.length / this.count;
+    for (let k = 0; k < d; k++) {
+      this.e[i * own + k] += e[k];
+      this.v[i * own + k] += v[k] * this.size[i];
+      now[i * width + k] += shownOf[k] * e[k];
+      before[i * width + k] += shownOf[k] * e[k];
+    }
+  }
+
   protected step(i: number, px: number, pz: number): void {
     if (this.kernel) this.kernel.step(i, px, pz);
     else this.stepPlainly(i, px, pz);

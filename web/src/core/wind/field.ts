@@ -2,6 +2,7 @@
 
 import type { ResolvedWind, WindDocument } from "./document";
 import type { Gusts, Output, Places } from "./frame";
+import { addFronts } from "./fronts";
 import { changeWind, fieldKey, type Moment, steady, type WindState, windAt } from "./glide";
 import { CosineGusts } from "./models/cosine";
 import { EddyGusts } from "./models/eddyGusts";
@@ -52,7 +53,12 @@ export class WindField {
   velocity(x: Places, z: Places, time_s: number, outX: Output, outZ: Output): void {
     const moment = this.at(time_s);
     this.write(moment.wind, moment, x, z, outX, outZ);
-    if (moment.share >= 1) return;
+    if (moment.share < 1) this.mixBefore(moment, x, z, outX, outZ);
+    if (this.state.fronts) addFronts(this.state.fronts, x, z, time_s, outX, outZ);
+  }
+
+  /** Mixes in the velocity of the model that is fading out. */
+  private mixBefore(moment: Moment, x: Places, z: Places, outX: Output, outZ: Output): void {
     const [otherX, otherZ] = this.buffers(outX.length);
     this.write(moment.before, moment, x, z, otherX, otherZ);
     for (let i = 0; i < outX.length; i++) {

@@ -2,7 +2,9 @@
  * State of a forest's wind over time: a change of the document is a smooth transition. Same arithmetic as
  * precompute/galewood/wind/, which gives the reasons.
  */
+
 import { FIELDS, parseWind, type ResolvedWind, resolveWind, type WindDocument, WindError } from "./document";
+import { FRONT_LIFE_S, type Front, MOST_FRONTS, parseFronts } from "./fronts";
 
 export const GLIDE_S = 0.6;
 
@@ -13,6 +15,8 @@ export interface WindState {
   readonly since_s: number;
   /** Distance travelled at `since_s`, in length scales. */
   readonly travel: number;
+  /** Gust fronts on their way, the oldest first. */
+  readonly fronts?: readonly Front[];
 }
 
 /** The wind at one time. `before` and `wind` differ only while one model or seed fades into another. */
@@ -46,14 +50,25 @@ export function parseState(value: unknown): WindState {
     }
   }
   const { since_s, travel } = fields as { since_s: number; travel: number };
-  return { before: parseWind(fields.before), wind: parseWind(fields.wind), since_s, travel };
+  const fronts = parseFronts(fields.fronts ?? []);
+  const winds = { before: parseWind(fields.before), wind: parseWind(fields.wind) };
+  return { ...winds, since_s, travel, ...(fronts.length > 0 && { fronts }) };
 }
 
 /** Starts a transition from the current wind to another document. */
 export function changeWind(state: WindState, wind: WindDocument, time_s: number): WindState {
   const now = windAt(state, time_s);
   const before = strip(now.share < 0.5 ? now.before : now.wind);
-  return { before, wind, since_s: time_s, travel: now.travel };
+  const { fronts } = state;
+  return { before, wind, since_s: time_s, travel: now.travel, ...(fronts && { fronts }) };
+}
+
+/** The same wind with a gust front that starts at a place at this time; old fronts are dropped. */
+export function withFront(state: WindState, x_m: number, z_m: number, time_s: number): WindState {
+  const { direction_deg, mean_speed_m_s } = windAt(state, time_s).wind;
+  const kept = (state.fronts ?? []).filter(({ since_s }) => time_s - since_s < FRONT_LIFE_S);
+  const front = { since_s: time_s, x_m, z_m, direction_deg, mean_speed_m_s };
+  return { ...state, fronts: [...kept, front].slice(-MOST_FRONTS) };
 }
 
 /** Removes the fields that the model does not use, so that the document is valid. */

@@ -28,10 +28,22 @@ import {
   type Shared,
 } from "./wireForest";
 import { decodeFrame, encodeFrame, FRAME, type Frame } from "./wireFrame";
+import {
+  decodeOfHand,
+  decodePulls,
+  encodeOfHand,
+  encodePulls,
+  type Gust,
+  PULLS,
+  type Pull,
+  type Pulls,
+  type Release,
+} from "./wirePull";
 
 export { VERSION, WireError } from "./envelope";
 export type { About, Forest, Group, Shared } from "./wireForest";
 export type { Frame, Rows } from "./wireFrame";
+export type { Gust, Pull, Pulling, Pulls, Release } from "./wirePull";
 
 const HELLO = 1;
 const WIND = 3;
@@ -77,7 +89,7 @@ export interface Resync {
   type: "resync";
 }
 
-export type Request = Hello | Forest | WindChange | Ping | Pause | Resync;
+export type Request = Hello | Forest | WindChange | Ping | Pause | Resync | Pull | Release | Gust;
 
 /** Encodes a client's message. */
 export function encodeRequest(request: Request): Uint8Array<ArrayBuffer> {
@@ -94,6 +106,8 @@ export function encodeRequest(request: Request): Uint8Array<ArrayBuffer> {
       return encodeMessage(RESYNC, {});
     case "forest":
       return encodeForest(request);
+    default:
+      return encodeOfHand(request);
   }
 }
 
@@ -118,9 +132,10 @@ export function decodeRequest(data: ArrayBuffer): Request {
     case RESYNC:
       only(header);
       return { type: "resync" };
-    default:
-      throw new WireError(`kind ${kind} is not a message that clients send`, "unknown-kind");
   }
+  const ofHand = decodeOfHand(kind, header);
+  if (ofHand) return ofHand;
+  throw new WireError(`kind ${kind} is not a message that clients send`, "unknown-kind");
 }
 
 // ---- server to client ----------------------------------------------------------------------------
@@ -186,6 +201,7 @@ export type Reply =
   | WindStateReply
   | Clock
   | Presence
+  | Pulls
   | Shared;
 
 /** Encodes a server's message. */
@@ -215,6 +231,8 @@ export function encodeReply(reply: Reply): Uint8Array<ArrayBuffer> {
       return encodeMessage(WIND_STATE, { state: reply.state });
     case "frame":
       return encodeFrame(reply);
+    case "pulls":
+      return encodePulls(reply);
   }
 }
 
@@ -259,6 +277,8 @@ export function decodeReply(data: ArrayBuffer): Reply {
     case WIND_STATE:
       only(header, "state");
       return { type: "windState", state: textMap(header.state, "state") };
+    case PULLS:
+      return decodePulls(header);
     default:
       throw new WireError(`kind ${kind} is not a message that servers send`, "unknown-kind");
   }

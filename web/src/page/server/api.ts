@@ -20,6 +20,8 @@ export interface Tree {
   bare_table_sha256?: string | null;
   /** Records of the paper's method that belong to the table; a table may also hold them itself. */
   records_sha256?: string | null;
+  /** How the tree yields to forces at its points; fetched when it is pulled. */
+  compliance_sha256?: string | null;
   mesh_sha256: string | null;
   job_id: string | null;
   report: Record<string, unknown> | null;
@@ -184,6 +186,8 @@ export async function cancelJob(jobId: string): Promise<void> {
 }
 
 export const tableUrl = (sha256: string) => `api/tables/${sha256}`;
+
+export const complianceUrl = (sha256: string) => `api/compliances/${sha256}`;
 
 export const recordsUrl = (sha256: string) => `api/records/${sha256}`;
 

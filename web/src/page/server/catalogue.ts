@@ -166,9 +166,9 @@ export class Catalogue {
 
   /** What is known of the server's trees, and what is still missing. */
   get listed() {
-    const entries = this.grown;
+    const entries = [...this.grown];
     return {
-      known: this.opened || this.entries.size > 0,
+      known: this.opened || entries.length > 0,
       computing: entries.filter(({ tree }) => tree.state === "building").length,
       loading: entries.filter(({ asset, leaf }) => asset.hasTable && !(asset.model && leaf.motion)).length,
     };

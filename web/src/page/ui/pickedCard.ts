@@ -82,7 +82,7 @@ export class PickedCard {
     const state = make("p", "", "picked-state");
     state.append(this.words, this.cancel);
     this.planted = new PlantedChoice((how) => tools.plant(this.shownId, how));
-    this.root.append(this.heading, this.list, state, overlays, this.planted.root, this.pictures, row);
+    this.root.append(this.heading, this.list, state, this.planted.root, overlays, this.pictures, row);
     for (const made of [this.cancel, ...row.querySelectorAll("button")]) made.type = "button";
     element("progress").before(this.root);
   }

@@ -75,14 +75,14 @@ export function summary(
   const moving = `${trees.moving.toLocaleString("en")} ${trees.moving === 1 ? "tree" : "trees"}`;
   if (trees.still === 0)
     return trees.moving === 1 ? `${moving}, moving` : `${moving}, each with its own simulated motion`;
-  const still = [
-    stillWords(trees.still - trees.loading, "not computed yet"),
-    stillWords(trees.loading, "loading"),
+  const missing = [
+    countWords(trees.still - trees.loading, "not computed yet"),
+    countWords(trees.loading, "loading"),
   ].filter((words) => words !== "");
-  return [...(trees.moving > 0 ? [`${moving} moving`] : []), ...still].join(", ");
+  return [...(trees.moving > 0 ? [`${moving} moving`] : []), ...missing].join(", ");
 }
 
-const stillWords = (count: number, state: string) =>
+const countWords = (count: number, state: string) =>
   count === 0 ? "" : `${count.toLocaleString("en")} ${count === 1 ? "tree" : "trees"} ${state}`;
 
 export interface ServiceState {

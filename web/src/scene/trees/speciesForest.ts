@@ -9,6 +9,7 @@ import type { InstanceData } from "./instanceData";
 import { LevelMeshes, type LevelPart, type LevelTexels } from "./levelMeshes";
 import type { TreeModel, TreePart } from "./mesh/treeMesh";
 import { NodePass } from "./nodes/nodePass";
+import { PullSlots, type ShownPull } from "./pull/pullSlots";
 import { type MaterialOptions, type PartMaterials, partMaterials } from "./treeMaterial";
 import { nodeRadii } from "./treePick";
 import type { TreeUniforms } from "./treeShader";
@@ -31,6 +32,17 @@ function nodeAttribute(part: TreePart, firstVertex: number, motion: TableMotion,
   return new BufferAttribute(nodes, 1);
 }
 
+/** For each vertex of all parts, the vertex whose motion it takes. */
+function holdsOf(model: TreeModel): Uint32Array {
+  const holds = new Uint32Array(model.parts.reduce((sum, { vertices }) => sum + vertices, 0));
+  let first = 0;
+  for (const { hold, vertices } of model.parts) {
+    for (let v = 0; v < vertices; v++) holds[first + v] = first + hold[v];
+    first += vertices;
+  }
+  return holds;
+}
+
 interface OwnPart {
   readonly part: TreePart;
   readonly firstVertex: number;
@@ -44,6 +56,7 @@ interface OwnPart {
 export class SpeciesForest {
   readonly group = new Group();
   private readonly nodes: NodePass | null;
+  private readonly pulls: PullSlots;
   private readonly uniforms: TreeUniforms;
   private readonly parts: OwnPart[];
   private readonly levels: LevelMeshes[];
@@ -65,7 +78,9 @@ export class SpeciesForest {
   ) {
     this.room = Math.ceil(instances.count / ROOM_STEP) * ROOM_STEP;
     this.nodes = motion ? new NodePass(motion, this.room, options.maxTextureSide) : null;
+    this.pulls = new PullSlots(holdsOf(model));
     this.uniforms = {
+      ...this.pulls.uniforms,
       uNodes: { value: this.nodes?.target.texture ?? null },
       uNodeShift: { value: 0 },
       uFlutter: options.flutter,
@@ -95,13 +110,18 @@ export class SpeciesForest {
       part,
       firstVertex,
       bare,
-      moving: this.motion ? this.materials(part, true) : null,
-      still: this.motion ? null : this.materials(part, false),
+      moving: this.motion ? this.materials(part, true, bare ? null : firstVertex) : null,
+      still: this.motion ? null : this.materials(part, false, null),
     };
   }
 
-  private materials(part: TreePart, moves: boolean): PartMaterials {
-    return partMaterials(part.material, part.kind, this.uniforms, this.options, moves);
+  /** `firstVertex`: of the part in the fields of pulled points, which leave out the shoots of winter (null). */
+  private materials(part: TreePart, moves: boolean, firstVertex: number | null): PartMaterials {
+    const uniforms =
+      firstVertex === null
+        ? { ...this.uniforms, uPulls: { value: 0 } }
+        : { ...this.uniforms, uPullFirst: { value: firstVertex } };
+    return partMaterials(part.material, part.kind, uniforms, this.options, moves);
   }
 
   private makeLevel(level: number): LevelMeshes {
@@ -188,6 +208,11 @@ export class SpeciesForest {
     if (!this.frozen) this.nodes?.setPoses(poses);
   }
 
+  /** Shows what the modes do not show of pulled trees. */
+  showPulls(pulls: readonly ShownPull[]): void {
+    this.pulls.show(pulls);
+  }
+
   renderNodes(renderer: WebGLRenderer): void {
     if (!this.frozen) this.nodes?.render(renderer);
   }
@@ -197,7 +222,7 @@ export class SpeciesForest {
     this.frozen = frozen;
     const still = new Map(
       this.parts.map((own) => {
-        if (frozen) own.still ??= this.materials(own.part, false);
+        if (frozen) own.still ??= this.materials(own.part, false, own.firstVertex);
         return [own.moving, own.still] as const;
       }),
     );
@@ -211,6 +236,7 @@ export class SpeciesForest {
     this.group.removeFromParent();
     this.nodes?.dispose();
     this.cards?.dispose();
+    this.pulls.dispose();
     for (const level of this.levels) level.dispose();
     for (const { moving, still } of this.parts) {
       for (const materials of [moving, still]) {

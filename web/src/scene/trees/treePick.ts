@@ -68,7 +68,7 @@ function candidates(groups: readonly PickGroup[], { from, to }: Ray): Candidate[
 }
 
 /** The ray in the tree's frame at scale 1: origin (xyz) and direction (xyz); distances are divided by the scale. */
-function ownRay(data: Float32Array, tree: number, { from, to }: Ray): Float64Array {
+export function ownRay(data: Float32Array, tree: number, { from, to }: Ray): Float64Array {
   const at = tree * INSTANCE_FLOATS;
   const scale = data[at + 6];
   const [cos, sin] = [data[at + 4] / scale, data[at + 5] / scale];

@@ -3,11 +3,13 @@ import type { Color, Material, WebGLProgramParametersWithUniforms } from "three"
 import { LOT_SHADER } from "./boughLots";
 import { EDGE, MOST_GROWTH } from "./detail";
 import type { Part } from "./mesh/treeMesh";
+import { PULL_PARS } from "./pull/pullShader";
+import type { PullUniforms } from "./pull/pullSlots";
 import { type AtmosphereShader, patchColour } from "./treeLight";
 
 export type { AtmosphereShader } from "./treeLight";
 
-export interface TreeUniforms {
+export interface TreeUniforms extends Partial<PullUniforms> {
   /** Target of pass 1; null for static trees. */
   uNodes: { value: unknown };
   uNodeShift: { value: number };
@@ -40,6 +42,7 @@ attribute float aNode;
 uniform highp sampler2D uNodes;
 uniform int uNodeShift;
 uniform float uExaggeration;
+${PULL_PARS}
 #endif
 uniform vec2 uFlutter;
 uniform float uLeafShare;
@@ -62,7 +65,7 @@ vec3 local = mix(aAnchor.xyz, position, grown);
 #ifndef STILL
   int nodeIndex = int(aPlace.w + 0.5) + int(aNode + 0.5);
   vec4 motion = texelFetch(uNodes, ivec2(nodeIndex & ((1 << uNodeShift) - 1), nodeIndex >> uNodeShift), 0);
-  local += uExaggeration * motion.xyz;
+  local += uExaggeration * (motion.xyz + pulledBy());
   #ifdef LEAVES
     float tremble = uFlutter.y * aPiece.z * min(motion.w, 14.0) * 0.0045;
     float beat = uFlutter.x * (5.0 + 4.0 * aPiece.x) + 40.0 * aPiece.x + dot(aPlace.xz, vec2(1.7, 2.3));

@@ -3,7 +3,7 @@
  * stream takes over with its next frame. Both use the same wind, so the jump is small; the caller blends it.
  */
 import type { WindDocument } from "../../core/wind/wind";
-import type { Inspection, TreeAt } from "../protocol";
+import type { Inspection, PullOrder, TreeAt } from "../protocol";
 import type { LocalMotion } from "./localMotion";
 import type { MotionSource } from "./motionSource";
 import type { StreamMotion } from "./streamMotion";
@@ -51,8 +51,29 @@ export class FailoverMotion implements MotionSource {
     this.local?.windChanged();
   }
 
+  pull(order: PullOrder): void {
+    this.source.pull(order);
+  }
+
+  letGo(hand: number): void {
+    this.stream.letGo(hand);
+    this.local?.letGo(hand);
+  }
+
+  get pulled() {
+    return this.source.pulled;
+  }
+
+  gust(x_m: number, z_m: number): void {
+    this.source.gust(x_m, z_m);
+  }
+
   pause(paused: boolean): void {
     this.stream.pause(paused);
+  }
+
+  see(x: number, z: number): void {
+    this.local?.see(x, z);
   }
 
   retry(): void {
@@ -61,10 +82,6 @@ export class FailoverMotion implements MotionSource {
 
   hide(hidden: boolean): void {
     this.stream.hide(hidden);
-  }
-
-  see(x: number, z: number): void {
-    this.local?.see(x, z);
   }
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {

@@ -7,11 +7,14 @@ import { PaperForest } from "../../core/motion/paperSearch";
 import { poseStride } from "../../core/motion/poseStride";
 import type { Records } from "../../core/table/records";
 import type { Table } from "../../core/table/table";
-import type { WindField } from "../../core/wind/wind";
-import type { Connection, Inspection, TreeAt } from "../protocol";
+import { type WindField, withFront } from "../../core/wind/wind";
+import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
 import { rowsBefore, type ShownGroup } from "./carry";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motionSource";
+import { HeldTrees } from "./pulls/heldTrees";
+import { PointResponses } from "./pulls/pointResponses";
+import type { Pulled } from "./pulls/pulled";
 import type { StartOfGroup } from "./shownPoses";
 
 /** Maximum step of wind and poses, so that the motion does not depend on the frame rate. */
@@ -23,9 +26,12 @@ const GONE_M = 120;
 
 export interface LocalGroup extends ShownGroup {
   readonly table: Table;
+  readonly sha256: string;
   /** Records of the table; without them its trees use the modal method. */
   readonly records: Records | null;
   readonly placement: Float32Array;
+  /** Address of its compliance file. */
+  readonly compliance: string | null;
 }
 
 interface Moving {
@@ -43,13 +49,16 @@ export class LocalMotion implements MotionSource {
   readonly connection: Connection = { state: "idle", latency_ms: null, frameAge_ms: null, kB_s: 0 };
   private readonly groups: Moving[];
   private wind_ms = 0;
+  readonly hands: HeldTrees;
 
   constructor(
     groups: readonly LocalGroup[],
     private readonly field: WindField,
     { method, poseEasing }: { method: Method; poseEasing: number | null },
     public time_s: number,
+    responses: PointResponses = new PointResponses(),
   ) {
+    this.hands = new HeldTrees(this, responses);
     this.groups = groups.map((group) => {
       const { table, records, placement } = group;
       const { height_m, peak_pressure_pa, modes } = table.metadata;
@@ -103,6 +112,33 @@ export class LocalMotion implements MotionSource {
 
   windChanged(): void {}
 
+  tableOf(group: number): LocalGroup | null {
+    return this.groups[group]?.group ?? null;
+  }
+
+  displace({ group, tree }: TreeAt, e: Float64Array, v: Float64Array): boolean {
+    const lookup = this.groups[group]?.lookup;
+    if (!(lookup instanceof ModalForest) || tree >= lookup.count) return false;
+    lookup.displace(tree, e, v);
+    return true;
+  }
+
+  pull(order: PullOrder): void {
+    if (order.at.tree < (this.groups[order.at.group]?.lookup.count ?? 0)) this.hands.pull(order);
+  }
+
+  letGo(hand: number): void {
+    this.hands.release(hand);
+  }
+
+  get pulled(): Pulled[] {
+    return this.hands.pulled;
+  }
+
+  gust(x_m: number, z_m: number): void {
+    this.field.state = withFront(this.field.state, x_m, z_m, this.time_s);
+  }
+
   get coverage(): number {
     return coverageOf(this.groups.map(({ wind }) => wind));
   }
@@ -145,6 +181,7 @@ export class LocalMotion implements MotionSource {
     const steps = Math.max(1, Math.ceil(dt_s / MAX_STEP_S - 1e-9));
     for (let step = 0; step < steps; step++) this.step(dt_s / steps);
     for (let g = 0; g < this.groups.length; g++) this.write(g, out[g]);
+    this.hands.follow(dt_s, out);
     return true;
   }
 

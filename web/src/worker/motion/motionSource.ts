@@ -1,6 +1,7 @@
 import type { WindDocument } from "../../core/wind/wind";
 /** The interface of everything that produces poses. */
-import type { Connection, Inspection, TreeAt } from "../protocol";
+import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
+import type { Pulled } from "./pulls/pulled";
 
 /** A source of poses for all groups: the tables in this browser, or the server's stream. */
 export interface MotionSource {
@@ -17,12 +18,19 @@ export interface MotionSource {
   windChanged(wind: WindDocument): void;
   /** Stops or resumes the clock of a shared forest, for everyone. */
   pause?(paused: boolean): void;
+  /** Tells where the viewer is (m, world); trees far away may move with less detail. */
+  see?(x: number, z: number): void;
   /** Connects to the server at once if the connection is lost. */
   retry?(): void;
   /** Nobody looks at the page, or someone does again: the server need not send anything meanwhile. */
   hide?(hidden: boolean): void;
-  /** Tells where the viewer is (m, world); trees far away may move with less detail. */
-  see?(x: number, z: number): void;
+  /** Begins or continues a pull. */
+  pull(order: PullOrder): void;
+  letGo(hand: number): void;
+  /** The trees that are pulled, by anyone, in the last poses. */
+  readonly pulled: readonly Pulled[];
+  /** Sends a gust front from a place, m. */
+  gust(x_m: number, z_m: number): void;
   /** Advances and writes `poseStride(modes)` floats per tree; returns false while no poses are known. */
   advance(dt_s: number, out: readonly Float32Array[]): boolean;
   dispose(): void;

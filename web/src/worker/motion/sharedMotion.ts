@@ -1,14 +1,19 @@
 /** Poses computed here with the wind and clock of a shared forest. */
 import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
-import type { Reply, Request } from "../../core/wire/wire";
-import type { Connection, Inspection, TreeAt } from "../protocol";
+import type { Pulls, Reply, Request } from "../../core/wire/wire";
+import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
 import { ForestSocket } from "../stream/forestSocket";
 import { SharedClock } from "../stream/sharedClock";
 import type { LocalMotion } from "./localMotion";
 import type { MotionSource } from "./motionSource";
+import type { Pulled } from "./pulls/pulled";
+import { treeAtPlace } from "./pulls/pulled";
+import { PullSender } from "./pulls/pullSender";
 
 export interface SharedMotionOptions {
   readonly url: string;
+  /** x, z, yaw, scale of each tree, by group. */
+  readonly placements: readonly Float32Array[];
   request(): Request;
   /** Receives SHARED, WIND_STATE and PRESENCE. */
   onReply(reply: Reply): void;
@@ -21,6 +26,9 @@ export class SharedMotion implements MotionSource {
   private readonly socket: ForestSocket;
   private readonly clock: SharedClock;
   private clockReceived_ms = Number.NaN;
+  private readonly sender: PullSender;
+  /** Hands of this page, which it need not be told of. */
+  private readonly own = new Set<number>();
 
   constructor(
     readonly local: LocalMotion,
@@ -29,6 +37,7 @@ export class SharedMotion implements MotionSource {
   ) {
     this.socket = new ForestSocket(options.url, { ...options, reply: (reply) => this.reply(reply) });
     this.clock = new SharedClock(this.socket.clock);
+    this.sender = new PullSender(options.placements, (request) => this.socket.send(request));
   }
 
   private reply(reply: Reply): void {
@@ -36,9 +45,41 @@ export class SharedMotion implements MotionSource {
       this.clock.update(reply);
       this.clockReceived_ms = performance.now();
       this.socket.arrived();
-    } else if (reply.type === "windState") this.field.state = parseState(reply.state);
+    } else if (reply.type === "pulls") this.follow(reply);
+    else if (reply.type === "windState") this.field.state = parseState(reply.state);
     if (reply.type === "windState" || reply.type === "shared" || reply.type === "presence")
       this.options.onReply(reply);
+  }
+
+  /** Pulls of others, followed here towards the same targets. */
+  private follow({ pulls }: Pulls): void {
+    const others = pulls.filter(({ hand }) => !this.own.has(hand));
+    const hands = new Set(others.map(({ hand }) => hand));
+    for (const hand of this.local.hands.hands)
+      if (!hands.has(hand) && !this.own.has(hand)) this.local.letGo(hand);
+    for (const { hand, x, z, vertex, target } of others) {
+      const at = treeAtPlace(this.options.placements, x, z);
+      if (at) this.local.pull({ hand, at, vertex, target_m: target });
+    }
+  }
+
+  pull(order: PullOrder): void {
+    this.own.add(order.hand);
+    this.local.pull(order);
+    this.sender.pull(order, performance.now());
+  }
+
+  letGo(hand: number): void {
+    this.local.letGo(hand);
+    this.sender.release(hand);
+  }
+
+  get pulled(): Pulled[] {
+    return this.local.pulled;
+  }
+
+  gust(x: number, z: number): void {
+    this.socket.send({ type: "gust", x, z });
   }
 
   get time_s(): number {
@@ -77,6 +118,10 @@ export class SharedMotion implements MotionSource {
     this.socket.send({ type: "pause", paused });
   }
 
+  see(x: number, z: number): void {
+    this.local.see(x, z);
+  }
+
   retry(): void {
     this.socket.retry();
   }
@@ -87,11 +132,8 @@ export class SharedMotion implements MotionSource {
     if (!hidden) this.clockReceived_ms = Number.NaN;
   }
 
-  see(x: number, z: number): void {
-    this.local.see(x, z);
-  }
-
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
+    this.sender.flush(performance.now());
     const step = this.clock.step(this.local.time_s, dt_s, performance.now());
     if (step.jump_s !== null) this.local.time_s = step.jump_s;
     return this.local.advance(step.dt_s, out);

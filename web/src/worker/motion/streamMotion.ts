@@ -4,7 +4,7 @@ import type { Method } from "../../core/motion/method";
 import { poseStride } from "../../core/motion/poseStride";
 import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
 import type { Clock, Frame, Reply, Request } from "../../core/wire/wire";
-import type { Connection, Inspection, ShareRequest, TreeAt } from "../protocol";
+import type { Connection, Inspection, PullOrder, ShareRequest, TreeAt } from "../protocol";
 import { forestRequest } from "../stream/forestRequest";
 import { ForestSocket } from "../stream/forestSocket";
 import { PoseSum } from "../stream/poseSum";
@@ -12,6 +12,10 @@ import { SharedClock } from "../stream/sharedClock";
 import { PoseTimeline } from "../stream/timeline";
 import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motionSource";
+import type { PointResponses, PulledTable } from "./pulls/pointResponses";
+import type { Pulled } from "./pulls/pulled";
+import { PullSender } from "./pulls/pullSender";
+import { StreamedPulls } from "./pulls/streamedPulls";
 
 export interface StreamGroup {
   readonly table: string;
@@ -19,6 +23,7 @@ export interface StreamGroup {
   readonly placement: Float32Array;
   readonly height_m: number;
   readonly sampledPeak_pa: number;
+  readonly pulledTable: PulledTable;
 }
 
 export interface StreamOptions {
@@ -27,6 +32,7 @@ export interface StreamOptions {
   readonly poseEasing: number | null;
   /** The shared forest, if any. */
   readonly share?: ShareRequest | null;
+  readonly responses: PointResponses;
   /** Receives SHARED, WIND_STATE and PRESENCE. */
   onReply?(reply: Reply): void;
   problem(title: string, hint: string): void;
@@ -45,6 +51,9 @@ export class StreamMotion implements MotionSource {
   private readonly winds: GroupWind[];
   private paused = false;
   private hidden = false;
+  private readonly sender: PullSender;
+  private readonly pulls: StreamedPulls;
+  pulled: Pulled[] = [];
 
   constructor(
     private readonly groups: readonly StreamGroup[],
@@ -68,6 +77,10 @@ export class StreamMotion implements MotionSource {
       problem: options.problem,
     });
     this.clock = new SharedClock(this.socket.clock);
+    const placements = groups.map(({ placement }) => placement);
+    this.sender = new PullSender(placements, (request) => this.socket.send(request));
+    const tables = groups.map(({ pulledTable }) => pulledTable);
+    this.pulls = new StreamedPulls(tables, placements, options.responses);
   }
 
   get connection(): Connection {
@@ -94,6 +107,7 @@ export class StreamMotion implements MotionSource {
   private reply(reply: Reply): void {
     if (reply.type === "frame") this.frame(reply);
     else if (reply.type === "clock") this.takeClock(reply);
+    else if (reply.type === "pulls") this.pulls.receive(reply);
     else if (reply.type === "windState") this.field.state = parseState(reply.state);
     if (reply.type === "shared" || reply.type === "windState" || reply.type === "presence")
       this.options.onReply?.(reply);
@@ -116,6 +130,18 @@ export class StreamMotion implements MotionSource {
     const poses = this.timeline.take();
     this.sum.write(poses);
     this.timeline.push(frame.time_s, poses);
+  }
+
+  pull(order: PullOrder): void {
+    this.sender.pull(order, performance.now());
+  }
+
+  letGo(hand: number): void {
+    this.sender.release(hand);
+  }
+
+  gust(x: number, z: number): void {
+    this.socket.send({ type: "gust", x, z });
   }
 
   windChanged(wind: WindDocument): void {
@@ -173,8 +199,10 @@ export class StreamMotion implements MotionSource {
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
     const shown_s = this.timeline.advance(dt_s);
+    this.sender.flush(performance.now());
     if (!this.timeline.sample(out)) return false;
     this.time_s = shown_s;
+    this.pulled = this.pulls.at(shown_s);
     const begin_ms = performance.now();
     for (const [g, wind] of this.winds.entries()) {
       wind.update(this.field, shown_s);

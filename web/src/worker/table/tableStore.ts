@@ -1,5 +1,6 @@
 /** The tables and records that this worker has fetched, by the hash of the table. */
 
+import { type Compliance, decodeCompliance } from "../../core/pull/compliance";
 import { type Records, recordsOf } from "../../core/table/records";
 import { decodeTable, type Table } from "../../core/table/table";
 
@@ -12,6 +13,19 @@ async function fetchBytes(url: string): Promise<ArrayBuffer> {
 export class TableStore {
   private readonly tables = new Map<string, { readonly table: Table; readonly bytes: number }>();
   private readonly records = new Map<string, Records>();
+
+  private readonly compliances = new Map<string, Compliance | null>();
+
+  /** Fetches and decodes a compliance file, once; one that cannot be read counts as missing. */
+  async loadCompliance(url: string): Promise<void> {
+    const file = await fetchBytes(url).then(decodeCompliance, () => null);
+    this.compliances.set(url, file);
+  }
+
+  /** A compliance file by its address; null if there is none. */
+  complianceAt(url: string): Compliance | null {
+    return this.compliances.get(url) ?? null;
+  }
 
   /** Fetches and decodes a table. */
   async load(sha256: string, url: string): Promise<{ table: Table; bytes: number }> {

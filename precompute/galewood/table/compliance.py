@@ -1,0 +1,133 @@
+"""The compliance file: how a tree yields to small point forces (docs/formats/compliance.md).
+
+Twin: web/src/core/pull/compliance.ts. ``decode_compliance`` checks everything, so that a decoded file can be
+solved without bounds checks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from galewood.table.container import (
+    Layout,
+    Metadata,
+    check_finite,
+    check_shapes,
+    fields,
+    need,
+    read_metadata,
+    read_tensors,
+    tensors_of,
+    whole,
+    write,
+)
+
+COMPLIANCE_FORMAT = "galewood-compliance"
+COMPLIANCE_VERSION = 1
+MOST_NODES = 65534
+CORNERS = 4
+"""Points of the solid that a vertex of the render mesh follows."""
+WHOLE_WEIGHT = 65535
+"""Sum of the weights of a row."""
+
+
+@dataclass(frozen=True)
+class Compliance:
+    """Factor of a tree's tangent stiffness at rest, and the render mesh bound to it.
+
+    n free nodes of the solid in elimination order, b blocks of the factor, w rows of weights, v render
+    vertices. The factor is that of galewood.fem.TangentFactor.
+    """
+
+    mesh_sha256: str
+    pointer: npt.NDArray[np.uint32]  # (n + 1,)
+    rows: npt.NDArray[np.uint16]  # (b,)
+    blocks: npt.NDArray[np.float32]  # (b, 9)
+    mass_kg: npt.NDArray[np.float32]  # (n,)
+    limit_n: npt.NDArray[np.float32]  # (n,)
+    node: npt.NDArray[np.uint16]  # (w, 4), n for a clamped node
+    weight: npt.NDArray[np.uint16]  # (w, 4), each row sums to WHOLE_WEIGHT
+    vertex_row: npt.NDArray[np.uint32]  # (v,)
+
+    @property
+    def free(self) -> int:
+        """n: number of free nodes."""
+        return len(self.mass_kg)
+
+
+TENSORS: Layout = {
+    "factor.pointer": ("pointer", np.uint32, 1),
+    "factor.rows": ("rows", np.uint16, 1),
+    "factor.blocks": ("blocks", np.float32, 2),
+    "nodes.mass_kg": ("mass_kg", np.float32, 1),
+    "nodes.limit_n": ("limit_n", np.float32, 1),
+    "bind.node": ("node", np.uint16, 2),
+    "bind.weight": ("weight", np.uint16, 2),
+    "bind.vertex_row": ("vertex_row", np.uint32, 1),
+}
+
+
+def encode_compliance(compliance: Compliance) -> bytes:
+    """Encode a compliance file. Raises TableError if ``decode_compliance`` would refuse it."""
+    _check(compliance)
+    metadata: Metadata = {
+        "format": COMPLIANCE_FORMAT,
+        "version": COMPLIANCE_VERSION,
+        "mesh_sha256": compliance.mesh_sha256,
+        "nodes": compliance.free,
+        "vertices": len(compliance.vertex_row),
+    }
+    return write(tensors_of(compliance, TENSORS), metadata)
+
+
+def decode_compliance(data: bytes) -> Compliance:
+    """Decode a compliance file. Raises TableError."""
+    metadata = read_metadata(data)
+    found = metadata.get("format")
+    need(found == COMPLIANCE_FORMAT, f"not a {COMPLIANCE_FORMAT}: format {found!r:.40}")
+    version = metadata.get("version")
+    need(version == COMPLIANCE_VERSION, f"compliance version {version!r:.40}; this reader knows version 1")
+    tensors = read_tensors(data)
+    extra = set(tensors) - set(TENSORS)
+    need(not extra, f"unknown tensor {sorted(extra)[:1]!r:.60}")
+    compliance = Compliance(str(metadata.get("mesh_sha256")), **fields(tensors, TENSORS))
+    need(whole(metadata, "nodes", MOST_NODES) == compliance.free, "metadata nodes: not that of the tensors")
+    _check(compliance)
+    return compliance
+
+
+def _check(compliance: Compliance) -> None:
+    n, b = compliance.free, len(compliance.rows)
+    need(1 <= n <= MOST_NODES, f"tensor nodes.mass_kg: expected 1 to {MOST_NODES} nodes")
+    shapes = {
+        "factor.pointer": (n + 1,),
+        "factor.blocks": (b, 9),
+        "nodes.limit_n": (n,),
+        "bind.weight": (len(compliance.node), CORNERS),
+        "bind.node": (len(compliance.node), CORNERS),
+    }
+    check_shapes(compliance, TENSORS, shapes)
+    check_finite(compliance, TENSORS)
+    _check_factor(compliance, n, b)
+    need(bool((compliance.mass_kg > 0).all()), "tensor nodes.mass_kg: must be positive")
+    need(bool((compliance.limit_n > 0).all()), "tensor nodes.limit_n: must be positive")
+    need(bool((compliance.node <= n).all()), "tensor bind.node: out of range")
+    sums = compliance.weight.astype(np.int64).sum(axis=1)
+    need(bool((sums == WHOLE_WEIGHT).all()), "tensor bind.weight: a row does not sum to 65535")
+    need(bool((compliance.vertex_row < len(compliance.node)).all()), "tensor bind.vertex_row: out of range")
+
+
+def _check_factor(compliance: Compliance, n: int, b: int) -> None:
+    pointer, rows = compliance.pointer.astype(np.int64), compliance.rows.astype(np.int64)
+    rising = pointer[0] == 0 and pointer[-1] == b and bool((np.diff(pointer) >= 1).all())
+    need(rising, "tensor factor.pointer: must rise from 0 to the number of blocks")
+    column = np.repeat(np.arange(n), np.diff(pointer))
+    diagonal = np.zeros(b, np.bool_)
+    diagonal[pointer[:-1]] = True
+    below = np.where(diagonal, rows == column, (rows > column) & (rows < n))
+    need(bool(below.all()), "tensor factor.rows: not a lower triangle, diagonal first")
+    inverse = compliance.blocks[pointer[:-1]][:, [0, 2, 5]]
+    need(bool((inverse > 0).all()), "tensor factor.blocks: the diagonal must be positive")

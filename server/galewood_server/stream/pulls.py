@@ -1,0 +1,133 @@
+"""The hands that pull trees of one forest: who pulls what, and the pulled trees of each table."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from galewood.player import PullError, PullingHand, WindDrivenTrees, point_response
+from galewood.table import Compliance, Table
+
+from galewood_server.stream.wire_forest import Trees
+from galewood_server.stream.wire_pull import MOST_PULLS, Pull, Pulling, Vector
+
+log = logging.getLogger("galewood.stream")
+SAME_PLACE_M = 0.05
+EASE_S = 0.7
+"""Time in which a tree of the paper's method, which has no oscillators, returns after a release."""
+STILL: Vector = (0.0, 0.0, 0.0)
+
+
+class ForestHands:
+    """The pulls that clients hold, by client. One per client; changed in the event loop, read by the step."""
+
+    def __init__(self) -> None:
+        self._held: dict[object, Pull] = {}
+
+    def pull(self, client: object, pull: Pull) -> bool:
+        """Begin or continue a pull; whether the forest has room for it."""
+        if client not in self._held and len(self._held) >= MOST_PULLS:
+            return False
+        self._held = {**self._held, client: pull}
+        return True
+
+    def release(self, client: object) -> None:
+        """Let go."""
+        self._held = {one: pull for one, pull in self._held.items() if one is not client}
+
+    @property
+    def pulls(self) -> Sequence[Pull]:
+        """All pulls; safe to read in another thread."""
+        return tuple(self._held.values())
+
+
+@dataclass
+class _Held:
+    tree: int
+    pull: Pull
+    hand: PullingHand
+    left_s: float = EASE_S
+    """Time in which a tree without oscillators still eases back, s."""
+
+
+class GroupPulls:
+    """The pulled trees of one table. Used by the step only."""
+
+    def __init__(self, table: Table, trees: Trees, compliance: Compliance | None) -> None:
+        """trees (n, 4): x (m), z (m), yaw (rad), scale."""
+        self._table, self._trees, self._compliance = table, trees, compliance
+        self._held: dict[int, _Held] = {}
+        self._easing: list[_Held] = []
+
+    def step(self, forest: WindDrivenTrees, pulls: Iterable[Pull], dt_s: float) -> None:
+        """Follow the pulls on trees of this table; call after the trees have been stepped.
+
+        Adds to the poses of held trees, and to the state of those let go since the last call.
+        """
+        wanted = {pull.hand: pull for pull in pulls}
+        for hand in [hand for hand in self._held if not self._continues(hand, wanted)]:
+            self._let_go(forest, self._held.pop(hand))
+        for pull in wanted.values():
+            if pull.hand not in self._held:
+                self._begin(pull)
+        swayed = {held.tree: forest.q[held.tree].astype(np.float64) for held in self._held.values()}
+        for held in self._held.values():
+            held.pull = wanted[held.pull.hand]
+            held.hand.step(dt_s, np.array(held.pull.target), held.hand.response.point @ swayed[held.tree])
+            forest.q[held.tree] += held.hand.pose
+        self._ease(forest, dt_s)
+
+    def _let_go(self, forest: WindDrivenTrees, held: _Held) -> None:
+        if forest.displace(held.tree, *held.hand.released()):
+            forest.q[held.tree] += held.hand.pose
+        else:
+            self._easing.append(held)
+
+    def _ease(self, forest: WindDrivenTrees, dt_s: float) -> None:
+        for held in self._easing:
+            held.left_s -= dt_s
+            share = max(held.left_s, 0.0) / EASE_S
+            forest.q[held.tree] += share * share * (3.0 - 2.0 * share) * held.hand.pose
+        self._easing = [held for held in self._easing if held.left_s > 0.0]
+
+    @property
+    def forces(self) -> dict[int, Vector]:
+        """Hand → force, N, in the tree's frame at scale 1."""
+        return {hand: _vector(held.hand) for hand, held in self._held.items()}
+
+    def _continues(self, hand: int, wanted: dict[int, Pull]) -> bool:
+        old, new = self._held[hand].pull, wanted.get(hand)
+        return new is not None and (old.x, old.z, old.vertex) == (new.x, new.z, new.vertex)
+
+    def _begin(self, pull: Pull) -> None:
+        tree = self._tree_at(pull.x, pull.z)
+        if tree is None:
+            return
+        try:
+            response = point_response(self._table, pull.vertex, self._compliance)
+        except PullError as error:
+            log.info("ignored a pull: %s", error)
+            return
+        self._held[pull.hand] = _Held(tree, pull, PullingHand(response))
+
+    def _tree_at(self, x_m: float, z_m: float) -> int | None:
+        if len(self._trees) == 0:
+            return None
+        gap = np.hypot(self._trees[:, 0] - x_m, self._trees[:, 1] - z_m)
+        nearest = int(np.argmin(gap))
+        return nearest if gap[nearest] <= SAME_PLACE_M else None
+
+
+def pullings(pulls: Iterable[Pull], groups: Iterable[GroupPulls]) -> tuple[Pulling, ...]:
+    """The pulls with their forces; a pull on a tree that is not simulated here has none."""
+    forces: dict[int, Vector] = {}
+    for group in groups:
+        forces |= group.forces
+    return tuple(Pulling(pull, forces.get(pull.hand, STILL)) for pull in pulls)
+
+
+def _vector(hand: PullingHand) -> Vector:
+    x, y, z = hand.force_n.tolist()
+    return x, y, z

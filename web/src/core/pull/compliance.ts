@@ -1,0 +1,132 @@
+/**
+ * The compliance file: how a tree yields to forces at its points. Specified in docs/formats/compliance.md; same as
+ * precompute/galewood/table/compliance.py. Everything is validated, so that it can be solved without bounds checks.
+ */
+import {
+  brief,
+  checkFilled,
+  checkFinite,
+  checkShapes,
+  type Layout,
+  need,
+  readContainer,
+  readTensors,
+  refuseUnknown,
+  shapeOf,
+  valuesOf,
+  whole,
+} from "../table/container";
+
+const FORMAT = "galewood-compliance";
+const VERSION = 1;
+const MOST_NODES = 65534;
+/** Points of the solid that a vertex of the render mesh follows. */
+export const CORNERS = 4;
+/** Sum of the weights of a row. */
+export const WHOLE_WEIGHT = 65535;
+
+/**
+ * Cholesky factor of the tangent stiffness in 3 × 3 blocks: n free nodes in elimination order, b blocks, w rows of
+ * weights, v render vertices. The diagonal block of a column comes first and holds the inverse of its factor.
+ */
+export interface Compliance {
+  readonly meshSha256: string;
+  readonly free: number;
+  /** [n + 1] */
+  readonly pointer: Uint32Array;
+  /** [b] */
+  readonly rows: Uint16Array;
+  /** [b, 9] */
+  readonly blocks: Float32Array;
+  /** [n] */
+  readonly mass_kg: Float32Array;
+  /** [n] force at which the wood would break, N */
+  readonly limit_N: Float32Array;
+  /** [w, 4], n for a clamped node */
+  readonly node: Uint16Array;
+  /** [w, 4] in units of 1 / WHOLE_WEIGHT */
+  readonly weight: Uint16Array;
+  /** [v] */
+  readonly vertexRow: Uint32Array;
+}
+
+const TENSORS: Layout = {
+  "factor.pointer": ["U32", 1],
+  "factor.rows": ["U16", 1],
+  "factor.blocks": ["F32", 2],
+  "nodes.mass_kg": ["F32", 1],
+  "nodes.limit_n": ["F32", 1],
+  "bind.node": ["U16", 2],
+  "bind.weight": ["U16", 2],
+  "bind.vertex_row": ["U32", 1],
+};
+
+/** Decodes a compliance file. Throws TableError that names the fault. */
+export function decodeCompliance(file: ArrayBuffer | Uint8Array): Compliance {
+  const container = readContainer(file);
+  const { format, version, mesh_sha256 } = container.metadata;
+  need(format === FORMAT, `not a ${FORMAT}: format ${brief(format)}`);
+  need(version === VERSION, `compliance version ${brief(version)}; this reader knows version ${VERSION}`);
+  const tensors = readTensors(container, TENSORS);
+  refuseUnknown(container.header, TENSORS);
+  checkFilled(container);
+  const free = whole(container.metadata, "nodes", MOST_NODES);
+  const [blocks] = shapeOf(tensors, "factor.rows");
+  const [rows] = shapeOf(tensors, "bind.node");
+  checkShapes(tensors, {
+    "factor.pointer": [free + 1],
+    "factor.blocks": [blocks, 9],
+    "nodes.mass_kg": [free],
+    "nodes.limit_n": [free],
+    "bind.node": [rows, CORNERS],
+    "bind.weight": [rows, CORNERS],
+  });
+  checkFinite(tensors);
+  const values = (name: string) => valuesOf(tensors, name);
+  const compliance: Compliance = {
+    meshSha256: String(mesh_sha256),
+    free,
+    pointer: values("factor.pointer"),
+    rows: values("factor.rows"),
+    blocks: values("factor.blocks"),
+    mass_kg: values("nodes.mass_kg"),
+    limit_N: values("nodes.limit_n"),
+    node: values("bind.node"),
+    weight: values("bind.weight"),
+    vertexRow: values("bind.vertex_row"),
+  };
+  checkFactor(compliance);
+  checkBinding(compliance);
+  return compliance;
+}
+
+function checkFactor({ free, pointer, rows, blocks, mass_kg, limit_N }: Compliance): void {
+  need(
+    pointer[0] === 0 && pointer[free] === rows.length,
+    "tensor factor.pointer: must rise from 0 to the number of blocks",
+  );
+  for (let k = 0; k < free; k++) {
+    const first = pointer[k];
+    need(first < pointer[k + 1], "tensor factor.pointer: must rise from 0 to the number of blocks");
+    need(rows[first] === k, "tensor factor.rows: not a lower triangle, diagonal first");
+    for (let q = first + 1; q < pointer[k + 1]; q++)
+      need(rows[q] > k && rows[q] < free, "tensor factor.rows: not a lower triangle, diagonal first");
+    const positive = blocks[9 * first] > 0 && blocks[9 * first + 2] > 0 && blocks[9 * first + 5] > 0;
+    need(positive, "tensor factor.blocks: the diagonal must be positive");
+    need(mass_kg[k] > 0, "tensor nodes.mass_kg: must be positive");
+    need(limit_N[k] > 0, "tensor nodes.limit_n: must be positive");
+  }
+}
+
+function checkBinding({ free, node, weight, vertexRow }: Compliance): void {
+  const rows = node.length / CORNERS;
+  for (let row = 0; row < rows; row++) {
+    let sum = 0;
+    for (let k = row * CORNERS; k < (row + 1) * CORNERS; k++) {
+      need(node[k] <= free, "tensor bind.node: out of range");
+      sum += weight[k];
+    }
+    need(sum === WHOLE_WEIGHT, "tensor bind.weight: a row does not sum to 65535");
+  }
+  for (const row of vertexRow) need(row < rows, "tensor bind.vertex_row: out of range");
+}

@@ -1,0 +1,171 @@
+/**
+ * Static response of a tree to a force at one vertex, in the tree's frame, at scale 1. Same as
+ * precompute/galewood/player/pulling.py; the reasons are in docs/design/0018-pulling.md.
+ */
+import type { Table } from "../table/table";
+import { CORNERS, type Compliance, WHOLE_WEIGHT } from "./compliance";
+import { displacementOfRow, unitResponses } from "./factor";
+
+/** Largest displacement by pulling, relative to the height. */
+const MOST_REACH = 0.15;
+
+/** d oscillators, r modes; columns are the forces along x, y, z, per N. */
+export interface PointResponse {
+  readonly node: number;
+  /** [3, r] displacement of the vertex per unit of q */
+  readonly point: Float64Array;
+  /** [d, 3] coordinates of the oscillators, m·√kg */
+  readonly oscillators: Float64Array;
+  /** [r, 3] m of q */
+  readonly pose: Float64Array;
+  /** [3, 3] m: of the whole tree, or of its modes alone */
+  readonly compliance: Float64Array;
+  readonly limit_N: number;
+  readonly reach_m: number;
+  /** Displacement that the modes do not show; null without a compliance file. */
+  readonly rest: RestResponse | null;
+}
+
+/** The part of the response that the modes do not show. */
+export interface RestResponse {
+  /** [v, 3, 3] m at each vertex: displacement x, y, z per force along x, then along y, then along z */
+  readonly field: Float32Array<ArrayBuffer>;
+  /** [3, 3] N/m: twice its strain energy, and [3, 3] kg: its inertia, both per N²; symmetric */
+  readonly yields: Float64Array;
+  readonly inertia: Float64Array;
+}
+
+export class PullError extends Error {
+  override readonly name = "PullError";
+}
+
+/** Whether a compliance file belongs to the mesh of a table. */
+export const fits = (compliance: Compliance, { metadata, vertexNode }: Table): boolean =>
+  compliance.meshSha256 === metadata.mesh_sha256 && compliance.vertexRow.length === vertexNode.length;
+
+/** Throws PullError if the tree has no such vertex. A compliance file of another mesh is ignored. */
+export function pointResponse(table: Table, vertex: number, file: Compliance | null): PointResponse {
+  const count = table.vertexNode.length;
+  if (!(Number.isInteger(vertex) && vertex >= 0 && vertex < count))
+    throw new PullError(`the mesh has ${count} vertices: there is no vertex ${vertex}`);
+  const { modes: r, height_m } = table.metadata;
+  const node = table.vertexNode[vertex];
+  const point = Float64Array.from(table.nodeBasis.subarray(3 * r * node, 3 * r * (node + 1)));
+  const oscillators = oscillatorsOf(table, point);
+  const pose = poseOf(table, oscillators);
+  const own = { node, point, oscillators, pose, reach_m: MOST_REACH * height_m };
+  if (!file || !fits(file, table))
+    return { ...own, compliance: symmetric(times(point, pose, r)), limit_N: Infinity, rest: null };
+  const units = unitResponses(file, vertex);
+  const compliance = symmetric(atRow(file, units, file.vertexRow[vertex]));
+  const rest = restOf(table, file, units, own, compliance);
+  return { ...own, compliance, limit_N: limitOf(file, vertex), rest };
+}
+
+/** [d] s²: coordinate of each oscillator at rest per unit of a constant force, 1/ω². */
+export function staticGain({ modal: { step } }: Table): Float64Array {
+  return Float64Array.from({ length: step.length / 6 }, (_, k) => {
+    const [a, b, c, d, s0, s1] = step.subarray(6 * k, 6 * k + 6);
+    return (b * s1 - d * s0) / (a * d - b * c);
+  });
+}
+
+function oscillatorsOf(table: Table, point: Float64Array): Float64Array {
+  const gain = staticGain(table);
+  const { shown } = table.modal;
+  const r = table.metadata.modes;
+  const out = new Float64Array(3 * gain.length);
+  for (let k = 0; k < gain.length; k++)
+    for (let axis = 0; axis < 3; axis++) out[3 * k + axis] = gain[k] * point[axis * r + k] * shown[k];
+  return out;
+}
+
+/** [r, 3]: the modes' coordinates that follow the oscillators [d, 3] linearly. */
+function poseOf(table: Table, oscillators: Float64Array): Float64Array {
+  const { shown, pose } = table.modal;
+  const r = table.metadata.modes;
+  const d = shown.length;
+  const out = new Float64Array(3 * r);
+  for (let axis = 0; axis < 3; axis++) {
+    for (let k = 0; k < d; k++) out[3 * k + axis] = shown[k] * oscillators[3 * k + axis];
+    for (let k = d; k < r; k++) {
+      let sum = 0;
+      for (let i = 0; i < d; i++) sum += pose[i * (r - d) + k - d] * oscillators[3 * i + axis];
+      out[3 * k + axis] = sum;
+    }
+  }
+  return out;
+}
+
+/** [3, 3] = rows [3, r] × columns [r, 3]. */
+function times(rows: ArrayLike<number>, columns: Float64Array, r: number, first = 0): Float64Array {
+  const out = new Float64Array(9);
+  for (let i = 0; i < 3; i++)
+    for (let j = 0; j < 3; j++) {
+      let sum = 0;
+      for (let k = 0; k < r; k++) sum += rows[first + i * r + k] * columns[3 * k + j];
+      out[3 * i + j] = sum;
+    }
+  return out;
+}
+
+const symmetric = (m: Float64Array): Float64Array =>
+  m.map((_, at) => 0.5 * (m[at] + m[3 * (at % 3) + Math.floor(at / 3)]));
+
+/** [3, 3]: displacement of a row of the binding, a column per unit force. */
+function atRow(file: Compliance, units: readonly Float64Array[], row: number): Float64Array {
+  return Float64Array.from({ length: 9 }, (_, at) =>
+    displacementOfRow(file, units[at % 3], row, Math.floor(at / 3)),
+  );
+}
+
+/** Mean of the breaking forces of the nodes that carry the vertex. */
+function limitOf(file: Compliance, vertex: number): number {
+  const row = file.vertexRow[vertex] * CORNERS;
+  let sum = 0;
+  let weights = 0;
+  for (let k = row; k < row + CORNERS; k++) {
+    if (file.node[k] >= file.free) continue;
+    sum += (file.weight[k] / WHOLE_WEIGHT) * file.limit_N[file.node[k]];
+    weights += file.weight[k] / WHOLE_WEIGHT;
+  }
+  return sum / Math.max(weights, 1e-9);
+}
+
+function restOf(
+  table: Table,
+  file: Compliance,
+  units: readonly Float64Array[],
+  { point, oscillators, pose }: Pick<PointResponse, "point" | "oscillators" | "pose">,
+  compliance: Float64Array,
+): RestResponse {
+  const r = table.metadata.modes;
+  const d = table.modal.shown.length;
+  const nodes = table.nodeRest.length / 3;
+  const shown = Array.from({ length: nodes }, (_, node) => times(table.nodeBasis, pose, r, 3 * r * node));
+  const rows = Array.from({ length: file.node.length / CORNERS }, (_, row) => atRow(file, units, row));
+  const field = new Float32Array(9 * table.vertexNode.length);
+  for (let vertex = 0; vertex < table.vertexNode.length; vertex++) {
+    const whole = rows[file.vertexRow[vertex]];
+    const modes = shown[table.vertexNode[vertex]];
+    for (let i = 0; i < 3; i++)
+      for (let j = 0; j < 3; j++) field[9 * vertex + 3 * j + i] = whole[3 * i + j] - modes[3 * i + j];
+  }
+  const yields = new Float64Array(9);
+  const inertia = new Float64Array(9);
+  for (let i = 0; i < 3; i++)
+    for (let j = 0; j < 3; j++) {
+      let held = compliance[3 * i + j];
+      let mass = 0;
+      for (let k = 0; k < d; k++) {
+        held -= point[i * r + k] * table.modal.shown[k] * oscillators[3 * k + j];
+        mass -= oscillators[3 * k + i] * oscillators[3 * k + j];
+      }
+      for (let n = 0; n < file.free; n++)
+        for (let axis = 0; axis < 3; axis++)
+          mass += file.mass_kg[n] * units[i][3 * n + axis] * units[j][3 * n + axis];
+      yields[3 * i + j] = held;
+      inertia[3 * i + j] = mass;
+    }
+  return { field, yields, inertia };
+}

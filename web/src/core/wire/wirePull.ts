@@ -1,0 +1,114 @@
+/** The messages PULL, RELEASE and GUST of clients, and PULLS. Same as server/galewood_server/stream/wire_pull.py. */
+import { encodeMessage, entries, type Header, number, only, textMap, WireError, whole } from "./envelope";
+
+export const PULL = 7;
+export const RELEASE = 8;
+export const GUST = 9;
+export const PULLS = 73;
+const PLACE_M = 1e6;
+const TARGET_M = 1e3;
+const FORCE_N = 1e9;
+const MOST_PULLS = 32;
+
+type Vector = readonly [number, number, number];
+
+/** A hand moves a vertex of the tree at (x, z) by `target` from rest, m, in the tree's frame, scale 1. */
+export interface PullValues {
+  readonly hand: number;
+  readonly x: number;
+  readonly z: number;
+  readonly vertex: number;
+  readonly target: Vector;
+}
+export interface Pull extends PullValues {
+  readonly type: "pull";
+}
+
+/** A hand lets go. */
+export interface Release {
+  readonly type: "release";
+  readonly hand: number;
+}
+
+/** Sends a gust front through the forest from (x, z), m. */
+export interface Gust {
+  readonly type: "gust";
+  readonly x: number;
+  readonly z: number;
+}
+
+/** A pull and the force that it exerts, N, in the tree's frame at scale 1. */
+export interface Pulling extends PullValues {
+  readonly force: Vector;
+}
+
+/** All pulls of a forest at its time `time_s`. */
+export interface Pulls {
+  readonly type: "pulls";
+  readonly time_s: number;
+  readonly pulls: readonly Pulling[];
+}
+
+const pullHeader = ({ hand, x, z, vertex, target }: PullValues): Header => ({
+  hand,
+  x,
+  z,
+  vertex,
+  target: [...target],
+});
+
+export function encodeOfHand(request: Pull | Release | Gust): Uint8Array<ArrayBuffer> {
+  if (request.type === "pull") return encodeMessage(PULL, pullHeader(request));
+  if (request.type === "release") return encodeMessage(RELEASE, { hand: request.hand });
+  return encodeMessage(GUST, { x: request.x, z: request.z });
+}
+
+/** Decodes PULL, RELEASE or GUST; null for another kind. Throws WireError. */
+export function decodeOfHand(kind: number, header: Header): Pull | Release | Gust | null {
+  if (kind === PULL) {
+    only(header, "hand", "x", "z", "vertex", "target");
+    return { type: "pull", ...pullValues(header) };
+  }
+  if (kind === RELEASE) {
+    only(header, "hand");
+    return { type: "release", hand: whole(header, "hand") };
+  }
+  if (kind !== GUST) return null;
+  only(header, "x", "z");
+  return { type: "gust", x: place(header, "x"), z: place(header, "z") };
+}
+
+export function encodePulls({ time_s, pulls }: Pulls): Uint8Array<ArrayBuffer> {
+  const list = pulls.map((one) => ({ ...pullHeader(one), force: [...one.force] }));
+  return encodeMessage(PULLS, { time_s, pulls: list });
+}
+
+export function decodePulls(header: Header): Pulls {
+  only(header, "time_s", "pulls");
+  const list = entries(header, "pulls");
+  if (list.length > MOST_PULLS) throw new WireError(`pulls must have at most ${MOST_PULLS} entries`);
+  return { type: "pulls", time_s: number(header, "time_s"), pulls: list.map(pulling) };
+}
+
+function pulling(value: unknown): Pulling {
+  const entry = textMap(value, "a pull");
+  only(entry, "hand", "x", "z", "vertex", "target", "force");
+  return { ...pullValues(entry), force: vector(entry, "force", FORCE_N) };
+}
+
+const pullValues = (header: Header): PullValues => ({
+  hand: whole(header, "hand"),
+  x: place(header, "x"),
+  z: place(header, "z"),
+  vertex: whole(header, "vertex"),
+  target: vector(header, "target", TARGET_M),
+});
+
+const place = (header: Header, name: string) => number(header, name, -PLACE_M, PLACE_M);
+
+function vector(header: Header, name: string, most: number): Vector {
+  const values = entries(header, name);
+  if (values.length !== 3) throw new WireError(`${name} must have three numbers`);
+  const [x, y, z] = values.map((value) => number({ [name]: value }, name, -most, most));
+  return [x, y, z];
+}
