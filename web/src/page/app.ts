@@ -3,6 +3,7 @@
 import { meanVelocity_m_s, sameWind } from "../core/wind/edit";
 import { parseWind, type WindDocument } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
+import { exaggeration } from "../scene/exaggeration";
 import { Forest } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
 import type { Season } from "../scene/season/season";
@@ -103,7 +104,7 @@ export class App {
   });
   private readonly status: StatusReport;
   private readonly flutter = { value: { x: 0, y: 0 } };
-  private readonly exaggeration = { value: 1 };
+  private readonly exaggeration = exaggeration;
   private connected = true;
   private dirty = true;
   private last_ms = performance.now();
@@ -359,9 +360,9 @@ export class App {
 
   /** Sets the factor of all displacements on screen; figures stay as simulated. */
   private exaggerate(): void {
-    const { exaggeration } = this.settings;
-    this.exaggeration.value = exaggeration;
-    showExaggeration(exaggeration);
+    const factor = this.settings.exaggeration;
+    this.exaggeration.value = factor;
+    showExaggeration(factor);
     this.dirty = true;
   }
 
