@@ -1,5 +1,6 @@
 /** Trees that stay in a new plan: when a species is added, or a table replaces another one. */
 import { describe, expect, test } from "vitest";
+import { noGusts } from "../../web/src/core/modal/gustTensors";
 import { poseStride } from "../../web/src/core/motion/poseStride";
 import { decodeTable, type Table } from "../../web/src/core/table/table";
 import { WindField } from "../../web/src/core/wind/wind";
@@ -105,7 +106,7 @@ describe("a table that replaces another of the same mesh", () => {
     const all = Float32Array.from({ length: nodes * 3 * 20 }, () => random() - 0.5);
     const vertexNode = Uint16Array.from({ length: 900 }, (_, vertex) => vertex % nodes);
     const made = (modes: number) =>
-      ({ ...table, vertexNode, nodeBasis: rowsOf(modes, all), metadata: { ...table.metadata, modes } }) as Table;
+      ({ ...table, vertexNode, nodeBasis: rowsOf(modes, all), gusts: noGusts(), metadata: { ...table.metadata, modes } }) as Table;
     const pose = Float32Array.from({ length: poseStride(16) }, (_, k) => (k < 16 ? random() - 0.5 : k === 16 ? 7 : 0));
     const carried = carryGroup(groupOf([1], made(20)), [groupOf([1], made(16))], [pose]);
     expect(carried?.poses.length).toBe(poseStride(20));

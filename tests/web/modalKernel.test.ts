@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 import { compileKernel } from "../../web/scripts/compileKernel";
 import { decodeTable, type Table } from "../../web/src/core/table/table";
+import { noGusts } from "../../web/src/core/modal/gustTensors";
 import { ModalForest } from "../../web/src/core/modal/modalForest";
 import { MODAL_KERNEL } from "../../web/src/core/modal/modalKernel.wasm";
 import { contracts, forceTerms, poseTerms } from "../../web/src/core/modal/modalTensors";
@@ -43,7 +44,7 @@ function madeUp(d: number, c: number, r: number, m: number, next: () => number):
     dragShape: some(3 * m * d, 0.2),
     dragRest: Float32Array.from({ length: d }, () => 0.05 * next()),
   };
-  return { ...POLE, modal, metadata: { ...POLE.metadata, modes: r } };
+  return { ...POLE, modal, gusts: noGusts(), metadata: { ...POLE.metadata, modes: r } };
 }
 
 const SIZES = [

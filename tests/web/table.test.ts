@@ -15,15 +15,16 @@ const SHA256 = createHash("sha256").update(ALONE).digest("hex");
 const withRecords = (table: Table) => table as Table & { paper: Records };
 
 test("reads a table written by Python", () => {
-  const { metadata, vertexNode, paper } = withRecords(decodeTable(FILE));
+  const { metadata, vertexNode, paper, gusts } = withRecords(decodeTable(FILE));
   expect(metadata.species).toBe("pole");
   expect(metadata.reach_m).toBeGreaterThan(0);
   expect(metadata.peak_pressure_pa).toBeGreaterThan(10);
   expect(metadata.paper).toBeUndefined();
   expect(vertexNode.length).toBe(15);
-  expect(paper.dq.length).toBe(paper.metadata.records * metadata.modes);
+  const fitted = metadata.modes - gusts.drag.length;
+  expect(paper.dq.length).toBe(paper.metadata.records * fitted);
   const pose = poses(paper);
-  for (const start of paper.trajectory.subarray(0, -1)) expect(pose[start * metadata.modes]).toBe(0);
+  for (const start of paper.trajectory.subarray(0, -1)) expect(pose[start * fitted]).toBe(0);
 });
 
 test("reads the same table from an ArrayBuffer and at an odd offset in a larger one", () => {
@@ -40,20 +41,20 @@ describe("a table without records", () => {
   test("is the same table, and its records file holds the same records", () => {
     const whole = decodeTable(FILE);
     expect(decodeTable(ALONE)).toEqual({ ...whole, paper: null });
-    const { metadata } = decodeTable(ALONE);
-    expect(recordsOf(RECORDS, { sha256: SHA256, modes: metadata.modes })).toEqual(whole.paper);
+    const modes = fittedModes(decodeTable(ALONE));
+    expect(recordsOf(RECORDS, { sha256: SHA256, modes })).toEqual(whole.paper);
   });
 
   test("does not accept records of another table, or of another number of modes", () => {
     const other = createHash("sha256").update(FILE).digest("hex");
-    const { modes } = decodeTable(FILE).metadata;
+    const modes = fittedModes(decodeTable(FILE));
     expect(() => recordsOf(RECORDS, { sha256: other, modes })).toThrow("these records belong to another table");
     expect(() => recordsOf(RECORDS, { sha256: SHA256, modes: modes - 1 })).toThrow(TableError);
   });
 
   test("may consist of oscillators alone: tensors of size zero", () => {
-    const { metadata, modal } = decodeTable(LINEAR);
-    expect([metadata.modes, modal.shown.length, modal.pose.length, modal.limits.length]).toEqual([5, 5, 0, 3]);
+    const { modal } = decodeTable(LINEAR);
+    expect([fittedModes(decodeTable(LINEAR)), modal.shown.length, modal.pose.length, modal.limits.length]).toEqual([5, 5, 0, 3]);
     expect(tableMotion("", decodeTable(LINEAR), 0)).toMatchObject({
       preliminary: true,
       linear: true,

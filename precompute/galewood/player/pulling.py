@@ -90,7 +90,8 @@ def static_pose(table: Table, oscillators: Floats) -> Floats:
     d = len(table.modal_shown)
     shown = table.modal_shown.astype(np.float64)[:, None] * oscillators
     further = table.modal_pose[:d].astype(np.float64).T @ oscillators
-    return np.concatenate([shown, further])
+    gusts = np.zeros((len(table.gust_step), 3))  # the gust layer does not take part
+    return np.concatenate([shown, further, gusts])
 
 
 def whole_compliance(compliance: Compliance, vertex: int) -> tuple[Floats, float]:

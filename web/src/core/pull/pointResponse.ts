@@ -2,7 +2,7 @@
  * Static response of a tree to a force at one vertex, in the tree's frame, at scale 1. Same as
  * precompute/galewood/player/pulling.py; the reasons are in docs/design/0018-pulling.md.
  */
-import type { Table } from "../table/table";
+import { fittedModes, type Table } from "../table/table";
 import { CORNERS, type Compliance, WHOLE_WEIGHT } from "./compliance";
 import { displacementOfRow, displacementOfRows, unitResponses } from "./factor";
 
@@ -83,9 +83,9 @@ function oscillatorsOf(table: Table, point: Float64Array): Float64Array {
 /** [r, 3]: the modes' coordinates that follow the oscillators [d, 3] linearly. */
 function poseOf(table: Table, oscillators: Float64Array): Float64Array {
   const { shown, pose } = table.modal;
-  const r = table.metadata.modes;
+  const r = fittedModes(table);
   const d = shown.length;
-  const out = new Float64Array(3 * r);
+  const out = new Float64Array(3 * table.metadata.modes); // the gust layer does not take part
   for (let axis = 0; axis < 3; axis++) {
     for (let k = 0; k < d; k++) out[3 * k + axis] = shown[k] * oscillators[3 * k + axis];
     for (let k = d; k < r; k++) {
