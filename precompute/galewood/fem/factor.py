@@ -77,7 +77,7 @@ def _lower(blocks: Floats) -> Floats:
     """(n, 3, 3) Cholesky factors of diagonal blocks (n, 9), which the solver leaves as Schur complements."""
     square = blocks.reshape(-1, 3, 3)
     symmetric = np.tril(square) + np.tril(square, -1).transpose(0, 2, 1)
-    return np.linalg.cholesky(symmetric)
+    return np.asarray(np.linalg.cholesky(symmetric), np.float64)
 
 
 @numba.njit(**JIT)

@@ -46,16 +46,18 @@ def compliance_of(factor: TangentFactor, binding: scipy.sparse.csr_matrix, mesh_
 
 def four_largest(binding: scipy.sparse.csr_matrix) -> tuple[Ints, Floats]:
     """Columns (v, 4) and weights (v, 4) of the largest entries of each row, normalised to sum 1."""
-    matrix = scipy.sparse.csr_matrix(binding)
-    count = len(matrix.indptr) - 1
-    row = np.repeat(np.arange(count), np.diff(matrix.indptr))
-    order = np.lexsort((-matrix.data, row))
-    place = np.arange(len(order)) - matrix.indptr[row]
+    start: Ints = np.asarray(binding.indptr)
+    column: Ints = np.asarray(binding.indices)
+    value: Floats = np.asarray(binding.data, np.float64)
+    count = len(start) - 1
+    row = np.repeat(np.arange(count), np.diff(start))
+    order = np.lexsort((-value, row))
+    place = np.arange(len(order)) - start[row]
     kept = place < CORNERS
     corner = np.zeros((count, CORNERS), np.int64)
     share = np.zeros((count, CORNERS))
-    corner[row[kept], place[kept]] = matrix.indices[order[kept]]
-    share[row[kept], place[kept]] = matrix.data[order[kept]]
+    corner[row[kept], place[kept]] = column[order[kept]]
+    share[row[kept], place[kept]] = value[order[kept]]
     return corner, share / share.sum(axis=1, keepdims=True)
 
 
