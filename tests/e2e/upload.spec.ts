@@ -125,11 +125,13 @@ test("an upload leads its owner to it, and only its owner", async ({ page, brows
   });
 
   await test.step("another visitor has it only by a link", async () => {
+    await page.evaluate(() => window.galewood!.sleep(true)); // leaves the processor to the other page
     const other = await (await browser.newContext()).newPage();
     await open(other, `${SMALL}&speed=12`);
     await forest(other);
     expect(await planted(other, id)).toBe(0);
     await open(other, `${SMALL}&speed=12&tree=${id}`);
+    await forest(other);
     await expect.poll(() => planted(other, id)).toBe(1);
     await other.context().close();
   });
