@@ -138,6 +138,7 @@ test("an upload leads its owner to it, and only its owner", async ({ page, brows
 });
 
 test("an upload can be cancelled while it is computed", async ({ page }) => {
+  test.setTimeout(20 * 60_000);
   await open(page, `${panelled}&speed=5`);
   await forest(page);
   const { dialog, id } = await start(page, "cancelled");
