@@ -125,17 +125,20 @@ test("an upload leads its owner to it, and only its owner", async ({ page, brows
   });
 
   await test.step("another visitor has it only by a link", async () => {
+    await page.evaluate(() => window.galewood!.sleep(true)); // leaves the processor to the other page
     const other = await (await browser.newContext()).newPage();
     await open(other, `${SMALL}&speed=12`);
     await forest(other);
     expect(await planted(other, id)).toBe(0);
     await open(other, `${SMALL}&speed=12&tree=${id}`);
+    await forest(other);
     await expect.poll(() => planted(other, id)).toBe(1);
     await other.context().close();
   });
 });
 
 test("an upload can be cancelled while it is computed", async ({ page }) => {
+  test.setTimeout(20 * 60_000);
   await open(page, `${panelled}&speed=5`);
   await forest(page);
   const { dialog, id } = await start(page, "cancelled");
