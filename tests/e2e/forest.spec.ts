@@ -1,4 +1,4 @@
-import { changedPixels, expect, forest, frames, open, picture, SMALL, steadyDisplacement_m, sway_m, test } from "./forest";
+import { background, changedPixels, expect, forest, frames, open, picture, SMALL, steadyDisplacement_m, sway_m, test } from "./forest";
 
 test("the page shows a forest", async ({ page }) => {
   await open(page, `${SMALL}&speed=10`);
@@ -23,6 +23,7 @@ for (const lookup of ["worker", "server"] as const) {
   test(`still air: no pixel changes (${lookup})`, async ({ page }) => {
     await open(page, `${SMALL}&speed=0&lookup=${lookup}`);
     await forest(page);
+    await background(page);
     await frames(page, 4);
     const before = await picture(page);
     const time_s = await page.evaluate(() => window.galewood!.time_s);

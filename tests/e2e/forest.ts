@@ -30,6 +30,11 @@ export async function forest(page: Page): Promise<void> {
   await page.waitForFunction(() => (window.galewood?.trees.moving ?? 0) > 0 && window.galewood!.time_s > 0.2);
 }
 
+/** Waits until the distant trees are baked and in place. */
+export async function background(page: Page): Promise<void> {
+  await page.waitForFunction(() => window.galewood?.statistics.impostors.ready, undefined, { timeout: 150_000 });
+}
+
 export const sway_m = (page: Page) => page.evaluate(() => Math.hypot(...window.galewood!.crownDisplacement_m));
 
 /**

@@ -21,6 +21,7 @@ export async function forest(page: Page, query: string): Promise<void> {
   await page.goto(`${BASE}/?${query}`, { waitUntil: "commit" });
   await page.waitForFunction(() => (window.galewood?.trees.moving ?? 0) > 0);
   await page.waitForFunction(() => window.galewood?.trees.still === 0 && window.galewood.time_s > 0);
+  await page.waitForFunction(() => window.galewood?.statistics.impostors.ready);
   await page.evaluate(() => window.galewood?.sleep(true));
 }
 
@@ -36,10 +37,15 @@ export async function steps(page: Page, count: number, dt_s = STEP_S): Promise<v
 
 export async function dress(page: Page, { season, daytime, eye, at, wind }: Shot): Promise<void> {
   await page.evaluate(
-    ({ season, daytime, eye, at, wind }) => {
+    async ({ season, daytime, eye, at, wind }) => {
       if (wind) window.galewood?.setWind(wind);
       window.galewood?.dress(season, daytime);
       window.galewood?.look(eye, at);
+      // Where winter begins or ends, distant trees are drawn anew in the next frames.
+      for (let k = 0; k < 400; k++) {
+        await window.galewood?.step(0);
+        if (window.galewood?.statistics.impostors.ready) break;
+      }
     },
     { season, daytime, eye, at, wind },
   );

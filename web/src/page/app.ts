@@ -172,7 +172,7 @@ export class App {
       forest: this.forest,
       catalogue: this.catalogue,
       visit: this.visit,
-      isShared: this.planting.share !== null,
+      isShared: () => this.planting.share !== null,
       replant: () => this.change("planted"),
       planted: (id) => this.cards.planted(id),
     });
@@ -282,6 +282,7 @@ export class App {
   private takePlacement(about: About): void {
     if (!adoptPlacement(this.settings, about)) return;
     this.panel.refresh();
+    this.catalogue.choose();
     this.planting.place();
     this.paper.chosen();
     this.visit.undo.adopt();
@@ -335,6 +336,7 @@ export class App {
       this.changeWind(this.settings.wind, "panel");
       return;
     }
+    if (key === "planted") this.catalogue.choose();
     if (PLACEMENT_KEYS.includes(key)) this.planting.place(key !== "lookup");
     if (key === "method" || key === "lookup") this.paper.chosen();
     if (key === "quality") {
@@ -367,7 +369,9 @@ export class App {
   /** Stores the settings and updates the URL; `kind` names what was changed. */
   private remember(kind: string): void {
     this.visit.undo.record(kind);
-    if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
+    // The placement of a shared forest is not that of this visitor.
+    if (this.settings.panel && this.planting.share === null)
+      keep(this.settings, this.defaults, () => localStorage);
     const query = withShared(queryFromSettings(this.settings), this.planting.share);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
   }

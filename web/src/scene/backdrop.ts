@@ -16,6 +16,10 @@ import type { View } from "./trees/drawList";
 const CARDS_FROM_M: Record<Quality, number> = { low: 60, medium: 85, high: 120 };
 /** Side of the picture from which each view of an impostor is reduced, px. */
 const BAKED_PX: Record<Quality, number> = { low: 256, medium: 512, high: 512 };
+/** Frames that are drawn before the background is planted, so that it does not delay the first moving tree. */
+const HEAD_START = 2;
+/** Light that a bare crown holds back, relative to one in leaf. */
+const BARE_SHADE = 0.35;
 /** While the sun moves, the shadows on distant ground are renewed at most this often. */
 const SHADE_EVERY_MS = 300;
 
@@ -26,6 +30,11 @@ export class Backdrop {
   private crowns: Crowns = new Float32Array(0);
   private shadeOutdated = false;
   private shaded_ms = 0;
+  /** Frames since the last change. */
+  private quiet = 0;
+  /** What the background must be planted around, and the frames drawn since then. */
+  private planted: Planted | null = null;
+  private drawn = 0;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -54,8 +63,13 @@ export class Backdrop {
     this.changed = true;
   }
 
-  /** Plants the background around the simulated trees. */
+  /** Plants the background around the simulated trees, after these have been drawn. */
   surround(planted: Planted): void {
+    this.planted = planted;
+    this.drawn = 0;
+  }
+
+  private plant(planted: Planted): void {
     const models = planted.assets.filter(({ model }) => model !== null);
     models.sort((a, b) => Number(b.builtin) - Number(a.builtin));
     this.library.keep(models.flatMap(({ model }) => model ?? []));
@@ -91,16 +105,24 @@ export class Backdrop {
 
   /** Per frame, before drawing: bakes some views, and renews outdated shadows. */
   prepare(renderer: WebGLRenderer): void {
+    if (this.planted && this.drawn++ >= HEAD_START) {
+      this.plant(this.planted);
+      this.planted = null;
+    }
     this.shadeGround();
-    if (!this.library.work(renderer)) return;
-    this.shadeOutdated = true;
-    this.changed = true;
+    if (this.library.work(renderer)) {
+      this.shadeOutdated = true;
+      this.changed = true;
+    }
+    const busy =
+      this.planted || !this.library.isReady || this.library.arriving || this.changed || this.shadeOutdated;
+    this.quiet = busy ? 0 : this.quiet + 1;
   }
 
   private shadeGround(): void {
     const now_ms = performance.now();
     const reach_m = this.daylight.shadowReach_m;
-    groundShade.uShadeFrom.value.set(0.75 * reach_m, reach_m);
+    groundShade.uShadeFrom.value.set(0.75 * reach_m, reach_m, shared.uBare.value > 0 ? BARE_SHADE : 1);
     if (!this.shadeOutdated || now_ms - this.shaded_ms < SHADE_EVERY_MS) return;
     this.shadeOutdated = false;
     this.shaded_ms = now_ms;
@@ -120,9 +142,9 @@ export class Backdrop {
     return out;
   }
 
-  /** Whether all impostors are baked, and the number of background trees. */
+  /** Whether all impostors are baked and in place, and the number of background trees. */
   get figures(): { ready: boolean; backgroundTrees: number } {
-    return { ready: this.library.isReady, backgroundTrees: this.wood.count };
+    return { ready: this.quiet > 1, backgroundTrees: this.wood.count };
   }
 
   dispose(): void {

@@ -1,5 +1,7 @@
 /** Shaders that draw one view of a tree at rest, and that reduce it to its place in the atlas. */
 
+import { LOT_SHADER } from "../trees/boughLots";
+
 /** Light is stored as its square root, which keeps dark colours apart in eight bits. */
 export const BAKE_VERTEX = /* glsl */ `
 precision highp float;
@@ -7,6 +9,7 @@ in vec3 position;
 in vec3 normal;
 in vec2 uv;
 in vec4 aPiece;
+in vec4 aAnchor;
 uniform vec3 uRight;
 uniform vec3 uUp;
 uniform vec3 uTowards;
@@ -16,6 +19,7 @@ out vec2 vUv;
 out vec3 vNormal;
 out vec4 vPiece;
 out float vDepth;
+${LOT_SHADER}
 void main() {
   vec3 at = (position - vec3(0.0, uMiddle, 0.0)) * uPerMetre;
   vDepth = dot(at, uTowards);
@@ -23,6 +27,8 @@ void main() {
   vNormal = normal;
   vPiece = aPiece;
   gl_Position = vec4(dot(at, uRight), dot(at, uUp), -vDepth, 1.0);
+  // As dense as the trees, each of which lacks some boughs.
+  gl_Position = mix(vec4(2.0, 2.0, 2.0, 1.0), gl_Position, hasLot(aAnchor.w, vec2(0.0)));
 }
 `;
 

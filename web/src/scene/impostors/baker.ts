@@ -33,6 +33,7 @@ function geometryOf(part: TreePart): BufferGeometry {
   geometry.setAttribute("normal", part.normal);
   if (part.uv) geometry.setAttribute("uv", part.uv);
   geometry.setAttribute("aPiece", part.piece);
+  geometry.setAttribute("aAnchor", part.anchor);
   return geometry;
 }
 
@@ -65,9 +66,10 @@ class Sitter {
   ) {
     const { across_m, up_m, middle_m } = atlas.box;
     const perMetre = new Vector3(1 / across_m, 1 / up_m, 1 / across_m);
-    for (const part of atlas.model.parts) {
+    const { parts, bare } = atlas.model;
+    const inLeaf = parts.filter(({ kind }) => kind === "wood" || !atlas.leafless);
+    for (const part of [...inLeaf, ...(atlas.leafless ? bare.map((shoots) => shoots.part) : [])]) {
       const leaves = part.kind === "leaves";
-      if (leaves && atlas.leafless) continue;
       const { map, color, alphaTest, transparent } = part.material;
       const geometry = geometryOf(part);
       if (!part.uv) geometry.setAttribute("uv", this.noUv(part.vertices));

@@ -1,5 +1,12 @@
 /** Materials of impostors, for the colour and the shadow pass. */
-import { MeshDepthMaterial, MeshLambertMaterial, RGBADepthPacking, type Texture, Vector3 } from "three";
+import {
+  DoubleSide,
+  MeshDepthMaterial,
+  MeshLambertMaterial,
+  RGBADepthPacking,
+  type Texture,
+  Vector3,
+} from "three";
 import { exaggeration } from "../exaggeration";
 import { seasonal } from "../season/seasonal";
 import { air } from "../sky/air";
@@ -53,7 +60,7 @@ export function cardMaterials(atlas: Atlas, own: CardUniforms, middle: number | 
   const simulated = middle !== null;
   const defines = simulated ? "#define SIMULATED\n" : "";
   const uniforms = uniformsOf(atlas, own, simulated ? 0 : 0.55, middle ?? 0.5);
-  const colour = new MeshLambertMaterial();
+  const colour = new MeshLambertMaterial({ shadowSide: DoubleSide }); // cards have no back that could cast the shadow
   colour.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
     patchCard(shader, defines);

@@ -22,7 +22,7 @@ const BIN_M = 16;
  * From near, a picture of a tree is too coarse: background trees dissolve before. Each has its own distance between `gone`
  * and `gone + spread`, so that few are transparent at a time.
  */
-const CLEAR_M = { gone: 26, spread: 12, fade: 1.5 } as const;
+const CLEAR_M = { gone: 30, spread: 14, fade: 1.5 } as const;
 /** A number between 0 and 1 that differs between neighbours. */
 const chance = (tree: number) => (tree * 0.618034) % 1;
 /** Below this elevation of the sun, shadows do not get longer. */
@@ -43,6 +43,8 @@ export class FarTrees {
   private readonly casting: Uint32Array;
   private sway: Sway | null = null;
   private moves: TableMotion | null = null;
+  /** What the height factors were computed for. */
+  private heights = "";
 
   constructor(
     private readonly places: readonly Placement[],
@@ -167,8 +169,9 @@ export class FarTrees {
   /** Advances all trees, also hidden ones, in the wind at a time; the cards then move towards their new poses. */
   advance(dt_s: number, time_s: number, field: WindField, motion: TableMotion, cards: Cards | null): void {
     const { wind } = field.at(time_s);
-    if (this.moves !== motion) this.take(motion, wind.height_exponent, wind.reference_height_m);
+    if (this.moves !== motion) this.take(motion);
     if (!this.sway) return;
+    this.setHeights(motion.height_m, wind.height_exponent, wind.reference_height_m);
     this.before.set(this.sway.tips);
     field.pressure(this.x, this.z, time_s, this.pressureX, this.pressureZ, this.factor);
     this.sway.advance(dt_s, this.pressureX, this.pressureZ, wind.mean_speed_m_s);
@@ -179,14 +182,22 @@ export class FarTrees {
     cards.casting.moved();
   }
 
-  private take(motion: TableMotion, exponent: number, reference_m: number): void {
-    this.moves = motion;
-    const scales = Float32Array.from(this.places, ({ scale }) => scale);
-    scales.forEach((scale, tree) => {
-      this.factor[tree] = heightFactor(motion.height_m * scale, exponent, reference_m);
-    });
+  /** Goes on with another table, from the present motion. */
+  private take(motion: TableMotion): void {
     const before = this.sway;
+    const scales = Float32Array.from(this.places, ({ scale }) => scale);
     this.sway = new Sway(motion.sway, motion.height_m, scales);
     if (before) this.sway.adopt(before);
+    this.moves = motion;
+  }
+
+  /** Wind speed at the height of each tree relative to the reference height. */
+  private setHeights(height_m: number, exponent: number, reference_m: number): void {
+    const key = `${height_m} ${exponent} ${reference_m}`;
+    if (key === this.heights) return;
+    this.heights = key;
+    this.places.forEach(({ scale }, tree) => {
+      this.factor[tree] = heightFactor(height_m * scale, exponent, reference_m);
+    });
   }
 }

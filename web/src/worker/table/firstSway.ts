@@ -11,7 +11,7 @@ const LEAST_HZ = 0.02;
 /** Frequency, damping ratio and static response to a unit force of one oscillator, from its step of `dt_s`. */
 export function oscillatorOf(step: ArrayLike<number>, dt_s: number) {
   const [r00, r01, r10, r11, s0, s1] = [1 + step[0], step[1], step[2], 1 + step[3], step[4], step[5]];
-  const product = r00 * r11 - r01 * r10; // e^(−2ζω dt)
+  const product = Math.max(1e-9, r00 * r11 - r01 * r10); // e^(−2ζω dt)
   const decay = -Math.log(product) / (2 * dt_s);
   const damped = Math.acos(Math.min(1, Math.max(-1, (r00 + r11) / (2 * Math.sqrt(product))))) / dt_s;
   const omega = Math.hypot(decay, damped);
