@@ -18,6 +18,7 @@ test("the modal model is closer to the reference solution than the paper's state
   await page.setViewportSize({ width: 800, height: 600 });
   await open(page, `${panelled}&speed=10`);
   await forest(page);
+  await page.getByRole("button", { name: "Tools" }).click();
   await page.locator("#tools").getByRole("button", { name: "Check accuracy" }).click();
   const dialog = page.getByRole("dialog", { name: "Check accuracy" });
   const verdict = dialog.locator(".compare-verdict");

@@ -83,7 +83,7 @@ test("a dragged branch follows the pointer, and rings down after the release", a
   const eye = await page.evaluate(() => window.galewood!.eye);
   await page.mouse.down();
   await page.mouse.move(top.x + 9, top.y, { steps: 2 });
-  await page.mouse.move(top.x + 14, top.y);
+  await page.mouse.move(top.x + 10, top.y);
   await expect.poll(async () => (await pull(page))?.force_N ?? 0).toBeGreaterThan(1);
   const start_px = (await pull(page))!.start_px;
   await expect
@@ -95,7 +95,7 @@ test("a dragged branch follows the pointer, and rings down after the release", a
   const { hand_px, moved_m, id } = (await pull(page))!;
   expect(id).toBe(tree.id);
   // The hand keeps its distance from the pointer, and the branch stays with the hand.
-  expect(Math.hypot(hand_px.x - start_px.x - 14, hand_px.y - start_px.y)).toBeLessThan(1.5);
+  expect(Math.hypot(hand_px.x - start_px.x - 10, hand_px.y - start_px.y)).toBeLessThan(1.5);
   expect(moved_m).toBeGreaterThan(0.05);
   // The drag has pulled the branch and not turned the view.
   expect(await page.evaluate(() => window.galewood!.eye)).toEqual(eye);

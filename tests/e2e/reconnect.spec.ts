@@ -32,6 +32,7 @@ test("the forest keeps moving while the server is down, and the stream resumes w
     const killed_ms = Date.now();
     process.kill(-(server.pid ?? 0), "SIGKILL");
     await expect(page.locator("#status")).toContainText("computing in this browser");
+    await expect(page.getByRole("button", { name: "Try now" })).toBeVisible();
     console.log(`the page reported it after ${Date.now() - killed_ms} ms`);
     const time_s = await page.evaluate(() => window.galewood!.time_s);
     await page.waitForFunction((from) => window.galewood!.time_s > from + 3, time_s);

@@ -14,7 +14,7 @@ import {
   woodRanks,
 } from "../../web/src/scene/trees/detail";
 import { seededRandom } from "./seeded";
-import { leafReach, openness, roundNormals } from "../../web/src/scene/trees/mesh/foliage";
+import { openness, roundNormals } from "../../web/src/scene/trees/mesh/foliage";
 
 /** `count` separate quads; the k-th has side 1 + k/count and stands at x = 10 k. */
 function quads(count: number) {
@@ -151,11 +151,5 @@ describe("light in the crown", () => {
     const [outside, inside, top] = openness(positions, centre, 4);
     expect(outside).toBeGreaterThan(inside);
     expect(top).toBeGreaterThan(outside);
-  });
-
-  test("the flutter weight is 0 at the first vertex of a leaf and 1 at the farthest", () => {
-    const { pieces, positions: leaf } = quads(2);
-    const reach = leafReach(pieces, leaf);
-    expect([reach[0], reach[2], reach[4], reach[6]]).toEqual([0, 1, 0, 1]);
   });
 });

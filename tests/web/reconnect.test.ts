@@ -1,6 +1,7 @@
 /** Lost connections: waiting times, attempts at once, and pages that nobody looks at. */
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { Backoff } from "../../web/src/core/net/backoff";
+import { encodeReply } from "../../web/src/core/wire/wire";
 import { followEvents } from "../../web/src/page/server/eventStream";
 import { ForestSocket } from "../../web/src/worker/stream/forestSocket";
 import { random } from "./golden";
@@ -93,6 +94,25 @@ describe("the socket", () => {
     expect(Line.made[0].closed).toBe(true);
     expect(Line.made.length).toBe(2);
     socket.dispose();
+  });
+
+  test("gives up a silent connection after 5 s, but waits longer for the first data", () => {
+    const pong = encodeReply({ type: "pong", t: 0, server_s: 0 }).buffer;
+    for (const [answered, closed] of [
+      [true, true],
+      [false, false],
+    ]) {
+      const socket = new ForestSocket("ws://here", handlers);
+      const line = Line.last;
+      line.readyState = Line.OPEN;
+      line.onmessage?.({ data: pong });
+      if (answered) socket.arrived();
+      vi.advanceTimersByTime(9000);
+      expect(line.closed).toBe(closed);
+      vi.advanceTimersByTime(15_000);
+      expect(line.closed).toBe(true);
+      socket.dispose();
+    }
   });
 
   test("is closed while nobody looks, without being lost, and opens at once afterwards", () => {

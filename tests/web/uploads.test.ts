@@ -2,7 +2,7 @@ import { describe, expect, test, vi } from "vitest";
 import { OwnUploads } from "../../web/src/page/ownTree/ownUploads";
 import { RemainingTime } from "../../web/src/page/ownTree/remainingTime";
 import { sendingWords } from "../../web/src/page/ownTree/sendingDialog";
-import { plantForest } from "../../web/src/page/planting";
+import { Planting, plantForest } from "../../web/src/page/planting";
 import { plantAs, plantedAs, plantedFrom, textOfPlanted } from "../../web/src/page/settings/planted";
 import { DEFAULTS, queryFromSettings, type Settings, settingsFromQuery } from "../../web/src/page/settings/settings";
 import { adoptPlacement, placementOf } from "../../web/src/page/settings/sharedForest";
@@ -25,23 +25,23 @@ const asset = (id: string, builtin: boolean, model: TreeModel | null = MODEL): T
 const ASSETS = [asset("ash", true), asset("elm", true), asset("mine", false), asset("yours", false)];
 const counts = (settings: Settings, assets = ASSETS) =>
   Object.fromEntries(plantForest(assets, settings).map((group) => [group.asset.id, group.instances.count]));
-const planting = (planted: Settings["planted"]): Settings => ({ ...DEFAULTS, trees: 200, shares: {}, planted });
+const settingsWith = (planted: Settings["planted"]): Settings => ({ ...DEFAULTS, trees: 200, shares: {}, planted });
 
 describe("uploads in the forest", () => {
   test("take no place of the other trees unless they are planted among them", () => {
-    const without = counts(planting({}));
+    const without = counts(settingsWith({}));
     expect(Object.keys(without)).toEqual(["ash", "elm"]);
-    expect(counts(planting({ mine: "one" }))).toEqual({ ...without, mine: 1 });
-    const more = counts(planting({ mine: "more" }));
+    expect(counts(settingsWith({ mine: "one" }))).toEqual({ ...without, mine: 1 });
+    const more = counts(settingsWith({ mine: "more" }));
     expect(more.mine).toBeGreaterThan(20);
     expect(more.ash + more.elm + more.mine).toBe(201);
-    expect(counts(planting({ mine: "only", yours: "one" }))).toEqual({ mine: 201, yours: 1 });
+    expect(counts(settingsWith({ mine: "only", yours: "one" }))).toEqual({ mine: 201, yours: 1 });
   });
 
   test("leave no gap while they are loading", () => {
     const loading = [...ASSETS.slice(0, 2), asset("mine", false, null)];
     for (const how of ["one", "more", "only"] as const)
-      expect(counts(planting({ mine: how }), loading)).toEqual(counts(planting({})));
+      expect(counts(settingsWith({ mine: how }), loading)).toEqual(counts(settingsWith({})));
   });
 
   test("stand in the clearing, apart from each other and from the forest, at their own size", () => {
@@ -57,11 +57,11 @@ describe("uploads in the forest", () => {
   });
 
   test("are part of links and of the placement that a shared forest exchanges", () => {
-    const settings = planting({ a1: "one", "b-2": "only", c: "more" });
+    const settings = settingsWith({ a1: "one", "b-2": "only", c: "more" });
     expect(textOfPlanted(settings.planted)).toBe("a1,b-2:only,c:more");
     expect(settingsFromQuery(queryFromSettings(settings)).planted).toEqual(settings.planted);
     expect(plantedFrom("a,,b:tree,../c,d:more")).toEqual({ a: "one", d: "more" });
-    const other = planting({ mine: "one" });
+    const other = settingsWith({ mine: "one" });
     expect(adoptPlacement(other, placementOf(settings))).toBe(true);
     expect(other.planted).toEqual(settings.planted);
   });
@@ -76,6 +76,22 @@ describe("uploads in the forest", () => {
     plantAs(settings, "mine", "only");
     expect(Object.entries(settings.planted)).toEqual([["mine", "only"], ["yours", "more"]]);
   });
+});
+
+test("in a shared forest a tree is planted for all once it is loaded, and only then", () => {
+  vi.stubGlobal("location", { search: "?share=meadow" });
+  const sent: boolean[] = [];
+  const catalogue = { isLoaded: false, assets: [], leafMotion: () => null, find: () => null };
+  const client = { plan: (_: unknown, plan: { share: { replant: boolean } }) => sent.push(plan.share.replant) };
+  const none = {} as never;
+  const planting = new Planting(settingsWith({ mine: "one" }), none, none, client as never, catalogue as never, () => {});
+  planting.place(true);
+  expect(sent).toEqual([]);
+  catalogue.isLoaded = true;
+  planting.place();
+  planting.place();
+  expect(sent).toEqual([true, false]);
+  vi.unstubAllGlobals();
 });
 
 describe("the uploads of this browser", () => {
@@ -139,7 +155,7 @@ describe("remaining time", () => {
         given.push((estimate_s - (100 - now_s)) ** 2);
       }
       const sum = (values: number[]) => values.reduce((all, one) => all + one, 0);
-      expect(sum(own), `seed ${seed}`).toBeLessThan(0.8 * sum(given));
+      expect(sum(own), `seed ${seed}`).toBeLessThan(0.95 * sum(given));
     }
   });
 

@@ -1,4 +1,4 @@
-"""The gust layer of a table: oscillators for gusts that differ within a crown (docs/design/0016-gusts.md).
+"""The gust layer of a table: oscillators for gusts that differ within a crown (docs/design/0020-gusts.md).
 
 The crown is divided into places, each of which feels its own gust. The response of the natural modes to
 independent noise at all places is reduced by POD to a few oscillators, as the modal model is from winds that

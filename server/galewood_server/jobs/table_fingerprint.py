@@ -10,7 +10,7 @@ from typing import Any
 from galewood.table import VERSION
 from galewood.versions import SAMPLING_VERSION
 
-BUILD_VERSION = 4
+BUILD_VERSION = 5
 """Increase it when builds store additional files (2: the model, 3: the table without leaves)."""
 
 

@@ -3,6 +3,7 @@
 import { meanVelocity_m_s, sameWind } from "../core/wind/edit";
 import { parseWind, type WindDocument } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
+import { exaggeration } from "../scene/exaggeration";
 import { Forest } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
 import type { Season } from "../scene/season/season";
@@ -103,7 +104,7 @@ export class App {
   });
   private readonly status: StatusReport;
   private readonly flutter = { value: { x: 0, y: 0 } };
-  private readonly exaggeration = { value: 1 };
+  private readonly exaggeration = exaggeration;
   private connected = true;
   private dirty = true;
   private last_ms = performance.now();
@@ -171,7 +172,7 @@ export class App {
       forest: this.forest,
       catalogue: this.catalogue,
       visit: this.visit,
-      isShared: this.planting.share !== null,
+      isShared: () => this.planting.share !== null,
       replant: () => this.change("planted"),
       planted: (id) => this.cards.planted(id),
     });
@@ -281,6 +282,7 @@ export class App {
   private takePlacement(about: About): void {
     if (!adoptPlacement(this.settings, about)) return;
     this.panel.refresh();
+    this.catalogue.choose();
     this.planting.place();
     this.paper.chosen();
     this.visit.undo.adopt();
@@ -334,6 +336,7 @@ export class App {
       this.changeWind(this.settings.wind, "panel");
       return;
     }
+    if (key === "planted") this.catalogue.choose();
     if (PLACEMENT_KEYS.includes(key)) this.planting.place(key !== "lookup");
     if (key === "method" || key === "lookup") this.paper.chosen();
     if (key === "quality") {
@@ -357,16 +360,18 @@ export class App {
 
   /** Sets the factor of all displacements on screen; figures stay as simulated. */
   private exaggerate(): void {
-    const { exaggeration } = this.settings;
-    this.exaggeration.value = exaggeration;
-    showExaggeration(exaggeration);
+    const factor = this.settings.exaggeration;
+    this.exaggeration.value = factor;
+    showExaggeration(factor);
     this.dirty = true;
   }
 
   /** Stores the settings and updates the URL; `kind` names what was changed. */
   private remember(kind: string): void {
     this.visit.undo.record(kind);
-    if (this.settings.panel) keep(this.settings, this.defaults, () => localStorage);
+    // The placement of a shared forest is not that of this visitor.
+    if (this.settings.panel && this.planting.share === null)
+      keep(this.settings, this.defaults, () => localStorage);
     const query = withShared(queryFromSettings(this.settings), this.planting.share);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
   }

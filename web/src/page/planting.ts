@@ -30,6 +30,8 @@ export function plantForest(assets: readonly TreeAsset[], settings: Settings): P
 export class Planting {
   /** Id of the shared forest; null while the forest is private. */
   share = sharedFrom(location.search);
+  /** Whether the trees are to be replaced for all once those that are loading have arrived. */
+  private owed = false;
   private readonly from_s = momentFrom(location.search).time_s ?? 0;
 
   /** `shown` is called when the trees of a plan have appeared. */
@@ -48,6 +50,7 @@ export class Planting {
    */
   place(replant = false): void {
     const { settings, share } = this;
+    this.owed ||= replant;
     // A shared forest keeps the trees of the first request, so that must not lack species that are still loading.
     if (share !== null && !this.catalogue.isLoaded) return;
     const placed = plantForest(this.catalogue.assets, settings);
@@ -58,7 +61,7 @@ export class Planting {
         method: settings.method,
         poseEasing: settings.poseEasing,
         from_s: this.from_s,
-        share: share === null ? null : { id: share, replant, about: placementOf(settings) },
+        share: share === null ? null : { id: share, replant: this.owed, about: placementOf(settings) },
       },
       settings.wind,
       () => {
@@ -74,6 +77,7 @@ export class Planting {
         this.shown();
       },
     );
+    this.owed = false;
   }
 
   /** The group as the worker needs it; none if its trees have no table. */

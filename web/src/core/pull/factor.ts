@@ -60,3 +60,17 @@ export function displacementOfRow(of: Compliance, u: Float64Array, row: number, 
   }
   return sum;
 }
+
+/** [rows, 3, 3]: displacement of every row of the binding, a column per unit force. */
+export function displacementOfRows(of: Compliance, units: readonly Float64Array[]): Float64Array {
+  const { node, weight, free } = of;
+  const out = new Float64Array((9 * node.length) / CORNERS);
+  for (let k = 0; k < node.length; k++) {
+    if (node[k] >= free || weight[k] === 0) continue;
+    const share = weight[k] / WHOLE_WEIGHT;
+    const from = 3 * node[k];
+    const to = 9 * Math.floor(k / CORNERS);
+    for (let j = 0; j < 3; j++) for (let i = 0; i < 3; i++) out[to + 3 * j + i] += share * units[j][from + i];
+  }
+  return out;
+}

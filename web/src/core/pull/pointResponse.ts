@@ -4,7 +4,7 @@
  */
 import type { Table } from "../table/table";
 import { CORNERS, type Compliance, WHOLE_WEIGHT } from "./compliance";
-import { displacementOfRow, unitResponses } from "./factor";
+import { displacementOfRow, displacementOfRows, unitResponses } from "./factor";
 
 /** Largest displacement by pulling, relative to the height. */
 const MOST_REACH = 0.15;
@@ -98,12 +98,12 @@ function poseOf(table: Table, oscillators: Float64Array): Float64Array {
 }
 
 /** [3, 3] = rows [3, r] × columns [r, 3]. */
-function times(rows: ArrayLike<number>, columns: Float64Array, r: number, first = 0): Float64Array {
+function times(rows: ArrayLike<number>, columns: Float64Array, r: number): Float64Array {
   const out = new Float64Array(9);
   for (let i = 0; i < 3; i++)
     for (let j = 0; j < 3; j++) {
       let sum = 0;
-      for (let k = 0; k < r; k++) sum += rows[first + i * r + k] * columns[3 * k + j];
+      for (let k = 0; k < r; k++) sum += rows[i * r + k] * columns[3 * k + j];
       out[3 * i + j] = sum;
     }
   return out;
@@ -132,6 +132,32 @@ function limitOf(file: Compliance, vertex: number): number {
   return sum / Math.max(weights, 1e-9);
 }
 
+/** [v, 3, 3]: what the modes do not show, a column per force direction. */
+function restField(
+  { nodeBasis, nodeRest, vertexNode, metadata: { modes: r } }: Table,
+  file: Compliance,
+  units: readonly Float64Array[],
+  pose: Float64Array,
+): Float32Array<ArrayBuffer> {
+  const shown = new Float64Array(3 * nodeRest.length);
+  for (let axis = 0; axis < nodeRest.length; axis++) {
+    const [node, i] = [Math.floor(axis / 3), axis % 3];
+    for (let j = 0; j < 3; j++) {
+      let sum = 0;
+      for (let k = 0; k < r; k++) sum += nodeBasis[axis * r + k] * pose[3 * k + j];
+      shown[9 * node + 3 * j + i] = sum;
+    }
+  }
+  const whole = displacementOfRows(file, units);
+  const field = new Float32Array(9 * vertexNode.length);
+  for (let vertex = 0, at = 0; vertex < vertexNode.length; vertex++) {
+    const row = 9 * file.vertexRow[vertex];
+    const node = 9 * vertexNode[vertex];
+    for (let k = 0; k < 9; k++, at++) field[at] = whole[row + k] - shown[node + k];
+  }
+  return field;
+}
+
 function restOf(
   table: Table,
   file: Compliance,
@@ -141,16 +167,7 @@ function restOf(
 ): RestResponse {
   const r = table.metadata.modes;
   const d = table.modal.shown.length;
-  const nodes = table.nodeRest.length / 3;
-  const shown = Array.from({ length: nodes }, (_, node) => times(table.nodeBasis, pose, r, 3 * r * node));
-  const rows = Array.from({ length: file.node.length / CORNERS }, (_, row) => atRow(file, units, row));
-  const field = new Float32Array(9 * table.vertexNode.length);
-  for (let vertex = 0; vertex < table.vertexNode.length; vertex++) {
-    const whole = rows[file.vertexRow[vertex]];
-    const modes = shown[table.vertexNode[vertex]];
-    for (let i = 0; i < 3; i++)
-      for (let j = 0; j < 3; j++) field[9 * vertex + 3 * j + i] = whole[3 * i + j] - modes[3 * i + j];
-  }
+  const field = restField(table, file, units, pose);
   const yields = new Float64Array(9);
   const inertia = new Float64Array(9);
   for (let i = 0; i < 3; i++)

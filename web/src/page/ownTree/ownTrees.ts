@@ -20,8 +20,8 @@ export interface OwnTreesPage {
   readonly forest: Forest;
   readonly catalogue: Catalogue;
   readonly visit: Visit;
-  /** Whether the forest is shared with others, so that what is planted here is planted for all. */
-  readonly isShared: boolean;
+  /** Whether the forest is shared with others now, so that what is planted here is planted for all. */
+  isShared(): boolean;
   /** The choice of planted trees changed: place the trees again, and remember it. */
   replant(): void;
   /** An upload has appeared in the forest. */
@@ -56,7 +56,7 @@ export class OwnTrees implements ProgressTools {
   }
 
   private added(id: string): void {
-    if (!this.page.isShared) {
+    if (!this.page.isShared()) {
       this.plant(id, plantedAs(this.page.settings, id) ?? "one");
       return;
     }
@@ -70,8 +70,7 @@ export class OwnTrees implements ProgressTools {
   /** Changes how an upload is planted; null removes it from the forest, but not from the server. */
   plant(id: string, how: Planted | null): void {
     plantAs(this.page.settings, id, how);
-    if (!this.page.isShared) this.uploads.change(id, { planted: how });
-    this.page.catalogue.choose();
+    if (!this.page.isShared()) this.uploads.change(id, { planted: how });
     this.page.replant();
   }
 

@@ -1,5 +1,6 @@
 /** The tree that this visitor holds: finds it in every placement, and turns places into orders for the worker. */
 import { Vector3 } from "three";
+import { exaggeration } from "../../scene/exaggeration";
 import type { Forest, MovingGroup } from "../../scene/forest";
 import {
   displacementOf,
@@ -59,7 +60,8 @@ export class HeldTree {
     const field = pull && this.client.pullFields.get(pull.table, vertex);
     const moved = displacementOf(tree, vertex, pull && { field, force_N: pull.force_N });
     const rest = restOf(tree.parts, vertex);
-    const own: Vector = [rest[0] + moved[0], rest[1] + moved[1], rest[2] + moved[2]];
+    const { value } = exaggeration;
+    const own: Vector = [rest[0] + value * moved[0], rest[1] + value * moved[1], rest[2] + value * moved[2]];
     return new Vector3(...toWorld(tree.data, tree.tree, own));
   }
 
@@ -76,11 +78,12 @@ export class HeldTree {
     if (!tree || !place) return;
     const wanted = toTree(tree.data, tree.tree, [target.x, target.y, target.z]);
     const rest = restOf(tree.parts, this.grip.vertex);
+    const { value } = exaggeration; // the hand follows what is drawn
     const order: PullOrder = {
       hand: HAND,
       at: place,
       vertex: this.grip.vertex,
-      target_m: [wanted[0] - rest[0], wanted[1] - rest[1], wanted[2] - rest[2]],
+      target_m: [(wanted[0] - rest[0]) / value, (wanted[1] - rest[1]) / value, (wanted[2] - rest[2]) / value],
     };
     this.client.pull(order);
   }
@@ -110,5 +113,6 @@ export function grabbedTree(forest: Forest, client: ForestClient, at: TreeAt): G
     poses,
     tree: at.tree,
     leafless: forest.isLeafless,
+    exaggeration: exaggeration.value,
   };
 }

@@ -102,7 +102,7 @@ export class Panel {
 
   private wind(folder: FolderApi): void {
     this.windNumber(folder, "mean_speed_m_s", "Mean speed (m/s)", fine);
-    this.windNumber(folder, "direction_deg", "From (°, 90 is east)", whole, {
+    this.windNumber(folder, "direction_deg", "From (90° = east)", whole, {
       shown: bearingFrom_deg,
       meant: directionFrom_deg,
     });

@@ -4,7 +4,7 @@
  */
 
 import { onlyExtrasLeft } from "../paper/paperState";
-import { isActive, type Job, pictureUrl, type TreeChange } from "../server/api";
+import { isActive, type Job, pictureUrl, type Tree, type TreeChange } from "../server/api";
 import { element, make } from "./dom";
 import { JobProgress } from "./jobProgress";
 import { displayName } from "./words";
@@ -55,8 +55,7 @@ export class ProgressCards {
     const own = this.tools.isOwn(tree.id);
     const concerned = tree.builtin || own || this.tools.isPlanted(tree.id);
     // The records of the paper's method and the bare table follow quietly once the table is complete.
-    if (!deleted && concerned && isActive(job) && !onlyExtrasLeft(job))
-      this.compute(tree.id, displayName(tree), job);
+    if (!deleted && concerned && isActive(job) && !onlyExtrasLeft(job)) this.compute(tree, job);
     else if (!deleted && job?.state === "failed") this.fail(tree.id, displayName(tree), job, own);
     else
       this.finish(tree.id, lastWords({ tree, job, deleted }), own && !deleted && tree.table_sha256 !== null);
@@ -102,13 +101,17 @@ export class ProgressCards {
     for (const name of Object.keys(OFFERS) as Offer[]) buttons[name].hidden = !offers.includes(name);
   }
 
-  private compute(id: string, name: string, job: Job): void {
+  private compute(tree: Tree, job: Job): void {
+    const { id } = tree;
+    const name = displayName(tree);
     if (this.cards.get(id)?.over) this.drop(id);
     const known = this.cards.has(id);
     const card = this.card(id, name);
     card.job.show(job);
     card.buttons.cancel.hidden = !this.tools.isOwn(id);
-    card.buttons.more.hidden = !this.tools.isOwn(id) || this.tools.isPlanted(id);
+    // In a shared forest the owner decides when it is planted for all; it must have a motion by then.
+    const plantable = tree.table_sha256 !== null && !this.tools.isPlanted(id);
+    card.buttons.more.hidden = !this.tools.isOwn(id) || !plantable;
     if (!known && this.tools.isPlanted(id)) this.planted(id);
     this.showPictures(card, name, job);
   }

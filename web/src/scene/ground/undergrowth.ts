@@ -76,7 +76,7 @@ const COLOUR = /* glsl */ `
   vec2 size = vec2(textureSize(uPlants, 0));
   float texels = max(length(dFdx(vPlant) * size), length(dFdy(vPlant) * size));
   // Mip levels reduce the coverage: restore it.
-  if (plant.a * (1.0 + 0.12 * max(0.0, log2(texels))) < 0.42) discard;
+  if (plant.a * (1.0 + 0.05 * max(0.0, log2(texels))) < 0.42) discard;
   vec3 own = plant.rgb / max(plant.a, 0.15);
   if (uBare > 0.5 && own.g < 0.5) discard; // the leaves have fallen
   vec3 leaf = vLook.rgb * (0.12 + 1.4 * own.r) * mix(vec3(1.15, 1.0, 0.75), vec3(0.9, 1.02, 1.1), own.b);

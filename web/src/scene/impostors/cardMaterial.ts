@@ -7,6 +7,7 @@ import {
   type Texture,
   Vector3,
 } from "three";
+import { exaggeration } from "../exaggeration";
 import { seasonal } from "../season/seasonal";
 import { air } from "../sky/air";
 import type { Atlas } from "./atlas";
@@ -20,6 +21,7 @@ export const shared = {
   /** 1 while the trees are bare, also where the pictures still have leaves. */
   uBare: { value: 0 },
   uTowardsSun: air.uSunWorld,
+  uExaggeration: exaggeration,
 };
 
 export interface CardUniforms {

@@ -18,6 +18,7 @@ attribute vec4 aBend;  // texels of the middle and the tip; or displacement x, z
 uniform vec3 uBoxM;    // metres per unit across and up, height of the centre
 uniform vec3 uTree;    // reach in units, height in m, height of the middle node relative to it
 uniform float uShare;
+uniform float uExaggeration;
 uniform vec3 uTowardsSun;
 uniform sampler2D uLeafMap;
 uniform float uMapped;
@@ -79,7 +80,7 @@ vec2 corner = position.xy * vec2(most, min(1.0, most * (abs(towards.y) + sqrt(1.
 vec3 card = across * corner.x + upward * corner.y;
 vec3 local = card * span + middleAt;
 vHeight = local.y / uTree.y;
-local += bendAt(vHeight);
+local += uExaggeration * bendAt(vHeight);
 vec3 transformed = aPlace.xyz + inWorld(local);
 vCard = card;
 vRay = card - eye;

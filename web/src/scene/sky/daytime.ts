@@ -14,7 +14,7 @@ const CLOUDS_M = 2500;
 const DEG = Math.PI / 180;
 const CLEAR: Weather = { cover: 0, dark: 0, speed_m_s: 0 };
 /** A storm looks darker and hazier than its light alone makes it. */
-const STORM_EXPOSURE = 0.2;
+const STORM_EXPOSURE = 0.12;
 const STORM_HAZE = 1.1;
 /** Extinction of driven snow per metre, the same for all colours: visibility of some hundred metres. */
 const SNOW_HAZE = 0.006;

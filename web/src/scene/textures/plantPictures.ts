@@ -119,11 +119,11 @@ function paintTwig(sheet: Sheet): void {
 
 /** A frond: pairs of narrow leaflets that get shorter towards tip and foot. */
 function paintFrond(sheet: Sheet): void {
-  const pairs = 17;
+  const pairs = 13;
   for (let k = 0; k < pairs; k++) {
     const t = (k + 1) / (pairs + 1);
     const at = (channel: number) => hashUnit(137, k, channel);
-    const length = 0.4 * (1 - t) ** 0.75 * (t + 0.05) ** 0.22 * (0.92 + 0.16 * at(0));
+    const length = 0.5 * (1 - t) ** 0.75 * (t + 0.05) ** 0.22 * (0.92 + 0.16 * at(0));
     for (const side of [-1, 1]) {
       sheet.leaf(
         {

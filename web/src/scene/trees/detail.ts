@@ -42,7 +42,7 @@ export function pieceSize(rank: number, share: number): number {
 /** Growth factor of the remaining leaves; same as in the shader. */
 export const leafGrowth = (share: number): number => Math.min(MOST_GROWTH, 1 / Math.sqrt(share));
 
-/** Position (xyz) of a leaf vertex at this share, scaled about the leaf's centre; same as in the shader. */
+/** Position (xyz) of a leaf vertex at this share, scaled about a point; same as in the shader. */
 export function grownLeaf(
   vertex: readonly number[],
   middle: readonly number[],

@@ -16,6 +16,8 @@ export interface GrabbedTree {
   readonly poses: Float32Array | null;
   readonly tree: number;
   readonly leafless: boolean;
+  /** Factor of the displacements on screen; 1 if omitted. */
+  readonly exaggeration?: number;
 }
 
 /** Vertices this near to the ray are hit, m, also at a distance. */
@@ -43,7 +45,7 @@ export function grabbedVertex(of: GrabbedTree, ray: Ray, slope: number): number 
   const nodes = new Float64Array(3 * motion.nodes);
   const place = new Float64Array(3);
   for (let node = 0; node < motion.nodes; node++) {
-    nodeNow(motion, poses, tree, node, place);
+    nodeNow(motion, poses, tree, node, place, of.exaggeration);
     for (let axis = 0; axis < 3; axis++)
       nodes[3 * node + axis] = place[axis] - motion.rest_m[3 * node + axis];
   }

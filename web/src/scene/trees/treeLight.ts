@@ -90,6 +90,10 @@ export const CROWN_LIGHT = /* glsl */ `
 float crownSky(float open) {
   return 0.58 + 0.42 * open;
 }
+/** Share of the sun that finds gaps: a low one meets more crowns on its way. high: sine of its elevation. */
+float crownGaps(float high) {
+  return 0.3 + 0.7 * smoothstep(0.05, 0.55, high);
+}
 /** Irradiance by sunlight that other leaves scattered; facing: cosine between the crown's normal and the sun. */
 vec3 crownGlow(vec3 sun, float open, float facing) {
   return sun * vec3(0.8, 1.0, 0.5) * (0.045 + 0.085 * smoothstep(-1.0, 0.7, facing)) * (0.5 + 0.5 * open);
@@ -101,15 +105,16 @@ const LEAF_LIGHT = /* glsl */ `
 #include <lights_fragment_end>
 vec3 skyward_ = (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz;
 float facingSun = dot(geometryNormal, directLight.direction);
+float gaps = crownGaps(dot(directLight.direction, skyward_));
 reflectedLight.indirectDiffuse *= crownSky(vPiece.y);
 reflectedLight.directDiffuse *= 0.6 + 0.4 * vPiece.y;
 vec3 leafTint = diffuseColor.rgb * RECIPROCAL_PI;
-reflectedLight.indirectDiffuse += leafTint * crownGlow(uSunColour, vPiece.y, facingSun);
+reflectedLight.indirectDiffuse += leafTint * gaps * crownGlow(uSunColour, vPiece.y, facingSun);
 // Through the leaf: the sun, of which some passes between the leaves that a shadow map merges, and the sky above it.
 float through = pow(saturate(dot(-geometryViewDir, directLight.direction)), 3.0);
 float behind = saturate(0.45 - 0.55 * facingSun);
 float beneath = saturate(-dot(geometryViewDir, skyward_));
-vec3 passed = mix(uSunColour, directLight.color, 0.78) * (0.35 + 0.65 * vPiece.y) * (0.6 * through + 0.34 * behind)
+vec3 passed = mix(directLight.color, uSunColour, 0.22 * gaps) * (0.35 + 0.65 * vPiece.y) * (0.6 * through + 0.34 * behind)
   + uSkyColour * crownSky(vPiece.y) * 0.5 * beneath;
 reflectedLight.directDiffuse += leafTint * passed * vec3(1.12, 1.0, 0.5);
 #if defined(CUTICLE) && defined(USE_MAP)
@@ -130,6 +135,7 @@ const WOOD_LIGHT = /* glsl */ `
 #include <lights_fragment_end>
 reflectedLight.indirectDiffuse *= crownSky(vPiece.y);
 reflectedLight.indirectDiffuse += diffuseColor.rgb * RECIPROCAL_PI * 0.7
+  * crownGaps(dot(directLight.direction, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz))
   * crownGlow(uSunColour, vPiece.y, dot(geometryNormal, directLight.direction));
 `;
 

@@ -2,6 +2,7 @@
 import type { Color, Material, WebGLProgramParametersWithUniforms } from "three";
 import { LOT_SHADER } from "./boughLots";
 import { EDGE, MOST_GROWTH } from "./detail";
+import { LEAF_FLUTTER } from "./leafFlutter";
 import type { Part } from "./mesh/treeMesh";
 import { PULL_PARS } from "./pull/pullShader";
 import type { PullUniforms } from "./pull/pullSlots";
@@ -35,7 +36,7 @@ const VERTEX_PARS = /* glsl */ `
 attribute vec4 aPlace; // x, y, z in m; first texel of the tree in the node target
 attribute vec4 aTurn;  // scale*cos(yaw), scale*sin(yaw), scale, share of the pieces that are drawn
 attribute vec4 aTint;  // colour; weight relative to the texture colour
-attribute vec4 aAnchor; // point to which the leaf or branch shrinks; lot of its bough, negative: every tree has it
+attribute vec4 aAnchor; // base of the branch or petiole, to which it shrinks; lot of its bough, negative: every tree has it
 attribute vec4 aPiece; // random number of the piece, openness to the sky, flutter weight, rank
 #ifndef STILL
 attribute float aNode;
@@ -48,7 +49,7 @@ uniform vec2 uFlutter;
 uniform float uLeafShare;
 varying vec4 vTint;
 varying vec4 vPiece;
-${LOT_SHADER}`;
+${LOT_SHADER}${LEAF_FLUTTER}`;
 
 const NORMAL = /* glsl */ `
 vec3 objectNormal = normalize(vec3(
@@ -65,12 +66,11 @@ vec3 local = mix(aAnchor.xyz, position, grown);
 #ifndef STILL
   int nodeIndex = int(aPlace.w + 0.5) + int(aNode + 0.5);
   vec4 motion = texelFetch(uNodes, ivec2(nodeIndex & ((1 << uNodeShift) - 1), nodeIndex >> uNodeShift), 0);
-  local += uExaggeration * (motion.xyz + pulledBy());
   #ifdef LEAVES
-    float tremble = uFlutter.y * aPiece.z * min(motion.w, 14.0) * 0.0045;
-    float beat = uFlutter.x * (5.0 + 4.0 * aPiece.x) + 40.0 * aPiece.x + dot(aPlace.xz, vec2(1.7, 2.3));
-    local += tremble * vec3(sin(beat), 0.7 * sin(beat * 1.31 + 1.0), cos(beat * 0.83));
+    float leafSwing = uFlutter.y * aPiece.z * leafAngle(aPiece.x, motion.w, uFlutter.x + dot(aPlace.xz, vec2(0.7, 1.1)));
+    local = aAnchor.xyz + turned(local - aAnchor.xyz, leafAxis(aPiece.x), leafSwing);
   #endif
+  local += uExaggeration * (motion.xyz + pulledBy());
 #endif
 #ifdef LEAVES
   local *= step(aPiece.x, uLeafShare); // fallen leaves collapse to a point
@@ -79,6 +79,9 @@ vec3 transformed = aPlace.xyz + vec3(
   aTurn.x * local.x + aTurn.y * local.z, aTurn.z * local.y, aTurn.x * local.z - aTurn.y * local.x);
 vTint = aTint;
 vPiece = aPiece;
+#if defined(LEAVES) && !defined(STILL)
+  vPiece.y = clamp(vPiece.y * (1.0 + 0.5 * leafSwing), 0.0, 1.0); // a leaf that turns catches more light, or less
+#endif
 `;
 
 function patchVertex(shader: WebGLProgramParametersWithUniforms, part: Part, moves: boolean): void {

@@ -15,6 +15,8 @@ export interface SocketHandlers {
 const PING_EVERY_MS = 1000;
 /** A connection without messages for this long is closed. */
 const DEAD_MS = 5000;
+/** Until the requested data arrive, because the server answers nothing while it loads the tables of a forest. */
+const DEAD_AT_FIRST_MS = 20_000;
 /** So is one that is not established after this long. */
 const CONNECTED_WITHIN_MS = 10_000;
 
@@ -31,6 +33,8 @@ export class ForestSocket {
   private readonly backoff = new Backoff();
   private waiting: ReturnType<typeof setTimeout> | null = null;
   private suspended = false;
+  /** Whether the requested data have arrived over this connection. */
+  private answered = false;
   private disposed = false;
   private readonly pinging = setInterval(() => this.ping(), PING_EVERY_MS);
 
@@ -47,6 +51,7 @@ export class ForestSocket {
     const socket = new WebSocket(this.url);
     this.socket = socket;
     this.begun_ms = performance.now();
+    this.answered = false;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.send({ type: "hello", client: "galewood-web" });
@@ -93,13 +98,15 @@ export class ForestSocket {
   /** Called when the requested data arrives. */
   arrived(): void {
     this.lost = false;
+    this.answered = true;
     this.backoff.reset();
   }
 
   private ping(): void {
     const now_ms = performance.now();
     const unconnected = this.socket?.readyState === WebSocket.CONNECTING;
-    if (now_ms - this.lastMessage_ms > DEAD_MS) this.socket?.close();
+    const patience_ms = this.answered ? DEAD_MS : DEAD_AT_FIRST_MS;
+    if (now_ms - this.lastMessage_ms > patience_ms) this.socket?.close();
     else if (unconnected && now_ms - this.begun_ms > CONNECTED_WITHIN_MS) this.socket?.close();
     this.send({ type: "ping", t: performance.now() });
     this.kB_s = this.bytes / PING_EVERY_MS;

@@ -69,6 +69,18 @@ export function componentCentres(components: Components, positions: ArrayLike<nu
   return centres;
 }
 
+/** Where each leaf is attached: its first vertex, xyz packed. */
+export function petioles(components: Components, positions: ArrayLike<number>): Float32Array {
+  const bases = new Float32Array(components.count * 3);
+  const known = new Uint8Array(components.count);
+  components.ofVertex.forEach((piece, v) => {
+    if (known[piece]) return;
+    known[piece] = 1;
+    for (let axis = 0; axis < 3; axis++) bases[piece * 3 + axis] = positions[v * 3 + axis];
+  });
+  return bases;
+}
+
 /** Largest distance of a vertex of each piece from the piece's centre. */
 export function componentRadii(
   components: Components,

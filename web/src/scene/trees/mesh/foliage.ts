@@ -1,5 +1,5 @@
 /** Precomputed shading of foliage: rounded normals, openness to the sky, flutter weights. Pure. */
-import type { Components } from "./components";
+import { type Components, petioles } from "./components";
 
 interface Point {
   x: number;
@@ -39,20 +39,22 @@ export function openness(positions: Float32Array, centre: Point, radius_m: numbe
   return out;
 }
 
-/** Flutter weight of each leaf vertex by distance from the first vertex: 0 at the twig, 1 at the tip. */
-export function leafReach(pieces: Components, positions: Float32Array): Float32Array {
-  const first = new Int32Array(pieces.count).fill(-1);
-  const reach = new Float32Array(pieces.ofVertex.length);
+/** A leaf of this length, m, flutters fully; a longer piece less, so that its tip does not sweep far. */
+const FULL_LENGTH_M = 0.25;
+
+/** Flutter weight of each leaf vertex, the same for a whole piece: 1 for small leaves, less for large pieces. */
+export function leafFreedom(pieces: Components, positions: Float32Array): Float32Array {
+  const bases = petioles(pieces, positions);
   const longest = new Float32Array(pieces.count);
   pieces.ofVertex.forEach((piece, v) => {
-    if (first[piece] < 0) first[piece] = v;
-    const f = first[piece] * 3;
-    reach[v] = Math.hypot(
-      positions[v * 3] - positions[f],
-      positions[v * 3 + 1] - positions[f + 1],
-      positions[v * 3 + 2] - positions[f + 2],
+    const reach = Math.hypot(
+      positions[v * 3] - bases[piece * 3],
+      positions[v * 3 + 1] - bases[piece * 3 + 1],
+      positions[v * 3 + 2] - bases[piece * 3 + 2],
     );
-    longest[piece] = Math.max(longest[piece], reach[v]);
+    longest[piece] = Math.max(longest[piece], reach);
   });
-  return reach.map((r, v) => (longest[pieces.ofVertex[v]] > 0 ? r / longest[pieces.ofVertex[v]] : 0));
+  return Float32Array.from(pieces.ofVertex, (piece) =>
+    Math.min(1, FULL_LENGTH_M / Math.max(longest[piece], 1e-6)),
+  );
 }

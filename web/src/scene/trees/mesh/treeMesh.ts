@@ -13,14 +13,8 @@ import { ALWAYS, lotsOf, pieceLots } from "../boughLots";
 import { branchBases, leafRanks, rankedIndex, woodRanks } from "../detail";
 import { bareShoots } from "./bareShoots";
 import { type BornePart, boughsOf } from "./boughs";
-import {
-  type Components,
-  componentCentres,
-  connectedComponents,
-  holders,
-  weldedComponents,
-} from "./components";
-import { leafReach, openness, roundNormals } from "./foliage";
+import { type Components, connectedComponents, holders, petioles, weldedComponents } from "./components";
+import { leafFreedom, openness, roundNormals } from "./foliage";
 
 /** Wood moves with its branch; leaves also flutter and are lit from both sides. */
 export type Part = "wood" | "leaves";
@@ -95,7 +89,7 @@ interface PieceDetail {
 const leafDetail = (of: Components, positions: Float32Array): PieceDetail => ({
   of,
   ranks: leafRanks(of),
-  anchors: componentCentres(of, positions),
+  anchors: petioles(of, positions),
 });
 
 /** A bare tree consists of branches only: they keep rank 0 and are always drawn. */
@@ -127,7 +121,7 @@ function partFrom(
   const leaves = kind === "leaves";
   const normals = floats(geometry.getAttribute("normal") as BufferAttribute);
   const open = openness(positions, centre, radius_m);
-  const reach = leaves ? leafReach(pieces, positions) : new Float32Array(vertices);
+  const reach = leaves ? leafFreedom(pieces, positions) : new Float32Array(vertices);
   const { ranks, anchors, of } = leaves ? leafDetail(pieces, positions) : woodDetail(index, positions, bare);
   const piece = new Float32Array(vertices * 4);
   const anchor = new Float32Array(vertices * 4).fill(ALWAYS);
