@@ -91,12 +91,16 @@ export class FarWood {
     for (const [id, stand] of this.stands) {
       const model = this.asset(id)?.model;
       const atlas = model ? this.library.atlasOf(model) : null;
+      if (!atlas) {
+        stand.cards?.hide();
+        continue;
+      }
       if (stand.cards?.atlas !== atlas) {
         stand.cards?.dispose();
-        stand.cards = atlas && new Cards(atlas, null);
-        stand.cards?.addTo(this.group);
+        stand.cards = new Cards(atlas, null);
+        stand.cards.addTo(this.group);
       }
-      if (stand.cards) stand.trees.select(stand.cards, view);
+      stand.trees.select(stand.cards, view);
     }
   }
 

@@ -214,6 +214,12 @@ export class Baker {
     this.canvas = null;
   }
 
+  /** After a loss of the graphics context, with which everything went. */
+  forget(): void {
+    this.sitter = null;
+    this.canvas = null;
+  }
+
   dispose(): void {
     this.rest();
     this.screen.dispose();

@@ -132,6 +132,11 @@ export class Cards {
     group.add(this.seen.mesh, this.casting.mesh);
   }
 
+  hide(): void {
+    this.seen.show(0);
+    this.casting.show(0);
+  }
+
   dispose(): void {
     for (const { mesh } of [this.seen, this.casting]) {
       mesh.removeFromParent();

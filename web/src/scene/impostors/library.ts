@@ -67,7 +67,7 @@ export class ImpostorLibrary {
 
   /** After a loss of the graphics context: its pictures are gone. */
   renew(): void {
-    this.baker.rest();
+    this.baker.forget();
     for (const atlas of this.atlases.values()) {
       atlas.complete = false;
       atlas.restart(this.leafless);

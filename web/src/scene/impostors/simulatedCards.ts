@@ -29,9 +29,12 @@ export class SimulatedCards implements FarCards {
 
   get from_m(): number {
     const atlas = this.library.atlasOf(this.model);
-    if (!atlas) this.drop();
-    else if (this.cards?.atlas !== atlas) this.take(atlas);
-    if (!this.cards) return Number.POSITIVE_INFINITY;
+    if (!atlas) {
+      // Not disposed of: after a loss of the graphics context the same atlas is baked again.
+      this.cards?.seen.show(0);
+      return Number.POSITIVE_INFINITY;
+    }
+    if (this.cards?.atlas !== atlas) this.take(atlas);
     const way = Math.min(1, (performance.now() - this.since_ms) / ARRIVAL.time_ms);
     if (way < 1) this.library.arriving = true;
     return ARRIVAL.from_m + (this.library.from_m - ARRIVAL.from_m) * way;
