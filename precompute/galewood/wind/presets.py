@@ -37,9 +37,9 @@ PRESETS: dict[str, Wind] = {
         mean_speed_m_s=9.0, gustiness=0.75, convection_speed_m_s=10.0, model="spectral", length_scale_m=28.0
     ),
     "storm-front": Wind(
-        mean_speed_m_s=18.0,
+        mean_speed_m_s=20.0,
         gustiness=0.9,
-        convection_speed_m_s=18.0,
+        convection_speed_m_s=16.0,
         model="navier-stokes",
         length_scale_m=34.0,
     ),

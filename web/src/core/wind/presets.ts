@@ -58,9 +58,9 @@ export const PRESETS = {
   "storm-front": {
     ...base,
     model: "navier-stokes",
-    mean_speed_m_s: 18,
+    mean_speed_m_s: 20,
     gustiness: 0.9,
-    convection_speed_m_s: 18,
+    convection_speed_m_s: 16,
     length_scale_m: 34,
   },
 } satisfies Record<string, WindDocument>;
