@@ -138,3 +138,34 @@ test.describe("the anemometer", () => {
     expect(tip_m).toBeGreaterThan(0.01);
   });
 });
+
+test.describe("presets", () => {
+  test.use(wide);
+
+  /** Root mean square of the mean crown displacement about its mean, m, over some seconds of the forest's time. */
+  const sway = (seconds: number) =>
+    new Promise<number>((resolve) => {
+      const track: number[][] = [];
+      const from_s = window.galewood!.time_s;
+      const look = () => {
+        const { time_s, crownDisplacement_m } = window.galewood!;
+        if (time_s > from_s + 3) track.push([...crownDisplacement_m]);
+        if (time_s < from_s + seconds) return requestAnimationFrame(look);
+        const mean = [0, 1, 2].map((axis) => track.reduce((sum, at) => sum + at[axis], 0) / track.length);
+        const square = track.reduce((sum, at) => sum + at.reduce((all, x, axis) => all + (x - mean[axis]) ** 2, 0), 0);
+        return resolve(Math.sqrt(square / track.length));
+      };
+      look();
+    });
+
+  test("a storm moves the trees more than a breeze", async ({ page }) => {
+    await open(page, panelled);
+    await forest(page);
+    const moved: number[] = [];
+    for (const name of ["Breeze", "Storm front"]) {
+      await page.getByRole("button", { name, exact: true }).click();
+      moved.push(await page.evaluate(sway, 20));
+    }
+    expect(moved[1]).toBeGreaterThan(2 * moved[0]);
+  });
+});
