@@ -79,3 +79,10 @@ test.describe("on a phone", () => {
     await expect(page.getByLabel("Mean speed (m/s)").first()).toBeVisible();
   });
 });
+
+test("the forest goes on beyond the simulated trees", async ({ page }) => {
+  await open(page, SMALL.replace("background=0", "background=1"));
+  await forest(page);
+  await background(page);
+  expect(await page.evaluate(() => window.galewood!.statistics.impostors.backgroundTrees)).toBeGreaterThan(100);
+});

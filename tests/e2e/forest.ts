@@ -4,7 +4,7 @@ import { PNG } from "pngjs";
 
 export { expect };
 
-export const SMALL = "panel=0&quality=low&trees=6&flutter=0";
+export const SMALL = "panel=0&quality=low&trees=6&flutter=0&background=0";
 
 /** Tests fail if the console of the page shows errors or warnings. */
 export const test = base.extend<{ quiet: string[] }>({

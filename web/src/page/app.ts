@@ -120,6 +120,7 @@ export class App {
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
     // three.js creates its own resources again when it draws; what depends on the view is selected again.
     this.graphics = new ContextLoss(this.stage.renderer.domElement, () => this.applyScenery());
+    this.stage.backdrop.shown = settings.background;
     this.forest = new Forest(this.speciesOptions(), this.stage.backdrop.library);
     this.stage.scene.add(this.forest.group);
     this.applyScenery();
@@ -342,6 +343,10 @@ export class App {
     if (key === "quality") {
       this.stage.setQuality(this.settings.quality);
       this.forest.options = this.speciesOptions();
+      this.planting.place();
+    }
+    if (key === "background") {
+      this.stage.backdrop.shown = this.settings.background;
       this.planting.place();
     }
     if (key === "exaggeration") this.exaggerate();

@@ -47,6 +47,9 @@ export class Backdrop {
     canvas.addEventListener("webglcontextrestored", this.renew);
   }
 
+  /** Whether there are distant trees; from the next planting on. */
+  shown = true;
+
   setQuality(quality: Quality): void {
     this.quality = quality;
     this.library.setDetail(BAKED_PX[quality]);
@@ -70,10 +73,11 @@ export class Backdrop {
   }
 
   private plant(planted: Planted): void {
-    const models = planted.assets.filter(({ model }) => model !== null);
+    const assets = this.shown ? planted.assets : [];
+    const models = assets.filter(({ model }) => model !== null);
     models.sort((a, b) => Number(b.builtin) - Number(a.builtin));
     this.library.keep(models.flatMap(({ model }) => model ?? []));
-    this.wood.populate(planted, this.quality);
+    this.wood.populate({ ...planted, assets }, this.quality);
     this.shadeOutdated = true;
     this.changed = true;
   }

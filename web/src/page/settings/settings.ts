@@ -34,6 +34,8 @@ export interface Settings {
   daytime: number;
   /** Factor of all displacements on screen; above 1 the motion is exaggerated. */
   exaggeration: number;
+  /** Whether a forest continues beyond the simulated trees, and distant ones are drawn from pictures. */
+  background: boolean;
   /** Leaf flutter, added by the shader to the simulated motion. */
   flutter: boolean;
   panel: boolean;
@@ -67,6 +69,7 @@ export const DEFAULTS: Settings = {
   season: "autumn",
   daytime: 0.66,
   exaggeration: 1,
+  background: true,
   flutter: true,
   panel: true,
   embed: false,
@@ -81,7 +84,7 @@ const NAMES: Record<NumberKey, string> = {
   exaggeration: "motion",
 };
 
-const FLAGS = { panel: "panel", flutter: "flutter", embed: "embed" } as const;
+const FLAGS = { panel: "panel", background: "background", flutter: "flutter", embed: "embed" } as const;
 const numberKeys = Object.keys(LIMITS) as NumberKey[];
 /** Parses "maple:0.5,poplar:0"; invalid parts are ignored. */
 function sharesFrom(text: string): Record<string, number> {

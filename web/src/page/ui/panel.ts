@@ -120,6 +120,7 @@ export class Panel {
       "Open-grown": "open",
       "Forest-grown": "forest",
     });
+    this.choice(folder, "background", "Distant forest");
     this.choice(folder, "quality", "Render quality", { Low: "low", Medium: "medium", High: "high" });
   }
 
@@ -167,7 +168,7 @@ export class Panel {
 
   private choice(
     folder: FolderApi,
-    key: "flutter" | "form" | "quality" | "lookup" | "method",
+    key: "background" | "flutter" | "form" | "quality" | "lookup" | "method",
     label: string,
     options?: object,
   ): BladeApi {
