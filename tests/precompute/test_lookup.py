@@ -27,7 +27,7 @@ def blown(forest: PaperForest, pressure: tuple[float, float], steps: int) -> np.
 
 def test_matches_the_golden_steps() -> None:
     for golden in json.loads((GOLDEN / "walk.json").read_text()):
-        found = paper_steps(TABLE, golden["pose_easing"])
+        found = paper_steps(decode((GOLDEN / "pole.safetensors").read_bytes()), golden["pose_easing"])
         assert found["records"] == golden["records"]
         assert np.array_equal(found["poses"], golden["poses"])
 

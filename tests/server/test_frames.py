@@ -7,6 +7,7 @@ import gc
 import weakref
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -265,10 +266,10 @@ def test_a_failing_forest_does_not_affect_others(forests: Forests, monkeypatch: 
         await forests.join(plan(20), steady(Wind()), well)
         step = ForestStepper.step
 
-        def fail(stepper: ForestStepper) -> None:
+        def fail(stepper: ForestStepper, *pulls: Any) -> Any:
             if stepper.shapes[0][0] == 10:
                 raise ZeroDivisionError("on purpose")
-            step(stepper)
+            return step(stepper, *pulls)
 
         monkeypatch.setattr(ForestStepper, "step", fail)
         await until(lambda: sick.aborted)

@@ -10,7 +10,8 @@ from galewood.player import point_response
 from galewood.table import decode
 from galewood.wind.evaluation import Wind
 from galewood_server.stream import wire
-from galewood_server.stream.pulls import ForestHands, GroupPulls
+from galewood_server.stream.forest_hands import ForestHands
+from galewood_server.stream.pulls import GroupPulls
 from galewood_server.stream.wire_pull import MOST_PULLS
 
 from tests.server.conftest import Server

@@ -171,7 +171,7 @@ def against_converged(
 
 def compare(table: Table, source: Source, q: Floats, reference_m: Array, lead: int = 0) -> dict[str, Any]:
     """Error figures of q (T, r) at the wood's vertices, and under ``rendered`` at the render vertices."""
-    height_m = float(table.metadata["height_m"])
+    height_m, q = float(table.metadata["height_m"]), q[:, : source.subspace.modes]
     wood, rendered = [], []
     for a in range(0, len(q), CHUNK):
         pose, exact = q[a : a + CHUNK], reference_m[a : a + CHUNK]
@@ -192,8 +192,9 @@ def compare(table: Table, source: Source, q: Floats, reference_m: Array, lead: i
 
 
 def rendered_track(table: Table, source: Source, q: Floats) -> Floats:
-    """(T, s, 3) displacement of the distinct render vertices with their nodes, m."""
-    nodes = np.einsum("nik,tk->tni", table.node_basis.astype(np.float64), q)
+    """(T, s, 3) displacement of the distinct render vertices with their nodes, m, by the first modes of q."""
+    basis = table.node_basis[:, :, : q.shape[1]].astype(np.float64)
+    nodes = np.einsum("nik,tk->tni", basis, q)
     return nodes[:, source.rendered.node]
 
 

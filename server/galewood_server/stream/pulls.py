@@ -1,46 +1,23 @@
-"""The hands that pull trees of one forest: who pulls what, and the pulled trees of each table."""
+"""The pulled trees of each table of a forest. Loads compiled kernels; who pulls is in ``forest_hands``."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from galewood.player import PullError, PullingHand, WindDrivenTrees, point_response
 from galewood.table import Compliance, Table
 
+from galewood_server.stream.forest_hands import STILL
 from galewood_server.stream.wire_forest import Trees
-from galewood_server.stream.wire_pull import MOST_PULLS, Pull, Pulling, Vector
+from galewood_server.stream.wire_pull import Pull, Pulling, Vector
 
 log = logging.getLogger("galewood.stream")
 SAME_PLACE_M = 0.05
 EASE_S = 0.7
 """Time in which a tree of the paper's method, which has no oscillators, returns after a release."""
-STILL: Vector = (0.0, 0.0, 0.0)
-
-
-class ForestHands:
-    """The pulls that clients hold, by client. One per client; changed in the event loop, read by the step."""
-
-    def __init__(self) -> None:
-        self._held: dict[object, Pull] = {}
-
-    def pull(self, client: object, pull: Pull) -> bool:
-        """Begin or continue a pull; whether the forest has room for it."""
-        if client not in self._held and len(self._held) >= MOST_PULLS:
-            return False
-        self._held = {**self._held, client: pull}
-        return True
-
-    def release(self, client: object) -> None:
-        """Let go."""
-        self._held = {one: pull for one, pull in self._held.items() if one is not client}
-
-    @property
-    def pulls(self) -> Sequence[Pull]:
-        """All pulls; safe to read in another thread."""
-        return tuple(self._held.values())
 
 
 @dataclass

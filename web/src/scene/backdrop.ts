@@ -118,8 +118,8 @@ export class Backdrop {
       this.shadeOutdated = true;
       this.changed = true;
     }
-    const busy =
-      this.planted || !this.library.isReady || this.library.arriving || this.changed || this.shadeOutdated;
+    const baking = this.shown && !this.library.isReady;
+    const busy = this.planted || baking || this.library.arriving || this.changed || this.shadeOutdated;
     this.quiet = busy ? 0 : this.quiet + 1;
   }
 
