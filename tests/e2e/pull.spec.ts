@@ -4,7 +4,7 @@ import { expect, forest, frames, open, sway_m, test } from "./forest";
 test.use({ deviceScaleFactor: 0.5, viewport: { width: 480, height: 300 } });
 test.setTimeout(240_000);
 
-const STILL = "panel=0&quality=low&trees=2&flutter=0&speed=0&gust=0";
+const STILL = "panel=0&quality=low&trees=2&flutter=0&background=0&speed=0&gust=0";
 
 interface Tree {
   id: number;
@@ -48,13 +48,13 @@ const topOf = (page: Page, id: number) =>
 async function gripOf(page: Page, id: number): Promise<{ x: number; y: number }> {
   const top = await topOf(page, id);
   if (!top) throw new Error("the tip is not in view");
+  const grabs = () => page.evaluate(() => document.getElementById("view")!.style.cursor === "grab");
   for (let y = top.y; y < top.y + 120; y += 8) {
-    await page.mouse.move(top.x, y);
-    const grabs = await page
-      .waitForFunction(() => document.getElementById("view")!.style.cursor === "grab", null, { timeout: 1500 })
-      .catch(() => null);
-    if (grabs) return { x: top.x, y };
-    await page.mouse.move(top.x, y + 1);
+    for (const x of [top.x, top.x - 8, top.x + 8]) {
+      await page.mouse.move(x, y);
+      await frames(page, 3);
+      if (await grabs()) return { x, y };
+    }
   }
   throw new Error("nothing to grab near the tip");
 }
