@@ -73,7 +73,7 @@ test.describe("the rose", () => {
     const after = await page.evaluate(() => window.galewood!.wind);
     await page.mouse.up();
     expect(after.direction_deg).toBe(before.direction_deg);
-    expect(Math.abs(after.mean_speed_m_s - before.mean_speed_m_s)).toBeLessThan(0.5);
+    expect(Math.abs(after.mean_speed_m_s - before.mean_speed_m_s)).toBeLessThan(2); // a pixel; the shift would be 20
   });
 
   test("the arrow can be moved with the keyboard and describes the wind", async ({ page }) => {

@@ -190,6 +190,7 @@ export class App {
       problem: showToast,
     });
     this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
+    this.picker.enabled = () => !this.studio.isPlacing;
     const moves = () => !this.paused && !this.playback.paused;
     this.puller = new Puller(this.stage, this.forest, this.client, this.picker, moves);
     this.gusts = new Gusts(this.stage, this.client);
@@ -403,7 +404,6 @@ export class App {
   private move(dt_s: number, playing = true): void {
     if (playing && !this.paused) this.client.advance(dt_s, this.stage.camera.position);
     if (playing) this.takePoses();
-    this.picker.enabled = !this.studio.isPlacing;
     this.picker.advance(dt_s);
     this.ownTrees.advance();
     this.puller.advance();

@@ -32,8 +32,8 @@ const FOLLOW_S = 0.35;
 export class TreePicker {
   /** Whether the camera keeps the picked tree in the middle. */
   following = false;
-  /** Whether clicks pick trees. */
-  enabled = true;
+  /** Whether a press may select; asked at the press, because what it was for may be over at the release. */
+  enabled: () => boolean = () => true;
   /** Called with the place of a click on open ground. */
   onGround: (x_m: number, z_m: number) => void = () => {};
   private picked: PickedTree | null = null;
@@ -61,13 +61,14 @@ export class TreePicker {
   }
 
   private readonly press = (event: PointerEvent): void => {
-    this.pressed = event.isPrimary && event.button === 0 ? { x: event.clientX, y: event.clientY } : null;
+    const meant = event.isPrimary && event.button === 0 && this.enabled();
+    this.pressed = meant ? { x: event.clientX, y: event.clientY } : null;
   };
 
   private readonly release = (event: PointerEvent): void => {
     const { pressed } = this;
     this.pressed = null;
-    if (!this.enabled || !pressed || !event.isPrimary) return;
+    if (!pressed || !event.isPrimary) return;
     if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > CLICK_PX) return;
     const picked = this.find(event.clientX, event.clientY);
     this.select(picked);
