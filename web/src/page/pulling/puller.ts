@@ -102,7 +102,7 @@ export class Puller {
   }
 
   private get enabled(): boolean {
-    return this.picker.enabled && this.playing();
+    return this.picker.enabled() && this.playing();
   }
 
   // ---- mouse and finger ---------------------------------------------------------------------------
