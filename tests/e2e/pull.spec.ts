@@ -49,8 +49,9 @@ async function gripOf(page: Page, id: number): Promise<{ x: number; y: number }>
   const top = await topOf(page, id);
   if (!top) throw new Error("the tip is not in view");
   const grabs = () => page.evaluate(() => document.getElementById("view")!.style.cursor === "grab");
-  for (let y = top.y; y < top.y + 120; y += 8) {
-    for (const x of [top.x, top.x - 8, top.x + 8]) {
+  // Trees are selected by their outline, but held at their wood and leaves, between which there are gaps.
+  for (let y = top.y; y < top.y + 160; y += 12) {
+    for (const x of [top.x, top.x - 16, top.x + 16, top.x - 32, top.x + 32]) {
       await page.mouse.move(x, y);
       await frames(page, 3);
       if (await grabs()) return { x, y };
