@@ -230,6 +230,8 @@ def test_builtin_trees_are_registered_and_computed_once(
         wait_until(lambda: api.get("/api/trees/small").json().get("state") == "ready", LONG_S)
         first = api.get("/api/trees/small").json()
         assert first["builtin"] and first["species"] == "maple"
+        # The tree is ready before its job has ended; an unfinished job would go on with the changed mesh.
+        wait_until(lambda: api.get(f"/api/jobs/{first['job_id']}").json()["state"] == "done", LONG_S)
         assert_problem(api.delete("/api/trees/small"), 403, "builtin-tree")
     server.stop()
     again = start_server(FAKE_STEP_S="0.01", **environment)
