@@ -29,7 +29,7 @@ class PullError(ValueError):
 
 
 PULL_SHARE = 0.4
-"""Largest force of a hand over that which breaks the wood: up to it a linear response is off by about 2 % at most."""
+"""Largest force of a hand over the breaking force: up to it a linear response is off by about 2 % at most."""
 
 
 @dataclass(frozen=True)
