@@ -23,7 +23,7 @@ def fbx_bytes(
             f"PolygonVertexIndex: {_array(str(c) for c in corners)}\n"
             'LayerElementMaterial: 0 {\nVersion: 101\nName: ""\nMappingInformationType: "AllSame"\n'
             'ReferenceInformationType: "IndexToDirect"\nMaterials: *1 {\na: 0\n}\n}\n'
-            'Layer: 0 {\nVersion: 100\nLayerElement: {\n'
+            "Layer: 0 {\nVersion: 100\nLayerElement: {\n"
             'Type: "LayerElementMaterial"\nTypedIndex: 0\n}\n}\n}\n'
             f'Model: {model}, "Model::{name}", "Mesh" {{\nVersion: 232\n}}\n'
             f'Material: {material}, "Material::{name}", "" {{\nVersion: 102\nShadingModel: "lambert"\n'

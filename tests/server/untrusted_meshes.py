@@ -128,6 +128,7 @@ def cases() -> list[Case]:
         Case("one triangle", "a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 422),
         Case("a plane", "a.obj", flat, 422),
         Case("random triangles", "a.stl", stl_of(400), 422),
+        Case("a zip without a model", "a.obj", zip_file(), 415, ("unsupported-type",)),
         Case("a zip bomb", "a.obj", zip_bomb(), 413, ("zip-ratio",)),
         Case("a buffer elsewhere", "a.gltf", reaching_gltf("../../../../etc/passwd"), 400),
         Case("a buffer on a host", "a.gltf", reaching_gltf("http://127.0.0.1:1/x.bin"), 400),

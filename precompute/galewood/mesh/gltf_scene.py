@@ -45,17 +45,13 @@ def world_matrices(document: Json) -> dict[int, Floats]:
 
 def _walk(nodes: list[Json], roots: list[int]) -> list[tuple[int, Floats]]:
     found: list[tuple[int, Floats]] = []
+    if len(roots) > MAX_VISITS:
+        raise _too_deep()
     stack = [(index, np.eye(4), 0) for index in reversed(roots)]
     while stack:
         index, parent, depth = stack.pop()
         if depth > MAX_DEPTH or len(found) > MAX_VISITS:
-            raise MeshError(
-                "nodes-too-deep",
-                "unsuitable",
-                f"The glTF has more than {MAX_VISITS} nodes, or they are nested deeper than {MAX_DEPTH} "
-                "levels or form a cycle.",
-                "Apply the transforms and export a single mesh.",
-            )  # fmt: skip
+            raise _too_deep()
         if index < 0:
             raise IndexError(f"node {index}")
         node = nodes[index]
@@ -63,6 +59,15 @@ def _walk(nodes: list[Json], roots: list[int]) -> list[tuple[int, Floats]]:
         found.append((index, world))
         stack.extend((child, world, depth + 1) for child in reversed(node.get("children", [])))
     return found
+
+
+def _too_deep() -> MeshError:
+    return MeshError(
+        "nodes-too-deep", "unsuitable",
+        f"The glTF has more than {MAX_VISITS} nodes, or they are nested deeper than {MAX_DEPTH} levels or "
+        "form a cycle.",
+        "Apply the transforms and export a single mesh.",
+    )  # fmt: skip
 
 
 def _roots(document: Json, nodes: list[Json]) -> list[int]:
