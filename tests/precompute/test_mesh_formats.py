@@ -1,5 +1,6 @@
 """Every format gives the tree of the plain file, within its quantisation; what is dropped is reported."""
 
+import base64
 import io
 import json
 import zipfile
@@ -7,6 +8,7 @@ import zipfile
 import meshopt
 import numpy as np
 import pytest
+from galewood.mesh.beside import mesh_with_companions
 from galewood.mesh.colours import linear_from_srgb
 from galewood.mesh.importer import ImportOptions, read_tree, render_glb
 from galewood.mesh.repair import Surface
@@ -398,3 +400,42 @@ def test_fbx_is_read_upright_with_its_materials(up):
     assert tree.report["file"]["format"] == "fbx" and tree.height_m == pytest.approx(HEIGHT_M, rel=1e-4)
     assert [(p.kind, len(p.faces)) for p in tree.primitives] == [("wood", len(TREE.faces)), ("leaves", 2)]
     assert_same_tree(next(p for p in tree.primitives if p.kind == "wood"), tolerance_m=1e-4)
+
+
+def test_files_beside_a_mesh_are_taken_from_its_folder_only(tmp_path):
+    folder = tmp_path / "model"
+    (folder / "textures").mkdir(parents=True)
+    (folder / "tree.obj").write_bytes(obj_with_materials())
+    (folder / "tree.mtl").write_text(MTL.replace("mask.png", "../secret.png"))
+    (folder / "textures" / "leaf one.png").write_bytes(leaf_image("PNG"))
+    (folder / "other.png").write_bytes(leaf_image("PNG"))
+    (tmp_path / "secret.png").write_bytes(leaf_image("PNG"))
+    (folder / "secret.png").symlink_to(tmp_path / "secret.png")
+    packed = mesh_with_companions(folder / "tree.obj")
+    assert zipfile.ZipFile(io.BytesIO(packed)).namelist() == ["tree.obj", "textures/leaf one.png", "tree.mtl"]
+    assert packed == mesh_with_companions(folder / "tree.obj")
+    tree = read_tree(packed, "tree.obj", ImportOptions(up_axis="y"))
+    leaves = next(p for p in tree.primitives if p.kind == "leaves")
+    assert leaves.material is not None and list(leaves.material.images) == ["base"]
+
+
+@pytest.mark.parametrize("uri", ["tree.bin", "data/tree.bin", "../tree.bin", "absolute"])
+def test_a_gltf_finds_its_buffer_in_its_folder_only(tmp_path, uri):
+    folder = tmp_path / "model"
+    (folder / "data").mkdir(parents=True)
+    document = make.gltf_document(TREE)
+    content = base64.b64decode(document["buffers"][0]["uri"].partition(",")[2])
+    target = tmp_path / "tree.bin" if uri in ("../tree.bin", "absolute") else folder / uri
+    target.write_bytes(content)
+    document["buffers"][0]["uri"] = str(target) if uri == "absolute" else uri
+    (folder / "tree.gltf").write_text(json.dumps(document))
+    packed = mesh_with_companions(folder / "tree.gltf")
+    if target.is_relative_to(folder):
+        assert read_tree(packed, "tree.gltf").height_m == pytest.approx(HEIGHT_M, rel=1e-5)
+    else:
+        assert packed == (folder / "tree.gltf").read_bytes()
+
+
+def test_a_mesh_without_other_files_stays_as_it_is(tmp_path):
+    (tmp_path / "a.obj").write_bytes(make.obj_bytes(TREE))
+    assert mesh_with_companions(tmp_path / "a.obj") == make.obj_bytes(TREE)

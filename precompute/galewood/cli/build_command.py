@@ -32,7 +32,7 @@ Mesh = Annotated[
     typer.Argument(
         exists=True,
         dir_okay=False,
-        help="GLB, OBJ, PLY or STL file, or the cylinders of a scanned tree (MAT, CSV).",
+        help="GLB, glTF, OBJ, PLY, STL, FBX, DAE, 3DS or ZIP; or a scanned tree's cylinders (MAT, CSV).",
     ),
 ]
 Out = Annotated[Path, typer.Option(help="Table file to write; the mesh it moves is written beside it.")]
@@ -79,6 +79,7 @@ def build(
     from dataclasses import replace
 
     from galewood.fem import FemSettings
+    from galewood.mesh import mesh_with_companions
     from galewood.pipeline import bare_path, build_options, build_table, tree_lines
     from galewood.util import MeshError
 
@@ -92,7 +93,7 @@ def build(
         with progress_bar() as bar:
             report = progress_reporter(bar)
             result = build_table(
-                mesh.read_bytes(),
+                mesh_with_companions(mesh),
                 mesh.name,
                 options,
                 progress=lambda now: report(now.fraction, now.message),
