@@ -69,15 +69,15 @@ class Settings(BaseSettings):
         ge=256 * MEBIBYTE,
         validation_alias=_renamed("import_memory_bytes", "intake_memory_bytes"),
     )
-    import_cpu_s: int = Field(default=40, gt=0, validation_alias=_renamed("import_cpu_s", "intake_cpu_s"))
+    import_cpu_s: int = Field(default=120, gt=0, validation_alias=_renamed("import_cpu_s", "intake_cpu_s"))
     import_wall_s: float = Field(
-        default=60.0, gt=0, validation_alias=_renamed("import_wall_s", "intake_wall_s")
+        default=1200.0, gt=0, validation_alias=_renamed("import_wall_s", "intake_wall_s")
     )
     concurrent_imports: int = Field(
         default=2, ge=1, le=64, validation_alias=_renamed("concurrent_imports", "concurrent_intakes")
     )
 
-    upload_faces: int = Field(default=600_000, ge=1000)
+    upload_faces: int = Field(default=1_500_000, ge=1000)
     concurrent_uploads: int = Field(default=16, ge=1, le=1024)
     stored_bytes: int = Field(default=20 * 1024 * MEBIBYTE, ge=0)
     free_bytes: int = Field(default=512 * MEBIBYTE, ge=0)

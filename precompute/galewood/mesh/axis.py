@@ -37,6 +37,8 @@ def choose_up_axis(vertices: Floats, faces: Ints, file_format: str, options: Imp
         return Choice(options.up_axis, "given", assumed=False)
     if file_format in ("glb", "gltf"):
         return Choice("y", "glTF is +Y up", assumed=False)
+    if file_format in ("fbx", "dae"):
+        return Choice("y", "the file names its up axis", assumed=False)
     if file_format in ("treeqsm", "csv"):
         return Choice("z", "cylinder models are +Z up", assumed=False)
     points = surface_points(vertices, faces)

@@ -13,6 +13,7 @@ import numpy as np
 from galewood.mesh.axis import AXES, Choice, choose_scale, choose_up_axis, to_y_up
 from galewood.mesh.classification import ClassifiedPart, classify_parts, welded_wood, without_strays
 from galewood.mesh.formats import read_parts
+from galewood.mesh.limits import check_faces
 from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.repair import Surface
 from galewood.mesh.species_names import guess_species
@@ -30,7 +31,6 @@ __all__ = [
     "render_glb",
 ]  # fmt: skip
 
-MAX_FACES = 600_000
 MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
 BASE_SLAB = 0.02
 QSM_UNIT = Choice("m", "cylinder models are in metres", assumed=False)
@@ -112,13 +112,7 @@ def _usable(parts: list[RawPart]) -> list[RawPart]:
         raise MeshError(
             "no-faces", "unsuitable", "The file contains no triangles.", "Export the tree as a triangle mesh."
         )
-    if count > MAX_FACES:
-        raise MeshError(
-            "too-many-faces",
-            "too-large",
-            f"The mesh has {count} triangles, more than the limit of {MAX_FACES}.",
-            "Decimate the mesh and export it again.",
-        )
+    check_faces(count)
     bad = sum(
         int((~np.isfinite(p.positions).all(axis=1) | (np.abs(p.positions) > 1e12).any(axis=1)).sum())
         for p in parts
