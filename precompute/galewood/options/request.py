@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator, model_validator
 
 from galewood.wood import SPECIES, WoodDocument
 
@@ -96,9 +96,29 @@ class BuildRequest(ImportRequest):
         le=1e9,
         description="Rotational stiffness of the root plate, kN·m/rad; default: rigid ground.",
     )
+    first_frequency_hz: float | None = Field(
+        default=None,
+        ge=0.02,
+        le=30,
+        description="Scale the stiffness of the wood so that the tree has this first natural frequency, Hz; "
+        "default: as stiff as its wood.",
+    )
+    sway: float | None = Field(
+        default=None,
+        ge=0.001,
+        le=0.3,
+        description="Scale the stiffness of the wood so that a steady wind of 18 m/s bends the tree by this "
+        "share of its height; default: as stiff as its wood.",
+    )
     wood: WoodDocument | None = Field(
         default=None, description="Constants of a wood of your own; they take precedence over the species."
     )
+
+    @model_validator(mode="after")
+    def _one_stiffness(self) -> BuildRequest:
+        if self.first_frequency_hz is not None and self.sway is not None:
+            raise ValueError("give either first_frequency_hz or sway: both set the stiffness")
+        return self
 
 
 def import_options(request: ImportRequest) -> ImportOptions:

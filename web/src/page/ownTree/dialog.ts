@@ -16,6 +16,8 @@ import { make } from "../ui/dom";
 import { displayName } from "../ui/words";
 import { type Assumed, assumedOf, type Scan } from "./assumed";
 import { Computing } from "./computing";
+import { expectedMotionOf } from "./expectedMotion";
+import { LivelinessChoice } from "./livelinessChoice";
 import type { OwnUploads } from "./ownUploads";
 import { Preview } from "./preview";
 
@@ -28,6 +30,7 @@ export class OwnTreeDialog {
   private readonly title = make("h2", "Your tree");
   private readonly side = make("section");
   private readonly form = make("div", "", "own-tree-form");
+  private readonly liveliness = new LivelinessChoice();
   private readonly message = make("p", "", "own-tree-message");
   private readonly go = make("button", "Add to the forest", "primary");
   private readonly preview: Preview;
@@ -87,7 +90,8 @@ export class OwnTreeDialog {
     this.title.textContent = displayName(tree);
     const assumed = assumedOf(tree.report);
     const species = await knownSpecies().catch(() => []);
-    this.form.replaceChildren(...this.fields(assumed, species), ...warnings(assumed));
+    this.liveliness.show(expectedMotionOf(tree.report));
+    this.form.replaceChildren(...this.fields(assumed, species), this.liveliness.root, ...warnings(assumed));
     if (!tree.mesh_sha256) return;
     try {
       this.preview.show(await readTreeModel(await fetchMesh(tree.mesh_sha256)));
@@ -173,7 +177,7 @@ export class OwnTreeDialog {
   private async compute(): Promise<void> {
     this.busy("Submitting");
     try {
-      await startPrecompute(this.tree.id);
+      await startPrecompute(this.tree.id, { first_frequency_hz: this.liveliness.firstFrequency_Hz });
       this.started = true;
       this.follow();
     } catch (error) {
