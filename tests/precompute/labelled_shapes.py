@@ -76,12 +76,46 @@ def ball(rng: Rng, centre, radii, noise=0.1, level=2) -> Shape:
     """An icosphere with noise: a low-poly crown."""
     g = (1 + 5**0.5) / 2
     vertices = np.array(
-        [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g),
-         (0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)], dtype=float)  # fmt: skip
+        [
+            (-1, g, 0),
+            (1, g, 0),
+            (-1, -g, 0),
+            (1, -g, 0),
+            (0, -1, g),
+            (0, 1, g),
+            (0, -1, -g),
+            (0, 1, -g),
+            (g, 0, -1),
+            (g, 0, 1),
+            (-g, 0, -1),
+            (-g, 0, 1),
+        ],
+        dtype=float,
+    )
     faces = np.array(
-        [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6),
-         (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10),
-         (8, 6, 7), (9, 8, 1)])  # fmt: skip
+        [
+            (0, 11, 5),
+            (0, 5, 1),
+            (0, 1, 7),
+            (0, 7, 10),
+            (0, 10, 11),
+            (1, 5, 9),
+            (5, 11, 4),
+            (11, 10, 2),
+            (10, 7, 6),
+            (7, 1, 8),
+            (3, 9, 4),
+            (3, 4, 2),
+            (3, 2, 6),
+            (3, 6, 8),
+            (3, 8, 9),
+            (4, 9, 5),
+            (2, 4, 11),
+            (6, 2, 10),
+            (8, 6, 7),
+            (9, 8, 1),
+        ]
+    )
     for _ in range(level - 1):
         edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
         unique, inverse = np.unique(edges, axis=0, return_inverse=True)
@@ -122,13 +156,13 @@ def cards(rng: Rng, centres, size, up=0.3) -> Shape:
     corner = np.array([(-0.5, 0.0), (0.5, 0.0), (0.5, 1.0), (-0.5, 1.0)])
     vertices, faces, uv = [], [], []
     for k, centre in enumerate(np.asarray(centres)):
-        u, v = rng.normal(size=3), rng.normal(size=3) + (0, up, 0)
+        u, v = rng.normal(size=3), rng.normal(size=3) + np.array([0, up, 0])
         u /= np.linalg.norm(u)
         v -= u * (u @ v)
         v /= np.linalg.norm(v)
         s = size * rng.uniform(0.7, 1.3)
         vertices.append(centre + s * (corner[:, :1] * u + corner[:, 1:] * v))
-        uv.append(corner + (0.5, 0))
+        uv.append(corner + np.array([0.5, 0]))
         faces += [(4 * k, 4 * k + 1, 4 * k + 2), (4 * k, 4 * k + 2, 4 * k + 3)]
     return Shape(np.concatenate(vertices), np.array(faces, dtype=np.int32), np.concatenate(uv))
 
@@ -162,7 +196,9 @@ def leaves(rng: Rng, centres, size) -> Shape:
         v /= np.linalg.norm(v)
         fold = 0.15 * np.abs(flat[:, :1]) * np.cross(u, v)
         s = size * rng.uniform(0.7, 1.3)
-        shapes.append(Shape(centre + s * (flat[:, :1] * u + flat[:, 1:] * v + fold), faces.astype(np.int32), flat))
+        shapes.append(
+            Shape(centre + s * (flat[:, :1] * u + flat[:, 1:] * v + fold), faces.astype(np.int32), flat)
+        )
     return together(*shapes)
 
 
@@ -170,7 +206,9 @@ def frond(rng: Rng, start, direction, length, width, thick=0.0, points=7) -> Sha
     """A palm frond: an arching strip, flat or with a lens-shaped section."""
     t = np.linspace(0, 1, points)
     out = np.array([np.cos(direction), 0, np.sin(direction)])
-    spine = np.asarray(start) + length * (t[:, None] * out + (0.5 * t - 0.9 * t**2)[:, None] * np.array([0, 1.0, 0]))
+    spine = np.asarray(start) + length * (
+        t[:, None] * out + (0.5 * t - 0.9 * t**2)[:, None] * np.array([0, 1.0, 0])
+    )
     across = np.cross(out, (0, 1.0, 0))
     half = width / 2 * np.sin(np.pi * np.clip(t * 0.9 + 0.08, 0, 1))[:, None] * across
     rows = [spine - half, spine + half]

@@ -8,6 +8,7 @@ import json
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -36,11 +37,11 @@ WOOD, LEAVES, OTHER = "wood", "leaves", "other"
 class Look:
     """How a part is drawn; everything left out is missing in the file."""
 
-    factor: tuple[float, float, float] | None = None  # linear
+    factor: tuple[float, ...] | None = None  # linear
     image: bytes | None = None
     alpha_mode: str | None = None
-    vertex_colour: tuple[float, float, float] | None = None  # linear
-    cell: tuple[float, float, float, float] | None = None  # part of the image: u0, v0, u1, v1
+    vertex_colour: tuple[float, ...] | None = None  # linear
+    cell: tuple[float, ...] | None = None  # part of the image: u0, v0, u1, v1
 
 
 @dataclass
@@ -125,8 +126,15 @@ def brown(rng: Rng):
 
 def trunk(rng: Rng, height, radius=None, sides=None, closed=True, at=(0, 0, 0)) -> Shape:
     radius = radius or height * rng.uniform(0.03, 0.06)
-    path = curve(rng, at, np.asarray(at) + (rng.normal(0, 0.03 * height), height, rng.normal(0, 0.03 * height)), 0.03)
-    return tube(path, np.linspace(radius, 0.55 * radius, len(path)), sides or int(rng.integers(6, 13)), closed)
+    path = curve(
+        rng,
+        at,
+        np.asarray(at) + np.array([rng.normal(0, 0.03 * height), height, rng.normal(0, 0.03 * height)]),
+        0.03,
+    )
+    return tube(
+        path, np.linspace(radius, 0.55 * radius, len(path)), sides or int(rng.integers(6, 13)), closed
+    )
 
 
 def branches(rng: Rng, height, count, reach, radius, at=(0, 0, 0), first=0.45) -> list[Shape]:
@@ -136,24 +144,28 @@ def branches(rng: Rng, height, count, reach, radius, at=(0, 0, 0), first=0.45) -
         length = reach * rng.uniform(0.7, 1.1)
         end = np.array([np.cos(a) * length, y + length * rng.uniform(0.3, 0.9), np.sin(a) * length]) + at
         found.append(
-            tube(curve(rng, np.array([0, y, 0]) + at, end, 0.06), np.linspace(radius, 0.3 * radius, 6),
-                 int(rng.integers(5, 8)))  # fmt: skip
+            tube(
+                curve(rng, np.array([0, y, 0]) + at, end, 0.06),
+                np.linspace(radius, 0.3 * radius, 6),
+                int(rng.integers(5, 8)),
+            )
         )
     return found
 
 
 def blobs(rng: Rng, centre, size, count, level=2) -> list[Shape]:
     points = in_ball(rng, centre, (0.6 * size, 0.45 * size, 0.6 * size), count)
-    return [
-        ball(rng, p, size * rng.uniform(0.4, 0.65) * np.array([1, 0.8, 1]), 0.12, level) for p in points
-    ]
+    return [ball(rng, p, size * rng.uniform(0.4, 0.65) * np.array([1, 0.8, 1]), 0.12, level) for p in points]
 
 
 def broadleaf(rng: Rng, height=None, at=(0, 0, 0)):
     """Wood and crown centre, crown size of a branched tree."""
     height = height or rng.uniform(4, 12)
     stem = 0.6 * height
-    wood = [trunk(rng, stem, at=at), *branches(rng, stem, int(rng.integers(4, 8)), 0.3 * height, 0.018 * height, at)]
+    wood = [
+        trunk(rng, stem, at=at),
+        *branches(rng, stem, int(rng.integers(4, 8)), 0.3 * height, 0.018 * height, at),
+    ]
     return wood, np.array([0, 0.72 * height, 0]) + at, 0.3 * height
 
 
@@ -176,13 +188,21 @@ def style(kind="glb", up="y"):
 def lowpoly(rng: Rng, wood_look: Look, leaf_look: Look, names=("", ""), height=None, at=(0, 0, 0), tree=1):
     wood, middle, size = broadleaf(rng, height, at)
     crown = blobs(rng, middle, size, int(rng.integers(3, 9)))
-    return [Part(names[0], WOOD, together(*wood), wood_look, tree), Part(names[1], LEAVES, together(*crown), leaf_look, tree)]  # fmt: skip
+    return [
+        Part(names[0], WOOD, together(*wood), wood_look, tree),
+        Part(names[1], LEAVES, together(*crown), leaf_look, tree),
+    ]
 
 
 @style()
 def atlas_palette(rng):
     image = palette([brown(rng), green(rng), (200, 60, 40), green(rng)])
-    return lowpoly(rng, Look(image=image, cell=palette_cell(0)), Look(image=image, cell=palette_cell(1)), ("pack", "pack"))  # fmt: skip
+    return lowpoly(
+        rng,
+        Look(image=image, cell=palette_cell(0)),
+        Look(image=image, cell=palette_cell(1)),
+        ("pack", "pack"),
+    )
 
 
 @style()
@@ -191,8 +211,11 @@ def atlas_palette_two_greens(rng):
     wood, middle, size = broadleaf(rng)
     crown = blobs(rng, middle, size, 6)
     looks = [Look(image=image, cell=palette_cell(k)) for k in (0, 1, 2)]
-    return [Part("a", WOOD, together(*wood), looks[0]), Part("a", LEAVES, together(*crown[:3]), looks[1]),
-            Part("a", LEAVES, together(*crown[3:]), looks[2])]  # fmt: skip
+    return [
+        Part("a", WOOD, together(*wood), looks[0]),
+        Part("a", LEAVES, together(*crown[:3]), looks[1]),
+        Part("a", LEAVES, together(*crown[3:]), looks[2]),
+    ]
 
 
 @style()
@@ -200,16 +223,20 @@ def atlas_photo(rng):
     image = atlas(rng)
     wood, middle, size = broadleaf(rng)
     leaf = cards(rng, in_ball(rng, middle, size, 160), 0.12 * size)
-    return [Part("m", WOOD, together(*wood), Look(image=image, alpha_mode="MASK", cell=BARK_HALF)),
-            Part("m", LEAVES, leaf, Look(image=image, alpha_mode="MASK", cell=LEAF_HALF))]  # fmt: skip
+    return [
+        Part("m", WOOD, together(*wood), Look(image=image, alpha_mode="MASK", cell=BARK_HALF)),
+        Part("m", LEAVES, leaf, Look(image=image, alpha_mode="MASK", cell=LEAF_HALF)),
+    ]
 
 
 @style()
 def opaque_alpha(rng):
     wood, middle, size = broadleaf(rng)
     leaf = crossed(rng, in_ball(rng, middle, size, 80), 0.25 * size)
-    return [Part("Material.001", WOOD, together(*wood), Look(image=png(bark_pixels(rng)), alpha_mode="OPAQUE")),
-            Part("Material.002", LEAVES, leaf, Look(image=png(leaf_pixels(rng)), alpha_mode="OPAQUE"))]  # fmt: skip
+    return [
+        Part("Material.001", WOOD, together(*wood), Look(image=png(bark_pixels(rng)), alpha_mode="OPAQUE")),
+        Part("Material.002", LEAVES, leaf, Look(image=png(leaf_pixels(rng)), alpha_mode="OPAQUE")),
+    ]
 
 
 @style()
@@ -217,13 +244,17 @@ def blend_alpha_autumn(rng):
     wood, middle, size = broadleaf(rng)
     leaf = cards(rng, in_ball(rng, middle, size, 200), 0.2 * size)
     image = png(leaf_pixels(rng, base=(200, 120, 30)))
-    return [Part("", WOOD, together(*wood), Look(image=png(bark_pixels(rng)))),
-            Part("", LEAVES, leaf, Look(image=image, alpha_mode="BLEND"))]  # fmt: skip
+    return [
+        Part("", WOOD, together(*wood), Look(image=png(bark_pixels(rng)))),
+        Part("", LEAVES, leaf, Look(image=image, alpha_mode="BLEND")),
+    ]
 
 
 @style()
 def vertex_colours(rng):
-    return lowpoly(rng, Look(vertex_colour=linear(brown(rng))), Look(vertex_colour=linear(green(rng))), ("v", "v"))
+    return lowpoly(
+        rng, Look(vertex_colour=linear(brown(rng))), Look(vertex_colour=linear(green(rng))), ("v", "v")
+    )
 
 
 @style()
@@ -235,8 +266,10 @@ def vertex_colours_welded(rng):
     path = np.array([[0, y * height, 0] for y, _ in rings])
     crown = tube(path, np.array([max(r, 0.02) * height for _, r in rings]), 10)
     crown.vertices[:10] = stem.vertices[-10:]
-    return [Part("v", WOOD, stem, Look(vertex_colour=linear(brown(rng)))),
-            Part("v", LEAVES, crown, Look(vertex_colour=linear(green(rng))))]  # fmt: skip
+    return [
+        Part("v", WOOD, stem, Look(vertex_colour=linear(brown(rng)))),
+        Part("v", LEAVES, crown, Look(vertex_colour=linear(green(rng)))),
+    ]
 
 
 @style()
@@ -273,19 +306,28 @@ def white_birch(rng):
 @style("obj")
 def cards_without_materials(rng):
     wood, middle, size = broadleaf(rng)
-    return [Part("", WOOD, together(*wood)), Part("", LEAVES, cards(rng, in_ball(rng, middle, size, 200), 0.1 * size))]
+    return [
+        Part("", WOOD, together(*wood)),
+        Part("", LEAVES, cards(rng, in_ball(rng, middle, size, 200), 0.1 * size)),
+    ]
 
 
 @style("ply", "z")
 def crossed_cards_z_up(rng):
     wood, middle, size = broadleaf(rng)
-    return [Part("", WOOD, together(*wood)), Part("", LEAVES, crossed(rng, in_ball(rng, middle, size, 90), 0.2 * size))]
+    return [
+        Part("", WOOD, together(*wood)),
+        Part("", LEAVES, crossed(rng, in_ball(rng, middle, size, 90), 0.2 * size)),
+    ]
 
 
 @style("obj")
 def modelled_leaves(rng):
     wood, middle, size = broadleaf(rng)
-    return [Part("", WOOD, together(*wood)), Part("", LEAVES, leaves(rng, in_ball(rng, middle, size, 120), 0.15 * size))]  # fmt: skip
+    return [
+        Part("", WOOD, together(*wood)),
+        Part("", LEAVES, leaves(rng, in_ball(rng, middle, size, 120), 0.15 * size)),
+    ]
 
 
 @style("ply")
@@ -297,7 +339,10 @@ def closed_crown(rng, wood=None, leaf=None, slim=1.0):
     height = rng.uniform(4, 10)
     radius = 0.3 * height * slim
     crown = ball(rng, (0, 0.62 * height, 0), (radius, 0.38 * height, radius), 0.06, 3)
-    return [Part("m1", WOOD, trunk(rng, 0.45 * height), wood or Look()), Part("m2", LEAVES, crown, leaf or Look())]
+    return [
+        Part("m1", WOOD, trunk(rng, 0.45 * height), wood or Look()),
+        Part("m2", LEAVES, crown, leaf or Look()),
+    ]
 
 
 @style()
@@ -325,7 +370,11 @@ def stub_trunk_ball(rng):
     """A stylised tree: a short thick trunk under one ball."""
     height = rng.uniform(2, 5)
     r = 0.38 * height
-    stem = tube([(0, 0, 0), (0, 0.15 * height, 0), (0, 0.35 * height, 0)], (0.09 * height, 0.07 * height, 0.06 * height), 6)  # fmt: skip
+    stem = tube(
+        [(0, 0, 0), (0, 0.15 * height, 0), (0, 0.35 * height, 0)],
+        (0.09 * height, 0.07 * height, 0.06 * height),
+        6,
+    )
     return [Part("", WOOD, stem), Part("", LEAVES, ball(rng, (0, 0.62 * height, 0), r, 0.1, 2))]
 
 
@@ -333,11 +382,19 @@ def conifer(rng, gap, wood=None, leaf=None, name=("", "")):
     height, count = rng.uniform(4, 12), int(rng.integers(3, 7))
     step = 0.8 * height / count
     tiers = [
-        cone((0, 0.2 * height + k * step, 0), 0.28 * height * (1 - 0.8 * k / count), step * (1 - gap), int(rng.integers(6, 12)))  # fmt: skip
+        cone(
+            (0, 0.2 * height + k * step, 0),
+            0.28 * height * (1 - 0.8 * k / count),
+            step * (1 - gap),
+            int(rng.integers(6, 12)),
+        )
         for k in range(count)
     ]
     stem = trunk(rng, 0.2 * height if gap > 0 else 0.35 * height, radius=0.04 * height)
-    return [Part(name[0], WOOD, stem, wood or Look()), Part(name[1], LEAVES, together(*tiers), leaf or Look())]
+    return [
+        Part(name[0], WOOD, stem, wood or Look()),
+        Part(name[1], LEAVES, together(*tiers), leaf or Look()),
+    ]
 
 
 @style()
@@ -360,7 +417,14 @@ def palm(rng, thick, wood=None, leaf=None):
     path = curve(rng, (0, 0, 0), (rng.normal(0, 0.08 * height), height, 0), 0.06, 9)
     count = int(rng.integers(7, 12))
     fronds = [
-        frond(rng, path[-1], k * 2 * np.pi / count, 0.35 * height * rng.uniform(0.8, 1.1), 0.08 * height, thick * height)
+        frond(
+            rng,
+            path[-1],
+            k * 2 * np.pi / count,
+            0.35 * height * rng.uniform(0.8, 1.1),
+            0.08 * height,
+            thick * height,
+        )
         for k in range(count)
     ]
     stem = tube(path, np.linspace(0.035, 0.025, 9) * height, 8)
@@ -389,26 +453,38 @@ def palm_thick_fronds_plain(rng):
 
 def stems(rng, height, count):
     return [
-        tube(curve(rng, (0.04 * height * np.cos(a), 0, 0.04 * height * np.sin(a)),
-                   (0.35 * height * np.cos(a), 0.75 * height, 0.35 * height * np.sin(a)), 0.05),
-             np.linspace(0.025, 0.01, 6) * height, 6)  # fmt: skip
+        tube(
+            curve(
+                rng,
+                (0.04 * height * np.cos(a), 0, 0.04 * height * np.sin(a)),
+                (0.35 * height * np.cos(a), 0.75 * height, 0.35 * height * np.sin(a)),
+                0.05,
+            ),
+            np.linspace(0.025, 0.01, 6) * height,
+            6,
+        )
         for a in np.arange(count) * 2 * np.pi / count
-    ]  # fmt: skip
+    ]
 
 
 @style()
 def bush_balls(rng):
     height = rng.uniform(1.5, 3)
     crown = blobs(rng, (0, 0.6 * height, 0), 0.55 * height, 6)
-    return [Part("b1", WOOD, together(*stems(rng, height, 5)), Look(factor=linear(brown(rng)))),
-            Part("b2", LEAVES, together(*crown), Look(factor=linear(green(rng))))]  # fmt: skip
+    return [
+        Part("b1", WOOD, together(*stems(rng, height, 5)), Look(factor=linear(brown(rng)))),
+        Part("b2", LEAVES, together(*crown), Look(factor=linear(green(rng)))),
+    ]
 
 
 @style("obj")
 def bush_cards(rng):
     height = rng.uniform(1.5, 3)
     points = in_ball(rng, (0, 0.55 * height, 0), 0.45 * height, 150)
-    return [Part("", WOOD, together(*stems(rng, height, 6))), Part("", LEAVES, cards(rng, points, 0.12 * height))]
+    return [
+        Part("", WOOD, together(*stems(rng, height, 6))),
+        Part("", LEAVES, cards(rng, points, 0.12 * height)),
+    ]
 
 
 @style("obj", "z")
@@ -417,7 +493,13 @@ def orchard_cylinders(rng):
     height = rng.uniform(2, 4)
     wood, ends = [], []
     for k in range(9):
-        path = curve(rng, (0, 0.1 * k, 0), (0.4 * height * np.cos(2.4 * k), height * rng.uniform(0.6, 1), 0.4 * height * np.sin(2.4 * k)), 0.08, 7)  # fmt: skip
+        path = curve(
+            rng,
+            (0, 0.1 * k, 0),
+            (0.4 * height * np.cos(2.4 * k), height * rng.uniform(0.6, 1), 0.4 * height * np.sin(2.4 * k)),
+            0.08,
+            7,
+        )
         path[0] = (0, 0, 0) if k == 0 else path[0]
         wood += [tube(path[i : i + 2], 0.02 * height * (1 - 0.11 * i), 8) for i in range(6)]
         ends.append(path[-2])
@@ -429,7 +511,11 @@ def orchard_cylinders(rng):
 def bare(rng):
     wood, _, size = broadleaf(rng)
     height = size / 0.3
-    return [Part("", WOOD, together(*wood, *branches(rng, 0.6 * height, 6, 0.2 * height, 0.01 * height, first=0.6)))]
+    return [
+        Part(
+            "", WOOD, together(*wood, *branches(rng, 0.6 * height, 6, 0.2 * height, 0.01 * height, first=0.6))
+        )
+    ]
 
 
 @style("stl")
@@ -468,8 +554,11 @@ def island(rng):
     parts = lowpoly(rng, *colours(rng), ("w", "l"), height=5)
     under = cone((0, 0, 0), 2.2, -2.5, 9)
     top = tube([(0, -0.1, 0), (0, 0.05, 0)], 2.25, 9)
-    return [*parts, Part("s", OTHER, under, Look(factor=linear((110, 90, 70)))),
-            Part("t", OTHER, top, Look(factor=linear((100, 160, 60))))]  # fmt: skip
+    return [
+        *parts,
+        Part("s", OTHER, under, Look(factor=linear((110, 90, 70)))),
+        Part("t", OTHER, top, Look(factor=linear((100, 160, 60)))),
+    ]
 
 
 @style()
@@ -489,10 +578,14 @@ def pot_plain(rng):
 
 
 def rocks_around(rng, count, height):
-    return together(*[
-        ball(rng, (np.cos(a) * d, 0.02 * height, np.sin(a) * d), height * rng.uniform(0.03, 0.07), 0.25, 2)
-        for a, d in zip(rng.uniform(0, 6.28, count), height * rng.uniform(0.15, 0.5, count), strict=True)
-    ])  # fmt: skip
+    return together(
+        *[
+            ball(
+                rng, (np.cos(a) * d, 0.02 * height, np.sin(a) * d), height * rng.uniform(0.03, 0.07), 0.25, 2
+            )
+            for a, d in zip(rng.uniform(0, 6.28, count), height * rng.uniform(0.15, 0.5, count), strict=True)
+        ]
+    )
 
 
 @style()
@@ -520,7 +613,10 @@ def fence(rng):
 
 @style("obj")
 def fence_and_ground_plain(rng):
-    return [*lowpoly(rng, Look(), Look(), height=7), Part("", OTHER, together(fence_beside(rng), terrain(rng, 4, 0.05)))]
+    return [
+        *lowpoly(rng, Look(), Look(), height=7),
+        Part("", OTHER, together(fence_beside(rng), terrain(rng, 4, 0.05))),
+    ]
 
 
 @style()
@@ -534,7 +630,9 @@ def several(rng, places, heights, looks):
     found = []
     order = np.argsort(-np.array(heights))
     for number, k in enumerate(order, 1):
-        made = lowpoly(rng, *looks, ("w", "l"), height=heights[k], at=(places[k][0], 0, places[k][1]), tree=number)
+        made = lowpoly(
+            rng, looks[0], looks[1], ("w", "l"), height=heights[k], at=(places[k][0], 0, places[k][1]), tree=number
+        )
         found += [Part(p.name, p.label if number == 1 else OTHER, p.shape, p.look, number) for p in made]
     return found
 
@@ -557,7 +655,10 @@ def touching_crowns(rng):
 def named(rng, wood, leaf):
     """Names without colours: crowns of cards."""
     shapes, middle, size = broadleaf(rng)
-    return [Part(wood, WOOD, together(*shapes)), Part(leaf, LEAVES, cards(rng, in_ball(rng, middle, size, 150), 0.1 * size))]  # fmt: skip
+    return [
+        Part(wood, WOOD, together(*shapes)),
+        Part(leaf, LEAVES, cards(rng, in_ball(rng, middle, size, 150), 0.1 * size)),
+    ]
 
 
 @style()
@@ -588,7 +689,12 @@ def names_swapped(rng):
 
 @style()
 def one_name_for_all(rng):
-    return lowpoly(rng, Look(factor=linear(brown(rng))), Look(factor=linear(green(rng))), ("OakWood_LOD0", "OakWood_LOD0"))  # fmt: skip
+    return lowpoly(
+        rng,
+        Look(factor=linear(brown(rng))),
+        Look(factor=linear(green(rng))),
+        ("OakWood_LOD0", "OakWood_LOD0"),
+    )
 
 
 @style("glb", "z")
@@ -600,11 +706,11 @@ def glb_exported_z_up(rng):
 def willow_strips(rng):
     wood, middle, size = broadleaf(rng)
     tops = in_ball(rng, middle, size, 70)
-    strips = [
-        frond(rng, p, rng.uniform(0, 6.28), 0.0 + 0.5 * size, 0.05 * size, points=5) for p in tops
+    strips = [frond(rng, p, rng.uniform(0, 6.28), 0.0 + 0.5 * size, 0.05 * size, points=5) for p in tops]
+    return [
+        Part("1", WOOD, together(*wood), Look(factor=linear(brown(rng)))),
+        Part("2", LEAVES, together(*strips), Look(factor=linear(green(rng)))),
     ]
-    return [Part("1", WOOD, together(*wood), Look(factor=linear(brown(rng)))),
-            Part("2", LEAVES, together(*strips), Look(factor=linear(green(rng))))]  # fmt: skip
 
 
 @style("obj")
@@ -626,20 +732,30 @@ def thin_open_branches(rng):
         radii = np.linspace(0.008, 0.001 if k % 2 else 0.004, 7) * height
         wood.append(tube(curve(rng, (0, y, 0), end, 0.12, 7), radii, int(rng.integers(4, 7)), closed=False))
         tips += [end, 0.6 * end + 0.4 * np.array([0, y, 0])]
-    return [Part("", WOOD, together(*wood)), Part("", LEAVES, cards(rng, np.repeat(tips, 6, axis=0), 0.05 * height))]
+    return [
+        Part("", WOOD, together(*wood)),
+        Part("", LEAVES, cards(rng, np.repeat(tips, 6, axis=0), 0.05 * height)),
+    ]
 
 
 @style()
 def bonsai_in_pot(rng):
-    height = 0.5
     stem = tube(curve(rng, (0, 0, 0), (0.12, 0.35, 0.03), 0.12, 9), np.linspace(0.04, 0.015, 9), 9)
-    arms = [tube(curve(rng, (0.05, y, 0), (x, y + 0.05, z), 0.05), np.linspace(0.014, 0.006, 6), 6)
-            for y, x, z in ((0.2, -0.14, 0.05), (0.27, 0.2, -0.06))]  # fmt: skip
-    pads = [ball(rng, c, (0.13, 0.05, 0.11), 0.1, 2) for c in ((0.12, 0.4, 0.03), (-0.15, 0.28, 0.05), (0.22, 0.35, -0.06))]  # fmt: skip
+    arms = [
+        tube(curve(rng, (0.05, y, 0), (x, y + 0.05, z), 0.05), np.linspace(0.014, 0.006, 6), 6)
+        for y, x, z in ((0.2, -0.14, 0.05), (0.27, 0.2, -0.06))
+    ]
+    pads = [
+        ball(rng, c, (0.13, 0.05, 0.11), 0.1, 2)
+        for c in ((0.12, 0.4, 0.03), (-0.15, 0.28, 0.05), (0.22, 0.35, -0.06))
+    ]
     tray = box((-0.2, -0.1, -0.14), (0.2, 0.01, 0.14))
     looks = colours(rng)
-    return [Part("1", WOOD, together(stem, *arms).moved((0, 0, 0)), looks[0]), Part("2", LEAVES, together(*pads), looks[1]),
-            Part("3", OTHER, tray, Look(factor=linear((60, 70, 110))))]  # fmt: skip
+    return [
+        Part("1", WOOD, together(stem, *arms).moved((0, 0, 0)), looks[0]),
+        Part("2", LEAVES, together(*pads), looks[1]),
+        Part("3", OTHER, tray, Look(factor=linear((60, 70, 110)))),
+    ]
 
 
 @style("ply", "x")
@@ -700,8 +816,19 @@ def _stl(parts: list[Part]) -> bytes:
 
 def _glb(parts: list[Part]) -> bytes:
     """A GLB in which parts of the same name, image and alpha mode share one primitive."""
-    blob, document = bytearray(), {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "nodes": [],
-        "meshes": [], "accessors": [], "bufferViews": [], "materials": [], "textures": [], "images": []}  # fmt: skip
+    blob = bytearray()
+    document: dict[str, Any] = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": []}],
+        "nodes": [],
+        "meshes": [],
+        "accessors": [],
+        "bufferViews": [],
+        "materials": [],
+        "textures": [],
+        "images": [],
+    }
 
     def view(content: bytes) -> int:
         blob.extend(b"\0" * (-len(blob) % 4))
@@ -715,15 +842,15 @@ def _glb(parts: list[Part]) -> bytes:
         )
         return len(document["accessors"]) - 1
 
-    shared: dict[tuple, list[Part]] = {}
+    shared: dict[tuple[Any, ...], list[Part]] = {}
     for part in parts:
         look = part.look
         shared.setdefault((part.name, look.image, look.alpha_mode, look.factor), []).append(part)
     for (name, image, alpha_mode, factor), members in shared.items():
         whole = together(*(p.shape for p in members))
         attributes = {"POSITION": accessor(whole.vertices.astype("<f4"), "VEC3", 5126)}
-        material: dict = {"name": name} if name else {}
-        pbr: dict = {"metallicFactor": 0.0}
+        material: dict[str, Any] = {"name": name} if name else {}
+        pbr: dict[str, Any] = {"metallicFactor": 0.0}
         if image is not None:
             uv = [_in_cell(p.shape.uv, p.look.cell, len(p.shape.vertices)) for p in members]
             attributes["TEXCOORD_0"] = accessor(np.concatenate(uv).astype("<f4"), "VEC2", 5126)
@@ -748,7 +875,13 @@ def _glb(parts: list[Part]) -> bytes:
     text += b" " * (-len(text) % 4)
     body = bytes(blob) + b"\0" * (-len(blob) % 4)
     head = struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(body))
-    return head + struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(body), b"BIN\0") + body
+    return (
+        head
+        + struct.pack("<I4s", len(text), b"JSON")
+        + text
+        + struct.pack("<I4s", len(body), b"BIN\0")
+        + body
+    )
 
 
 def _in_cell(uv, cell, count):
@@ -756,4 +889,9 @@ def _in_cell(uv, cell, count):
     if cell is None:
         return rows
     u0, v0, u1, v1 = cell
-    return np.column_stack([u0 + np.clip(rows[:, 0] % 1.0001, 0, 1) * (u1 - u0), v0 + np.clip(rows[:, 1] % 1.0001, 0, 1) * (v1 - v0)])
+    return np.column_stack(
+        [
+            u0 + np.clip(rows[:, 0] % 1.0001, 0, 1) * (u1 - u0),
+            v0 + np.clip(rows[:, 1] % 1.0001, 0, 1) * (v1 - v0),
+        ]
+    )

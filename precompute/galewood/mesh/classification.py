@@ -38,6 +38,7 @@ class ClassifiedPart:
     part: RawPart
     kind: Kind
     reason: str
+    vertex_groups: Ints  # index in `Classification.groups` of each vertex; −1: no face uses it
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,10 @@ def classify(
 
 
 def _kind_by_name(part: RawPart) -> Kind:
-    return own_kind(part) or next((kind for kind in map(named_kind, part.labels) if kind), "wood")
+    kind = own_kind(part)
+    for label in part.labels:
+        kind = kind or named_kind(label)
+    return kind or "wood"
 
 
 @dataclass(frozen=True)
@@ -202,8 +206,14 @@ def _chosen(found: _Found, parts: list[RawPart], options: ImportOptions) -> Clas
     groups = group_pieces(pieces, parts, found.kind, found.reason, found.sure, others, found.tree)
     choices = read_choices(options, parts, groups)
     groups = [_decided(group, choices, number) for group in groups]
+    group_of_piece = np.zeros(len(pieces), dtype=np.int32)
+    for index, group in enumerate(groups):
+        group_of_piece[group.pieces] = index
+    group_of_face: list[Ints] = [group_of_piece[of_face] for of_face in pieces.of_face]
     result: list[ClassifiedPart] = []
     for index, part in enumerate(parts):
+        vertex_groups = np.full(len(part.positions), -1, dtype=np.int32)
+        vertex_groups[part.faces] = group_of_face[index][:, None]
         for kind in KINDS:
             mine = [g for g in groups if g.part == index and g.kind == kind]
             if mine:
@@ -211,16 +221,12 @@ def _chosen(found: _Found, parts: list[RawPart], options: ImportOptions) -> Clas
                 taken[np.concatenate([g.pieces for g in mine])] = True
                 faces = np.flatnonzero(taken[found.pieces.of_face[index]])
                 reason = "; ".join(list(dict.fromkeys(g.reason for g in mine))[:3])
-                whole = len(faces) == len(part.faces)
-                result.append(ClassifiedPart(part if whole else sub_part(part, faces), kind, reason))
+                whole = ClassifiedPart(part, kind, reason, vertex_groups)
+                result.append(whole if len(faces) == len(part.faces) else _restricted(whole, faces))
     kept = [g for g in groups if g.kind != "other"]
     faces = sum(g.faces for g in kept)
     unsure = sum(g.unsure_faces for g in kept if not g.chosen) / max(faces, 1)
     warnings = [*found.warnings, *_warnings(groups, found, number, unsure)]
-    group_of_piece = np.zeros(len(pieces), dtype=np.int32)
-    for index, group in enumerate(groups):
-        group_of_piece[group.pieces] = index
-    group_of_face: list[Ints] = [group_of_piece[of_face] for of_face in pieces.of_face]
     return Classification(result, groups, found.trees, number, warnings, unsure, group_of_face)
 
 
@@ -275,6 +281,11 @@ def sub_part(part: RawPart, faces: Ints) -> RawPart:
     )
 
 
+def _restricted(piece: ClassifiedPart, faces: Ints) -> ClassifiedPart:
+    used = np.unique(piece.part.faces[faces])
+    return replace(piece, part=sub_part(piece.part, faces), vertex_groups=piece.vertex_groups[used])
+
+
 def welded_wood(pieces: list[ClassifiedPart]) -> Surface:
     """All wood as one welded surface."""
     vertices, faces, offset = [], [], 0
@@ -296,5 +307,5 @@ def without_strays(pieces: list[ClassifiedPart], kept: Floats, strays: Floats) -
         middle = piece.part.positions[piece.part.faces].mean(axis=1)
         own = np.flatnonzero(near.query(middle)[0] <= far.query(middle)[0])
         if len(own):
-            result.append(replace(piece, part=sub_part(piece.part, own)))
+            result.append(_restricted(piece, own))
     return result

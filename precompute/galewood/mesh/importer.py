@@ -57,9 +57,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     raw_height = content.qsm["height_m"] if content.qsm else _height(pieces)
     scale, unit = (1.0, QSM_UNIT) if content.qsm else choose_scale(raw_height, species, options)
     origin = _base_centre(wood)
-    pieces = [
-        ClassifiedPart(_transformed(s.part, np.eye(3), origin, scale), s.kind, s.reason) for s in pieces
-    ]
+    pieces = [replace(s, part=_transformed(s.part, np.eye(3), origin, scale)) for s in pieces]
     if up.assumed:
         unsure = "Unsure about the up axis: choose it if the tree lies on its side. " if up.unsure else ""
         warnings.append(f"{unsure}The up axis is assumed to be +{up.value.upper()}: {up.reason}.")
@@ -83,7 +81,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
         "height_m": raw_height * scale,
         "species": {"value": species, "reason": species_reason},
         "parts": [_part_report(s) for s in pieces],
-        **pieces_report(classified, scale),
+        **pieces_report(classified, pieces, scale),
         "repairs": repairs,
         "roots": {"origin_in_file": origin.tolist(), "clamped_lowest_share": BASE_SLAB},
         "warnings": content.warnings + warnings + wood_warnings,
