@@ -33,7 +33,7 @@ CONVENTIONS: dict[str, dict[Axis, float]] = {
     "glb": {"y": 3.2}, "gltf": {"y": 3.2}, "obj": {"y": 0.4, "z": 0.2}, "fbx": {"y": 3.2}, "dae": {"y": 3.2},
     "ply": {"z": 0.3, "y": 0.2}, "stl": {"z": 0.3, "y": 0.2},
 }  # fmt: skip
-"""What each format says: glTF demands +Y, FBX and DAE state it, others leave it open. Log odds, as all below."""
+"""What each format says: glTF demands +Y, FBX and DAE state it, others leave it open. Log odds, as below."""
 BASE_WEIGHT = 0.8  # per factor e of the base's score
 BASE_MOST = 2.0  # a scene with other objects has misleading bases
 SYMMETRY_WEIGHT = 1.5  # between a crown as long as wide, and a line

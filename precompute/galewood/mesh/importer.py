@@ -13,6 +13,7 @@ import numpy as np
 from galewood.mesh.axis import AXES, Choice, choose_scale, choose_up_axis, to_y_up
 from galewood.mesh.classification import Classification, ClassifiedPart, classify, welded_wood, without_strays
 from galewood.mesh.formats import FileContent, read_parts
+from galewood.mesh.joined_parts import joined_parts
 from galewood.mesh.limits import check_faces
 from galewood.mesh.piece_groups import Group
 from galewood.mesh.piece_report import pieces_report
@@ -100,7 +101,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
 
 def understood(content: FileContent, options: ImportOptions) -> tuple[list[RawPart], Choice, Classification]:
     """The usable parts of a file turned y up, the up axis, and the classification of all pieces."""
-    parts = _usable(content.parts)
+    parts = joined_parts(_usable(content.parts))
     vertices, faces = _joined(parts)
     _check_volume(vertices)
     pieces = find_pieces(parts)
