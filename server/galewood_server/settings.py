@@ -126,10 +126,18 @@ class Settings(BaseSettings):
 
     @field_validator("frame_ancestors")
     @classmethod
-    def _check_origins(cls, given: list[str]) -> list[str]:
-        """Origins, as they are written into a policy. ValueError for anything else."""
+    def _check_ancestors(cls, given: list[str]) -> list[str]:
+        """Origins, as they are written into a policy, also of all subdomains. ValueError otherwise."""
         if not all(re.fullmatch(r"https?://(\*\.)?[A-Za-z0-9.-]+(:\d{1,5})?|\*", one) for one in given):
             raise ValueError('expected origins such as "https://example.org", or "*" for all')
+        return given
+
+    @field_validator("allowed_origins")
+    @classmethod
+    def _check_origins(cls, given: list[str]) -> list[str]:
+        """Whole origins, as browsers send them. ValueError for anything else."""
+        if not all(re.fullmatch(r"https?://[a-z0-9.-]+(:\d{1,5})?|\*", one) for one in given):
+            raise ValueError('expected origins in lower case such as "https://example.org", or "*" for all')
         return given
 
     @property

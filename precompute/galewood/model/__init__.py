@@ -13,6 +13,7 @@ from galewood.model.effective_mass import (
 from galewood.model.foliage import LumpedMasses, bind_foliage
 from galewood.model.from_tree import tree_model
 from galewood.model.reference import compare_with_reference, reference_model
+from galewood.model.typical_frequency import typical_frequency_hz
 
 __all__ = [
     "GRAVITY_M_S2",
@@ -34,4 +35,5 @@ __all__ = [
     "render_binding",
     "trajectory_difference",
     "tree_model",
+    "typical_frequency_hz",
 ]

@@ -2,6 +2,7 @@
 import {
   BufferAttribute,
   type BufferGeometry,
+  type InterleavedBufferAttribute,
   Mesh,
   type MeshStandardMaterial,
   type Object3D,
@@ -48,6 +49,7 @@ export interface BarePart {
 
 export interface TreeModel {
   readonly parts: readonly TreePart[];
+  /** Made when first asked for: only bare trees need it. */
   readonly bare: readonly BarePart[];
   readonly height_m: number;
   /** Largest horizontal reach from the trunk. */
@@ -75,6 +77,8 @@ const kindOf = (mesh: Object3D): Part => (mesh.name.startsWith("leaves") ? "leav
 function floats(
   attribute: { count: number; itemSize: number } & Pick<BufferAttribute, "getComponent">,
 ): Float32Array {
+  const { array, normalized, data } = attribute as Partial<BufferAttribute & InterleavedBufferAttribute>;
+  if (array instanceof Float32Array && !normalized && !data) return array.slice();
   const out = new Float32Array(attribute.count * attribute.itemSize);
   for (let i = 0; i < out.length; i++) {
     out[i] = attribute.getComponent(Math.floor(i / attribute.itemSize), i % attribute.itemSize);
@@ -128,7 +132,10 @@ function partFrom(
   const piece = new Float32Array(vertices * 4);
   const anchor = new Float32Array(vertices * 4).fill(ALWAYS);
   for (let v = 0; v < vertices; v++) {
-    piece.set([hashUnit(pieces.ofVertex[v], 3), open[v], reach[v], ranks[of.ofVertex[v]]], v * 4);
+    piece[4 * v] = hashUnit(pieces.ofVertex[v], 3);
+    piece[4 * v + 1] = open[v];
+    piece[4 * v + 2] = reach[v];
+    piece[4 * v + 3] = ranks[of.ofVertex[v]];
     for (let axis = 0; axis < 3; axis++) anchor[v * 4 + axis] = anchors[of.ofVertex[v] * 3 + axis];
   }
   const ranked = rankedIndex(index, (v) => ranks[of.ofVertex[v]]);
@@ -256,7 +263,16 @@ export async function readTreeModel(bytes: ArrayBuffer, varied = false): Promise
   if (varied) drawLots(read);
   for (const mesh of meshes) mesh.geometry.dispose();
   const parts = read.map(({ part }) => part);
-  return { parts, bare: barePartsOf(read), height_m: high.y, radius_m };
+  let bareParts: BarePart[] | null = null;
+  return {
+    parts,
+    get bare() {
+      bareParts ??= barePartsOf(read);
+      return bareParts;
+    },
+    height_m: high.y,
+    radius_m,
+  };
 }
 
 /** Frees the GPU resources of a model; they are uploaded again when it is drawn again. */
