@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from galewood.mesh import TreeMesh, import_mesh_sandboxed
+from galewood.mesh import TreeMesh, import_mesh_sandboxed, mesh_with_companions
 from galewood.options import ImportRequest, import_options
 from galewood.util import Floats, Ints
 
@@ -64,7 +64,10 @@ def read(
     min_radius_mm: float | None = None,
     bare: bool = False,
 ) -> Tree:
-    """Read a tree from a GLB, OBJ, PLY or STL file or a scan (MAT, CSV), in a sandboxed child process.
+    """Read a tree from a mesh file or a scan (MAT, CSV), in a sandboxed child process.
+
+    Meshes: GLB, glTF, OBJ, PLY, STL, FBX, DAE, 3DS, or a ZIP archive of one of them with its textures. Files
+    that a glTF, OBJ or FBX refers to are read if they are in its folder.
 
     Args:
         path: The mesh file, or the cylinders of a scanned tree.
@@ -98,5 +101,6 @@ def read(
         bare=bare,
     )
     path = Path(path)
-    mesh, render_glb = import_mesh_sandboxed(path.read_bytes(), path.name, import_options(request))
+    data = mesh_with_companions(path)
+    mesh, render_glb = import_mesh_sandboxed(data, path.name, import_options(request))
     return Tree(mesh, render_glb)

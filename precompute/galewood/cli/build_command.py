@@ -69,7 +69,7 @@ def build(
     from dataclasses import replace
 
     from galewood.fem import FemSettings
-    from galewood.mesh import TreeMesh
+    from galewood.mesh import TreeMesh, mesh_with_companions
     from galewood.pipeline import (
         bare_path,
         build_options,
@@ -98,7 +98,7 @@ def build(
         with progress_bar() as bar:
             report = progress_reporter(bar)
             result = build_table(
-                mesh.read_bytes(),
+                mesh_with_companions(mesh),
                 mesh.name,
                 options,
                 progress=lambda now: report(now.fraction, now.message),

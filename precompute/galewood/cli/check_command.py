@@ -28,7 +28,7 @@ def check(mesh: Path, preview: Path | None, strict: bool, json_out: Path | None,
 
     Exit codes: 0 read, 1 cannot be used, 2 wrong options, 3 read with warnings (only with --strict).
     """
-    from galewood.mesh import import_mesh_sandboxed
+    from galewood.mesh import import_mesh_sandboxed, mesh_with_companions
     from galewood.options import import_options
     from galewood.pictures import draw_limited
     from galewood.pipeline import import_lines, motion_lines
@@ -37,7 +37,7 @@ def check(mesh: Path, preview: Path | None, strict: bool, json_out: Path | None,
     options = import_options(validated(ImportRequest, chosen))
     then = "galewood.pipeline.expected:with_expected_motion"
     try:
-        tree, glb = import_mesh_sandboxed(mesh.read_bytes(), mesh.name, options, then=then)
+        tree, glb = import_mesh_sandboxed(mesh_with_companions(mesh), mesh.name, options, then=then)
         if preview is not None:
             preview.parent.mkdir(parents=True, exist_ok=True)
             preview.write_bytes(draw_limited(glb, PREVIEW_PX))

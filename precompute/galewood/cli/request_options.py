@@ -26,7 +26,7 @@ Mesh = Annotated[
     typer.Argument(
         exists=True,
         dir_okay=False,
-        help="GLB, OBJ, PLY or STL file, or the cylinders of a scanned tree (MAT, CSV).",
+        help="GLB, glTF, OBJ, PLY, STL, FBX, DAE, 3DS or ZIP; or a scanned tree's cylinders (MAT, CSV).",
     ),
 ]
 Request = TypeVar("Request", bound=BaseModel)

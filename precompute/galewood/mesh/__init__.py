@@ -10,6 +10,7 @@ from galewood.mesh.types import ImportOptions, Material, RawPart, RenderPrimitiv
 from galewood.util import lazily
 
 if TYPE_CHECKING:
+    from galewood.mesh.beside import mesh_with_companions
     from galewood.mesh.gltf import read_glb
     from galewood.mesh.gltf_material import alpha_coverage, base_image
     from galewood.mesh.repair import (
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 __getattr__ = lazily(
     __name__,
     {
+        "mesh_with_companions": "galewood.mesh.beside",
         "weld_keeping_faces": "galewood.mesh.repair",
         "read_glb": "galewood.mesh.gltf",
         "alpha_coverage": "galewood.mesh.gltf_material",
@@ -49,6 +51,7 @@ __all__ = [
     "compact",
     "face_components",
     "import_mesh_sandboxed",
+    "mesh_with_companions",
     "read_glb",
     "signed_volumes",
     "volume",

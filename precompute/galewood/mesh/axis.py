@@ -24,11 +24,16 @@ SPECIES_HEIGHT_M = {"poplar": 12.0, "maple": 10.0, "apricot": 5.0}
 DEFAULT_HEIGHT_M = 10.0
 
 
+STATED_Y = {
+    "glb": "glTF is +Y up", "gltf": "glTF is +Y up",
+    "fbx": "the file states its up axis", "dae": "the file states its up axis",
+}  # fmt: skip
+"""Formats whose files are +Y up, or are turned to it when they are read."""
 CONVENTIONS: dict[str, dict[Axis, float]] = {
-    "glb": {"y": 3.2}, "gltf": {"y": 3.2}, "obj": {"y": 0.4, "z": 0.2}, "fbx": {"y": 0.4, "z": 0.2},
+    "glb": {"y": 3.2}, "gltf": {"y": 3.2}, "obj": {"y": 0.4, "z": 0.2}, "fbx": {"y": 3.2}, "dae": {"y": 3.2},
     "ply": {"z": 0.3, "y": 0.2}, "stl": {"z": 0.3, "y": 0.2},
 }  # fmt: skip
-"""What each format says: glTF demands +Y, the others leave it open. Weights are log odds, as all below."""
+"""What each format says: glTF demands +Y, FBX and DAE state it, others leave it open. Log odds, as below."""
 BASE_WEIGHT = 0.8  # per factor e of the base's score
 BASE_MOST = 2.0  # a scene with other objects has misleading bases
 SYMMETRY_WEIGHT = 1.5  # between a crown as long as wide, and a line
@@ -73,12 +78,12 @@ def choose_up_axis(
         if w[best] >= max(w.values()) and w[best] > min(w.values()) + 0.2
     ]
     against = [words for words, w in weights.items() if w[best] < max(w.values()) - 0.5]
-    if file_format in ("glb", "gltf"):
+    if stated := STATED_Y.get(file_format):
         if best == "y" or confidence < CERTAIN:
             unsure = best != "y"
-            reason = "glTF is +Y up" + (f", but its shape suggests +{best.upper()}" if unsure else "")
+            reason = stated + (f", but its shape suggests +{best.upper()}" if unsure else "")
             return Choice("y", reason, assumed=unsure, unsure=unsure, confidence=1.0 - confidence * unsure)
-        against = ["glTF is +Y up"]
+        against = [stated]
     reason = ", ".join(favouring) or "no indicator favours another"
     reason += f"; but {', '.join(against)} would suggest another" if against else ""
     return Choice(best, reason, assumed=True, unsure=confidence < SURE, confidence=confidence)

@@ -13,6 +13,8 @@ import numpy as np
 from galewood.mesh.axis import AXES, Choice, choose_scale, choose_up_axis, to_y_up
 from galewood.mesh.classification import Classification, ClassifiedPart, classify, welded_wood, without_strays
 from galewood.mesh.formats import FileContent, read_parts
+from galewood.mesh.joined_parts import joined_parts
+from galewood.mesh.limits import check_faces
 from galewood.mesh.piece_groups import Group
 from galewood.mesh.piece_report import pieces_report
 from galewood.mesh.pieces import find_pieces
@@ -34,7 +36,6 @@ __all__ = [
     "render_glb",
 ]  # fmt: skip
 
-MAX_FACES = 600_000
 MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
 BASE_SLAB = 0.02
 QSM_UNIT = Choice("m", "cylinder models are in metres", assumed=False)
@@ -101,7 +102,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
 
 def understood(content: FileContent, options: ImportOptions) -> tuple[list[RawPart], Choice, Classification]:
     """The usable parts of a file turned y up, the up axis, and the classification of all pieces."""
-    parts = _usable(content.parts)
+    parts = joined_parts(_usable(content.parts))
     vertices, faces = _joined(parts)
     _check_volume(vertices)
     pieces = find_pieces(parts)
@@ -133,13 +134,7 @@ def _usable(parts: list[RawPart]) -> list[RawPart]:
         raise MeshError(
             "no-faces", "unsuitable", "The file contains no triangles.", "Export the tree as a triangle mesh."
         )
-    if count > MAX_FACES:
-        raise MeshError(
-            "too-many-faces",
-            "too-large",
-            f"The mesh has {count} triangles, more than the limit of {MAX_FACES}.",
-            "Decimate the mesh and export it again.",
-        )
+    check_faces(count)
     bad = sum(
         int((~np.isfinite(p.positions).all(axis=1) | (np.abs(p.positions) > 1e12).any(axis=1)).sum())
         for p in parts

@@ -16,7 +16,7 @@ OVERSAMPLING = 3
 MARGIN = 0.04
 LIGHT = np.array([0.4, 0.75, 0.53])  # from above, right and front
 WOOD, LEAVES = (0.45, 0.36, 0.28), (0.42, 0.52, 0.22)
-LIMITS = Limits(memory_bytes=3 << 30, cpu_s=20, wall_s=30.0)
+LIMITS = Limits(memory_bytes=3 << 30, cpu_s=20)
 
 
 def draw_limited(glb: bytes, side_px: int = SIDE_PX) -> bytes:

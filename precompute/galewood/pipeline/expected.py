@@ -12,6 +12,8 @@ from galewood.wind import dynamic_pressure
 from galewood.wood import Wood, wood_of_species
 
 BREEZE_M_S, STORM_M_S = 10.0, 18.0
+SLOWEST = 0.5
+"""Lowest frequency to suggest, over that of measured trees: softer trees could not carry their own weight."""
 VISIBLE_SHARE = 0.01
 """Sway in the strong wind, relative to the height, below which a tree hardly seems to move."""
 
@@ -20,8 +22,8 @@ def expected_motion(tree: TreeMesh, wood: Wood | None = None) -> dict[str, Any] 
     """First frequency and sway of an imported tree; JSON-able. None if its wood has no branches.
 
     The sway is the largest displacement under a steady wind, for a linear response; gusts add to it.
-    ``typical_frequency_hz`` is that of measured trees of this height; at ``lively_frequency_hz`` the tree is
-    at most as stiff as those, and its sway in a strong wind is visible.
+    ``typical_frequency_hz`` is that of measured trees of this height. ``lively_frequency_hz`` is at most as
+    high, and down to half as high if the sway in a strong wind would not be visible otherwise.
     """
     try:
         model = beam_model(tree, wood or wood_of_species(tree.species or "default"))
@@ -33,13 +35,19 @@ def expected_motion(tree: TreeMesh, wood: Wood | None = None) -> dict[str, Any] 
     return {
         "first_frequency_hz": first_hz,
         "typical_frequency_hz": typical_hz,
-        "lively_frequency_hz": min(first_hz, typical_hz, first_hz * math.sqrt(share / VISIBLE_SHARE)),
+        "lively_frequency_hz": _lively_hz(first_hz, typical_hz, share),
         "sway": [
             {"wind_m_s": speed_m_s, "sway_m": far_m, "share": far_m / tree.height_m}
             for speed_m_s, far_m in sway_m.items()
         ],
         "visible": share >= VISIBLE_SHARE,
     }
+
+
+def _lively_hz(first_hz: float, typical_hz: float, share: float) -> float:
+    """At most the frequency of measured trees; lower if the sway is not visible then, but not much lower."""
+    visible_hz = first_hz * math.sqrt(share / VISIBLE_SHARE)
+    return min(first_hz, typical_hz, max(visible_hz, SLOWEST * typical_hz))
 
 
 def with_expected_motion(tree: TreeMesh) -> TreeMesh:

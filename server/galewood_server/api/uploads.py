@@ -64,6 +64,7 @@ async def upload_tree(
     else:
         new = False
     response.status_code = 201 if new else 200
+    response.headers["Location"] = f"/api/trees/{tree.id}"
     return await asyncio.to_thread(_queue_build, service, tree) if build and new else tree
 
 

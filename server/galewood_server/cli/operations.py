@@ -13,7 +13,10 @@ from galewood_server.cli.extras import needs_extras
 
 def upload(
     mesh: Annotated[
-        Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY, STL, MAT or CSV.")
+        Path,
+        typer.Argument(
+            exists=True, dir_okay=False, help="GLB, glTF, OBJ, PLY, STL, FBX, DAE, 3DS, ZIP, MAT or CSV."
+        ),
     ],
     server: Annotated[str, typer.Option(help="URL of the service.")] = "http://127.0.0.1:8000",
     key: Annotated[

@@ -33,8 +33,8 @@ UPLOAD_FORM: dict[str, Any] = {
                         "file": {
                             "type": "string",
                             "format": "binary",
-                            "description": "GLB, OBJ, PLY or STL, or the cylinders of a scanned tree: "
-                            "MAT or CSV",
+                            "description": "GLB, OBJ, PLY, STL, FBX, DAE or 3DS, a ZIP archive of one model "
+                            "with its buffers and textures, or the cylinders of a scanned tree: MAT or CSV",
                         },
                         "species": {"type": "string", "description": "See GET /api/species"},
                         "height_m": {"type": "number", "exclusiveMinimum": 0.1, "maximum": 150},
@@ -163,5 +163,5 @@ def _too_large(limit_bytes: int) -> ProblemError:
         "upload-too-large",
         f"The file is larger than {limit_bytes // 1024 // 1024} MB",
         detail=f"The limit is {limit_bytes} bytes.",
-        hint="Reduce the texture size or the number of triangles.",
+        hint="Reduce the texture size or the number of triangles, or send text formats in a ZIP archive.",
     )
