@@ -42,6 +42,7 @@ class Look:
     alpha_mode: str | None = None
     vertex_colour: tuple[float, ...] | None = None  # linear
     cell: tuple[float, ...] | None = None  # part of the image: u0, v0, u1, v1
+    noise: float = 0.0  # of the vertex colours
 
 
 @dataclass
@@ -744,6 +745,57 @@ def thin_open_branches(rng):
     ]
 
 
+def scan(rng, crown: bool):
+    """One connected surface of ground, trunk and crown, as photogrammetry gives it, with a bumpy surface."""
+    height, sides = rng.uniform(5, 12), 48
+    foot = 0.05 * height
+    rings = [(r, 0.01 * height * rng.normal()) for r in np.linspace(0.6 * height, 1.6 * foot, 24)]
+    rings += [(1.2 * foot, 0.03 * height), (foot, 0.08 * height)]
+    first_wood = len(rings) - 1
+    rings += [(foot * (1 - 0.02 * k), (0.1 + 0.02 * k) * height) for k in range(16)]
+    first_crown = len(rings) - 1
+    if crown:
+        rings += [
+            (0.28 * height * np.sin(a) ** 0.6, (0.7 - 0.3 * np.cos(a)) * height)
+            for a in np.linspace(0.4, 3.1, 30)
+        ]
+    else:
+        rings += [(foot * 0.6 * (1 - 0.05 * k), (0.42 + 0.028 * k) * height) for k in range(19)]
+    angle = np.arange(sides) * 2 * np.pi / sides
+    circle = np.column_stack([np.cos(angle), np.zeros(sides), np.sin(angle)])
+    vertices = np.concatenate([circle * r + (0, y, 0) for r, y in rings])
+    vertices += rng.normal(0, 0.004 * height, vertices.shape)
+    k, i = np.meshgrid(np.arange(sides), np.arange(len(rings) - 1))
+    a, b = (i * sides + k).ravel(), (i * sides + (k + 1) % sides).ravel()
+    faces = np.concatenate([np.column_stack([a, a + sides, b]), np.column_stack([b, a + sides, b + sides])])
+    ring = np.concatenate([i.ravel(), i.ravel()])
+    branch = [] if crown else branches(rng, 0.9 * height, 9, 0.3 * height, 0.02 * height)
+    looks = [
+        Look(vertex_colour=linear(c), noise=0.35) if crown else Look()
+        for c in ((120, 110, 70), (95, 75, 55), (70, 120, 45))
+    ]
+    spans = (
+        (0, first_wood, OTHER),
+        (first_wood, first_crown, WOOD),
+        (first_crown, len(rings), LEAVES if crown else WOOD),
+    )
+    parts = [
+        Part("s", label, Shape(vertices, faces[(ring >= low) & (ring < high)].astype(np.int32)), look)
+        for (low, high, label), look in zip(spans, looks, strict=True)
+    ]
+    return parts + ([Part("s", WOOD, together(*branch))] if branch else [])
+
+
+@style()
+def scan_with_ground_coloured(rng):
+    return scan(rng, crown=True)
+
+
+@style("ply", "z")
+def scan_with_ground_bare(rng):
+    return scan(rng, crown=False)
+
+
 @style()
 def bonsai_in_pot(rng):
     stem = tube(curve(rng, (0, 0, 0), (0.12, 0.35, 0.03), 0.12, 9), np.linspace(0.04, 0.015, 9), 9)
@@ -866,7 +918,7 @@ def _glb(parts: list[Part]) -> bytes:
         if factor is not None:
             pbr["baseColorFactor"] = [*factor, 1.0]
         if any(p.look.vertex_colour for p in members):
-            colour = [np.tile(p.look.vertex_colour or (1, 1, 1), (len(p.shape.vertices), 1)) for p in members]
+            colour = [_vertex_colours(p) for p in members]
             attributes["COLOR_0"] = accessor(np.concatenate(colour).astype("<f4"), "VEC3", 5126)
         material["pbrMetallicRoughness"] = pbr
         material |= {"alphaMode": alpha_mode} if alpha_mode else {}
@@ -888,6 +940,12 @@ def _glb(parts: list[Part]) -> bytes:
         + struct.pack("<I4s", len(body), b"BIN\0")
         + body
     )
+
+
+def _vertex_colours(part: Part) -> np.ndarray:
+    rng = np.random.default_rng(len(part.shape.vertices))
+    colours = np.tile(part.look.vertex_colour or (1.0, 1.0, 1.0), (len(part.shape.vertices), 1))
+    return np.clip(colours * rng.uniform(1 - part.look.noise, 1 + part.look.noise, (len(colours), 1)), 0, 1)
 
 
 def _in_cell(uv, cell, count):

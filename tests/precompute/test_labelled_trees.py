@@ -1,4 +1,4 @@
-"""Shares of faces classified correctly in generated files of sixty styles, with known labels.
+"""Shares of the faces that are classified correctly in generated files of many styles with known labels.
 
 The weights were tuned on seeds 1 to 5; the test reports other seeds. A file counts as asking the user if the
 report says that the axis or more than a tenth of the faces are uncertain.

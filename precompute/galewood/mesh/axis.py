@@ -111,7 +111,7 @@ def indicators(
             axis: TRUNK_WEIGHT * _trunk(corners, pieces, score, AXES[axis]) for axis in AXES
         },
         "wood below the leaves": {axis: ORDER_WEIGHT * _order(pieces, score, AXES[axis]) for axis in AXES},
-        "flat ground": {axis: GROUND_WEIGHT * _ground(pieces, AXES[axis]) for axis in AXES},
+        "flat ground": {axis: GROUND_WEIGHT * _ground(corners, AXES[axis]) for axis in AXES},
     }
 
 
@@ -161,19 +161,32 @@ def _order(pieces: Pieces, score: Floats, axis: int) -> float:
     )
 
 
-def _ground(pieces: Pieces, axis: int) -> float:
-    """1 if a wide flat piece lies at the bottom, −1 if at the top of the axis."""
-    s = pieces.shapes
-    size = s.high - s.low
-    others = np.delete(size, axis, axis=1)
-    low, high = float(s.low[:, axis].min()), float(s.high[:, axis].max())
-    extent = np.ptp(np.stack([s.low, s.high]), axis=(0, 1))
-    wide = others.min(axis=1) > 0.35 * float(extent.max())
-    flat = wide & (size[:, axis] < 0.1 * others.max(axis=1)) & (s.along_axes[:, axis] > 0.6)
-    if not flat.any() or flat.all():
-        return 0.0
-    middle = float(np.average(s.centre[flat, axis], weights=s.area[flat]))
-    return 1.0 if middle < low + 0.3 * (high - low) else -1.0 if middle > high - 0.3 * (high - low) else 0.0
+def _ground(corners: Floats, axis: int) -> float:
+    """1 if wide flat ground lies at the bottom of the axis, −1 if at its top, else 0."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(normal, axis=1)
+    level = np.abs(normal[:, axis]) > 0.6 * size
+    centre = corners.mean(axis=1)
+    low, extent = float(corners[:, :, axis].min()), max(float(np.ptp(corners[:, :, axis])), 1e-300)
+    width = np.delete(np.ptp(corners.reshape(-1, 3), axis=0), axis)
+    found = 0.0
+    for sign, there in (
+        (1.0, centre[:, axis] < low + 0.12 * extent),
+        (-1.0, centre[:, axis] > low + 0.88 * extent),
+    ):
+        flat = corners[level & there].reshape(-1, 3)
+        share = float(size[level & there].sum()) / max(float(size[there].sum()), 1e-300)
+        if not len(flat) or share < 0.6:
+            continue
+        # the side of a crown faces outwards, ground faces the tree
+        inwards = float(size[level & there & (sign * normal[:, axis] > 0)].sum())
+        if inwards < 0.4 * float(size[level & there].sum()):
+            continue
+        across = np.delete(np.ptp(flat, axis=0), axis)
+        covered = float(size[level & there].sum()) / 2 / max(float(np.prod(width)), 1e-300)
+        if (across > 0.7 * width).all() and covered > 0.4:
+            found += sign
+    return found
 
 
 def surface_points(vertices: Floats, faces: Ints) -> Floats:

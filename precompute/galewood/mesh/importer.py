@@ -20,6 +20,7 @@ from galewood.mesh.piece_report import pieces_report
 from galewood.mesh.pieces import find_pieces
 from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.repair import Surface
+from galewood.mesh.scan_ground import without_ground
 from galewood.mesh.species_names import guess_species
 from galewood.mesh.surface import solid_wood
 from galewood.mesh.types import KINDS, ImportOptions, Material, RawPart, RenderPrimitive, TreeMesh
@@ -108,7 +109,9 @@ def understood(content: FileContent, options: ImportOptions) -> tuple[list[RawPa
     up = choose_up_axis(vertices, faces, pieces, content.file_format, options)
     rotation = to_y_up(up.value)
     parts = [_transformed(p, rotation, np.zeros(3), 1.0) for p in parts]
-    return parts, up, classify(parts, options, content.qsm is not None, pieces.turned(rotation))
+    turned = pieces.turned(rotation)
+    turned = turned if content.qsm else without_ground(parts, turned)
+    return parts, up, classify(parts, options, content.qsm is not None, turned)
 
 
 def _check_options(options: ImportOptions) -> None:

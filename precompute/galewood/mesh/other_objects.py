@@ -139,7 +139,7 @@ def _mark_below(pieces: Pieces, score: Floats, members: Mask, trunk: Trunk, othe
     width = (s.high - s.low)[:, [0, 2]].max(axis=1)
     tall = s.high[:, 1] - s.low[:, 1]
     under = members & (s.centre[:, 1] < y + 0.04 * height) & (s.high[:, 1] <= y + 0.2 * height)
-    under &= (np.arange(len(pieces)) != trunk.piece) & ~(is_tube(s) & (tall < 4 * trunk.width))
+    under &= (np.arange(len(pieces)) != trunk.piece) & ~is_tube(s)
     broad = width >= 2.2 * trunk.width
     others.mark(
         under & broad & (tall > 0.2 * width) & (width > 0.45 * height), "island", "a body under the trunk"

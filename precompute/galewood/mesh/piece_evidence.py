@@ -97,7 +97,8 @@ def own_evidence(pieces: Pieces) -> Evidence:
     s = pieces.shapes
     sheet, tube, rounded = is_sheet(s), is_tube(s), is_round(s)
     found.add(sheet & (s.faces <= 8), -2.5, "flat cards")
-    found.add(sheet & (s.faces > 8), -2.0, "a thin sheet")
+    main = (s.area > 0.4 * s.area.sum()) & (s.faces >= 300)  # such as a scan of a tree with its ground
+    found.add(sheet & (s.faces > 8) & ~main, -2.0, "a thin sheet")
     found.add(tube & ~rounded, 2.0, "a tube")
     found.add(rounded & ~tube, -1.6, "a rounded volume")
     found.add(is_flattened(s), -1.5, "flattened like a leaf")

@@ -68,8 +68,6 @@ def group_pieces(
     tree: Ints,
 ) -> list[Group]:
     """All groups, in the order of the file. They depend on the file alone, not on choices."""
-    first = np.full(len(parts), len(pieces))
-    np.minimum.at(first, pieces.part, np.arange(len(pieces)))
     area = pieces.shapes.area
     alone = set(np.argsort(-area, kind="stable")[:LARGEST].tolist()) & set(
         np.flatnonzero(area >= LARGE * area.sum()).tolist()
@@ -83,7 +81,7 @@ def group_pieces(
     for (part, number, what_kind, what, _), rows in members.items():
         largest = max(rows, key=lambda k: float(area[k]))
         chosen = np.array(rows, dtype=np.int32)
-        numbers = chosen - int(first[part])
+        numbers = pieces.number[chosen]
         faces = pieces.shapes.faces[chosen]
         other = others.what.get(largest)
         rgb = np.average(pieces.rgb[chosen], axis=0, weights=area[chosen])

@@ -29,6 +29,7 @@ class Pieces:
     """All pieces of a file: their part, shape and colour, one row per piece."""
 
     part: Ints
+    number: Ints  # within the part
     of_face: list[Ints]  # for each part, the piece of each face
     shapes: Shapes
     rgb: Floats  # (k, 3) mean sRGB
@@ -49,6 +50,7 @@ def find_pieces(parts: list[RawPart]) -> Pieces:
     part_of: list[Ints] = []
     colours: list[FaceColours] = []
     borders: list[Floats] = []
+    numbers: list[Ints] = []
     total = 0
     for number, part in enumerate(parts):
         welded = weld_keeping_faces(Surface(part.positions, part.faces))
@@ -60,6 +62,7 @@ def find_pieces(parts: list[RawPart]) -> Pieces:
         colours.append(colour)
         of_face.append((label + total).astype(np.int32))
         part_of.append(np.full(count, number, dtype=np.int32))
+        numbers.append(np.arange(count, dtype=np.int32))
         total += count
     corners = np.concatenate([p.positions[p.faces] for p in parts])
     piece = np.concatenate(of_face)
@@ -67,7 +70,28 @@ def find_pieces(parts: list[RawPart]) -> Pieces:
     rgb, cut_out = _mean_colours(corners, piece, total, colours)
     part_index = np.concatenate(part_of)
     known = np.array([c.known for c in colours])[part_index]
-    return Pieces(part_index, of_face, shapes, rgb, cut_out, known)
+    return Pieces(part_index, np.concatenate(numbers), of_face, shapes, rgb, cut_out, known)
+
+
+def with_new_pieces(pieces: Pieces, parts: list[RawPart], part: int, faces: Ints) -> Pieces:
+    """The pieces with some faces of a part as one more piece, numbered after all others of its part."""
+    count = len(pieces)
+    of_face = list(pieces.of_face)
+    of_face[part] = of_face[part].copy()
+    old = int(of_face[part][faces[0]])
+    of_face[part][faces] = count
+    corners = np.concatenate([p.positions[p.faces] for p in parts])
+    borders = [_border(weld_keeping_faces(Surface(p.positions, p.faces))) for p in parts]
+    numbers = pieces.number[pieces.part == part]
+    return Pieces(
+        part=np.append(pieces.part, part).astype(np.int32),
+        number=np.append(pieces.number, numbers.max() + 1).astype(np.int32),
+        of_face=of_face,
+        shapes=measure(corners, np.concatenate(of_face), count + 1, np.concatenate(borders)),
+        rgb=np.vstack([pieces.rgb, pieces.rgb[old]]),
+        cut_out=np.append(pieces.cut_out, pieces.cut_out[old]),
+        coloured=np.append(pieces.coloured, pieces.coloured[old]),
+    )
 
 
 def _in_file_order(label: Ints) -> tuple[int, Ints]:
