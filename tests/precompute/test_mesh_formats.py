@@ -443,7 +443,7 @@ def test_a_mesh_without_other_files_stays_as_it_is(tmp_path):
 
 
 def test_decoders_work_in_the_sandbox():
-    """FBX is read from a temporary file; Draco, meshopt and KTX2 load their libraries once files are confined."""
+    """FBX is read from a temporary file; Draco, meshopt and KTX2 are loaded once files are confined."""
     file = GltfFile()
     leaf = file.material("crown", ktx2((30, 160, 20, 255)), "image/ktx2", "KHR_texture_basisu")
     crown = file.meshopt(make.cards([(1.2, 4.0, 0)]), material=leaf)
