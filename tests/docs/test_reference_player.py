@@ -18,6 +18,7 @@ from galewood.player import WindDrivenTrees
 from galewood.table import Table, decode
 from galewood.util import Floats
 from galewood.wind import Wind, WindField, parse_wind
+from galewood_server.stream.forest import GroupStepper
 
 ROOT = Path(__file__).parents[2]
 GOLDEN, EXAMPLES = ROOT / "tests" / "golden", ROOT / "docs" / "examples"
@@ -249,3 +250,29 @@ def _searching(rows: Floats, wind: Wind, velocity: Callable[[float, float, float
         return q
 
     return step
+
+
+@pytest.mark.parametrize("name", ["maple", "poplar-forest"])
+def test_built_in_trees_move_as_those_that_the_server_streams(name: str) -> None:
+    """With 32 or 16 oscillators; up to the rounding of the stream, which wire.md bounds."""
+    path = ROOT / "assets" / "species" / "shipped" / f"{name}.table"
+    table, wind = decode(path.read_bytes()), random_winds()[2]
+    rows = np.array([[-11.5, 4.0, 0.5, 0.75], [18.0, 120.5, 3.0, 1.5]], np.float32)
+    stepper, field = GroupStepper(table, rows, None, "modal"), WindField(wind)
+    count, modes, quantum = stepper.shape
+    unit_m, sent = quantum * table.mode_scale.astype(np.float64), np.zeros((count, modes), np.int32)
+    velocity, basis = winds.spectral(wind.document()), table.node_basis.astype(np.float64)
+    played = [
+        player.play(player.Tree(str(path), yaw, scale), wind.document(), velocity, x, z, FRAME_S)
+        for x, z, yaw, scale in rows.tolist()
+    ]
+    bound_mm = 1e3 * np.linalg.norm(np.abs(0.5 * unit_m * basis).sum(2), axis=1).max()
+    worst_mm = 0.0
+    for frame in range(1, 121):
+        stepper.step(field, frame * FRAME_S, FRAME_S)
+        stepper.write_poses(sent)
+        q = [next(one) for one in played]
+        worst_mm = max(worst_mm, millimetres(basis, q, sent * unit_m))
+        assert np.abs(np.array(q) - sent * unit_m).max() < 0.5001 * unit_m.max()
+    print(f"{name}: the stream rounds by up to {worst_mm:.2f} mm, at worst {bound_mm:.2f} mm")
+    assert worst_mm < bound_mm < 0.92
