@@ -57,6 +57,9 @@ def read(
     height_m: float | None = None,
     up_axis: Literal["x", "y", "z"] | None = None,
     wood_materials: list[str] | None = None,
+    leaves: list[str] | None = None,
+    drop: list[str] | None = None,
+    tree: int | None = None,
     dbh_cm: float | None = None,
     min_radius_mm: float | None = None,
     bare: bool = False,
@@ -71,7 +74,11 @@ def read(
         species: Wood species (``galewood.SPECIES``); by default guessed from the names in the file.
         height_m: Height of the tree; by default the file's unit is guessed.
         up_axis: Axis that points up; by default guessed from the shape.
-        wood_materials: Names of the materials, nodes or meshes that are wood.
+        wood_materials: What is wood: names of materials, nodes or meshes (all others are then leaves), or ids
+            of pieces from ``report["pieces"]``.
+        leaves: What is leaves: names, or ids of pieces.
+        drop: What is left out: names, or ids of pieces.
+        tree: Which tree of a file with several, from 1; by default the largest.
         dbh_cm: Scanned tree: scale all radii to this diameter of the trunk at 1.3 m.
         min_radius_mm: Scanned tree: drop branches thinner than this; by default 10 mm, or what leaves 200.
         bare: Scanned tree: add no leaves.
@@ -86,6 +93,9 @@ def read(
         height_m=height_m,
         up_axis=up_axis,
         wood_materials=wood_materials,
+        leaves=leaves,
+        drop=drop,
+        tree=tree,
         dbh_cm=dbh_cm,
         min_radius_mm=min_radius_mm,
         bare=bare,

@@ -23,7 +23,12 @@ from galewood.options import BuildRequest
 Out = Annotated[Path, typer.Option(help="Table file to write; the mesh it moves is written beside it.")]
 WoodFile = Annotated[
     Path | None,
-    typer.Option(exists=True, dir_okay=False, help="Constants of a wood of your own (docs/physics.md)."),
+    typer.Option(
+        "--wood-constants",
+        exists=True,
+        dir_okay=False,
+        help="Constants of a wood of your own (docs/physics.md); `--wood FILE.json` is also accepted.",
+    ),
 ]
 Reference = Annotated[
     bool,
@@ -127,6 +132,12 @@ def _request(chosen: dict[str, Any], wood: Path | None) -> BuildRequest:
     """The validated options; prints what is wrong, field by field, and exits."""
     from galewood.wood import WoodError, read_wood_document
 
+    # --wood once named a file with constants only
+    names: list[str] = chosen.get("wood_materials") or []
+    files = [name for name in names if name.endswith(".json") and Path(name).is_file()]
+    if files and wood is None:
+        wood = Path(files[0])
+        chosen = {**chosen, "wood_materials": [name for name in names if name not in files]}
     if wood is None:
         return validated(BuildRequest, chosen)
     try:

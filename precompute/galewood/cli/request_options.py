@@ -11,13 +11,16 @@ from pydantic import BaseModel, ValidationError
 
 from galewood.cli.tools import console
 
-OLD_NAMES = {
+SHORT_NAMES = {
     "target_tets": "--tets",
     "sampled_elements": "--elements",
     "design_speed_m_s": "--design-speed",
     "frames": "--wind-frames",
+    "wood_materials": "--wood",
 }
-"""Options had these names before they followed the REST interface; they are still accepted."""
+"""Shorter or older names of options."""
+LISTS = ("wood_materials", "leaves", "drop")
+"""Options that can be given several times, once per name or id."""
 Mesh = Annotated[
     Path,
     typer.Argument(
@@ -55,8 +58,8 @@ def request_parameters(model: type[BaseModel], without: tuple[str, ...] = ()) ->
         flag = name.replace("_", "-")
         switch = field.annotation == (bool | None)
         names = [f"--{flag}/--no-{flag}" if switch else f"--{flag}"]
-        names += [OLD_NAMES[name]] if name in OLD_NAMES else []
-        kind = list[str] | None if name == "wood_materials" else field.annotation
+        names += [SHORT_NAMES[name]] if name in SHORT_NAMES else []
+        kind = list[str] | None if name in LISTS else field.annotation
         option = typer.Option(*names, help=field.description)
         found.append(named_parameter(name, Annotated[kind, option], None))
     return found

@@ -1,4 +1,4 @@
-"""glTF materials with their embedded textures, and what they indicate about wood and foliage."""
+"""glTF materials with their embedded textures."""
 
 from __future__ import annotations
 
@@ -115,29 +115,6 @@ def alpha_coverage(material: Material | None) -> float:
 
 def _has_alpha(image: Image.Image) -> bool:
     return image.mode in ("RGBA", "LA", "PA") or "transparency" in image.info
-
-
-def is_cut_out(material: Material | None) -> bool:
-    """Whether the material is cut out by its alpha channel, as for leaf cards."""
-    if material is None:
-        return False
-    return material.json.get("alphaMode") in ("MASK", "BLEND") or alpha_coverage(material) < 0.98
-
-
-def greenness(material: Material | None) -> float | None:
-    """Excess of green over red and blue (−1 to 1) in the mean base colour; None without a colour."""
-    if material is None:
-        return None
-    pbr = material.json.get("pbrMetallicRoughness", {})
-    factor = np.array(pbr.get("baseColorFactor", (1, 1, 1, 1)), dtype=np.float64)[:3]
-    image = base_image(material)
-    if image is not None:
-        pixels = np.asarray(image.convert("RGBA").resize((32, 32)), dtype=np.float64).reshape(-1, 4)
-        weight = pixels[:, 3:4] + 1e-9
-        factor = factor * (pixels[:, :3] * weight).sum(axis=0) / weight.sum() / 255.0
-    elif "baseColorFactor" not in pbr:
-        return None
-    return float((factor[1] - max(factor[0], factor[2])) / max(float(factor.max()), 1e-9))
 
 
 def pack_material(material: Material | None) -> tuple[Json | None, dict[str, bytes]]:

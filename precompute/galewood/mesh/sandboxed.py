@@ -58,8 +58,9 @@ def read_in_child(arguments: Arrays) -> Arrays:
     """The part of import_mesh_sandboxed that runs in the child."""
     request = from_json_array(arguments["request"])
     chosen = request["options"]
-    if chosen["wood"] is not None:
-        chosen["wood"] = tuple(chosen["wood"])
+    for name in ("wood", "leaves", "drop"):
+        if chosen[name] is not None:
+            chosen[name] = tuple(chosen[name])
     tree = read_tree(arguments["data"].tobytes(), request["filename"], ImportOptions(**chosen))
     glb = render_glb(tree)
     if then := request.get("then"):

@@ -28,7 +28,26 @@ class ImportRequest(BaseModel):
     height_m: float | None = Field(default=None, gt=0.1, le=150, description="Height of the tree, m.")
     up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="Axis that points up.")
     wood_materials: list[MaterialName] | None = Field(
-        default=None, min_length=1, max_length=64, description="Materials, nodes or meshes that are wood."
+        default=None,
+        min_length=1,
+        max_length=400,
+        description="What is wood: names of materials, nodes or meshes, or ids of pieces. If a name is "
+        "given, all parts that are not named are leaves; ids change only their own pieces.",
+    )
+    leaves: list[MaterialName] | None = Field(
+        default=None, min_length=1, max_length=400, description="What is leaves: names, or ids of pieces."
+    )
+    drop: list[MaterialName] | None = Field(
+        default=None,
+        min_length=1,
+        max_length=400,
+        description="What is left out, such as ground: names, or ids of pieces.",
+    )
+    tree: int | None = Field(
+        default=None,
+        ge=1,
+        le=10_000,
+        description="Which tree of a file with several, as numbered in the report; default: the largest.",
     )
     dbh_cm: float | None = Field(
         default=None,
@@ -134,4 +153,7 @@ def import_options(request: ImportRequest) -> ImportOptions:
         request.dbh_cm,
         request.min_radius_mm,
         bool(request.bare),
+        tuple(request.leaves) if request.leaves else None,
+        tuple(request.drop) if request.drop else None,
+        request.tree,
     )

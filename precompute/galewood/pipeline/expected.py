@@ -12,6 +12,10 @@ from galewood.wind import dynamic_pressure
 from galewood.wood import Wood, wood_of_species
 
 BREEZE_M_S, STORM_M_S = 10.0, 18.0
+LINEAR_SHARE = 0.2
+"""Sway over height beyond which the linear response overestimates."""
+SLOWEST = 0.5
+"""Lowest frequency to suggest, over that of measured trees: softer trees could not carry their own weight."""
 VISIBLE_SHARE = 0.01
 """Sway in the strong wind, relative to the height, below which a tree hardly seems to move."""
 
@@ -20,8 +24,8 @@ def expected_motion(tree: TreeMesh, wood: Wood | None = None) -> dict[str, Any] 
     """First frequency and sway of an imported tree; JSON-able. None if its wood has no branches.
 
     The sway is the largest displacement under a steady wind, for a linear response; gusts add to it.
-    ``typical_frequency_hz`` is that of measured trees of this height; at ``lively_frequency_hz`` the tree is
-    at most as stiff as those, and its sway in a strong wind is visible.
+    ``typical_frequency_hz`` is that of measured trees of this height. ``lively_frequency_hz`` is at most as
+    high, and down to half as high if the sway in a strong wind would not be visible otherwise.
     """
     try:
         model = beam_model(tree, wood or wood_of_species(tree.species or "default"))
@@ -33,13 +37,19 @@ def expected_motion(tree: TreeMesh, wood: Wood | None = None) -> dict[str, Any] 
     return {
         "first_frequency_hz": first_hz,
         "typical_frequency_hz": typical_hz,
-        "lively_frequency_hz": min(first_hz, typical_hz, first_hz * math.sqrt(share / VISIBLE_SHARE)),
+        "lively_frequency_hz": _lively_hz(first_hz, typical_hz, share),
         "sway": [
             {"wind_m_s": speed_m_s, "sway_m": far_m, "share": far_m / tree.height_m}
             for speed_m_s, far_m in sway_m.items()
         ],
         "visible": share >= VISIBLE_SHARE,
     }
+
+
+def _lively_hz(first_hz: float, typical_hz: float, share: float) -> float:
+    """At most the frequency of measured trees; lower if the sway is not visible then, but not much lower."""
+    visible_hz = first_hz * math.sqrt(share / VISIBLE_SHARE)
+    return min(first_hz, typical_hz, max(visible_hz, SLOWEST * typical_hz))
 
 
 def with_expected_motion(tree: TreeMesh) -> TreeMesh:
@@ -56,11 +66,7 @@ def motion_lines(expected: dict[str, Any] | None) -> list[str]:
     """The expected motion as lines to read."""
     if expected is None:
         return ["The sway cannot be estimated: the wood has no branches."]
-    sways = [
-        f"{length_words(sway['sway_m'])} ({100 * sway['share']:.2g} % of the height) "
-        f"at {sway['wind_m_s']:g} m/s"
-        for sway in expected["sway"]
-    ]
+    sways = [f"{_sway_words(sway)} at {sway['wind_m_s']:g} m/s" for sway in expected["sway"]]
     lines = [
         f"expected sway {' and '.join(sways)}, first frequency about {expected['first_frequency_hz']:.2g} Hz"
     ]
@@ -71,6 +77,13 @@ def motion_lines(expected: dict[str, Any] | None) -> list[str]:
             f"--first-frequency-hz {expected['lively_frequency_hz']:.2g}."
         )
     return lines
+
+
+def _sway_words(sway: dict[str, Any]) -> str:
+    """A sway as a length and share of the height; beyond LINEAR_SHARE the linear response says too much."""
+    if sway["share"] > LINEAR_SHARE:
+        return f"more than {100 * LINEAR_SHARE:g} % of the height"
+    return f"{length_words(sway['sway_m'])} ({100 * sway['share']:.2g} % of the height)"
 
 
 def length_words(metres: float) -> str:

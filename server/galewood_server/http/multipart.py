@@ -17,7 +17,8 @@ from galewood_server.http.errors import ProblemError
 FORM_OVERHEAD_BYTES = 64 * 1024  # boundaries, part headers and the text fields
 DRAIN_S = 2.0
 FIELDS = (
-    "species", "height_m", "name", "up_axis", "wood_materials", "dbh_cm", "min_radius_mm", "bare",
+    "species", "height_m", "name", "up_axis", "wood_materials", "leaves", "drop", "tree", "dbh_cm",
+    "min_radius_mm", "bare",
 )  # fmt: skip
 UPLOAD_FORM: dict[str, Any] = {
     "requestBody": {
@@ -41,7 +42,21 @@ UPLOAD_FORM: dict[str, Any] = {
                         "up_axis": {"type": "string", "enum": ["x", "y", "z"]},
                         "wood_materials": {
                             "type": "string",
-                            "description": "Comma-separated names of wood materials, nodes or meshes",
+                            "description": "Comma-separated names of wood materials, nodes or meshes, or "
+                            "ids of pieces that are wood",
+                        },
+                        "leaves": {
+                            "type": "string",
+                            "description": "Comma-separated names or ids of pieces that are leaves",
+                        },
+                        "drop": {
+                            "type": "string",
+                            "description": "Comma-separated names or ids of pieces that are left out",
+                        },
+                        "tree": {
+                            "type": "integer",
+                            "minimum": 1,
+                            "description": "Which tree of a file with several",
                         },
                         "dbh_cm": {
                             "type": "number",

@@ -148,7 +148,12 @@ export interface Assumptions {
   species?: string | null;
   height_m?: number | null;
   up_axis?: string | null;
+  /** Names or ids of pieces, like the two lists below. */
   wood_materials?: string[] | null;
+  leaves?: string[] | null;
+  drop?: string[] | null;
+  /** Which tree of a file with several. */
+  tree?: number | null;
   /** Of a scanned tree, like the fields below: diameter of the trunk at 1.3 m. */
   dbh_cm?: number | null;
   min_radius_mm?: number | null;

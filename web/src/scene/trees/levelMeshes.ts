@@ -39,6 +39,7 @@ function geometryOf({ part, node }: LevelPart, level: number, instances: Instanc
   geometry.setAttribute("position", part.position);
   geometry.setAttribute("normal", part.normal);
   if (part.uv) geometry.setAttribute("uv", part.uv);
+  if (part.colour) geometry.setAttribute("color", part.colour);
   geometry.setAttribute("aAnchor", part.anchor);
   geometry.setAttribute("aPiece", part.piece);
   if (node) geometry.setAttribute("aNode", node);

@@ -26,6 +26,8 @@ export interface TreePart {
   readonly material: MeshStandardMaterial;
   readonly normal: BufferAttribute;
   readonly uv: BufferAttribute | null;
+  /** Linear colours (red, green, blue) by which the material's colour is multiplied; null: none. */
+  readonly colour: BufferAttribute | null;
   readonly position: BufferAttribute;
   /** The point to which the vertex's leaf or branch shrinks, and the lot of its bough (boughLots.ts). */
   readonly anchor: BufferAttribute;
@@ -144,6 +146,7 @@ function partFrom(
     material: mesh.material,
     normal: new BufferAttribute(leaves ? roundNormals(positions, normals, centre) : normals, 3),
     uv: uv ? new BufferAttribute(floats(uv), 2) : null,
+    colour: colourOf(geometry),
     position: new BufferAttribute(positions, 3),
     anchor: new BufferAttribute(anchor, 4),
     piece: new BufferAttribute(piece, 4),
@@ -153,6 +156,33 @@ function partFrom(
   };
   const borneKind = leaves ? "leaves" : isTwigs(mesh) ? "twigs" : "wood";
   return { part, borne: { kind: borneKind, positions, index, pieces: of } };
+}
+
+/** Colours of the vertices without their alpha; three.js calls the attribute "color". */
+function colourOf(geometry: BufferGeometry): BufferAttribute | null {
+  const given = geometry.getAttribute("color") as BufferAttribute | undefined;
+  if (!given) return null;
+  const rows = new Float32Array(3 * given.count);
+  for (let i = 0; i < rows.length; i++) rows[i] = given.getComponent(Math.floor(i / 3), i % 3);
+  return new BufferAttribute(rows, 3);
+}
+
+/** Mean of the colours of a part; null without any. */
+export function meanColour(colour: BufferAttribute | null): [number, number, number] | null {
+  if (!colour || colour.count === 0) return null;
+  const sum: [number, number, number] = [0, 0, 0];
+  for (let i = 0; i < 3 * colour.count; i++) sum[i % 3] += colour.array[i];
+  return [sum[0] / colour.count, sum[1] / colour.count, sum[2] / colour.count];
+}
+
+/** Vertices that all have the mean of other colours. */
+function evenColour(of: BufferAttribute | null, vertices: number): BufferAttribute | null {
+  const mean = meanColour(of);
+  if (!mean) return null;
+  return new BufferAttribute(
+    Float32Array.from({ length: 3 * vertices }, (_, i) => mean[i % 3]),
+    3,
+  );
 }
 
 const isTwigs = ({ name }: Object3D) => name.startsWith("twigs");
@@ -202,6 +232,7 @@ function barePartsOf(read: readonly ReadPart[]): BarePart[] {
       material: twigs.part.material,
       normal: new BufferAttribute(shoots.normals, 3),
       uv: null,
+      colour: evenColour(twigs.part.colour, vertices),
       position: new BufferAttribute(shoots.positions, 3),
       anchor: new BufferAttribute(anchor, 4),
       piece: new BufferAttribute(piece, 4),

@@ -1,0 +1,64 @@
+"""Which pieces touch: pieces with samples in neighbouring cells of a grid are connected."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from galewood.util import Floats, Ints
+
+SAMPLES = 60_000
+FORWARD = np.array(
+    [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if (i, j, k) > (0, 0, 0)]
+)
+
+
+def groups(corners: Floats, piece: Ints, count: int, gap: float) -> Ints:
+    """Group (count,) of each piece: pieces nearer than about `gap` are in one. −1: without faces.
+
+    `corners` (m, 3, 3) are the faces, `piece` (m,) their pieces. Large faces are sampled by area.
+    """
+    points, owner = _samples(corners, piece)
+    cell = np.floor(points / max(gap, 1e-300)).astype(np.int64)
+    cells, inverse = np.unique(cell, axis=0, return_inverse=True)
+    inverse = inverse.reshape(-1)
+    pairs = [np.column_stack([owner, count + inverse])]
+    size = cells.max(axis=0) - cells.min(axis=0) + 3
+    shifted = cells - cells.min(axis=0) + 1
+    key = _key(shifted, size)
+    order = np.argsort(key)
+    for step in FORWARD:
+        wanted = _key(shifted + step, size)
+        at = np.clip(np.searchsorted(key[order], wanted), 0, len(key) - 1)
+        hit = key[order][at] == wanted
+        pairs.append(count + np.column_stack([np.flatnonzero(hit), order[at[hit]]]))
+    edges = np.concatenate(pairs)
+    total = count + len(cells)
+    graph = coo_matrix((np.ones(len(edges), dtype=np.int8), (edges[:, 0], edges[:, 1])), shape=(total, total))
+    label = connected_components(graph, directed=False)[1][:count]
+    present = np.zeros(count, dtype=bool)
+    present[piece] = True
+    result = np.full(count, -1, dtype=np.int32)
+    result[present] = np.unique(label[present], return_inverse=True)[1].reshape(-1)
+    return result
+
+
+def _key(cells: np.ndarray, size: np.ndarray) -> np.ndarray:
+    return (cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
+
+
+def _samples(corners: Floats, piece: Ints) -> tuple[Floats, Ints]:
+    """Corners and centres of all faces, and SAMPLES points distributed by area (fixed seed)."""
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    points = [corners.reshape(-1, 3), corners.mean(axis=1)]
+    owner = [np.repeat(piece, 3), piece]
+    if area.sum() > 0:
+        random = np.random.default_rng(0)
+        face = random.choice(len(corners), SAMPLES, p=area / area.sum())
+        weight = random.random((SAMPLES, 2))
+        weight[weight.sum(axis=1) > 1] = 1 - weight[weight.sum(axis=1) > 1]
+        a, b, c = np.moveaxis(corners[face], 1, 0)
+        points.append(a + weight[:, :1] * (b - a) + weight[:, 1:] * (c - a))
+        owner.append(piece[face])
+    return np.concatenate(points), np.concatenate(owner)
