@@ -1,6 +1,7 @@
 """Galewood winds in plain Python: an independent reader of docs/formats/wind.md, short rather than fast.
 
-Steady documents of the models cosine and spectral, and the gusts within a crown.
+Steady documents of the models cosine and spectral, pressure, and gusts within a crown; reference_noise.py has
+the other two models.
 """
 
 from __future__ import annotations
@@ -60,20 +61,32 @@ def spectral(wind: dict[str, Any]) -> Velocity:
     lift = 9 / ((2 + np.cos(2 * np.pi * kx / 1024)) * (2 + np.cos(2 * np.pi * ky / 128)))
     sampled, field = np.fft.ifft2(spectrum), np.fft.ifft2(spectrum * lift)
     textures = field.real / sampled.real.std(), field.imag / sampled.imag.std()
+
+    def gusts(xi: float, eta: float, travel: float) -> tuple[float, float]:
+        along, across = 16 * xi, 4 * (eta + 0.0955 * xi)
+        column, row = math.floor(along), math.floor(across)
+        near = np.ix_(np.arange(row - 1, row + 3) % 128, np.arange(column - 1, column + 3) % 1024)
+        a, b = (weights(across - row) @ part[near] @ weights(along - column) for part in textures)
+        return a, b
+
+    return travelling(wind, gusts, 0.5)
+
+
+def weights(t: float) -> Any:
+    """Weights of the four cells about a position that is t behind the second, of cubic B-splines."""
+    return np.array([(1 - t) ** 3, 4 - 6 * t * t + 3 * t**3, 1 + 3 * t + 3 * t * t - 3 * t**3, t**3]) / 6
+
+
+def travelling(wind: dict[str, Any], gusts: Callable[[float, float, float], Any], lateral: float) -> Velocity:
+    """The velocity of gusts (a, b) at (ξ, η, S); `lateral`: r."""
     theta, length = math.radians(wind["direction_deg"]), wind["length_scale_m"]
     c, s, mean = math.cos(theta), math.sin(theta), wind["mean_speed_m_s"]
 
-    def weights(t: float) -> Any:
-        return np.array([(1 - t) ** 3, 4 - 6 * t * t + 3 * t**3, 1 + 3 * t + 3 * t * t - 3 * t**3, t**3]) / 6
-
     def velocity(x: float, z: float, t: float) -> Any:
-        xi = (x * c + z * s) / length - wind["convection_speed_m_s"] / length * t
-        eta = (z * c - x * s) / length + 0.0955 * xi
-        column, row = math.floor(16 * xi), math.floor(4 * eta)
-        near = np.ix_(np.arange(row - 1, row + 3) % 128, np.arange(column - 1, column + 3) % 1024)
-        w, v = weights(16 * xi - column), weights(4 * eta - row)
-        a, b = (0.308 * wind["gustiness"] * mean * (v @ part[near] @ w) for part in textures)
-        return (mean + a) * np.array([c, s]) + 0.5 * b * np.array([-s, c])
+        travel = wind["convection_speed_m_s"] / length * t
+        a, b = gusts((x * c + z * s) / length - travel, (z * c - x * s) / length, travel)
+        sigma = 0.308 * wind["gustiness"] * mean
+        return (mean + sigma * a) * np.array([c, s]) + lateral * sigma * b * np.array([-s, c])
 
     return velocity
 
