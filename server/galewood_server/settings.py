@@ -60,6 +60,7 @@ class Settings(BaseSettings):
         default=60.0, gt=0, validation_alias=_renamed("garbage_collection_s", "sweep_s")
     )
     job_attempts: int = Field(default=3, ge=1, le=20)
+    job_stall_s: float = Field(default=1800.0, gt=0)
     job_module: str = "galewood_server.jobs.job_process"
     cluster_idle_s: float = Field(default=30.0, ge=0)
 
@@ -88,6 +89,7 @@ class Settings(BaseSettings):
     reads_per_minute: int = Field(default=6000, ge=0)
     writes_per_minute: int = Field(default=120, ge=0)
     header_s: float = Field(default=10.0, gt=0)
+    write_stall_s: float = Field(default=60.0, gt=0)
     body_stall_s: float = Field(default=10.0, gt=0)
     body_bytes_per_s: int = Field(default=16 * 1024, ge=0)
     shutdown_s: int = Field(default=5, ge=0)

@@ -12,6 +12,7 @@ from galewood.mesh.beside import mesh_with_companions
 from galewood.mesh.colours import linear_from_srgb
 from galewood.mesh.importer import ImportOptions, read_tree, render_glb
 from galewood.mesh.repair import Surface
+from galewood.mesh.sandboxed import import_mesh_sandboxed
 from PIL import Image
 
 from tests.precompute import tree_meshes as make
@@ -439,3 +440,17 @@ def test_a_gltf_finds_its_buffer_in_its_folder_only(tmp_path, uri):
 def test_a_mesh_without_other_files_stays_as_it_is(tmp_path):
     (tmp_path / "a.obj").write_bytes(make.obj_bytes(TREE))
     assert mesh_with_companions(tmp_path / "a.obj") == make.obj_bytes(TREE)
+
+
+def test_decoders_work_in_the_sandbox():
+    """FBX is read from a temporary file; Draco, meshopt and KTX2 are loaded once files are confined."""
+    file = GltfFile()
+    leaf = file.material("crown", ktx2((30, 160, 20, 255)), "image/ktx2", "KHR_texture_basisu")
+    crown = file.meshopt(make.cards([(1.2, 4.0, 0)]), material=leaf)
+    crown["attributes"]["TEXCOORD_0"] = file.accessor(SQUARE_UV.astype("<f4"))
+    file.node(mesh=file.mesh(file.draco(TREE), crown))
+    tree, _ = import_mesh_sandboxed(file.bytes(), "a.glb")
+    assert tree.height_m == pytest.approx(HEIGHT_M, rel=1e-3)
+    assert not [words for words in tree.report["warnings"] if "texture" in words]
+    tree, _ = import_mesh_sandboxed(fbx_bytes({"bark": (TREE, (0.4, 0.3, 0.2))}), "a.fbx")
+    assert tree.height_m == pytest.approx(HEIGHT_M, rel=1e-4)

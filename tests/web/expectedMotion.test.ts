@@ -46,6 +46,8 @@ describe("expected motion", () => {
     expect([0.0021, 0.064, 2.31].map(lengthInWords)).toEqual(["2 mm", "6 cm", "2.3 m"]);
     const words = swaysInWords([{ wind_m_s: 18, sway_m: 0.064, share: 0.0256 }]);
     expect(words).toBe("6 cm (3 % of its height) at 18 m/s");
+    const far = swaysInWords([{ wind_m_s: 18, sway_m: 8.7, share: 0.52 }]);
+    expect(far).toBe("more than 20 % of its height at 18 m/s");
   });
 });
 

@@ -12,6 +12,8 @@ from galewood.wind import dynamic_pressure
 from galewood.wood import Wood, wood_of_species
 
 BREEZE_M_S, STORM_M_S = 10.0, 18.0
+LINEAR_SHARE = 0.2
+"""Sway over height beyond which the linear response overestimates."""
 SLOWEST = 0.5
 """Lowest frequency to suggest, over that of measured trees: softer trees could not carry their own weight."""
 VISIBLE_SHARE = 0.01
@@ -64,11 +66,7 @@ def motion_lines(expected: dict[str, Any] | None) -> list[str]:
     """The expected motion as lines to read."""
     if expected is None:
         return ["The sway cannot be estimated: the wood has no branches."]
-    sways = [
-        f"{length_words(sway['sway_m'])} ({100 * sway['share']:.2g} % of the height) "
-        f"at {sway['wind_m_s']:g} m/s"
-        for sway in expected["sway"]
-    ]
+    sways = [f"{_sway_words(sway)} at {sway['wind_m_s']:g} m/s" for sway in expected["sway"]]
     lines = [
         f"expected sway {' and '.join(sways)}, first frequency about {expected['first_frequency_hz']:.2g} Hz"
     ]
@@ -79,6 +77,13 @@ def motion_lines(expected: dict[str, Any] | None) -> list[str]:
             f"--first-frequency-hz {expected['lively_frequency_hz']:.2g}."
         )
     return lines
+
+
+def _sway_words(sway: dict[str, Any]) -> str:
+    """A sway as a length and share of the height; beyond LINEAR_SHARE the linear response says too much."""
+    if sway["share"] > LINEAR_SHARE:
+        return f"more than {100 * LINEAR_SHARE:g} % of the height"
+    return f"{length_words(sway['sway_m'])} ({100 * sway['share']:.2g} % of the height)"
 
 
 def length_words(metres: float) -> str:

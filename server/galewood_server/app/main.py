@@ -120,7 +120,7 @@ def run(app: FastAPI, settings: Settings) -> None:
         app,
         host=settings.host,
         port=settings.port,
-        http=protocol_with_limit(settings.header_s),
+        http=protocol_with_limit(settings.header_s, settings.write_stall_s),
         ws=metered_protocol(
             SocketLimits(
                 settings.socket_frames_per_s, settings.socket_bytes_per_s, settings.socket_message_bytes

@@ -61,9 +61,13 @@ export function lengthInWords(length_m: number): string {
   return length_m >= 0.01 ? `${Math.round(100 * length_m)} cm` : `${(1000 * length_m).toPrecision(1)} mm`;
 }
 
+/** Sway over height beyond which the linear response overestimates. */
+const LINEAR_SHARE = 0.2;
+
 /** The sways as one sentence. */
 export function swaysInWords(sways: readonly Sway[]): string {
   const each = sways.map(({ wind_m_s, sway_m, share }) => {
+    if (share > LINEAR_SHARE) return `more than ${100 * LINEAR_SHARE} % of its height at ${wind_m_s} m/s`;
     const percent = (100 * share).toPrecision(share < 0.1 ? 1 : 2);
     return `${lengthInWords(sway_m)} (${Number(percent)} % of its height) at ${wind_m_s} m/s`;
   });
