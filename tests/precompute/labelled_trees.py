@@ -821,6 +821,75 @@ def conifer_x_up(rng):
     return conifer(rng, -0.3)
 
 
+def mixed(rng):
+    """Any wood with any crown, look and surroundings."""
+    height = rng.uniform(2, 14)
+    middle, size = np.array([0, 0.7 * height, 0]), 0.3 * height
+    wood = rng.choice(["branched", "trunk", "stems"])
+    if wood == "branched":
+        shapes, middle, size = broadleaf(rng, height)
+    elif wood == "trunk":
+        shapes = [trunk(rng, rng.uniform(0.45, 0.7) * height)]
+    else:
+        shapes = stems(rng, height, int(rng.integers(3, 7)))
+    crown = rng.choice(["blobs", "cards", "crossed", "leaves", "ball", "cones"])
+    points = in_ball(rng, middle, size, int(rng.integers(60, 200)))
+    foliage = {
+        "blobs": lambda: together(*blobs(rng, middle, size, int(rng.integers(3, 9)))),
+        "cards": lambda: cards(rng, points, size * rng.uniform(0.1, 0.3)),
+        "crossed": lambda: crossed(rng, points, size * rng.uniform(0.15, 0.35)),
+        "leaves": lambda: leaves(rng, points, size * rng.uniform(0.1, 0.25)),
+        "ball": lambda: ball(rng, middle, size * np.array([1, rng.uniform(0.8, 1.2), 1]), 0.08, 3),
+        "cones": lambda: together(
+            *[cone((0, (0.3 + 0.2 * k) * height, 0), (1.1 - 0.3 * k) * size, 0.3 * height) for k in range(3)]
+        ),
+    }[str(crown)]()
+    scheme = rng.choice(["none", "factor", "palette", "vertex"])
+    bark = brown(rng)
+    leaf = green(rng) if rng.random() < 0.7 else (200, int(rng.integers(60, 140)), 40)
+    stone = (120, 118, 112)
+    image = palette([bark, leaf, stone])
+    looks = {
+        "none": (Look(), Look(), Look()),
+        "factor": tuple(Look(factor=linear(c)) for c in (bark, leaf, stone)),
+        "palette": tuple(Look(image=image, cell=palette_cell(k)) for k in range(3)),
+        "vertex": tuple(Look(vertex_colour=linear(c)) for c in (bark, leaf, stone)),
+    }[str(scheme)]
+    parts = [Part("m", WOOD, together(*shapes), looks[0]), Part("m", LEAVES, foliage, looks[1])]
+    around = rng.choice(["nothing", "nothing", "ground", "pot", "rocks", "fence"])
+    if around == "ground":
+        parts.append(Part("m", OTHER, terrain(rng, rng.uniform(0.5, 1.0) * height, 0.01 * height), looks[2]))
+    elif around == "pot" and wood != "stems":
+        r = 0.14 * height
+        path = [(0, -0.1 * height, 0), (0, 0, 0), (0, 0.08 * height, 0)]
+        parts.append(Part("m", OTHER, tube(path, (0.7 * r, 0.9 * r, r), 14), looks[2]))
+    elif around == "rocks":
+        parts.append(Part("m", OTHER, rocks_around(rng, 5, height), looks[2]))
+    elif around == "fence":
+        parts.append(Part("m", OTHER, fence_beside(rng, 0.45 * height), looks[2]))
+    return parts
+
+
+@style()
+def mixed_glb(rng):
+    return mixed(rng)
+
+
+@style("obj")
+def mixed_obj(rng):
+    return mixed(rng)
+
+
+@style("ply", "z")
+def mixed_ply_z_up(rng):
+    return mixed(rng)
+
+
+@style("stl", "x")
+def mixed_stl_x_up(rng):
+    return mixed(rng)
+
+
 # --- files ------------------------------------------------------------------------------------------------
 
 ROTATIONS = {
@@ -855,14 +924,21 @@ def _obj(parts: list[Part]) -> bytes:
 
 def _ply(parts: list[Part]) -> bytes:
     whole = together(*(p.shape for p in parts))
+    coloured = any(p.look.vertex_colour for p in parts)
+    bytes_rgb = "property uchar red\nproperty uchar green\nproperty uchar blue\n" if coloured else ""
     head = (
         f"ply\nformat binary_little_endian 1.0\nelement vertex {len(whole.vertices)}\nproperty float x\n"
-        f"property float y\nproperty float z\nelement face {len(whole.faces)}\n"
+        f"property float y\nproperty float z\n{bytes_rgb}element face {len(whole.faces)}\n"
         "property list uchar int vertex_indices\nend_header\n"
     )
     face = np.zeros(len(whole.faces), dtype=[("n", "u1"), ("i", "<i4", 3)])
     face["n"], face["i"] = 3, whole.faces
-    return head.encode() + whole.vertices.astype("<f4").tobytes() + face.tobytes()
+    kinds = [("p", "<f4", 3)] + ([("c", "u1", 3)] if coloured else [])
+    vertex = np.zeros(len(whole.vertices), dtype=kinds)
+    vertex["p"] = whole.vertices
+    if coloured:
+        vertex["c"] = np.round(np.concatenate([_vertex_colours(p) for p in parts]) ** (1 / 2.2) * 255)
+    return head.encode() + vertex.tobytes() + face.tobytes()
 
 
 def _stl(parts: list[Part]) -> bytes:

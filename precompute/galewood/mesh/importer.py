@@ -38,6 +38,7 @@ __all__ = [
 
 MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
 BASE_SLAB = 0.02
+SHORT_WOOD = 0.62  # of the height: above it, a crown has too little wood to bend
 QSM_UNIT = Choice("m", "cylinder models are in metres", assumed=False)
 
 
@@ -60,6 +61,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     scale, unit = (1.0, QSM_UNIT) if content.qsm else choose_scale(raw_height, species, options)
     origin = _base_centre(wood)
     pieces = [replace(s, part=_transformed(s.part, np.eye(3), origin, scale)) for s in pieces]
+    warnings = [*warnings, *_short_wood(pieces)]
     if up.assumed:
         unsure = "Unsure about the up axis: choose it if the tree lies on its side. " if up.unsure else ""
         warnings.append(f"{unsure}The up axis is assumed to be +{up.value.upper()}: {up.reason}.")
@@ -210,6 +212,16 @@ def _height(pieces: list[ClassifiedPart]) -> float:
     """Height of the whole tree above the base of its wood."""
     foot = min(float(s.part.positions[:, 1].min()) for s in pieces if s.kind == "wood")
     return max(float(s.part.positions[:, 1].max()) for s in pieces) - foot
+
+
+def _short_wood(pieces: list[ClassifiedPart]) -> list[str]:
+    """A warning if the wood ends low in the crown, which then moves with the end of the wood."""
+    top = max(float(s.part.positions[:, 1].max()) for s in pieces if s.kind == "wood")
+    foot = min(float(s.part.positions[:, 1].min()) for s in pieces if s.kind == "wood")
+    share = (top - foot) / max(_height(pieces), 1e-300)
+    if share >= SHORT_WOOD:
+        return []
+    return [f"The wood ends at {share:.0%} of the height: the crown above moves with the end of the wood."]
 
 
 def _base_centre(wood: Surface) -> Floats:

@@ -1,7 +1,7 @@
 """Shape of every connected piece, in arrays with one row per piece; all lengths are in the file's unit.
 
-For a tube of diameter D the thickness 4 V / A is D (exact for an open cylinder), for a ball two thirds of its
-diameter, for a sheet 0. The normal tensor Σ a n nᵀ / Σ a has the eigenvalues (1, 0, 0) for a flat card,
+For a long closed tube of diameter D the thickness 4 V / A is D, for an open one and for a ball two thirds of
+it, for a sheet 0. The normal tensor Σ a n nᵀ / Σ a has the eigenvalues (1, 0, 0) for a flat card,
 (½, ½, 0) for a straight tube and (⅓, ⅓, ⅓) for a ball, whatever the winding.
 """
 

@@ -69,7 +69,8 @@ def face_components(faces: Ints, vertices: int) -> tuple[int, Ints]:
 
 def edge_components(faces: Ints) -> tuple[int, Ints]:
     """Number of components connected through edges, not just vertices, and the component of each face."""
-    _, edge = np.unique(np.sort(directed_edges(faces), axis=1), axis=0, return_inverse=True)
+    ordered = np.sort(directed_edges(faces), axis=1).astype(np.int64)
+    _, edge = np.unique(ordered[:, 0] * (int(faces.max()) + 1) + ordered[:, 1], return_inverse=True)
     face = np.tile(np.arange(len(faces)), 3)
     graph = np.column_stack([face, len(faces) + edge.reshape(-1)])
     _, label = _components(len(faces) + int(edge.max()) + 1, graph)

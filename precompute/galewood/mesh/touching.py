@@ -21,20 +21,19 @@ def groups(corners: Floats, piece: Ints, count: int, gap: float) -> Ints:
     """
     points, owner = _samples(corners, piece)
     cell = np.floor(points / max(gap, 1e-300)).astype(np.int64)
-    cells, inverse = np.unique(cell, axis=0, return_inverse=True)
-    inverse = inverse.reshape(-1)
-    pairs = [np.column_stack([owner, count + inverse])]
-    size = cells.max(axis=0) - cells.min(axis=0) + 3
-    shifted = cells - cells.min(axis=0) + 1
-    key = _key(shifted, size)
-    order = np.argsort(key)
+    cell -= cell.min(axis=0) - 1
+    size = cell.max(axis=0) + 2
+    key, first, inverse = np.unique(_key(cell, size), return_index=True, return_inverse=True)
+    shifted = cell[first]
+    held = np.unique(owner.astype(np.int64) * len(key) + inverse)
+    pairs = [np.column_stack([held // len(key), count + held % len(key)])]
     for step in FORWARD:
         wanted = _key(shifted + step, size)
-        at = np.clip(np.searchsorted(key[order], wanted), 0, len(key) - 1)
-        hit = key[order][at] == wanted
-        pairs.append(count + np.column_stack([np.flatnonzero(hit), order[at[hit]]]))
+        at = np.clip(np.searchsorted(key, wanted), 0, len(key) - 1)
+        hit = key[at] == wanted
+        pairs.append(count + np.column_stack([np.flatnonzero(hit), at[hit]]))
     edges = np.concatenate(pairs)
-    total = count + len(cells)
+    total = count + len(key)
     graph = coo_matrix((np.ones(len(edges), dtype=np.int8), (edges[:, 0], edges[:, 1])), shape=(total, total))
     label = connected_components(graph, directed=False)[1][:count]
     present = np.zeros(count, dtype=bool)
@@ -49,10 +48,12 @@ def _key(cells: np.ndarray, size: np.ndarray) -> np.ndarray:
 
 
 def _samples(corners: Floats, piece: Ints) -> tuple[Floats, Ints]:
-    """Corners and centres of all faces, and SAMPLES points distributed by area (fixed seed)."""
+    """Centres of all faces, their corners unless there are many, and SAMPLES points by area (fixed seed)."""
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    points = [corners.reshape(-1, 3), corners.mean(axis=1)]
-    owner = [np.repeat(piece, 3), piece]
+    points, owner = [corners.mean(axis=1)], [piece]
+    if len(corners) < SAMPLES:
+        points.append(corners.reshape(-1, 3))
+        owner.append(np.repeat(piece, 3))
     if area.sum() > 0:
         random = np.random.default_rng(0)
         face = random.choice(len(corners), SAMPLES, p=area / area.sum())
