@@ -79,7 +79,7 @@ def build(
     from dataclasses import replace
 
     from galewood.fem import FemSettings
-    from galewood.pipeline import bare_path, build_options, build_table, tree_lines
+    from galewood.pipeline import bare_path, build_options, build_table, drawn_words, tree_lines
     from galewood.util import MeshError
 
     options = build_options(_request(chosen, wood))
@@ -116,6 +116,8 @@ def build(
         console.print(f"[yellow]Warning:[/yellow] {warning}")
     for line in tree_lines(result.report["tree"]):
         console.print(line)
+    if words := drawn_words(result.report["drawn"]):
+        console.print(words)
     seconds = sum(result.report["seconds"].values())
     console.print(f"{out}: {len(table) / 1e6:.1f} MB in {seconds:.0f} s")
     if result.bare_table:

@@ -13,6 +13,7 @@ from galewood.util import lazily
 if TYPE_CHECKING:
     from galewood.pipeline.assemble import Surroundings, assemble_table, internal_states
     from galewood.pipeline.build import build_table, build_tree, model_of
+    from galewood.pipeline.drawn_figures import DrawnFigures, drawn_words
     from galewood.pipeline.rehearsal import compile_kernels
     from galewood.pipeline.report import render_mesh
     from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship, ship_compliance
@@ -27,6 +28,8 @@ __getattr__ = lazily(
         "build_table": "galewood.pipeline.build",
         "build_tree": "galewood.pipeline.build",
         "model_of": "galewood.pipeline.build",
+        "DrawnFigures": "galewood.pipeline.drawn_figures",
+        "drawn_words": "galewood.pipeline.drawn_figures",
         "compile_kernels": "galewood.pipeline.rehearsal",
         "render_mesh": "galewood.pipeline.report",
         "BuiltinMesh": "galewood.pipeline.shipping",
@@ -42,6 +45,7 @@ __all__ = [
     "BuildOptions",
     "BuildResult",
     "BuiltinMesh",
+    "DrawnFigures",
     "Progress",
     "ShippedTree",
     "Surroundings",
@@ -54,6 +58,7 @@ __all__ = [
     "build_tree",
     "builtin_meshes",
     "compile_kernels",
+    "drawn_words",
     "internal_states",
     "model_of",
     "outdated",
