@@ -60,6 +60,7 @@ class Settings(BaseSettings):
         default=60.0, gt=0, validation_alias=_renamed("garbage_collection_s", "sweep_s")
     )
     job_attempts: int = Field(default=3, ge=1, le=20)
+    job_stall_s: float = Field(default=1800.0, gt=0)
     job_module: str = "galewood_server.jobs.job_process"
     cluster_idle_s: float = Field(default=30.0, ge=0)
 
@@ -69,15 +70,15 @@ class Settings(BaseSettings):
         ge=256 * MEBIBYTE,
         validation_alias=_renamed("import_memory_bytes", "intake_memory_bytes"),
     )
-    import_cpu_s: int = Field(default=40, gt=0, validation_alias=_renamed("import_cpu_s", "intake_cpu_s"))
+    import_cpu_s: int = Field(default=120, gt=0, validation_alias=_renamed("import_cpu_s", "intake_cpu_s"))
     import_wall_s: float = Field(
-        default=60.0, gt=0, validation_alias=_renamed("import_wall_s", "intake_wall_s")
+        default=1200.0, gt=0, validation_alias=_renamed("import_wall_s", "intake_wall_s")
     )
     concurrent_imports: int = Field(
         default=2, ge=1, le=64, validation_alias=_renamed("concurrent_imports", "concurrent_intakes")
     )
 
-    upload_faces: int = Field(default=600_000, ge=1000)
+    upload_faces: int = Field(default=1_500_000, ge=1000)
     concurrent_uploads: int = Field(default=16, ge=1, le=1024)
     stored_bytes: int = Field(default=20 * 1024 * MEBIBYTE, ge=0)
     free_bytes: int = Field(default=512 * MEBIBYTE, ge=0)
@@ -88,6 +89,7 @@ class Settings(BaseSettings):
     reads_per_minute: int = Field(default=6000, ge=0)
     writes_per_minute: int = Field(default=120, ge=0)
     header_s: float = Field(default=10.0, gt=0)
+    write_stall_s: float = Field(default=60.0, gt=0)
     body_stall_s: float = Field(default=10.0, gt=0)
     body_bytes_per_s: int = Field(default=16 * 1024, ge=0)
     shutdown_s: int = Field(default=5, ge=0)
@@ -126,10 +128,18 @@ class Settings(BaseSettings):
 
     @field_validator("frame_ancestors")
     @classmethod
-    def _check_origins(cls, given: list[str]) -> list[str]:
-        """Origins, as they are written into a policy. ValueError for anything else."""
+    def _check_ancestors(cls, given: list[str]) -> list[str]:
+        """Origins, as they are written into a policy, also of all subdomains. ValueError otherwise."""
         if not all(re.fullmatch(r"https?://(\*\.)?[A-Za-z0-9.-]+(:\d{1,5})?|\*", one) for one in given):
             raise ValueError('expected origins such as "https://example.org", or "*" for all')
+        return given
+
+    @field_validator("allowed_origins")
+    @classmethod
+    def _check_origins(cls, given: list[str]) -> list[str]:
+        """Whole origins, as browsers send them. ValueError for anything else."""
+        if not all(re.fullmatch(r"https?://[a-z0-9.-]+(:\d{1,5})?|\*", one) for one in given):
+            raise ValueError('expected origins in lower case such as "https://example.org", or "*" for all')
         return given
 
     @property

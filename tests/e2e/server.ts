@@ -32,9 +32,10 @@ export async function until(what: string, within_ms: number, holds: () => Promis
   throw new Error(`waited ${within_ms / 1000} s for ${what}`);
 }
 
-export function serve(port: number, data: string): ChildProcess {
+/** Starts a server; `settings` are further environment variables. */
+export function serve(port: number, data: string, settings: Record<string, string> = {}): ChildProcess {
   const own = join(REPOSITORY, ".venv/bin/galewood");
-  const env = { ...process.env, PORT: String(port), HOST: "127.0.0.1", GALEWOOD_DATA_DIR: data };
+  const env = { ...process.env, PORT: String(port), HOST: "127.0.0.1", GALEWOOD_DATA_DIR: data, ...settings };
   const server = spawn(existsSync(own) ? own : "galewood", ["serve"], {
     cwd: REPOSITORY,
     env,

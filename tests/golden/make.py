@@ -38,6 +38,18 @@ WINDS = (
     Wind(mean_speed_m_s=3.0, direction_deg=200.0, gustiness=0.0, seed=77),
 )
 FRAMES = 600
+WALK_WINDS = {
+    0: Wind(9.0, 30.0, 0.8, 6.0, 3),
+    150: Wind(6.0, 250.0, 0.8, 6.0, 4),
+    280: Wind(mean_speed_m_s=0.0),
+}
+"""Winds of ``paper_steps`` by the first frame of each."""
+SWAY_SAID = {
+    "frame_s": 1 / 30,
+    "pressure_pa": "frame k, tree at x, z: a (1 + cos(0.05 k + x)) (1 + cos(0.013 k) / 2) along world x, "
+    "a cos(0.031 k + z) along world z, a = 12 up to frame 8999, then 0; poses of frames every - 1, …",
+}
+"""What ``sway_steps`` does, for readers of its file."""
 KINDS = tuple(f"{kind}-{d:03d}" for kind in ("cosine-1", "cosine-5", "gust") for d in (0, 120, 240))
 SMALL = TableSettings(sigma_share=0.3, weight_initial=0.3, weight_maximum=0.5, weight_growth=0.01)
 SAVED_EVERY = 10
@@ -143,15 +155,21 @@ def paper_steps(table: Table, easing: float) -> dict[str, Any]:
     records: list[list[int]] = []
     poses: list[list[float]] = []
     for frame in range(FRAMES):
-        wind = Wind(9.0, 30.0, 0.8, 6.0, 3) if frame < 150 else Wind(6.0, 250.0, 0.8, 6.0, 4)
-        wind = wind if frame < 280 else Wind(mean_speed_m_s=0.0)
+        wind = WALK_WINDS[max(first for first in WALK_WINDS if first <= frame)]
         wind_pressure(wind, x, z, frame / 30, out_x, out_z)
         forest.advance(1 / 30, out_x, out_z)
         records.append(forest.record.tolist())
         if frame % SAVED_EVERY == 0:
             poses.append([float(f"{value:.9g}") for value in forest.q.ravel()])
     trees = {"x_m": x.tolist(), "z_m": z.tolist(), "yaw_rad": yaw.tolist(), "scale": scale.tolist()}
-    return {"pose_easing": easing, "trees": trees, "records": records, "poses": poses}
+    said = {
+        "table": "pole.safetensors",
+        "frame_s": 1 / 30,
+        "every": SAVED_EVERY,
+        "time": "frame k has the pressure at k * frame_s, rounded to float32; poses of frames 0, every, …",
+        "wind_from_frame": {str(frame): wind.document() for frame, wind in WALK_WINDS.items()},
+    }
+    return {**said, "pose_easing": easing, "trees": trees, "records": records, "poses": poses}
 
 
 def sway_steps(table: Table) -> dict[str, Any]:
@@ -173,7 +191,7 @@ def sway_steps(table: Table) -> dict[str, Any]:
         if frame % 100 == 99:
             poses.append([float(f"{value:.9g}") for value in forest.q.ravel()])
     trees = {"x_m": x.tolist(), "z_m": z.tolist(), "yaw_rad": yaw.tolist(), "scale": scale.tolist()}
-    return {"frames": frames, "every": 100, "trees": trees, "poses": poses}
+    return {**SWAY_SAID, "frames": frames, "every": 100, "trees": trees, "poses": poses}
 
 
 def version_6(data: bytes) -> bytes:

@@ -26,6 +26,12 @@ WINDS = (
     Wind(mean_speed_m_s=9.0, **GUSTY, model="cosine"),
     Wind(mean_speed_m_s=0.0, **GUSTY, model="perlin", length_scale_m=18.0),
 )
+SAID = {
+    "table": "pole.safetensors",
+    "frame_s": FRAME_S,
+    "about": "the winds follow one another at equal intervals; frame k ends at (k + 1) * frame_s; gusts: at "
+    "7.25 s in the first wind, under pressures (0, 0), (9, 4.5), (40, 20) Pa at the trees",
+}
 
 
 def rows() -> np.ndarray:
@@ -62,7 +68,8 @@ def gusts(table: Table) -> list[float]:
 def main() -> None:
     table = decode((HERE / "pole.safetensors").read_bytes())
     content = {
-        "frames": FRAMES, "every": EVERY, "trees": TREES, "winds": [wind.document() for wind in WINDS],
+        **SAID, "frames": FRAMES, "every": EVERY, "trees": TREES,
+        "winds": [wind.document() for wind in WINDS],
         "gusts": gusts(table), "poses": motion(table),
     }  # fmt: skip
     (HERE / "gusts.json").write_text(json.dumps(content, separators=(",", ":")) + "\n")

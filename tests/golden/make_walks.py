@@ -28,6 +28,12 @@ WINDS = (
     Wind(**GUSTY, model="spectral", length_scale_m=30.0),
     Wind(**GUSTY, model="navier-stokes", length_scale_m=20.0),
 )
+SAID = {
+    "table": "pole.safetensors",
+    "frame_s": FRAME_S,
+    "pressure_pa": "frame k: that at k * frame_s at the tree, without profile or compression, rounded to "
+    "1 / steps_per_pa; records: SHA-256 (16 digits) of all records so far as int32; poses: the modal model",
+}
 TREES: dict[str, list[float]] = {
     "x_m": [-11.5, 3.25, 18.0],
     "z_m": [4.0, -9.75, 12.5],
@@ -67,7 +73,7 @@ def step_digests(table: Table, wind: Wind) -> dict[str, Any]:
 def main() -> None:
     table = decode((HERE / "pole.safetensors").read_bytes())
     content = {
-        "frames": FRAMES, "every": EVERY, "steps_per_pa": STEPS_PER_PA, "trees": TREES,
+        **SAID, "frames": FRAMES, "every": EVERY, "steps_per_pa": STEPS_PER_PA, "trees": TREES,
         "walks": [step_digests(table, wind) for wind in WINDS],
     }  # fmt: skip
     (HERE / "walks.json").write_text(json.dumps(content, separators=(",", ":")) + "\n")

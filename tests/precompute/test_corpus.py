@@ -18,9 +18,9 @@ from galewood.util import MeshError
 FOLDER = Path(os.environ.get("CORPUS", ""))
 REPORT = os.environ.get("CORPUS_REPORT")
 CACHE = Path(os.environ["CORPUS_CACHE"]) if os.environ.get("CORPUS_CACHE") else None
-TYPES = (".glb", ".gltf", ".obj", ".ply", ".stl")
+TYPES = (".glb", ".gltf", ".obj", ".ply", ".stl", ".fbx", ".zip")
 FILES = sorted(p for p in FOLDER.rglob("*") if p.suffix in TYPES) if os.environ.get("CORPUS") else []
-UNSUPPORTED = ("draco-compressed", "meshopt-compressed", "external-buffers")
+UNSUPPORTED = ("external-buffers",)
 QUICK = BuildOptions(frames=24, reference_frames=0)
 """All stages of a build, with short winds."""
 TRAINING_WINDS = 5

@@ -116,4 +116,4 @@ def test_larger_of_two_trees_is_kept_with_a_warning():
     tree = read_tree(make.obj_bytes(make.joined(small, make.y_tree())), "two.obj", ImportOptions(up_axis="y"))
     assert np.ptp(tree.wood_vertices_m[:, 0]) < 4.0
     assert sum(len(p.faces) for p in tree.primitives) == len(make.y_tree().faces)
-    assert any("separate" in w for w in tree.report["warnings"])
+    assert any("2 trees; tree 1 is imported" in w for w in tree.report["warnings"])

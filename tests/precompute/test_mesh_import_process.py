@@ -52,7 +52,7 @@ def test_child_returns_what_the_reader_returns():
 
 def test_mesh_errors_are_passed_to_the_parent():
     with pytest.raises(MeshError) as caught:
-        import_mesh_sandboxed(b"PK\x03\x04 and more", "a.obj")
+        import_mesh_sandboxed(b"%PDF-1.7 and more", "a.obj")
     assert (caught.value.reason, caught.value.code) == ("unsupported", "unsupported-type")
 
 

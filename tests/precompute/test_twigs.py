@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from galewood.mesh.classification import classify_parts
+from galewood.mesh.classification import classify
 from galewood.mesh.importer import read_tree
 from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.repair import Surface
@@ -56,19 +56,19 @@ def test_named_twigs_are_drawn_but_not_meshed():
 def test_names_of_twigs(labels, kind):
     surface = make.y_tree()
     trunk = RawPart(("trunk",), surface.vertices, surface.faces)
-    pieces, _ = classify_parts([trunk, RawPart(labels, *_arrays(twig()))], ImportOptions())
+    pieces = classify([trunk, RawPart(labels, *_arrays(twig()))], ImportOptions()).parts
     assert [piece.kind for piece in pieces] == ["wood", kind]
 
 
 def test_twigs_without_thicker_wood_are_the_wood():
     surface = make.y_tree()
-    pieces, _ = classify_parts([RawPart(("twigs",), surface.vertices, surface.faces)], ImportOptions())
+    pieces = classify([RawPart(("twigs",), surface.vertices, surface.faces)], ImportOptions()).parts
     assert [piece.kind for piece in pieces] == ["wood"]
 
 
 def test_parts_chosen_as_wood_by_the_user_are_wood_even_if_named_twigs():
     parts = [RawPart((name,), *_arrays(twig())) for name in ("twigs", "twigs thin", "crown")]
-    pieces, _ = classify_parts(parts, ImportOptions(wood=("twigs",)))
+    pieces = classify(parts, ImportOptions(wood=("twigs",))).parts
     assert [piece.kind for piece in pieces] == ["wood", "twigs", "leaves"]
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -36,6 +37,10 @@ def fake_build(
 ) -> BuildResult:
     if filename.startswith("fail"):
         raise ValueError("a build that fails")
+    if filename.startswith("freeze") and not (mark := cache_dir / f"frozen-{filename}").exists():
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGSTOP)
     if filename.startswith("crash"):
         os.abort()
     if filename.startswith("study"):

@@ -35,10 +35,10 @@ def truncated_glb() -> bytes:
 
 
 def zip_file() -> bytes:
-    """A ZIP archive with any file name."""
+    """A ZIP archive without a model."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
-        archive.writestr("tree.obj", pole_obj())
+        archive.writestr("notes.txt", "no tree")
     return buffer.getvalue()
 
 

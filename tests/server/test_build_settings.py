@@ -41,6 +41,11 @@ def test_all_settings_reach_the_build() -> None:
     assert options.wood.density_kg_m3 == SPECIES["maple"].density_kg_m3
 
 
+def test_choices_of_pieces_reach_the_import() -> None:
+    found = options_of({"leaves": ["1.0"], "drop": ["ground", "2.0"], "tree": 2}).mesh_import
+    assert (found.leaves, found.drop, found.tree) == (("1.0",), ("ground", "2.0"), 2)
+
+
 def test_missing_settings_are_the_defaults() -> None:
     assert options_of({}) == BuildOptions()
 

@@ -295,6 +295,11 @@ def test_another_wire_version_is_rejected_with_both_versions(server: Server) -> 
         ([forest(wind={"version": 1})], "bad-wind"),
         ([forest(), wire.WindChange({**BREEZE, "mean_speed_m_s": 1e9})], "bad-wind"),
         ([wire.Hello("again")], "second-hello"),
+        ([wire.WindChange(BREEZE)], "no-forest"),
+        ([wire.Ping(0.5), wire.Resync()], "no-forest"),
+        ([wire.Pause(True)], "no-forest"),
+        ([wire.Gust(1.0, 2.0)], "no-forest"),
+        ([wire.Release(1)], "no-forest"),
         ([wire.Ping(0.5)] * 500, "too-many-messages"),
     ],
 )

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import numpy as np
 import pytest
 from galewood.wind.evaluation import PRESETS, Wind
 from galewood_server.stream import wire
@@ -25,6 +26,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     running.stop()
 
 
+NO_TREES = np.zeros((0, 4), np.float32)
 CASES: list[dict[str, Any]] = json.loads(
     (Path(__file__).parents[1] / "golden" / "wind_models.json").read_text()
 )["refused"]
@@ -66,6 +68,7 @@ def test_the_socket_rejects_winds_with_the_same_message(server: Server, case: di
     with connect(server.socket_url, max_size=None) as socket:
         socket.send(wire.encode_request(wire.Hello("test")))
         socket.recv(timeout=10)
+        socket.send(wire.encode_request(wire.Forest("table", (), Wind().document(), 0.0, None, NO_TREES)))
         socket.send(wire.encode_request(wire.WindChange(case["document"])))
         data = socket.recv(timeout=10)
     assert isinstance(data, bytes)

@@ -10,8 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tests.precompute import cylinder_models
+from tests.precompute import cylinder_models, hostile_files
 from tests.server.sample_meshes import greedy_ply, nowhere_obj, pole_obj, truncated_glb, zip_file
+
+BOMBS = (
+    "draco, sequential", "draco, edgebreaker", "draco, damaged", "meshopt, count", "instances",
+    "faces of nodes", "joints in a circle", "PNG of 4 × 10⁹ pixels", "KTX2", "zip, ratio", "zip, entries",
+    "zip, encrypted", "zip, climbing", "zip in a zip", "FBX, truncated", "XYZ",
+)  # fmt: skip
+"""Cases of hostile_files that are also uploaded."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +125,14 @@ def cases() -> list[Case]:
     vertices = pole.count(b"\nv ") + 1
     flat = b"\n".join(b"v %d 0 %d" % (i, j) for i in range(4) for j in range(4)) + b"\nf 1 2 6 5\nf 2 3 7 6\n"
     broken, empty = ("truncated", "unreadable", "not-a-glb", "wrong-count"), ("empty-file", "no-file")
+    status = {"malformed": 400, "unsupported": 415, "unsuitable": 422, "too-large": 413}
+    bombs = [
+        Case(name, "a.bin", data_of(), status[reason], (code,))
+        for name, data_of, reason, code in hostile_files.CASES
+        if name in BOMBS
+    ]
     return [
+        *bombs,
         Case("empty OBJ", "a.obj", b"", 400, empty),
         Case("empty GLB", "a.glb", b"", 400, empty),
         Case("truncated GLB", "a.glb", truncated_glb(), 400, broken),
@@ -128,8 +142,8 @@ def cases() -> list[Case]:
         Case("one triangle", "a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 422),
         Case("a plane", "a.obj", flat, 422),
         Case("random triangles", "a.stl", stl_of(400), 422),
-        Case("a zip named OBJ", "a.obj", zip_file(), 415, ("unsupported-type",)),
-        Case("a zip bomb", "a.obj", zip_bomb(), 415, ("unsupported-type",)),
+        Case("a zip without a model", "a.obj", zip_file(), 415, ("unsupported-type",)),
+        Case("a zip bomb", "a.obj", zip_bomb(), 413, ("zip-ratio",)),
         Case("a buffer elsewhere", "a.gltf", reaching_gltf("../../../../etc/passwd"), 400),
         Case("a buffer on a host", "a.gltf", reaching_gltf("http://127.0.0.1:1/x.bin"), 400),
         Case("deep nodes", "a.gltf", deep_gltf(), 422),

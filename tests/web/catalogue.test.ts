@@ -43,7 +43,10 @@ function started(isPlanted: (id: string) => boolean = () => true) {
       problem: (title) => problems.push(title),
     },
   );
-  const settle = () => new Promise((done) => setTimeout(done));
+  const settle = async () => {
+    // A mesh is read in a task of its own.
+    for (let task = 0; task < 3; task++) await new Promise((done) => setTimeout(done));
+  };
   return { arriving, grown, problems, records, settle, catalogue };
 }
 

@@ -1,5 +1,7 @@
 import { describe, expect, test } from "vitest";
 import {
+  changeWind,
+  finalWind,
   parseState,
   parseWind,
   steady,
@@ -68,6 +70,16 @@ test("a change of the wind gives the same transition", () => {
     }
     expect(difference(field, time_s, velocity_m_s[row])).toBeLessThan(RELATIVE);
   });
+});
+
+test("a change while one model fades into another waits, and is part of the state that is sent", () => {
+  const [first, second] = golden.changed.changes.map(({ wind }) => parseWind(wind));
+  const fading = changeWind(steady(parseWind(golden.changed.start)), first, 0.5);
+  const waiting = changeWind(fading, second, 0.6);
+  expect(waiting).toEqual({ ...fading, next: second });
+  expect(finalWind(waiting)).toEqual(second);
+  expect(parseState(JSON.parse(JSON.stringify(waiting)))).toEqual(waiting);
+  expect(() => parseState({ ...waiting, next: { version: 2 } })).toThrow(/version/);
 });
 
 test("gust fronts travel as in Python, and only the last four are kept", () => {

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from galewood.mesh import TreeMesh, import_mesh_sandboxed
+from galewood.mesh import TreeMesh, import_mesh_sandboxed, mesh_with_companions
 from galewood.options import ImportRequest, import_options
 from galewood.util import Floats, Ints
 
@@ -57,18 +57,28 @@ def read(
     height_m: float | None = None,
     up_axis: Literal["x", "y", "z"] | None = None,
     wood_materials: list[str] | None = None,
+    leaves: list[str] | None = None,
+    drop: list[str] | None = None,
+    tree: int | None = None,
     dbh_cm: float | None = None,
     min_radius_mm: float | None = None,
     bare: bool = False,
 ) -> Tree:
-    """Read a tree from a GLB, OBJ, PLY or STL file or a scan (MAT, CSV), in a sandboxed child process.
+    """Read a tree from a mesh file or a scan (MAT, CSV), in a sandboxed child process.
+
+    Meshes: GLB, glTF, OBJ, PLY, STL, FBX, DAE, 3DS, or a ZIP archive of one of them with its textures. Files
+    that a glTF, OBJ or FBX refers to are read if they are in its folder.
 
     Args:
         path: The mesh file, or the cylinders of a scanned tree.
         species: Wood species (``galewood.SPECIES``); by default guessed from the names in the file.
         height_m: Height of the tree; by default the file's unit is guessed.
         up_axis: Axis that points up; by default guessed from the shape.
-        wood_materials: Names of the materials, nodes or meshes that are wood.
+        wood_materials: What is wood: names of materials, nodes or meshes (all others are then leaves), or ids
+            of pieces from ``report["pieces"]``.
+        leaves: What is leaves: names, or ids of pieces.
+        drop: What is left out: names, or ids of pieces.
+        tree: Which tree of a file with several, from 1; by default the largest.
         dbh_cm: Scanned tree: scale all radii to this diameter of the trunk at 1.3 m.
         min_radius_mm: Scanned tree: drop branches thinner than this; by default 10 mm, or what leaves 200.
         bare: Scanned tree: add no leaves.
@@ -83,10 +93,14 @@ def read(
         height_m=height_m,
         up_axis=up_axis,
         wood_materials=wood_materials,
+        leaves=leaves,
+        drop=drop,
+        tree=tree,
         dbh_cm=dbh_cm,
         min_radius_mm=min_radius_mm,
         bare=bare,
     )
     path = Path(path)
-    mesh, render_glb = import_mesh_sandboxed(path.read_bytes(), path.name, import_options(request))
+    data = mesh_with_companions(path)
+    mesh, render_glb = import_mesh_sandboxed(data, path.name, import_options(request))
     return Tree(mesh, render_glb)

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from pydantic import ValidationError
 
+from galewood.cli.request_options import Mesh, named_parameter, request_parameters, validated
 from galewood.cli.tools import (
     CacheDir,
     JsonOut,
@@ -20,25 +20,15 @@ from galewood.cli.tools import (
 )
 from galewood.options import BuildRequest
 
-OLD_NAMES = {
-    "target_tets": "--tets",
-    "sampled_elements": "--elements",
-    "design_speed_m_s": "--design-speed",
-    "frames": "--wind-frames",
-}
-"""Options had these names before they followed the REST interface; they are still accepted."""
-Mesh = Annotated[
-    Path,
-    typer.Argument(
-        exists=True,
-        dir_okay=False,
-        help="GLB, OBJ, PLY or STL file, or the cylinders of a scanned tree (MAT, CSV).",
-    ),
-]
 Out = Annotated[Path, typer.Option(help="Table file to write; the mesh it moves is written beside it.")]
 WoodFile = Annotated[
     Path | None,
-    typer.Option(exists=True, dir_okay=False, help="Constants of a wood of your own (docs/physics.md)."),
+    typer.Option(
+        "--wood-constants",
+        exists=True,
+        dir_okay=False,
+        help="Constants of a wood of your own (docs/physics.md); `--wood FILE.json` is also accepted.",
+    ),
 ]
 Reference = Annotated[
     bool,
@@ -79,7 +69,17 @@ def build(
     from dataclasses import replace
 
     from galewood.fem import FemSettings
-    from galewood.pipeline import bare_path, build_options, build_table, drawn_words, tree_lines
+    from galewood.mesh import TreeMesh, mesh_with_companions
+    from galewood.pipeline import (
+        bare_path,
+        build_options,
+        build_table,
+        drawn_words,
+        expected_motion,
+        import_lines,
+        motion_lines,
+        tree_lines,
+    )
     from galewood.util import MeshError
 
     options = build_options(_request(chosen, wood))
@@ -88,16 +88,24 @@ def build(
         reference_frames=reference_frames,
         fem=FemSettings(element="quadratic" if reference else "fitted"),
     )
+
+    def tell(tree: TreeMesh) -> None:
+        for line in [*import_lines(tree.report), *motion_lines(expected_motion(tree, options.wood))]:
+            console.print(line, highlight=False, markup=False)
+        for warning in tree.report["warnings"]:
+            console.print(f"[yellow]Warning:[/yellow] {warning}")
+
     try:
         with progress_bar() as bar:
             report = progress_reporter(bar)
             result = build_table(
-                mesh.read_bytes(),
+                mesh_with_companions(mesh),
                 mesh.name,
                 options,
                 progress=lambda now: report(now.fraction, now.message),
                 cache_dir=cache_dir,
                 publish=file_writer(artefacts) if artefacts else None,
+                on_import=tell,
             )
     except MeshError as error:
         console.print(f"[red]{error.title}[/red] {error.hint}")
@@ -111,8 +119,7 @@ def build(
         bare_path(out).with_suffix(".glb").write_bytes(result.render_glb)
     write_figures(json_out, {**result.report, "table_bytes": len(table)})
     rest_pose = result.report["model"]["rest_pose"]
-    of_model = [rest_pose[name] for name in ("warning", "note") if name in rest_pose]
-    for warning in [*result.report["import"].get("warnings", []), *of_model]:
+    for warning in [rest_pose[name] for name in ("warning", "note") if name in rest_pose]:
         console.print(f"[yellow]Warning:[/yellow] {warning}")
     for line in tree_lines(result.report["tree"]):
         console.print(line)
@@ -128,53 +135,34 @@ def _request(chosen: dict[str, Any], wood: Path | None) -> BuildRequest:
     """The validated options; prints what is wrong, field by field, and exits."""
     from galewood.wood import WoodError, read_wood_document
 
-    given = {name: value for name, value in chosen.items() if value not in (None, [])}
+    # --wood once named a file with constants only
+    names: list[str] = chosen.get("wood_materials") or []
+    files = [name for name in names if name.endswith(".json") and Path(name).is_file()]
+    if files and wood is None:
+        wood = Path(files[0])
+        chosen = {**chosen, "wood_materials": [name for name in names if name not in files]}
+    if wood is None:
+        return validated(BuildRequest, chosen)
     try:
-        if wood is not None:
-            given["wood"] = read_wood_document(wood.read_bytes())
-        return BuildRequest.model_validate(given)
+        return validated(BuildRequest, {**chosen, "wood": read_wood_document(wood.read_bytes())})
     except WoodError as error:
         problems = [f"{name}: {what}" for name, what in error.problems]
         console.print(f"[red]{wood} does not describe a wood.[/red]", *problems)
-    except ValidationError as error:
-        for item in error.errors():
-            name = "--" + str(item["loc"][0]).replace("_", "-")
-            console.print(f"[red]{name}[/red]: {item['msg']}")
     raise typer.Exit(1)
-
-
-def _parameter(name: str, annotation: Any, default: Any = inspect.Parameter.empty) -> inspect.Parameter:
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
-
-
-def _request_parameters() -> list[inspect.Parameter]:
-    """An option for every field of the request, of the same name, with the same description and bounds."""
-    found: list[inspect.Parameter] = []
-    for name, field in BuildRequest.model_fields.items():
-        if name == "wood":
-            continue
-        flag = name.replace("_", "-")
-        switch = field.annotation == (bool | None)
-        names = [f"--{flag}/--no-{flag}" if switch else f"--{flag}"]
-        names += [OLD_NAMES[name]] if name in OLD_NAMES else []
-        kind = list[str] | None if name == "wood_materials" else field.annotation
-        option = typer.Option(*names, help=field.description)
-        found.append(_parameter(name, Annotated[kind, option], None))
-    return found
 
 
 def register(app: typer.Typer) -> None:
     """Add the command to the program; typer reads its options from the signature made here."""
     parameters = [
-        _parameter("mesh", Mesh),
-        _parameter("out", Out),
-        *_request_parameters(),
-        _parameter("wood", WoodFile, None),
-        _parameter("reference", Reference, False),
-        _parameter("reference_frames", ReferenceFrames, 60),
-        _parameter("artefacts", Artefacts, None),
-        _parameter("cache_dir", CacheDir, Path("data/cache")),
-        _parameter("json_out", JsonOut, None),
+        named_parameter("mesh", Mesh),
+        named_parameter("out", Out),
+        *request_parameters(BuildRequest, without=("wood",)),
+        named_parameter("wood", WoodFile, None),
+        named_parameter("reference", Reference, False),
+        named_parameter("reference_frames", ReferenceFrames, 60),
+        named_parameter("artefacts", Artefacts, None),
+        named_parameter("cache_dir", CacheDir, Path("data/cache")),
+        named_parameter("json_out", JsonOut, None),
     ]
     build.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     build.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}

@@ -1,4 +1,4 @@
-"""The command line of the precomputation: build, field, simulate, export, evaluate, paper, bench, verify."""
+"""The command line of the precomputation: check, build, field, simulate, export, evaluate, paper and more."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from galewood.cli.build_command import register as register_build
+from galewood.cli.check_command import register as register_check
 from galewood.cli.field_commands import register as register_field
 from galewood.cli.tools import (
     CacheDir,
@@ -27,6 +28,7 @@ app = typer.Typer(
 )
 
 
+register_check(app)
 register_build(app)
 register_field(app)
 

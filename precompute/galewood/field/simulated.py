@@ -9,7 +9,7 @@ import numpy as np
 
 from galewood.fem import FemModel, FemSettings
 from galewood.field.measurements import Season
-from galewood.mesh import TreeMesh, import_mesh_sandboxed
+from galewood.mesh import TreeMesh, import_mesh_sandboxed, mesh_with_companions
 from galewood.model import tree_model
 from galewood.options import ImportRequest, import_options
 from galewood.util import Floats, Ints
@@ -42,7 +42,7 @@ def tree_of_file(
 
     ``wood`` overrides the species of the request. Raises MeshError.
     """
-    mesh, _ = import_mesh_sandboxed(path.read_bytes(), path.name, import_options(request))
+    mesh, _ = import_mesh_sandboxed(mesh_with_companions(path), path.name, import_options(request))
     leaves = season == "leaf"
     made = tree_model(mesh, wood, target_tets, cache_dir, settings or FemSettings(), leaves)
     warnings = list(mesh.report.get("warnings", []))

@@ -10,16 +10,24 @@ from galewood.mesh.types import ImportOptions, Material, RawPart, RenderPrimitiv
 from galewood.util import lazily
 
 if TYPE_CHECKING:
-    from galewood.mesh.classification import weld_keeping_faces
+    from galewood.mesh.beside import mesh_with_companions
     from galewood.mesh.gltf import read_glb
     from galewood.mesh.gltf_material import alpha_coverage, base_image
-    from galewood.mesh.repair import Surface, compact, face_components, signed_volumes, volume
+    from galewood.mesh.repair import (
+        Surface,
+        compact,
+        face_components,
+        signed_volumes,
+        volume,
+        weld_keeping_faces,
+    )
     from galewood.mesh.sandboxed import import_mesh_sandboxed
 
 __getattr__ = lazily(
     __name__,
     {
-        "weld_keeping_faces": "galewood.mesh.classification",
+        "mesh_with_companions": "galewood.mesh.beside",
+        "weld_keeping_faces": "galewood.mesh.repair",
         "read_glb": "galewood.mesh.gltf",
         "alpha_coverage": "galewood.mesh.gltf_material",
         "base_image": "galewood.mesh.gltf_material",
@@ -43,6 +51,7 @@ __all__ = [
     "compact",
     "face_components",
     "import_mesh_sandboxed",
+    "mesh_with_companions",
     "read_glb",
     "signed_volumes",
     "volume",

@@ -1,36 +1,34 @@
-"""Classification of parts as wood, twigs or foliage: names, alpha, flat cards, colour, shape and position.
+"""Classification of connected pieces as wood, twigs, leaves or no part of the tree, each with a reason.
 
-The first criterion that applies decides. Only names tell twigs from other wood.
+Evidence of shape, alpha, colour and position is added up for every piece; names of parts are followed where
+the evidence does not contradict them. docs/design/0021-pieces.md describes the indicators and their results.
 """
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import KDTree
 
-from galewood.mesh.gltf_material import greenness, is_cut_out
-from galewood.mesh.repair import Surface, face_components, weld
-from galewood.mesh.types import ImportOptions, Kind, RawPart
-from galewood.util import Floats, Ints
+from galewood.mesh.other_objects import Others, find_around, find_ground, find_named, joined_faces
+from galewood.mesh.piece_choices import Choices, read_choices
+from galewood.mesh.piece_evidence import PRIOR, SURE, Evidence, Mask, add_position, is_sheet, own_evidence
+from galewood.mesh.piece_groups import Group, group_pieces
+from galewood.mesh.piece_names import named_kind, own_kind
+from galewood.mesh.pieces import Pieces, find_pieces
+from galewood.mesh.repair import Surface, weld
+from galewood.mesh.separate_trees import FoundTree, find_trees
+from galewood.mesh.types import KINDS, ImportOptions, Kind, RawPart
+from galewood.util import Floats, Ints, MeshError
 
-WOOD_NAMES = re.compile(
-    r"wood|bark|trunk|branch|stem|timber|stump|\blogs?\b|limb|tronc|stamm|holz|rinde|\bast\b", re.I
-)
-TWIG_NAMES = re.compile(r"twig|zweig|brindille", re.I)
-LEAF_NAMES = re.compile(
-    r"leaf|leaves|foliage|frond|needle|blossom|flower|petal|fruit|crown|canopy|green|grass|bush|feuill|blatt|laub",
-    re.I,
-)
-CARD_FACES = 8
-CARD_FLATNESS = 0.02
-GREEN = 0.08
-TOUCHES_GROUND = 0.03
-TALL = 0.25
-BLOB = 0.35  # ratio of the smallest to the largest principal extent
-BLOB_SIZE = 0.12  # relative to the height
+FOLLOWED = 8.0  # weight of a name that the evidence does not contradict
+HINT = 0.75  # weight of a name that it does contradict
+CONTRADICTS = 3.0  # score of a piece that contradicts its name
+CONTRADICTS_MIXED = 1.4  # the same, if other pieces of that name strongly agree with it
+SHARE = 0.4  # of the area that must contradict a name
+SAME_COLOUR = 0.1
+UNSURE_SHARE = 0.1
 
 
 @dataclass(frozen=True)
@@ -40,130 +38,230 @@ class ClassifiedPart:
     part: RawPart
     kind: Kind
     reason: str
+    vertex_groups: Ints  # index in `Classification.groups` of each vertex; −1: no face uses it
 
 
-def classify_parts(parts: list[RawPart], options: ImportOptions) -> tuple[list[ClassifiedPart], list[str]]:
-    """Classify all parts (y up, any unit); mixed parts are split. Also returns warnings."""
-    if options.wood is not None:
-        return [_classify_by_option(part, options.wood) for part in parts], []
-    low = min(float(part.positions[:, 1].min()) for part in parts)
-    height = max(float(part.positions[:, 1].max()) for part in parts) - low
-    result = [piece for part in parts for piece in _classify_part(part, low, height)]
-    if not any(piece.kind == "wood" for piece in result):
-        result = [_thick(piece) for piece in result]
-    if any(piece.kind == "wood" for piece in result) or not _has_solid(result):
-        return result, []
-    warning = (
-        "No wood was recognised; the whole mesh is treated as wood. To change this, name the wood materials."
+@dataclass(frozen=True)
+class Classification:
+    """The parts of the chosen tree by kind, all groups of pieces, and the trees of the file."""
+
+    parts: list[ClassifiedPart]
+    groups: list[Group]
+    trees: list[FoundTree]
+    tree: int  # the chosen one, from 1
+    warnings: list[str]
+    unsure_share: float  # of the tree's faces
+    group_of_face: list[Ints]  # for each part of the file, the index in `groups` of each face
+
+
+def classify(
+    parts: list[RawPart], options: ImportOptions, as_named: bool = False, pieces: Pieces | None = None
+) -> Classification:
+    """Classify all pieces of a file (y up, any unit).
+
+    `as_named`: the names of the parts are known to be right; `pieces`: those of `parts`, if known already.
+    Raises MeshError if a choice names nothing.
+    """
+    pieces = pieces or find_pieces(parts)
+    if as_named or all(own_kind(part) for part in parts):
+        found = _as_named(pieces, parts, [_kind_by_name(part) for part in parts])
+    else:
+        found = _analysed(pieces, parts)
+    return _chosen(found, parts, options)
+
+
+def _kind_by_name(part: RawPart) -> Kind:
+    kind = own_kind(part)
+    for label in part.labels:
+        kind = kind or named_kind(label)
+    return kind or "wood"
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What was found without any choice of the user; the ids of pieces depend on nothing else."""
+
+    pieces: Pieces
+    kind: list[Kind]
+    reason: list[str]
+    sure: Mask
+    others: Others
+    tree: Ints  # of each piece, from 1; 0: none
+    trees: list[FoundTree]
+    warnings: list[str]
+
+
+def _as_named(pieces: Pieces, parts: list[RawPart], given: list[Kind]) -> _Found:
+    s = pieces.shapes
+    tree = FoundTree(s.low.min(axis=0), s.high.max(axis=0), int(s.faces.sum()))
+    labels = [next(iter(part.labels), "") for part in parts]
+    kinds = [given[p] for p in pieces.part.tolist()]
+    reasons = [f"its name {labels[p]!r}" for p in pieces.part.tolist()]
+    count = len(pieces)
+    return _Found(
+        pieces, kinds, reasons, np.ones(count, bool), Others(), np.ones(count, np.int32), [tree], []
     )
-    return [ClassifiedPart(p, "wood", "no wood was recognised") for p in parts], [warning]
 
 
-def _classify_by_option(part: RawPart, wood: tuple[str, ...]) -> ClassifiedPart:
-    if any(label in wood for label in part.labels):
-        return ClassifiedPart(part, "wood", "named as wood")
-    if any(_named_kind(label) == "twigs" for label in part.labels):
-        return ClassifiedPart(part, "twigs", "its name, and not named as wood")
-    return ClassifiedPart(part, "leaves", "not named as wood")
+def _analysed(pieces: Pieces, parts: list[RawPart]) -> _Found:
+    evidence = own_evidence(pieces)
+    corners, piece = joined_faces(parts, pieces)
+    others = Others()
+    hinted = evidence.score + _name_hints(parts, pieces)
+    find_named(parts, pieces, hinted, others)
+    find_ground(pieces, hinted, others)
+    find_around(corners, piece, pieces, hinted, others)
+    tree, trees = find_trees(corners, piece, pieces, hinted, others)
+    for number in range(1, len(trees) + 1):
+        add_position(evidence, pieces, tree == number)
+    _follow_colour(evidence, pieces)
+    twigs = _follow_names(evidence, parts, pieces)
+    wood = evidence.score > 0
+    kind: list[Kind] = ["twigs" if t else "wood" if w else "leaves" for w, t in zip(wood, twigs, strict=True)]
+    reason = [evidence.reason(k, bool(wood[k])) for k in range(len(pieces))]
+    found = _Found(pieces, kind, reason, np.abs(evidence.score) >= SURE, others, tree, trees, [])
+    return _with_wood(found, evidence)
 
 
-def _thick(piece: ClassifiedPart) -> ClassifiedPart:
-    """Twigs of a tree without thicker wood are its wood."""
-    if piece.kind != "twigs":
-        return piece
-    return ClassifiedPart(piece.part, "wood", f"{piece.reason}, and there is no thicker wood")
+def _name_hints(parts: list[RawPart], pieces: Pieces) -> Floats:
+    """A small weight for the pieces of parts that a name calls wood or leaves."""
+    weights = {"wood": 1.5, "twigs": 1.5, "leaves": -1.5, None: 0.0}
+    of_part = [weights[next((k for k in map(named_kind, p.labels) if k), None)] for p in parts]
+    return np.array(of_part)[pieces.part]
 
 
-def _named_kind(label: str) -> Kind | None:
-    """What a name says; None if it says nothing, or both wood and leaves. Branches and twigs are wood."""
-    is_wood, is_leaf = WOOD_NAMES.search(label), LEAF_NAMES.search(label)
-    if is_wood and is_leaf:
-        return None
-    if is_wood or is_leaf:
-        return "wood" if is_wood else "leaves"
-    return "twigs" if TWIG_NAMES.search(label) else None
-
-
-def _has_solid(pieces: list[ClassifiedPart]) -> bool:
-    """Whether there is anything other than flat cards, which cannot be wood."""
-    return any(piece.reason != "flat cards" for piece in pieces)
-
-
-def _classify_part(part: RawPart, low: float, height: float) -> list[ClassifiedPart]:
-    for label in part.labels:  # material names take precedence over node and mesh names
-        kind = _named_kind(label)
-        if kind:
-            return [ClassifiedPart(part, kind, f"its name {label!r}")]
-    if is_cut_out(part.material):
-        return [ClassifiedPart(part, "leaves", "its material has alpha cut-outs")]
-    return _classify_by_shape(part, low, height)
-
-
-def _classify_by_shape(part: RawPart, low: float, height: float) -> list[ClassifiedPart]:
-    welded, origin = _welded_with_origin(part)
-    count, of_face = face_components(welded.faces, len(welded.vertices))
-    green = greenness(part.material)
-    classes = _component_classes(welded, of_face, count, low, height, green is not None and green > GREEN)
-    pieces: list[ClassifiedPart] = []
-    kinds: tuple[Kind, ...] = ("wood", "leaves")
-    for kind in kinds:
-        chosen = np.array([v[0] == kind for v in classes])[of_face]
-        if not chosen.any():
+def _follow_colour(evidence: Evidence, pieces: Pieces) -> None:
+    """Pieces of little evidence follow the confident ones of the same part and colour."""
+    score = np.clip(evidence.score - PRIOR, -4.0, 4.0)
+    sure = (np.abs(score) >= SURE) & pieces.coloured
+    added = np.zeros(len(pieces))
+    for part in np.unique(pieces.part[~sure]).tolist():
+        known = np.flatnonzero(sure & (pieces.part == part))
+        weak = np.flatnonzero(~sure & (pieces.part == part) & pieces.coloured)
+        if not len(known) or not len(weak):
             continue
-        reasons = dict.fromkeys(reason for other, reason in classes if other == kind)
-        pieces.append(ClassifiedPart(sub_part(part, origin[chosen]), kind, "; ".join(reasons)))
-    return pieces
+        near = np.linalg.norm(pieces.rgb[weak][:, None] - pieces.rgb[known][None], axis=2) < SAME_COLOUR
+        weight = near * pieces.shapes.area[known]
+        total = weight.sum(axis=1)
+        mean = (weight * np.sign(score[known])).sum(axis=1) / np.maximum(total, 1e-300)
+        added[weak] = np.where(total > 0, 1.2 * mean, 0.0)
+    evidence.add(added != 0, added, "like the other pieces of its part and colour")
 
 
-def _welded_with_origin(part: RawPart) -> tuple[Surface, Ints]:
-    """The welded part, and the original face index of each of its faces."""
-    surface = Surface(part.positions, part.faces)
-    welded = weld_keeping_faces(surface)
-    return welded, np.arange(len(part.faces), dtype=np.int32)
+def _follow_names(evidence: Evidence, parts: list[RawPart], pieces: Pieces) -> Mask:
+    """Add the names; returns which pieces are named as twigs."""
+    twigs = np.zeros(len(pieces), dtype=bool)
+    said = [next(((label, k) for label in p.labels if (k := named_kind(label))), None) for p in parts]
+    score = evidence.score
+    for name in dict.fromkeys(one for one in said if one):
+        label, kind = name
+        rows = np.isin(pieces.part, [n for n, one in enumerate(said) if one == name])
+        sign = -1.0 if kind == "leaves" else 1.0
+        area, agrees = pieces.shapes.area, sign * score
+        mixed = bool((agrees[rows] > 2 * CONTRADICTS_MIXED).any())
+        limit = CONTRADICTS_MIXED if mixed else CONTRADICTS
+        against = float(area[rows & (agrees < -limit)].sum()) > SHARE * float(area[rows].sum())
+        evidence.add(rows, sign * (HINT if against else FOLLOWED), f"its name {label!r}")
+        if kind == "twigs" and not against:
+            twigs |= rows
+    return twigs
 
 
-def weld_keeping_faces(surface: Surface) -> Surface:
-    """Weld seams for connectivity; all faces, even degenerate ones, keep their order."""
-    scale = float(np.ptp(surface.vertices, axis=0).max()) or 1.0
-    rounded = np.round(surface.vertices / (scale * 1e-6)).astype(np.int64)
-    _, first, inverse = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
-    return Surface(surface.vertices[first], inverse.reshape(-1)[surface.faces].astype(np.int32))
+def _with_wood(found: _Found, evidence: Evidence) -> _Found:
+    """Twigs of a tree without thicker wood are its wood; without any, the most woody solid is taken."""
+    kind, reason, warnings = list(found.kind), list(found.reason), list(found.warnings)
+    sure = found.sure.copy()
+    solid = ~is_sheet(found.pieces.shapes)
+    for number in range(1, len(found.trees) + 1):
+        own = np.flatnonzero(found.tree == number).tolist()
+        if any(kind[k] == "wood" for k in own):
+            continue
+        for k in own:
+            if kind[k] == "twigs":
+                kind[k], reason[k] = "wood", f"{reason[k]}, and there is no thicker wood"
+        if any(kind[k] == "wood" for k in own):
+            continue
+        # a crown that is clearly foliage is not turned into wood
+        likely = [k for k in own if solid[k] and evidence.score[k] > -2.6]
+        for k in likely:
+            kind[k], reason[k], sure[k] = "wood", "no wood was recognised", False
+        if likely:
+            warnings.append(
+                "No wood was recognised; the solid pieces are treated as wood. To change it, choose the wood."
+            )
+    return replace(found, kind=kind, reason=reason, sure=sure, warnings=list(dict.fromkeys(warnings)))
 
 
-def _component_classes(
-    surface: Surface, of_face: Ints, count: int, low: float, height: float, is_green: bool
-) -> list[tuple[Kind, str]]:
-    order = np.argsort(of_face, kind="stable")
-    bounds = np.searchsorted(of_face[order], np.arange(count + 1))
-    return [
-        _component_class(surface, surface.faces[order[bounds[k] : bounds[k + 1]]], low, height, is_green)
-        for k in range(count)
-    ]
+def _chosen(found: _Found, parts: list[RawPart], options: ImportOptions) -> Classification:
+    """The classification with the user's choices applied."""
+    number = options.tree or 1
+    if number > len(found.trees):
+        raise MeshError(
+            "no-such-tree",
+            "unsuitable",
+            f"The file has no tree {number}.",
+            f"Choose a tree from 1 to {len(found.trees)}.",
+        )
+    pieces, others = found.pieces, found.others
+    groups = group_pieces(pieces, parts, found.kind, found.reason, found.sure, others, found.tree)
+    choices = read_choices(options, parts, groups)
+    groups = [_decided(group, choices, number) for group in groups]
+    group_of_piece = np.zeros(len(pieces), dtype=np.int32)
+    for index, group in enumerate(groups):
+        group_of_piece[group.pieces] = index
+    group_of_face: list[Ints] = [group_of_piece[of_face] for of_face in pieces.of_face]
+    result: list[ClassifiedPart] = []
+    for index, part in enumerate(parts):
+        vertex_groups = np.full(len(part.positions), -1, dtype=np.int32)
+        vertex_groups[part.faces] = group_of_face[index][:, None]
+        for kind in KINDS:
+            mine = [g for g in groups if g.part == index and g.kind == kind]
+            if mine:
+                taken = np.zeros(len(pieces), dtype=bool)
+                taken[np.concatenate([g.pieces for g in mine])] = True
+                faces = np.flatnonzero(taken[found.pieces.of_face[index]])
+                reason = "; ".join(list(dict.fromkeys(g.reason for g in mine))[:3])
+                whole = ClassifiedPart(part, kind, reason, vertex_groups)
+                result.append(whole if len(faces) == len(part.faces) else _restricted(whole, faces))
+    kept = [g for g in groups if g.kind != "other"]
+    faces = sum(g.faces for g in kept)
+    unsure = sum(g.unsure_faces for g in kept if not g.chosen) / max(faces, 1)
+    warnings = [*found.warnings, *_warnings(groups, found, number, unsure)]
+    return Classification(result, groups, found.trees, number, warnings, unsure, group_of_face)
 
 
-def _component_class(
-    surface: Surface, faces: Ints, low: float, height: float, is_green: bool
-) -> tuple[Kind, str]:
-    points = surface.vertices[np.unique(faces)]
-    extents = principal_extents(points)
-    if len(faces) <= CARD_FACES and extents[2] <= CARD_FLATNESS * extents[0]:
-        return "leaves", "flat cards"
-    bottom, top = float(points[:, 1].min()), float(points[:, 1].max())
-    grounded = bottom <= low + TOUCHES_GROUND * height
-    if grounded and top - bottom >= TALL * height:
-        return "wood", "tall, standing on the ground"
-    if is_green:
-        return "leaves", "its colour is green"
-    if not grounded and extents[2] > BLOB * extents[0] and extents[0] > BLOB_SIZE * height:
-        return "leaves", "a rounded mass above the ground"
-    return "wood", "a solid that is neither a card nor a crown"
+def _decided(group: Group, choices: Choices, tree: int) -> Group:
+    """A group with the user's choice, or left out if it belongs to another tree."""
+    if group.tree not in (0, tree):
+        return replace(group, kind="other", what=f"tree {group.tree}", reason="another tree of the file")
+    chosen = choices.of(group)
+    if chosen is None:
+        return group
+    kind, reason = chosen
+    return replace(group, kind=kind, what="left out" if kind == "other" else "", reason=reason, chosen=True)
 
 
-def principal_extents(points: Floats) -> Floats:
-    """Extents (3,) along the principal axes, in descending order."""
-    centred = points - points.mean(axis=0)
-    _, axes = np.linalg.eigh(centred.T @ centred)
-    return np.sort(np.ptp(centred @ axes, axis=0))[::-1]
+def _warnings(groups: list[Group], found: _Found, number: int, unsure: float) -> list[str]:
+    warnings: list[str] = []
+    if len(found.trees) > 1:
+        warnings.append(
+            f"The file contains {len(found.trees)} trees; tree {number} is imported. "
+            "Choose another with --tree N or in the dialog."
+        )
+    counts: dict[str, int] = {}
+    for group in groups:
+        if group.kind == "other" and not group.chosen and group.tree == 0:
+            counts[group.what] = counts.get(group.what, 0) + group.faces
+    if counts:
+        words = ", ".join(f"{what} ({count} faces)" for what, count in counts.items())
+        warnings.append(
+            f"Left out, because it is not the tree: {words}. To keep it, choose wood or leaves for it."
+        )
+    if unsure > UNSURE_SHARE:
+        warnings.append(
+            f"Unsure about {unsure:.0%} of the faces: check which pieces are wood and which are leaves."
+        )
+    return warnings
 
 
 def sub_part(part: RawPart, faces: Ints) -> RawPart:
@@ -181,6 +279,11 @@ def sub_part(part: RawPart, faces: Ints) -> RawPart:
         uv=pick(part.uv),
         colours=pick(part.colours),
     )
+
+
+def _restricted(piece: ClassifiedPart, faces: Ints) -> ClassifiedPart:
+    used = np.unique(piece.part.faces[faces])
+    return replace(piece, part=sub_part(piece.part, faces), vertex_groups=piece.vertex_groups[used])
 
 
 def welded_wood(pieces: list[ClassifiedPart]) -> Surface:
@@ -204,5 +307,5 @@ def without_strays(pieces: list[ClassifiedPart], kept: Floats, strays: Floats) -
         middle = piece.part.positions[piece.part.faces].mean(axis=1)
         own = np.flatnonzero(near.query(middle)[0] <= far.query(middle)[0])
         if len(own):
-            result.append(replace(piece, part=sub_part(piece.part, own)))
+            result.append(_restricted(piece, own))
     return result

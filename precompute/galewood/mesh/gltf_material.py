@@ -1,4 +1,4 @@
-"""glTF materials with their embedded textures, and what they indicate about wood and foliage."""
+"""glTF materials with their embedded textures."""
 
 from __future__ import annotations
 
@@ -10,10 +10,13 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from galewood.mesh.limits import MAX_PIXELS
 from galewood.mesh.types import Material
 
 Json = dict[str, Any]
-MAX_PIXELS = 64_000_000
+TextureReader = Callable[[int], tuple[bytes, str] | None]
+"""The content and MIME type of the image of an index; None, after a warning, if it cannot be read."""
+TEXTURE_EXTENSIONS = ("EXT_texture_webp", "KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds")
 SLOTS = (
     ("pbrMetallicRoughness", "baseColorTexture"),
     ("pbrMetallicRoughness", "metallicRoughnessTexture"),
@@ -27,40 +30,60 @@ KEPT = (
 )  # fmt: skip
 
 
-def read_material(
-    document: Json, raw: Json, image_bytes: Callable[[Json], tuple[bytes, str] | None]
-) -> Material:
+def read_material(document: Json, raw: Json, images: TextureReader) -> Material:
     """A material whose texture infos contain image keys ("image 3") instead of texture indices."""
     material = copy.deepcopy({k: raw[k] for k in KEPT if k in raw})
-    if "KHR_materials_unlit" in raw.get("extensions", {}):
+    extensions = raw.get("extensions", {})
+    if "KHR_materials_unlit" in extensions:
         material["extensions"] = {"KHR_materials_unlit": {}}
-    images: dict[str, tuple[bytes, str]] = {}
-    samplers: dict[str, Json] = {}
+    _take_diffuse(material, extensions.get("KHR_materials_pbrSpecularGlossiness"))
+    found = Material(material, {}, {})
     for group, slot in SLOTS:
         holder = material.get(group, {}) if group else material
         if slot in holder:
-            _take_texture(document, holder, slot, image_bytes, images, samplers)
-    return Material(material, images, samplers)
+            _take_texture(document, holder, slot, images, found)
+    return found
 
 
-def _take_texture(
-    document: Json,
-    holder: Json,
-    slot: str,
-    image_bytes: Callable[[Json], tuple[bytes, str] | None],
-    images: dict[str, tuple[bytes, str]],
-    samplers: dict[str, Json],
-) -> None:
-    texture = document["textures"][holder[slot]["index"]]
-    source = texture.get("source")
-    content = None if source is None else image_bytes(document["images"][source])
-    if content is None:  # external or in an unsupported container: rendered without it
+def _take_diffuse(material: Json, glossy: Json | None) -> None:
+    """Use the diffuse colour of KHR_materials_pbrSpecularGlossiness, an older model, as the base colour."""
+    if glossy is None:
+        return
+    pbr = material.setdefault("pbrMetallicRoughness", {})
+    pbr["baseColorFactor"] = glossy.get("diffuseFactor", [1, 1, 1, 1])
+    pbr |= {"metallicFactor": 0.0, "roughnessFactor": 1.0 - 0.5 * float(glossy.get("glossinessFactor", 1.0))}
+    if "diffuseTexture" in glossy:
+        pbr["baseColorTexture"] = copy.deepcopy(glossy["diffuseTexture"])
+
+
+def _take_texture(document: Json, holder: Json, slot: str, images: TextureReader, found: Material) -> None:
+    texture = document["textures"][natural(holder[slot]["index"])]
+    source, content = _first_readable(texture, images)
+    if content is None:
         del holder[slot]
         return
     key = f"image {source}"
-    images[key] = content
-    samplers[key] = document["samplers"][texture["sampler"]] if "sampler" in texture else {}
+    found.images[key] = content
+    found.samplers[key] = document["samplers"][texture["sampler"]] if "sampler" in texture else {}
     holder[slot]["index"] = key
+
+
+def _first_readable(texture: Json, images: TextureReader) -> tuple[int | None, tuple[bytes, str] | None]:
+    """The image of the first source that can be read: WebP, KTX2 or AVIF, then the plain one."""
+    extensions = texture.get("extensions", {})
+    sources = [extensions[name].get("source") for name in TEXTURE_EXTENSIONS if name in extensions]
+    for source in [*sources, texture.get("source")]:
+        content = None if source is None else images(natural(source))
+        if content is not None:
+            return source, content
+    return None, None
+
+
+def natural(value: Any) -> int:
+    """The index, if it is a non-negative integer, else IndexError: Python would accept negative ones."""
+    if not isinstance(value, int) or value < 0:
+        raise IndexError(f"index {value!r}")
+    return value
 
 
 def base_image(material: Material | None) -> Image.Image | None:
@@ -92,29 +115,6 @@ def alpha_coverage(material: Material | None) -> float:
 
 def _has_alpha(image: Image.Image) -> bool:
     return image.mode in ("RGBA", "LA", "PA") or "transparency" in image.info
-
-
-def is_cut_out(material: Material | None) -> bool:
-    """Whether the material is cut out by its alpha channel, as for leaf cards."""
-    if material is None:
-        return False
-    return material.json.get("alphaMode") in ("MASK", "BLEND") or alpha_coverage(material) < 0.98
-
-
-def greenness(material: Material | None) -> float | None:
-    """Excess of green over red and blue (−1 to 1) in the mean base colour; None without a colour."""
-    if material is None:
-        return None
-    pbr = material.json.get("pbrMetallicRoughness", {})
-    factor = np.array(pbr.get("baseColorFactor", (1, 1, 1, 1)), dtype=np.float64)[:3]
-    image = base_image(material)
-    if image is not None:
-        pixels = np.asarray(image.convert("RGBA").resize((32, 32)), dtype=np.float64).reshape(-1, 4)
-        weight = pixels[:, 3:4] + 1e-9
-        factor = factor * (pixels[:, :3] * weight).sum(axis=0) / weight.sum() / 255.0
-    elif "baseColorFactor" not in pbr:
-        return None
-    return float((factor[1] - max(factor[0], factor[2])) / max(float(factor.max()), 1e-9))
 
 
 def pack_material(material: Material | None) -> tuple[Json | None, dict[str, bytes]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,38 +14,70 @@ MAX_DEPTH = 256
 MAX_VISITS = 100_000
 
 
-def mesh_instances(document: Json) -> list[tuple[Json, tuple[str, ...], Floats]]:
-    """(mesh, (node name, mesh name), world matrix (4, 4)) of every mesh in the default scene."""
-    found: list[tuple[Json, tuple[str, ...], Floats]] = []
+@dataclass(frozen=True)
+class Placed:
+    """A node with a mesh in the default scene: its names and its world matrix (4, 4)."""
+
+    node: Json
+    mesh: Json
+    names: tuple[str, ...]  # of the node and of the mesh
+    world: Floats
+
+
+def placed_meshes(document: Json) -> list[Placed]:
+    """All meshes of the default scene."""
     nodes: list[Json] = document.get("nodes", [])
-    stack = [(index, np.eye(4), 0) for index in reversed(_roots(document, nodes))]
-    visits = 0
+    found: list[Placed] = []
+    for index, world in _walk(nodes, _roots(document, nodes)):
+        node = nodes[index]
+        if "mesh" in node:
+            mesh = document["meshes"][node["mesh"]]
+            names = tuple(str(n) for n in (node.get("name"), mesh.get("name")) if n)
+            found.append(Placed(node, mesh, names, world))
+    return found
+
+
+def world_matrices(document: Json) -> dict[int, Floats]:
+    """World matrix (4, 4) of every node, in the default scene or not; nodes in a cycle have none."""
+    nodes: list[Json] = document.get("nodes", [])
+    return dict(_walk(nodes, _parentless(nodes)))
+
+
+def _walk(nodes: list[Json], roots: list[int]) -> list[tuple[int, Floats]]:
+    found: list[tuple[int, Floats]] = []
+    if len(roots) > MAX_VISITS:
+        raise _too_deep()
+    stack = [(index, np.eye(4), 0) for index in reversed(roots)]
     while stack:
         index, parent, depth = stack.pop()
-        visits += 1
-        if depth > MAX_DEPTH or visits > MAX_VISITS:
-            raise MeshError(
-                "nodes-too-deep",
-                "unsuitable",
-                f"The nodes of the glTF are nested deeper than {MAX_DEPTH} levels or form a cycle.",
-                "Apply the transforms and export a single mesh.",
-            )  # fmt: skip
+        if depth > MAX_DEPTH or len(found) > MAX_VISITS:
+            raise _too_deep()
         if index < 0:
             raise IndexError(f"node {index}")
         node = nodes[index]
         world = parent @ _local(node)
-        if "mesh" in node:
-            mesh = document["meshes"][node["mesh"]]
-            names = tuple(str(n) for n in (node.get("name"), mesh.get("name")) if n)
-            found.append((mesh, names, world))
+        found.append((index, world))
         stack.extend((child, world, depth + 1) for child in reversed(node.get("children", [])))
     return found
+
+
+def _too_deep() -> MeshError:
+    return MeshError(
+        "nodes-too-deep", "unsuitable",
+        f"The glTF has more than {MAX_VISITS} nodes, or they are nested deeper than {MAX_DEPTH} levels or "
+        "form a cycle.",
+        "Apply the transforms and export a single mesh.",
+    )  # fmt: skip
 
 
 def _roots(document: Json, nodes: list[Json]) -> list[int]:
     scenes = document.get("scenes")
     if scenes:
         return list(scenes[document.get("scene", 0)].get("nodes", []))
+    return _parentless(nodes)
+
+
+def _parentless(nodes: list[Json]) -> list[int]:
     children = {c for node in nodes for c in node.get("children", [])}
     return [i for i in range(len(nodes)) if i not in children]
 
@@ -52,20 +85,23 @@ def _roots(document: Json, nodes: list[Json]) -> list[int]:
 def _local(node: Json) -> Floats:
     if "matrix" in node:
         return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
-    matrix = np.eye(4)
-    x, y, z, w = _unit([float(c) for c in node.get("rotation", (0, 0, 0, 1))])
-    rotation = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    matrix[:3, :3] = rotation * np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)
-    matrix[:3, 3] = np.array(node.get("translation", (0, 0, 0)), dtype=np.float64)
+    return composed(
+        np.array(node.get("translation", (0, 0, 0)), dtype=np.float64)[None],
+        np.array(node.get("rotation", (0, 0, 0, 1)), dtype=np.float64)[None],
+        np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)[None],
+    )[0]
+
+
+def composed(translation: Floats, quaternion: Floats, scale: Floats) -> Floats:
+    """Matrices (n, 4, 4) that scale (n, 3), then rotate (n, 4: x, y, z, w), then translate (n, 3)."""
+    length = np.linalg.norm(quaternion, axis=1, keepdims=True)
+    unit = np.where(length > 0, quaternion / np.where(length > 0, length, 1.0), (0.0, 0.0, 0.0, 1.0))
+    x, y, z, w = unit.T
+    matrix = np.zeros((len(unit), 4, 4))
+    matrix[:, 0, :3] = np.column_stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)])
+    matrix[:, 1, :3] = np.column_stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)])
+    matrix[:, 2, :3] = np.column_stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)])
+    matrix[:, :3, :3] *= scale[:, None, :]
+    matrix[:, :3, 3] = translation
+    matrix[:, 3, 3] = 1.0
     return matrix
-
-
-def _unit(quaternion: list[float]) -> list[float]:
-    length = sum(c * c for c in quaternion) ** 0.5
-    return [c / length for c in quaternion] if length > 0 else [0.0, 0.0, 0.0, 1.0]

@@ -11,10 +11,16 @@ from typing import Any
 import numpy as np
 
 from galewood.mesh.axis import AXES, Choice, choose_scale, choose_up_axis, to_y_up
-from galewood.mesh.classification import ClassifiedPart, classify_parts, welded_wood, without_strays
-from galewood.mesh.formats import read_parts
+from galewood.mesh.classification import Classification, ClassifiedPart, classify, welded_wood, without_strays
+from galewood.mesh.formats import FileContent, read_parts
+from galewood.mesh.joined_parts import joined_parts
+from galewood.mesh.limits import check_faces
+from galewood.mesh.piece_groups import Group
+from galewood.mesh.piece_report import pieces_report
+from galewood.mesh.pieces import find_pieces
 from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.repair import Surface
+from galewood.mesh.scan_ground import without_ground
 from galewood.mesh.species_names import guess_species
 from galewood.mesh.surface import solid_wood
 from galewood.mesh.types import KINDS, ImportOptions, Material, RawPart, RenderPrimitive, TreeMesh
@@ -30,9 +36,9 @@ __all__ = [
     "render_glb",
 ]  # fmt: skip
 
-MAX_FACES = 600_000
 MIN_HEIGHT_M, MAX_HEIGHT_M = 0.2, 120.0
 BASE_SLAB = 0.02
+SHORT_WOOD = 0.62  # of the height: above it, a crown has too little wood to bend
 QSM_UNIT = Choice("m", "cylinder models are in metres", assumed=False)
 
 
@@ -44,29 +50,32 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     options = options or ImportOptions()
     _check_options(options)
     content = read_parts(data, filename, options)
-    file_format, parts = content.file_format, _usable(content.parts)
-    vertices, faces = _joined(parts)
-    up = choose_up_axis(vertices, faces, file_format, options)
-    _check_volume(vertices)
-    parts = [_transformed(p, to_y_up(up.value), np.zeros(3), 1.0) for p in parts]
-    pieces, warnings = classify_parts(parts, options)
-    _check_wood(pieces, parts, options)
+    file_format = content.file_format
+    parts, up, classified = understood(content, options)
+    pieces, warnings = classified.parts, classified.warnings
+    _check_wood(pieces, classified.groups)
     species, species_reason = guess_species(options.species, filename, parts)
     wood, strays, repairs, wood_warnings = solid_wood(welded_wood(pieces))
     pieces = without_strays(pieces, wood.vertices, strays)
     raw_height = content.qsm["height_m"] if content.qsm else _height(pieces)
     scale, unit = (1.0, QSM_UNIT) if content.qsm else choose_scale(raw_height, species, options)
     origin = _base_centre(wood)
-    pieces = [
-        ClassifiedPart(_transformed(s.part, np.eye(3), origin, scale), s.kind, s.reason) for s in pieces
-    ]
+    pieces = [replace(s, part=_transformed(s.part, np.eye(3), origin, scale)) for s in pieces]
+    warnings = [*warnings, *_short_wood(pieces)]
     if up.assumed:
-        warnings.append(f"The up axis is assumed to be +{up.value.upper()}: {up.reason}.")
+        unsure = "Unsure about the up axis: choose it if the tree lies on its side. " if up.unsure else ""
+        warnings.append(f"{unsure}The up axis is assumed to be +{up.value.upper()}: {up.reason}.")
     if unit.value not in ("m", "given"):
         warnings.append(f"The unit is assumed: {unit.reason}.")
     report: dict[str, Any] = {
         "file": {"name": filename[:200], "format": file_format, "bytes": len(data)},
-        "up_axis": {"value": up.value, "reason": up.reason, "assumed": up.assumed},
+        "up_axis": {
+            "value": up.value,
+            "reason": up.reason,
+            "assumed": up.assumed,
+            "unsure": up.unsure,
+            "confidence": round(up.confidence, 3),
+        },
         "unit": {
             "value": unit.value,
             "metres_per_unit": scale,
@@ -76,6 +85,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
         "height_m": raw_height * scale,
         "species": {"value": species, "reason": species_reason},
         "parts": [_part_report(s) for s in pieces],
+        **pieces_report(classified, pieces, scale),
         "repairs": repairs,
         "roots": {"origin_in_file": origin.tolist(), "clamped_lowest_share": BASE_SLAB},
         "warnings": content.warnings + warnings + wood_warnings,
@@ -90,6 +100,20 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
         species=species,
         report=report,
     )
+
+
+def understood(content: FileContent, options: ImportOptions) -> tuple[list[RawPart], Choice, Classification]:
+    """The usable parts of a file turned y up, the up axis, and the classification of all pieces."""
+    parts = joined_parts(_usable(content.parts))
+    vertices, faces = _joined(parts)
+    _check_volume(vertices)
+    pieces = find_pieces(parts)
+    up = choose_up_axis(vertices, faces, pieces, content.file_format, options)
+    rotation = to_y_up(up.value)
+    parts = [_transformed(p, rotation, np.zeros(3), 1.0) for p in parts]
+    turned = pieces.turned(rotation)
+    turned = turned if content.qsm else without_ground(parts, turned)
+    return parts, up, classify(parts, options, content.qsm is not None, turned)
 
 
 def _check_options(options: ImportOptions) -> None:
@@ -112,13 +136,7 @@ def _usable(parts: list[RawPart]) -> list[RawPart]:
         raise MeshError(
             "no-faces", "unsuitable", "The file contains no triangles.", "Export the tree as a triangle mesh."
         )
-    if count > MAX_FACES:
-        raise MeshError(
-            "too-many-faces",
-            "too-large",
-            f"The mesh has {count} triangles, more than the limit of {MAX_FACES}.",
-            "Decimate the mesh and export it again.",
-        )
+    check_faces(count)
     bad = sum(
         int((~np.isfinite(p.positions).all(axis=1) | (np.abs(p.positions) > 1e12).any(axis=1)).sum())
         for p in parts
@@ -169,16 +187,17 @@ def _check_volume(vertices: Floats) -> None:
         )
 
 
-def _check_wood(pieces: list[ClassifiedPart], parts: list[RawPart], options: ImportOptions) -> None:
+def _check_wood(pieces: list[ClassifiedPart], groups: list[Group]) -> None:
     if any(s.kind == "wood" for s in pieces):
         return
-    names = sorted({label for p in parts for label in p.labels})[:20]
-    hint = (
-        f"Specify which of these are wood: {', '.join(names)}."
-        if names
-        else "Upload a tree with solid branches."
+    names = sorted({label for g in groups for label in g.labels})[:20] + [g.id for g in groups][:20]
+    raise MeshError(
+        "no-wood",
+        "unsuitable",
+        "No wood was found in the mesh: no trunk, no stems, no branches.",
+        f"Specify which of these are wood (names, or numbers of pieces): {', '.join(names)}. "
+        "A bush that is drawn as leaves only needs stems.",
     )
-    raise MeshError("no-wood", "unsuitable", "No wood was found in the mesh.", hint)
 
 
 def _transformed(part: RawPart, rotation: Floats, origin: Floats, scale: float) -> RawPart:
@@ -193,6 +212,16 @@ def _height(pieces: list[ClassifiedPart]) -> float:
     """Height of the whole tree above the base of its wood."""
     foot = min(float(s.part.positions[:, 1].min()) for s in pieces if s.kind == "wood")
     return max(float(s.part.positions[:, 1].max()) for s in pieces) - foot
+
+
+def _short_wood(pieces: list[ClassifiedPart]) -> list[str]:
+    """A warning if the wood ends low in the crown, which then moves with the end of the wood."""
+    top = max(float(s.part.positions[:, 1].max()) for s in pieces if s.kind == "wood")
+    foot = min(float(s.part.positions[:, 1].min()) for s in pieces if s.kind == "wood")
+    share = (top - foot) / max(_height(pieces), 1e-300)
+    if share >= SHORT_WOOD:
+        return []
+    return [f"The wood ends at {share:.0%} of the height: the crown above moves with the end of the wood."]
 
 
 def _base_centre(wood: Surface) -> Floats:

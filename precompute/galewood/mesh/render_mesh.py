@@ -16,6 +16,7 @@ from galewood.util import Floats, Ints
 Json = dict[str, Any]
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
+WEBP, WEBP_EXTENSION = "image/webp", "EXT_texture_webp"
 DEFAULT_COLOURS = {
     "wood": [0.28, 0.2, 0.14, 1.0],
     "twigs": [0.28, 0.2, 0.14, 1.0],
@@ -77,6 +78,7 @@ class _Writer:
         self.document["buffers"] = [{"byteLength": len(self.binary)}]
         if self.extensions:
             self.document["extensionsUsed"] = sorted(self.extensions)
+            self.document["extensionsRequired"] = sorted(self.extensions & {WEBP_EXTENSION})
         document = {k: v for k, v in self.document.items() if v != []}
         text = json.dumps(document, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
@@ -151,9 +153,11 @@ class _Writer:
             self.document["images"].append({"bufferView": self._view(content), "mimeType": mime})
             self.images[content] = len(self.document["images"]) - 1
         self.document["samplers"].append(material.samplers.get(key, {}))
-        self.document["textures"].append(
-            {"source": self.images[content], "sampler": len(self.document["samplers"]) - 1}
-        )
+        source: Json = {"source": self.images[content]}
+        if mime == WEBP:  # the extension has no plain fallback here, so the file requires it
+            self.extensions.add(WEBP_EXTENSION)
+            source = {"extensions": {WEBP_EXTENSION: source}}
+        self.document["textures"].append(source | {"sampler": len(self.document["samplers"]) - 1})
         return len(self.document["textures"]) - 1
 
 

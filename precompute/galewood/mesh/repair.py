@@ -36,6 +36,14 @@ def weld(surface: Surface) -> Surface:
     return compact(Surface(used[first], clean_faces(used[first], faces.astype(np.int32))))
 
 
+def weld_keeping_faces(surface: Surface) -> Surface:
+    """Weld seams for connectivity; all faces, even degenerate ones, keep their order."""
+    scale = float(np.ptp(surface.vertices, axis=0).max()) or 1.0
+    rounded = np.round(surface.vertices / (scale * 1e-6)).astype(np.int64)
+    _, first, inverse = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+    return Surface(surface.vertices[first], inverse.reshape(-1)[surface.faces].astype(np.int32))
+
+
 def clean_faces(vertices: Floats, faces: Ints) -> Ints:
     """Faces without degenerate ones and without duplicates (of either orientation)."""
     a, b, c = faces.T
@@ -61,7 +69,8 @@ def face_components(faces: Ints, vertices: int) -> tuple[int, Ints]:
 
 def edge_components(faces: Ints) -> tuple[int, Ints]:
     """Number of components connected through edges, not just vertices, and the component of each face."""
-    _, edge = np.unique(np.sort(directed_edges(faces), axis=1), axis=0, return_inverse=True)
+    ordered = np.sort(directed_edges(faces), axis=1).astype(np.int64)
+    _, edge = np.unique(ordered[:, 0] * (int(faces.max()) + 1) + ordered[:, 1], return_inverse=True)
     face = np.tile(np.arange(len(faces)), 3)
     graph = np.column_stack([face, len(faces) + edge.reshape(-1)])
     _, label = _components(len(faces) + int(edge.max()) + 1, graph)

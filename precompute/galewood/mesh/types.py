@@ -23,10 +23,15 @@ class ImportOptions:
     species: str | None = None
     height_m: float | None = None
     up_axis: Axis | None = None
-    wood: tuple[str, ...] | None = None  # names of materials, nodes or meshes that are wood
+    wood: tuple[str, ...] | None = (
+        None  # names of materials, nodes or meshes, or ids of pieces, that are wood
+    )
     dbh_cm: float | None = None  # of a scanned tree, like the fields below: diameter at breast height
     min_radius_mm: float | None = None  # thinner branches are dropped
     bare: bool = False  # no leaves are added
+    leaves: tuple[str, ...] | None = None  # names or ids of pieces that are leaves
+    drop: tuple[str, ...] | None = None  # names or ids of pieces that are left out
+    tree: int | None = None  # which tree of a file with several, from 1; None: the largest
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from galewood.model.foliage import LumpedMasses, bind_foliage
 from galewood.model.from_tree import tree_model
 from galewood.model.holds import holds_of
 from galewood.model.reference import compare_with_reference, reference_model
+from galewood.model.typical_frequency import typical_frequency_hz
 
 __all__ = [
     "GRAVITY_M_S2",
@@ -44,4 +45,5 @@ __all__ = [
     "render_binding",
     "trajectory_difference",
     "tree_model",
+    "typical_frequency_hz",
 ]

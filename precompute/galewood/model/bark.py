@@ -24,7 +24,7 @@ def bark_feet(wood: RenderPrimitive, axis: Axis) -> Feet:
 
 
 def _middles(wood: RenderPrimitive) -> Floats:
-    """(n, 3) positions averaged with their neighbours, nearer ones counting more by their distance squared."""
+    """(n, 3) positions averaged with their neighbours, weighted by the inverse square of the distance."""
     place, faces = wood.positions_m, wood.faces
     if not len(faces):
         return place

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, field_validator, model_validator
 
 from galewood.wood import SPECIES, WoodDocument
 
@@ -28,7 +28,26 @@ class ImportRequest(BaseModel):
     height_m: float | None = Field(default=None, gt=0.1, le=150, description="Height of the tree, m.")
     up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="Axis that points up.")
     wood_materials: list[MaterialName] | None = Field(
-        default=None, min_length=1, max_length=64, description="Materials, nodes or meshes that are wood."
+        default=None,
+        min_length=1,
+        max_length=400,
+        description="What is wood: names of materials, nodes or meshes, or ids of pieces. If a name is "
+        "given, all parts that are not named are leaves; ids change only their own pieces.",
+    )
+    leaves: list[MaterialName] | None = Field(
+        default=None, min_length=1, max_length=400, description="What is leaves: names, or ids of pieces."
+    )
+    drop: list[MaterialName] | None = Field(
+        default=None,
+        min_length=1,
+        max_length=400,
+        description="What is left out, such as ground: names, or ids of pieces.",
+    )
+    tree: int | None = Field(
+        default=None,
+        ge=1,
+        le=10_000,
+        description="Which tree of a file with several, as numbered in the report; default: the largest.",
     )
     dbh_cm: float | None = Field(
         default=None,
@@ -96,9 +115,29 @@ class BuildRequest(ImportRequest):
         le=1e9,
         description="Rotational stiffness of the root plate, kN·m/rad; default: rigid ground.",
     )
+    first_frequency_hz: float | None = Field(
+        default=None,
+        ge=0.02,
+        le=30,
+        description="Scale the stiffness of the wood so that the tree has this first natural frequency, Hz; "
+        "default: as stiff as its wood.",
+    )
+    sway: float | None = Field(
+        default=None,
+        ge=0.001,
+        le=0.3,
+        description="Scale the stiffness of the wood so that a steady wind of 18 m/s bends the tree by this "
+        "share of its height; default: as stiff as its wood.",
+    )
     wood: WoodDocument | None = Field(
         default=None, description="Constants of a wood of your own; they take precedence over the species."
     )
+
+    @model_validator(mode="after")
+    def _one_stiffness(self) -> BuildRequest:
+        if self.first_frequency_hz is not None and self.sway is not None:
+            raise ValueError("give either first_frequency_hz or sway: both set the stiffness")
+        return self
 
 
 def import_options(request: ImportRequest) -> ImportOptions:
@@ -114,4 +153,7 @@ def import_options(request: ImportRequest) -> ImportOptions:
         request.dbh_cm,
         request.min_radius_mm,
         bool(request.bare),
+        tuple(request.leaves) if request.leaves else None,
+        tuple(request.drop) if request.drop else None,
+        request.tree,
     )

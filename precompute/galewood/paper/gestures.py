@@ -102,7 +102,7 @@ def first_maximum(sway_m: Floats) -> int:
 
 def _hausdorff(source: Source, modes: Subspace, q: Floats, reference_m: Floats) -> float:
     """Hausdorff distance, m, between the pose q (r,) and the reference displacement (n, 3)."""
-    shown = modes.expand(q[None, : modes.modes])[0]
+    shown = modes.expand(q[None])[0]
     return hausdorff(source.rest_m + shown, source.rest_m + reference_m)
 
 

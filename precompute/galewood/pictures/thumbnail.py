@@ -16,12 +16,12 @@ OVERSAMPLING = 3
 MARGIN = 0.04
 LIGHT = np.array([0.4, 0.75, 0.53])  # from above, right and front
 WOOD, LEAVES = (0.45, 0.36, 0.28), (0.42, 0.52, 0.22)
-LIMITS = Limits(memory_bytes=3 << 30, cpu_s=20, wall_s=30.0)
+LIMITS = Limits(memory_bytes=3 << 30, cpu_s=20)
 
 
-def draw_limited(glb: bytes) -> bytes:
-    """Draw a render mesh as PNG in a child process with limits. Raises MeshError."""
-    arguments = {"glb": np.frombuffer(glb, np.uint8)}
+def draw_limited(glb: bytes, side_px: int = SIDE_PX) -> bytes:
+    """Draw a render mesh as square PNG in a child process with limits. Raises MeshError."""
+    arguments = {"glb": np.frombuffer(glb, np.uint8), "side_px": np.array(side_px)}
     return run_limited(
         "galewood.pictures.thumbnail:draw_in_child", arguments, LIMITS, what="Drawing the tree"
     )["png"].tobytes()
@@ -29,18 +29,19 @@ def draw_limited(glb: bytes) -> bytes:
 
 def draw_in_child(arguments: Arrays) -> Arrays:
     """Entry point of the child process of ``draw_limited``."""
-    return {"png": np.frombuffer(draw(read_glb(arguments["glb"].tobytes())), np.uint8)}
+    parts = read_glb(arguments["glb"].tobytes())
+    return {"png": np.frombuffer(draw(parts, int(arguments["side_px"])), np.uint8)}
 
 
-def draw(parts: list[RawPart]) -> bytes:
-    """Draw parts as PNG of 256 × 256 pixels with a transparent background, viewed along −z."""
+def draw(parts: list[RawPart], side_px: int = SIDE_PX) -> bytes:
+    """Draw parts as square PNG with a transparent background, viewed along −z."""
     triangles = np.concatenate([part.positions[part.faces] for part in parts])
     colours = np.concatenate([_colours(part) for part in parts])
     # A partly transparent leaf card is drawn as a smaller opaque card of the same covered area.
     centres = triangles.mean(axis=1, keepdims=True)
     triangles = centres + (triangles - centres) * np.sqrt(colours[:, 3])[:, None, None]
     shaded = colours[:, :3] * _light(triangles)[:, None]
-    side = SIDE_PX * OVERSAMPLING
+    side = side_px * OVERSAMPLING
     flat = _to_pixels(triangles, side)
     image = Image.new("RGBA", (side, side))
     pen = ImageDraw.Draw(image)
@@ -49,7 +50,7 @@ def draw(parts: list[RawPart]) -> bytes:
     for face in np.argsort(triangles[:, :, 2].mean(axis=1)).tolist():
         pen.polygon(corners[face], fill=tuple(fills[face]))
     stream = io.BytesIO()
-    image.resize((SIDE_PX, SIDE_PX), Image.Resampling.BOX).save(stream, format="png", optimize=True)
+    image.resize((side_px, side_px), Image.Resampling.BOX).save(stream, format="png", optimize=True)
     return stream.getvalue()
 
 

@@ -14,9 +14,11 @@ if TYPE_CHECKING:
     from galewood.pipeline.assemble import Surroundings, assemble_table, internal_states
     from galewood.pipeline.build import build_table, build_tree, model_of
     from galewood.pipeline.drawn_figures import DrawnFigures, drawn_words
+    from galewood.pipeline.expected import expected_motion, motion_lines, with_expected_motion
     from galewood.pipeline.rehearsal import compile_kernels
     from galewood.pipeline.report import render_mesh
     from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship, ship_compliance
+    from galewood.pipeline.summary import import_lines
     from galewood.pipeline.tree_figures import tree_lines
 
 __getattr__ = lazily(
@@ -30,6 +32,10 @@ __getattr__ = lazily(
         "model_of": "galewood.pipeline.build",
         "DrawnFigures": "galewood.pipeline.drawn_figures",
         "drawn_words": "galewood.pipeline.drawn_figures",
+        "expected_motion": "galewood.pipeline.expected",
+        "import_lines": "galewood.pipeline.summary",
+        "motion_lines": "galewood.pipeline.expected",
+        "with_expected_motion": "galewood.pipeline.expected",
         "compile_kernels": "galewood.pipeline.rehearsal",
         "render_mesh": "galewood.pipeline.report",
         "BuiltinMesh": "galewood.pipeline.shipping",
@@ -59,13 +65,17 @@ __all__ = [
     "builtin_meshes",
     "compile_kernels",
     "drawn_words",
+    "expected_motion",
+    "import_lines",
     "internal_states",
     "model_of",
+    "motion_lines",
     "outdated",
     "read_shipped",
     "render_mesh",
     "ship",
     "ship_compliance",
     "tree_lines",
+    "with_expected_motion",
     "write_shipped",
 ]

@@ -10,6 +10,7 @@ from galewood.model import BeamModel, beam_model
 from galewood.pipeline.assemble import Surroundings, assemble_first
 from galewood.pipeline.options import BuildOptions
 from galewood.pipeline.report import Body, describe, render_mesh
+from galewood.pipeline.stiffness import goal_of
 from galewood.reduction import Exposure, Oscillators, training_winds
 from galewood.sampling import MAX_SWAY_SHARE
 from galewood.table import encode
@@ -30,6 +31,8 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
     Raises ValueError if the surface of the wood has no branches that beams could follow.
     """
     wood = options.wood or wood_of_species(tree.species or "default")
+    goal = goal_of(tree, wood, options)
+    wood = wood if goal is None else wood.scaled(goal.factor)
     model = beam_model(tree, wood, leaves=options.foliage == "leaf")
     speed_m_s = _design_speed(model, options.design_speed_m_s, tree.height_m)
     body = Body(model.frequencies_hz[:10].tolist(), wood.name, {"beams": model.beams})

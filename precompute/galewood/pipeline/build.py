@@ -26,6 +26,7 @@ from galewood.pipeline.beam_table import beam_table
 from galewood.pipeline.compliance_file import compliance_file
 from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
 from galewood.pipeline.report import bears_leaves, build_report, render_mesh
+from galewood.pipeline.stiffness import goal_of, scaled_to
 from galewood.pipeline.table_builder import TableBuilder
 from galewood.sampling import Samples, TrajectoryRunner, design_wind, planned, run_in_processes, simulate
 from galewood.skeleton import Skeleton, extract_skeleton, sampled_elements, with_corrected_radii
@@ -63,18 +64,22 @@ def build_table(
     cache_dir: Path = Path("data/cache"),
     publish: Publish | None = None,
     on_table: OnTable | None = None,
+    on_import: Callable[[TreeMesh], None] | None = None,
 ) -> BuildResult:
     """Build the table of a tree mesh. Raises MeshError, and whatever ``progress`` raises (Cancelled).
 
     ``publish`` receives "render.glb", "beams.table", "tets-….npz" (the file in the cache), "tetrahedra.png",
     "skeleton.png", "first.table", "early.table" and "bare.table" as soon as they exist; ``on_table`` the
-    complete table of the default method, before the paper's records are computed. ``runner`` simulates the
-    training runs, by default in worker processes on this machine.
+    complete table of the default method, before the paper's records are computed, and ``on_import`` the tree
+    as soon as it is read. ``runner`` simulates the training runs, by default in worker processes on this
+    machine.
     """
     on = Environment(Stages(progress), cache_dir, runner, publish, on_table)
     on.stages.enter("import")
     with _workers(runner) as pool:
         tree, render_glb = import_mesh_sandboxed(source, filename, options.mesh_import)
+        if on_import:
+            on_import(tree)
         return _build(tree, render_glb, options, on, pool)
 
 
@@ -99,7 +104,7 @@ def model_of(source: bytes, filename: str, options: BuildOptions, cache_dir: Pat
     tree, _ = import_mesh_sandboxed(source, filename, options.mesh_import)
     with WorkerPool(1) as pool:
         solid = _solid(tree, options, Environment(stages, cache_dir), ArtefactPublisher(pool, None))
-    return build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem)
+    return _model_of(solid, options)[0]
 
 
 @dataclass(frozen=True)
@@ -130,7 +135,7 @@ def _build(
     beams = artefacts.compute("beams.table", lambda: beam_table(tree, options, render_glb))
     solid = _solid(tree, options, on, artefacts)
     stages.enter("model")
-    model = build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem)
+    model, solid = _model_of(solid, options)
     wind = design_wind(Simulator(model), options.design_speed_m_s, tree.height_m, options.fem.dt_s)
     builder = TableBuilder(tree, model, wind, solid.surface, options, render_glb)
     samples = _planned(builder, solid, on)
@@ -179,9 +184,7 @@ def compliance_of_source(
     with WorkerPool(1) as pool:
         on = Environment(Stages(lambda progress: None), cache_dir)
         solid = _solid(tree, options, on, ArtefactPublisher(pool, None))
-    return _compliance(
-        solid, build_model(solid.mesh, solid.skeleton, solid.wood, solid.lumped, options.fem), render_glb
-    )
+    return _compliance(solid, _model_of(solid, options)[0], render_glb)
 
 
 def _compliance(solid: Solid, model: FemModel, render_glb: bytes) -> bytes | None:
@@ -204,6 +207,19 @@ def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: Ar
     lumped = bind_foliage(tree, mesh, wood, leaves=options.foliage == "leaf")
     surface = render_mesh(tree, render_binding(tree, mesh), axis_of_tets(mesh, skeleton))
     return Solid(tree, mesh, skeleton, lumped, wood, surface, mesh.tets[elements])
+
+
+def _model_of(solid: Solid, options: BuildOptions) -> tuple[FemModel, Solid]:
+    """The model of a tree, and the tree with the wood of that model, which may be softer or stiffer."""
+
+    def build(wood: Wood) -> FemModel:
+        return build_model(solid.mesh, solid.skeleton, wood, solid.lumped, options.fem)
+
+    goal = goal_of(solid.tree, solid.wood, options)
+    if goal is None:
+        return build(solid.wood), solid
+    model, wood = scaled_to(goal, solid.wood, build)
+    return model, replace(solid, wood=wood)
 
 
 def _planned(builder: TableBuilder, solid: Solid, on: Environment) -> Samples:

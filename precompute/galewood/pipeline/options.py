@@ -72,6 +72,10 @@ class BuildOptions:
     mesh_import: ImportOptions = field(default_factory=ImportOptions)
     wood: Wood | None = None
     """Wood of the tree; None: the wood of its species."""
+    first_frequency_hz: float | None = None
+    """First frequency to which the stiffness of the wood is scaled, Hz; None: as stiff as its wood."""
+    sway: float | None = None
+    """Share of the height by which a steady wind of 18 m/s bends the tree; sets the stiffness likewise."""
     target_tets: int = 5500
     sampled_elements: int = 35
     design_speed_m_s: float = 18.0

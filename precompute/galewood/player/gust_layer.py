@@ -40,7 +40,7 @@ class GustLayer:
             return
         moment = field.at(time_s)
         write_gusts(
-            crown_field(moment.wind.seed), crown_carried(moment), self._place, trees.x_m, trees.z_m,
+            crown_field(moment.crown.seed), crown_carried(moment), self._place, trees.x_m, trees.z_m,
             trees.turn, trees.size, pressure_x, pressure_z, self._gusts,
         )  # fmt: skip
         step, load, drag = self._tensors

@@ -28,13 +28,17 @@ class PullError(ValueError):
     """The tree has no such point."""
 
 
+PULL_SHARE = 0.4
+"""Largest force of a hand over the breaking force: up to it a linear response is off by about 2 % at most."""
+
+
 @dataclass(frozen=True)
 class PointResponse:
     """Static response to a force at one vertex, in the tree's frame, at scale 1.
 
     d oscillators, r modes. oscillators (d, 3): coordinates, m·√kg, per N; pose (r, 3): m of q per N;
-    compliance (3, 3), m/N: of the whole tree, or of its modes alone; limit_n: force at which the wood would
-    break; point (3, r): displacement of the vertex per unit of q.
+    compliance (3, 3), m/N: of the whole tree, or of its modes alone; limit_n: largest permitted
+    force; point (3, r): displacement of the vertex per unit of q.
     """
 
     node: int
@@ -104,8 +108,10 @@ def whole_compliance(compliance: Compliance, vertex: int) -> tuple[Floats, float
     yields = np.stack([displacement_at(columns[axis], compliance, vertex) for axis in range(3)], axis=1)
     held = weight[:, 0] < compliance.free
     limits = compliance.limit_n[weight[held, 0].astype(np.int64)].astype(np.float64)
-    limit_n = float(weight[held, 1] @ limits) / max(float(weight[held, 1].sum()), 1e-9) if held.any() else 0.0
-    return yields, limit_n
+    breaking_n = (
+        float(weight[held, 1] @ limits) / max(float(weight[held, 1].sum()), 1e-9) if held.any() else 0.0
+    )
+    return yields, PULL_SHARE * breaking_n
 
 
 def vertex_loads(compliance: Compliance, vertex: int) -> tuple[Floats, Floats]:

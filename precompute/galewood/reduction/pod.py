@@ -38,8 +38,11 @@ class Subspace:
         return displacement_m.reshape(len(displacement_m), -1) @ self.dual.T
 
     def expand(self, q: Array) -> Floats:
-        """(T, n, 3) displacements of coordinates q (T, r), both in m."""
-        return np.einsum("nik,tk->tni", self.basis, q)
+        """(T, n, 3) displacements of coordinates q (T, r), both in m.
+
+        Further coordinates of a table, those of gusts within the crown, have no modes here and are ignored.
+        """
+        return np.einsum("nik,tk->tni", self.basis, q[:, : self.modes])
 
 
 def thinned(displacements: Iterable[Array], total: int | None = None) -> Floats:

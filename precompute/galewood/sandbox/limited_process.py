@@ -1,5 +1,5 @@
-"""Functions run in a child process with limits on memory, CPU and wall time, so that a bad mesh cannot crash
-the caller.
+"""Functions run in a child process with limits on memory and CPU time, so that a bad mesh cannot crash the
+caller. A wall-time limit stops children that hang; it is so long that a busy machine does not reach it.
 
 Arguments and results are passed as arrays in .npz files (no pickles). The child's current directory is a
 temporary folder, the only one it may write to, and it has no network access (on platforms where
@@ -28,18 +28,25 @@ KEPT_ENVIRONMENT = ("PATH", "LANG", "LD_LIBRARY_PATH", "NUMBA_CACHE_DIR", "VIRTU
 THREAD_COUNT_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 REFUSED = 3  # exit code if the function raised a MeshError
 OUT_OF_MEMORY = 4
+WALL_S_PER_CPU_S = 10.0  # a child gets at least a tenth of a processor on any machine that is of use
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Resource limits of a child: address space (bytes), CPU time and wall time (s).
+    """Resource limits of a child: address space (bytes), CPU time of all threads (s), wall time (s).
 
-    Imported libraries alone take about 1.5 GB of address space.
+    Imported libraries alone take about 1.5 GB of address space. Without a wall time the child has
+    WALL_S_PER_CPU_S times its CPU time.
     """
 
     memory_bytes: int = 4 << 30
     cpu_s: int = 120
-    wall_s: float = 180.0
+    wall_s: float | None = None
+
+    @property
+    def patience_s(self) -> float:
+        """Wall time after which the child is stopped."""
+        return WALL_S_PER_CPU_S * self.cpu_s if self.wall_s is None else self.wall_s
 
 
 def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) -> Arrays:
@@ -84,7 +91,7 @@ def _start(target: str, folder: Path, limits: Limits) -> subprocess.Popen[bytes]
 
 def _wait(child: subprocess.Popen[bytes], limits: Limits, stderr: Path) -> tuple[int, str]:
     try:
-        code = child.wait(timeout=limits.wall_s)
+        code = child.wait(timeout=limits.patience_s)
     except subprocess.TimeoutExpired:
         code = -signal.SIGALRM
     finally:
@@ -107,7 +114,7 @@ def _failure(code: int, stderr: str, limits: Limits, what: str) -> MeshError:
         return MeshError(
             "timed-out",
             "unsuitable",
-            f"{what} took longer than {limits.wall_s:g} s.",
+            f"{what} took longer than {limits.patience_s:g} s.",
             "Reduce the number of faces and try again.",
         )
     if code == -signal.SIGXCPU:

@@ -10,7 +10,7 @@ from galewood.sandbox import Arrays, Limits, run_limited
 from galewood.skeleton.extraction import extract_skeleton
 from galewood.tets import TetMesh
 
-LIMITS = Limits(memory_bytes=4 << 30, cpu_s=60, wall_s=90.0)
+LIMITS = Limits(memory_bytes=4 << 30, cpu_s=60)
 
 
 def structure_limited(tetrahedra: Path) -> Arrays:

@@ -43,7 +43,7 @@ FEWEST, MOST = 0.55, 1.45  # relative to the target
 MAX_LOST_EXTENT = 0.03
 MAX_LOST_VOLUME = 1e-3  # in disconnected pieces
 ATTEMPTS = 4
-TETWILD_LIMITS = Limits(memory_bytes=6 << 30, cpu_s=150, wall_s=200.0)
+TETWILD_LIMITS = Limits(memory_bytes=6 << 30, cpu_s=200)
 
 
 @dataclass(frozen=True)

@@ -73,12 +73,13 @@ def crown_field(seed: int) -> Floats:
 def crown_carried(moment: Moment) -> tuple[float, float, float, float]:
     """What the turbulence depends on at one time: cosine and sine of the direction, distance, m, intensity.
 
-    The cosine model describes the wind completely: its intensity is 0.
+    The cosine model describes the wind completely: its intensity is 0. The field's seed is that of
+    ``moment.crown``.
     """
     wind = moment.wind
     heading = math.radians(wind.direction_deg)
-    share = 0.0 if wind.model == "cosine" else INTENSITY * wind.gustiness
-    return math.cos(heading), math.sin(heading), moment.travel * wind.length_scale_m, share
+    share = INTENSITY * wind.gustiness * moment.crown.weight
+    return math.cos(heading), math.sin(heading), moment.travel * moment.crown.length_scale_m, share
 
 
 @numba.njit(cache=True, nogil=True)

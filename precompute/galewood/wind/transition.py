@@ -4,7 +4,8 @@ A change is interpolated from the old document to the new one over TRANSITION_S.
 ``travel``, the distance in length scales that the air has covered since the start: ∫ c/L dt in closed form,
 never the product of the time and a parameter, so that a change of speed does not displace the gusts. A state
 is a small value that can be transmitted: everyone who shares it computes the same wind at every time.
-web/src/core/wind implements the same arithmetic.
+While one gust field fades into another, or their length changes, a further change waits until that is over:
+so a state never holds a mixture, which no document could describe. Twin: web/src/core/wind/glide.ts.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ class WindState:
     """Distance travelled at ``since_s``, in length scales."""
     fronts: tuple[Front, ...] = ()
     """Gust fronts on their way, the oldest first."""
+    next: Wind | None = None
+    """The wind whose transition begins when the present one is over."""
 
     def document(self) -> dict[str, object]:
         """The JSON object that ``parse_state`` accepts."""
@@ -40,7 +43,21 @@ class WindState:
             "since_s": self.since_s,
             "travel": self.travel,
             **({"fronts": [front.document() for front in self.fronts]} if self.fronts else {}),
+            **({"next": self.next.document()} if self.next else {}),
         }
+
+
+@dataclass(frozen=True)
+class CrownFade:
+    """Which gusts within the crowns blow, and how strongly.
+
+    Two fields of them are not mixed: in a transition the old one fades out, then the new one in.
+    """
+
+    seed: int
+    length_scale_m: float
+    weight: float
+    """0 … 1, and 0 for the cosine model."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +70,7 @@ class Moment:
     travel: float
     share: float
     """Weight of ``wind`` (``before`` has the rest); 1 unless two gust fields are blended."""
+    crown: CrownFade
 
 
 def steady(wind: Wind) -> WindState:
@@ -71,7 +89,8 @@ def parse_state(document: object) -> WindState:
             raise WindError(f"wind_state.{name}", "expected a number in -1e9..1e9")
     before, wind = parse_wind(fields.get("before")), parse_wind(fields.get("wind"))
     fronts = parse_fronts(fields.get("fronts", []))
-    return WindState(before, wind, float(fields["since_s"]), float(fields["travel"]), fronts)
+    then = parse_wind(fields["next"]) if "next" in fields else None
+    return WindState(before, wind, float(fields["since_s"]), float(fields["travel"]), fronts, then)
 
 
 def parse_wind_or_state(document: object) -> WindState:
@@ -82,9 +101,12 @@ def parse_wind_or_state(document: object) -> WindState:
 
 
 def change_wind(state: WindState, wind: Wind, time_s: float) -> WindState:
-    """Start a transition from the present wind to another document at this time, s."""
+    """Change to another document at this time, s: the transition starts now, or after one that must end."""
+    state = _in_force(state, time_s)
+    if _progress(state, time_s) < 1.0 and not _same_gusts(state.before, state.wind):
+        return replace(state, next=wind)
     now = at(state, time_s)
-    return WindState(now.before if now.share < 0.5 else now.wind, wind, time_s, now.travel, state.fronts)
+    return WindState(now.wind, wind, time_s, now.travel, state.fronts)
 
 
 def with_front(state: WindState, x_m: float, z_m: float, time_s: float) -> WindState:
@@ -97,19 +119,15 @@ def with_front(state: WindState, x_m: float, z_m: float, time_s: float) -> WindS
 
 def at(state: WindState, time_s: float) -> Moment:
     """The wind at a time, s."""
-    t = min(max((time_s - state.since_s) / TRANSITION_S, 0.0), 1.0)
+    state = _in_force(state, time_s)
+    t = _progress(state, time_s)
     share = t * t * (3.0 - 2.0 * t)
-    old_rate, new_rate = _rate(state.before), _rate(state.wind)
-    # the integral of the smoothstep is t³ − t⁴/2, thus ½ at the end of the transition
-    transition_s = TRANSITION_S * t * t * t * (1.0 - 0.5 * t) + max(
-        0.0, time_s - state.since_s - TRANSITION_S
-    )
-    travel = state.travel + old_rate * (time_s - state.since_s) + (new_rate - old_rate) * transition_s
+    travel, crown = _travel(state, time_s), _crown_fade(state.before, state.wind, share)
     if t >= 1.0 or state.before == state.wind:
-        return Moment(state.wind, state.wind, time_s, travel, 1.0)
+        return Moment(state.wind, state.wind, time_s, travel, 1.0, crown)
     wind = _between(state.before, state.wind, share)
     if _same_field(state.before, state.wind):
-        return Moment(wind, wind, time_s, travel, 1.0)
+        return Moment(wind, wind, time_s, travel, 1.0, crown)
     before = replace(
         wind,
         model=state.before.model,
@@ -117,7 +135,44 @@ def at(state: WindState, time_s: float) -> Moment:
         beta=state.before.beta,
         waves=state.before.waves,
     )
-    return Moment(before, wind, time_s, travel, share)
+    return Moment(before, wind, time_s, travel, share, crown)
+
+
+def _in_force(state: WindState, time_s: float) -> WindState:
+    """The state itself, or the transition to its next wind when that has begun."""
+    if state.next is None or _progress(state, time_s) < 1.0:
+        return state
+    start_s = state.since_s + TRANSITION_S
+    return WindState(state.wind, state.next, start_s, _travel(state, start_s), state.fronts)
+
+
+def _progress(state: WindState, time_s: float) -> float:
+    """How much of the transition has passed, 0 … 1."""
+    return min(max((time_s - state.since_s) / TRANSITION_S, 0.0), 1.0)
+
+
+def _travel(state: WindState, time_s: float) -> float:
+    """Distance travelled at a time, s, in length scales."""
+    t, since_s = _progress(state, time_s), time_s - state.since_s
+    old_rate, new_rate = _rate(state.before), _rate(state.wind)
+    # the integral of the smoothstep is t³ − t⁴/2, thus ½ at the end of the transition
+    transition_s = TRANSITION_S * t * t * t * (1.0 - 0.5 * t) + max(0.0, since_s - TRANSITION_S)
+    return state.travel + old_rate * since_s + (new_rate - old_rate) * transition_s
+
+
+def _crown_fade(before: Wind, wind: Wind, share: float) -> CrownFade:
+    if _crown(before) == _crown(wind):
+        return CrownFade(*_crown(wind))
+    if share < 0.5:
+        seed, length_scale_m, weight = _crown(before)
+        return CrownFade(seed, length_scale_m, (1.0 - 2.0 * share) * weight)
+    seed, length_scale_m, weight = _crown(wind)
+    return CrownFade(seed, length_scale_m, (2.0 * share - 1.0) * weight)
+
+
+def _crown(wind: Wind) -> tuple[int, float, float]:
+    """Seed, length scale and weight of the gusts within crowns; the cosine model has none."""
+    return wind.seed, wind.length_scale_m, 0.0 if wind.model == "cosine" else 1.0
 
 
 def _rate(wind: Wind) -> float:
@@ -126,6 +181,11 @@ def _rate(wind: Wind) -> float:
 
 def _same_field(a: Wind, b: Wind) -> bool:
     return (a.model, a.seed, a.beta, a.waves) == (b.model, b.seed, b.beta, b.waves)
+
+
+def _same_gusts(a: Wind, b: Wind) -> bool:
+    """Whether the transition only changes numbers that a document of the same model can hold in between."""
+    return _same_field(a, b) and a.length_scale_m == b.length_scale_m
 
 
 def _between(a: Wind, b: Wind, share: float) -> Wind:

@@ -26,7 +26,9 @@ include some shear deflection; it recommends adding 10 % to obtain the true E_L.
 because the spread between trees (22 % of the mean) is larger.
 """
 
-from dataclasses import dataclass
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,6 +78,16 @@ class Wood:
     def shear_transverse_pa(self) -> float:
         """Shear modulus across the fibre, Pa, determined by transverse isotropy."""
         return self.young_transverse_pa / (2 * (1 + self.poisson_transverse))
+
+    def scaled(self, stiffness_factor: float) -> Wood:
+        """This wood with all moduli times a factor, which its name tells. ValueError if not positive."""
+        if stiffness_factor == 1:
+            return self
+        return replace(
+            self,
+            name=f"{self.name}, stiffness × {stiffness_factor:.2g}",
+            young_longitudinal_pa=self.young_longitudinal_pa * stiffness_factor,
+        )
 
     def is_stable(self) -> bool:
         """Whether the strain energy is positive for every strain (Lempriere, AIAA Journal 6, 1968)."""

@@ -34,6 +34,8 @@ def face_count(data: bytes) -> int:
         return int(found[1]) if found else 0
     if data[:4] == b"glTF":
         return _gltf_faces(data)
+    if data[:2] == b"PK":  # mesh import counts the faces of what is in the archive
+        return 0
     if len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little"):
         return int.from_bytes(data[80:84], "little")
     return sum(1 for _ in _OBJ_FACE.finditer(data))

@@ -10,6 +10,8 @@ from galewood_server.settings import Settings
 if TYPE_CHECKING:  # the mesh libraries are loaded with the first upload, not at startup
     from galewood.mesh import ImportOptions, TreeMesh
 
+EXPECTED_MOTION = "galewood.pipeline.expected:with_expected_motion"
+"""Adds to the report how the tree will move."""
 MeshImporter = Callable[[bytes, str, "ImportOptions"], tuple["TreeMesh", bytes]]
 """(file bytes, file name, options) -> (tree mesh, render mesh as GLB)."""
 
@@ -22,6 +24,6 @@ def limited_importer(settings: Settings) -> MeshImporter:
         from galewood.sandbox import Limits
 
         limits = Limits(settings.import_memory_bytes, settings.import_cpu_s, settings.import_wall_s)
-        return import_mesh_sandboxed(data, filename, options, limits)
+        return import_mesh_sandboxed(data, filename, options, limits, EXPECTED_MOTION)
 
     return read

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import shutil
+import sqlite3
+from contextlib import closing
 from importlib.metadata import version
 
 from fastapi import APIRouter, Response
@@ -17,6 +19,8 @@ from galewood_server.stream import WIRE_VERSION
 
 router = APIRouter(tags=["service"])
 VERSION = version("galewood")
+LOCK_S = 1.0
+"""How long the readiness check waits for SQLite's lock."""
 
 
 @router.get("/healthz")
@@ -55,11 +59,22 @@ def ready(service: ServiceDep, response: Response) -> Readiness:
 
 
 def _database(service: Service) -> bool:
+    """Whether the database answers and can be written, not only read."""
     try:
         with service.sessions() as session:
             session.execute(select(1))
-    except SQLAlchemyError:
+            bind = session.get_bind()
+        path = bind.engine.url.database if bind.dialect.name == "sqlite" else None
+        return path is None or _is_writable(path)
+    except (SQLAlchemyError, sqlite3.Error):
         return False
+
+
+def _is_writable(path: str) -> bool:
+    """Whether a write transaction begins soon: others may hold SQLite's lock. sqlite3.Error if not."""
+    with closing(sqlite3.connect(path, timeout=LOCK_S, isolation_level=None)) as connection:
+        connection.execute("BEGIN IMMEDIATE")
+        connection.execute("ROLLBACK")
     return True
 
 

@@ -74,6 +74,7 @@ def start_job(body: JobRequest, service: ServiceDep, response: Response) -> JobO
     """Queue the computation of a tree's table; the settings override the tree's import options."""
     out, new = start_build(service, body.tree_id, body.settings.model_dump(exclude_none=True))
     response.status_code = 202 if new else 200
+    response.headers["Location"] = f"/api/jobs/{out.id}"
     return out
 
 
@@ -112,6 +113,7 @@ def retry_job(job_id: str, service: ServiceDep, response: Response) -> JobOut:
         tree_id, settings = job.tree_id, job.settings
     out, new = start_build(service, tree_id, settings)
     response.status_code = 202 if new else 200
+    response.headers["Location"] = f"/api/jobs/{out.id}"
     return out
 
 

@@ -18,9 +18,10 @@ from galewood_server.api import (
 )
 from galewood_server.api.analyses import comparisons, evaluations
 from galewood_server.api.files import artefacts, job_pictures, structures, tables, thumbnails
+from galewood_server.http import with_head_routes
 
 ROUTERS: tuple[APIRouter, ...] = tuple(
-    module.router
+    with_head_routes(module.router)
     for module in (
         uploads, trees, revisions, thumbnails, structures, jobs, job_pictures, comparisons, evaluations,
         tables, artefacts, wood_species, winds, events, socket, health, metrics,

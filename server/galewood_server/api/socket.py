@@ -69,6 +69,7 @@ class Session:
         self._service = service
         self._protocol = protocol_of(websocket.scope)
         self._subscription: Subscription | None = None
+        self._asked = False  # for a forest; in mode "table" there may be none on the server
         self._sending: asyncio.Task[None] | None = None
         self._allowance = service.settings.socket_messages_per_s
         self._counted_s = time.monotonic()
@@ -123,6 +124,10 @@ class Session:
             raise SessionError("too-many-messages", f"More than {rate:g} messages per second")
 
     async def _answer(self, request: wire.Request, tasks: asyncio.TaskGroup) -> None:
+        if not self._asked and not isinstance(request, wire.Forest | wire.Ping | wire.Hello):
+            raise SessionError(
+                "no-forest", "This message concerns a forest, but none was requested", "Send FOREST first."
+            )
         match request:
             case wire.Ping():
                 await self._send(wire.Pong(request.t, asyncio.get_running_loop().time()))
@@ -158,6 +163,7 @@ class Session:
     async def _subscribe(self, forest: wire.Forest, tasks: asyncio.TaskGroup) -> None:
         """Replace the current subscription or table transfer by the requested one."""
         wind = self._check(forest)
+        self._asked = True
         if self._sending:
             self._sending.cancel()
             await asyncio.wait([self._sending])

@@ -82,11 +82,14 @@ def get_tree(tree_id: str, request: Request, service: ServiceDep) -> Response:
 @router.post(
     "/{tree_id}/precompute", status_code=202, max_body_size=64 * 1024, responses=problems(404, 409, 413)
 )
-def precompute_tree(tree_id: str, service: ServiceDep, body: PrecomputeRequest | None = None) -> JobOut:
+def precompute_tree(
+    tree_id: str, service: ServiceDep, response: Response, body: PrecomputeRequest | None = None
+) -> JobOut:
     """Queue the computation of a tree's table."""
     settings = (body or PrecomputeRequest()).settings.model_dump(exclude_none=True)
     with service.sessions.begin() as session:
         out = JobOut.model_validate(queue_job(session, find_tree(session, tree_id), settings))
+    response.headers["Location"] = f"/api/jobs/{out.id}"
     service.wake_supervisor()
     return out
 

@@ -64,6 +64,7 @@ async def upload_tree(
     else:
         new = False
     response.status_code = 201 if new else 200
+    response.headers["Location"] = f"/api/trees/{tree.id}"
     return await asyncio.to_thread(_queue_build, service, tree) if build and new else tree
 
 
@@ -95,8 +96,9 @@ async def _receive(request: Request, service: Service) -> Upload:
 
 def _fields(upload: Upload) -> TreeChanges:
     given: dict[str, Any] = {key: value for key, value in upload.fields.items() if value}
-    if "wood_materials" in given:
-        given["wood_materials"] = [name.strip() for name in given["wood_materials"].split(",")]
+    for names in ("wood_materials", "leaves", "drop"):
+        if names in given:
+            given[names] = [name.strip() for name in given[names].split(",")]
     try:
         return TreeChanges.model_validate(given)
     except ValidationError as error:

@@ -1,4 +1,4 @@
-"""uvicorn's HTTP protocol with a time limit for receiving a request's headers."""
+"""uvicorn's HTTP protocol with time limits for a request's headers and for a client that reads nothing."""
 
 from __future__ import annotations
 
@@ -8,15 +8,17 @@ from typing import Any
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 
-def protocol_with_limit(header_s: float) -> type[H11Protocol]:
-    """A protocol class that closes connections whose request headers are incomplete after `header_s` seconds.
+def protocol_with_limit(header_s: float, write_stall_s: float) -> type[H11Protocol]:
+    """A protocol class that closes connections whose request headers are incomplete after `header_s` seconds,
+    and those whose client has not made room for more of a response for `write_stall_s` seconds.
 
-    uvicorn limits only the time between requests: headers sent one byte per minute would hold a connection
-    forever.
+    uvicorn limits only the time between requests: headers sent one byte per minute, or a response that is
+    never read, would hold a connection and its file forever.
     """
 
     class LimitedProtocol(H11Protocol):
         _head_timer: asyncio.TimerHandle | None = None
+        _write_timer: asyncio.TimerHandle | None = None
 
         def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
             super().connection_made(transport)
@@ -31,9 +33,20 @@ def protocol_with_limit(header_s: float) -> type[H11Protocol]:
                 self._head_timer = None
 
         def connection_lost(self, exc: Exception | None) -> None:
-            if self._head_timer:
-                self._head_timer.cancel()
+            for timer in (self._head_timer, self._write_timer):
+                if timer:
+                    timer.cancel()
             super().connection_lost(exc)
+
+        def pause_writing(self) -> None:
+            # aborted, because a transport that is closed waits for its client to read the rest
+            self._write_timer = self.loop.call_later(write_stall_s, self.transport.abort)
+            super().pause_writing()
+
+        def resume_writing(self) -> None:
+            if self._write_timer:
+                self._write_timer.cancel()
+            super().resume_writing()
 
         def _start_timer(self) -> None:
             self._head_timer = self.loop.call_later(header_s, self._on_timeout)

@@ -17,6 +17,8 @@ from fastapi import FastAPI
 from galewood_server.access import AccessControl, MeshImporter, limited_importer
 from galewood_server.api import ROUTERS, VERSION, ChangeFeed, ServiceCollector
 from galewood_server.app import builtin_trees, docs_page, startup_warnings
+from galewood_server.app.compression import CompressedJson
+from galewood_server.app.cross_origin import allow_cross_origin
 from galewood_server.app.headers import SecurityHeaders
 from galewood_server.app.http_protocol import protocol_with_limit
 from galewood_server.app.openapi import describe
@@ -62,15 +64,19 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
 
     app = FastAPI(title="Galewood", version=VERSION, lifespan=lifespan, docs_url=None, redoc_url=None)
     app.state.metrics = metrics = Metrics(VERSION)
-    install_error_handlers(app)
+    install_error_handlers(app, [route for router in ROUTERS for route in router.routes])
     for router in ROUTERS:
         app.include_router(router)
     describe(app)
     docs_page.install(app)
     app.mount("/", Page(settings.page_dir))
     # the middleware added last handles a request first
+    app.add_middleware(CompressedJson)
     app.add_middleware(AccessControl, settings=settings, metrics=metrics)
-    app.add_middleware(SecurityHeaders, frame_ancestors=settings.frame_ancestors)
+    app.add_middleware(
+        SecurityHeaders, frame_ancestors=[*settings.frame_ancestors, *settings.allowed_origins]
+    )
+    allow_cross_origin(app, settings.allowed_origins)
     app.add_middleware(Tracing, metrics=metrics)
     return app
 
@@ -114,7 +120,7 @@ def run(app: FastAPI, settings: Settings) -> None:
         app,
         host=settings.host,
         port=settings.port,
-        http=protocol_with_limit(settings.header_s),
+        http=protocol_with_limit(settings.header_s, settings.write_stall_s),
         ws=metered_protocol(
             SocketLimits(
                 settings.socket_frames_per_s, settings.socket_bytes_per_s, settings.socket_message_bytes

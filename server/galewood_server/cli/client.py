@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import httpx
+from galewood.mesh import mesh_with_companions
 from galewood.table import decode, encode
 from httpx_sse import connect_sse
 from websockets.asyncio.client import connect
@@ -55,10 +56,13 @@ class Client:
         self._http.close()
 
     def upload(self, mesh: Path, **assumptions: str | float) -> Json:
-        """Upload a mesh and return its tree. The same file gives the same tree. ServiceError."""
+        """Upload a mesh, with the textures beside it, and return its tree. ServiceError.
+
+        The same file gives the same tree.
+        """
         fields = {name: str(value) for name, value in assumptions.items()}
-        with mesh.open("rb") as file:
-            return self._request("POST", "/api/trees", files={"file": (mesh.name, file)}, data=fields)
+        file = (mesh.name, mesh_with_companions(mesh))
+        return self._request("POST", "/api/trees", files={"file": file}, data=fields)
 
     def tree(self, tree_id: str) -> Json:
         """A tree. ServiceError."""

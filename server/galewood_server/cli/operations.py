@@ -13,7 +13,10 @@ from galewood_server.cli.extras import needs_extras
 
 def upload(
     mesh: Annotated[
-        Path, typer.Argument(exists=True, dir_okay=False, help="GLB, OBJ, PLY, STL, MAT or CSV.")
+        Path,
+        typer.Argument(
+            exists=True, dir_okay=False, help="GLB, glTF, OBJ, PLY, STL, FBX, DAE, 3DS, ZIP, MAT or CSV."
+        ),
     ],
     server: Annotated[str, typer.Option(help="URL of the service.")] = "http://127.0.0.1:8000",
     key: Annotated[
@@ -22,6 +25,10 @@ def upload(
     species: Annotated[str | None, typer.Option(help="Wood species.")] = None,
     height_m: Annotated[float | None, typer.Option(help="Height of the tree (m).")] = None,
     up_axis: Annotated[str | None, typer.Option(help="Up axis: x, y or z.")] = None,
+    wood: Annotated[list[str] | None, typer.Option(help="Names or ids of pieces that are wood.")] = None,
+    leaves: Annotated[list[str] | None, typer.Option(help="Names or ids of pieces that are leaves.")] = None,
+    drop: Annotated[list[str] | None, typer.Option(help="Names or ids of pieces to leave out.")] = None,
+    tree: Annotated[int | None, typer.Option(help="Which tree of a file with several.")] = None,
     inspect: Annotated[
         bool, typer.Option(help="Only import the mesh and print the report; compute nothing.")
     ] = False,
@@ -34,22 +41,24 @@ def upload(
 
         from galewood_server.cli.client import Client, ServiceError
 
-    given = {"species": species, "height_m": height_m, "up_axis": up_axis}
+    given: dict[str, Any] = {"species": species, "height_m": height_m, "up_axis": up_axis, "tree": tree}
+    lists = {"wood_materials": wood, "leaves": leaves, "drop": drop}
+    given |= {name: ",".join(values) for name, values in lists.items() if values}
     assumptions = {name: value for name, value in given.items() if value is not None}
     try:
         with Client(server, key) as client:
-            tree = client.upload(mesh, **assumptions)
-            tree = tree if inspect else _compute(client, tree["id"])
-            if out is not None and tree["table_sha256"]:
-                out.write_bytes(client.whole_table(tree))
+            uploaded = client.upload(mesh, **assumptions)
+            uploaded = uploaded if inspect else _compute(client, uploaded["id"])
+            if out is not None and uploaded["table_sha256"]:
+                out.write_bytes(client.whole_table(uploaded))
     except ServiceError as error:
         console.print(f"[red]{error.title}[/red] {error.hint}")
         raise typer.Exit(1) from None
     except httpx.TransportError as error:
         console.print(f"[red]{server} does not respond[/red] ({error})")
         raise typer.Exit(1) from None
-    write_figures(json_out, tree)
-    console.print_json(data=tree)
+    write_figures(json_out, uploaded)
+    console.print_json(data=uploaded)
 
 
 def _compute(client: Any, tree_id: str) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from galewood_server.http.errors import (
 )
 from galewood_server.http.etags import NOT_MODIFIED, etag_matches, json_with_etag
 from galewood_server.http.import_fields import IMPORT_FIELDS, import_options
+from galewood_server.http.methods import with_head_routes
 from galewood_server.http.multipart import UPLOAD_FORM, Upload, read_upload
 from galewood_server.http.pagination import (
     PageParams,
@@ -77,4 +78,5 @@ __all__ = [
     "problems",
     "read_upload",
     "rows_after",
+    "with_head_routes",
 ]

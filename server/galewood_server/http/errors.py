@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import logging
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
 from sqlite3 import SQLITE_FULL
@@ -18,6 +18,9 @@ from galewood.wind import WindError
 from sqlalchemy.exc import DBAPIError
 from starlette.exceptions import HTTPException
 from starlette.formparsers import MultiPartException
+from starlette.routing import BaseRoute
+
+from galewood_server.http.methods import allowed_methods
 
 log = logging.getLogger("galewood.errors")
 
@@ -163,11 +166,14 @@ def problem_from(error: Exception) -> Problem:
     return next(make(error) for kind, make in PROBLEMS_BY_TYPE.items() if isinstance(error, kind))
 
 
-def install_error_handlers(app: FastAPI) -> None:
-    """Register handlers that answer every exception with its problem."""
+def install_error_handlers(app: FastAPI, routes: Sequence[BaseRoute] = ()) -> None:
+    """Register handlers that answer every exception with its problem; `routes` are those of the API."""
 
-    async def answer(_request: Request, error: Exception) -> Response:
-        return problem_from(error).response(getattr(error, "headers", None))
+    async def answer(request: Request, error: Exception) -> Response:
+        headers = getattr(error, "headers", None)
+        if isinstance(error, HTTPException) and error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+            headers = {"Allow": allowed_methods(routes, request.scope)}
+        return problem_from(error).response(headers)
 
     handler: Callable[[Request, Exception], Awaitable[Response]] = answer
     for kind in PROBLEMS_BY_TYPE:

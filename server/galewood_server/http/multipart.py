@@ -17,7 +17,8 @@ from galewood_server.http.errors import ProblemError
 FORM_OVERHEAD_BYTES = 64 * 1024  # boundaries, part headers and the text fields
 DRAIN_S = 2.0
 FIELDS = (
-    "species", "height_m", "name", "up_axis", "wood_materials", "dbh_cm", "min_radius_mm", "bare",
+    "species", "height_m", "name", "up_axis", "wood_materials", "leaves", "drop", "tree", "dbh_cm",
+    "min_radius_mm", "bare",
 )  # fmt: skip
 UPLOAD_FORM: dict[str, Any] = {
     "requestBody": {
@@ -32,8 +33,8 @@ UPLOAD_FORM: dict[str, Any] = {
                         "file": {
                             "type": "string",
                             "format": "binary",
-                            "description": "GLB, OBJ, PLY or STL, or the cylinders of a scanned tree: "
-                            "MAT or CSV",
+                            "description": "GLB, OBJ, PLY, STL, FBX, DAE or 3DS, a ZIP archive of one model "
+                            "with its buffers and textures, or the cylinders of a scanned tree: MAT or CSV",
                         },
                         "species": {"type": "string", "description": "See GET /api/species"},
                         "height_m": {"type": "number", "exclusiveMinimum": 0.1, "maximum": 150},
@@ -41,7 +42,21 @@ UPLOAD_FORM: dict[str, Any] = {
                         "up_axis": {"type": "string", "enum": ["x", "y", "z"]},
                         "wood_materials": {
                             "type": "string",
-                            "description": "Comma-separated names of wood materials, nodes or meshes",
+                            "description": "Comma-separated names of wood materials, nodes or meshes, or "
+                            "ids of pieces that are wood",
+                        },
+                        "leaves": {
+                            "type": "string",
+                            "description": "Comma-separated names or ids of pieces that are leaves",
+                        },
+                        "drop": {
+                            "type": "string",
+                            "description": "Comma-separated names or ids of pieces that are left out",
+                        },
+                        "tree": {
+                            "type": "integer",
+                            "minimum": 1,
+                            "description": "Which tree of a file with several",
                         },
                         "dbh_cm": {
                             "type": "number",
@@ -148,5 +163,5 @@ def _too_large(limit_bytes: int) -> ProblemError:
         "upload-too-large",
         f"The file is larger than {limit_bytes // 1024 // 1024} MB",
         detail=f"The limit is {limit_bytes} bytes.",
-        hint="Reduce the texture size or the number of triangles.",
+        hint="Reduce the texture size or the number of triangles, or send text formats in a ZIP archive.",
     )

@@ -6,6 +6,7 @@ import asyncio
 import logging
 import time
 from dataclasses import dataclass
+from datetime import datetime
 
 from galewood.util import write_whole
 from sqlalchemy.exc import SQLAlchemyError
@@ -46,6 +47,32 @@ class JobStatus:
 
     cancelled: bool = False
     stage: str = ""
+    reported: datetime | None = None
+    """When the job last reported anything."""
+
+
+class JobStalledError(Exception):
+    """A job process is alive but has not reported progress for too long."""
+
+
+CANCELLED = JobStatus(cancelled=True)
+
+
+class StallWatch:
+    """Measures for how long a job has reported nothing, on this machine's clock."""
+
+    def __init__(self, longest_s: float) -> None:
+        self._longest_s = longest_s
+        self._last: datetime | None = None
+        self._since_s = time.monotonic()
+
+    def check(self, reported: datetime | None) -> None:
+        """Note when the job last reported. JobStalledError if that has not changed for too long."""
+        now_s = time.monotonic()
+        if reported is None or reported != self._last:
+            self._last, self._since_s = reported, now_s
+        elif now_s - self._since_s > self._longest_s:
+            raise JobStalledError(f"The job made no progress for {self._longest_s / 60:.0f} minutes.")
 
 
 class Supervisor:
@@ -180,7 +207,7 @@ class Supervisor:
         handover = Handover(self._cluster, process) if claim.queue == "builds" else None
         try:
             cancelled = await self._wait_for_end(process, claim, renewal, handover)
-        except ClusterError as error:
+        except (ClusterError, JobStalledError) as error:
             await asyncio.to_thread(self._record_exit, claim, str(error))
             return
         finally:
@@ -200,8 +227,10 @@ class Supervisor:
     ) -> bool:
         """Wait until the process, cluster or lease ends (False) or the job is cancelled or deleted (True).
 
-        ClusterError if the cluster that the job needs could not be started.
+        ClusterError if the cluster that the job needs could not be started, JobStalledError if the process
+        is frozen: its lease is renewed by this server, so nothing else would notice.
         """
+        watch = StallWatch(self._service.settings.job_stall_s)
         while process.returncode is None and not renewal.done() and not (handover and handover.lost):
             try:
                 async with asyncio.timeout(POLL_S):
@@ -212,6 +241,7 @@ class Supervisor:
                     await asyncio.to_thread(self._set_cancel_flag, claim.job_id)
                     return True
                 self._note_stage(claim, status.stage, handover)
+                watch.check(status.reported)
         return False
 
     def _note_stage(self, claim: Claim, stage: str, handover: Handover | None) -> None:
@@ -237,7 +267,7 @@ class Supervisor:
         try:
             with self._service.sessions() as session:
                 job = session.get(Job, job_id)
-                return JobStatus(job.cancel_requested, job.stage) if job else JobStatus(cancelled=True)
+                return JobStatus(job.cancel_requested, job.stage, job.updated_at) if job else CANCELLED
         except SQLAlchemyError:
             log.exception("job %s could not be read", job_id)
             return JobStatus()
@@ -252,6 +282,6 @@ class Supervisor:
                 end_job(session, claim.job_id, "cancelled", message="Cancelled")
             elif job.attempts + 1 < self._service.settings.job_attempts:
                 job.attempts += 1
-                job.state, job.message = "queued", "Interrupted; will resume from stored results"
+                job.state, job.message = "queued", f"{crash} It will resume from stored results."
             else:
                 end_job(session, claim.job_id, "failed", message="Failed", error=crash)

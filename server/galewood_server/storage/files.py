@@ -23,6 +23,7 @@ class FileStore:
 
     def __init__(self, root: Path) -> None:
         self.root = root
+        self._intact: dict[str, tuple[int, int]] = {}
         root.mkdir(parents=True, exist_ok=True)
 
     def path(self, sha256: str) -> Path:
@@ -50,6 +51,19 @@ class FileStore:
     def get(self, sha256: str) -> bytes:
         """The stored bytes. FileNotFoundError."""
         return self.path(sha256).read_bytes()
+
+    def is_intact(self, sha256: str) -> bool:
+        """Whether a stored file's content matches its name. It is read again only after it has changed."""
+        path = self.path(sha256)
+        state = path.stat()
+        seen = (state.st_size, state.st_mtime_ns)
+        if self._intact.get(sha256) == seen:
+            return True
+        with path.open("rb") as file:
+            intact = hashlib.file_digest(file, "sha256").hexdigest() == sha256
+        if intact:
+            self._intact[sha256] = seen
+        return intact
 
     def get_from_origin(self, sha256: str) -> bytes:
         """Like `get`, but bypassing local copies. FileNotFoundError."""

@@ -434,17 +434,23 @@ export class App {
     this.frame++;
   }
 
-  /** Skip drawing while the first trees are loading, because only the clouds would move. */
+  /** Skip drawing until the first trees have moved: before that only the clouds would. */
   private get waitsForTrees(): boolean {
-    return this.frame > 0 && this.forest.group.children.length === 0 && performance.now() < PATIENCE_MS;
+    if (this.frame === 0 || performance.now() > PATIENCE_MS) return false;
+    const steps = !this.paused && !this.playback.paused;
+    return !this.hasTrees || (steps && this.client.time_s <= this.planting.from_s);
+  }
+
+  private get hasTrees(): boolean {
+    return this.forest.group.children.length > 0;
   }
 
   /** `dt_s`: time since the last picture. */
   private draw(dt_s: number): void {
     const { stage, forest } = this;
-    const moved = stage.updateCamera();
-    if (!moved && !this.dirty && this.waitsForTrees) return;
-    if (moved || this.dirty) {
+    this.dirty = stage.updateCamera() || this.dirty;
+    if (this.waitsForTrees && (this.hasTrees || !this.dirty)) return;
+    if (this.dirty) {
       forest.select(stage.view());
       stage.backdrop.select(stage.view());
     }

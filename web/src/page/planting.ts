@@ -32,7 +32,8 @@ export class Planting {
   share = sharedFrom(location.search);
   /** Whether the trees are to be replaced for all once those that are loading have arrived. */
   private owed = false;
-  private readonly from_s = momentFrom(location.search).time_s ?? 0;
+  /** Time at which the forest starts. */
+  readonly from_s = momentFrom(location.search).time_s ?? 0;
 
   /** `shown` is called when the trees of a plan have appeared. */
   constructor(

@@ -7,7 +7,9 @@ import {
   Mesh,
   MeshBasicMaterial,
   PerspectiveCamera,
+  type Raycaster,
   Scene,
+  type Vector2,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -44,6 +46,11 @@ export class PreviewStage {
     this.camera.position.set(1.1 * reach_m, 0.62 * height_m, 1.55 * reach_m);
     this.controls.minDistance = 0.3 * reach_m;
     this.controls.maxDistance = 4 * reach_m;
+  }
+
+  /** Directs a ray from the camera through a place on the canvas, in −1 … 1. */
+  aim(ray: Raycaster, place: Vector2): void {
+    ray.setFromCamera(place, this.camera);
   }
 
   render(): void {

@@ -1,7 +1,7 @@
 /** The worker: decodes tables and keeps the pose of every tree, computed here or received from the server. */
 
 import type { Method } from "../core/motion/method";
-import { parseState, type WindDocument, WindField } from "../core/wind/wind";
+import { finalWind, parseState, type WindDocument, WindField } from "../core/wind/wind";
 import type { Reply } from "../core/wire/wire";
 import { JumpBlend } from "./motion/blend";
 import { FailoverMotion } from "./motion/failover";
@@ -113,7 +113,7 @@ function onReply(reply: Reply): void {
   if (reply.type === "shared") scope.postMessage({ kind: "shared", about: reply.about });
   if (reply.type === "presence") scope.postMessage({ kind: "present", clients: reply.clients });
   if (reply.type === "windState")
-    scope.postMessage({ kind: "sharedWind", wind: parseState(reply.state).wind });
+    scope.postMessage({ kind: "sharedWind", wind: finalWind(parseState(reply.state)) });
 }
 
 function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from typing import Any
 
@@ -12,6 +13,7 @@ from galewood_server.context import Service, ServiceDep
 from galewood_server.http import NOT_MODIFIED, ProblemError, etag_matches, not_found, problems
 from galewood_server.storage import PREFERRED, FileStore, coding_of, encoded_file
 
+log = logging.getLogger("galewood.files")
 router = APIRouter(prefix="/api", tags=["artefacts"])
 IMMUTABLE = "public, max-age=31536000, immutable"
 _RANGE = re.compile(r"bytes=\s*(\d+-\d*|-\d+)(\s*,\s*(\d+-\d*|-\d+)){0,15}\s*")
@@ -23,12 +25,7 @@ def _responses(media_type: str) -> dict[int | str, dict[str, Any]]:
     content = {media_type: BINARY}
     part = {"description": "The requested byte range.", "content": content}
     whole = {"description": "The file.", "content": content}
-    no_body: dict[str, Any] = {"text/plain": {}}
-    out_of_range: dict[str, Any] = {
-        "description": "The range starts beyond the end of the file.",
-        "content": no_body,
-    }
-    return {200: whole, 206: part, 416: out_of_range, **NOT_MODIFIED, **problems(400, 404)}
+    return {200: whole, 206: part, **NOT_MODIFIED, **problems(400, 404, 416)}
 
 
 @router.get("/tables/{sha256}", response_class=FileResponse, responses=_responses("application/octet-stream"))
@@ -64,14 +61,58 @@ def get_mesh(sha256: str, request: Request, service: ServiceDep) -> Response:
     return _file(request, service, service.stores.meshes, "mesh", sha256, "model/gltf-binary")
 
 
+def _check_intact(store: FileStore, kind: str, sha256: str) -> None:
+    """ProblemError 500 for a file that its disk has damaged: it must not be cached as immutable."""
+    if not store.is_intact(sha256):
+        log.error("the stored %s %s is damaged: its content does not match its name", kind, sha256)
+        raise ProblemError(
+            500,
+            f"damaged-{kind}",
+            f"The stored {kind} is damaged",
+            detail="The content of the file does not match its hash.",
+            hint="The operator can restore it from a backup, or delete it and compute the tree again.",
+        )
+
+
+def _byte_ranges(request: Request) -> str | None:
+    """The Range header; None without one, or with an unknown unit, which is ignored (RFC 9110, 14.2)."""
+    ranges = request.headers.get("range")
+    return ranges if ranges and ranges.partition("=")[0].strip().lower() in ("bytes", ranges) else None
+
+
+def _drop_range(request: Request) -> None:
+    """Hide a Range header with an unknown unit from the response, which would refuse it."""
+    request.scope["headers"] = [(name, value) for name, value in request.scope["headers"] if name != b"range"]
+
+
+def _check_ranges(ranges: str, size: int) -> None:
+    """ProblemError 400 or 416 for ranges of bytes that are malformed, or all beyond a file of this size."""
+    if not _RANGE.fullmatch(ranges):
+        raise ProblemError(400, "bad-range", "Invalid Range header", hint="Send bytes=FIRST-LAST.")
+    spans = [span.strip().partition("-") for span in ranges.partition("=")[2].split(",")]
+    if any(first and last and int(last) < int(first) for first, _, last in spans):
+        raise ProblemError(400, "bad-range", "Invalid Range header", hint="FIRST must not exceed LAST.")
+    if all((int(first) >= size) if first else int(last) == 0 for first, _, last in spans):
+        raise ProblemError(
+            416,
+            "range-beyond-end",
+            "The range lies beyond the end of the file",
+            hint=f"The file has {size} bytes.",
+            headers={"Content-Range": f"bytes */{size}"},
+        )
+
+
 def _file(
     request: Request, service: Service, store: FileStore, kind: str, sha256: str, media_type: str
 ) -> Response:
     if not store.has(sha256):
         raise not_found(kind, sha256)
-    ranges = request.headers.get("range")
-    if ranges is not None and not _RANGE.fullmatch(ranges):
-        raise ProblemError(400, "bad-range", "Invalid Range header", hint="Send bytes=FIRST-LAST.")
+    _check_intact(store, kind, sha256)
+    ranges = _byte_ranges(request)
+    if ranges is None:
+        _drop_range(request)
+    else:
+        _check_ranges(ranges, store.path(sha256).stat().st_size)
     # ranges refer to the uncompressed bytes
     compressed = kind in COMPRESSED and not ranges
     coding = coding_of(request.headers.get("accept-encoding", "")) if compressed else None

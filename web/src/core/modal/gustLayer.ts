@@ -81,7 +81,7 @@ export class GustLayer {
       const share = weight ? weight[i] : 1;
       if (moving[i] === 0 && (share === 0 || !this.field.blows)) continue;
       const passed = trees.phase[i] + trees.rate / trees.size[i];
-      this.advanceTree(trees, i, Math.floor(passed), pressureX[i], pressureZ[i], share);
+      if (passed >= 1) this.advanceTree(trees, i, Math.floor(passed), pressureX[i], pressureZ[i], share);
       const part = passed - Math.floor(passed);
       let at = i * oscillators;
       for (let k = i * width + first; k < (i + 1) * width; k++, at++) {

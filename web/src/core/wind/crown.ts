@@ -75,15 +75,15 @@ export class CrownGusts {
   private distance_m = 0;
   private intensity = 0;
 
-  set({ wind, travel }: Moment): void {
+  set({ wind, travel, crown }: Moment): void {
     const heading = (wind.direction_deg * Math.PI) / 180;
     this.cos = Math.cos(heading);
     this.sin = Math.sin(heading);
-    this.distance_m = travel * wind.length_scale_m;
-    this.intensity = wind.model === "cosine" ? 0 : INTENSITY * wind.gustiness;
-    if (wind.seed === this.seed) return;
-    this.seed = wind.seed;
-    this.field = crownField(wind.seed);
+    this.distance_m = travel * crown.length_scale_m;
+    this.intensity = INTENSITY * wind.gustiness * crown.weight;
+    if (crown.seed === this.seed) return;
+    this.seed = crown.seed;
+    this.field = crownField(crown.seed);
   }
 
   /** Whether there are gusts at all. */

@@ -17,6 +17,16 @@ export interface WindState {
   readonly travel: number;
   /** Gust fronts on their way, the oldest first. */
   readonly fronts?: readonly Front[];
+  /** The wind whose transition begins when the present one is over. */
+  readonly next?: WindDocument;
+}
+
+/** Which gusts within the crowns blow, and how strongly: in a transition the old fade out, then the new in. */
+export interface CrownFade {
+  readonly seed: number;
+  readonly length_scale_m: number;
+  /** 0 … 1, and 0 for the cosine model. */
+  readonly weight: number;
 }
 
 /** The wind at one time. `before` and `wind` differ only while one model or seed fades into another. */
@@ -27,6 +37,7 @@ export interface Moment {
   readonly travel: number;
   /** Weight of `wind`; the rest is `before`. */
   readonly share: number;
+  readonly crown: CrownFade;
 }
 
 type Gliding = Exclude<keyof typeof FIELDS, "seed" | "beta" | "direction_deg">;
@@ -52,15 +63,20 @@ export function parseState(value: unknown): WindState {
   const { since_s, travel } = fields as { since_s: number; travel: number };
   const fronts = parseFronts(fields.fronts ?? []);
   const winds = { before: parseWind(fields.before), wind: parseWind(fields.wind) };
-  return { ...winds, since_s, travel, ...(fronts.length > 0 && { fronts }) };
+  const next = fields.next === undefined ? {} : { next: parseWind(fields.next) };
+  return { ...winds, since_s, travel, ...(fronts.length > 0 && { fronts }), ...next };
 }
 
-/** Starts a transition from the current wind to another document. */
+/** The document that a state ends with when nothing changes any more. */
+export const finalWind = (state: WindState): WindDocument => state.next ?? state.wind;
+
+/** Changes to another document: the transition starts now, or after one that must end first. */
 export function changeWind(state: WindState, wind: WindDocument, time_s: number): WindState {
-  const now = windAt(state, time_s);
-  const before = strip(now.share < 0.5 ? now.before : now.wind);
-  const { fronts } = state;
-  return { before, wind, since_s: time_s, travel: now.travel, ...(fronts && { fronts }) };
+  const current = inForce(state, time_s);
+  if (progress(current, time_s) < 1 && !sameGusts(current)) return { ...current, next: wind };
+  const now = windAt(current, time_s);
+  const { fronts } = current;
+  return { before: strip(now.wind), wind, since_s: time_s, travel: now.travel, ...(fronts && { fronts }) };
 }
 
 /** The same wind with a gust front that starts at a place at this time; old fronts are dropped. */
@@ -83,22 +99,65 @@ function strip(wind: ResolvedWind): WindDocument {
 }
 
 /** The wind at a time. */
-export function windAt(state: WindState, time_s: number): Moment {
+export function windAt(shared: WindState, time_s: number): Moment {
+  const state = inForce(shared, time_s);
   const from = resolveWind(state.before);
   const to = resolveWind(state.wind);
-  const since = time_s - state.since_s;
-  const t = Math.min(Math.max(since / GLIDE_S, 0), 1);
+  const t = progress(state, time_s);
   const share = t * t * (3 - 2 * t);
+  const travel = travelAt(from, to, state, time_s);
+  const crown = crownFade(from, to, share);
+  const whole = { time_s, travel, share: 1, crown };
+  if (t >= 1 || state.before === state.wind) return { before: to, wind: to, ...whole };
+  const wind = between(from, to, share);
+  if (sameField(from, to)) return { before: wind, wind, ...whole };
+  const { model, seed, beta, waves } = from;
+  return { before: { ...wind, model, seed, beta, waves }, wind, time_s, travel, share, crown };
+}
+
+/** The state itself, or the transition to its next wind when that has begun. */
+function inForce(state: WindState, time_s: number): WindState {
+  const { before, wind, next, fronts } = state;
+  if (!next || progress(state, time_s) < 1) return state;
+  const since_s = state.since_s + GLIDE_S;
+  const travel = travelAt(resolveWind(before), resolveWind(wind), state, since_s);
+  return { before: wind, wind: next, since_s, travel, ...(fronts && { fronts }) };
+}
+
+/** How much of the transition has passed, 0 … 1. */
+const progress = (state: WindState, time_s: number): number =>
+  Math.min(Math.max((time_s - state.since_s) / GLIDE_S, 0), 1);
+
+/** Distance travelled at a time, in length scales. */
+function travelAt(from: ResolvedWind, to: ResolvedWind, state: WindState, time_s: number): number {
+  const t = progress(state, time_s);
+  const since = time_s - state.since_s;
   const oldRate = from.convection_speed_m_s / from.length_scale_m;
   const newRate = to.convection_speed_m_s / to.length_scale_m;
   // integral of the smoothstep: t³ − t⁴/2, and ½ at the end
   const glided_s = GLIDE_S * t * t * t * (1 - 0.5 * t) + Math.max(0, since - GLIDE_S);
-  const travel = state.travel + oldRate * since + (newRate - oldRate) * glided_s;
-  if (t >= 1 || state.before === state.wind) return { before: to, wind: to, time_s, travel, share: 1 };
-  const wind = between(from, to, share);
-  if (sameField(from, to)) return { before: wind, wind, time_s, travel, share: 1 };
-  const { model, seed, beta, waves } = from;
-  return { before: { ...wind, model, seed, beta, waves }, wind, time_s, travel, share };
+  return state.travel + oldRate * since + (newRate - oldRate) * glided_s;
+}
+
+function crownFade(from: ResolvedWind, to: ResolvedWind, share: number): CrownFade {
+  const a = crownOf(from);
+  const b = crownOf(to);
+  if (a.seed === b.seed && a.length_scale_m === b.length_scale_m && a.weight === b.weight) return b;
+  if (share < 0.5) return { ...a, weight: (1 - 2 * share) * a.weight };
+  return { ...b, weight: (2 * share - 1) * b.weight };
+}
+
+/** The gusts within crowns; the cosine model has none. */
+const crownOf = ({ seed, length_scale_m, model }: ResolvedWind): CrownFade => ({
+  seed,
+  length_scale_m,
+  weight: model === "cosine" ? 0 : 1,
+});
+
+/** Whether the transition only changes numbers that a document of the same model can hold in between. */
+function sameGusts({ before, wind }: WindState): boolean {
+  const [from, to] = [resolveWind(before), resolveWind(wind)];
+  return sameField(from, to) && from.length_scale_m === to.length_scale_m;
 }
 
 function sameField(a: ResolvedWind, b: ResolvedWind): boolean {

@@ -16,7 +16,7 @@ export {
   WindError,
 } from "./document";
 export { WindField } from "./field";
-export { changeWind, parseState, steady, type WindState, windAt, withFront } from "./glide";
+export { changeWind, finalWind, parseState, steady, type WindState, windAt, withFront } from "./glide";
 export { phaseRad } from "./hashing";
 export { CALM_BREEZE, PRESETS, type PresetName, paperWind } from "./presets";
 export { coverage, dynamicPressure, heightFactor, limitPressure } from "./pressure";

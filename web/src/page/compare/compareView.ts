@@ -6,6 +6,7 @@ import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
 import type { TableMotion } from "../../worker/protocol";
 import { Problem, type Tree } from "../server/api";
 import { make } from "../ui/dom";
+import { stiffnessInWords } from "../ui/physics";
 import { displayName } from "../ui/words";
 import { ComparisonScene, type Shown } from "./comparisonScene";
 import { Curves, percent } from "./curves";
@@ -49,6 +50,8 @@ export class CompareView {
   private readonly curves: Curves;
   private readonly shown: Shown = { method: "modal", ghost: true, times: 1, worst: WORST.fine };
   private tracks: Tracks | null = null;
+  /** Whether the stiffness of the tree was chosen, in words. */
+  private stiffness = "";
   private foliage: TableMotion["foliage"] = "leaf";
   private place = 0;
   private playing = true;
@@ -158,6 +161,7 @@ export class CompareView {
     this.verdict.textContent = "";
     this.scene.setTree(chosen.model, chosen.motion);
     this.foliage = chosen.motion.foliage;
+    this.stiffness = stiffnessInWords(chosen.tree.report);
     this.progress(0, "Requesting the reference solution");
     const frames = Math.round(SECONDS * 30);
     const asked = { treeId: chosen.tree.id, wind: wind.state, start_s: wind.time_s, frames, ...chosen.place };
@@ -222,7 +226,7 @@ export class CompareView {
       `Maximum displacement: ${most(sway)} % of tree height. Maximum error: ${most(max)} % of tree height ` +
       `(Hausdorff distance ${most(hausdorff)} %). Full red marks an error of ${percent(100 * this.shown.worst)} %.`;
     const foliage = this.foliage === "bare" ? "without leaves" : "in leaf";
-    this.status.textContent = `Table ${foliage}; ${SECONDS} s of this wind, starting from rest, in a loop.`;
+    this.status.textContent = `Table ${foliage}; ${SECONDS} s of this wind, starting from rest, in a loop. ${this.stiffness}`;
   }
 
   private seek(time_s: number): void {

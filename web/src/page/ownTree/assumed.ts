@@ -1,11 +1,21 @@
 /** What the server detected in an uploaded mesh, read from its import report. Pure. */
 
+import type { Piece, PieceKind } from "./pieces";
+
 export interface Part {
   /** Its name in the file: node, mesh or material. */
   readonly name: string;
   readonly faces: number;
   readonly wood: boolean;
   readonly reason: string;
+}
+
+/** A tree of a file with several. */
+export interface FoundTree {
+  readonly number: number;
+  readonly height_m: number;
+  readonly faces: number;
+  readonly taken: boolean;
 }
 
 /** What was read from the cylinders of a scanned tree. */
@@ -19,11 +29,16 @@ export interface Scan {
 }
 
 export interface Assumed {
-  readonly axis: { value: string; reason: string };
+  readonly axis: { value: string; reason: string; unsure: boolean };
   readonly size: string;
   readonly height_m: number;
   readonly species: { value: string; reason: string };
   readonly parts: readonly Part[];
+  /** Empty in reports of older imports. */
+  readonly pieces: readonly Piece[];
+  readonly trees: readonly FoundTree[];
+  /** For each drawn primitive runs of vertices: row of `pieces`, number, row, number, … */
+  readonly vertexPieces: readonly (readonly number[])[];
   readonly warnings: readonly string[];
   /** Null if the file is a mesh. */
   readonly scan: Scan | null;
@@ -42,6 +57,36 @@ function partOf(value: unknown): Part {
   const names = [...new Set(list(part.names).map(text).filter(Boolean))];
   const faces = numberIn(part.faces) ?? 0;
   return { name: names.at(-1) ?? "", faces, wood: part.kind === "wood", reason: text(part.reason) };
+}
+
+const KINDS: readonly PieceKind[] = ["wood", "twigs", "leaves", "other"];
+
+function pieceOf(value: unknown): Piece {
+  const piece = object(value);
+  const names = [...new Set(list(piece.names).map(text).filter(Boolean))];
+  return {
+    id: text(piece.id),
+    name: names[0] ?? "",
+    kind: KINDS.find((kind) => kind === piece.kind) ?? "other",
+    what: text(piece.what),
+    reason: text(piece.reason),
+    faces: numberIn(piece.faces) ?? 0,
+    pieces: numberIn(piece.pieces) ?? 1,
+    sure: piece.sure !== false,
+    tree: numberIn(piece.tree) ?? 1,
+    colour: /^#[0-9a-f]{6}$/.test(text(piece.colour)) ? text(piece.colour) : null,
+    chosen: piece.chosen === true,
+  };
+}
+
+function treeOf(value: unknown): FoundTree {
+  const tree = object(value);
+  return {
+    number: numberIn(tree.number) ?? 1,
+    height_m: numberIn(tree.height_m) ?? 0,
+    faces: numberIn(tree.faces) ?? 0,
+    taken: tree.taken === true,
+  };
 }
 
 /** Merges parts of the same name into one choice. */
@@ -68,11 +113,14 @@ export function assumedOf(report: unknown): Assumed {
   const [axis, unit, species] = [object(intake.up_axis), object(intake.unit), object(intake.species)];
   const parts = together(list(intake.parts).map(partOf));
   return {
-    axis: { value: text(axis.value) || "y", reason: text(axis.reason) },
+    axis: { value: text(axis.value) || "y", reason: text(axis.reason), unsure: axis.unsure === true },
     size: text(unit.reason),
     height_m: numberIn(intake.height_m) ?? 0,
     species: { value: text(species.value), reason: text(species.reason) },
     parts,
+    pieces: list(intake.pieces).map(pieceOf),
+    trees: list(intake.trees).map(treeOf),
+    vertexPieces: list(intake.vertex_pieces).map((runs) => list(runs).map((n) => numberIn(n) ?? -1)),
     warnings: list(intake.warnings).map(text).filter(Boolean),
     scan: "qsm" in intake ? scanOf(object(intake.qsm), parts) : null,
   };

@@ -16,7 +16,10 @@ import { make } from "../ui/dom";
 import { displayName } from "../ui/words";
 import { type Assumed, assumedOf, type Scan } from "./assumed";
 import { Computing } from "./computing";
+import { expectedMotionOf } from "./expectedMotion";
+import { LivelinessChoice } from "./livelinessChoice";
 import type { OwnUploads } from "./ownUploads";
+import { AS_DETECTED, PieceList } from "./pieces";
 import { Preview } from "./preview";
 
 const AXES = { y: "Y", z: "Z", x: "X" };
@@ -28,9 +31,14 @@ export class OwnTreeDialog {
   private readonly title = make("h2", "Your tree");
   private readonly side = make("section");
   private readonly form = make("div", "", "own-tree-form");
+  private readonly liveliness = new LivelinessChoice();
   private readonly message = make("p", "", "own-tree-message");
   private readonly go = make("button", "Add to the forest", "primary");
   private readonly preview: Preview;
+  private readonly pieces = new PieceList(
+    (choices) => void this.change(choices),
+    (entry) => this.preview.highlight(entry),
+  );
   private settle: (started: boolean) => void = () => {};
   private computing: Computing | null = null;
   private stopWatching = () => {};
@@ -59,7 +67,7 @@ export class OwnTreeDialog {
     this.dialog.append(this.title, body);
     this.dialog.addEventListener("close", () => void this.closed());
     document.body.append(this.dialog);
-    this.preview = new Preview(this.canvas);
+    this.preview = new Preview(this.canvas, (entry) => this.pieces.focus(entry));
   }
 
   /** Resolves when the dialog closes, with whether the computation was started; otherwise the tree was deleted. */
@@ -87,10 +95,12 @@ export class OwnTreeDialog {
     this.title.textContent = displayName(tree);
     const assumed = assumedOf(tree.report);
     const species = await knownSpecies().catch(() => []);
-    this.form.replaceChildren(...this.fields(assumed, species), ...warnings(assumed));
+    this.liveliness.show(expectedMotionOf(tree.report));
+    this.form.replaceChildren(...this.fields(assumed, species), this.liveliness.root, ...warnings(assumed));
     if (!tree.mesh_sha256) return;
     try {
-      this.preview.show(await readTreeModel(await fetchMesh(tree.mesh_sha256)));
+      const model = await readTreeModel(await fetchMesh(tree.mesh_sha256));
+      this.preview.show(model, assumed.vertexPieces);
     } catch (error) {
       this.say(error);
     }
@@ -108,9 +118,24 @@ export class OwnTreeDialog {
     return [
       row("Wood species", wood, assumed.species.reason),
       row("Height (m)", height, assumed.size),
-      row("Up axis", axis, assumed.axis.reason),
+      axisRow(axis, assumed),
+      ...this.trees(assumed),
       ...(assumed.scan ? this.scanFields(assumed.scan) : [this.parts(assumed)]),
     ];
+  }
+
+  /** Which tree of a file with several is imported. */
+  private trees({ trees }: Assumed): HTMLElement[] {
+    if (trees.length < 2) return [];
+    const words = trees.map(({ number, height_m }) => [
+      String(number),
+      `${number} of ${trees.length}: ${height_m.toFixed(1)} m`,
+    ]);
+    const taken = trees.find((tree) => tree.taken)?.number ?? 1;
+    const made = select(Object.fromEntries(words), String(taken), (value) =>
+      this.change({ tree: Number(value), ...AS_DETECTED }),
+    );
+    return [row("Tree", made, "the file has several; drop it again to plant another one")];
   }
 
   /** What can be corrected only in a scanned tree. Its parts are known. */
@@ -133,8 +158,12 @@ export class OwnTreeDialog {
     ];
   }
 
-  /** The detected parts, each with a checkbox that marks it as wood. */
-  private parts({ parts }: Assumed): HTMLElement {
+  /** The detected pieces; for reports of older imports their parts, each with a checkbox that marks it as wood. */
+  private parts({ parts, pieces, trees }: Assumed): HTMLElement {
+    if (pieces.length > 0) {
+      this.pieces.show(pieces, trees.find((tree) => tree.taken)?.number ?? 1);
+      return this.pieces.root;
+    }
     const set = make("fieldset");
     set.append(make("legend", "Detected parts (checked = wood)"));
     for (const part of parts) {
@@ -173,7 +202,7 @@ export class OwnTreeDialog {
   private async compute(): Promise<void> {
     this.busy("Submitting");
     try {
-      await startPrecompute(this.tree.id);
+      await startPrecompute(this.tree.id, { first_frequency_hz: this.liveliness.firstFrequency_Hz });
       this.started = true;
       this.follow();
     } catch (error) {
@@ -228,6 +257,12 @@ function warnings({ warnings: texts }: Assumed): HTMLElement[] {
   const list = make("ul", "", "own-tree-warnings");
   list.append(...texts.map((words) => make("li", words)));
   return [list];
+}
+
+function axisRow(axis: HTMLElement, { axis: { reason, unsure } }: Assumed): HTMLElement {
+  const made = row("Up axis", axis, unsure ? `Unsure, please check: ${reason}` : reason);
+  made.classList.toggle("unsure", unsure);
+  return made;
 }
 
 function row(words: string, control: HTMLElement, reason: string): HTMLElement {

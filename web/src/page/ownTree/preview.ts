@@ -1,23 +1,57 @@
 /** Preview of the detected parts: wood in one colour, leaves in another. */
-import { BufferGeometry, DoubleSide, Group, Mesh, MeshLambertMaterial } from "three";
+import {
+  BufferAttribute,
+  BufferGeometry,
+  DoubleSide,
+  Group,
+  Mesh,
+  MeshLambertMaterial,
+  Raycaster,
+  Vector2,
+} from "three";
 import { PreviewStage } from "../../scene/previewStage";
 import type { TreeModel, TreePart } from "../../scene/trees/mesh/treeMesh";
+import { rowsOfVertices } from "./pieces";
 
 export const COLOURS = { wood: 0xc08a55, leaves: 0x7fb061 } as const;
 const TURN_RAD_S = 0.35;
+const DIM = 0.3;
+const BRIGHT = 1.8;
+/** A press that moves farther turns the camera. */
+const CLICK_PX = 5;
+
+type PreviewMesh = Mesh<BufferGeometry, MeshLambertMaterial>;
 
 export class Preview {
   private readonly stage: PreviewStage;
   private tree: Group | null = null;
+  /** For each mesh, the row of each vertex. */
+  private rows: readonly Int32Array[] = [];
+  private readonly life = new AbortController();
 
-  constructor(canvas: HTMLCanvasElement) {
+  /** `picked` is called with the row of a piece that is clicked. */
+  constructor(canvas: HTMLCanvasElement, picked: (row: number) => void) {
     this.stage = new PreviewStage(canvas);
+    const { signal } = this.life;
+    let from: [number, number] | null = null;
+    canvas.addEventListener("pointerdown", (event) => (from = [event.clientX, event.clientY]), { signal });
+    canvas.addEventListener(
+      "pointerup",
+      (event) => {
+        if (!from || Math.hypot(event.clientX - from[0], event.clientY - from[1]) > CLICK_PX) return;
+        const row = this.rowAt(canvas, event);
+        if (row !== null) picked(row);
+      },
+      { signal },
+    );
   }
 
-  show(model: TreeModel): void {
+  /** `vertexPieces` says in runs to which row of the list the vertices of each primitive belong. */
+  show(model: TreeModel, vertexPieces: readonly (readonly number[])[]): void {
     this.clear();
     this.tree = new Group();
     this.tree.add(...model.parts.map(meshOf));
+    this.rows = model.parts.map((part, k) => rowsOfVertices(vertexPieces[k] ?? [], part.vertices));
     this.stage.scene.add(this.tree);
     this.stage.frame(model);
   }
@@ -28,11 +62,43 @@ export class Preview {
     this.stage.render();
   }
 
+  /** Dims everything but one piece; null: nothing. Pieces that are left out are not drawn. */
+  highlight(row: number | null): void {
+    const drawn = row !== null && this.rows.some((rows) => rows.includes(row));
+    this.meshes.forEach((mesh, k) => {
+      const colours = mesh.geometry.getAttribute("color") as BufferAttribute;
+      const values = colours.array as Float32Array;
+      this.rows[k].forEach((found, v) => {
+        values.fill(!drawn ? 1 : found === row ? BRIGHT : DIM, 3 * v, 3 * v + 3);
+      });
+      colours.needsUpdate = true;
+    });
+  }
+
+  private get meshes(): PreviewMesh[] {
+    return (this.tree?.children ?? []) as PreviewMesh[];
+  }
+
+  private rowAt(canvas: HTMLCanvasElement, event: PointerEvent): number | null {
+    if (!this.tree) return null;
+    const box = canvas.getBoundingClientRect();
+    const place = new Vector2(
+      ((event.clientX - box.left) / box.width) * 2 - 1,
+      1 - ((event.clientY - box.top) / box.height) * 2,
+    );
+    const ray = new Raycaster();
+    this.stage.aim(ray, place);
+    const [hit] = ray.intersectObjects(this.meshes, false);
+    const k = this.meshes.indexOf(hit?.object as PreviewMesh);
+    const row = hit?.face ? this.rows[k]?.[hit.face.a] : undefined;
+    return row === undefined || row < 0 ? null : row;
+  }
+
   private clear(): void {
     const { tree } = this;
     if (!tree) return;
     this.stage.scene.remove(tree);
-    for (const mesh of tree.children as Mesh<BufferGeometry, MeshLambertMaterial>[]) {
+    for (const mesh of this.meshes) {
       mesh.geometry.dispose();
       mesh.material.map?.dispose();
       mesh.material.dispose();
@@ -41,20 +107,23 @@ export class Preview {
   }
 
   dispose(): void {
+    this.life.abort();
     this.clear();
     this.stage.dispose();
   }
 }
 
-function meshOf({ kind, position, normal, uv, index, material }: TreePart): Mesh {
+function meshOf({ kind, vertices, position, normal, uv, index, material }: TreePart): PreviewMesh {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", position);
   geometry.setAttribute("normal", normal);
   if (uv) geometry.setAttribute("uv", uv);
+  geometry.setAttribute("color", new BufferAttribute(new Float32Array(3 * vertices).fill(1), 3));
   geometry.setIndex(index);
   const leaves = kind === "leaves";
   const look = new MeshLambertMaterial({
     color: COLOURS[kind],
+    vertexColors: true,
     alphaMap: null,
     map: leaves ? material.map : null,
     alphaTest: leaves && material.map ? 0.42 : 0,

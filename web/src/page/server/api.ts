@@ -130,9 +130,16 @@ export async function uploadTree(file: File, sending: Sending): Promise<Tree> {
   return (await response.json()) as Tree;
 }
 
-export async function startPrecompute(treeId: string): Promise<Job> {
+/** What can be chosen about a computation; null: the default. */
+export interface BuildSettings {
+  /** First frequency to which the stiffness is scaled. */
+  first_frequency_hz?: number | null;
+}
+
+export async function startPrecompute(treeId: string, settings: BuildSettings = {}): Promise<Job> {
   const path = `api/trees/${encodeURIComponent(treeId)}/precompute`;
-  const init = { method: "POST", headers: { "content-type": "application/json" }, body: "{}" };
+  const body = JSON.stringify({ settings });
+  const init = { method: "POST", headers: { "content-type": "application/json" }, body };
   return (await (await fetchApi(path, init)).json()) as Job;
 }
 
@@ -141,7 +148,12 @@ export interface Assumptions {
   species?: string | null;
   height_m?: number | null;
   up_axis?: string | null;
+  /** Names or ids of pieces, like the two lists below. */
   wood_materials?: string[] | null;
+  leaves?: string[] | null;
+  drop?: string[] | null;
+  /** Which tree of a file with several. */
+  tree?: number | null;
   /** Of a scanned tree, like the fields below: diameter of the trunk at 1.3 m. */
   dbh_cm?: number | null;
   min_radius_mm?: number | null;

@@ -68,6 +68,8 @@ function fits(motion: TableMotion | null, model: TreeModel | null): boolean {
 const knownTree = ({ tree, job, asset }: Entry): KnownTree => ({ tree, job, motion: asset.motion });
 
 export class Catalogue {
+  /** Settled when no mesh is being read. */
+  private reading: Promise<unknown> = Promise.resolve();
   private bareWanted = false;
   private opened = false;
   private readonly entries = new Map<string, Entry>();
@@ -214,10 +216,18 @@ export class Catalogue {
     const { mesh_sha256: mesh } = entry.tree;
     if (!mesh || mesh === entry.mesh) return;
     entry.mesh = mesh;
-    const model = await readTreeModel(await fetchMesh(mesh), entry.tree.builtin);
+    const model = await this.readInTurn(await fetchMesh(mesh), entry.tree.builtin);
     if (entry.mesh !== mesh) return;
     entry.asset.model = model;
     this.join(entry);
+  }
+
+  /** Reads one mesh at a time and lets frames and messages in between, so that the first tree moves at once. */
+  private readInTurn(bytes: ArrayBuffer, varied: boolean): Promise<TreeModel> {
+    const turn = this.reading.then(() => new Promise((done) => setTimeout(done)));
+    const model = turn.then(() => readTreeModel(bytes, varied));
+    this.reading = model.catch(() => undefined);
+    return model;
   }
 
   /** A full table may replace a preliminary one of the same mesh; the trees keep moving meanwhile. */

@@ -43,6 +43,7 @@ export function factsOf(tree: Pick<Tree, "height_m" | "report">, tableBytes: num
       (hz) => `${hz.toFixed(2)} Hz`,
       `How often it sways back and forth per second${nextFrequencies(report)}.`,
     ),
+    stiffnessFact(report),
     fact(
       "First frequency without leaves",
       of("bare_table", "model", "frequencies_hz", 0),
@@ -100,6 +101,29 @@ function fact(
   meaning: string,
 ): Fact | null {
   return value === null ? null : { name, value: words(value), meaning };
+}
+
+/** The stiffness that was chosen for this tree relative to that of its wood; null if it is that of its wood. */
+export function chosenStiffness(
+  report: unknown,
+): { factor: number; first_Hz: number; ofWood_Hz: number } | null {
+  const of = (name: string) => numberAt(report, "model", "stiffness", name);
+  const [factor, first_Hz, ofWood_Hz] = [of("factor"), of("first_frequency_hz"), of("of_wood_hz")];
+  return factor === null || first_Hz === null || ofWood_Hz === null ? null : { factor, first_Hz, ofWood_Hz };
+}
+
+/** The chosen stiffness as a sentence; empty if it is that of the wood. */
+export function stiffnessInWords(report: unknown): string {
+  const chosen = chosenStiffness(report);
+  if (!chosen) return "";
+  const [first, wood] = [chosen.first_Hz, chosen.ofWood_Hz].map((hertz) => hertz.toPrecision(2));
+  return `Its stiffness was chosen: it sways at ${first} Hz instead of the ${wood} Hz of its wood.`;
+}
+
+function stiffnessFact(report: unknown): Fact | null {
+  const chosen = chosenStiffness(report);
+  const value = `× ${Number(chosen?.factor.toPrecision(2))}`;
+  return chosen && { name: "Stiffness", value, meaning: stiffnessInWords(report) };
 }
 
 function nextFrequencies(report: unknown): string {

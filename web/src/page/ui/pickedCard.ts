@@ -5,6 +5,7 @@ import type { KnownTree } from "../server/catalogue";
 import type { Planted } from "../settings/planted";
 import type { PickedFigures } from "../treePicker";
 import { element, make } from "./dom";
+import { chosenStiffness } from "./physics";
 import { PlantedChoice } from "./plantedChoice";
 import { displayName } from "./words";
 
@@ -101,7 +102,10 @@ export class PickedCard {
       this.heading.textContent = displayName(tree);
       void this.showPictures(tree);
     }
-    const rows = figuresInWords(figures, Boolean(tree.table_sha256)).map(([name, value]) => {
+    const figured = figuresInWords(figures, Boolean(tree.table_sha256));
+    const stiffness = chosenStiffness(tree.report);
+    if (stiffness) figured.push(["Stiffness", `× ${Number(stiffness.factor.toPrecision(2))} of its wood`]);
+    const rows = figured.map(([name, value]) => {
       const row = make("div");
       row.append(make("dt", name), make("dd", value));
       return row;

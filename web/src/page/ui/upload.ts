@@ -1,4 +1,5 @@
 /** Uploads of trees, chosen with the button or dropped anywhere on the page. */
+import { type Chosen, chosenFiles, droppedFiles, grouped, uploadOf } from "../ownTree/fileGroups";
 import type { OwnUploads } from "../ownTree/ownUploads";
 import { sendFile } from "../ownTree/sendingDialog";
 import { Problem } from "../server/api";
@@ -27,9 +28,9 @@ async function send(file: File, uploads: OwnUploads): Promise<void> {
   }
 }
 
-/** Shows the dialogs one after another. */
-async function sendInTurn(files: Iterable<File>, uploads: OwnUploads): Promise<void> {
-  for (const file of files) await send(file, uploads);
+/** Shows the dialogs one after another. Textures and buffers are sent with their mesh. */
+async function sendInTurn(files: readonly Chosen[], uploads: OwnUploads): Promise<void> {
+  for (const group of grouped(files)) await send(await uploadOf(group), uploads);
 }
 
 /** Accepts uploads until the returned function is called. */
@@ -39,11 +40,11 @@ export function acceptUploads(uploads: OwnUploads): () => void {
   const life = new AbortController();
   const { signal } = life;
   element("upload").addEventListener("click", () => input.click(), { signal });
-  const sendAll = (files: Iterable<File>) => {
+  const sendAll = (files: readonly Chosen[]) => {
     void sendInTurn(files, uploads);
   };
   const sendChosen = () => {
-    sendAll([...(input.files ?? [])]); // copied, because clearing the input empties the list
+    sendAll(chosenFiles(input.files ?? [])); // copied, because clearing the input empties the list
     input.value = "";
   };
   input.addEventListener("change", sendChosen, { signal });
@@ -68,7 +69,7 @@ export function acceptUploads(uploads: OwnUploads): () => void {
     (event) => {
       event.preventDefault();
       curtain.hidden = true;
-      sendAll([...(event.dataTransfer?.files ?? [])]);
+      if (event.dataTransfer) void droppedFiles(event.dataTransfer).then(sendAll);
     },
     { signal },
   );

@@ -17,7 +17,7 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import type { TreePart } from "../trees/mesh/treeMesh";
+import { meanColour, type TreePart } from "../trees/mesh/treeMesh";
 import { type Atlas, VIEW_COUNT } from "./atlas";
 import { viewport } from "./atlasLayout";
 import { BAKE_FRAGMENT, BAKE_VERTEX, REDUCE_FRAGMENT, REDUCE_VERTEX } from "./bakeShader";
@@ -35,6 +35,12 @@ function geometryOf(part: TreePart): BufferGeometry {
   geometry.setAttribute("aPiece", part.piece);
   geometry.setAttribute("aAnchor", part.anchor);
   return geometry;
+}
+
+/** From afar a tree painted by its vertices has their mean colour. */
+function evenly(color: Color, colour: BufferAttribute | null): Color {
+  const mean = meanColour(colour);
+  return mean ? color.clone().multiply(new Color(...mean)) : color;
 }
 
 /** Axes of the picture, shared by all materials. */
@@ -84,7 +90,7 @@ class Sitter {
           uMiddle: { value: middle_m },
           uMap: { value: map },
           uMapped: { value: map !== null && part.uv !== null },
-          uColour: { value: color },
+          uColour: { value: evenly(color, part.colour) },
           uCut: { value: leaves && (alphaTest > 0 || transparent) ? CUT : 0 },
           uLeaves: { value: leaves },
         },

@@ -17,43 +17,39 @@ function lattice(cells: number, seed: number): Float64Array {
   );
 }
 
-/** Value noise in [0, 1] at x, y ≥ 0, periodic with the lattice. */
-function tileNoise(x: number, y: number, cells: number, at: Float64Array): number {
-  const ix = Math.floor(x) % cells;
-  const iy = Math.floor(y) % cells;
-  const u = smooth(x - Math.floor(x));
-  const v = smooth(y - Math.floor(y));
-  const right = (ix + 1) % cells;
-  const low = cells * iy;
-  const high = cells * ((iy + 1) % cells);
-  const near = at[low + ix] * (1 - u) + at[low + right] * u;
-  return near * (1 - v) + (at[high + ix] * (1 - u) + at[high + right] * u) * v;
+/** Adds a share of value noise, which has this many cells along each side, to a picture of side × side pixels. */
+function addNoise(picture: Float64Array, side: number, cells: number, seed: number, share: number): void {
+  const at = lattice(cells, seed);
+  const left = Int32Array.from({ length: side }, (_, x) => Math.floor((x * cells) / side));
+  const weight = Float64Array.from(left, (cell, x) => smooth((x * cells) / side - cell));
+  for (let y = 0; y < side; y++) {
+    const row = cells * left[y];
+    const next = cells * ((left[y] + 1) % cells);
+    const v = weight[y];
+    for (let x = 0; x < side; x++) {
+      const cell = left[x];
+      const right = cell + 1 === cells ? 0 : cell + 1;
+      const u = weight[x];
+      const near = at[row + cell] * (1 - u) + at[row + right] * u;
+      const far = at[next + cell] * (1 - u) + at[next + right] * u;
+      picture[y * side + x] += share * (near * (1 - v) + far * v);
+    }
+  }
 }
 
-/** Four octaves of tileNoise over the unit square, stretched to the full range. */
-function tileFractal(coarsest: number, seed: number): (x: number, y: number) => number {
-  const octaves = [0, 1, 2, 3].map((k) => ({
-    cells: coarsest * 2 ** k,
-    at: lattice(coarsest * 2 ** k, seed + k),
-  }));
-  return (x, y) => {
-    let sum = 0;
-    for (let k = 0; k < octaves.length; k++) {
-      const { cells, at } = octaves[k];
-      sum += 2 ** -k * tileNoise(x * cells, y * cells, cells, at);
-    }
-    return Math.min(1, Math.max(0, (sum / 1.875 - 0.5) * 1.5 + 0.5));
-  };
+/** Four octaves of value noise, tileable, stretched to the full range 0 to 1; row by row. */
+function tileFractal(side: number, coarsest: number, seed: number): Float64Array {
+  const sum = new Float64Array(side * side);
+  for (let k = 0; k < 4; k++) addNoise(sum, side, coarsest * 2 ** k, seed + k, 2 ** -k);
+  return sum.map((value) => Math.min(1, Math.max(0, (value / 1.875 - 0.5) * 1.5 + 0.5)));
 }
 
 /** Three independent fractal noises in red, green and blue; a coarser one in alpha. */
 export function paintNoise(side: number): Picture {
   const pixels = new Uint8Array(side * side * 4);
   for (let c = 0; c < 4; c++) {
-    const noise = tileFractal(c === 3 ? 4 : 8, 100 * c + 7);
-    for (let y = 0; y < side; y++)
-      for (let x = 0; x < side; x++)
-        pixels[(y * side + x) * 4 + c] = Math.round(255 * noise(x / side, y / side));
+    const noise = tileFractal(side, c === 3 ? 4 : 8, 100 * c + 7);
+    for (let at = 0; at < noise.length; at++) pixels[4 * at + c] = Math.round(255 * noise[at]);
   }
   return { side, pixels };
 }
@@ -76,10 +72,12 @@ class Canvas {
 
   constructor(
     readonly side: number,
-    base: (x: number, y: number) => Rgb,
+    /** Colour of the background for noise from 0 to 1. */
+    base: (noise: number) => Rgb,
+    noise: Float64Array,
   ) {
     this.pixels = new Uint8Array(side * side * 4);
-    for (let y = 0; y < side; y++) for (let x = 0; x < side; x++) this.set(x, y, base(x / side, y / side));
+    for (let y = 0; y < side; y++) for (let x = 0; x < side; x++) this.set(x, y, base(noise[y * side + x]));
   }
 
   set(x: number, y: number, colour: Rgb, light = 1): void {
@@ -115,11 +113,11 @@ class Canvas {
 
 /** Overlapping fallen leaves on dark soil. */
 export function paintLitter(side: number): Picture {
-  const noise = tileFractal(16, 5);
-  const canvas = new Canvas(side, (x, y) => {
-    const light = 0.6 + 0.5 * noise(x, y);
+  const soil = (noise: number): Rgb => {
+    const light = 0.6 + 0.5 * noise;
     return [104 * light, 70 * light, 36 * light];
-  });
+  };
+  const canvas = new Canvas(side, soil, tileFractal(side, 16, 5));
   const leaves = Math.round((side * side) / 90);
   for (let i = 0; i < leaves; i++) {
     const at = (channel: number) => hashUnit(31, i, channel);
@@ -133,11 +131,11 @@ export function paintLitter(side: number): Picture {
 
 /** Autumn grass, seen obliquely from above. */
 export function paintGrass(side: number): Picture {
-  const noise = tileFractal(8, 9);
-  const canvas = new Canvas(side, (x, y) => {
-    const light = 0.7 + 0.5 * noise(x, y);
+  const turf = (noise: number): Rgb => {
+    const light = 0.7 + 0.5 * noise;
     return [108 * light, 108 * light, 44 * light];
-  });
+  };
+  const canvas = new Canvas(side, turf, tileFractal(side, 8, 9));
   const blades = Math.round((side * side) / 22);
   for (let i = 0; i < blades; i++) {
     const at = (channel: number) => hashUnit(47, i, channel);

@@ -8,13 +8,12 @@ import {
   SRGBColorSpace,
 } from "three";
 import type { Quality } from "../quality";
-import { type Picture, paintGrass, paintLitter, paintNoise } from "./paint";
-import { paintPlants } from "./plantPictures";
+import { type LandPicture, type LandPictures, paintLand } from "./landPictures";
+import { paintNoise } from "./paint";
 
-function texture({ side, pixels }: Picture, colour: boolean): DataTexture {
-  const made = new DataTexture(pixels, side, side);
-  made.wrapS = RepeatWrapping;
-  made.wrapT = RepeatWrapping;
+const NOISE_PX = 256;
+
+function smoothed(made: DataTexture, colour: boolean): DataTexture {
   made.magFilter = LinearFilter;
   made.minFilter = LinearMipmapLinearFilter;
   made.generateMipmaps = true;
@@ -23,24 +22,51 @@ function texture({ side, pixels }: Picture, colour: boolean): DataTexture {
   return made;
 }
 
-function plantTexture(): DataTexture {
-  const { width, height, pixels } = paintPlants();
-  const made = new DataTexture(pixels, width, height);
-  made.magFilter = LinearFilter;
-  made.minFilter = LinearMipmapLinearFilter;
-  made.generateMipmaps = true;
-  made.colorSpace = NoColorSpace;
-  made.needsUpdate = true;
+function tiled(made: DataTexture): DataTexture {
+  made.wrapS = RepeatWrapping;
+  made.wrapT = RepeatWrapping;
   return made;
 }
 
-export class Pictures {
-  readonly noisePicture = paintNoise(256);
-  readonly noise = texture(this.noisePicture, false);
-  readonly litter = texture(paintLitter(512), true);
-  readonly grass = texture(paintGrass(512), true);
+/** One pixel, shown until the picture is painted. */
+function plain(r: number, g: number, b: number, a: number): DataTexture {
+  return new DataTexture(new Uint8Array([r, g, b, a]), 1, 1);
+}
 
-  readonly plants = plantTexture();
+/** Replaces the picture of a texture by one of another size. */
+function fill(texture: DataTexture, { width, height, pixels }: LandPicture): void {
+  texture.dispose(); // storage on the GPU has a fixed size
+  texture.image = { data: pixels, width, height };
+  texture.needsUpdate = true;
+}
+
+export class Pictures {
+  readonly noisePicture = paintNoise(NOISE_PX);
+  readonly noise = smoothed(tiled(new DataTexture(this.noisePicture.pixels, NOISE_PX, NOISE_PX)), false);
+  /** Mean colours of the pictures until those arrive; plants are transparent. */
+  readonly litter = smoothed(tiled(plain(107, 70, 32, 255)), true);
+  readonly grass = smoothed(tiled(plain(110, 107, 45, 255)), true);
+  readonly plants = smoothed(plain(0, 0, 0, 0), false);
+  private readonly painter: Worker | null = null;
+
+  constructor() {
+    if (typeof Worker === "undefined") {
+      this.receive(paintLand());
+      return;
+    }
+    // Painting takes as long as the rest of the start, which goes on meanwhile.
+    this.painter = new Worker(new URL("./painting.worker.ts", import.meta.url), { type: "module" });
+    this.painter.onmessage = ({ data }: MessageEvent<LandPictures>) => {
+      this.receive(data);
+      this.painter?.terminate();
+    };
+  }
+
+  private receive({ litter, grass, plants }: LandPictures): void {
+    fill(this.litter, litter);
+    fill(this.grass, grass);
+    fill(this.plants, plants);
+  }
 
   /** Anisotropic filtering of the ground, depending on quality: it is expensive with software rendering. */
   setQuality(quality: Quality): void {
@@ -53,6 +79,7 @@ export class Pictures {
   }
 
   dispose(): void {
+    this.painter?.terminate();
     for (const made of [this.noise, this.litter, this.grass, this.plants]) made.dispose();
   }
 }

@@ -41,6 +41,7 @@ function geometryOf({ part, joint, pivot }: LevelPart, level: number, instances:
   geometry.setAttribute("position", part.position);
   geometry.setAttribute("normal", part.normal);
   if (part.uv) geometry.setAttribute("uv", part.uv);
+  if (part.colour) geometry.setAttribute("color", part.colour);
   geometry.setAttribute("aAnchor", part.anchor);
   geometry.setAttribute("aPiece", part.piece);
   if (joint) geometry.setAttribute("aJoint", joint);

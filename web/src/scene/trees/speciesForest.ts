@@ -121,7 +121,9 @@ export class SpeciesForest {
       firstVertex === null
         ? { ...this.uniforms, uPulls: { value: 0 } }
         : { ...this.uniforms, uPullFirst: { value: firstVertex } };
-    return partMaterials(part.material, part.kind, uniforms, this.options, moves);
+    const materials = partMaterials(part.material, part.kind, uniforms, this.options, moves);
+    materials.colour.vertexColors = part.colour !== null;
+    return materials;
   }
 
   private makeLevel(level: number): LevelMeshes {

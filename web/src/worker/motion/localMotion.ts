@@ -20,9 +20,12 @@ import type { StartOfGroup } from "./shownPoses";
 /** Maximum step of wind and poses, so that the motion does not depend on the frame rate. */
 const MAX_STEP_S = 1 / 30;
 
-/** Distances from the viewer up to which gusts within crowns move trees fully, and at all. */
-const FULL_M = 80;
-const GONE_M = 120;
+/**
+ * Distances from the viewer up to which gusts within crowns move trees fully, and at all: at 80 m a pixel of a picture
+ * 720 pixels high is 9 cm, more than branches move relative to the crown.
+ */
+const FULL_M = 50;
+const GONE_M = 80;
 
 export interface LocalGroup extends ShownGroup {
   readonly table: Table;

@@ -51,11 +51,10 @@ class Nearby {
           const side = Math.abs(a - i) === reach || Math.abs(b - j) === reach;
           for (let c = k - reach; c <= k + reach; c += side ? 1 : Math.max(1, 2 * reach)) {
             for (const at of this.cells.get(Nearby.key(a, b, c)) ?? []) {
-              const distance = Math.hypot(
-                this.points[3 * at] - x,
-                this.points[3 * at + 1] - y,
-                this.points[3 * at + 2] - z,
-              );
+              const dx = this.points[3 * at] - x;
+              const dy = this.points[3 * at + 1] - y;
+              const dz = this.points[3 * at + 2] - z;
+              const distance = Math.sqrt(dx * dx + dy * dy + dz * dz);
               if (distance >= least) continue;
               least = distance;
               best = this.numbers[at];
@@ -68,29 +67,68 @@ class Nearby {
   }
 }
 
-/** Samples the vertices and long edges of a part, each with a number of its piece; NaN leaves a piece out. */
-function sampled(part: BornePart, into: Nearby, numberOf: (piece: number) => number): void {
-  const { positions, index, pieces } = part;
-  const at = (v: number): [number, number, number] => [
-    positions[3 * v],
-    positions[3 * v + 1],
-    positions[3 * v + 2],
-  ];
-  const number = Float64Array.from(pieces.ofVertex, (piece) => numberOf(piece));
-  number.forEach((own, v) => {
-    if (!Number.isNaN(own)) into.add(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2], own);
-  });
-  for (let i = 0; i < index.length; i++) {
-    const v = index[i];
-    const next = index[i % 3 === 2 ? i - 2 : i + 1];
-    // The other triangle of the edge has it in the other direction.
-    if (v > next || Number.isNaN(number[v])) continue;
-    const [a, b] = [at(v), at(next)];
-    const steps = Math.ceil(Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) / STEP_M);
+/** The numbers 0, 1, …, n − 1 in groups: those of group g are at `members` from `start[g]` to `start[g + 1]`. */
+interface Grouped {
+  readonly start: Uint32Array;
+  readonly members: Uint32Array;
+}
+
+function grouped(n: number, groups: number, groupOf: (member: number) => number): Grouped {
+  const start = new Uint32Array(groups + 1);
+  for (let member = 0; member < n; member++) start[groupOf(member) + 1]++;
+  for (let g = 0; g < groups; g++) start[g + 1] += start[g];
+  const next = start.slice();
+  const members = new Uint32Array(n);
+  for (let member = 0; member < n; member++) members[next[groupOf(member)]++] = member;
+  return { start, members };
+}
+
+/** Points on the vertices and long edges of single pieces of a part. */
+class Samples {
+  private readonly vertices: Grouped;
+  private readonly corners: Grouped;
+
+  constructor(private readonly part: BornePart) {
+    const { ofVertex, count } = part.pieces;
+    this.vertices = grouped(ofVertex.length, count, (v) => ofVertex[v]);
+    this.corners = grouped(part.index.length, count, (i) => ofVertex[part.index[i]]);
+  }
+
+  /** Adds the points of a piece, all with the same number. */
+  add(piece: number, into: Nearby, number: number): void {
+    const { positions } = this.part;
+    const { vertices, corners } = this;
+    for (let i = vertices.start[piece]; i < vertices.start[piece + 1]; i++) {
+      const v = 3 * vertices.members[i];
+      into.add(positions[v], positions[v + 1], positions[v + 2], number);
+    }
+    for (let i = corners.start[piece]; i < corners.start[piece + 1]; i++) {
+      this.addEdge(corners.members[i], into, number);
+    }
+  }
+
+  /** Adds points between the ends of the edge that begins at a corner of a triangle. */
+  private addEdge(corner: number, into: Nearby, number: number): void {
+    const { positions, index } = this.part;
+    const from = index[corner];
+    const to = index[corner % 3 === 2 ? corner - 2 : corner + 1];
+    if (from > to) return; // the other triangle of the edge has it in the other direction
+    const [x, y, z] = [positions[3 * from], positions[3 * from + 1], positions[3 * from + 2]];
+    const dx = positions[3 * to] - x;
+    const dy = positions[3 * to + 1] - y;
+    const dz = positions[3 * to + 2] - z;
+    const steps = Math.ceil(Math.sqrt(dx * dx + dy * dy + dz * dz) / STEP_M);
     for (let s = 1; s < steps; s++) {
       const t = s / steps;
-      into.add(a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]), number[v]);
+      into.add(x + t * dx, y + t * dy, z + t * dz, number);
     }
+  }
+
+  /** Adds the points of all pieces. */
+  addAll(into: Nearby, numbers: Int32Array): void {
+    numbers.forEach((number, piece) => {
+      this.add(piece, into, number);
+    });
   }
 }
 
@@ -137,12 +175,13 @@ function boughsOfWood(wood: BornePart): Int32Array {
   const bough = new Int32Array(wood.pieces.count).fill(STEM);
   const order = [...first.keys()].filter((piece) => piece !== stem).sort((a, b) => first[a] - first[b]);
   const known = new Nearby();
-  sampled(wood, known, (piece) => (piece === stem ? STEM : Number.NaN));
+  const samples = new Samples(wood);
+  samples.add(stem, known, STEM);
   let boughs = 0;
   for (const piece of order) {
     const borne = known.find(...baseOf(wood, first[piece], piece));
     bough[piece] = borne === null || borne === STEM ? boughs++ : borne;
-    sampled(wood, known, (other) => (other === piece ? bough[piece] : Number.NaN));
+    samples.add(piece, known, bough[piece]);
   }
   return bough;
 }
@@ -154,7 +193,7 @@ export function boughsOf(parts: readonly BornePart[]): Int32Array[] {
   return parts.map((part) => {
     if (part.kind === "wood") {
       const bough = boughsOfWood(part);
-      sampled(part, known.wood, (piece) => bough[piece]);
+      new Samples(part).addAll(known.wood, bough);
       return bough;
     }
     const from = part.kind === "leaves" && twigs ? known.twigs : known.wood;
@@ -162,7 +201,7 @@ export function boughsOf(parts: readonly BornePart[]): Int32Array[] {
     const bough = Int32Array.from(first, (v, piece) => from.find(...baseOf(part, v, piece)) ?? STEM);
     if (part.kind === "twigs") {
       twigs = true;
-      sampled(part, known.twigs, (piece) => bough[piece]);
+      new Samples(part).addAll(known.twigs, bough);
     }
     return bough;
   });

@@ -35,15 +35,31 @@ export function connectedComponents(index: ArrayLike<number>, vertices: number):
   return { ofVertex, count: number.size };
 }
 
+/** First of the vertices at the same place as each one, by a hash table with linear probing. */
+function firstCoincident(positions: ArrayLike<number>): Uint32Array {
+  const vertices = positions.length / 3;
+  const first = new Uint32Array(vertices);
+  const slots = 2 ** Math.ceil(Math.log2(2 * vertices + 1));
+  const taken = new Int32Array(slots).fill(-1);
+  const bits = new Int32Array(Float32Array.from(positions, (x) => x + 0).buffer); // + 0: −0 equals 0
+  for (let v = 0; v < vertices; v++) {
+    const [a, b, c] = [bits[3 * v], bits[3 * v + 1], bits[3 * v + 2]];
+    let hash = Math.imul(a, 73856093) ^ Math.imul(b, 19349663) ^ Math.imul(c, 83492791);
+    hash = Math.imul(hash ^ (hash >>> 15), 0x2c1b3c6d);
+    let slot = (hash ^ (hash >>> 13)) & (slots - 1);
+    for (; taken[slot] >= 0; slot = (slot + 1) & (slots - 1)) {
+      const w = 3 * taken[slot];
+      if (bits[w] === a && bits[w + 1] === b && bits[w + 2] === c) break;
+    }
+    if (taken[slot] < 0) taken[slot] = v;
+    first[v] = taken[slot];
+  }
+  return first;
+}
+
 /** Same after merging coincident vertices, so that texture or normal seams do not split a branch. */
 export function weldedComponents(index: ArrayLike<number>, positions: ArrayLike<number>): Components {
-  const first = new Map<string, number>();
-  const welded = Uint32Array.from({ length: positions.length / 3 }, (_, v) => {
-    const place = `${positions[3 * v]} ${positions[3 * v + 1]} ${positions[3 * v + 2]}`;
-    const known = first.get(place) ?? v;
-    first.set(place, known);
-    return known;
-  });
+  const welded = firstCoincident(positions);
   const pieces = connectedComponents(
     Uint32Array.from(index, (v) => welded[v]),
     welded.length,

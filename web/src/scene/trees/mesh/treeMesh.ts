@@ -2,6 +2,7 @@
 import {
   BufferAttribute,
   type BufferGeometry,
+  type InterleavedBufferAttribute,
   Mesh,
   type MeshStandardMaterial,
   type Object3D,
@@ -25,6 +26,8 @@ export interface TreePart {
   readonly material: MeshStandardMaterial;
   readonly normal: BufferAttribute;
   readonly uv: BufferAttribute | null;
+  /** Linear colours (red, green, blue) by which the material's colour is multiplied; null: none. */
+  readonly colour: BufferAttribute | null;
   readonly position: BufferAttribute;
   /** The point to which the vertex's leaf or branch shrinks, and the lot of its bough (boughLots.ts). */
   readonly anchor: BufferAttribute;
@@ -46,6 +49,7 @@ export interface BarePart {
 
 export interface TreeModel {
   readonly parts: readonly TreePart[];
+  /** Made when first asked for: only bare trees need it. */
   readonly bare: readonly BarePart[];
   readonly height_m: number;
   /** Largest horizontal reach from the trunk. */
@@ -73,6 +77,8 @@ const kindOf = (mesh: Object3D): Part => (mesh.name.startsWith("leaves") ? "leav
 function floats(
   attribute: { count: number; itemSize: number } & Pick<BufferAttribute, "getComponent">,
 ): Float32Array {
+  const { array, normalized, data } = attribute as Partial<BufferAttribute & InterleavedBufferAttribute>;
+  if (array instanceof Float32Array && !normalized && !data) return array.slice();
   const out = new Float32Array(attribute.count * attribute.itemSize);
   for (let i = 0; i < out.length; i++) {
     out[i] = attribute.getComponent(Math.floor(i / attribute.itemSize), i % attribute.itemSize);
@@ -126,7 +132,10 @@ function partFrom(
   const piece = new Float32Array(vertices * 4);
   const anchor = new Float32Array(vertices * 4).fill(ALWAYS);
   for (let v = 0; v < vertices; v++) {
-    piece.set([hashUnit(pieces.ofVertex[v], 3), open[v], reach[v], ranks[of.ofVertex[v]]], v * 4);
+    piece[4 * v] = hashUnit(pieces.ofVertex[v], 3);
+    piece[4 * v + 1] = open[v];
+    piece[4 * v + 2] = reach[v];
+    piece[4 * v + 3] = ranks[of.ofVertex[v]];
     for (let axis = 0; axis < 3; axis++) anchor[v * 4 + axis] = anchors[of.ofVertex[v] * 3 + axis];
   }
   const ranked = rankedIndex(index, (v) => ranks[of.ofVertex[v]]);
@@ -137,6 +146,7 @@ function partFrom(
     material: mesh.material,
     normal: new BufferAttribute(leaves ? roundNormals(positions, normals, centre) : normals, 3),
     uv: uv ? new BufferAttribute(floats(uv), 2) : null,
+    colour: colourOf(geometry),
     position: new BufferAttribute(positions, 3),
     anchor: new BufferAttribute(anchor, 4),
     piece: new BufferAttribute(piece, 4),
@@ -146,6 +156,33 @@ function partFrom(
   };
   const borneKind = leaves ? "leaves" : isTwigs(mesh) ? "twigs" : "wood";
   return { part, borne: { kind: borneKind, positions, index, pieces: of } };
+}
+
+/** Colours of the vertices without their alpha; three.js calls the attribute "color". */
+function colourOf(geometry: BufferGeometry): BufferAttribute | null {
+  const given = geometry.getAttribute("color") as BufferAttribute | undefined;
+  if (!given) return null;
+  const rows = new Float32Array(3 * given.count);
+  for (let i = 0; i < rows.length; i++) rows[i] = given.getComponent(Math.floor(i / 3), i % 3);
+  return new BufferAttribute(rows, 3);
+}
+
+/** Mean of the colours of a part; null without any. */
+export function meanColour(colour: BufferAttribute | null): [number, number, number] | null {
+  if (!colour || colour.count === 0) return null;
+  const sum: [number, number, number] = [0, 0, 0];
+  for (let i = 0; i < 3 * colour.count; i++) sum[i % 3] += colour.array[i];
+  return [sum[0] / colour.count, sum[1] / colour.count, sum[2] / colour.count];
+}
+
+/** Vertices that all have the mean of other colours. */
+function evenColour(of: BufferAttribute | null, vertices: number): BufferAttribute | null {
+  const mean = meanColour(of);
+  if (!mean) return null;
+  return new BufferAttribute(
+    Float32Array.from({ length: 3 * vertices }, (_, i) => mean[i % 3]),
+    3,
+  );
 }
 
 const isTwigs = ({ name }: Object3D) => name.startsWith("twigs");
@@ -195,6 +232,7 @@ function barePartsOf(read: readonly ReadPart[]): BarePart[] {
       material: twigs.part.material,
       normal: new BufferAttribute(shoots.normals, 3),
       uv: null,
+      colour: evenColour(twigs.part.colour, vertices),
       position: new BufferAttribute(shoots.positions, 3),
       anchor: new BufferAttribute(anchor, 4),
       piece: new BufferAttribute(piece, 4),
@@ -225,7 +263,16 @@ export async function readTreeModel(bytes: ArrayBuffer, varied = false): Promise
   if (varied) drawLots(read);
   for (const mesh of meshes) mesh.geometry.dispose();
   const parts = read.map(({ part }) => part);
-  return { parts, bare: barePartsOf(read), height_m: high.y, radius_m };
+  let bareParts: BarePart[] | null = null;
+  return {
+    parts,
+    get bare() {
+      bareParts ??= barePartsOf(read);
+      return bareParts;
+    },
+    height_m: high.y,
+    radius_m,
+  };
 }
 
 /** Frees the GPU resources of a model; they are uploaded again when it is drawn again. */

@@ -1,0 +1,68 @@
+"""`galewood check`: reads a mesh as a build does and tells what it found, before anything is computed."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from galewood.cli.request_options import Mesh, named_parameter, request_parameters, validated
+from galewood.cli.tools import JsonOut, console, write_figures
+from galewood.options import ImportRequest
+
+WITH_WARNINGS = 3
+"""Exit code of --strict if there are warnings."""
+Preview = Annotated[
+    Path | None, typer.Option(dir_okay=False, help="Draw the imported tree to this PNG file.")
+]
+Strict = Annotated[
+    bool, typer.Option("--strict", help=f"Exit with code {WITH_WARNINGS} if there are warnings.")
+]
+PREVIEW_PX = 768
+
+
+def check(mesh: Path, preview: Path | None, strict: bool, json_out: Path | None, **chosen: Any) -> None:
+    """Read a tree mesh and tell its parts, assumptions, warnings, first frequency and expected sway.
+
+    Exit codes: 0 read, 1 cannot be used, 2 wrong options, 3 read with warnings (only with --strict).
+    """
+    from galewood.mesh import import_mesh_sandboxed, mesh_with_companions
+    from galewood.options import import_options
+    from galewood.pictures import draw_limited
+    from galewood.pipeline import import_lines, motion_lines
+    from galewood.util import MeshError
+
+    options = import_options(validated(ImportRequest, chosen))
+    then = "galewood.pipeline.expected:with_expected_motion"
+    try:
+        tree, glb = import_mesh_sandboxed(mesh_with_companions(mesh), mesh.name, options, then=then)
+        if preview is not None:
+            preview.parent.mkdir(parents=True, exist_ok=True)
+            preview.write_bytes(draw_limited(glb, PREVIEW_PX))
+    except MeshError as error:
+        console.print(f"[red]{error.title}[/red] {error.hint}")
+        raise typer.Exit(1) from None
+    write_figures(json_out, tree.report)
+    for line in [*import_lines(tree.report), *motion_lines(tree.report["expected"])]:
+        console.print(line, highlight=False, markup=False)
+    warnings = tree.report["warnings"]
+    for warning in warnings:
+        console.print(f"[yellow]Warning:[/yellow] {warning}")
+    if strict and warnings:
+        raise typer.Exit(WITH_WARNINGS)
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the program."""
+    parameters = [
+        named_parameter("mesh", Mesh),
+        *request_parameters(ImportRequest),
+        named_parameter("preview", Preview, None),
+        named_parameter("strict", Strict, False),
+        named_parameter("json_out", JsonOut, None),
+    ]
+    check.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    check.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    app.command()(check)

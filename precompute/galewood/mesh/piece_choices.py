@@ -1,0 +1,74 @@
+"""The user's choices: names of materials, nodes or meshes, or ids of pieces, as wood, leaves or left out."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from galewood.mesh.piece_groups import Group, GroupKind
+from galewood.mesh.piece_names import named_kind
+from galewood.mesh.types import ImportOptions, RawPart
+from galewood.util import MeshError
+
+ID = re.compile(r"\d+\.\d+")
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What was chosen for each name or id; ids take precedence over names."""
+
+    by_id: dict[str, GroupKind]
+    by_name: dict[str, GroupKind]
+    only_named_is_wood: bool  # wood was chosen by name: all other parts of the tree are leaves
+
+    def of(self, group: Group) -> tuple[GroupKind, str] | None:
+        """The kind chosen for a group and how; None if nothing was chosen."""
+        for name in sorted(group.ids & self.by_id.keys()):
+            return self.by_id[name], "chosen"
+        for label in group.labels:
+            if label in self.by_name:
+                return self.by_name[label], f"named as {_words(self.by_name[label])}"
+        if not self.only_named_is_wood or group.kind == "other":
+            return None
+        if any(named_kind(label) == "twigs" for label in group.labels):
+            return "twigs", "its name, and not named as wood"
+        return "leaves", "not named as wood"
+
+
+def _words(kind: GroupKind) -> str:
+    return "left out" if kind == "other" else kind
+
+
+def read_choices(options: ImportOptions, parts: list[RawPart], groups: list[Group]) -> Choices:
+    """The choices of the options. Raises MeshError if one names nothing in the file."""
+    labels = {label for part in parts for label in part.labels}
+    ids = {name for group in groups for name in group.ids}
+    by_id: dict[str, GroupKind] = {}
+    by_name: dict[str, GroupKind] = {}
+    given: tuple[tuple[GroupKind, tuple[str, ...]], ...] = (
+        ("wood", options.wood or ()),
+        ("leaves", options.leaves or ()),
+        ("other", options.drop or ()),
+    )
+    unknown: list[str] = []
+    for kind, names in given:
+        for name in names:
+            if name in labels:
+                by_name[name] = kind
+            elif ID.fullmatch(name):
+                by_id[name] = kind
+                unknown += [] if name in ids else [name]
+            elif kind != "wood":
+                unknown.append(name)
+    if unknown:
+        known = sorted(labels)[:20] + [group.id for group in groups][:20]
+        raise MeshError(
+            "no-such-piece",
+            "unsuitable",
+            f"The file has no part or piece {unknown[0][:80]!r}.",
+            f"It has: {', '.join(known)}.",
+        )
+    named = bool(options.wood) and any(
+        not ID.fullmatch(name) or name in labels for name in options.wood or ()
+    )
+    return Choices(by_id, by_name, named)

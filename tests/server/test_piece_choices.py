@@ -1,0 +1,48 @@
+"""Choices of pieces and trees over REST, with the real import."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import httpx
+import pytest
+
+from tests.precompute.labelled_trees import labelled_file
+from tests.server.conftest import NO_CLUSTER, Server
+
+
+@pytest.fixture(scope="module")
+def api(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
+    server = Server(tmp_path_factory.mktemp("pieces"), "galewood_server.cli.main", NO_CLUSTER).start("serve")
+    with server.client() as client:
+        yield client
+    server.stop()
+
+
+def test_pieces_can_be_chosen_and_restored(api: httpx.Client) -> None:
+    file = labelled_file("pot", 41)
+    tree = api.post("/api/trees", files={"file": (file.filename, file.data)}).json()
+    pot = next(p for p in tree["report"]["pieces"] if p.get("what") == "pot")
+    assert any("pot" in warning for warning in tree["report"]["warnings"])
+    path = f"/api/trees/{tree['id']}"
+    kept = api.patch(path, json={"wood_materials": [pot["id"]]}).json()
+    assert [p["kind"] for p in kept["report"]["pieces"] if p["id"] == pot["id"]] == ["wood"]
+    assert kept["mesh_sha256"] != tree["mesh_sha256"]
+    restored = api.patch(path, json={"wood_materials": None}).json()
+    assert restored["mesh_sha256"] == tree["mesh_sha256"]
+    refused = api.patch(path, json={"drop": ["99.0"]})
+    assert (refused.status_code, refused.json()["code"]) == (422, "no-such-piece")
+    assert pot["id"] in refused.json()["hint"]
+
+
+def test_every_tree_of_a_file_can_be_an_upload_of_its_own(api: httpx.Client) -> None:
+    file = labelled_file("two_trees", 41)
+    trees = [
+        api.post("/api/trees", files={"file": (file.filename, file.data)}, data={"tree": str(number)}).json()
+        for number in (1, 2)
+    ]
+    assert trees[0]["id"] != trees[1]["id"]
+    assert [[t["taken"] for t in tree["report"]["trees"]] for tree in trees] == [[True, False], [False, True]]
+    form = {"drop": "w, 1.0"}
+    refused = api.post("/api/trees", files={"file": (file.filename, file.data)}, data=form)
+    assert (refused.status_code, refused.json()["code"]) == (422, "no-wood")

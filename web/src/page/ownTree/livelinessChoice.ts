@@ -1,0 +1,56 @@
+/** Shows how an uploaded tree is expected to move, with a slider that makes it livelier than its wood. */
+import { make } from "../ui/dom";
+import { type ExpectedMotion, frequency_Hz, isAdjustable, swaysAt, swaysInWords } from "./expectedMotion";
+
+const STIFF =
+  "As stiff as its wood, it would hardly seem to move. Its stiffness is therefore reduced until it sways like real " +
+  "trees of its height; move the slider to the left to keep that of its wood.";
+const NATURAL = "As stiff as its wood. Move the slider to the right for more motion.";
+
+export class LivelinessChoice {
+  readonly root = make("div", "", "own-tree-motion");
+  private readonly slider = make("input");
+  private readonly words = make("p");
+  private readonly reason = make("small");
+  private expected: ExpectedMotion | null = null;
+
+  constructor() {
+    const label = make("label");
+    Object.assign(this.slider, { type: "range", min: "0", max: "1", step: "0.01" });
+    this.words.setAttribute("aria-live", "polite");
+    const ends = make("span", "", "own-tree-ends");
+    ends.append(make("span", "as stiff as its wood"), make("span", "lively"));
+    label.append(make("span", "Stiffness"), this.slider, ends);
+    this.slider.addEventListener("input", () => this.tell());
+    this.root.append(make("strong", "Expected sway"), this.words, label, this.reason);
+  }
+
+  /** Shows another expectation; the slider starts where the motion is visible. */
+  show(expected: ExpectedMotion | null): void {
+    this.expected = expected;
+    this.root.hidden = expected === null;
+    if (!expected) return;
+    const adjustable = isAdjustable(expected);
+    for (const made of [this.slider.parentElement, this.reason]) if (made) made.hidden = !adjustable;
+    this.slider.value = expected.visible ? "0" : "1";
+    this.reason.textContent = expected.visible ? NATURAL : STIFF;
+    this.tell();
+  }
+
+  private get liveliness(): number {
+    return this.expected && isAdjustable(this.expected) ? this.slider.valueAsNumber : 0;
+  }
+
+  private tell(): void {
+    if (!this.expected) return;
+    const hertz = frequency_Hz(this.expected, this.liveliness);
+    const sways = swaysInWords(swaysAt(this.expected, this.liveliness));
+    this.words.textContent = `${sways}; first frequency ${hertz.toPrecision(2)} Hz`;
+    this.slider.setAttribute("aria-valuetext", `${hertz.toPrecision(2)} hertz`);
+  }
+
+  /** The first frequency to ask for; null: as stiff as its wood. */
+  get firstFrequency_Hz(): number | null {
+    return this.expected && this.liveliness > 0 ? frequency_Hz(this.expected, this.liveliness) : null;
+  }
+}
