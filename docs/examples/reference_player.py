@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from reference_joints import drawn
 from reference_wind import Velocity, compressed, crown_field, crown_gusts, pressure, size, speed_of
 
 TYPES = {"F32": "<f4", "U16": "<u2", "I16": "<i2", "U32": "<u4"}
@@ -183,8 +184,7 @@ class Tree:
 
     def vertices(self, rest: Any, q: Any, x: float, z: float) -> Any:
         """(v, 3) vertices in the world; `rest`: POSITION of all primitives of the GLB, in their order."""
-        moved = self.t["nodes.basis"] @ q
-        return self.places(rest + moved[self.t["render.vertex_node"]], x, z)
+        return self.places(drawn(self.t, rest, q), x, z)
 
 
 def play(tree: Tree, wind: dict[str, Any], velocity: Velocity, x: float, z: float, dt_s: float) -> Any:

@@ -67,14 +67,14 @@ def pole_basis(path: str = POLE) -> Floats:
 
 def test_the_players_are_short_and_use_numpy_only() -> None:
     assert len((EXAMPLES / "reference_player.py").read_text().splitlines()) <= 200
-    for name in ("player", "wind", "noise"):
+    for name in ("player", "wind", "noise", "joints"):
         parsed = ast.parse((EXAMPLES / f"reference_{name}.py").read_text())
         imports = {node.module for node in ast.walk(parsed) if isinstance(node, ast.ImportFrom)}
         imports |= {
             part.name for node in ast.walk(parsed) if isinstance(node, ast.Import) for part in node.names
         }
         allowed = {"numpy", "json", "struct", "math", "itertools", "pathlib", "typing", "__future__"}
-        assert imports <= allowed | {"collections.abc", "reference_wind"}
+        assert imports <= allowed | {"collections.abc", "reference_wind", "reference_joints"}
 
 
 def test_velocities_and_pressures_are_the_golden_ones() -> None:
@@ -276,3 +276,11 @@ def test_built_in_trees_move_as_those_that_the_server_streams(name: str) -> None
         assert np.abs(np.array(q) - sent * unit_m).max() < 0.5001 * unit_m.max()
     print(f"{name}: the stream rounds by up to {worst_mm:.2f} mm, at worst {bound_mm:.2f} mm")
     assert worst_mm < bound_mm < 0.92
+
+
+def test_vertices_are_drawn_as_galewood_draws_them() -> None:
+    for row in golden("drawn.json"):
+        q, rest = row["factor"] * np.array(row["q"]), np.array(row["rest_m"])
+        table = str(GOLDEN / "pole-table.safetensors")
+        found = player.Tree(table).vertices(rest, q, 0.0, 0.0)
+        np.testing.assert_allclose(found, row["drawn_m"], atol=1e-9)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 from galewood.fem.model import FemSettings
+from galewood.model import Axis, Feet
 from galewood.pipeline.assemble import RenderMesh, Surroundings, TableSettings, assemble_table
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest
@@ -23,6 +24,7 @@ from galewood.table.legacy import PAPER_NAMES
 from galewood.table.records import encode_records
 from galewood.wind.evaluation import Wind, wind_pressure
 from safetensors.numpy import load, save
+from scipy.sparse import csr_matrix
 
 from tests.golden.beam import Beam
 
@@ -79,7 +81,25 @@ def beam_mesh(beam: Beam) -> RenderMesh:
         {"name": "wood_0", "kind": "wood", "vertices": len(wood)},
         {"name": "leaves_0", "kind": "leaves", "vertices": 3},
     ]
-    return RenderMesh(np.concatenate([wood, leaf]), binding, primitives)
+    child = np.maximum(owner, 1)
+    place = beam.rest_m[owner]
+    feet = Feet(child, (owner > 0).astype(np.float64), place, np.zeros(len(owner)))
+    return RenderMesh(np.concatenate([wood, leaf]), binding, primitives, beam_axis(beam), feet)
+
+
+def beam_axis(beam: Beam) -> Axis:
+    """The masses as points of an axis, which turn as their neighbours move."""
+    n = beam.n
+    turned = scipy.sparse.lil_matrix((3 * n, 3 * n))
+    for point in range(n):
+        low, high = max(point - 1, 0), min(point + 1, n - 1)
+        rise_m = beam.rest_m[high, 1] - beam.rest_m[low, 1]
+        for end, share in ((low, -1 / rise_m), (high, 1 / rise_m)):
+            turned[3 * point, 3 * end + 2] += share
+            turned[3 * point + 2, 3 * end] -= share
+    moved = scipy.sparse.identity(n, format="csr")
+    parent = np.arange(-1, n - 1)
+    return Axis(beam.rest_m, parent, np.full(n, 0.05), csr_matrix(moved), csr_matrix(turned))
 
 
 def beam_table(settings: TableSettings = SMALL, frames: int = 40) -> Table:
@@ -193,9 +213,25 @@ def version_5(data: bytes) -> bytes:
     return _saved(data, {**metadata, "version": 5, "errors": errors}, "tangent.")
 
 
+def version_9(data: bytes) -> bytes:
+    """A table of this version as version 9 wrote it: vertices follow the nearest node."""
+    text = json.dumps({**read_metadata(data), "version": 9}, allow_nan=False, separators=(",", ":"))
+    return save(without_joints(data), {"galewood": text})
+
+
+def without_joints(data: bytes) -> dict[str, Any]:
+    """Tensors of a table, or of one of an older version, with a node for each vertex instead of joints."""
+    tensors = load(data)
+    if "render.vertex_node" in tensors:
+        return tensors
+    new = ("joints.", "nodes.turn", "nodes.parent", "render.vertex_joint")
+    kept = {name: tensor for name, tensor in tensors.items() if not name.startswith(new)}
+    return kept | {"render.vertex_node": decode(data).vertex_node}
+
+
 def version_8(data: bytes) -> bytes:
     """A table of this version as version 8 wrote it: no gust layer."""
-    metadata, tensors = without_gusts(read_metadata(data), load(data))
+    metadata, tensors = without_gusts(read_metadata(data), without_joints(data))
     text = json.dumps({**metadata, "version": 8}, allow_nan=False, separators=(",", ":"))
     return save(tensors, {"galewood": text})
 
@@ -210,7 +246,7 @@ def without_gusts(metadata: dict[str, Any], tensors: dict[str, Any]) -> tuple[di
 
 
 def _saved(data: bytes, metadata: dict[str, Any], modal: str) -> bytes:
-    metadata, tensors = without_gusts(metadata, load(data))
+    metadata, tensors = without_gusts(metadata, without_joints(data))
     former = {name: tensor for name, tensor in tensors.items() if not name.startswith("modal.drag_")}
     renamed = {name.replace("modal.", modal, 1): tensor for name, tensor in former.items()}
     text = json.dumps(metadata, allow_nan=False, separators=(",", ":"))
@@ -227,6 +263,7 @@ def main() -> None:
     (HERE / "pole-v6.json").write_text(json.dumps(derived) + "\n")
     (HERE / "pole-v5.safetensors").write_bytes(version_5(version_6(encode(table))))
     alone = encode(replace(table, paper=None))
+    (HERE / "pole-v9.safetensors").write_bytes(version_9(alone))
     (HERE / "pole-v8.safetensors").write_bytes(version_8(alone))
     (HERE / "pole-table.safetensors").write_bytes(alone)
     records = encode_records(table.records, hashlib.sha256(alone).hexdigest())

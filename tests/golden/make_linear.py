@@ -29,6 +29,7 @@ def linear_table(table: Table) -> Table:
         metadata={**table.metadata, "modes": len(kept), "provenance": provenance},
         mode_scale=table.mode_scale[kept],
         node_basis=table.node_basis[:, :, kept],
+        node_turn=table.node_turn[:, :, kept],
         modal_force=np.zeros((force_terms(0), d), np.float32),
         modal_pose=np.zeros((d + 2 + shape_terms(0), 0), np.float32),
         modal_limits=table.modal_limits[:3],

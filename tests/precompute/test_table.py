@@ -75,8 +75,8 @@ def test_a_table_is_in_leaf_unless_it_says_otherwise() -> None:
 
 
 def test_refuses_another_version_naming_both() -> None:
-    with pytest.raises(TableError, match="version 10; this reader knows versions 5 to 9"):
-        decode(rewritten({"version": 10}))
+    with pytest.raises(TableError, match="version 11; this reader knows versions 5 to 10"):
+        decode(rewritten({"version": 11}))
 
 
 @pytest.mark.parametrize(
@@ -178,7 +178,10 @@ def test_refuses_a_sampled_range_without_all_coupled_speeds() -> None:
 @pytest.mark.parametrize(
     ("name", "place", "number"),
     [
-        ("render.vertex_node", 0, 60000),
+        ("render.vertex_joint", 0, 60000),
+        ("joints.nodes", (0, 1), 60000),
+        ("joints.share", 0, 1.5),
+        ("nodes.parent", 0, 1),
         ("search.record", 5, 60000),
         ("search.record", 0, int(TABLE.records.trajectory[1]) - 1),
         ("search.mismatch_steps", -1, 60000),
@@ -188,7 +191,7 @@ def test_refuses_a_sampled_range_without_all_coupled_speeds() -> None:
         ("samples.trajectory", -1, 9),
     ],
 )
-def test_refuses_indices_out_of_range(name: str, place: int, number: int) -> None:
+def test_refuses_indices_out_of_range(name: str, place: int | tuple[int, int], number: float) -> None:
     values = value(TABLE, name).copy()
     values[place] = number
     with pytest.raises(TableError, match=name.split(".")[0]):

@@ -104,9 +104,11 @@ describe("a table that replaces another of the same mesh", () => {
     const rowsOf = (modes: number, all: Float32Array) =>
       Float32Array.from({ length: nodes * 3 * modes }, (_, i) => all[Math.floor(i / modes) * 20 + (i % modes)]);
     const all = Float32Array.from({ length: nodes * 3 * 20 }, () => random() - 0.5);
-    const vertexNode = Uint16Array.from({ length: 900 }, (_, vertex) => vertex % nodes);
+    const vertexJoint = Uint16Array.from({ length: 900 }, (_, vertex) => vertex % nodes);
+    const jointNodes = Uint16Array.from({ length: 2 * nodes }, (_, k) => k >> 1);
+    const jointShare = new Float32Array(nodes);
     const made = (modes: number) =>
-      ({ ...table, vertexNode, nodeBasis: rowsOf(modes, all), gusts: noGusts(), metadata: { ...table.metadata, modes } }) as Table;
+      ({ ...table, vertexJoint, jointNodes, jointShare, nodeBasis: rowsOf(modes, all), gusts: noGusts(), metadata: { ...table.metadata, modes } }) as Table;
     const pose = Float32Array.from({ length: poseStride(16) }, (_, k) => (k < 16 ? random() - 0.5 : k === 16 ? 7 : 0));
     const carried = carryGroup(groupOf([1], made(20)), [groupOf([1], made(16))], [pose]);
     expect(carried?.poses.length).toBe(poseStride(20));
@@ -116,7 +118,7 @@ describe("a table that replaces another of the same mesh", () => {
   });
 
   test("a table of another mesh does not take over any pose", () => {
-    const other = { ...table, vertexNode: table.vertexNode.slice(1) };
+    const other = { ...table, vertexJoint: table.vertexJoint.slice(1) };
     expect(poseTransfer(table, other)).toBeNull();
     expect(carryGroup(groupOf([1], other), [groupOf([1])], [bufferFor(1)])).toBeNull();
     expect(carryGroup({ ...groupOf([1]), key: "oak" }, [groupOf([1])], [bufferFor(1)])).toBeNull();

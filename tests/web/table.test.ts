@@ -75,6 +75,17 @@ describe("version 8", () => {
   });
 });
 
+describe("version 9", () => {
+  test("is the same table whose vertices follow one node each, which does not turn", () => {
+    const former = decodeTable(golden("pole-v9.safetensors"));
+    const present = decodeTable(ALONE);
+    expect(former.vertexNode).toEqual(present.vertexNode);
+    expect(former.nodeBasis).toEqual(present.nodeBasis);
+    expect([former.vertexJoint, former.jointRest]).toEqual([former.vertexNode, former.nodeRest]);
+    expect(Math.max(...former.nodeTurn, ...former.jointShare)).toBe(0);
+  });
+});
+
 describe("versions 5 and 6", () => {
   test("hold the same table, with reach and peak pressure from their records", () => {
     const [first, second, present] = ["pole-v5", "pole-v6", "pole"].map((name) =>
@@ -94,7 +105,7 @@ describe("versions 5 and 6", () => {
     expect(second.paper).toEqual(present.paper);
     const { reach_m, peak_pressure_pa, errors } = second.metadata;
     expect(errors).toEqual(present.metadata.errors);
-    expect(second.metadata.version).toBe(9);
+    expect(second.metadata.version).toBe(10);
     const python = JSON.parse(new TextDecoder().decode(golden("pole-v6.json")));
     expect(reach_m).toBeCloseTo(python.reach_m, 12);
     expect(peak_pressure_pa).toBeCloseTo(python.peak_pressure_pa, 10);
@@ -120,6 +131,7 @@ describe("rejects", () => {
     ["a table with records", FILE, decodeTable],
     ["a table without", ALONE, decodeTable],
     ["a linear table", LINEAR, decodeTable],
+    ["version 9", golden("pole-v9.safetensors"), decodeTable],
     ["version 6", golden("pole-v6.safetensors"), decodeTable],
     ["records", RECORDS, decodeRecords],
   ] as const;
@@ -144,9 +156,9 @@ describe("rejects", () => {
   });
 
   test("another version, with the known ones in the message", () => {
-    for (const version of [2, 4, 10, "7"]) {
+    for (const version of [2, 4, 11, "7"]) {
       const file = tampered(FILE, (_, metadata) => Object.assign(metadata, { version }));
-      expect(() => decodeTable(file)).toThrow(`table version ${version}; this reader supports versions 5 to 9`);
+      expect(() => decodeTable(file)).toThrow(`table version ${version}; this reader supports versions 5 to 10`);
     }
     const file = tampered(RECORDS, (_, metadata) => Object.assign(metadata, { version: 2 }));
     expect(() => decodeRecords(file)).toThrow("records version 2; this reader supports version 1");

@@ -13,6 +13,11 @@ const motion = {
   nodes: 3,
   rest_m: Float32Array.of(0, 1, 0, 0, 5, 0, 0, 9, 0),
   basis: Float32Array.from({ length: 36 }, (_, i) => (i === 24 ? 1 : 0)),
+  turn: new Float32Array(36),
+  parent: Uint16Array.of(0, 1, 2),
+  jointNodes: Uint16Array.of(0, 0, 1, 1, 2, 2),
+  jointShare: new Float32Array(3),
+  jointRest_m: Float32Array.of(0, 1, 0, 0, 5, 0, 0, 9, 0),
 } as unknown as TableMotion;
 
 function group(places: { x_m: number; z_m: number; yaw_rad?: number; scale?: number }[], moves = true): PickGroup {
@@ -25,7 +30,7 @@ function group(places: { x_m: number; z_m: number; yaw_rad?: number; scale?: num
     instances,
     bounds: BOUNDS,
     motion: moves ? motion : null,
-    nodeRadius_m: Float32Array.of(1, 1, 1),
+    jointRadius_m: Float32Array.of(1, 1, 1),
     poses: new Float32Array(places.length * 4),
     exaggeration: 1,
   };

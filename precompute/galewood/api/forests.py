@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from galewood.api.tables import MotionTable
 from galewood.player import Method, WindDrivenTrees, grid_placements
+from galewood.table import drawn_positions, joint_rows
 from galewood.util import Floats, Ints
 from galewood.wind import Wind, WindField
 
@@ -108,15 +109,19 @@ class Forest:
         return group.q[self._place[tree]].astype(np.float64)
 
     def displacement_m(self, tree: int) -> Floats:
-        """(v, 3) displacement of the render vertices of a tree, in the table's own frame and size, m."""
+        """(v, 3) displacement of the places that hold the render vertices of a tree, m.
+
+        In the table's own frame and size. ``vertices_m`` also turns the vertices about these places.
+        """
         table = self.tables[int(self.placements.table[tree])].table
-        nodes = table.node_basis.astype(np.float64) @ self.modal_coordinates(tree)
-        return nodes[table.vertex_node.astype(np.int64)]
+        joints = joint_rows(table, table.node_basis) @ self.modal_coordinates(tree)
+        return joints[table.vertex_joint.astype(np.int64)]
 
     def vertices_m(self, tree: int) -> Floats:
         """(v, 3) bent render vertices of a tree where it stands, m. ValueError if the table has no mesh."""
         at = self.placements
-        bent = self.tables[int(at.table[tree])].rest_vertices_m + self.displacement_m(tree)
+        one = self.tables[int(at.table[tree])]
+        bent = drawn_positions(one.table, one.rest_vertices_m, self.modal_coordinates(tree))
         return _placed(bent, at.x_m[tree], at.z_m[tree], at.yaw_rad[tree], at.scale[tree])
 
 

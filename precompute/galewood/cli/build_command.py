@@ -74,6 +74,7 @@ def build(
         bare_path,
         build_options,
         build_table,
+        drawn_words,
         expected_motion,
         import_lines,
         motion_lines,
@@ -122,6 +123,8 @@ def build(
         console.print(f"[yellow]Warning:[/yellow] {warning}")
     for line in tree_lines(result.report["tree"]):
         console.print(line)
+    if words := drawn_words(result.report["drawn"]):
+        console.print(words)
     seconds = sum(result.report["seconds"].values())
     console.print(f"{out}: {len(table) / 1e6:.1f} MB in {seconds:.0f} s")
     if result.bare_table:

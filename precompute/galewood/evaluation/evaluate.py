@@ -20,7 +20,7 @@ from galewood.evaluation.reference_runs import ReferenceRun, ReferenceTask, read
 from galewood.evaluation.source import Source
 from galewood.evaluation.winds import unseen_winds
 from galewood.player import ModalForest, PaperForest
-from galewood.table import Table, without_gusts
+from galewood.table import Table, joint_rows, without_gusts
 from galewood.util import Array, Floats
 
 Forest = PaperForest | ModalForest
@@ -192,14 +192,14 @@ def compare(table: Table, source: Source, q: Floats, reference_m: Array, lead: i
 
 
 def rendered_track(table: Table, source: Source, q: Floats) -> Floats:
-    """(T, s, 3) displacement of the distinct render vertices with their nodes, m, by the first modes of q."""
-    basis = table.node_basis[:, :, : q.shape[1]].astype(np.float64)
-    nodes = np.einsum("nik,tk->tni", basis, q)
-    return nodes[:, source.rendered.node]
+    """(T, s, 3) displacement of what holds the render vertices, m, by the first modes of q."""
+    rows = joint_rows(table, table.node_basis[:, :, : q.shape[1]]).astype(np.float64)
+    joints = np.einsum("nik,tk->tni", rows, q)
+    return joints[:, source.rendered.joint]
 
 
 def rendered_reference(source: Source, reference_m: Array) -> Floats:
-    """(T, s, 3) displacement of the distinct render vertices with the reference solution (T, n, 3), m."""
+    """(T, s, 3) displacement of the same places with the reference solution (T, n, 3), m."""
     frames, n, _ = reference_m.shape
     flat = reference_m.astype(np.float64).transpose(1, 0, 2).reshape(n, -1)
     return np.asarray(source.rendered.binding @ flat).reshape(-1, frames, 3).transpose(1, 0, 2)

@@ -19,14 +19,13 @@ import scipy.sparse
 
 from galewood.fem import FemModel, load_model
 from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
-from galewood.model import render_binding
+from galewood.model import points_binding, render_binding
 from galewood.pipeline import BuildOptions, TableSettings
 from galewood.reduction import (
     ModalTraining,
     Subspace,
     linear_motion,
     oscillators_of,
-    render_basis,
     size_of,
     sizes_for,
     training_winds,
@@ -56,11 +55,11 @@ class SourceError(ValueError):
 
 @dataclass(frozen=True)
 class RenderedVertices:
-    """The s distinct render vertices that represent all v: vertices with equal motion are counted once."""
+    """The s distinct places that hold all v render vertices: those with equal motion are counted once."""
 
     binding: scipy.sparse.csr_matrix  # (s, n) weights on the tet vertices
-    node: Int64s  # (s,)
-    count: Int64s  # (s,) render vertices that each one represents
+    joint: Int64s  # (s,)
+    count: Int64s  # (s,) render vertices at each of them
 
 
 @dataclass(frozen=True)
@@ -106,10 +105,20 @@ def source_of(
     binding = render_binding(tree, tets)
     on_progress(0.3, "Reading the simulated runs")
     subspace = shown_modes(table, fem, tets, cache_dir, workers)
-    check_basis(table, binding, subspace)
+    check_basis(table, tets, binding, subspace)
     on_progress(1.0, "Done")
-    rendered = distinct(binding, table.vertex_node.astype(np.int64))
+    rendered = _rendered(table, tets, binding)
     return Source(fem, model_path, tets, tree, binding, subspace, rendered)
+
+
+def _same_joints(table: Table, tree: TreeMesh, positions_m: Floats) -> bool:
+    """Whether the bark is near to the joints that hold it: on average by a fraction of the height."""
+    wood = np.repeat(
+        [primitive.kind == "wood" for primitive in tree.primitives],
+        [len(primitive.positions_m) for primitive in tree.primitives],
+    )
+    arm = np.linalg.norm(positions_m - table.joint_rest_m[table.vertex_joint.astype(np.int64)], axis=1)
+    return float(arm[wood].mean()) < 0.02 * float(table.metadata["height_m"])
 
 
 def find_model(metadata: Metadata, cache_dir: Path) -> Path:
@@ -169,8 +178,10 @@ def read_mesh(table: Table, mesh: Path) -> TreeMesh:
 
 
 def _same_nodes(table: Table, tree: TreeMesh) -> bool:
-    """Whether every node of the table rests at the centroid of its vertices in the tree."""
+    """Whether the nodes of the table rest at the centroids of their vertices, or its joints beside them."""
     positions = np.concatenate([primitive.positions_m for primitive in tree.primitives])
+    if table.held_by_axis:
+        return _same_joints(table, tree, positions)
     label = table.vertex_node.astype(np.int64)
     total = np.zeros((len(table.node_rest_m), 3))
     np.add.at(total, label, positions)
@@ -232,41 +243,62 @@ def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
     return reduction_modes(training, mass_kg, tolerance_m, size)[1]
 
 
-def check_basis(table: Table, binding: Any, subspace: Subspace) -> None:
-    """Raise SourceError unless each node's basis row is the mean of the rows of its vertices."""
-    rows = render_basis(binding, subspace.basis).reshape(len(table.vertex_node), -1)
+def nodes_binding(
+    table: Table, mesh: TetMesh, binding: scipy.sparse.csr_matrix
+) -> tuple[scipy.sparse.csr_matrix, Int64s]:
+    """(n, N) weights of the table's nodes on the tet vertices, and (n,) how many vertices determine each.
+
+    A node is a point of the wood; before version 10, it is the mean of its render vertices (v, N).
+    """
+    if table.held_by_axis:
+        return points_binding(table.node_rest_m, mesh), np.ones(len(table.node_rest_m), np.int64)
+    label = table.vertex_node.astype(np.int64)
+    count = np.bincount(label, minlength=len(table.node_rest_m)).astype(np.int64)
+    entries = (1.0 / count[label], (label, np.arange(len(label))))
+    mean = scipy.sparse.csr_matrix(entries, shape=(len(count), len(label)))
+    return scipy.sparse.csr_matrix(mean @ binding), count
+
+
+def _rendered(table: Table, mesh: TetMesh, binding: scipy.sparse.csr_matrix) -> RenderedVertices:
+    joint = table.vertex_joint.astype(np.int64)
+    if not table.held_by_axis:
+        return distinct(binding, joint)
+    count = np.bincount(joint, minlength=len(table.joint_share)).astype(np.int64)
+    return RenderedVertices(points_binding(table.joint_rest_m, mesh), np.arange(len(count)), count)
+
+
+def check_basis(table: Table, mesh: TetMesh, binding: scipy.sparse.csr_matrix, subspace: Subspace) -> None:
+    """Raise SourceError unless the nodes move as the modes do where the nodes are."""
+    nodes, count = nodes_binding(table, mesh, binding)
+    n, _, r = subspace.basis.shape
     basis = table.node_basis[:, :, : table.fitted_modes]
-    if rows.shape[1] != basis[0].size:
+    if 3 * r != basis[0].size:
         raise SourceError(
             "the modes computed from the simulated runs are not those of the table: build the table again"
         )
-    label = table.vertex_node.astype(np.int64)
-    count = np.bincount(label, minlength=len(table.node_basis))
-    entries = (np.ones(len(label)), (label, np.arange(len(label))))
-    gather = scipy.sparse.csr_matrix(entries, shape=(len(count), len(label)))
-    mean = np.asarray(gather @ rows) / np.maximum(count, 1)[:, None]
-    gap = np.abs(mean - basis.reshape(len(count), -1))[count > 0].max()
+    rows = np.asarray(nodes @ subspace.basis.reshape(n, 3 * r))
+    gap = np.abs(rows - basis.reshape(len(count), -1))[count > 0].max()
     if gap > 2e-3:
         raise SourceError(
             f"the computed modes differ from those of the table by {gap:.1g}: build the table again"
         )
 
 
-def distinct(binding: Any, node: Int64s) -> RenderedVertices:
-    """Merge render vertices that have the same weights (v, n) and the same node (v,)."""
+def distinct(binding: Any, joint: Int64s) -> RenderedVertices:
+    """Merge render vertices that have the same weights (v, n) and the same joint (v,)."""
     matrix = scipy.sparse.csr_matrix(binding)
     matrix.sort_indices()
     keys: dict[bytes, int] = {}
     first: list[int] = []
     count: list[int] = []
     bounds: list[int] = np.asarray(matrix.indptr).tolist()
-    for v in range(len(node)):
+    for v in range(len(joint)):
         row = slice(bounds[v], bounds[v + 1])
-        key = matrix.indices[row].tobytes() + np.round(matrix.data[row], 6).tobytes() + node[v].tobytes()
+        key = matrix.indices[row].tobytes() + np.round(matrix.data[row], 6).tobytes() + joint[v].tobytes()
         at = keys.setdefault(key, len(first))
         if at == len(first):
             first.append(v)
             count.append(0)
         count[at] += 1
     chosen = np.array(first, np.int64)
-    return RenderedVertices(scipy.sparse.csr_matrix(matrix[chosen]), node[chosen], np.array(count, np.int64))
+    return RenderedVertices(scipy.sparse.csr_matrix(matrix[chosen]), joint[chosen], np.array(count, np.int64))

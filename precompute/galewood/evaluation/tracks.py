@@ -14,7 +14,7 @@ import scipy.sparse
 
 from galewood.evaluation.evaluate import methods_of, played
 from galewood.evaluation.measures import hausdorff
-from galewood.evaluation.source import tets_of
+from galewood.evaluation.source import nodes_binding, tets_of
 from galewood.fem import FemModel, Simulator
 from galewood.mesh import TreeMesh
 from galewood.model import render_binding
@@ -57,16 +57,9 @@ class Comparison:
 
 
 def nodes_on_wood(table: Table, model: FemModel, tree: TreeMesh) -> scipy.sparse.csr_matrix:
-    """(n, N) weights of the table's nodes on the vertices of the model.
-
-    A node is the mean of its render vertices, which are bound to the wood as in the build.
-    """
-    label = table.vertex_node.astype(np.int64)
-    count = np.bincount(label, minlength=len(table.node_rest_m))
-    mean = scipy.sparse.csr_matrix(
-        (1.0 / count[label], (label, np.arange(len(label)))), shape=(len(count), len(label))
-    )
-    return scipy.sparse.csr_matrix(mean @ render_binding(tree, tets_of(model)))
+    """(n, N) weights of the table's nodes on the vertices of the model."""
+    mesh = tets_of(model)
+    return nodes_binding(table, mesh, render_binding(tree, mesh))[0]
 
 
 def comparison_tracks(

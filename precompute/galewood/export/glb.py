@@ -1,8 +1,8 @@
 """Exports a tree's motion as an animated GLB, for programs that cannot read tables.
 
 The table's modes become morph targets and the motion their weights: a morph displaces a vertex by
-Σ basis_k q_k, exactly as the viewer does. The file has the precision of the table and a few megabytes,
-whatever the length of the motion.
+Σ basis_k q_k, and turns with its branch to first order; the viewer turns it completely. The file has the
+precision of the table and a few megabytes, whatever the length of the motion.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from galewood.player import WindDrivenTrees
-from galewood.table import Table
+from galewood.table import Table, vertex_rows
 from galewood.util import Floats
 from galewood.wind import Wind, WindField
 
@@ -77,11 +77,10 @@ def animated_glb(table: Table, glb: bytes, q: Floats) -> bytes:
     kept = np.flatnonzero(farthest_m > LEAST_M)
     kept = kept if len(kept) else np.array([0])
     scale = np.where(reach > 0, reach, 1.0)
-    shapes = table.node_basis[:, :, kept] * scale[kept].astype(np.float32)
-    for mesh, nodes in zip(
-        document["meshes"], np.split(table.vertex_node, np.cumsum(counts)[:-1]), strict=True
-    ):
-        file.add_targets(mesh, shapes[nodes.astype(np.int64)])
+    rest_m = np.concatenate([file.positions(mesh) for mesh in document["meshes"]])
+    shapes = vertex_rows(table, rest_m)[:, :, kept] * scale[kept].astype(np.float32)
+    for mesh, rows in zip(document["meshes"], np.split(shapes, np.cumsum(counts)[:-1]), strict=True):
+        file.add_targets(mesh, rows)
     file.animate(q[:, kept] / scale[kept], float(table.metadata["dt_s"]))
     return file.glb()
 
@@ -103,6 +102,14 @@ class _File:
         mesh["primitives"][0]["targets"] = targets
         mesh["weights"] = [0.0] * count
         mesh["extras"] = {"targetNames": [f"mode {k}" for k in range(count)]}
+
+    def positions(self, mesh: Json) -> npt.NDArray[np.float32]:
+        """(v, 3) vertices of a mesh."""
+        accessor = self._document["accessors"][mesh["primitives"][0]["attributes"]["POSITION"]]
+        view = self._document["bufferViews"][accessor["bufferView"]]
+        start = int(view.get("byteOffset", 0)) + int(accessor.get("byteOffset", 0))
+        values = np.frombuffer(bytes(self._binary), "<f4", 3 * int(accessor["count"]), start)
+        return values.reshape(-1, 3)
 
     def animate(self, weights: Floats, dt_s: float) -> None:
         """Animate the weights (T, k) of all meshes with frames dt_s apart."""

@@ -15,6 +15,7 @@ from scipy.spatial import KDTree
 from galewood.beams import Frame, frame_modes, joined_frame
 from galewood.fem import LEAST_PROFILE
 from galewood.mesh import RenderPrimitive, TreeMesh
+from galewood.model.axis import Axis, axis_of_frame
 from galewood.model.bare_tree import without_leaves
 from galewood.model.binding import CROWN_SIZE, foliage_pieces, nearest_of_pieces, piece_size
 from galewood.model.crown_mass import twig_loads
@@ -38,7 +39,7 @@ class BeamModel:
     hold its rotation. The shapes (k, 4n, 3) are mass-normalised, 1/√kg; load (k, 2) is the modal force per
     Pa of wind along x and z. ``binding`` (v, 4n) moves the render vertices with the particles. The next three
     (4n,) are the drag area without shelter, m², the share of it in shelter, and the wind profile; ``place_m``
-    (4n, 3) is where the points rest.
+    (4n, 3) is where the points rest. What is drawn follows the ``axis``.
     """
 
     frequencies_hz: Floats
@@ -51,6 +52,7 @@ class BeamModel:
     sheltered_share: Floats
     wind_profile: Floats
     place_m: Floats
+    axis: Axis
 
     def sway_m(self, pressure_pa: float) -> float:
         """Largest displacement under a steady wind along x or z, m, for a linear response."""
@@ -104,6 +106,7 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
         np.repeat(crown.drag_area_m2 / np.maximum(crown.exposed_area_m2, 1e-12), 4),
         np.repeat(np.maximum(crown.wind_profile, LEAST_PROFILE), 4),
         np.repeat(frame.points_m, 4, axis=0),
+        axis_of_frame(frame, arm_m),
     )
 
 

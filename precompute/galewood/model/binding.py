@@ -15,7 +15,7 @@ from scipy.spatial import KDTree
 
 from galewood.mesh import RenderPrimitive, Surface, TreeMesh, face_components, weld_keeping_faces
 from galewood.tets import TetMesh
-from galewood.util import Floats, Ints
+from galewood.util import Floats, Ints, Singles
 
 CANDIDATES = 24
 CROWN_SIZE = 0.15  # relative to the height; larger pieces of foliage are not rigid
@@ -37,6 +37,12 @@ def render_binding(tree: TreeMesh, mesh: TetMesh) -> csr_matrix:
     """Weights (render vertices × tet vertices), rows summing to one, primitives in the tree's order."""
     anchors = [_anchor_primitive(_as_stored(primitive), tree.height_m, mesh) for primitive in tree.primitives]
     return _matrix(anchors, mesh)
+
+
+def points_binding(points_m: Floats | Singles, mesh: TetMesh) -> csr_matrix:
+    """Weights (points × tet vertices) of points (n, 3) in the wood."""
+    anchors = nearest_tets(np.asarray(points_m, np.float64), mesh)
+    return _matrix([(mesh.tets[anchors.tet], anchors.weight)], mesh)
 
 
 def _as_stored(primitive: RenderPrimitive) -> RenderPrimitive:

@@ -13,7 +13,7 @@ from galewood.evaluation import Source
 from galewood.paper.gestures import TARGET_DIRECTION_DEG, Fig3, Fig5
 from galewood.paper.plan import Plan
 from galewood.sampling import DIRECTIONS_DEG, sample_winds
-from galewood.table import Table
+from galewood.table import Table, joint_rows
 from galewood.util import Floats
 
 Move = Callable[[Floats], Floats]
@@ -121,9 +121,9 @@ def reference_motion(source: Source, reference_m: Floats) -> Floats:
 
 
 def table_motion(table: Table, q: Floats) -> Floats:
-    """(v, 3) displacement of the render vertices, m, as the viewer computes it from q (r,)."""
-    nodes = table.node_basis.astype(np.float64) @ q
-    return nodes[table.vertex_node.astype(np.int64)]
+    """(v, 3) displacement of the render vertices, m, of the places that hold them, from q (r,)."""
+    joints = joint_rows(table, table.node_basis) @ q
+    return joints[table.vertex_joint.astype(np.int64)]
 
 
 def draw_tree(

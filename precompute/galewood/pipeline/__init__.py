@@ -13,6 +13,7 @@ from galewood.util import lazily
 if TYPE_CHECKING:
     from galewood.pipeline.assemble import Surroundings, assemble_table, internal_states
     from galewood.pipeline.build import build_table, build_tree, model_of
+    from galewood.pipeline.drawn_figures import DrawnFigures, drawn_words
     from galewood.pipeline.expected import expected_motion, motion_lines, with_expected_motion
     from galewood.pipeline.rehearsal import compile_kernels
     from galewood.pipeline.report import render_mesh
@@ -29,6 +30,8 @@ __getattr__ = lazily(
         "build_table": "galewood.pipeline.build",
         "build_tree": "galewood.pipeline.build",
         "model_of": "galewood.pipeline.build",
+        "DrawnFigures": "galewood.pipeline.drawn_figures",
+        "drawn_words": "galewood.pipeline.drawn_figures",
         "expected_motion": "galewood.pipeline.expected",
         "import_lines": "galewood.pipeline.summary",
         "motion_lines": "galewood.pipeline.expected",
@@ -48,6 +51,7 @@ __all__ = [
     "BuildOptions",
     "BuildResult",
     "BuiltinMesh",
+    "DrawnFigures",
     "Progress",
     "ShippedTree",
     "Surroundings",
@@ -60,6 +64,7 @@ __all__ = [
     "build_tree",
     "builtin_meshes",
     "compile_kernels",
+    "drawn_words",
     "expected_motion",
     "import_lines",
     "internal_states",

@@ -11,22 +11,23 @@ import scipy.sparse
 
 from galewood.fem import FemSettings
 from galewood.modal import ModalTensors
+from galewood.model import Axis, Feet
+from galewood.pipeline.drawn_figures import DrawnFigures
 from galewood.pipeline.table_settings import TableSettings
 from galewood.reduction import (
     GustModes,
     ModalTraining,
+    Motion,
     Nodes,
     Oscillators,
     Subspace,
     fit_smallest,
     gust_modes,
     gust_range,
-    largest_motion_m,
     linear_motion,
     make_nodes,
     quantise,
     quantum,
-    render_basis,
 )
 from galewood.sampling import SampledRun, SampleWind
 from galewood.search import Compared, InternalStates, Rule, air_of, build_search, compared, typical_error
@@ -44,6 +45,11 @@ class RenderMesh:
     vertices_m: Floats  # (v, 3)
     binding: scipy.sparse.csr_matrix  # (v, n)
     primitives: list[dict[str, Any]]  # name, kind, vertices
+    axis: Axis
+    feet: Feet
+    """The place on the axis that holds each vertex."""
+    figures: DrawnFigures | None = None
+    """Measures what is drawn; None: nothing is measured."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +102,10 @@ def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
     winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
     moved = Moved(fitted.modal, subspace, q, winds_pa)
     layer = gust_modes(training.body, training.scheme)
-    return DefaultPart(_table(moved, layer, errors, of), subspace)
+    table = _table(moved, layer, errors, of)
+    if of.mesh.figures:
+        table.metadata["drawn"] = of.mesh.figures.of(table, q)
+    return DefaultPart(table, subspace)
 
 
 def assemble_records(
@@ -169,8 +178,8 @@ def _table(moved: Moved, layer: GustModes, errors: Metadata, of: Surroundings) -
     basis = np.concatenate([moved.subspace.basis, shapes], axis=2)
     every = np.concatenate(moved.q)
     q_rms = np.sqrt(np.concatenate([np.mean(every**2, axis=0), np.mean(typical**2, axis=0)]))
-    nodes = _nodes(render_basis(of.mesh.binding, basis), q_rms, of)
     r = moved.subspace.modes
+    nodes = _nodes(basis, q_rms, _strong(moved.q, strongest), of)
     reach_m = _reach_m(nodes.basis[:, :, :r], every) + _reach_m(nodes.basis[:, :, r:], strongest)
     metadata: Metadata = {
         "format": FORMAT,
@@ -185,17 +194,36 @@ def _table(moved: Moved, layer: GustModes, errors: Metadata, of: Surroundings) -
     scale = np.full(basis.shape[2], quantum([*moved.q, strongest]), np.float32)
     gusts = layer.tensors
     return Table(
-        metadata, scale, nodes.basis, nodes.rest_m, nodes.vertex_node,
+        metadata, scale, nodes.basis, nodes.rest_m, nodes.turn, nodes.parent,
+        nodes.joint_nodes, nodes.joint_share, nodes.joint_rest_m, nodes.vertex_joint,
         modal.step, modal.load, modal.sway, modal.force, modal.shown, modal.pose, modal.limits,
         modal.drag_point, modal.drag_shape, modal.drag_rest,
         gusts.place, gusts.step, gusts.load, gusts.drag,
     )  # fmt: skip
 
 
-def _nodes(vertex_basis: Floats, q_rms: Floats, of: Surroundings) -> Nodes:
-    sway_m = largest_motion_m(vertex_basis, q_rms)
-    tolerance_m = min(of.settings.node_share * of.height_m, of.settings.node_sway_share * sway_m)
-    return make_nodes(vertex_basis, of.mesh.vertices_m, q_rms, tolerance_m)
+STRONG_POSES = 24
+"""Poses of the training runs in which the motion of the branches must follow from that of the nodes."""
+
+
+def _strong(q: Sequence[Floats], gusts: Floats) -> Floats:
+    """(k, r) poses of the largest motion in the runs q (T, f), and of the gust layer (T, L)."""
+    every = np.concatenate(q)
+    far = np.argsort(-np.linalg.norm(every, axis=1), kind="stable")[: max(1, len(every) // 8)]
+    runs = every[far[:: max(1, len(far) // STRONG_POSES)]]
+    far = np.argsort(-np.linalg.norm(gusts, axis=1), kind="stable")[: max(1, len(gusts) // 8)]
+    gusty = gusts[far[:: max(1, 4 * len(far) // STRONG_POSES)]]
+    poses = np.zeros((len(runs) + len(gusty), every.shape[1] + gusts.shape[1]))
+    poses[: len(runs), : every.shape[1]] = runs
+    poses[len(runs) :, every.shape[1] :] = gusty
+    return poses
+
+
+def _nodes(basis: Floats, q_rms: Floats, strong: Floats, of: Surroundings) -> Nodes:
+    moved = of.mesh.axis.displacement(basis) @ strong.T
+    farthest_m = float(np.linalg.norm(moved, axis=1).max(initial=0.0))
+    tolerance_m = min(of.settings.node_share * of.height_m, of.settings.node_sway_share * farthest_m)
+    return make_nodes(of.mesh.axis, of.mesh.feet, Motion(basis, strong, q_rms), tolerance_m)
 
 
 def _reach_m(basis: Array, q: Floats) -> float:

@@ -38,7 +38,7 @@ def beam_table(tree: TreeMesh, options: BuildOptions, render_glb: bytes) -> byte
     body = Body(model.frequencies_hz[:10].tolist(), wood.name, {"beams": model.beams})
     of = Surroundings(
         model.mass_kg,
-        render_mesh(tree, model.binding),
+        render_mesh(tree, model.binding, model.axis),
         describe(tree, body, speed_m_s, options, render_glb),
         options.table,
     )

@@ -13,6 +13,7 @@ from galewood.fem import FemModel, Simulator
 from galewood.mesh import TreeMesh, import_mesh_sandboxed
 from galewood.model import (
     LumpedMasses,
+    axis_of_tets,
     bind_foliage,
     build_model,
     compare_with_reference,
@@ -36,7 +37,7 @@ from galewood.wood import Wood, wood_of_species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Modules that the worker processes import during the import, so that compiled kernels load early."""
-OF_BARE_TABLE = ("foliage", "model", "design_wind", "table")
+OF_BARE_TABLE = ("foliage", "model", "design_wind", "table", "drawn")
 """Parts of the report that differ for the tree without its leaves."""
 OnTable = Callable[[BuildResult], None]
 """Receives the complete table of the default method, before the paper's records are computed; and again with
@@ -204,7 +205,7 @@ def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: Ar
     elements = sampled_elements(mesh, skeleton, options.sampled_elements)
     artefacts.draw("skeleton.png", skeleton_png, mesh, skeleton, elements)
     lumped = bind_foliage(tree, mesh, wood, leaves=options.foliage == "leaf")
-    surface = render_mesh(tree, render_binding(tree, mesh))
+    surface = render_mesh(tree, render_binding(tree, mesh), axis_of_tets(mesh, skeleton))
     return Solid(tree, mesh, skeleton, lumped, wood, surface, mesh.tets[elements])
 
 

@@ -12,8 +12,9 @@ import scipy.sparse
 
 from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
-from galewood.model import LumpedMasses
+from galewood.model import Axis, LumpedMasses, holds_of
 from galewood.pipeline.assemble import RenderMesh
+from galewood.pipeline.drawn_figures import DrawnFigures
 from galewood.pipeline.options import BuildOptions, Stages
 from galewood.pipeline.tree_figures import figures_of
 from galewood.sampling import DesignWind, content_hash
@@ -22,10 +23,14 @@ from galewood.table import Metadata, Records, Table
 from galewood.tets import TetMesh
 
 
-def render_mesh(tree: TreeMesh, binding: scipy.sparse.csr_matrix) -> RenderMesh:
-    """Render vertices of all primitives in the order of the GLB, with their weights on the tet vertices."""
+def render_mesh(tree: TreeMesh, binding: scipy.sparse.csr_matrix, axis: Axis) -> RenderMesh:
+    """Render vertices of all primitives in the order of the GLB, with their weights on the tet vertices.
+
+    What is drawn is held by the ``axis``.
+    """
     primitives = [{"name": p.name, "kind": p.kind, "vertices": len(p.positions_m)} for p in tree.primitives]
-    return RenderMesh(np.concatenate([p.positions_m for p in tree.primitives]), binding, primitives)
+    places = np.concatenate([p.positions_m for p in tree.primitives])
+    return RenderMesh(places, binding, primitives, axis, holds_of(tree, axis), DrawnFigures(tree))
 
 
 @dataclass(frozen=True)
@@ -96,8 +101,10 @@ def build_report(
         "table": {
             **{name: table.metadata[name] for name in ("modes", "errors")},
             "nodes": len(table.node_rest_m),
+            "joints": len(table.joint_share),
             **(_of_records(records) if records else {}),
         },
+        "drawn": table.metadata.get("drawn", {}),
         "seconds": stages.seconds,
         "cpu_seconds": stages.cpu_seconds,
     }

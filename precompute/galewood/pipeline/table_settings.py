@@ -23,7 +23,7 @@ class TableSettings:
     pose_easing: float = 0.08
     truncation_share: float = 8.6e-4
     """Largest vertex error of the reduced basis over the height."""
-    node_share: float = 7.2e-4
-    """Largest deviation of a vertex from its node at the RMS motion of the training runs, over the height."""
-    node_sway_share: float = 0.03
-    """The same over the largest RMS motion of the tree, so that stiff trees also bend smoothly."""
+    node_share: float = 5e-4
+    """Largest deviation of a branch from the interpolation between nodes in strong wind, over the height."""
+    node_sway_share: float = 0.003
+    """The same over the largest motion of the tree, so that stiff trees also bend smoothly."""

@@ -58,7 +58,10 @@ def point_response(table: Table, vertex: int, compliance: Compliance | None = No
     if not 0 <= vertex < len(table.vertex_node):
         raise PullError(f"the mesh has {len(table.vertex_node)} vertices: there is no vertex {vertex}")
     node = int(table.vertex_node[vertex])
-    point = table.node_basis[node].astype(np.float64)
+    first, second = table.joint_nodes[table.vertex_joint[vertex]].tolist()
+    share = float(table.joint_share[table.vertex_joint[vertex]])
+    basis = table.node_basis
+    point = (1 - share) * basis[first].astype(np.float64) + share * basis[second].astype(np.float64)
     oscillators = static_gain(table)[:, None] * modal_load(table, point)
     pose = static_pose(table, oscillators)
     reach_m = MOST_REACH * float(table.metadata["height_m"])

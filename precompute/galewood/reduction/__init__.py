@@ -2,7 +2,7 @@
 
 from galewood.reduction.gust_layer import GustModes, gust_modes, gust_range
 from galewood.reduction.linear import LinearMotion, linear_motion
-from galewood.reduction.nodes import Nodes, largest_motion_m, make_nodes, render_basis
+from galewood.reduction.nodes import Motion, Nodes, make_nodes
 from galewood.reduction.oscillators import Exposure, Oscillators, oscillators_of
 from galewood.reduction.pod import QuantisedMotion, Subspace, quantise, quantum
 from galewood.reduction.training import Fitted, ModalTraining, fit_smallest, shown_modes, size_of, sizes_for
@@ -14,6 +14,7 @@ __all__ = [
     "GustModes",
     "LinearMotion",
     "ModalTraining",
+    "Motion",
     "Nodes",
     "Oscillators",
     "QuantisedMotion",
@@ -22,13 +23,11 @@ __all__ = [
     "fit_smallest",
     "gust_modes",
     "gust_range",
-    "largest_motion_m",
     "linear_motion",
     "make_nodes",
     "oscillators_of",
     "quantise",
     "quantum",
-    "render_basis",
     "shown_modes",
     "size_of",
     "sizes_for",

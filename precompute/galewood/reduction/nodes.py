@@ -1,111 +1,154 @@
-"""Groups render vertices that move alike into nodes with one row of the basis; the viewer moves nodes.
+"""The nodes of a table and how what is drawn follows them.
 
-Vector quantisation of the basis rows, weighted by the RMS of each mode, so that distances between rows are in
-metres. The cluster with the largest error is split until the error or the number of nodes reaches its limit.
+A node is a point of the axis of a branch, with one row of displacement and one of rotation per mode. A joint
+is a place between two nodes; a rendered vertex moves with its joint and turns about it. Nodes are chosen so
+that joints deviate little from the model even in strong wind (``galewood.reduction.knots``).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse
 
-from galewood.util import Array, Floats
+from galewood.reduction.knots import AxisMotion, Knots, choose_knots
+from galewood.util import Floats, Ints
 
 MAX_NODES = 768
-REFINEMENTS = 3
+JOINTS_PER_LINK = 8
+"""Joints between two points of the axis; the bark between them is held by the nearest."""
+TURN_ARM = 0.02
+"""Arm at which rotation counts as displacement when nodes are chosen, relative to the height."""
+
+
+class AxisLike(Protocol):
+    """The axis of the branches (``galewood.model.Axis``)."""
+
+    @property
+    def points_m(self) -> Floats: ...
+    @property
+    def parent(self) -> Ints: ...
+    def displacement(self, basis: Floats) -> Floats: ...
+    def rotation(self, basis: Floats) -> Floats: ...
+
+
+class FeetLike(Protocol):
+    """Places on the axis that hold the render vertices (``galewood.model.Feet``)."""
+
+    @property
+    def child(self) -> Ints: ...
+    @property
+    def share(self) -> Floats: ...
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What decides on the nodes: the basis of the model's particles (N, 3, r), and how far its modes move.
+
+    ``strong`` (k, r) are poses in strong wind, ``rms`` (r,) is the RMS of each mode.
+    """
+
+    basis: Floats
+    strong: Floats
+    rms: Floats
 
 
 @dataclass(frozen=True)
 class Nodes:
-    """The quantised basis of a render mesh."""
+    """n nodes, j joints and the joint of each render vertex."""
 
     basis: npt.NDArray[np.float32]  # (n, 3, r) m per unit of q
-    rest_m: npt.NDArray[np.float32]  # (n, 3) centroid of the node's vertices
-    vertex_node: npt.NDArray[np.uint16]  # (v,)
-    rms_error_m: float  # RMS distance of vertices from their nodes, at the RMS of the sampled motion
+    turn: npt.NDArray[np.float32]  # (n, 3, r) rotation vector per unit of q
+    rest_m: npt.NDArray[np.float32]  # (n, 3)
+    parent: npt.NDArray[np.uint16]  # (n,) the node before it on its branch or limb; its own index: none
+    joint_nodes: npt.NDArray[np.uint16]  # (j, 2)
+    joint_share: npt.NDArray[np.float32]  # (j,) share of the second node
+    joint_rest_m: npt.NDArray[np.float32]  # (j, 3)
+    vertex_joint: npt.NDArray[np.uint16]  # (v,)
+    rms_error_m: float  # RMS distance of joints from the model over all vertices, at the RMS of the motion
     max_error_m: float  # the same for the worst vertex
 
 
-def render_basis(binding: scipy.sparse.csr_matrix, basis: Floats) -> Floats:
-    """(v, 3, r) basis at the render vertices, from the basis at the tet vertices (n, 3, r)."""
-    n, _, r = basis.shape
-    return np.asarray(binding @ basis.reshape(n, 3 * r)).reshape(-1, 3, r)
-
-
-def largest_motion_m(vertex_basis: Floats, q_rms: Floats) -> float:
-    """RMS displacement of the vertex that moves most, m, for modes with RMS q_rms (r,)."""
-    return float(np.sqrt(np.square(vertex_basis * q_rms).sum(axis=(1, 2)).max()))
-
-
 def make_nodes(
-    vertex_basis: Floats, vertices_m: Floats, q_rms: Floats, tolerance_m: float, max_nodes: int = MAX_NODES
+    axis: AxisLike, feet: FeetLike, motion: Motion, tolerance_m: float, max_nodes: int = MAX_NODES
 ) -> Nodes:
-    """Group vertices so that none is farther than tolerance_m from its node at RMS motion q_rms (r,)."""
-    v, _, r = vertex_basis.shape
-    rows = (vertex_basis * q_rms).reshape(v, 3 * r)
-    distinct, inverse = np.unique(np.round(rows, 9), axis=0, return_inverse=True)
-    label = _split(distinct, tolerance_m, max_nodes)
-    label = _refine(distinct, label)[np.ravel(inverse)]
-    centre = _means(vertex_basis.reshape(v, 3 * r), label)
-    error = np.linalg.norm(rows - centre[label] * np.tile(q_rms, 3), axis=1)
+    """Choose nodes so that no point of the axis deviates by more than tolerance_m in the strong poses."""
+    moved, turned = axis.displacement(motion.basis), axis.rotation(motion.basis)
+    arm_m = TURN_ARM * float(np.ptp(axis.points_m[:, 1]))
+    strong = AxisMotion(axis.points_m, axis.parent, moved @ motion.strong.T, turned @ motion.strong.T, arm_m)
+    knots = choose_knots(strong, tolerance_m, max_nodes)
+    share = np.round(feet.share * JOINTS_PER_LINK).astype(np.int64)
+    links, vertex = np.unique(np.column_stack([feet.child, share]), axis=0, return_inverse=True)
+    child, share = links[:, 0], links[:, 1] / JOINTS_PER_LINK
+    first, second, between = _between(knots, axis.parent, child, share)
+    rigid = knots.base[child] >= 0
+    place = _lerp(axis.points_m, axis.parent, child, share)
+    place[rigid] = axis.points_m[knots.base[child[rigid]]]
+    nodes = knots.nodes
+    joints = np.column_stack([np.searchsorted(nodes, first), np.searchsorted(nodes, second)])
+    off = _lerp(moved, axis.parent, child, share) - (
+        (1 - between)[:, None, None] * moved[first] + between[:, None, None] * moved[second]
+    )
+    error = np.linalg.norm((off * motion.rms)[~rigid].reshape(int((~rigid).sum()), -1), axis=1)
+    error = np.concatenate([error, [0.0]]) if not len(error) else error
+    count = np.bincount(np.ravel(vertex), minlength=len(child))[~rigid]
+    total = max(int(count.sum()), 1)
     return Nodes(
-        centre.reshape(-1, 3, r).astype(np.float32),
-        _means(vertices_m, label).astype(np.float32),
-        label.astype(np.uint16),
-        float(np.sqrt(np.mean(error**2))),
+        moved[nodes].astype(np.float32),
+        turned[nodes].astype(np.float32),
+        axis.points_m[nodes].astype(np.float32),
+        _parents(knots, axis.parent).astype(np.uint16),
+        joints.astype(np.uint16),
+        between.astype(np.float32),
+        place.astype(np.float32),
+        np.ravel(vertex).astype(np.uint16),
+        float(np.sqrt((np.square(error[: len(count)]) * count).sum() / total)),
         float(error.max()),
     )
 
 
-def _means(values: Floats, label: Array) -> Floats:
-    """(labels, m) mean of the values (v, m) of each label (v,)."""
-    count = int(label.max()) + 1
-    gather = scipy.sparse.csr_matrix(
-        (np.ones(len(label)), (label, np.arange(len(label)))), shape=(count, len(label))
-    )
-    return np.asarray(gather @ values) / np.bincount(label, minlength=count)[:, None]
+def _parents(knots: Knots, parent: Ints) -> Ints:
+    """(n,) index of the node before each node on its branch, or of that which bears the branch."""
+    is_node = np.zeros(len(parent), bool)
+    is_node[knots.nodes] = True
+    before = np.full(len(parent), -1, np.int64)
+    for line in knots.lines:
+        held = line.points[is_node[line.points]]
+        before[held[1:]] = held[:-1]
+    for node in knots.nodes.tolist():
+        if knots.base[node] >= 0:
+            before[node] = knots.base[node]
+    index = np.searchsorted(knots.nodes, before[knots.nodes])
+    return np.where(before[knots.nodes] >= 0, index, np.arange(len(knots.nodes)))
 
 
-def _split(rows: Floats, tolerance: float, max_nodes: int) -> Array:
-    """Split the worst cluster across its longest axis until every row is within tolerance of its mean."""
-    label = np.zeros(len(rows), np.int64)
-    members = [np.arange(len(rows))]
-    worst = [_spread(rows)]
-    while len(members) < max_nodes:
-        c = int(np.argmax(worst))
-        if worst[c] <= tolerance:
-            break
-        first, second = _halves(rows, members[c])
-        label[second] = len(members)
-        members[c] = first
-        worst[c] = _spread(rows[first])
-        members.append(second)
-        worst.append(_spread(rows[second]))
-    return label
+def _between(knots: Knots, parent: Ints, child: Ints, share: Floats) -> tuple[Ints, Ints, Floats]:
+    """The nodes before and after places on links (j,), and the share of the second."""
+    first, second, between = knots.base[child].copy(), knots.base[child].copy(), np.zeros(len(child))
+    is_node = np.zeros(len(parent), bool)
+    is_node[knots.nodes] = True
+    for number in np.unique(knots.line[child[first < 0]]).tolist():
+        line = knots.lines[number]
+        points = line.points
+        mark = knots.mark_m[points]
+        mark[0] = 0.0
+        held = np.flatnonzero(is_node[points])
+        own = np.flatnonzero((knots.line[child] == number) & (knots.base[child] < 0))
+        index = np.searchsorted(mark, knots.mark_m[child[own]])
+        before = np.maximum(index - 1, 0)
+        at = mark[before] + share[own] * (mark[index] - mark[before])
+        right = np.clip(np.searchsorted(mark[held], at), 1, max(len(held) - 1, 1))
+        right = np.minimum(right, len(held) - 1)
+        left = np.maximum(right - 1, 0)
+        span = np.maximum(mark[held[right]] - mark[held[left]], 1e-12)
+        first[own], second[own] = points[held[left]], points[held[right]]
+        between[own] = np.clip((at - mark[held[left]]) / span, 0.0, 1.0)
+    return first, second, between
 
 
-def _spread(rows: Floats) -> float:
-    return float(np.sqrt(np.square(rows - rows.mean(axis=0)).sum(axis=1).max()))
-
-
-def _halves(rows: Floats, members: Array) -> tuple[Array, Array]:
-    """Members on either side of the mean along the longest axis of the cluster."""
-    offset = rows[members] - rows[members].mean(axis=0)
-    axis = offset[int(np.argmax(np.square(offset).sum(axis=1)))]
-    for _ in range(3):  # power iterations, starting from the row farthest from the mean
-        axis = offset.T @ (offset @ axis)
-        axis /= np.linalg.norm(axis)
-    side = offset @ axis > 0
-    return members[~side], members[side]
-
-
-def _refine(rows: Floats, label: Array) -> Array:
-    """Lloyd's iterations: assign every row to its nearest mean; drop empty nodes."""
-    for _ in range(REFINEMENTS):
-        centre = _means(rows, label)
-        near = np.square(centre).sum(axis=1)[None, :] - 2.0 * rows @ centre.T
-        label = np.unique(near.argmin(axis=1), return_inverse=True)[1]
-    return label
+def _lerp(values: Floats, parent: Ints, child: Ints, share: Floats) -> Floats:
+    """Values (p, …) at places on links (j,)."""
+    wide = share.reshape(-1, *([1] * (values.ndim - 1)))
+    return (1 - wide) * values[parent[child]] + wide * values[child]

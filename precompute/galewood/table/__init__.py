@@ -2,6 +2,7 @@
 
 from galewood.table.compliance import Compliance, decode_compliance, encode_compliance
 from galewood.table.container import Foliage, Metadata, TableError, foliage_of, read_metadata
+from galewood.table.drawn import NodePose, drawn_positions, joint_rows, node_pose, turned, vertex_rows
 from galewood.table.format import FORMAT, VERSION, Table, decode, encode, with_records, without_gusts
 from galewood.table.records import Records, encode_records, poses
 
@@ -11,17 +12,23 @@ __all__ = [
     "Compliance",
     "Foliage",
     "Metadata",
+    "NodePose",
     "Records",
     "Table",
     "TableError",
     "decode",
     "decode_compliance",
+    "drawn_positions",
     "encode",
     "encode_compliance",
     "encode_records",
     "foliage_of",
+    "joint_rows",
+    "node_pose",
     "poses",
     "read_metadata",
+    "turned",
+    "vertex_rows",
     "with_records",
     "without_gusts",
 ]

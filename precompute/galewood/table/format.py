@@ -45,8 +45,8 @@ if TYPE_CHECKING:
     from galewood.modal import GustTensors, ModalTensors
 
 FORMAT = "galewood-table"
-VERSION = 9
-READABLE = (5, 6, 7, 8, 9)
+VERSION = 10
+READABLE = (5, 6, 7, 8, 9, 10)
 MAX_DYNAMIC = 64
 MAX_DRAG_POINTS = 32
 MAX_GUST_PLACES, MAX_GUST_OSCILLATORS = 32, 64
@@ -54,13 +54,18 @@ MAX_GUST_PLACES, MAX_GUST_OSCILLATORS = 32, 64
 
 @dataclass(frozen=True)
 class Table:
-    """A decoded table: r modes, n nodes, v render vertices. Units in docs/formats/table.md."""
+    """A decoded table: r modes, n nodes, j joints, v render vertices. Units in docs/formats/table.md."""
 
     metadata: Metadata
     mode_scale: npt.NDArray[np.float32]  # (r,)
     node_basis: npt.NDArray[np.float32]  # (n, 3, r) m per unit of q
     node_rest_m: npt.NDArray[np.float32]  # (n, 3)
-    vertex_node: npt.NDArray[np.uint16]  # (v,)
+    node_turn: npt.NDArray[np.float32]  # (n, 3, r) rotation vector per unit of q
+    node_parent: npt.NDArray[np.uint16]  # (n,) node before it on its branch; its own index: none
+    joint_nodes: npt.NDArray[np.uint16]  # (j, 2)
+    joint_share: npt.NDArray[np.float32]  # (j,) share of the second node
+    joint_rest_m: npt.NDArray[np.float32]  # (j, 3)
+    vertex_joint: npt.NDArray[np.uint16]  # (v,)
     modal_step: npt.NDArray[np.float32]  # (d, 6); modal_*: see galewood.modal.ModalTensors
     modal_load: npt.NDArray[np.float32]  # (d, 2)
     modal_sway: npt.NDArray[np.float32]  # (2, d)
@@ -97,6 +102,18 @@ class Table:
         return GustTensors(self.gust_place, self.gust_step, self.gust_load, self.gust_drag)
 
     @property
+    def vertex_node(self) -> npt.NDArray[np.uint16]:
+        """(v,) the node nearest to each render vertex: that with the larger share in its joint."""
+        nodes, share = self.joint_nodes, self.joint_share
+        nearer: npt.NDArray[np.uint16] = np.where(share > 0.5, nodes[:, 1], nodes[:, 0])
+        return nearer[self.vertex_joint]
+
+    @property
+    def held_by_axis(self) -> bool:
+        """Whether the nodes are points of the branches; in tables before version 10, means of vertices."""
+        return bool(self.node_turn.any())
+
+    @property
     def fitted_modes(self) -> int:
         """r − L: the modes of the modal model and of the paper's records; the last L are the gust layer's."""
         return int(self.metadata["modes"]) - len(self.gust_step)
@@ -131,7 +148,12 @@ TENSORS: Layout = {
     "modes.scale": ("mode_scale", np.float32, 1),
     "nodes.basis": ("node_basis", np.float32, 3),
     "nodes.rest_m": ("node_rest_m", np.float32, 2),
-    "render.vertex_node": ("vertex_node", np.uint16, 1),
+    "nodes.turn": ("node_turn", np.float32, 3),
+    "nodes.parent": ("node_parent", np.uint16, 1),
+    "joints.nodes": ("joint_nodes", np.uint16, 2),
+    "joints.share": ("joint_share", np.float32, 1),
+    "joints.rest_m": ("joint_rest_m", np.float32, 2),
+    "render.vertex_joint": ("vertex_joint", np.uint16, 1),
     "modal.step": ("modal_step", np.float32, 2),
     "modal.load": ("modal_load", np.float32, 2),
     "modal.sway": ("modal_sway", np.float32, 2),
@@ -157,6 +179,7 @@ def without_gusts(table: Table) -> Table:
         metadata={**table.metadata, "modes": fitted},
         mode_scale=table.mode_scale[:fitted],
         node_basis=np.ascontiguousarray(table.node_basis[:, :, :fitted]),
+        node_turn=np.ascontiguousarray(table.node_turn[:, :, :fitted]),
         gust_place=table.gust_place[:0],
         gust_step=table.gust_step[:0],
         gust_load=table.gust_load[:0, :0],
@@ -235,7 +258,7 @@ def check_metadata(metadata: Metadata) -> None:
 def _check_shapes(table: Table) -> None:
     from galewood.modal import force_terms, shape_terms
 
-    r, n = int(table.metadata["modes"]), len(table.node_rest_m)
+    r, n, joints = int(table.metadata["modes"]), len(table.node_rest_m), len(table.joint_share)
     vertices = sum(int(p["vertices"]) for p in table.metadata["primitives"])
     d, oscillators, places = len(table.modal_step), len(table.gust_step), len(table.gust_place)
     need(
@@ -254,7 +277,12 @@ def _check_shapes(table: Table) -> None:
         "modes.scale": (r,),
         "nodes.basis": (n, 3, r),
         "nodes.rest_m": (n, 3),
-        "render.vertex_node": (vertices,),
+        "nodes.turn": (n, 3, r),
+        "nodes.parent": (n,),
+        "joints.nodes": (joints, 2),
+        "joints.share": (joints,),
+        "joints.rest_m": (joints, 3),
+        "render.vertex_joint": (vertices,),
         "modal.step": (d, 6),
         "modal.load": (d, 2),
         "modal.sway": (2, d),
@@ -276,8 +304,14 @@ def _check_shapes(table: Table) -> None:
 def _check_numbers(table: Table) -> None:
     check_finite(table, TENSORS)
     need(bool((table.mode_scale > 0).all()), "tensor modes.scale: not positive")
-    inside = not len(table.vertex_node) or int(table.vertex_node.max()) < len(table.node_rest_m)
-    need(inside, "tensor render.vertex_node: node out of range")
+    nodes = np.arange(len(table.node_rest_m))
+    need(bool((table.node_parent <= nodes).all()), "tensor nodes.parent: a node that does not come later")
+    inside = int(table.joint_nodes.max(initial=0)) < max(len(nodes), 1)
+    need(inside and (len(nodes) > 0 or not len(table.joint_nodes)), "tensor joints.nodes: node out of range")
+    share = table.joint_share
+    need(bool(((share >= 0) & (share <= 1)).all()), "tensor joints.share: expected shares in 0..1")
+    inside = not len(table.vertex_joint) or int(table.vertex_joint.max()) < len(share)
+    need(inside, "tensor render.vertex_joint: joint out of range")
 
 
 def _check_modal(table: Table) -> None:

@@ -22,7 +22,7 @@ REACH_MARGIN = 1.25
 
 
 def upgraded(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Metadata, dict[str, Array]]:
-    """Metadata and tensors of a file of version 5 to 8 in the layout of version 9."""
+    """Metadata and tensors of a file of version 5 to 9 in the layout of version 10."""
     if metadata.get("version") == 5:
         metadata, tensors = _from_version_5(metadata, tensors)
     if metadata.get("version") == 6:
@@ -31,6 +31,8 @@ def upgraded(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Metadata, d
         metadata, tensors = {**metadata, "version": 8}, tensors | _without_drag(tensors)
     if metadata.get("version") == 8:
         metadata, tensors = {**metadata, "version": 9}, tensors | _without_gusts()
+    if metadata.get("version") == 9:
+        metadata, tensors = {**metadata, "version": 10}, _without_joints(tensors)
     return metadata, tensors
 
 
@@ -48,6 +50,25 @@ def _without_gusts() -> dict[str, Array]:
     """The tensors that version 9 added: no gust layer, so each tree feels one pressure."""
     shapes = {"place": (0, 3), "step": (0, 6), "load": (0, 0), "drag": (0,)}
     return {f"gusts.{name}": np.zeros(shape, np.float32) for name, shape in shapes.items()}
+
+
+def _without_joints(tensors: dict[str, Array]) -> dict[str, Array]:
+    """Version 10 binds vertices to joints between nodes that turn; before, to a node that does not."""
+    kept = {name: tensor for name, tensor in tensors.items() if name != "render.vertex_node"}
+    if "render.vertex_node" not in tensors:
+        raise TableError("missing tensor render.vertex_node")
+    if "nodes.rest_m" not in tensors or "nodes.basis" not in tensors:
+        return kept  # the reader names what is missing
+    count = len(tensors["nodes.rest_m"])
+    own = np.arange(count).astype(np.uint16)
+    return kept | {
+        "nodes.turn": np.zeros_like(tensors["nodes.basis"]),
+        "nodes.parent": own,
+        "joints.nodes": np.column_stack([own, own]),
+        "joints.share": np.zeros(count, np.float32),
+        "joints.rest_m": tensors["nodes.rest_m"],
+        "render.vertex_joint": tensors["render.vertex_node"],
+    }
 
 
 def _from_version_5(metadata: Metadata, tensors: dict[str, Array]) -> tuple[Metadata, dict[str, Array]]:

@@ -28,6 +28,11 @@ export interface NodeLevel {
   readonly of: Uint16Array<ArrayBuffer>;
   /** [nodes, 3, 4 quads]: displacement in m per unit of each coordinate, zero beyond the modes. */
   readonly basis: Float32Array<ArrayBuffer>;
+  /** [nodes, 3, 4 quads]: rotation vector, the same way. */
+  readonly turn: Float32Array<ArrayBuffer>;
+  /** [nodes, 3] rest position, and [nodes] node before it on its branch; its own index: none. */
+  readonly rest_m: Float32Array<ArrayBuffer>;
+  readonly parent: Uint16Array<ArrayBuffer>;
 }
 
 /** First sway mode of a tree of scale 1, by which trees of the background move. */
@@ -48,13 +53,23 @@ export interface TableMotion {
   readonly nodes: number;
   /** [nodes, 3, stride]: displacement in m per unit of each coordinate, zero beyond the modes. */
   readonly basis: Float32Array<ArrayBuffer>;
+  /** [nodes, 3, stride]: rotation vector per unit of each coordinate, zero beyond the modes. */
+  readonly turn: Float32Array<ArrayBuffer>;
   /** [nodes, 3] rest position of each node, tree frame. */
   readonly rest_m: Float32Array<ArrayBuffer>;
+  /** Node before each node on its branch, never a later one; its own index: none. */
+  readonly parent: Uint16Array<ArrayBuffer>;
+  /** [joints, 2] nodes, [joints] share of the second, and [joints, 3] rest position of the joints. */
+  readonly jointNodes: Uint16Array<ArrayBuffer>;
+  readonly jointShare: Float32Array<ArrayBuffer>;
+  readonly jointRest_m: Float32Array<ArrayBuffer>;
+  /** Joint of each render vertex, primitives concatenated. */
+  readonly vertexJoint: Uint16Array<ArrayBuffer>;
   /** One per level of detail of the mesh: full detail first, then with fewer nodes and modes. */
   readonly levels: readonly NodeLevel[];
   /** Largest displacement of any part of a tree of scale 1, m. */
   readonly reach_m: number;
-  /** Node of each render vertex, primitives concatenated. */
+  /** Nearer node of each render vertex. */
   readonly vertexNode: Uint16Array<ArrayBuffer>;
   readonly primitives: readonly { name: string; kind: string; vertices: number }[];
   /** [3, modes]: mean displacement of the crown (upper 40 % of the height) per unit of each coordinate. */
@@ -73,6 +88,8 @@ export interface TableMotion {
   /** Whether the trees move by their natural modes alone. */
   readonly linear: boolean;
   readonly leftOut: readonly string[];
+  /** What is drawn at a sway of a fifth of the height (`drawn` of the table's metadata); empty: not measured. */
+  readonly drawn: Readonly<Record<string, number>>;
   readonly bytes: number;
 }
 

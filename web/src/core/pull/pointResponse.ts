@@ -2,6 +2,7 @@
  * Static response of a tree to a force at one vertex, in the tree's frame, at scale 1. Same as
  * precompute/galewood/player/pulling.py; the reasons are in docs/design/0018-pulling.md.
  */
+import { jointRow } from "../table/jointRow";
 import { fittedModes, type Table } from "../table/table";
 import { CORNERS, type Compliance, WHOLE_WEIGHT } from "./compliance";
 import { displacementOfRow, displacementOfRows, unitResponses } from "./factor";
@@ -50,7 +51,7 @@ export function pointResponse(table: Table, vertex: number, file: Compliance | n
     throw new PullError(`the mesh has ${count} vertices: there is no vertex ${vertex}`);
   const { modes: r, height_m } = table.metadata;
   const node = table.vertexNode[vertex];
-  const point = Float64Array.from(table.nodeBasis.subarray(3 * r * node, 3 * r * (node + 1)));
+  const point = jointRow(table, table.vertexJoint[vertex], new Float64Array(3 * r));
   const oscillators = oscillatorsOf(table, point);
   const pose = poseOf(table, oscillators);
   const own = { node, point, oscillators, pose, reach_m: MOST_REACH * height_m };
@@ -137,7 +138,7 @@ function limitOf(file: Compliance, vertex: number): number {
 
 /** [v, 3, 3]: what the modes do not show, a column per force direction. */
 function restField(
-  { nodeBasis, nodeRest, vertexNode, metadata: { modes: r } }: Table,
+  { nodeBasis, nodeRest, jointNodes, jointShare, vertexJoint, metadata: { modes: r } }: Table,
   file: Compliance,
   units: readonly Float64Array[],
   pose: Float64Array,
@@ -152,11 +153,14 @@ function restField(
     }
   }
   const whole = displacementOfRows(file, units);
-  const field = new Float32Array(9 * vertexNode.length);
-  for (let vertex = 0, at = 0; vertex < vertexNode.length; vertex++) {
+  const field = new Float32Array(9 * vertexJoint.length);
+  for (let vertex = 0, at = 0; vertex < vertexJoint.length; vertex++) {
     const row = 9 * file.vertexRow[vertex];
-    const node = 9 * vertexNode[vertex];
-    for (let k = 0; k < 9; k++, at++) field[at] = whole[row + k] - shown[node + k];
+    const joint = vertexJoint[vertex];
+    const share = jointShare[joint];
+    const [first, second] = [9 * jointNodes[2 * joint], 9 * jointNodes[2 * joint + 1]];
+    for (let k = 0; k < 9; k++, at++)
+      field[at] = whole[row + k] - (1 - share) * shown[first + k] - share * shown[second + k];
   }
   return field;
 }

@@ -31,8 +31,8 @@ import { fromVersion6, peakPressure_pa, reach_m } from "./version6";
 export { TableError } from "./container";
 
 export const FORMAT = "galewood-table";
-export const VERSION = 9;
-const READABLE: readonly unknown[] = [5, 6, 7, 8, VERSION];
+export const VERSION = 10;
+const READABLE: readonly unknown[] = [5, 6, 7, 8, 9, VERSION];
 const MAX_DYNAMIC = 64;
 const MAX_DRAG_POINTS = 32;
 const MAX_GUST_PLACES = 32;
@@ -64,7 +64,7 @@ export interface TableMetadata {
   readonly [more: string]: unknown;
 }
 
-/** A decoded table: r modes, n nodes. Units in docs/formats/table.md. */
+/** A decoded table: r modes, n nodes, j joints. Units in docs/formats/table.md. */
 export interface Table {
   readonly metadata: TableMetadata;
   /** [r] metres of q per integer step */
@@ -73,7 +73,17 @@ export interface Table {
   readonly nodeBasis: Float32Array;
   /** [n, 3] */
   readonly nodeRest: Float32Array;
-  /** node of each render vertex, primitives concatenated */
+  /** [n, 3, r] rotation vector per unit of q */
+  readonly nodeTurn: Float32Array;
+  /** [n] node before it on its branch, never a later one; its own index: none */
+  readonly nodeParent: Uint16Array;
+  /** [j, 2] the two nodes of each joint, [j] share of the second, [j, 3] rest position */
+  readonly jointNodes: Uint16Array;
+  readonly jointShare: Float32Array;
+  readonly jointRest: Float32Array;
+  /** joint of each render vertex, primitives concatenated */
+  readonly vertexJoint: Uint16Array;
+  /** the nearer node of each render vertex */
   readonly vertexNode: Uint16Array;
   readonly modal: ModalTensors;
   readonly gusts: GustTensors;
@@ -85,7 +95,6 @@ const TENSORS: Layout = {
   "modes.scale": ["F32", 1],
   "nodes.basis": ["F32", 3],
   "nodes.rest_m": ["F32", 2],
-  "render.vertex_node": ["U16", 1],
   "modal.step": ["F32", 2],
   "modal.load": ["F32", 2],
   "modal.sway": ["F32", 2],
@@ -109,6 +118,17 @@ const GUST_TENSORS: Layout = {
   "gusts.drag": ["F32", 1],
 };
 
+/** Since version 10. Before, each vertex moves with one node, which does not turn. */
+const JOINT_TENSORS: Layout = {
+  "nodes.turn": ["F32", 3],
+  "nodes.parent": ["U16", 1],
+  "joints.nodes": ["U16", 2],
+  "joints.share": ["F32", 1],
+  "joints.rest_m": ["F32", 2],
+  "render.vertex_joint": ["U16", 1],
+};
+const NODE_TENSORS: Layout = { "render.vertex_node": ["U16", 1] };
+
 /** Modes of the modal model and of the paper's records; the last modes are those of the gust layer. */
 export const fittedModes = ({ metadata, gusts }: Pick<Table, "metadata" | "gusts">): number =>
   metadata.modes - gusts.drag.length;
@@ -125,7 +145,7 @@ export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
   return Number(version) >= 7 ? readPresent(container) : readFormer(container);
 }
 
-/** Versions 7 to 9. */
+/** Versions 7 to 10. */
 function readPresent(container: Container): Table {
   const { paper, ...metadata } = container.metadata;
   const recorded = Object.keys(container.header).some((name) => Object.hasOwn(RECORD_TENSORS, name));
@@ -158,8 +178,10 @@ function assemble(container: Container, given: Json, paper: unknown): Table {
   const metadata = checkMetadata(given);
   const dragged = Number(container.metadata.version) >= 8;
   const gusty = Number(container.metadata.version) >= 9;
+  const jointed = Number(container.metadata.version) >= 10;
   const layout = {
     ...TENSORS,
+    ...(jointed ? JOINT_TENSORS : NODE_TENSORS),
     ...(dragged ? DRAG_TENSORS : {}),
     ...(gusty ? GUST_TENSORS : {}),
     ...(paper === null ? {} : RECORD_TENSORS),
@@ -175,7 +197,7 @@ function assemble(container: Container, given: Json, paper: unknown): Table {
     modeScale: values("modes.scale"),
     nodeBasis: values("nodes.basis"),
     nodeRest: values("nodes.rest_m"),
-    vertexNode: values("render.vertex_node"),
+    ...(jointed ? jointsOf(tensors) : nodesAsJoints(tensors)),
     modal: {
       step: values("modal.step"),
       load: values("modal.load"),
@@ -200,6 +222,43 @@ function assemble(container: Container, given: Json, paper: unknown): Table {
   };
   checkNumbers(table);
   return table;
+}
+
+type Joints = Pick<
+  Table,
+  "nodeTurn" | "nodeParent" | "jointNodes" | "jointShare" | "jointRest" | "vertexJoint" | "vertexNode"
+>;
+
+function jointsOf(tensors: Tensors): Joints {
+  const jointNodes: Uint16Array = valuesOf(tensors, "joints.nodes");
+  const jointShare: Float32Array = valuesOf(tensors, "joints.share");
+  const vertexJoint: Uint16Array = valuesOf(tensors, "render.vertex_joint");
+  return {
+    nodeTurn: valuesOf(tensors, "nodes.turn"),
+    nodeParent: valuesOf(tensors, "nodes.parent"),
+    jointNodes,
+    jointShare,
+    jointRest: valuesOf(tensors, "joints.rest_m"),
+    vertexJoint,
+    vertexNode: vertexJoint.map((joint) => jointNodes[2 * joint + (jointShare[joint] > 0.5 ? 1 : 0)]),
+  };
+}
+
+/** The nodes of a table before version 10 as joints that do not turn. */
+function nodesAsJoints(tensors: Tensors): Joints {
+  const rest: Float32Array = valuesOf(tensors, "nodes.rest_m");
+  const vertexNode: Uint16Array = valuesOf(tensors, "render.vertex_node");
+  const basis: Float32Array = valuesOf(tensors, "nodes.basis");
+  const nodes = rest.length / 3;
+  return {
+    nodeTurn: new Float32Array(basis.length),
+    nodeParent: Uint16Array.from({ length: nodes }, (_, node) => node),
+    jointNodes: Uint16Array.from({ length: 2 * nodes }, (_, k) => k >> 1),
+    jointShare: new Float32Array(nodes),
+    jointRest: rest,
+    vertexJoint: vertexNode,
+    vertexNode,
+  };
 }
 
 function checkMetadata(metadata: Json): TableMetadata {
@@ -246,6 +305,7 @@ function checkTableShapes(tensors: Tensors, { modes, primitives }: TableMetadata
   checkGusts(tensors);
   const r = modes - gustModes(tensors);
   const n = shapeOf(tensors, "nodes.rest_m")[0];
+  const j = tensors.has("joints.share") ? shapeOf(tensors, "joints.share")[0] : n;
   const vertices = primitives.reduce((sum, primitive) => sum + Math.trunc(primitive.vertices), 0);
   const d = shapeOf(tensors, "modal.step")[0];
   const most = Math.min(MAX_DYNAMIC, r);
@@ -259,7 +319,16 @@ function checkTableShapes(tensors: Tensors, { modes, primitives }: TableMetadata
     "modes.scale": [modes],
     "nodes.basis": [n, 3, modes],
     "nodes.rest_m": [n, 3],
-    "render.vertex_node": [vertices],
+    ...(tensors.has("render.vertex_joint")
+      ? {
+          "nodes.turn": [n, 3, modes],
+          "nodes.parent": [n],
+          "joints.nodes": [j, 2],
+          "joints.share": [j],
+          "joints.rest_m": [j, 3],
+          "render.vertex_joint": [vertices],
+        }
+      : { "render.vertex_node": [vertices] }),
     "modal.step": [d, 6],
     "modal.load": [d, 2],
     "modal.sway": [2, d],
@@ -278,16 +347,13 @@ function checkTableShapes(tensors: Tensors, { modes, primitives }: TableMetadata
   });
 }
 
-function checkNumbers({ modeScale, nodeRest, vertexNode, modal, gusts }: Table): void {
+function checkNumbers(table: Table): void {
+  const { modeScale, modal, gusts } = table;
   need(
     modeScale.every((s) => s > 0),
     "tensor modes.scale: not positive",
   );
-  const nodes = nodeRest.length / 3;
-  need(
-    vertexNode.every((node) => node < nodes),
-    "tensor render.vertex_node: node out of range",
-  );
+  checkJoints(table);
   need(
     modal.limits.every((limit) => limit > 0),
     "tensor modal.limits: not positive",
@@ -305,6 +371,26 @@ function checkNumbers({ modeScale, nodeRest, vertexNode, modal, gusts }: Table):
   need(
     gusts.drag.every((damping) => damping >= 0),
     "tensor gusts.drag: negative",
+  );
+}
+
+function checkJoints({ nodeRest, nodeParent, jointNodes, jointShare, vertexJoint }: Table): void {
+  const nodes = nodeRest.length / 3;
+  need(
+    nodeParent.every((parent, node) => parent <= node),
+    "tensor nodes.parent: a node that does not come later",
+  );
+  need(
+    jointNodes.every((node) => node < nodes),
+    "tensor joints.nodes: node out of range",
+  );
+  need(
+    jointShare.every((share) => share >= 0 && share <= 1),
+    "tensor joints.share: expected shares in 0..1",
+  );
+  need(
+    vertexJoint.every((joint) => joint < jointShare.length),
+    "tensor render.vertex_joint: joint out of range",
   );
 }
 

@@ -11,33 +11,13 @@ import {
   MeshBasicMaterial,
   MeshLambertMaterial,
 } from "three";
+import { NodePose } from "../../core/motion/nodePose";
 import type { TreeModel, TreePart } from "../../scene/trees/mesh/treeMesh";
 import type { TableMotion } from "../../worker/protocol";
 
 const SOUND = new Color(1, 1, 1);
 const WRONG = new Color(1, 0.12, 0.05);
 const GHOST = 0x8fd3ff;
-
-/** Displacements of the nodes of a table. */
-export class Nodes {
-  /** [nodes, 3] displacement from rest, m. */
-  readonly moved: Float32Array;
-
-  constructor(private readonly motion: TableMotion) {
-    this.moved = new Float32Array(motion.nodes * 3);
-  }
-
-  /** Moves the nodes to the pose q (modes), magnified by `times`. */
-  bend(q: Float32Array, times: number): void {
-    const { basis, stride, modes } = this.motion;
-    const { moved } = this;
-    for (let row = 0; row < moved.length; row++) {
-      let sum = 0;
-      for (let k = 0; k < modes; k++) sum += basis[row * stride + k] * q[k];
-      moved[row] = sum * times;
-    }
-  }
-}
 
 interface Piece {
   readonly rest: Float32Array;
@@ -48,7 +28,7 @@ interface Piece {
 /** A tree at the origin: either solid and coloured by its error, or a transparent ghost. */
 export class BentTree {
   readonly group = new Group();
-  readonly nodes: Nodes;
+  readonly pose: NodePose;
   private readonly pieces: Piece[] = [];
   private readonly materials: Material[] = [];
 
@@ -57,7 +37,7 @@ export class BentTree {
     private readonly motion: TableMotion,
     ghost: boolean,
   ) {
-    this.nodes = new Nodes(motion);
+    this.pose = new NodePose(motion);
     let firstVertex = 0;
     for (const part of model.parts) {
       this.add(part, firstVertex, ghost);
@@ -82,31 +62,35 @@ export class BentTree {
     this.pieces.push({ rest, firstVertex, geometry });
   }
 
-  /** Moves every vertex with its node. */
+  /** Moves the tree to the pose q (modes), magnified by `times`. */
+  bend(q: Float32Array, times: number): void {
+    this.pose.take(q, 0, times);
+  }
+
+  /** Moves every vertex with its joint. */
   show(): void {
-    const { vertexNode } = this.motion;
-    const { moved } = this.nodes;
+    const place = new Float64Array(3);
     for (const { rest, firstVertex, geometry } of this.pieces) {
       const position = geometry.getAttribute("position") as BufferAttribute;
       const out = position.array as Float32Array;
       for (let v = 0; v * 3 < rest.length; v++) {
-        const node = 3 * vertexNode[firstVertex + v];
-        for (let axis = 0; axis < 3; axis++) out[3 * v + axis] = rest[3 * v + axis] + moved[node + axis];
+        this.pose.place(firstVertex + v, rest[3 * v], rest[3 * v + 1], rest[3 * v + 2], place);
+        out.set(place, 3 * v);
       }
       position.needsUpdate = true;
     }
   }
 
-  /** Colours each vertex by the distance of its node from the reference solution; full red at `worst_m`. */
-  paint(reference: Nodes, worst_m: number): void {
-    const { vertexNode } = this.motion;
-    const a = this.nodes.moved;
-    const b = reference.moved;
+  /** Colours each vertex by the distance of its joint from the reference solution; full red at `worst_m`. */
+  paint(reference: NodePose, worst_m: number): void {
+    const { vertexJoint } = this.motion;
+    const a = this.pose.jointMoved;
+    const b = reference.jointMoved;
     const colour = new Color();
     for (const { rest, firstVertex, geometry } of this.pieces) {
       const attribute = geometry.getAttribute("color") as BufferAttribute;
       for (let v = 0; v * 3 < rest.length; v++) {
-        const n = 3 * vertexNode[firstVertex + v];
+        const n = 3 * vertexJoint[firstVertex + v];
         const off = Math.hypot(a[n] - b[n], a[n + 1] - b[n + 1], a[n + 2] - b[n + 2]);
         colour.lerpColors(SOUND, WRONG, Math.min(1, off / worst_m));
         attribute.setXYZ(v, colour.r, colour.g, colour.b);

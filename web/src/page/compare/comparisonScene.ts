@@ -41,11 +41,11 @@ export class ComparisonScene {
   show(tracks: Tracks, place: number, { method, ghost, times, worst }: Shown): void {
     if (!this.solid || !this.ghost) return;
     poseAt(tracks.q[method] ?? tracks.q.modal, tracks.modes, place, this.pose);
-    this.solid.nodes.bend(this.pose, times);
+    this.solid.bend(this.pose, times);
     poseAt(tracks.q.fem, tracks.modes, place, this.pose);
-    this.ghost.nodes.bend(this.pose, times);
+    this.ghost.bend(this.pose, times);
     this.solid.show();
-    this.solid.paint(this.ghost.nodes, times * worst * tracks.height_m);
+    this.solid.paint(this.ghost.pose, times * worst * tracks.height_m);
     this.ghost.group.visible = ghost;
     if (ghost) this.ghost.show();
   }

@@ -1,5 +1,6 @@
 /** What the overlays draw on one tree. Each is in the tree's own frame, except the wind, which is in the world's. */
 import { Group, type Object3D, Vector3 } from "three";
+import { NodePose } from "../../core/motion/nodePose";
 import type { WindField } from "../../core/wind/wind";
 import { ErrorPoints } from "../../scene/overlays/errorPoints";
 import { NodeBinding } from "../../scene/overlays/nodeBinding";
@@ -13,6 +14,8 @@ import type { Structure } from "./structure";
 export interface Moment {
   /** [nodes, 3] displacement of the nodes as drawn, tree frame, m. */
   readonly moved: Float32Array;
+  /** [joints, 3] the same of the joints. */
+  readonly jointMoved: Float32Array;
   /** Time of the forest, and by how much it advanced, s. */
   readonly time_s: number;
   readonly step_s: number;
@@ -35,12 +38,12 @@ const MOST_ARROWS = 90;
 /** Lines between points that follow the tree. */
 function wires(points: Float32Array, pairs: Uint32Array, motion: TableMotion, style: WireStyle): Drawing {
   const figure = new WireFigure(pairs, style);
-  const binding = new NodeBinding(points, motion.rest_m);
+  const binding = new NodeBinding(points, motion.jointRest_m);
   const moved = new Float32Array(points.length);
   return {
     object: figure.lines,
     update(moment) {
-      binding.displace(moment.moved, moved);
+      binding.displace(moment.jointMoved, moved);
       figure.move(points, moved);
     },
     dispose: () => figure.dispose(),
@@ -55,12 +58,14 @@ export const tetrahedraDrawing = (structure: Structure, motion: TableMotion): Dr
 
 /** The skeleton swinging in one natural mode about its rest pose. */
 export function modeDrawing({ points_m, links }: Structure, motion: TableMotion, mode: number): Drawing {
-  const { basis, stride, nodes, height_m, rest_m } = motion;
-  const shape = Float32Array.from({ length: 3 * nodes }, (_, row) => basis[row * stride + mode]);
-  const binding = new NodeBinding(points_m, rest_m);
+  const { height_m, jointRest_m, stride } = motion;
+  const only = new Float32Array(stride);
+  only[mode] = 1e-3; // so little that nothing is shortened
+  const shape = new NodePose(motion).take(only).jointMoved;
+  const binding = new NodeBinding(points_m, jointRest_m);
   const moved = new Float32Array(points_m.length);
   binding.displace(shape, moved);
-  let most = 1e-9;
+  let most = 1e-12;
   for (let i = 0; i < moved.length; i += 3) most = Math.max(most, Math.hypot(...moved.subarray(i, i + 3)));
   const amplitude = moved.map((value) => (value * MODE_SHARE * height_m) / most);
   const [rest, swinging] = [new WireFigure(links, REST), new WireFigure(links, MODE)];

@@ -1,11 +1,12 @@
 /** Draws skeleton, tetrahedra, modes, wind or error on the picked tree, moving with it. */
+
 import { Group } from "three";
+import { NodePose } from "../../core/motion/nodePose";
 import type { WindField } from "../../core/wind/wind";
 import type { Forest } from "../../scene/forest";
 import type { Stage } from "../../scene/stage";
 import { INSTANCE_FLOATS } from "../../scene/trees/instanceData";
 import type { TableMotion, TreeAt } from "../../worker/protocol";
-import { Nodes } from "../compare/bentTree";
 import type { ForestClient } from "../forestClient";
 import { Problem } from "../server/api";
 import type { KnownTree } from "../server/catalogue";
@@ -45,7 +46,7 @@ export class TreeOverlays {
   private kind: OverlayKind = "none";
   private mode = 0;
   private drawing: Drawing | null = null;
-  private nodes: Nodes | null = null;
+  private pose: NodePose | null = null;
   /** What the drawing shows; another key needs another drawing. */
   private key = "";
   private note = "";
@@ -82,10 +83,9 @@ export class TreeOverlays {
     const { tree } = picked.at;
     this.stand(instances.data.subarray(tree * INSTANCE_FLOATS, (tree + 1) * INSTANCE_FLOATS));
     this.prepare(picked.treeId, motion);
-    if (!this.drawing || !this.nodes) return;
-    const q = poses.subarray(tree * motion.stride, tree * motion.stride + motion.modes);
-    this.nodes.bend(q as Float32Array, this.page.exaggeration.value);
-    this.drawing.update({ moved: this.nodes.moved, time_s: this.client.time_s, step_s });
+    if (!this.drawing || !this.pose) return;
+    const { moved, jointMoved } = this.pose.take(poses, tree * motion.stride, this.page.exaggeration.value);
+    this.drawing.update({ moved, jointMoved, time_s: this.client.time_s, step_s });
   }
 
   /** Places the drawing where the tree stands: x, y, z, texel, scale·cos(yaw), scale·sin(yaw), scale. */
@@ -104,7 +104,7 @@ export class TreeOverlays {
     if (key === this.key) return;
     this.clear();
     this.key = key;
-    this.nodes = new Nodes(motion);
+    this.pose = new NodePose(motion);
     this.make(treeId, motion, order[at], error_m).catch((problem: unknown) => {
       if (this.key !== key) return;
       this.say(problem instanceof Problem ? `${problem.title}. ${problem.hint}` : String(problem));

@@ -58,11 +58,14 @@ export class HeldTree {
     if (!tree) return null;
     const { vertex } = this.grip;
     const field = pull && this.client.pullFields.get(pull.table, vertex);
-    const moved = displacementOf(tree, vertex, pull && { field, force_N: pull.force_N });
+    const { all } = displacementOf(this.drawn(tree), vertex, pull && { field, force_N: pull.force_N });
     const rest = restOf(tree.parts, vertex);
-    const { value } = exaggeration;
-    const own: Vector = [rest[0] + value * moved[0], rest[1] + value * moved[1], rest[2] + value * moved[2]];
+    const own: Vector = [rest[0] + all[0], rest[1] + all[1], rest[2] + all[2]];
     return new Vector3(...toWorld(tree.data, tree.tree, own));
+  }
+
+  private drawn(tree: GrabbedTree): GrabbedTree {
+    return { ...tree, exaggeration: exaggeration.value };
   }
 
   /** Force of the hand on the tree, N. A tree of twice the size is four times as strong. */
@@ -79,11 +82,13 @@ export class HeldTree {
     const wanted = toTree(tree.data, tree.tree, [target.x, target.y, target.z]);
     const rest = restOf(tree.parts, this.grip.vertex);
     const { value } = exaggeration; // the hand follows what is drawn
+    const { swung } = displacementOf(this.drawn(tree), this.grip.vertex, null);
+    const [x, y, z] = wanted.map((at, axis) => (at - rest[axis] - swung[axis]) / value);
     const order: PullOrder = {
       hand: HAND,
       at: place,
       vertex: this.grip.vertex,
-      target_m: [(wanted[0] - rest[0]) / value, (wanted[1] - rest[1]) / value, (wanted[2] - rest[2]) / value],
+      target_m: [x, y, z],
     };
     this.client.pull(order);
   }

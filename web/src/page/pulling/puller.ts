@@ -8,7 +8,7 @@ import { tipNode } from "../../core/motion/tip";
 import type { Forest, PickedTree } from "../../scene/forest";
 import { PullHandle } from "../../scene/overlays/pullHandle";
 import type { Stage } from "../../scene/stage";
-import { grabbedVertex } from "../../scene/trees/grabPoint";
+import { grabbedVertex, vertexAt } from "../../scene/trees/grabPoint";
 import type { ForestClient } from "../forestClient";
 import type { TreePicker } from "../treePicker";
 import { grabbedTree, HeldTree, treeAt } from "./pulledTree";
@@ -234,7 +234,7 @@ export class Puller {
     if (!selected || !tree) this.tag.announce("Select a tree first, then press P to pull it.");
     else if (!this.enabled) this.tag.announce("The forest is paused. Resume it to pull a tree.");
     else {
-      const vertex = tree.motion.vertexNode.indexOf(tipNode(tree.motion));
+      const vertex = vertexAt(tree.motion, tipNode(tree.motion));
       const { treeId, id } = selected;
       const held = new HeldTree(this.forest, this.client, { treeId, id, vertex });
       const { point } = held;

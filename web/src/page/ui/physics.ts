@@ -78,6 +78,18 @@ export function factsOf(tree: Pick<Tree, "height_m" | "report">, tableBytes: num
       (share) => `${(100 * share).toFixed(2)} % of height`,
       "Largest displacement error of any point caused by keeping only these modes.",
     ),
+    fact(
+      "Stretch of the wood",
+      of("drawn", "wood_stretch_worst"),
+      (ratio) => `${Math.max(0, 100 * (ratio - 1)).toFixed(0)} %`,
+      "How much longer any edge of the wood is drawn when the top sways by a fifth of the height.",
+    ),
+    fact(
+      "Leaves from their twigs",
+      of("drawn", "leaves_gap"),
+      (share) => `${(100 * share).toFixed(2)} % of height`,
+      "Largest change of the distance between a leaf and its twig at the same sway.",
+    ),
   ];
   return facts.filter((found) => found !== null);
 }

@@ -1,6 +1,7 @@
 /** Shader code of impostors: a card that faces the eye, bends with its tree and is lit like it. */
 
 import { AIR_FRAGMENT, AIR_PARS } from "../sky/air";
+import { NODE_TEXEL } from "../trees/nodes/nodeTexel";
 import { CROWN_LIGHT } from "../trees/treeLight";
 import { COLOUR_SIDE } from "./atlasLayout";
 import { FLAT_VARYINGS, LIGHT, NORMAL, SURFACE } from "./cardSurface";
@@ -23,8 +24,9 @@ uniform vec3 uTowardsSun;
 uniform sampler2D uLeafMap;
 uniform float uMapped;
 #ifdef SIMULATED
-uniform highp sampler2D uNodes;
+uniform highp usampler2D uNodes;
 uniform int uNodeShift;
+${NODE_TEXEL}
 #endif
 ${FLAT_VARYINGS}
 varying vec3 vCard;
@@ -41,8 +43,7 @@ vec3 inWorld(vec3 tree) {
 }
 #ifdef SIMULATED
 vec3 nodeAt(float texel) {
-  int i = int(texel + 0.5);
-  return texelFetch(uNodes, ivec2(i & ((1 << uNodeShift) - 1), i >> uNodeShift), 0).xyz;
+  return nodeMoved(nodeTexel(uNodes, int(texel + 0.5), uNodeShift));
 }
 #endif
 /** Displacement (tree frame, m) at a height relative to the tree's: zero at the ground, as a parabola above. */
@@ -80,7 +81,11 @@ vec2 corner = position.xy * vec2(most, min(1.0, most * (abs(towards.y) + sqrt(1.
 vec3 card = across * corner.x + upward * corner.y;
 vec3 local = card * span + middleAt;
 vHeight = local.y / uTree.y;
-local += uExaggeration * bendAt(vHeight);
+#ifdef SIMULATED
+  local += bendAt(vHeight); // pass 1 has multiplied it
+#else
+  local += uExaggeration * bendAt(vHeight);
+#endif
 vec3 transformed = aPlace.xyz + inWorld(local);
 vCard = card;
 vRay = card - eye;

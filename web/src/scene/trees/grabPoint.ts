@@ -1,9 +1,10 @@
 /** The vertex of a tree that a ray passes, and places in the tree's frame and in the world. Pure. */
 import type { Ray } from "../../core/math/groundRay";
+import { poseNow } from "../../core/motion/nodePose";
 import type { TableMotion } from "../../worker/protocol";
 import { INSTANCE_FLOATS } from "./instanceData";
 import type { TreePart } from "./mesh/treeMesh";
-import { nodeNow, ownRay } from "./treePick";
+import { ownRay } from "./treePick";
 
 export type Vector = [number, number, number];
 
@@ -42,23 +43,16 @@ export function restOf(parts: readonly TreePart[], vertex: number): Vector {
 export function grabbedVertex(of: GrabbedTree, ray: Ray, slope: number): number | null {
   const { parts, motion, poses, tree } = of;
   const [ox, oy, oz, dx, dy, dz] = ownRay(of.data, tree, ray);
-  const nodes = new Float64Array(3 * motion.nodes);
+  const pose = poseNow(motion, poses, tree * motion.stride, of.exaggeration ?? 1);
   const place = new Float64Array(3);
-  for (let node = 0; node < motion.nodes; node++) {
-    nodeNow(motion, poses, tree, node, place, of.exaggeration);
-    for (let axis = 0; axis < 3; axis++)
-      nodes[3 * node + axis] = place[axis] - motion.rest_m[3 * node + axis];
-  }
   let best: number | null = null;
   let least = Number.POSITIVE_INFINITY;
   let first = 0;
   for (const { kind, position, hold, vertices } of parts) {
     const { array } = position;
     for (let v = 0; v < vertices && !(kind === "leaves" && of.leafless); v++) {
-      const node = 3 * motion.vertexNode[first + hold[v]];
-      const px = array[3 * v] + nodes[node] - ox;
-      const py = array[3 * v + 1] + nodes[node + 1] - oy;
-      const pz = array[3 * v + 2] + nodes[node + 2] - oz;
+      pose.place(first + hold[v], array[3 * v], array[3 * v + 1], array[3 * v + 2], place);
+      const [px, py, pz] = [place[0] - ox, place[1] - oy, place[2] - oz];
       const along = px * dx + py * dy + pz * dz;
       if (along <= 0) continue;
       const aside = Math.sqrt(Math.max(0, px * px + py * py + pz * pz - along * along));
@@ -69,6 +63,21 @@ export function grabbedVertex(of: GrabbedTree, ray: Ray, slope: number): number 
       best = first + v;
     }
     first += vertices;
+  }
+  return best;
+}
+
+/** A vertex that moves with a node: the first of those that it holds most firmly. */
+export function vertexAt({ vertexJoint, jointNodes, jointShare }: TableMotion, node: number): number {
+  let best = 0;
+  let most = -1;
+  for (const [vertex, joint] of vertexJoint.entries()) {
+    const share = jointShare[joint];
+    const own =
+      (jointNodes[2 * joint] === node ? 1 - share : 0) + (jointNodes[2 * joint + 1] === node ? share : 0);
+    if (own <= most) continue;
+    most = own;
+    best = vertex;
   }
   return best;
 }
@@ -89,21 +98,34 @@ export function toTree(data: Float32Array, tree: number, [wx, wy, wz]: Vector): 
   return [(cos * x - sin * z) / square, y / scale, (sin * x + cos * z) / square];
 }
 
-/** Displacement of a vertex from rest: by its node, and by the force of a pull beyond it. */
+/** Displacement of a vertex as drawn: of the joint that holds it, of its turn about the joint, and of both. */
+export interface Displaced {
+  readonly held: Vector;
+  readonly swung: Vector;
+  readonly all: Vector;
+}
+
+/** Displacement of a vertex from rest: by its joint, and by the force of a pull beyond that. */
 export function displacementOf(
-  { motion, poses, tree }: Pick<GrabbedTree, "motion" | "poses" | "tree">,
+  { motion, poses, tree, parts, exaggeration = 1 }: Omit<GrabbedTree, "data" | "leafless">,
   vertex: number,
   pull: { readonly field: Float32Array | null; readonly force_N: ArrayLike<number> } | null,
-): Vector {
-  const node = motion.vertexNode[vertex];
+): Displaced {
+  const pose = poseNow(motion, poses, tree * motion.stride, exaggeration);
+  const rest = restOf(parts, vertex);
   const place = new Float64Array(3);
-  nodeNow(motion, poses, tree, node, place);
-  const [x, y, z] = [0, 1, 2].map((axis) => {
-    const modes = place[axis] - motion.rest_m[3 * node + axis];
-    const { field = null, force_N = [] } = pull ?? {};
-    if (!field) return modes;
+  pose.place(vertex, ...rest, place);
+  const joint = 3 * motion.vertexJoint[vertex];
+  const { field = null, force_N = [] } = pull ?? {};
+  const held: number[] = [];
+  const swung: number[] = [];
+  for (let axis = 0; axis < 3; axis++) {
+    const moved = pose.jointMoved[joint + axis];
+    swung.push(place[axis] - rest[axis] - moved);
     const at = 9 * vertex + axis;
-    return modes + field[at] * force_N[0] + field[at + 3] * force_N[1] + field[at + 6] * force_N[2];
-  });
-  return [x, y, z];
+    const more = field ? field[at] * force_N[0] + field[at + 3] * force_N[1] + field[at + 6] * force_N[2] : 0;
+    held.push(moved + exaggeration * more);
+  }
+  const [x, y, z] = held.map((value, axis) => value + swung[axis]);
+  return { held: held as Vector, swung: swung as Vector, all: [x, y, z] };
 }

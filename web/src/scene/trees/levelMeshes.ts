@@ -16,10 +16,12 @@ import { INSTANCE_FLOATS } from "./instanceData";
 import type { TreePart } from "./mesh/treeMesh";
 import type { PartMaterials } from "./treeMaterial";
 
-/** A part at this level: triangles sorted by rank, and the node of each vertex. */
+/** A part at this level: triangles sorted by rank, and the joint of each vertex. */
 export interface LevelPart {
   readonly part: TreePart;
-  readonly node: BufferAttribute | null;
+  /** Nodes and share of each vertex's joint, and its place; null: the tree stands still. */
+  readonly joint: BufferAttribute | null;
+  readonly pivot: BufferAttribute | null;
   readonly materials: PartMaterials;
 }
 
@@ -32,7 +34,7 @@ export interface LevelTexels {
   readonly nodes: number;
 }
 
-function geometryOf({ part, node }: LevelPart, level: number, instances: InstancedInterleavedBuffer) {
+function geometryOf({ part, joint, pivot }: LevelPart, level: number, instances: InstancedInterleavedBuffer) {
   const geometry = new InstancedBufferGeometry();
   geometry.setIndex(part.index);
   geometry.setDrawRange(0, part.counts[level]);
@@ -42,7 +44,8 @@ function geometryOf({ part, node }: LevelPart, level: number, instances: Instanc
   if (part.colour) geometry.setAttribute("color", part.colour);
   geometry.setAttribute("aAnchor", part.anchor);
   geometry.setAttribute("aPiece", part.piece);
-  if (node) geometry.setAttribute("aNode", node);
+  if (joint) geometry.setAttribute("aJoint", joint);
+  if (pivot) geometry.setAttribute("aPivot", pivot);
   ["aPlace", "aTurn", "aTint"].forEach((name, k) => {
     geometry.setAttribute(name, new InterleavedBufferAttribute(instances, 4, k * 4));
   });

@@ -1,17 +1,18 @@
 /** All trees of one species: pass 1 for its nodes, instanced meshes at every level of detail for pass 2. */
-import { BufferAttribute, Group, type WebGLRenderer } from "three";
-import type { NodeLevel, TableMotion } from "../../worker/protocol";
+import { type BufferAttribute, Group, type WebGLRenderer } from "three";
+import type { TableMotion } from "../../worker/protocol";
 import type { Bounds } from "./culling";
 import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
 import { DrawList, type View } from "./drawList";
 import { type BendNodes, bendNodes, type FarCards, fillCards } from "./farCards";
 import type { InstanceData } from "./instanceData";
+import { jointAttribute, pivotAttribute } from "./jointAttribute";
 import { LevelMeshes, type LevelPart, type LevelTexels } from "./levelMeshes";
 import type { TreeModel, TreePart } from "./mesh/treeMesh";
 import { NodePass } from "./nodes/nodePass";
 import { PullSlots, type ShownPull } from "./pull/pullSlots";
 import { type MaterialOptions, type PartMaterials, partMaterials } from "./treeMaterial";
-import { nodeRadii } from "./treePick";
+import { jointRadii } from "./treePick";
 import type { TreeUniforms } from "./treeShader";
 
 export interface SpeciesOptions extends MaterialOptions {
@@ -25,12 +26,6 @@ export interface SpeciesOptions extends MaterialOptions {
 /** Buffers grow in steps of this many trees. */
 const ROOM_STEP = 256;
 const ALL: LevelTexels = { first: 0, trees: Number.POSITIVE_INFINITY, nodes: 0 };
-
-/** Node of each vertex of one part at one level. */
-function nodeAttribute(part: TreePart, firstVertex: number, motion: TableMotion, level: NodeLevel) {
-  const nodes = Uint16Array.from(part.hold, (vertex) => level.of[motion.vertexNode[firstVertex + vertex]]);
-  return new BufferAttribute(nodes, 1);
-}
 
 /** For each vertex of all parts, the vertex whose motion it takes. */
 function holdsOf(model: TreeModel): Uint32Array {
@@ -48,6 +43,8 @@ interface OwnPart {
   readonly firstVertex: number;
   /** Drawn in place of leaves that have fallen. */
   readonly bare: boolean;
+  /** Shared by all levels; null: the tree stands still. */
+  readonly pivot: BufferAttribute | null;
   readonly moving: PartMaterials | null;
   /** Materials without any deformation, created on first use. */
   still: PartMaterials | null;
@@ -64,7 +61,7 @@ export class SpeciesForest {
   private list: DrawList;
   private frozen = false;
   private fallen = false;
-  private nodeRadius_m: Float32Array | null = null;
+  private jointRadius_m: Float32Array | null = null;
   /** Impostors of distant trees, if the scene has any. */
   cards: FarCards | null = null;
   private readonly bend: BendNodes | null;
@@ -77,7 +74,9 @@ export class SpeciesForest {
     readonly options: SpeciesOptions,
   ) {
     this.room = Math.ceil(instances.count / ROOM_STEP) * ROOM_STEP;
-    this.nodes = motion ? new NodePass(motion, this.room, options.maxTextureSide) : null;
+    this.nodes = motion
+      ? new NodePass(motion, this.room, options.maxTextureSide, options.exaggeration)
+      : null;
     this.pulls = new PullSlots(holdsOf(model));
     this.uniforms = {
       ...this.pulls.uniforms,
@@ -110,6 +109,7 @@ export class SpeciesForest {
       part,
       firstVertex,
       bare,
+      pivot: this.motion && pivotAttribute(part, firstVertex, this.motion),
       moving: this.motion ? this.materials(part, true, bare ? null : firstVertex) : null,
       still: this.motion ? null : this.materials(part, false, null),
     };
@@ -127,12 +127,12 @@ export class SpeciesForest {
   }
 
   private makeLevel(level: number): LevelMeshes {
-    const parts = this.parts.map(({ part, firstVertex, moving, still }): LevelPart => {
+    const parts = this.parts.map(({ part, firstVertex, pivot, moving, still }): LevelPart => {
       const materials = moving ?? still;
       if (!materials) throw new Error("a part without materials");
       const { motion } = this;
-      const node = motion ? nodeAttribute(part, firstVertex, motion, motion.levels[level]) : null;
-      return { part, node, materials };
+      const joint = motion && jointAttribute(part, firstVertex, motion, motion.levels[level]);
+      return { part, joint, pivot, materials };
     });
     // If gloss is affordable, so are the shadows of all leaves.
     return new LevelMeshes(level, parts, this.room, this.options.gloss ? 1 : LEVEL_SHARES[1], this.group);
@@ -173,13 +173,13 @@ export class SpeciesForest {
   /** Data for picking. */
   get pickable() {
     const { instances, bounds, motion, exaggeration } = this;
-    this.nodeRadius_m ??= motion
-      ? nodeRadii(
+    this.jointRadius_m ??= motion
+      ? jointRadii(
           this.model.parts.map(({ position }) => position.array),
           motion,
         )
       : new Float32Array(0);
-    return { instances, bounds, motion, exaggeration, nodeRadius_m: this.nodeRadius_m };
+    return { instances, bounds, motion, exaggeration, jointRadius_m: this.jointRadius_m };
   }
 
   /** Selects the trees that are drawn in this view, and their level of detail. */

@@ -1,6 +1,7 @@
-/** Finds the first tree hit by a ray: tests the bounds, then the displaced nodes. Pure. */
+/** Finds the first tree hit by a ray: tests the bounds, then spheres around the displaced joints. Pure. */
 
 import type { Ray } from "../../core/math/groundRay";
+import { poseNow } from "../../core/motion/nodePose";
 import type { TableMotion } from "../../worker/protocol";
 import type { Bounds } from "./culling";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
@@ -10,8 +11,8 @@ export interface PickGroup {
   readonly bounds: Bounds;
   /** null for static trees. */
   readonly motion: TableMotion | null;
-  /** Extent of the mesh around each node, m at scale 1. */
-  readonly nodeRadius_m: Float32Array;
+  /** Extent of the mesh around each joint, m at scale 1. */
+  readonly jointRadius_m: Float32Array;
   readonly poses: Float32Array | null;
   /** Factor of the displacements on screen. */
   readonly exaggeration: number;
@@ -83,36 +84,23 @@ export function ownRay(data: Float32Array, tree: number, { from, to }: Ray): Flo
   );
 }
 
-/** Writes the current position of a node (tree frame) into `out`, as drawn with this exaggeration. */
-export function nodeNow(
-  motion: TableMotion,
-  poses: Float32Array | null,
-  tree: number,
-  node: number,
-  out: Float64Array,
-  exaggeration = 1,
-): void {
-  const { stride, modes, basis, rest_m } = motion;
-  for (let axis = 0; axis < 3; axis++) {
-    let moved = 0;
-    const row = (node * 3 + axis) * stride;
-    if (poses) for (let k = 0; k < modes; k++) moved += basis[row + k] * poses[tree * stride + k];
-    out[axis] = rest_m[node * 3 + axis] + exaggeration * moved;
-  }
-}
-
-const place = new Float64Array(3);
-
 /** Distance along the ray to a tree, m. */
 function entry(group: PickGroup, tree: number, ray: Ray): number {
-  const { instances, bounds, motion, nodeRadius_m, poses, exaggeration } = group;
+  const { instances, bounds, motion, jointRadius_m, poses, exaggeration } = group;
   const scale = instances.data[tree * INSTANCE_FLOATS + 6];
   const [ox, oy, oz, dx, dy, dz] = ownRay(instances.data, tree, ray);
   if (!motion) return crownEntry(bounds, ox, oy, oz, dx, dy, dz) * scale;
   let nearest = Number.POSITIVE_INFINITY;
-  for (let node = 0; node < motion.nodes; node++) {
-    nodeNow(motion, poses, tree, node, place, exaggeration);
-    const t = ballEntry(ox - place[0], oy - place[1], oz - place[2], dx, dy, dz, nodeRadius_m[node]);
+  const { jointRest_m: rest_m } = motion;
+  const { jointMoved: moved } = poseNow(motion, poses, tree * motion.stride, exaggeration);
+  for (const [joint, radius_m] of jointRadius_m.entries()) {
+    const at = 3 * joint;
+    const [x, y, z] = [
+      rest_m[at] + moved[at],
+      rest_m[at + 1] + moved[at + 1],
+      rest_m[at + 2] + moved[at + 2],
+    ];
+    const t = ballEntry(ox - x, oy - y, oz - z, dx, dy, dz, radius_m);
     if (t < nearest) nearest = t;
   }
   return nearest * scale;
@@ -139,18 +127,19 @@ export function pickTree(groups: readonly PickGroup[], ray: Ray): PickedTree | n
   return best;
 }
 
-/** Radius of the sphere around a node, relative to its farthest vertex: 1 covers all vertices, less the dense part. */
+/** Radius of the sphere around a joint, relative to its farthest vertex: 1 covers all vertices, less the dense part. */
 const FILL = 0.75;
 
-/** Extent of the mesh around each node, from the vertices bound to it (xyz packed, table order). */
-export function nodeRadii(positions: readonly ArrayLike<number>[], motion: TableMotion): Float32Array {
-  const radius_m = new Float32Array(motion.nodes);
+/** Extent of the mesh around each joint, from the vertices that it holds (xyz packed, table order). */
+export function jointRadii(positions: readonly ArrayLike<number>[], motion: TableMotion): Float32Array {
+  const { vertexJoint, jointRest_m } = motion;
+  const radius_m = new Float32Array(motion.jointShare.length);
   let vertex = 0;
   for (const part of positions) {
     for (let i = 0; i < part.length; i += 3, vertex++) {
-      const node = motion.vertexNode[vertex];
-      const [x, y, z] = [0, 1, 2].map((axis) => part[i + axis] - motion.rest_m[node * 3 + axis]);
-      radius_m[node] = Math.max(radius_m[node], FILL * Math.hypot(x, y, z));
+      const joint = vertexJoint[vertex];
+      const [x, y, z] = [0, 1, 2].map((axis) => part[i + axis] - jointRest_m[joint * 3 + axis]);
+      radius_m[joint] = Math.max(radius_m[joint], FILL * Math.hypot(x, y, z));
     }
   }
   return radius_m;

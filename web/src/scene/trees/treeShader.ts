@@ -2,8 +2,10 @@
 import type { Color, Material, WebGLProgramParametersWithUniforms } from "three";
 import { LOT_SHADER } from "./boughLots";
 import { EDGE, MOST_GROWTH } from "./detail";
+import { WHOLE_SHARE } from "./jointAttribute";
 import { LEAF_FLUTTER } from "./leafFlutter";
 import type { Part } from "./mesh/treeMesh";
+import { NODE_TEXEL, TURN_BY } from "./nodes/nodeTexel";
 import { PULL_PARS } from "./pull/pullShader";
 import type { PullUniforms } from "./pull/pullSlots";
 import { type AtmosphereShader, patchColour } from "./treeLight";
@@ -16,7 +18,7 @@ export interface TreeUniforms extends Partial<PullUniforms> {
   uNodeShift: { value: number };
   /** Time (s) and amplitude of the leaf flutter; amplitude 0 disables it. */
   uFlutter: { value: { x: number; y: number } };
-  /** Factor of the displacements. */
+  /** Factor of the displacements; those in the target of pass 1 already have it. */
   uExaggeration: { value: number };
 }
 
@@ -39,11 +41,29 @@ attribute vec4 aTint;  // colour; weight relative to the texture colour
 attribute vec4 aAnchor; // base of the branch or petiole, to which it shrinks; lot of its bough, negative: every tree has it
 attribute vec4 aPiece; // random number of the piece, openness to the sky, flutter weight, rank
 #ifndef STILL
-attribute float aNode;
-uniform highp sampler2D uNodes;
+attribute vec4 aJoint; // the two nodes between which the vertex is held, share of the second / WHOLE_SHARE
+attribute vec3 aPivot; // where it is held
+uniform highp usampler2D uNodes;
 uniform int uNodeShift;
 uniform float uExaggeration;
-${PULL_PARS}
+${NODE_TEXEL}${TURN_BY}${PULL_PARS}
+vec3 heldMoved; // displacement and turn of the joint, and the wind there
+vec4 heldTurn;
+float heldWind;
+void takeJoint() {
+  int tree = int(aPlace.w + 0.5);
+  uvec4 first = nodeTexel(uNodes, tree + int(aJoint.x + 0.5), uNodeShift);
+  heldMoved = nodeMoved(first);
+  heldWind = nodeWind(first);
+  vec3 curl = nodeTurned(first);
+  if (aJoint.z > 0.5) {
+    float share = aJoint.z / ${WHOLE_SHARE.toFixed(1)};
+    uvec4 second = nodeTexel(uNodes, tree + int(aJoint.y + 0.5), uNodeShift);
+    heldMoved = mix(heldMoved, nodeMoved(second), share);
+    curl = mix(curl, nodeTurned(second), share);
+  }
+  heldTurn = turnOf(curl);
+}
 #endif
 uniform vec2 uFlutter;
 uniform float uLeafShare;
@@ -52,8 +72,14 @@ varying vec4 vPiece;
 ${LOT_SHADER}${LEAF_FLUTTER}`;
 
 const NORMAL = /* glsl */ `
+#ifdef STILL
+  vec3 facing = normal;
+#else
+  takeJoint();
+  vec3 facing = turnedBy(heldTurn, normal);
+#endif
 vec3 objectNormal = normalize(vec3(
-  aTurn.x * normal.x + aTurn.y * normal.z, aTurn.z * normal.y, aTurn.x * normal.z - aTurn.y * normal.x));
+  aTurn.x * facing.x + aTurn.y * facing.z, aTurn.z * facing.y, aTurn.x * facing.z - aTurn.y * facing.x));
 `;
 
 const POSITION = /* glsl */ `
@@ -64,13 +90,17 @@ float grown = clamp((aTurn.w * ${1 + EDGE} - aPiece.w) / (${EDGE} * aTurn.w), 0.
 grown *= hasLot(aAnchor.w, aPlace.xz);
 vec3 local = mix(aAnchor.xyz, position, grown);
 #ifndef STILL
-  int nodeIndex = int(aPlace.w + 0.5) + int(aNode + 0.5);
-  vec4 motion = texelFetch(uNodes, ivec2(nodeIndex & ((1 << uNodeShift) - 1), nodeIndex >> uNodeShift), 0);
-  #ifdef LEAVES
-    float leafSwing = uFlutter.y * aPiece.z * leafAngle(aPiece.x, motion.w, uFlutter.x + dot(aPlace.xz, vec2(0.7, 1.1)));
-    local = aAnchor.xyz + turned(local - aAnchor.xyz, leafAxis(aPiece.x), leafSwing);
+  #ifdef SHADOW
+    takeJoint(); // the shadow pass has no normals
   #endif
-  local += uExaggeration * (motion.xyz + pulledBy());
+  #ifdef LEAVES
+    vec3 pivot = aPivot;
+    float leafSwing = uFlutter.y * aPiece.z * leafAngle(aPiece.x, heldWind, uFlutter.x + dot(aPlace.xz, vec2(0.7, 1.1)));
+    local = aAnchor.xyz + turned(local - aAnchor.xyz, leafAxis(aPiece.x), leafSwing);
+  #else
+    vec3 pivot = mix(aAnchor.xyz, aPivot, grown); // a branch that shrinks to its base ends there
+  #endif
+  local = pivot + heldMoved + turnedBy(heldTurn, local - pivot) + uExaggeration * pulledBy();
 #endif
 #ifdef LEAVES
   local *= step(aPiece.x, uLeafShare); // fallen leaves collapse to a point
@@ -84,8 +114,18 @@ vPiece = aPiece;
 #endif
 `;
 
-function patchVertex(shader: WebGLProgramParametersWithUniforms, part: Part, moves: boolean): void {
-  const defines = `${part === "leaves" ? "#define LEAVES\n" : ""}${moves ? "" : "#define STILL\n"}`;
+type Pass = "colour" | "depth";
+
+function patchVertex(
+  shader: WebGLProgramParametersWithUniforms,
+  part: Part,
+  pass: Pass,
+  moves: boolean,
+): void {
+  const defined = [part === "leaves" && "LEAVES", pass === "depth" && "SHADOW", !moves && "STILL"].filter(
+    (name) => name !== false,
+  );
+  const defines = defined.map((name) => `#define ${name}\n`).join("");
   shader.vertexShader = shader.vertexShader
     .replace("#include <common>", `#include <common>\n${defines}${VERTEX_PARS}`)
     .replace("#include <beginnormal_vertex>", NORMAL)
@@ -96,14 +136,14 @@ function patchVertex(shader: WebGLProgramParametersWithUniforms, part: Part, mov
 export function deform(
   material: Material,
   part: Part,
-  pass: "colour" | "depth",
+  pass: Pass,
   moves: boolean,
   uniforms: object,
   atmosphere: AtmosphereShader,
 ): void {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
-    patchVertex(shader, part, moves);
+    patchVertex(shader, part, pass, moves);
     if (pass === "colour") patchColour(shader, part, atmosphere);
   };
   material.customProgramCacheKey = () => `galewood-${part}-${pass}-${moves}-${atmosphere.key}`;

@@ -1,6 +1,7 @@
 /** Carries poses over to a new plan: the displayed pose of each tree in the coordinates of its new group. Pure. */
 
 import { poseStride } from "../../core/motion/poseStride";
+import { jointRow } from "../../core/table/jointRow";
 import { fittedModes, type Table } from "../../core/table/table";
 
 /** A displayed group. */
@@ -60,20 +61,21 @@ const MOST_VERTICES = 1500;
  * null if the tables belong to different meshes.
  */
 export function poseTransfer(from: Table, to: Table): Float64Array | null {
-  if (from.vertexNode.length !== to.vertexNode.length) return null;
+  if (from.vertexJoint.length !== to.vertexJoint.length) return null;
   const r = to.metadata.modes;
   const s = from.metadata.modes;
   const normal = new Float64Array(r * r);
   const right = new Float64Array(r * s);
-  const step = Math.max(1, Math.floor(to.vertexNode.length / MOST_VERTICES));
-  for (let vertex = 0; vertex < to.vertexNode.length; vertex += step) {
+  const step = Math.max(1, Math.floor(to.vertexJoint.length / MOST_VERTICES));
+  const [a, b] = [new Float64Array(3 * r), new Float64Array(3 * s)];
+  for (let vertex = 0; vertex < to.vertexJoint.length; vertex += step) {
+    jointRow(to, to.vertexJoint[vertex], a);
+    jointRow(from, from.vertexJoint[vertex], b);
     for (let axis = 0; axis < 3; axis++) {
-      const a = (to.vertexNode[vertex] * 3 + axis) * r;
-      const b = (from.vertexNode[vertex] * 3 + axis) * s;
       for (let i = 0; i < r; i++) {
-        const row = to.nodeBasis[a + i];
-        for (let j = 0; j <= i; j++) normal[i * r + j] += row * to.nodeBasis[a + j];
-        for (let j = 0; j < s; j++) right[i * s + j] += row * from.nodeBasis[b + j];
+        const row = a[axis * r + i];
+        for (let j = 0; j <= i; j++) normal[i * r + j] += row * a[axis * r + j];
+        for (let j = 0; j < s; j++) right[i * s + j] += row * b[axis * s + j];
       }
     }
   }

@@ -13,10 +13,21 @@ const COARSER = [
   { nodes: 24, quads: 2, gusts: 2 },
 ] as const;
 
-/** Basis rows scaled by the typical amplitude of each mode, so that distances between rows are distances in space. */
-function weighed(table: Table): Float32Array {
-  const { nodeBasis, modeScale } = table;
-  return nodeBasis.map((value, i) => value * modeScale[i % modeScale.length]);
+/** Arm at whose end rotation counts as displacement, relative to the height. */
+const TURN_ARM = 0.02;
+
+/** Rows of displacement and rotation, [nodes, 6, modes], in proportion to distances in space. */
+function weighed({ nodeBasis, nodeTurn, modeScale, metadata }: Table): Float32Array {
+  const { modes, height_m } = metadata;
+  const width = 3 * modes;
+  const rows = new Float32Array(2 * nodeBasis.length);
+  nodeBasis.forEach((value, i) => {
+    const at = 2 * width * Math.floor(i / width) + (i % width);
+    const scale = modeScale[i % modes];
+    rows[at] = value * scale;
+    rows[at + width] = nodeTurn[i] * TURN_ARM * height_m * scale;
+  });
+  return rows;
 }
 
 function squaredDistance(rows: Float32Array, width: number, a: number, b: number): number {
@@ -50,36 +61,67 @@ export function groupRows(rows: Float32Array, width: number, numbers: readonly n
   return numbers.map((number) => taken.get(Math.min(number, most)) ?? group);
 }
 
-/** Mean basis of each group over its render vertices, [groups, 3, 4 quads]; wind and padding are zero. */
-function groupBasis(table: Table, group: Uint16Array, groups: number, columns: Uint16Array, stride: number) {
-  const { modes: all } = table.metadata;
-  const basis = new Float32Array(groups * 3 * stride);
+/** Share of each node in its group, by its render vertices. */
+function sharesOf({ vertexNode }: Table, group: Uint16Array, groups: number): Float64Array {
   const weight = new Float64Array(groups);
   const vertices = new Float64Array(group.length).fill(1e-6); // nodes without vertices have negligible weight
-  for (const node of table.vertexNode) vertices[node]++;
+  for (const node of vertexNode) vertices[node]++;
   for (let node = 0; node < group.length; node++) weight[group[node]] += vertices[node];
+  return vertices.map((count, node) => count / weight[group[node]]);
+}
+
+/** Means of rows [nodes, 3, modes] in each group, [groups, 3, stride], of some columns; the rest is zero. */
+function meanRows(
+  rows: Float32Array,
+  modes: number,
+  group: Uint16Array,
+  share: Float64Array,
+  groups: number,
+  columns: Uint16Array,
+  stride: number,
+): Float32Array<ArrayBuffer> {
+  const mean = new Float32Array(groups * 3 * stride);
   for (let node = 0; node < group.length; node++) {
-    const share = vertices[node] / weight[group[node]];
     for (let axis = 0; axis < 3; axis++) {
-      const from = (node * 3 + axis) * all;
+      const from = (node * 3 + axis) * modes;
       const to = (group[node] * 3 + axis) * stride;
-      for (const [k, column] of columns.entries()) basis[to + k] += share * table.nodeBasis[from + column];
+      for (const [k, column] of columns.entries()) mean[to + k] += share[node] * rows[from + column];
     }
   }
-  return basis;
+  return mean;
+}
+
+/** The group before each: that of the node before its first node. */
+function groupParents(parent: Uint16Array, group: Uint16Array, groups: number): Uint16Array<ArrayBuffer> {
+  const first = new Int32Array(groups).fill(-1);
+  group.forEach((g, node) => {
+    if (first[g] < 0) first[g] = node;
+  });
+  return Uint16Array.from(first, (node, g) => (node < 0 ? g : group[parent[node]]));
 }
 
 /** The levels after the full one. */
 export function coarserNodes(table: Table): NodeLevel[] {
   const { modes: all } = table.metadata;
   const numbers = COARSER.map(({ nodes }) => nodes);
-  const grouped = groupRows(weighed(table), 3 * all, numbers);
+  const grouped = groupRows(weighed(table), 6 * all, numbers);
   return COARSER.map(({ quads: most, gusts }, level) => {
     const of = grouped[level].slice();
     const nodes = of.reduce((a, b) => Math.max(a, b), 0) + 1;
     const quads = Math.min(most, Math.ceil((all + 1) / 4));
     const columns = columnsOf(table, 4 * quads - 1, gusts);
-    return { nodes, quads, columns, of, basis: groupBasis(table, of, nodes, columns, 4 * quads) };
+    const share = sharesOf(table, of, nodes);
+    const mean = (rows: Float32Array) => meanRows(rows, all, of, share, nodes, columns, 4 * quads);
+    return {
+      nodes,
+      quads,
+      columns,
+      of,
+      basis: mean(table.nodeBasis),
+      turn: mean(table.nodeTurn),
+      rest_m: meanRows(table.nodeRest, 1, of, share, nodes, Uint16Array.of(0), 1),
+      parent: groupParents(table.nodeParent, of, nodes),
+    };
   });
 }
 

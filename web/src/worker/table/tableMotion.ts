@@ -41,10 +41,19 @@ function leftOutOf({ metadata }: Table): string[] {
 const isPreliminary = ({ metadata }: Table) =>
   (metadata.provenance as { preliminary?: unknown } | undefined)?.preliminary === true;
 
+/** Figures of what is drawn, by name. */
+function drawnOf({ metadata }: Table): Record<string, number> {
+  const given = Object.entries((metadata.drawn ?? {}) as object);
+  return Object.fromEntries(given.filter((entry) => Number.isFinite(entry[1])).slice(0, 24));
+}
+
 export function tableMotion(sha256: string, table: Table, bytes: number): TableMotion {
   const { modes, primitives, height_m, mesh_sha256, foliage = "leaf", reach_m } = table.metadata;
   const stride = poseStride(modes);
   const basis = padBasis(table.nodeBasis, modes, stride);
+  const turn = padBasis(table.nodeTurn, modes, stride);
+  const rest_m = Float32Array.from(table.nodeRest);
+  const parent = Uint16Array.from(table.nodeParent);
   const nodes = table.nodeRest.length / 3;
   const all = Uint16Array.from({ length: modes }, (_, k) => k);
   const of = Uint16Array.from({ length: nodes }, (_, node) => node);
@@ -54,8 +63,17 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     stride,
     nodes,
     basis,
-    rest_m: Float32Array.from(table.nodeRest),
-    levels: [{ nodes, quads: stride / 4, columns: all, of, basis }, ...coarserNodes(table)],
+    turn,
+    rest_m,
+    parent,
+    jointNodes: Uint16Array.from(table.jointNodes),
+    jointShare: Float32Array.from(table.jointShare),
+    jointRest_m: Float32Array.from(table.jointRest),
+    vertexJoint: Uint16Array.from(table.vertexJoint),
+    levels: [
+      { nodes, quads: stride / 4, columns: all, of, basis, turn, rest_m, parent },
+      ...coarserNodes(table),
+    ],
     reach_m,
     vertexNode: Uint16Array.from(table.vertexNode),
     primitives: primitives.map(({ name, kind, vertices }) => ({ name, kind, vertices })),
@@ -69,19 +87,34 @@ export function tableMotion(sha256: string, table: Table, bytes: number): TableM
     preliminary: isPreliminary(table),
     linear: table.modal.pose.length === 0,
     leftOut: leftOutOf(table),
+    drawn: drawnOf(table),
     bytes,
   };
 }
 
 /** The buffers to transfer instead of copying. */
 export function motionBuffers(motion: TableMotion): ArrayBuffer[] {
-  const { basis, rest_m, vertexNode, crownBasis, levels } = motion;
+  const { basis, turn, rest_m, parent, vertexNode, crownBasis, levels } = motion;
+  const { jointNodes, jointShare, jointRest_m, vertexJoint } = motion;
   const own = [
     basis,
+    turn,
     rest_m,
+    parent,
+    jointNodes,
+    jointShare,
+    jointRest_m,
+    vertexJoint,
     vertexNode,
     crownBasis,
-    ...levels.flatMap(({ of, columns, basis: rows }) => [of, columns, rows]),
+    ...levels.flatMap((level) => [
+      level.of,
+      level.columns,
+      level.basis,
+      level.turn,
+      level.rest_m,
+      level.parent,
+    ]),
   ];
   return [...new Set(own.map(({ buffer }) => buffer))];
 }

@@ -1,55 +1,9 @@
 /** One level of pass 1: its own nodes and modes, drawn to its own rows, updated at a rate that depends on its distance. */
-import { type BufferGeometry, type DataTexture, GLSL3, Mesh, RawShaderMaterial } from "three";
+import { type BufferGeometry, type DataTexture, GLSL3, Mesh, RawShaderMaterial, type Texture } from "three";
 import type { NodeLevel } from "../../../worker/protocol";
 import { FLAT_SHIFT, flatTexture, uploadFirst } from "./flatTexture";
+import { COVER, DISPLACE, SHORTEN } from "./levelShader";
 import type { LevelRows } from "./nodeLayout";
-
-const vertexShader = /* glsl */ `
-in vec3 position;
-void main() { gl_Position = vec4(position, 1.0); }
-`;
-
-const fragmentShader = /* glsl */ `
-precision highp float;
-precision highp int;
-precision highp sampler2D;
-uniform sampler2D uBasis;
-uniform sampler2D uPoses;
-#ifdef BLEND
-uniform sampler2D uBefore;
-uniform float uShare;
-#endif
-uniform int uNodeCount;
-uniform int uShift;
-uniform int uRow;
-uniform int uDrawn;
-out vec4 node;
-
-vec4 flat_(sampler2D source, int i) {
-  return texelFetch(source, ivec2(i & ((1 << FLAT_SHIFT) - 1), i >> FLAT_SHIFT), 0);
-}
-
-void main() {
-  ivec2 texel = ivec2(gl_FragCoord.xy);
-  int i = ((texel.y - uRow) << uShift) + texel.x;
-  int slot = i / uNodeCount;
-  if (slot >= uDrawn) discard;
-  int row = (i - slot * uNodeCount) * 3 * QUADS;
-  vec4 q;
-  vec3 moved = vec3(0.0);
-  for (int k = 0; k < QUADS; k++) {
-    q = flat_(uPoses, slot * QUADS + k);
-    #ifdef BLEND
-      vec4 before = flat_(uBefore, slot * QUADS + k);
-      q = before + (q - before) * uShare;
-    #endif
-    moved.x += dot(q, flat_(uBasis, row + k));
-    moved.y += dot(q, flat_(uBasis, row + QUADS + k));
-    moved.z += dot(q, flat_(uBasis, row + 2 * QUADS + k));
-  }
-  node = vec4(moved, q[WIND_CHANNEL]);
-}
-`;
 
 /** Poses as written by the worker, `stride` floats per tree, and the list of drawn trees. */
 export interface PoseRows {
@@ -65,10 +19,33 @@ export interface PoseRows {
 /** Frames between pose updates, by level; poses are interpolated in between. */
 const PERIODS = [1, 1, 1, 2, 4];
 
-/** One level: its basis, the poses of its drawn trees, and the mesh that draws them. */
+type Step = Mesh<BufferGeometry, RawShaderMaterial>;
+
+/** A texture of rows [nodes, 3, 4 quads]. */
+function rowsTexture(rows: Float32Array): DataTexture {
+  const { texture, data } = flatTexture(rows.length / 4, 4);
+  data.set(rows);
+  return texture;
+}
+
+/** A texture of the links: vector at rest from the node before, and its index. */
+function linksTexture({ nodes, rest_m, parent }: NodeLevel): DataTexture {
+  const { texture, data } = flatTexture(nodes, 4);
+  for (let node = 0; node < nodes; node++) {
+    const before = parent[node];
+    for (let axis = 0; axis < 3; axis++)
+      data[4 * node + axis] = rest_m[3 * node + axis] - rest_m[3 * before + axis];
+    data[4 * node + 3] = before;
+  }
+  return texture;
+}
+
+/** One level: its rows, the poses of its drawn trees, and the meshes that draw both steps. */
 export class LevelPass {
-  readonly mesh: Mesh<BufferGeometry, RawShaderMaterial>;
-  private readonly basis: DataTexture;
+  /** Adds up displacements; its target is the second one's source. */
+  readonly displacing: Step;
+  readonly shortening: Step;
+  private readonly textures: readonly DataTexture[];
   private readonly period: number;
   private poses;
   private before;
@@ -76,26 +53,43 @@ export class LevelPass {
   private age = 0;
   rows: LevelRows = { row: 0, rows: 0, trees: 0 };
 
+  /** `factor`: shared factor of all displacements. */
   constructor(
     readonly level: NodeLevel,
     trees: number,
     geometry: BufferGeometry,
     private readonly index: number,
+    factor: { value: number },
+    moved: { value: Texture | null },
   ) {
     this.period = PERIODS[index] ?? 1;
-    const { texture, data } = flatTexture(level.basis.length / 4, 4);
-    data.set(level.basis);
-    this.basis = texture;
+    this.textures = [rowsTexture(level.basis), rowsTexture(level.turn), linksTexture(level)];
+    const [basis, turn, links] = this.textures;
     this.poses = flatTexture(trees * level.quads, 4);
     this.before = this.period > 1 ? flatTexture(trees * level.quads, 4) : this.poses;
-    this.mesh = new Mesh(geometry, this.material());
-    this.mesh.frustumCulled = false;
+    const shared = {
+      uPoses: { value: this.poses.texture },
+      uBefore: { value: this.before.texture },
+      uShare: { value: 1 },
+      uFactor: factor,
+      uNodeCount: { value: level.nodes },
+      uShift: { value: 0 },
+      uRow: { value: 0 },
+      uDrawn: { value: 0 },
+    };
+    this.displacing = new Mesh(geometry, this.material(DISPLACE, { ...shared, uRows: { value: basis } }));
+    const further = { uRows: { value: turn }, uMoved: moved, uLinks: { value: links } };
+    this.shortening = new Mesh(geometry, this.material(SHORTEN, { ...shared, ...further }));
+    for (const mesh of [this.displacing, this.shortening]) mesh.frustumCulled = false;
+    this.uniforms = shared;
   }
 
-  private material(): RawShaderMaterial {
+  private readonly uniforms;
+
+  private material(fragmentShader: string, uniforms: RawShaderMaterial["uniforms"]): RawShaderMaterial {
     return new RawShaderMaterial({
       glslVersion: GLSL3,
-      vertexShader,
+      vertexShader: COVER,
       fragmentShader,
       depthTest: false,
       depthWrite: false,
@@ -105,22 +99,13 @@ export class LevelPass {
         WIND_CHANNEL: this.level.columns.length % 4,
         ...(this.period > 1 && { BLEND: 1 }),
       },
-      uniforms: {
-        uBasis: { value: this.basis },
-        uPoses: { value: this.poses.texture },
-        uBefore: { value: this.before.texture },
-        uShare: { value: 1 },
-        uNodeCount: { value: this.level.nodes },
-        uShift: { value: 0 },
-        uRow: { value: 0 },
-        uDrawn: { value: 0 },
-      },
+      uniforms,
     });
   }
 
   place(rows: LevelRows, shift: number): void {
     this.rows = rows;
-    const { uniforms } = this.mesh.material;
+    const { uniforms } = this;
     uniforms.uShift.value = shift;
     uniforms.uRow.value = rows.row;
     uniforms.uDrawn.value = rows.trees;
@@ -130,7 +115,7 @@ export class LevelPass {
   restart(from: PoseRows): void {
     this.gather(from);
     this.age = this.period - 1;
-    this.mesh.material.uniforms.uShare.value = 1;
+    this.uniforms.uShare.value = 1;
   }
 
   /** Per frame: takes new poses if they are due, otherwise interpolates. */
@@ -140,7 +125,7 @@ export class LevelPass {
       [this.poses, this.before] = [this.before, this.poses];
       this.gather(from);
     }
-    this.mesh.material.uniforms.uShare.value = (this.age + 1) / this.period;
+    this.uniforms.uShare.value = (this.age + 1) / this.period;
   }
 
   /** Copies the modes of the level and the wind of each drawn tree. */
@@ -155,14 +140,14 @@ export class LevelPass {
       data[to + columns.length] = poses[from + wind];
     }
     uploadFirst(texture, this.rows.trees * quads);
-    const { uniforms } = this.mesh.material;
+    const { uniforms } = this;
     uniforms.uPoses.value = texture;
     uniforms.uBefore.value = this.before.texture;
   }
 
   dispose(): void {
-    this.mesh.material.dispose();
-    this.basis.dispose();
+    for (const mesh of [this.displacing, this.shortening]) mesh.material.dispose();
+    for (const texture of this.textures) texture.dispose();
     this.poses.texture.dispose();
     this.before.texture.dispose();
   }

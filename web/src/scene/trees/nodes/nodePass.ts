@@ -1,14 +1,15 @@
 /**
- * Pass 1: displacement of every node of every drawn tree. One texel per node and tree: xyz in m, w = wind in m/s.
- * Each level of detail has its own nodes and modes and is drawn to its own rows.
+ * Pass 1: displacement and rotation of every node of every drawn tree, and the wind: one texel per node and tree
+ * (nodeTexel.ts). Each level of detail has its own nodes and modes and is drawn to its own rows.
  */
 import {
   BufferAttribute,
   BufferGeometry,
   Camera,
-  HalfFloatType,
   NearestFilter,
-  RGBAFormat,
+  RGBAIntegerFormat,
+  type Texture,
+  UnsignedIntType,
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
@@ -24,8 +25,22 @@ function fullScreenTriangle(): BufferGeometry {
   return geometry;
 }
 
+function uintTarget(width: number, height: number): WebGLRenderTarget {
+  return new WebGLRenderTarget(width, height, {
+    type: UnsignedIntType,
+    format: RGBAIntegerFormat,
+    internalFormat: "RGBA32UI",
+    minFilter: NearestFilter,
+    magFilter: NearestFilter,
+    depthBuffer: false,
+  });
+}
+
 export class NodePass {
+  /** The finished texels. */
   readonly target: WebGLRenderTarget;
+  /** Displacements before the links are shortened. */
+  private readonly first: WebGLRenderTarget;
   /** log2 of the target's width. */
   shift: number;
   private readonly levels: LevelPass[];
@@ -38,17 +53,16 @@ export class NodePass {
     private readonly motion: TableMotion,
     readonly trees: number,
     private readonly maxSide: number,
+    factor: { value: number },
   ) {
     const layout = nodeLayout(0, motion.levels.length, maxSide);
     this.shift = layout.shift;
-    this.target = new WebGLRenderTarget(layout.width, layout.height, {
-      type: HalfFloatType,
-      format: RGBAFormat,
-      minFilter: NearestFilter,
-      magFilter: NearestFilter,
-      depthBuffer: false,
-    });
-    this.levels = motion.levels.map((level, k) => new LevelPass(level, trees, this.triangle, k));
+    this.target = uintTarget(layout.width, layout.height);
+    this.first = uintTarget(layout.width, layout.height);
+    const moved = { value: this.first.texture as Texture };
+    this.levels = motion.levels.map(
+      (level, k) => new LevelPass(level, trees, this.triangle, k, factor, moved),
+    );
   }
 
   /** Ensures capacity for the trees drawn in this frame, with a margin while the camera moves. */
@@ -62,6 +76,7 @@ export class NodePass {
     const layout = nodeLayout(1.3 * texels, this.levels.length, this.maxSide);
     this.shift = layout.shift;
     this.target.setSize(layout.width, layout.height);
+    this.first.setSize(layout.width, layout.height);
   }
 
   /** Assigns texels to every tree of the list; returns the first texel and the number of trees that fit, per level. */
@@ -105,17 +120,31 @@ export class NodePass {
   render(renderer: WebGLRenderer): void {
     if (this.levels.every(({ rows }) => rows.trees === 0)) return;
     const before = renderer.getRenderTarget();
-    for (const { rows, mesh } of this.levels) {
-      if (rows.trees === 0) continue;
-      this.target.viewport.set(0, rows.row, this.target.width, rows.rows);
-      renderer.setRenderTarget(this.target);
-      renderer.render(mesh, this.camera);
-    }
+    const { autoClear } = renderer;
+    renderer.autoClear = false; // every texel that is read is drawn, and each level draws to its own rows
+    this.step(renderer, this.first, (level) => level.displacing);
+    this.step(renderer, this.target, (level) => level.shortening);
+    renderer.autoClear = autoClear;
     renderer.setRenderTarget(before);
+  }
+
+  private step(
+    renderer: WebGLRenderer,
+    target: WebGLRenderTarget,
+    meshOf: (level: LevelPass) => LevelPass["displacing"],
+  ): void {
+    for (const level of this.levels) {
+      const { rows } = level;
+      if (rows.trees === 0) continue;
+      target.viewport.set(0, rows.row, target.width, rows.rows);
+      renderer.setRenderTarget(target);
+      renderer.render(meshOf(level), this.camera);
+    }
   }
 
   dispose(): void {
     this.target.dispose();
+    this.first.dispose();
     this.triangle.dispose();
     for (const level of this.levels) level.dispose();
   }

@@ -1,0 +1,73 @@
+"""Where every rendered vertex is held: a place on the axis of a branch, with which it moves and turns.
+
+The bark is held beside itself, so that it bends with its branch. Each connected piece of foliage or twigs is
+held at one place and so stays rigid; a leaf on a twig shares the place of that twig, and therefore never
+leaves it. A piece around whole branches, such as a closed crown or a frond along its rachis, is held along
+them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from galewood.mesh import RenderPrimitive, TreeMesh
+from galewood.model.axis import Axis, Feet, chosen, joined
+from galewood.model.bark import bark_feet
+from galewood.model.bearers import Bearers, edge_points
+from galewood.model.binding import foliage_pieces, piece_size
+from galewood.model.midrib import midrib_of
+from galewood.util import Ints
+
+KINDS = ("wood", "twigs", "leaves")
+"""Kinds of primitives in the order in which they bear each other."""
+LARGE_PIECE = 0.1
+"""Relative to the height; a larger piece is held along the branches inside it, if there are any."""
+SAMPLES, LEAF_SAMPLES = 400, 200
+"""What bears and what is borne are sampled at these fractions of the height."""
+
+
+def holds_of(tree: TreeMesh, axis: Axis) -> Feet:
+    """The place of every render vertex of a tree on its axis, primitives concatenated."""
+    bearers = Bearers(axis, tree.height_m / SAMPLES)
+    found: dict[int, Feet] = {}
+    for k in sorted(range(len(tree.primitives)), key=lambda k: KINDS.index(tree.primitives[k].kind)):
+        primitive = as_stored(tree.primitives[k])
+        if primitive.kind == "wood":
+            found[k] = bark_feet(primitive, axis)
+        else:
+            found[k] = _hung(primitive, bearers, axis, tree.height_m)
+        if primitive.kind != "leaves" and len(primitive.faces):
+            bearers.add(primitive, found[k])
+    return joined([found[k] for k in range(len(tree.primitives))])
+
+
+def as_stored(primitive: RenderPrimitive) -> RenderPrimitive:
+    """The primitive with positions rounded to 32 bits, as stored in the render mesh.
+
+    A leaf equally near to two twigs is then held by the same one when that file is read again.
+    """
+    return replace(primitive, positions_m=primitive.positions_m.astype(np.float32).astype(np.float64))
+
+
+def _hung(primitive: RenderPrimitive, bearers: Bearers, axis: Axis, height_m: float) -> Feet:
+    """Every piece at the place of what it touches, or at places along the branches that it surrounds."""
+    piece = foliage_pieces(primitive)
+    points = edge_points(primitive, height_m / LEAF_SAMPLES)  # a card may be borne by the middle of its edge
+    feet = chosen(bearers.nearest(points.place_m, piece[points.ends[:, 0]]), piece)
+    if primitive.kind == "twigs":
+        return feet
+    return _along_branches(primitive, piece, feet, axis, height_m)
+
+
+def _along_branches(primitive: RenderPrimitive, piece: Ints, feet: Feet, axis: Axis, height_m: float) -> Feet:
+    """The same, but large pieces are held along the branches that they surround."""
+    large = np.flatnonzero(piece_size(primitive.positions_m, piece) > LARGE_PIECE * height_m)
+    child, share, at_m = feet.child.copy(), feet.share.copy(), feet.at_m.copy()
+    for number in large.tolist():
+        own = np.flatnonzero(piece == number)
+        rib = midrib_of(primitive.positions_m[own], int(feet.child[own[0]]), axis, height_m)
+        if rib is not None:
+            child[own], share[own], at_m[own] = rib.child, rib.share, rib.at_m
+    return Feet(child, share, at_m, feet.distance_m)

@@ -1,0 +1,212 @@
+"""What is drawn at a sway of a fifth of the height: stretch of wood and leaves, gaps between them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from galewood.mesh import RenderPrimitive, TreeMesh
+from galewood.model import edge_points, foliage_pieces
+from galewood.table import Table, drawn_positions
+from galewood.util import Floats, Ints
+
+SWAY = 0.2
+"""Displacement of the top over the height at which the figures are taken."""
+HEADINGS = 8
+SHORTEST_EDGE = 1e-6
+"""Relative to the height; shorter edges are not measured."""
+TYPICAL, WORST = 99.9, 100.0
+BARK_SAMPLES, LEAF_SAMPLES = 400, 200
+"""What bears and what is borne are sampled at these fractions of the height."""
+CONTACTS = 16
+"""Nearest points of wood and twigs that are compared with a point of a leaf."""
+TOUCH = 0.003
+"""A piece touches what is at most this much farther away than what is nearest, relative to the height."""
+
+
+class DrawnFigures:
+    """The figures of a tree's tables; what depends on the mesh alone is computed once."""
+
+    def __init__(self, tree: TreeMesh) -> None:
+        """``tree``: the drawn mesh."""
+        self._tree = tree
+
+    @cached_property
+    def _rest_m(self) -> Floats:
+        return np.concatenate([p.positions_m for p in self._tree.primitives])
+
+    @cached_property
+    def _edges(self) -> _Edges:
+        return _Edges(self._tree, self._rest_m)
+
+    @cached_property
+    def _hanging(self) -> _Hanging:
+        return _Hanging(self._tree)
+
+    def of(self, table: Table, q: Sequence[Floats]) -> dict[str, float]:
+        """Figures of a table over poses of its training runs q (T, f), each scaled to the same sway.
+
+        ``stretch``: length of an edge over its length at rest (99.9th percentile, and the worst), of wood,
+        twigs and leaves; ``gap``: distance by which a twig or leaf leaves what it hangs on, over the height.
+        """
+        worst: dict[str, float] = {"sway": SWAY}
+        for pose in _far_poses(table, q):
+            figures = self.between(self._rest_m, drawn_positions(table, self._rest_m, pose))
+            for name, value in figures.items():
+                worst[name] = max(worst.get(name, 0.0), round(value, 5))
+        return worst
+
+    def between(self, rest_m: Floats, now_m: Floats) -> dict[str, float]:
+        """The figures of one pose, from the positions of the vertices (v, 3) at rest and now."""
+        edges = self._edges.figures(rest_m, now_m)
+        return edges | self._hanging.figures(rest_m, now_m, self._tree.height_m)
+
+
+def drawn_words(figures: Mapping[str, float]) -> str:
+    """The figures of ``DrawnFigures.of`` in one line for a reader; empty if there are none."""
+    if "wood_stretch" not in figures:
+        return ""
+    typical, worst = figures["wood_stretch"], figures["wood_stretch_worst"]
+    gaps = [figures[name] for name in ("twigs_gap", "leaves_gap") if name in figures]
+    near = f", leaves and twigs within {max(gaps):.2%} of the height of their place" if gaps else ""
+    return (
+        f"drawn at {figures['sway']:.0%} sway: wood edges at most {worst:.2f} times as long "
+        f"({typical:.2f} for 99.9 %){near}"
+    )
+
+
+def _far_poses(table: Table, q: Sequence[Floats]) -> list[Floats]:
+    """The pose of the farthest sway towards each of several headings, scaled to SWAY."""
+    every = np.concatenate(q)
+    top = table.node_basis[int(table.node_rest_m[:, 1].argmax()), :, : every.shape[1]].astype(np.float64)
+    moved = every @ top.T
+    sway = np.linalg.norm(moved, axis=1)
+    heading = np.floor((np.arctan2(moved[:, 2], moved[:, 0]) / (2 * np.pi) + 1) * HEADINGS) % HEADINGS
+    poses: list[Floats] = []
+    for number in range(HEADINGS):
+        own = np.flatnonzero((heading == number) & (sway > 1e-9))
+        if len(own):
+            far = int(own[sway[own].argmax()])
+            pose = np.zeros(len(table.mode_scale))
+            pose[: every.shape[1]] = every[far] * (SWAY * float(table.metadata["height_m"]) / sway[far])
+            poses.append(pose)
+    return poses
+
+
+class _Edges:
+    """Edges of all primitives by kind."""
+
+    def __init__(self, tree: TreeMesh, rest_m: Floats) -> None:
+        first, found = 0, dict[str, list[Ints]]()
+        for primitive in tree.primitives:
+            found.setdefault(primitive.kind, []).append(_edges(primitive.faces) + first)
+            first += len(primitive.positions_m)
+        shortest_m = SHORTEST_EDGE * tree.height_m
+        self._edges: dict[str, Ints] = {}
+        for kind, parts in found.items():
+            edges = np.concatenate(parts)
+            length = np.linalg.norm(rest_m[edges[:, 0]] - rest_m[edges[:, 1]], axis=1)
+            self._edges[kind] = edges[length > shortest_m]
+
+    def figures(self, rest_m: Floats, now_m: Floats) -> dict[str, float]:
+        """Stretch of the edges between two positions of the vertices (v, 3)."""
+        figures: dict[str, float] = {}
+        for kind, edges in self._edges.items():
+            if not len(edges):
+                continue
+            before, after = (np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1) for x in (rest_m, now_m))
+            ratio = after / before
+            figures[f"{kind}_stretch"] = float(np.percentile(ratio, TYPICAL))
+            figures[f"{kind}_stretch_worst"] = float(np.percentile(ratio, WORST))
+        return figures
+
+
+def _edges(faces: Ints) -> Ints:
+    """(e, 2) edges of triangles (m, 3), each once."""
+    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    return np.unique(np.sort(ends, axis=1), axis=0)
+
+
+@dataclass(frozen=True)
+class _Contacts:
+    """Points of pieces beside what may bear them: c pairs of points on edges."""
+
+    piece: Ints  # (c,)
+    ends: Ints  # (c, 2) vertices between which the piece's point lies
+    share: Floats  # (c,) share of the second
+    bearer_ends: Ints  # (c, 2) the same of the bearer's point
+    bearer_share: Floats  # (c,)
+
+    def distance_m(self, place_m: Floats) -> Floats:
+        """(c,) distance of each pair, for vertices at place_m (v, 3)."""
+        own = _between(place_m, self.ends, self.share)
+        return np.linalg.norm(own - _between(place_m, self.bearer_ends, self.bearer_share), axis=1)
+
+    def gap_m(self, rest_m: Floats, now_m: Floats) -> float:
+        """Largest distance by which a piece has moved from or into all that it touches."""
+        change = np.abs(self.distance_m(now_m) - self.distance_m(rest_m))
+        least = np.full(int(self.piece.max()) + 1, np.inf)
+        np.minimum.at(least, self.piece, change)
+        return float(least[np.isfinite(least)].max())
+
+
+class _Hanging:
+    """What the pieces of twigs and leaves hang on: twigs on wood, leaves on wood or twigs.
+
+    A piece hangs on what it is nearest to. If it touches several, it hangs on the one that it follows.
+    """
+
+    def __init__(self, tree: TreeMesh) -> None:
+        starts = np.cumsum([0, *(len(p.positions_m) for p in tree.primitives)])[:-1].tolist()
+        parts = [(p, first) for p, first in zip(tree.primitives, starts, strict=True) if len(p.faces)]
+        self._contacts: list[tuple[str, _Contacts]] = []
+        for kind, bearers in (("twigs", ("wood",)), ("leaves", ("wood", "twigs"))):
+            own = [part for part in parts if part[0].kind == kind]
+            if own:
+                bark = _Bark([part for part in parts if part[0].kind in bearers], tree.height_m)
+                self._contacts += [(kind, bark.contacts(*part)) for part in own]
+
+    def figures(self, rest_m: Floats, now_m: Floats, height_m: float) -> dict[str, float]:
+        """Largest gap of each kind between two positions of the vertices (v, 3), over the height."""
+        figures: dict[str, float] = {}
+        for kind, contacts in self._contacts:
+            gap = contacts.gap_m(rest_m, now_m) / height_m
+            figures[f"{kind}_gap"] = max(gap, figures.get(f"{kind}_gap", 0.0))
+        return figures
+
+
+class _Bark:
+    """Edges on which pieces hang, found by points on them."""
+
+    def __init__(self, parts: list[tuple[RenderPrimitive, int]], height_m: float) -> None:
+        self._height_m = height_m
+        points = [edge_points(primitive, height_m / BARK_SAMPLES) for primitive, _ in parts]
+        self._ends = np.concatenate([p.ends + first for p, (_, first) in zip(points, parts, strict=True)])
+        self._share = np.concatenate([p.share for p in points])
+        self._tree = KDTree(np.concatenate([p.place_m for p in points]))
+
+    def contacts(self, primitive: RenderPrimitive, first: int) -> _Contacts:
+        """The pairs of the pieces of a primitive whose vertices begin at ``first``."""
+        points = edge_points(primitive, self._height_m / LEAF_SAMPLES)
+        count = min(CONTACTS, len(self._ends))
+        distance, near = (x.reshape(-1, count) for x in self._tree.query(points.place_m, k=count))
+        piece = foliage_pieces(primitive)[points.ends[:, 0]]
+        least = np.full(int(piece.max()) + 1, np.inf)
+        np.minimum.at(least, piece, distance[:, 0])
+        row, column = np.nonzero(distance <= least[piece][:, None] + TOUCH * self._height_m)
+        bearer = near[row, column]
+        return _Contacts(
+            piece[row],
+            points.ends[row] + first,
+            points.share[row],
+            self._ends[bearer],
+            self._share[bearer],
+        )
+
+
+def _between(place_m: Floats, ends: Ints, share: Floats) -> Floats:
+    return place_m[ends[:, 0]] * (1 - share[:, None]) + place_m[ends[:, 1]] * share[:, None]

@@ -1,0 +1,90 @@
+"""Where a table's vertices are drawn. Twins: web/src/core/motion/nodePose.ts, shaders of web/src/scene/trees.
+
+A node moves by Σ q · basis. The link from its parent to it is not drawn longer than at rest by more than
+LONGEST: what it has in excess is taken off the node and all that come after it, so that branches bend instead
+of stretching, even where the modes are linear or extrapolated. A joint lies between two nodes, and a vertex
+moves with its joint and turns about it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from galewood.table.format import Table
+from galewood.util import Floats
+
+LONGEST = 1.02
+"""Length of a link between nodes, relative to rest, from which it is shortened."""
+
+
+@dataclass(frozen=True)
+class NodePose:
+    """Displacement (n, 3), m, and rotation vectors (n, 3) of the nodes in one pose."""
+
+    moved_m: Floats
+    turned: Floats
+
+
+def node_pose(table: Table, q: npt.ArrayLike, factor: float = 1.0) -> NodePose:
+    """The nodes at the coordinates q (r,), with all displacements multiplied by ``factor``."""
+    wide = factor * np.asarray(q, np.float64)
+    linear = table.node_basis @ wide
+    return NodePose(_unstretched(table, linear), table.node_turn @ wide)
+
+
+def _unstretched(table: Table, moved: Floats) -> Floats:
+    parent = table.node_parent.astype(np.int64)
+    rest = table.node_rest_m.astype(np.float64)
+    link = rest - rest[parent]
+    now = link + moved - moved[parent]
+    length = np.linalg.norm(now, axis=1)
+    most = LONGEST * np.linalg.norm(link, axis=1)
+    excess = now * (np.maximum(length - most, 0.0) / np.maximum(length, 1e-12))[:, None]
+    for node in range(len(parent)):
+        if parent[node] != node:
+            excess[node] += excess[parent[node]]
+    return moved - excess
+
+
+def turned(arm_m: Floats, rotation: Floats) -> Floats:
+    """Arms (…, 3) turned by rotation vectors (…, 3).
+
+    The vector is half the curl of the displacement: the sine of the angle while nothing is strained, and its
+    tangent where a linear motion is continued. The sine that is drawn lies between, and never exceeds 1.
+    """
+    squared = np.square(rotation).sum(axis=-1, keepdims=True)
+    axis = rotation / np.sqrt(np.sqrt(1.0 + squared * squared))
+    cosine = np.sqrt(np.maximum(1.0 - np.square(axis).sum(axis=-1, keepdims=True), 0.0))
+    along = (axis * arm_m).sum(axis=-1, keepdims=True) / (1.0 + cosine)
+    return arm_m * cosine + np.cross(axis, arm_m) + axis * along
+
+
+def drawn_positions(table: Table, rest_m: Floats, q: npt.ArrayLike, factor: float = 1.0) -> Floats:
+    """(v, 3) where the vertices ``rest_m`` (v, 3) are drawn in the pose q (r,)."""
+    pose = node_pose(table, q, factor)
+    joint = table.vertex_joint.astype(np.int64)
+    first, second = table.joint_nodes.astype(np.int64).T
+    share = table.joint_share.astype(np.float64)[:, None]
+    place = table.joint_rest_m.astype(np.float64)
+    moved = (1 - share) * pose.moved_m[first] + share * pose.moved_m[second]
+    turn = (1 - share) * pose.turned[first] + share * pose.turned[second]
+    return (place + moved)[joint] + turned(rest_m - place[joint], turn[joint])
+
+
+def joint_rows(table: Table, rows: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """(j, 3, r) rows of the joints from those of the nodes (n, 3, r): of the basis or of the turns."""
+    first, second = table.joint_nodes.astype(np.int64).T
+    share = table.joint_share[:, None, None]
+    return ((1 - share) * rows[first] + share * rows[second]).astype(np.float32)
+
+
+def vertex_rows(table: Table, rest_m: npt.NDArray[np.floating]) -> npt.NDArray[np.float32]:
+    """(v, 3, r) displacement of the vertices ``rest_m`` (v, 3) per unit of q, for small motion."""
+    joint = table.vertex_joint.astype(np.int64)
+    arm = (rest_m - table.joint_rest_m[joint]).astype(np.float32)
+    turn = joint_rows(table, table.node_turn)[joint]
+    swung = np.cross(turn, arm[:, :, None], axis=1)
+    return (joint_rows(table, table.node_basis)[joint] + swung).astype(np.float32)
