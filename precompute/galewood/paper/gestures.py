@@ -22,11 +22,13 @@ from galewood.evaluation import (
     run_references,
     samples_of,
 )
+from galewood.model import axis_of_tets
 from galewood.paper.plan import Plan
 from galewood.pipeline import Surroundings, TableSettings, assemble_table, render_mesh
 from galewood.player import PaperForest
 from galewood.reduction import ModalTraining, Subspace, oscillators_of, shown_modes, size_of
 from galewood.sampling import DIRECTIONS_DEG, SampledRun, sample_winds
+from galewood.skeleton import extract_skeleton
 from galewood.table import Table
 from galewood.util import Floats
 
@@ -129,7 +131,8 @@ def _training(source: Source, runs: Sequence[SampledRun]) -> ModalTraining:
 def small_table(table: Table, source: Source, runs: Sequence[SampledRun]) -> Table:
     """Build a table of the same tree from other runs."""
     mass_kg = source.model.mass_kg[: source.model.vertex_count]
-    surface = render_mesh(source.tree, source.binding)
+    axis = axis_of_tets(source.mesh, extract_skeleton(source.mesh))
+    surface = render_mesh(source.tree, source.binding, axis)
     of = Surroundings(mass_kg, surface, dict(table.metadata), TableSettings())
     return assemble_table(runs, (), _training(source, runs), of)
 
