@@ -28,13 +28,7 @@ const LOW = { eye: { x: 5, above: 3.6, z: 10 }, at: { x: -1, above: 6, z: -14 } 
 
 export const SHOTS: Readonly<Record<string, Shot>> = {
   "autumn-noon": { season: "autumn", daytime: 0.6, ...EDGE, after_s: 1 },
-  "autumn-sunset": {
-    season: "autumn",
-    daytime: 0.955,
-    eye: { x: 33, above: 15, z: -18 },
-    at: { x: -16, above: 5, z: -20 },
-    after_s: 1,
-  },
+  "autumn-sunset": { season: "autumn", daytime: 0.955, ...LOW, after_s: 1 },
   winter: { season: "winter", daytime: 0.3, ...EDGE, after_s: 1 },
   summer: {
     season: "summer",
