@@ -1,3 +1,4 @@
+import { vertexAt } from "../../web/src/scene/trees/grabPoint";
 import { expect, test } from "vitest";
 import { INSTANCE_FLOATS, createInstanceData } from "../../web/src/scene/trees/instanceData";
 import { ballEntry, type PickGroup, pickTree } from "../../web/src/scene/trees/treePick";
@@ -106,4 +107,13 @@ test("the pick among many trees equals the nearest of the single picks", () => {
     if (found) expect(found.tree).toBe(distances.indexOf(nearest));
   }
   expect(all.instances.data.length).toBe(60 * INSTANCE_FLOATS);
+});
+
+test("the vertex at a node hangs on the nearest joint, also where no joint belongs to the node", () => {
+  const motion = {
+    rest_m: new Float32Array([0, 0, 0, 0, 5, 0, 0, 10, 0]),
+    jointRest_m: new Float32Array([0, 1, 0, 0, 9, 0, 0, 5, 0]),
+    vertexJoint: new Uint16Array([0, 0, 2, 1, 1]),
+  };
+  expect([0, 1, 2].map((node) => vertexAt(motion, node))).toEqual([0, 2, 3]);
 });

@@ -67,16 +67,21 @@ export function grabbedVertex(of: GrabbedTree, ray: Ray, slope: number): number 
   return best;
 }
 
-/** A vertex that moves with a node: the first of those that it holds most firmly. */
-export function vertexAt({ vertexJoint, jointNodes, jointShare }: TableMotion, node: number): number {
+/** A vertex at a node: the first of those whose joint rests nearest to it. Not every node has a joint of its own. */
+export function vertexAt(
+  { vertexJoint, jointRest_m, rest_m }: Pick<TableMotion, "vertexJoint" | "jointRest_m" | "rest_m">,
+  node: number,
+): number {
   let best = 0;
-  let most = -1;
+  let least = Number.POSITIVE_INFINITY;
   for (const [vertex, joint] of vertexJoint.entries()) {
-    const share = jointShare[joint];
-    const own =
-      (jointNodes[2 * joint] === node ? 1 - share : 0) + (jointNodes[2 * joint + 1] === node ? share : 0);
-    if (own <= most) continue;
-    most = own;
+    const far_m = Math.hypot(
+      jointRest_m[3 * joint] - rest_m[3 * node],
+      jointRest_m[3 * joint + 1] - rest_m[3 * node + 1],
+      jointRest_m[3 * joint + 2] - rest_m[3 * node + 2],
+    );
+    if (far_m >= least) continue;
+    least = far_m;
     best = vertex;
   }
   return best;
