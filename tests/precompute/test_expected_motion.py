@@ -13,7 +13,7 @@ from galewood.mesh.importer import read_tree
 from galewood.model import beam_model, typical_frequency_hz
 from galewood.options import BuildRequest
 from galewood.pipeline import BuildOptions, build_options, expected_motion, motion_lines
-from galewood.pipeline.expected import steady_sway_m
+from galewood.pipeline.expected import length_words, steady_sway_m
 from galewood.pipeline.rehearsal import small_tree_obj
 from galewood.pipeline.stiffness import Goal, goal_of, scaled_to
 from galewood.util import MeshError
@@ -46,6 +46,15 @@ def test_expected_motion_is_that_of_the_beams(tree: TreeMesh) -> None:
     assert 0 < slow["sway_m"] < fast["sway_m"]
     assert fast["share"] == pytest.approx(fast["sway_m"] / tree.height_m)
     assert expected["lively_frequency_hz"] <= expected["first_frequency_hz"]
+
+
+def test_lengths_are_told_without_exponents() -> None:
+    words = [length_words(metres) for metres in (1e-5, 0.0021, 0.0094, 0.0096, 0.064, 2.31)]
+    assert words == ["less than 0.1 mm", "2 mm", "9 mm", "1 cm", "6 cm", "2.3 m"]
+    sway = {"wind_m_s": 10, "sway_m": 2e-6, "share": 8e-7}
+    known = {"first_frequency_hz": 5.0, "typical_frequency_hz": 1.0, "lively_frequency_hz": 0.5}
+    told = motion_lines({**known, "sway": [sway], "visible": False})
+    assert "e-" not in " ".join(told)
 
 
 def test_a_stiff_tree_is_told_and_its_lively_frequency_makes_it_visible(tree: TreeMesh) -> None:

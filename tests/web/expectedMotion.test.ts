@@ -44,6 +44,9 @@ describe("expected motion", () => {
 
   test("is told in lengths that people use", () => {
     expect([0.0021, 0.064, 2.31].map(lengthInWords)).toEqual(["2 mm", "6 cm", "2.3 m"]);
+    expect([0.00001, 0.0094, 0.0096].map(lengthInWords)).toEqual(["less than 0.1 mm", "9 mm", "1 cm"]);
+    const little = swaysInWords([{ wind_m_s: 10, sway_m: 2e-6, share: 8e-7 }]);
+    expect(little).toBe("less than 0.1 mm (less than 0.001 % of its height) at 10 m/s");
     const words = swaysInWords([{ wind_m_s: 18, sway_m: 0.064, share: 0.0256 }]);
     expect(words).toBe("6 cm (3 % of its height) at 18 m/s");
     const far = swaysInWords([{ wind_m_s: 18, sway_m: 8.7, share: 0.52 }]);

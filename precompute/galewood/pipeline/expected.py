@@ -83,11 +83,14 @@ def _sway_words(sway: dict[str, Any]) -> str:
     """A sway as a length and share of the height; beyond LINEAR_SHARE the linear response says too much."""
     if sway["share"] > LINEAR_SHARE:
         return f"more than {100 * LINEAR_SHARE:g} % of the height"
-    return f"{length_words(sway['sway_m'])} ({100 * sway['share']:.2g} % of the height)"
+    share = f"{100 * sway['share']:.2g}" if sway["share"] >= 1e-5 else "less than 0.001"
+    return f"{length_words(sway['sway_m'])} ({share} % of the height)"
 
 
 def length_words(metres: float) -> str:
     """A length in m, cm or mm."""
     if metres >= 1:
         return f"{metres:.1f} m"
-    return f"{100 * metres:.0f} cm" if metres >= 0.01 else f"{1000 * metres:.1g} mm"
+    if metres >= 0.0095:
+        return f"{100 * metres:.0f} cm"
+    return f"{1000 * metres:.1g} mm" if metres >= 0.0001 else "less than 0.1 mm"

@@ -58,7 +58,8 @@ export function swaysAt(expected: ExpectedMotion, liveliness: number): Sway[] {
 /** A length to read. */
 export function lengthInWords(length_m: number): string {
   if (length_m >= 1) return `${length_m.toFixed(1)} m`;
-  return length_m >= 0.01 ? `${Math.round(100 * length_m)} cm` : `${(1000 * length_m).toPrecision(1)} mm`;
+  if (length_m >= 0.0095) return `${Math.round(100 * length_m)} cm`;
+  return length_m >= 0.0001 ? `${Number((1000 * length_m).toPrecision(1))} mm` : "less than 0.1 mm";
 }
 
 /** Sway over height beyond which the linear response overestimates. */
@@ -68,8 +69,9 @@ const LINEAR_SHARE = 0.2;
 export function swaysInWords(sways: readonly Sway[]): string {
   const each = sways.map(({ wind_m_s, sway_m, share }) => {
     if (share > LINEAR_SHARE) return `more than ${100 * LINEAR_SHARE} % of its height at ${wind_m_s} m/s`;
-    const percent = (100 * share).toPrecision(share < 0.1 ? 1 : 2);
-    return `${lengthInWords(sway_m)} (${Number(percent)} % of its height) at ${wind_m_s} m/s`;
+    const percent =
+      share >= 1e-5 ? String(Number((100 * share).toPrecision(share < 0.1 ? 1 : 2))) : "less than 0.001";
+    return `${lengthInWords(sway_m)} (${percent} % of its height) at ${wind_m_s} m/s`;
   });
   return each.join(", ");
 }

@@ -5,6 +5,7 @@ import { type ExpectedMotion, frequency_Hz, isAdjustable, swaysAt, swaysInWords 
 const STIFF =
   "As stiff as its wood, it would hardly seem to move. Its stiffness is therefore reduced until it sways like real " +
   "trees of its height; move the slider to the left to keep that of its wood.";
+const STILL = "It will hardly seem to move.";
 const NATURAL = "As stiff as its wood. Move the slider to the right for more motion.";
 
 export class LivelinessChoice {
@@ -31,9 +32,10 @@ export class LivelinessChoice {
     this.root.hidden = expected === null;
     if (!expected) return;
     const adjustable = isAdjustable(expected);
-    for (const made of [this.slider.parentElement, this.reason]) if (made) made.hidden = !adjustable;
+    if (this.slider.parentElement) this.slider.parentElement.hidden = !adjustable;
+    this.reason.hidden = !adjustable && expected.visible;
     this.slider.value = expected.visible ? "0" : "1";
-    this.reason.textContent = expected.visible ? NATURAL : STIFF;
+    this.reason.textContent = expected.visible ? NATURAL : adjustable ? STIFF : STILL;
     this.tell();
   }
 
