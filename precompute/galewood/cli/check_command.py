@@ -31,13 +31,13 @@ def check(mesh: Path, preview: Path | None, strict: bool, json_out: Path | None,
     from galewood.mesh import import_mesh_sandboxed, mesh_with_companions
     from galewood.options import import_options
     from galewood.pictures import draw_limited
-    from galewood.pipeline import import_lines, motion_lines
+    from galewood.pipeline import EXPECTED_MOTION, import_lines, motion_lines
     from galewood.util import MeshError
 
     options = import_options(validated(ImportRequest, chosen))
-    then = "galewood.pipeline.expected:with_expected_motion"
+    data = mesh_with_companions(mesh)
     try:
-        tree, glb = import_mesh_sandboxed(mesh_with_companions(mesh), mesh.name, options, then=then)
+        tree, glb = import_mesh_sandboxed(data, mesh.name, options, then=EXPECTED_MOTION)
         if preview is not None:
             preview.parent.mkdir(parents=True, exist_ok=True)
             preview.write_bytes(draw_limited(glb, PREVIEW_PX))

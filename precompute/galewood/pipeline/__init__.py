@@ -5,7 +5,14 @@ Options and results are cheap to import; all other names are loaded when they ar
 
 from typing import TYPE_CHECKING
 
-from galewood.pipeline.options import BuildOptions, BuildResult, Progress, bare_path, build_options
+from galewood.pipeline.options import (
+    EXPECTED_MOTION,
+    BuildOptions,
+    BuildResult,
+    Progress,
+    bare_path,
+    build_options,
+)
 from galewood.pipeline.table_settings import TableSettings
 from galewood.shipped import SHIPPED_FOLDER, ShippedTree, build_key, read_shipped, write_shipped
 from galewood.util import lazily
@@ -47,6 +54,7 @@ __getattr__ = lazily(
     },
 )
 __all__ = [
+    "EXPECTED_MOTION",
     "SHIPPED_FOLDER",
     "BuildOptions",
     "BuildResult",

@@ -95,6 +95,8 @@ class BuildOptions:
     table: TableSettings = field(default_factory=TableSettings)
 
 
+EXPECTED_MOTION = "galewood.pipeline.expected:with_expected_motion"
+"""What a sandboxed mesh import can add to its report: how the tree will move."""
 OF_PARTS = ("modes", "wood", "root_stiffness_knm")
 """Fields of a request that belong to a part of the build options."""
 

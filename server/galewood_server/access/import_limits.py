@@ -10,8 +10,6 @@ from galewood_server.settings import Settings
 if TYPE_CHECKING:  # the mesh libraries are loaded with the first upload, not at startup
     from galewood.mesh import ImportOptions, TreeMesh
 
-EXPECTED_MOTION = "galewood.pipeline.expected:with_expected_motion"
-"""Adds to the report how the tree will move."""
 MeshImporter = Callable[[bytes, str, "ImportOptions"], tuple["TreeMesh", bytes]]
 """(file bytes, file name, options) -> (tree mesh, render mesh as GLB)."""
 
@@ -21,6 +19,7 @@ def limited_importer(settings: Settings) -> MeshImporter:
 
     def read(data: bytes, filename: str, options: ImportOptions) -> tuple[TreeMesh, bytes]:
         from galewood.mesh import import_mesh_sandboxed
+        from galewood.pipeline import EXPECTED_MOTION
         from galewood.sandbox import Limits
 
         limits = Limits(settings.import_memory_bytes, settings.import_cpu_s, settings.import_wall_s)

@@ -61,11 +61,17 @@ def policy_of(path: str, frame_ancestors: Sequence[str] = ()) -> str:
 
 
 class SecurityHeaders:
-    """ASGI middleware that adds the security headers to every response unless the route has set them."""
+    """ASGI middleware that adds the security headers to every response unless the route has set them.
 
-    def __init__(self, app: ASGIApp, frame_ancestors: Sequence[str] = ()) -> None:
+    With `varies_by_origin`, caches learn that responses differ by origin, also those to requests without one.
+    """
+
+    def __init__(
+        self, app: ASGIApp, frame_ancestors: Sequence[str] = (), varies_by_origin: bool = False
+    ) -> None:
         self._app = app
         self._frame_ancestors = frame_ancestors
+        self._varies_by_origin = varies_by_origin
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request and add the headers to its response."""
@@ -79,6 +85,8 @@ class SecurityHeaders:
                 for name, value in ALWAYS.items():
                     headers.setdefault(name, value)
                 headers.setdefault("Content-Security-Policy", policy_of(scope["path"], self._frame_ancestors))
+                if self._varies_by_origin:
+                    headers.add_vary_header("Origin")
                 if scope["path"].startswith("/api/"):
                     headers.setdefault("Cache-Control", "no-store")
             await send(message)

@@ -74,7 +74,9 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
     app.add_middleware(CompressedJson)
     app.add_middleware(AccessControl, settings=settings, metrics=metrics)
     app.add_middleware(
-        SecurityHeaders, frame_ancestors=[*settings.frame_ancestors, *settings.allowed_origins]
+        SecurityHeaders,
+        frame_ancestors=[*settings.frame_ancestors, *settings.allowed_origins],
+        varies_by_origin=bool(settings.allowed_origins),
     )
     allow_cross_origin(app, settings.allowed_origins)
     app.add_middleware(Tracing, metrics=metrics)

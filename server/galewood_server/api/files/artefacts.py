@@ -77,7 +77,8 @@ def _check_intact(store: FileStore, kind: str, sha256: str) -> None:
 def _byte_ranges(request: Request) -> str | None:
     """The Range header; None without one, or with an unknown unit, which is ignored (RFC 9110, 14.2)."""
     ranges = request.headers.get("range")
-    return ranges if ranges and ranges.partition("=")[0].strip().lower() in ("bytes", ranges) else None
+    unit, equals, _ = (ranges or "").partition("=")
+    return None if equals and unit.strip().lower() != "bytes" else ranges
 
 
 def _drop_range(request: Request) -> None:
