@@ -18,8 +18,6 @@ from galewood.wind.models.spectral import SpectralGusts
 from galewood.wind.pressure import pressure_of_velocity
 from galewood.wind.transition import Moment, WindState, at, change_wind, steady
 
-KEPT_GUSTS = 2
-"""A transition evaluates two gust fields at once."""
 KEPT_BUFFERS = 24
 """Three for each species in a forest."""
 
@@ -89,7 +87,7 @@ class WindField:
         """
         moment, place, created = at(state, time_s), np.zeros((4, 2)), dict[GustKey, Gusts]()
         for wind in filter(None, (state.before, state.wind, state.next)):
-            if not self.has(wind):
+            if not self.has(wind) and gust_key(wind) not in created:
                 gusts = created[gust_key(wind)] = gusts_of(wind)
                 gusts.velocity(wind, _carried(wind, moment), *place)
             crown_field(wind.seed)
@@ -142,12 +140,12 @@ class WindField:
         return self._buffers[key]
 
     def _write(self, wind: Wind, moment: Moment, x: Floats, z: Floats, out_x: Floats, out_z: Floats) -> None:
-        self._gusts_for(wind).velocity(wind, _carried(wind, moment), x, z, out_x, out_z)
+        self._gusts_for(wind, moment).velocity(wind, _carried(wind, moment), x, z, out_x, out_z)
 
-    def _gusts_for(self, wind: Wind) -> Gusts:
-        key = gust_key(wind)
+    def _gusts_for(self, wind: Wind, moment: Moment) -> Gusts:
+        key, needed = gust_key(wind), (gust_key(moment.before), gust_key(moment.wind))
         if key not in self._gusts:
-            while len(self._gusts) >= KEPT_GUSTS:
-                del self._gusts[next(iter(self._gusts))]
+            for old in [one for one in self._gusts if one not in needed]:
+                del self._gusts[old]
             self._gusts[key] = self._prepared.pop(key, None) or gusts_of(wind)
         return self._gusts[key]
