@@ -167,6 +167,7 @@ class Session:
         """Replace the current subscription or table transfer by the requested one."""
         wind = self._check(forest)
         await self._service.forests.admit(forest, self._address)
+        await asyncio.to_thread(self._check_tables, forest)  # a bucket is asked for each of them
         self._asked = True
         if self._sending:
             self._sending.cancel()
@@ -197,12 +198,14 @@ class Session:
             raise SessionError("too-many-groups", f"A forest may have up to {settings.forest_groups} groups")
         if sum(group.count for group in forest.groups) > settings.forest_trees:
             raise SessionError("too-many-trees", f"A forest may have up to {settings.forest_trees} trees")
-        for group in forest.groups:
-            if not self._service.stores.tables.has(group.table):
-                raise SessionError(
-                    "no-such-table", f"There is no table {group.table[:12]}…", "Reload the list of trees."
-                )
         return wind
+
+    def _check_tables(self, forest: wire.Forest) -> None:
+        for sha256 in dict.fromkeys(group.table for group in forest.groups):
+            if not self._service.stores.tables.has(sha256):
+                raise SessionError(
+                    "no-such-table", f"There is no table {sha256[:12]}…", "Reload the list of trees."
+                )
 
     async def _send_tables(self, forest: wire.Forest) -> None:
         for sha256 in dict.fromkeys(group.table for group in forest.groups):
