@@ -19,7 +19,7 @@ from tests.load.wire_client import ask
 from tests.server.sample_meshes import pole_obj
 
 SETTLE_S = 5.0
-DISTRIBUTED = "on one PostgreSQL, one S3-compatible store and one Dask cluster; a process of each kind is killed per interval"
+DISTRIBUTED = "one PostgreSQL, one S3-compatible store, one Dask cluster; kills processes in each interval"
 
 
 def options() -> argparse.Namespace:
