@@ -49,6 +49,8 @@ import { WindStudio } from "./windStudio";
 const REPORT_EVERY_MS = 250;
 /** The scene stays static for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
+/** Displays refresh a little early or late; a limited frame may come this much early. */
+const EARLY_MS = 1;
 const PLACEMENT_KEYS: SettingKey[] = [
   "trees",
   "density",
@@ -384,8 +386,9 @@ export class App {
 
   private onFrame(now_ms: number): void {
     if (this.asleep || this.attention.hidden || this.graphics.lost) return;
-    const begin_ms = performance.now();
     const frame_ms = now_ms - this.last_ms;
+    if (frame_ms < 1000 / this.settings.frameRateLimit_hz - EARLY_MS) return;
+    const begin_ms = performance.now();
     const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
     this.last_ms = now_ms;
     this.visit.advance(dt_s);
