@@ -13,7 +13,16 @@ from galewood.wind import Wind
 from galewood_server.stream import Forest, wire
 
 from tests.load.report import Report
-from tests.load.wire_client import Refused, Target, Watcher, ask, open_socket, read_head, request_bytes
+from tests.load.wire_client import (
+    Refused,
+    Target,
+    Watcher,
+    aborted,
+    ask,
+    open_socket,
+    read_head,
+    request_bytes,
+)
 
 LOST = (OSError, Refused, asyncio.IncompleteReadError, TimeoutError)
 Choose = Callable[[], Target]
@@ -41,9 +50,10 @@ async def watch(target: Choose, report: Report, number: int, trees: int, interva
         try:
             watcher = await open_socket(here, address_of(1, number))
             watcher.send(replace(planted(here.table, trees, number // 10), share=share))
-            async with asyncio.TaskGroup() as tasks:
-                tasks.create_task(watcher.follow())
-                tasks.create_task(_count(watcher, report, interval_s, lost_s))
+            with aborted(watcher.writer):
+                async with asyncio.TaskGroup() as tasks:
+                    tasks.create_task(watcher.follow())
+                    tasks.create_task(_count(watcher, report, interval_s, lost_s))
         except* LOST as group:
             report.note("watcher", f"lost, {group.exceptions[0]!r:.60}", expected=here.may_fail)
         if watcher and watcher.frames:
@@ -129,11 +139,12 @@ async def listen(target: Choose, report: Report, number: int) -> None:
         here = target()
         try:
             reader, writer = await here.connect()
-            writer.write(request_bytes("GET", "/api/events", address_of(5, number)))
-            status, _ = await read_head(reader)
-            report.note("event stream", status, expected=status == 200)
-            while await reader.read(1 << 16):
-                pass
+            with aborted(writer):
+                writer.write(request_bytes("GET", "/api/events", address_of(5, number)))
+                status, _ = await read_head(reader)
+                report.note("event stream", status, expected=status == 200)
+                while await reader.read(1 << 16):
+                    pass
         except LOST as error:
             report.note("event stream", repr(error)[:60], expected=here.may_fail)
         await asyncio.sleep(1)
