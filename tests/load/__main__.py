@@ -47,9 +47,9 @@ def actors(fleet: Fleet, report: Report, chosen: argparse.Namespace) -> list[Cor
                                       chosen.interval))  # fmt: skip
     started += [visitors.listen(fleet.next, report, number) for number in range(chosen.listeners)]
     started.append(visitors.repeatedly(visitors.downloads(fleet.next, report), 1.0))
-    started.append(
-        visitors.repeatedly(visitors.uploads(fleet.next, report, lambda k: pole_obj(2.0 + k / 1000)), 15.0)
-    )
+    upload = visitors.builds if chosen.distributed else visitors.uploads
+    work = upload(fleet.next, report, lambda k: pole_obj(2.0 + k / 1000))
+    started.append(visitors.repeatedly(work, 60.0 if chosen.distributed else 15.0))
     return started
 
 
@@ -87,8 +87,9 @@ async def kill_some(fleet: Fleet, report: Report, every_s: float, dice: random.R
                 report.note("killed", kind)
             except psutil.NoSuchProcess:
                 continue
+        await asyncio.sleep(0.5)
         for node in fleet.nodes:
-            if node.process and await asyncio.to_thread(node.process.wait, 0.1) is not None:
+            if node.process and node.process.poll() is not None:
                 node.start()
 
 
@@ -111,6 +112,8 @@ async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
                 if task.done():
                     raise RuntimeError("a client of the load test failed") from task.exception()
         await end(attacking)
+    if chosen.distributed:
+        await visitors.note_jobs(fleet.next, report)
     await end(tasks)
     return report
 

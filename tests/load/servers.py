@@ -175,6 +175,7 @@ def _shared_services(stack: ExitStack, folder: Path) -> dict[str, str]:
         "GALEWOOD_STORE_URL": "s3://galewood",
         "GALEWOOD_SCHEDULER_URL": cluster["GALEWOOD_TEST_SCHEDULER"],
         "GALEWOOD_TEST_WORKERS": cluster["GALEWOOD_TEST_WORKERS"],
+        "GALEWOOD_JOB_ATTEMPTS": "20",  # each kill is one
     }
 
 

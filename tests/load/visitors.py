@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import random
 import time
 from collections.abc import Awaitable, Callable
@@ -115,22 +116,50 @@ def uploads(target: Choose, report: Report, mesh: Callable[[int], bytes]) -> Cal
     """Upload a mesh, look at it and delete it again."""
 
     async def upload(number: int) -> None:
-        here = target()
-        key, where = {"Authorization": f"Bearer {here.key}"}, address_of(4, number % 5000)
-        body = b'--x\r\nContent-Disposition: form-data; name="file"; filename="load.obj"\r\n\r\n'
-        body += mesh(number) + b"\r\n--x--\r\n"
-        form = {**key, "Content-Type": "multipart/form-data; boundary=x"}
+        here, where = target(), address_of(4, number % 5000)
         try:
-            status, answer = await ask(here, "POST", "/api/trees", where, form, body)
+            status, answer = await _post(here, "/api/trees", where, mesh(number))
             report.note("upload", status, expected=status in (200, 201))
             if status == 201:
-                tree = answer.decode().partition('"id":"')[2].partition('"')[0]
+                tree, key = json.loads(answer)["id"], {"Authorization": f"Bearer {here.key}"}
                 status, _ = await ask(here, "DELETE", f"/api/trees/{tree}", where, key)
                 report.note("delete", status, expected=status == 204)
         except LOST as error:
             report.note("upload", repr(error)[:60], expected=here.may_fail)
 
     return upload
+
+
+def builds(target: Choose, report: Report, mesh: Callable[[int], bytes]) -> Callable[[int], Awaitable[None]]:
+    """Upload a mesh whose table is computed."""
+
+    async def build(number: int) -> None:
+        here = target()
+        try:
+            where = address_of(4, number % 5000)
+            status, _ = await _post(here, "/api/trees?build=true", where, mesh(number))
+            report.note("upload to build", status, expected=status in (200, 201))
+        except LOST as error:
+            report.note("upload to build", repr(error)[:60], expected=here.may_fail)
+
+    return build
+
+
+async def note_jobs(target: Choose, report: Report) -> None:
+    """Note the states of all builds: killed processes are no reason for one to fail."""
+    status, answer = await ask(target(), "GET", "/api/jobs?limit=500", address_of(6, 1))
+    report.note("jobs", status, expected=status == 200)
+    for job in json.loads(answer)["jobs"] if status == 200 else []:
+        report.note("job", job["state"], expected=job["state"] != "failed")
+
+
+async def _post(here: Target, path: str, address: str, mesh: bytes) -> tuple[int, bytes]:
+    headers = {
+        "Authorization": f"Bearer {here.key}",
+        "Content-Type": "multipart/form-data; boundary=x",
+    }
+    body = b'--x\r\nContent-Disposition: form-data; name="file"; filename="load.obj"\r\n\r\n'
+    return await ask(here, "POST", path, address, headers, body + mesh + b"\r\n--x--\r\n")
 
 
 async def listen(target: Choose, report: Report, number: int) -> None:
