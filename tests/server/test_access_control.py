@@ -97,7 +97,7 @@ def test_forwarded_requests_are_not_local(name: str) -> None:
 
 
 def test_a_proxy_that_rewrites_the_host_is_not_local() -> None:
-    """nginx with nothing but `proxy_pass http://localhost:8000`: HTTP/1.0, Host rewritten, no header added."""
+    """nginx with only `proxy_pass http://localhost:8000`: HTTP/1.0, Host rewritten, no header added."""
     scope = {
         "type": "http", "method": "POST", "path": "/api/thing", "client": LOCAL, "http_version": "1.0",
         "headers": [(b"host", b"localhost:8000"), (b"connection", b"close")],
