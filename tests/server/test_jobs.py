@@ -95,6 +95,7 @@ def test_a_stop_while_the_cluster_starts_leaves_no_process(start_server: StartSe
         family = wait_until(lambda: len(found := server.family()) >= 2 and found)  # job, cluster
     server.stop()
     assert gone(family)
+    assert "Traceback" not in server.log()
 
 
 def in_records(api: httpx.Client, job: dict[str, Any]) -> bool:
