@@ -196,11 +196,17 @@ def _write_decoders(folder: Path, name: str, description: dict[str, Any]) -> Non
     values["ROWS"] = description["rows_per_frame"]
     for use, written in description["textures"].items():
         for end in ("low", "high"):
-            values[f"{use}_{end}".upper()] = ", ".join(f"{value:.9g}" for value in written[end])
+            values[f"{use}_{end}".upper()] = ", ".join(_real(value) for value in written[end])
     for source in resources.files("galewood.export").joinpath("decoders").iterdir():
         stem, _, ending = source.name.rpartition(".")
         text = source.read_text()
         for key, value in values.items():
-            text = text.replace(f"@{key}@", f"{value:.9g}" if isinstance(value, float) else str(value))
+            text = text.replace(f"@{key}@", _real(value) if isinstance(value, float) else str(value))
         target = f"{stem}.{ending}" if ending in ("js", "ts") else f"{name}.{ending}"
         (folder / target).write_text(text)
+
+
+def _real(value: float) -> str:
+    """A number that shaders take for a float, not for an integer."""
+    text = f"{value:.9g}"
+    return text if "." in text or "e" in text else f"{text}.0"

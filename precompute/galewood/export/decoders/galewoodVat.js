@@ -7,7 +7,7 @@
 //
 // Any built-in material works; for instances put `vatMaterial` on the material of an InstancedMesh and give each a
 // float attribute `vatStart` (0..1, where in the loop it begins).
-import { Box3, MeshDepthMaterial, NearestFilter, RGBADepthPacking, Sphere, Vector3 } from "three";
+import { Box3, FloatType, MeshDepthMaterial, NearestFilter, RGBADepthPacking, Sphere, Vector3 } from "three";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
@@ -74,8 +74,9 @@ export function vatMaterial(material, vat, { start = false } = {}) {
 
 /** The textures of a description, as uniforms for `vatMaterial`; `base`: address that its file names refer to. */
 export async function loadTextures(description, base) {
-	const loader = new EXRLoader();
 	const load = async (use) => {
+		const loader = new EXRLoader();
+		if (use === "pivot") loader.setDataType(FloatType);
 		const { file } = description.textures[use];
 		if (!file.endsWith(".exr")) {
 			throw new Error(`${file}: browsers read PNG with 8 bits per channel; export with --format exr`);

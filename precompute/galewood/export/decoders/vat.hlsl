@@ -27,16 +27,16 @@ void GalewoodVat_float(
     uint width, height, pivotWidth, pivotHeight;
     OffsetMap.tex.GetDimensions(width, height);
     PivotMap.tex.GetDimensions(pivotWidth, pivotHeight);
-    // v counts from the bottom, as do Unity's texture rows: frame f lies f * rows below frame 0
-    int column = (int)floor(UV1.x * width);
-    int fromTop = (int)floor((1.0 - UV1.y) * height);
-    float at = frac(Time * fps / frames + Start) * frames;
-    int first = min((int)at, frames - 1);
+    // v counts from the bottom, as do the rows of Unity's textures: frame f lies f * rows below frame 0
+    int column = int(floor(UV1.x * float(width)));
+    int fromTop = int(floor((1.0 - UV1.y) * float(height)));
+    float at = frac(Time * fps / float(frames) + Start) * float(frames);
+    int first = min(int(at), frames - 1);
     int second = (first + 1) % frames;
-    float share = at - first;
-    int3 a = int3(column, (int)height - 1 - (fromTop + first * rows), 0);
-    int3 b = int3(column, (int)height - 1 - (fromTop + second * rows), 0);
-    int3 c = int3(column, (int)pivotHeight - 1 - fromTop, 0);
+    float share = at - float(first);
+    int3 a = int3(column, int(height) - 1 - (fromTop + first * rows), 0);
+    int3 b = int3(column, int(height) - 1 - (fromTop + second * rows), 0);
+    int3 c = int3(column, int(pivotHeight) - 1 - fromTop, 0);
 
     float3 moved = lerp(OffsetMap.tex.Load(a).rgb, OffsetMap.tex.Load(b).rgb, share);
     float3 turn = lerp(RotationMap.tex.Load(a).rgb, RotationMap.tex.Load(b).rgb, share);
