@@ -1,7 +1,8 @@
 """A USD file with an exact looping animation: UsdSkel, with the table's joints as bones.
 
 Every vertex of a table moves rigidly with one joint, so a skeleton of these joints, each vertex bound to one
-of them, is the motion of the table itself, at a tenth of the size of a cache of vertex positions. USD sets no limit to the number of joints.
+of them, is the motion of the table itself, at a tenth of the size of a cache of vertex positions. USD sets no
+limit to the number of joints.
 """
 
 from __future__ import annotations
