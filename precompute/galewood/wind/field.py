@@ -13,10 +13,13 @@ from galewood.wind.fronts import add_fronts
 from galewood.wind.models.cosine import CosineGusts
 from galewood.wind.models.eddy_gusts import EddyGusts
 from galewood.wind.models.perlin import PerlinGusts
+from galewood.wind.models.recorded import RecordedGusts
 from galewood.wind.models.spectral import SpectralGusts
 from galewood.wind.pressure import pressure_of_velocity
-from galewood.wind.transition import Moment, WindState, at, change_wind, steady
+from galewood.wind.transition import Moment, WindState, at, change_wind, gust_key, steady
 
+TIMED = ("cosine", "recorded")
+"""Models that depend on the time rather than on the distance travelled."""
 KEPT_GUSTS = 2
 """A transition evaluates two gust fields at once."""
 KEPT_BUFFERS = 24
@@ -26,7 +29,7 @@ KEPT_BUFFERS = 24
 class Gusts(Protocol):
     """The gusts of one model and seed.
 
-    ``carried`` is the distance travelled in length scales; the cosine model uses the time, s, instead.
+    ``carried`` is the distance travelled in length scales; TIMED models use the time, s, instead.
     """
 
     def velocity(
@@ -44,6 +47,8 @@ def gusts_of(wind: Wind) -> Gusts:
         return SpectralGusts(wind.seed, wind.beta)
     if wind.model == "navier-stokes":
         return EddyGusts(wind.seed)
+    if wind.model == "recorded":
+        return RecordedGusts(wind.recording)
     return CosineGusts(wind)
 
 
@@ -106,11 +111,11 @@ class WindField:
         return self._buffers[key]
 
     def _write(self, wind: Wind, moment: Moment, x: Floats, z: Floats, out_x: Floats, out_z: Floats) -> None:
-        carried = moment.time_s if wind.model == "cosine" else moment.travel
+        carried = moment.time_s if wind.model in TIMED else moment.travel
         self._gusts_for(wind).velocity(wind, carried, x, z, out_x, out_z)
 
     def _gusts_for(self, wind: Wind) -> Gusts:
-        key = (wind.model, wind.seed, wind.beta, wind.waves)
+        key = gust_key(wind)
         if key not in self._gusts:
             while len(self._gusts) >= KEPT_GUSTS:
                 del self._gusts[next(iter(self._gusts))]

@@ -46,7 +46,8 @@ const isPlain = (wind: WindDocument): boolean =>
 
 /** Writes the difference between a wind and the default wind. */
 export function writeWind(query: URLSearchParams, given: WindDocument, usual: WindDocument): void {
-  const wind = withinTurn(given);
+  // a recording is too long for an address: its mean wind stands for it
+  const wind = withinTurn(given.model === "recorded" ? plainWind(given) : given);
   if (sameWind(wind, withinTurn(usual))) return;
   if (!isPlain(wind) || !isPlain(usual)) {
     query.set("wind", JSON.stringify(wind));
