@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import re
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -64,7 +63,7 @@ def recording_at(value: object, path: str) -> Recording:
     pairs = fields.get("pairs")
     if not isinstance(pairs, str) or not _is_pairs(pairs):
         raise WindError(f"{path}.pairs", PAIRS_EXPECTED)
-    return Recording(pairs=pairs, **cast("dict[str, float]", numbers))
+    return Recording(pairs=pairs, **numbers)
 
 
 def _is_pairs(text: str) -> bool:

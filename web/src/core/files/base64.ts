@@ -20,7 +20,7 @@ export function textOfBase64(bytes: Uint8Array): string {
   for (let i = 0; i < bytes.length; i += 3) {
     const bits = (bytes[i] << 16) | ((bytes[i + 1] ?? 0) << 8) | (bytes[i + 2] ?? 0);
     const four = [18, 12, 6, 0].map((shift) => DIGITS[(bits >> shift) & 63]).join("");
-    text += i + 2 < bytes.length ? four : four.slice(0, i + 1 - bytes.length + 3).padEnd(4, "=");
+    text += i + 2 < bytes.length ? four : four.slice(0, bytes.length - i + 1).padEnd(4, "=");
   }
   return text;
 }
