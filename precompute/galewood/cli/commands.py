@@ -19,6 +19,7 @@ from galewood.cli.tools import (
     without_frames,
     write_figures,
 )
+from galewood.cli.wind_commands import register as register_wind
 
 if TYPE_CHECKING:  # loaded only by the commands that need it
     from galewood.pipeline import BuiltinMesh
@@ -31,6 +32,7 @@ app = typer.Typer(
 register_check(app)
 register_build(app)
 register_field(app)
+register_wind(app)
 
 
 @app.command()
