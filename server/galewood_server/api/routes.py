@@ -7,6 +7,7 @@ from fastapi import APIRouter
 from galewood_server.api import (
     events,
     health,
+    inventories,
     jobs,
     metrics,
     revisions,
@@ -24,6 +25,6 @@ ROUTERS: tuple[APIRouter, ...] = tuple(
     with_head_routes(module.router)
     for module in (
         uploads, trees, revisions, thumbnails, structures, jobs, job_pictures, comparisons, evaluations,
-        tables, artefacts, wood_species, winds, events, socket, health, metrics,
+        tables, artefacts, wood_species, winds, inventories, events, socket, health, metrics,
     )
 )  # fmt: skip

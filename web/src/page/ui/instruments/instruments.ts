@@ -110,6 +110,14 @@ export class Instruments {
     return details;
   }
 
+  loadMeasurement(file: File): Promise<void> {
+    return this.measurements.take(file);
+  }
+
+  loadWind(file: File): Promise<void> {
+    return this.files.take(file);
+  }
+
   private refuse(why: WindError): void {
     this.events.problem("The wind file is invalid.", why.message);
   }

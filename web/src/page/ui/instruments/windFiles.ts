@@ -22,7 +22,12 @@ export function saveWind(wind: WindDocument): void {
 class FileInput {
   readonly element = make("input");
 
-  constructor(accept: string, testId: string, chosen: (file: File) => Promise<void>) {
+  /** `take` reads a file, chosen or dropped. */
+  constructor(
+    accept: string,
+    testId: string,
+    readonly take: (file: File) => Promise<void>,
+  ) {
     this.element.type = "file";
     this.element.accept = accept;
     this.element.hidden = true;
@@ -30,7 +35,7 @@ class FileInput {
     this.element.addEventListener("change", () => {
       const file = this.element.files?.[0];
       this.element.value = "";
-      if (file) void chosen(file);
+      if (file) void take(file);
     });
   }
 
