@@ -31,4 +31,7 @@ async def get_inventory(service: ServiceDep) -> FileResponse:
             hint="Start it with `galewood forest FILE`, or set GALEWOOD_INVENTORY.",
         )
     kind = "application/geo+json" if path.suffix.lower() in (".json", ".geojson") else "text/csv"
-    return FileResponse(path, media_type=kind, headers={"Cache-Control": "no-cache"})
+    headers = {"Cache-Control": "no-cache"}
+    return FileResponse(
+        path, media_type=kind, headers=headers, filename=path.name, content_disposition_type="inline"
+    )

@@ -101,11 +101,11 @@ const FARTHEST_M = 250;
 /** Eye and target, with heights above the ground, that show a stand from the south and above its crowns. */
 export function standView({ width_m, depth_m, highest_m }: StandSize, aspect: number) {
   const across_m = (0.5 * IN_VIEW * width_m + 4) / (Math.tan(HALF_VIEW) * aspect);
-  const away_m = Math.min(FARTHEST_M, Math.max(across_m, 1.2 * highest_m) + 0.5 * depth_m);
+  const away_m = Math.min(FARTHEST_M, Math.max(across_m, 1.4 * highest_m) + 0.5 * depth_m);
   const eye = {
     x: HEART.x_m + 0.12 * width_m,
-    above: 0.7 * highest_m + 0.34 * away_m,
+    above: 0.75 * highest_m + 0.1 * away_m,
     z: HEART.z_m + away_m,
   };
-  return { eye, target: { x: HEART.x_m, above: 0.3 * highest_m, z: HEART.z_m } };
+  return { eye, target: { x: HEART.x_m, above: 0.45 * highest_m, z: HEART.z_m } };
 }

@@ -35,12 +35,14 @@ export class InventoryForest {
       return;
     }
     const url = new URL(address, document.baseURI);
-    await this.load(url.pathname.replace(/^.*\//, ""), async () => {
+    await this.load(url.pathname.replace(/^.*\//, ""), async (rename) => {
       if (url.origin !== location.origin) {
         throw new InventoryError("the address must belong to this server; drop the file on the page instead");
       }
       const response = await fetch(url);
       if (!response.ok) throw new InventoryError(`${url.href}: the server answered ${response.status}`);
+      const named = /filename="([^"]+)"/.exec(response.headers.get("content-disposition") ?? "");
+      if (named) rename(named[1]);
       return new Uint8Array(await response.arrayBuffer());
     });
   }
@@ -54,11 +56,20 @@ export class InventoryForest {
     if (this.current) this.report();
   }
 
-  private async load(name: string, bytes: () => Promise<Uint8Array>): Promise<void> {
+  /** `bytes` returns the content, and may learn the file's name meanwhile. */
+  private async load(
+    given: string,
+    bytes: (rename: (name: string) => void) => Promise<Uint8Array>,
+  ): Promise<void> {
     this.loading = true;
+    let name = given;
     try {
       const { readFile } = await import("./readFile");
-      const read = readFile(await bytes());
+      const read = readFile(
+        await bytes((real) => {
+          name = real;
+        }),
+      );
       const names = new Set(read.stems.map(({ species }) => species.trim().toLowerCase()));
       this.current = { ...read, name, names };
     } catch (error) {
