@@ -20,6 +20,7 @@ from galewood.cli.tools import (
     without_frames,
     write_figures,
 )
+from galewood.cli.wind_commands import register as register_wind
 
 if TYPE_CHECKING:  # loaded only by the commands that need it
     from galewood.pipeline import BuiltinMesh
@@ -33,6 +34,7 @@ register_check(app)
 register_build(app)
 register_export(app)
 register_field(app)
+register_wind(app)
 
 
 @app.command()

@@ -8,6 +8,7 @@ from galewood_server.api import (
     events,
     exports,
     health,
+    inventories,
     jobs,
     metrics,
     revisions,
@@ -25,6 +26,6 @@ ROUTERS: tuple[APIRouter, ...] = tuple(
     with_head_routes(module.router)
     for module in (
         uploads, trees, revisions, thumbnails, structures, exports, jobs, job_pictures, comparisons,
-        evaluations, tables, artefacts, wood_species, winds, events, socket, health, metrics,
+        evaluations, tables, artefacts, wood_species, winds, inventories, events, socket, health, metrics,
     )
 )  # fmt: skip
