@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import Any
 
 import numpy as np
@@ -15,17 +16,19 @@ from galewood.mesh.repair import Surface
 from galewood.mesh.sandboxed import pack_tree, unpack_tree
 from galewood.mesh.sections import edge_samples, sections_at
 from galewood.mesh.types import ImportOptions, RawPart, TreeMesh
-from galewood.model import beam_model
+from galewood.model import beam_model, in_added_wood
 from galewood.model.axis import axis_of_frame
 from galewood.model.beam_tree import frame_of
 from galewood.model.foliage import LEAF_MASS_KG_M2
 from galewood.model.holds import holds_of
 from galewood.options import BuildRequest, ImportRequest, import_options
+from galewood.pictures.thumbnail import draw
 from galewood.pipeline.drawn_figures import DrawnFigures
 from galewood.pipeline.options import build_options
 from galewood.skeleton import outline_of
 from galewood.util import Floats, MeshError
 from galewood.wood import wood_of_species
+from PIL import Image
 
 from tests.precompute import labelled_shapes as shapes
 from tests.precompute import tree_meshes as make
@@ -272,6 +275,20 @@ def test_the_added_wood_passes_through_the_sandbox(lollipop: TreeMesh):
     added = again.added_wood()
     assert added is not None
     assert added.positions_m[:, 1].min() > 0.8 * STUB_M
+
+
+def test_pictures_show_the_added_wood(lollipop: TreeMesh):
+    points = np.array([(0, 1.0, 0), (0, 4.0, 0), (0, 5.5, 0), (0, 9.0, 0)])
+    assert in_added_wood(lollipop, points).tolist() == [False, False, True, True]
+    added = lollipop.added_wood()
+    assert added is not None
+    parts = [RawPart((p.kind,), p.positions_m, p.faces) for p in lollipop.primitives]
+    shares: list[float] = []
+    for over in (None, added.positions_m[added.faces]):
+        pixels = np.asarray(Image.open(io.BytesIO(draw(parts, 64, over))).convert("RGB")).astype(int)
+        shares.append(float((pixels[..., 2] > pixels[..., 0] + 20).mean()))
+    assert shares[0] == 0.0
+    assert shares[1] > 0.005
 
 
 def test_the_choice_is_an_option_of_imports_and_builds():
