@@ -1,6 +1,7 @@
 /**
  * Plugin: gives private members of classes short names, which minifiers cannot. TypeScript allows their use within the class
- * only, so each file is looked at by itself. A name is kept where anything but `this` has a property of that name.
+ * only, so each file is looked at by itself. A name is kept where anything but `this` has a property of
+ * that name, or a string contains it.
  */
 import { parseSync } from "rolldown/utils";
 
@@ -35,6 +36,8 @@ function propertiesOf(program) {
     const owner = classOf(parents);
     const hidden = node.accessibility === "private";
     if (MEMBERS.has(node.type)) declared.push({ name: nameOf(node), node, owner, hidden });
+    else if (node.type === "Literal")
+      foreign.add(node.value); // this["name"]
     else if (node.type === "TSParameterProperty")
       declared.push({ name: parameterOf(node).name, node, owner, hidden, parents });
     else if (node.type === "MemberExpression" && !node.computed) {

@@ -86,7 +86,7 @@ export class GalewoodForest extends HTMLElement {
     scene.add(...lit(renderer, SPACING_M * Math.sqrt(count)), forest);
     this.show(renderer, camera);
     const height_m = await this.plant(forest, count);
-    const far_m = 1.1 * height_m + 2 * SPACING_M * Math.sqrt(count);
+    const far_m = 0.9 * height_m + 1.1 * SPACING_M * Math.sqrt(count);
     camera.position.set(0.3 * far_m, 0.5 * height_m, far_m);
     this.run(renderer, camera, scene, 0.45 * height_m);
   }
