@@ -11,7 +11,10 @@ import { seasonal } from "../scene/season/seasonal";
 import { aerialPerspective } from "../scene/sky/air";
 import { Stage } from "../scene/stage";
 import { standView } from "../scene/stand";
+import { LEVEL_SHARES } from "../scene/trees/detail";
+import { PullSlots } from "../scene/trees/pull/pullSlots";
 import type { SpeciesOptions } from "../scene/trees/speciesForest";
+import { materialsOf } from "../scene/trees/treeMaterial";
 import { Attention } from "./attention";
 import { Comparison } from "./compare/comparison";
 import { ContextLoss } from "./contextLoss";
@@ -266,12 +269,18 @@ export class App {
     const { quality } = this.settings;
     const { capabilities } = this.stage.renderer;
     return {
+      materials: materialsOf({
+        anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
+        smoothEdges: quality !== "low",
+        gloss: quality === "high",
+        surface: seasonal,
+        atmosphere: aerialPerspective,
+      }),
       maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
-      anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
-      smoothEdges: quality !== "low",
-      gloss: quality === "high",
-      surface: seasonal,
-      atmosphere: aerialPerspective,
+      // If gloss is affordable, so are the shadows of all leaves.
+      shadows: { share: quality === "high" ? 1 : LEVEL_SHARES[1], cascades: true },
+      shoots: quality !== "low",
+      pullsOf: (holds) => new PullSlots(holds),
       flutter: this.flutter,
       exaggeration: this.exaggeration,
     };
