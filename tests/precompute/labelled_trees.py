@@ -7,10 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.precompute import labelled_crowns, labelled_scenes, labelled_sources  # noqa: F401  register styles
+from tests.precompute import labelled_crowns, labelled_scenes, labelled_sources
 from tests.precompute.labelled_parts import STYLES
 from tests.precompute.labelled_shapes import Shape
 from tests.precompute.labelled_writers import write_glb, write_obj, write_ply, write_stl
+
+REGISTERED = (labelled_crowns, labelled_scenes, labelled_sources)
+"""Modules that add their styles to STYLES when they are imported."""
 
 
 @dataclass
