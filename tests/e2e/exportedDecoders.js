@@ -61,9 +61,13 @@ function percent(pixels, expected, mirrored) {
   return (100 * worst) / expected.height_m;
 }
 
-/** The three.js module, in a built-in material. */
-function byThree(expected, vat) {
-  const material = vatMaterial(new PointsMaterial(), vat);
+/** The three.js module, in a built-in material; `start`: the share of the loop by which an instance is ahead. */
+function byThree(expected, vat, start = 0) {
+  const geometry = geometryOf(expected);
+  const ahead = new Float32Array(expected.rest.length / 3).fill(start);
+  if (start) geometry.setAttribute("vatStart", new BufferAttribute(ahead, 1));
+  vat.uniforms.vatTime.value = expected.time_s - (start * vat.uniforms.vatFrames.value) / vat.uniforms.vatFps.value;
+  const material = vatMaterial(new PointsMaterial(), vat, { start: start > 0 });
   const patch = material.onBeforeCompile;
   material.onBeforeCompile = (shader) => {
     patch(shader);
@@ -71,7 +75,7 @@ function byThree(expected, vat) {
     shader.vertexShader = vertex.replace(/}\s*$/, `place = transformed; ${TO_PIXEL} }`);
     shader.fragmentShader = "varying vec3 place; void main() { gl_FragColor = vec4(place, 1.0); }";
   };
-  return percent(places(geometryOf(expected), material), expected);
+  return percent(places(geometry, material), expected);
 }
 
 function raw(expected, vat, vertexShader, mirrored) {
@@ -152,10 +156,10 @@ function upsideDown(texture) {
 
 const expected = await (await fetch("./expected.json")).json();
 const tree = await loadVat("./vat/tree.json");
-tree.time.value = expected.time_s;
 const still = 100 * Math.max(...expected.drawn.map((value, k) => Math.abs(value - expected.rest[k])));
 window.decoded = {
   three: byThree(expected, tree.vat),
+  instance: byThree(expected, tree.vat, 0.25),
   godot: await byGodot(expected, tree.vat),
   unity: await byUnity(expected, tree.description),
   sway: still / expected.height_m,

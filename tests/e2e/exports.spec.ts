@@ -18,6 +18,7 @@ const folder = mkdtempSync(join(tmpdir(), "galewood-exports-"));
 
 interface Decoded {
   three: number;
+  instance: number;
   godot: number;
   unity: number;
   sway: number;
@@ -56,6 +57,7 @@ test("the decoders for three.js, Godot and Unity agree with the table", async ({
   expect(decoded.meshes).toBe(3);
   expect(decoded.sway).toBeGreaterThan(1);
   expect(decoded.three).toBeLessThan(0.1);
+  expect(decoded.instance).toBeLessThan(0.1);
   expect(decoded.godot).toBeLessThan(0.1);
   expect(decoded.unity).toBeLessThan(0.1);
 });

@@ -1,8 +1,8 @@
 """Exports a tree's motion as an animated GLB, for programs that cannot read tables.
 
 The table's modes become morph targets and the motion their weights: a morph displaces a vertex by
-Σ basis_k q_k, and turns with its branch to first order; the viewer turns it completely. The file has the
-precision of the table and a few megabytes, whatever the length of the motion.
+Σ basis_k q_k, and turns with its branch to first order; the viewer turns it completely. So the file is as
+precise as the table for small motion only (``linear_error_percent``); its size hardly depends on the length.
 """
 
 from __future__ import annotations
