@@ -1,11 +1,14 @@
 /** Runs the exported decoders on the graphics card and reads back where they move the vertices: part of the page of
  * exports.spec.ts, with three.js from an import map. */
 import {
+  AmbientLight,
   BufferAttribute,
   BufferGeometry,
   Camera,
+  DirectionalLight,
   FloatType,
   NearestFilter,
+  OrthographicCamera,
   Points,
   PointsMaterial,
   RawShaderMaterial,
@@ -154,6 +157,28 @@ function upsideDown(texture) {
   texture.image.data = turned;
 }
 
+/** Draws the tree with its own materials, in light with shadows; returns how many pixels are not background. */
+function drawn(tree) {
+  const light = new DirectionalLight(0xffffff, 3);
+  light.position.set(10, 20, 10);
+  light.castShadow = true;
+  const scene = new Scene();
+  scene.add(light, new AmbientLight(0xffffff, 1), tree.object);
+  tree.object.traverse((mesh) => {
+    mesh.castShadow = mesh.receiveShadow = true;
+  });
+  const { low, high } = tree.description.bounds_m;
+  const camera = new OrthographicCamera(low[0], high[0], high[1], low[1], 0, 100);
+  camera.position.z = 50;
+  renderer.shadowMap.enabled = true;
+  const target = new WebGLRenderTarget(SIDE, SIDE);
+  renderer.setRenderTarget(target);
+  renderer.render(scene, camera);
+  const pixels = new Uint8Array(4 * SIDE * SIDE);
+  renderer.readRenderTargetPixels(target, 0, 0, SIDE, SIDE, pixels);
+  return pixels.filter((value, k) => k % 4 === 1 && value > 0).length;
+}
+
 const expected = await (await fetch("./expected.json")).json();
 const tree = await loadVat("./vat/tree.json");
 const still = 100 * Math.max(...expected.drawn.map((value, k) => Math.abs(value - expected.rest[k])));
@@ -163,5 +188,6 @@ window.decoded = {
   godot: await byGodot(expected, tree.vat),
   unity: await byUnity(expected, tree.description),
   sway: still / expected.height_m,
+  pixels: drawn(tree),
   meshes: tree.object.children.length,
 };

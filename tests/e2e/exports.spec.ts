@@ -22,6 +22,7 @@ interface Decoded {
   godot: number;
   unity: number;
   sway: number;
+  pixels: number;
   meshes: number;
 }
 
@@ -55,6 +56,7 @@ test("the decoders for three.js, Godot and Unity agree with the table", async ({
   const decoded = await page.evaluate(() => (window as unknown as { decoded: Decoded }).decoded);
   expect(errors.filter((text) => !text.includes("404"))).toEqual([]);
   expect(decoded.meshes).toBe(3);
+  expect(decoded.pixels).toBeGreaterThan(500);
   expect(decoded.sway).toBeGreaterThan(1);
   expect(decoded.three).toBeLessThan(0.1);
   expect(decoded.instance).toBeLessThan(0.1);
