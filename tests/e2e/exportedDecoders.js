@@ -7,6 +7,7 @@ import {
   Camera,
   DirectionalLight,
   FloatType,
+  Matrix4,
   NearestFilter,
   OrthographicCamera,
   Points,
@@ -17,7 +18,7 @@ import {
   WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { loadTextures, loadVat, vatMaterial } from "./vat/galewoodVat.js";
+import { loadTextures, loadVat, vatInstances, vatMaterial } from "./vat/galewoodVat.js";
 
 const SIDE = 128;
 const TO_PIXEL = `gl_Position = vec4((vec2(float(gl_VertexID % ${SIDE}), float(gl_VertexID / ${SIDE})) + 0.5)
@@ -157,14 +158,14 @@ function upsideDown(texture) {
   texture.image.data = turned;
 }
 
-/** Draws the tree with its own materials, in light with shadows; returns how many pixels are not background. */
-function drawn(tree) {
+/** Draws an object with its own materials, in light with shadows; returns how many pixels are not background. */
+function drawn(tree, object) {
   const light = new DirectionalLight(0xffffff, 3);
   light.position.set(10, 20, 10);
   light.castShadow = true;
   const scene = new Scene();
-  scene.add(light, new AmbientLight(0xffffff, 1), tree.object);
-  tree.object.traverse((mesh) => {
+  scene.add(light, new AmbientLight(0xffffff, 1), object);
+  object.traverse((mesh) => {
     mesh.castShadow = mesh.receiveShadow = true;
   });
   const { low, high } = tree.description.bounds_m;
@@ -188,6 +189,7 @@ window.decoded = {
   godot: await byGodot(expected, tree.vat),
   unity: await byUnity(expected, tree.description),
   sway: still / expected.height_m,
-  pixels: drawn(tree),
+  pixels: drawn(tree, tree.object),
+  instances: drawn(tree, vatInstances(tree, [new Matrix4(), new Matrix4().setPosition(2, 0, 0)], [0, 0.5])),
   meshes: tree.object.children.length,
 };

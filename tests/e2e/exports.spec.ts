@@ -23,6 +23,7 @@ interface Decoded {
   unity: number;
   sway: number;
   pixels: number;
+  instances: number;
   meshes: number;
 }
 
@@ -57,6 +58,7 @@ test("the decoders for three.js, Godot and Unity agree with the table", async ({
   expect(errors.filter((text) => !text.includes("404"))).toEqual([]);
   expect(decoded.meshes).toBe(3);
   expect(decoded.pixels).toBeGreaterThan(500);
+  expect(decoded.instances).toBeGreaterThan(decoded.pixels);
   expect(decoded.sway).toBeGreaterThan(1);
   expect(decoded.three).toBeLessThan(0.1);
   expect(decoded.instance).toBeLessThan(0.1);
