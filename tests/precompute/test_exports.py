@@ -6,6 +6,7 @@ import json
 import shutil
 import struct
 import subprocess
+import sys
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -254,6 +255,16 @@ def test_usd_bakes_the_motion_of_the_table(exports: Exports) -> None:
     assert all(
         path.suffix in (".usdc", ".png", ".jpg", ".json") for path in (exports.folder / "usd").iterdir()
     )
+
+
+def test_usd_without_its_package_says_what_to_install(
+    exports: Exports, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pxr", None)
+    with pytest.raises(ExportError, match=r"galewood\[usd\]"):
+        write_export(
+            exports.table, SHIPPED.with_suffix(".glb").read_bytes(), "usd", tmp_path, "tree", OPTIONS
+        )
 
 
 def test_trimesh_reads_the_meshes(exports: Exports) -> None:
