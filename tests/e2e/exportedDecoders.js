@@ -1,11 +1,15 @@
 /** Runs the exported decoders on the graphics card and reads back where they move the vertices: part of the page of
  * exports.spec.ts, with three.js from an import map. */
 import {
+  AmbientLight,
   BufferAttribute,
   BufferGeometry,
   Camera,
+  DirectionalLight,
   FloatType,
+  Matrix4,
   NearestFilter,
+  OrthographicCamera,
   Points,
   PointsMaterial,
   RawShaderMaterial,
@@ -14,7 +18,7 @@ import {
   WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { loadTextures, loadVat, vatMaterial } from "./vat/galewoodVat.js";
+import { loadTextures, loadVat, vatInstances, vatMaterial } from "./vat/galewoodVat.js";
 
 const SIDE = 128;
 const TO_PIXEL = `gl_Position = vec4((vec2(float(gl_VertexID % ${SIDE}), float(gl_VertexID / ${SIDE})) + 0.5)
@@ -61,9 +65,13 @@ function percent(pixels, expected, mirrored) {
   return (100 * worst) / expected.height_m;
 }
 
-/** The three.js module, in a built-in material. */
-function byThree(expected, vat) {
-  const material = vatMaterial(new PointsMaterial(), vat);
+/** The three.js module, in a built-in material; `start`: the share of the loop by which an instance is ahead. */
+function byThree(expected, vat, start = 0) {
+  const geometry = geometryOf(expected);
+  const ahead = new Float32Array(expected.rest.length / 3).fill(start);
+  if (start) geometry.setAttribute("vatStart", new BufferAttribute(ahead, 1));
+  vat.uniforms.vatTime.value = expected.time_s - (start * vat.uniforms.vatFrames.value) / vat.uniforms.vatFps.value;
+  const material = vatMaterial(new PointsMaterial(), vat, { start: start > 0 });
   const patch = material.onBeforeCompile;
   material.onBeforeCompile = (shader) => {
     patch(shader);
@@ -71,7 +79,7 @@ function byThree(expected, vat) {
     shader.vertexShader = vertex.replace(/}\s*$/, `place = transformed; ${TO_PIXEL} }`);
     shader.fragmentShader = "varying vec3 place; void main() { gl_FragColor = vec4(place, 1.0); }";
   };
-  return percent(places(geometryOf(expected), material), expected);
+  return percent(places(geometry, material), expected);
 }
 
 function raw(expected, vat, vertexShader, mirrored) {
@@ -150,14 +158,38 @@ function upsideDown(texture) {
   texture.image.data = turned;
 }
 
+/** Draws an object with its own materials, in light with shadows; returns how many pixels are not background. */
+function drawn(tree, object) {
+  const light = new DirectionalLight(0xffffff, 3);
+  light.position.set(10, 20, 10);
+  light.castShadow = true;
+  const scene = new Scene();
+  scene.add(light, new AmbientLight(0xffffff, 1), object);
+  object.traverse((mesh) => {
+    mesh.castShadow = mesh.receiveShadow = true;
+  });
+  const { low, high } = tree.description.bounds_m;
+  const camera = new OrthographicCamera(low[0], high[0], high[1], low[1], 0, 100);
+  camera.position.z = 50;
+  renderer.shadowMap.enabled = true;
+  const target = new WebGLRenderTarget(SIDE, SIDE);
+  renderer.setRenderTarget(target);
+  renderer.render(scene, camera);
+  const pixels = new Uint8Array(4 * SIDE * SIDE);
+  renderer.readRenderTargetPixels(target, 0, 0, SIDE, SIDE, pixels);
+  return pixels.filter((value, k) => k % 4 === 1 && value > 0).length;
+}
+
 const expected = await (await fetch("./expected.json")).json();
 const tree = await loadVat("./vat/tree.json");
-tree.time.value = expected.time_s;
 const still = 100 * Math.max(...expected.drawn.map((value, k) => Math.abs(value - expected.rest[k])));
 window.decoded = {
   three: byThree(expected, tree.vat),
+  instance: byThree(expected, tree.vat, 0.25),
   godot: await byGodot(expected, tree.vat),
   unity: await byUnity(expected, tree.description),
   sway: still / expected.height_m,
+  pixels: drawn(tree, tree.object),
+  instances: drawn(tree, vatInstances(tree, [new Matrix4(), new Matrix4().setPosition(2, 0, 0)], [0, 0.5])),
   meshes: tree.object.children.length,
 };

@@ -18,9 +18,12 @@ const folder = mkdtempSync(join(tmpdir(), "galewood-exports-"));
 
 interface Decoded {
   three: number;
+  instance: number;
   godot: number;
   unity: number;
   sway: number;
+  pixels: number;
+  instances: number;
   meshes: number;
 }
 
@@ -54,8 +57,11 @@ test("the decoders for three.js, Godot and Unity agree with the table", async ({
   const decoded = await page.evaluate(() => (window as unknown as { decoded: Decoded }).decoded);
   expect(errors.filter((text) => !text.includes("404"))).toEqual([]);
   expect(decoded.meshes).toBe(3);
+  expect(decoded.pixels).toBeGreaterThan(500);
+  expect(decoded.instances).toBeGreaterThan(decoded.pixels);
   expect(decoded.sway).toBeGreaterThan(1);
   expect(decoded.three).toBeLessThan(0.1);
+  expect(decoded.instance).toBeLessThan(0.1);
   expect(decoded.godot).toBeLessThan(0.1);
   expect(decoded.unity).toBeLessThan(0.1);
 });

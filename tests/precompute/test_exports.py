@@ -6,6 +6,7 @@ import json
 import shutil
 import struct
 import subprocess
+import sys
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -256,6 +257,16 @@ def test_usd_bakes_the_motion_of_the_table(exports: Exports) -> None:
     )
 
 
+def test_usd_without_its_package_says_what_to_install(
+    exports: Exports, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pxr", None)
+    with pytest.raises(ExportError, match=r"galewood\[usd\]"):
+        write_export(
+            exports.table, SHIPPED.with_suffix(".glb").read_bytes(), "usd", tmp_path, "tree", OPTIONS
+        )
+
+
 def test_trimesh_reads_the_meshes(exports: Exports) -> None:
     rest: Any = trimesh.load(SHIPPED.with_suffix(".glb"), force="mesh")
     for kind in ("vat", "bones", "pivots", "glb"):
@@ -268,8 +279,11 @@ def test_trimesh_reads_the_meshes(exports: Exports) -> None:
     not VALIDATOR.exists() or not shutil.which("node"), reason="needs the page's node_modules"
 )
 def test_the_khronos_validator_finds_no_error(exports: Exports) -> None:
+    still = exports.folder / "still" / "tree.glb"
+    calm = ExportOptions(Wind(mean_speed_m_s=0.0), loop_s=1.0, fps=5.0)
+    write_export(exports.table, SHIPPED.with_suffix(".glb").read_bytes(), "bones", still.parent, "tree", calm)
     files = [str(path) for path in sorted(exports.folder.glob("*/*.glb"))]
-    assert len(files) == 6
+    assert len(files) == 7
     script = """
     const { readFileSync } = require("node:fs");
     const { validateBytes } = require(process.argv[1]);
@@ -287,6 +301,19 @@ def test_the_khronos_validator_finds_no_error(exports: Exports) -> None:
     reports = [json.loads(line) for line in done.stdout.splitlines()]
     assert len(reports) == len(files)
     assert [report for report in reports if report["broken"]] == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_still_air_can_be_exported(tmp_path: Path, kind: str) -> None:
+    """Nothing moves: no range to scale by, no channel to animate."""
+    table, glb = decode(SHIPPED.read_bytes()), SHIPPED.with_suffix(".glb").read_bytes()
+    still = ExportOptions(Wind(mean_speed_m_s=0.0), loop_s=1.0, fps=5.0, format="png")
+    told = write_export(table, glb, kind, tmp_path, "tree", still)
+    measured = told.get("measured", {})
+    assert all(abs(percent) < 0.01 for percent in measured.values())
+    if kind in ("bones", "glb"):
+        animation = Glb(tmp_path / "tree.glb").document["animations"][0]
+        assert animation["channels"]
 
 
 def test_archives_of_the_same_files_are_the_same(exports: Exports) -> None:

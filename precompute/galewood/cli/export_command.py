@@ -126,7 +126,8 @@ def _write(
     write_figures(json_out, figures)
     size = sum(path.stat().st_size for path in folder.iterdir() if path.name.startswith(name))
     console.print(f"{folder}: {size / 1e6:.1f} MB")
-    for measure, percent in (figures.get("measured") or {}).items():
+    measured = figures.get("measured") or figures.get("rigged", {}).get("measured", {})
+    for measure, percent in measured.items():
         said = measure.removesuffix("_percent_of_height").replace("_", " ")
         console.print(f"  {said}: {percent:.3g} % of height")
 

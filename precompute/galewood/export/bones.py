@@ -207,7 +207,9 @@ def _animation(
             ("rotation", local.rotation[:, bone], still),
         )
         for path, rows, at_rest in tracks:
-            if np.abs(rows - at_rest).max() < STILL:
+            # an animation must have a channel, also in still air
+            needed = bone == 0 and path == "translation"
+            if np.abs(rows - at_rest).max() < STILL and not needed:
                 continue
             closed = np.concatenate([rows, rows[:1]])
             output = file.add_rows(closed.astype(np.float32))

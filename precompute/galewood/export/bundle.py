@@ -14,8 +14,9 @@ import numpy as np
 
 from galewood.export.bones import MOST_BONES, export_bones
 from galewood.export.errors import ExportError
-from galewood.export.glb import animated_glb
-from galewood.export.looped import Loop, looped
+from galewood.export.glb import animated_glb, linear_error_percent
+from galewood.export.gltf_file import GltfFile
+from galewood.export.looped import Loop, looped, seam_percent
 from galewood.export.pivots import export_pivots
 from galewood.export.textures import TextureFormat
 from galewood.export.usd import export_usd
@@ -109,9 +110,29 @@ def _write(
         return export_pivots(table, glb, loop, folder, name, options.bones)
     if kind == "usd":
         return export_usd(table, glb, loop, folder, name)
+    return _export_glb(table, glb, loop, folder, name)
+
+
+def _export_glb(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) -> dict[str, Any]:
     closed = np.concatenate([loop.steps, loop.steps[:1]])
     (folder / f"{name}.glb").write_bytes(animated_glb(table, glb, closed))
-    return {"format": "galewood-glb", "mesh": f"{name}.glb", "seconds": loop.seconds}
+    rest_m = GltfFile(glb, table).rest_m()
+    poses = loop.steps[:: max(1, len(loop.steps) // 24)]
+    description = {
+        "format": "galewood-glb",
+        "version": 1,
+        "mesh": f"{name}.glb",
+        "animation": "sway",
+        "seconds": loop.seconds,
+        "height_m": float(table.metadata["height_m"]),
+        "wind": loop.wind.document(),
+        "measured": {
+            "error_percent_of_height": linear_error_percent(table, rest_m, poses),
+            "seam_percent_of_height": seam_percent(table, rest_m, loop),
+        },
+    }
+    (folder / f"{name}.json").write_text(json.dumps(description, indent=2) + "\n")
+    return description
 
 
 def archive(folder: Path) -> bytes:

@@ -5,9 +5,20 @@
 //   scene.add(tree.object);
 //   renderer.setAnimationLoop(() => { tree.time.value = performance.now() / 1000; renderer.render(scene, camera); });
 //
-// Any built-in material works; for instances put `vatMaterial` on the material of an InstancedMesh and give each a
-// float attribute `vatStart` (0..1, where in the loop it begins).
-import { Box3, FloatType, MeshDepthMaterial, NearestFilter, RGBADepthPacking, Sphere, Vector3 } from "three";
+// Many of them: scene.add(vatInstances(tree, matrices)) instead of tree.object. `vatMaterial` makes any built-in
+// material sway.
+import {
+	Box3,
+	FloatType,
+	Group,
+	InstancedBufferAttribute,
+	InstancedMesh,
+	MeshDepthMaterial,
+	NearestFilter,
+	RGBADepthPacking,
+	Sphere,
+	Vector3,
+} from "three";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
@@ -130,9 +141,30 @@ export async function loadVat(address) {
 		mesh.geometry.boundingBox = box.clone();
 		mesh.geometry.boundingSphere = box.getBoundingSphere(new Sphere());
 		vatMaterial(mesh.material, vat);
-		const { map, alphaTest, side } = mesh.material;
-		const depth = new MeshDepthMaterial({ depthPacking: RGBADepthPacking, map, alphaTest, side });
-		mesh.customDepthMaterial = vatMaterial(depth, vat);
+		mesh.customDepthMaterial = shadowMaterial(mesh.material, vat);
 	});
 	return { object: gltf.scene, time: vat.uniforms.vatTime, vat, description };
+}
+
+/** Many instances of a loaded tree, at `matrices` (Matrix4). `starts`: where in the loop each begins, 0..1. */
+export function vatInstances(tree, matrices, starts = matrices.map((_, k) => (k * 0.618034) % 1)) {
+	const group = new Group();
+	tree.object.traverse((mesh) => {
+		if (!mesh.isMesh) return;
+		const geometry = mesh.geometry.clone();
+		geometry.setAttribute("vatStart", new InstancedBufferAttribute(Float32Array.from(starts), 1));
+		const material = vatMaterial(mesh.material.clone(), tree.vat, { start: true });
+		const instances = new InstancedMesh(geometry, material, matrices.length);
+		matrices.forEach((matrix, k) => {
+			instances.setMatrixAt(k, matrix);
+		});
+		instances.customDepthMaterial = shadowMaterial(mesh.material, tree.vat, { start: true });
+		group.add(instances);
+	});
+	return group;
+}
+
+function shadowMaterial({ map, alphaTest, side }, vat, options) {
+	const depth = new MeshDepthMaterial({ depthPacking: RGBADepthPacking, map, alphaTest, side });
+	return vatMaterial(depth, vat, options);
 }
