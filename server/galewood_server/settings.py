@@ -93,6 +93,7 @@ class Settings(BaseSettings):
 
     # SHA-256 hashes (hex, comma-separated) of the keys with write access; empty: only local clients may write
     api_keys: Annotated[list[str], NoDecode] = Field(default_factory=list)
+    local_writes: bool = True
     trusted_proxies: str = "127.0.0.1"
     reads_per_minute: int = Field(default=6000, ge=0)
     writes_per_minute: int = Field(default=120, ge=0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import random
+import resource
 import signal
 import sys
 from collections.abc import Coroutine
@@ -30,6 +31,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--trees", type=int, default=500, help="trees of each shared forest (ten clients)")
     parser.add_argument("--listeners", type=int, default=30, help="event streams, each from its own address")
     parser.add_argument("--no-attacks", action="store_true")
+    parser.add_argument("--one-by-one", action="store_true", help="one kind of attack after the other")
     parser.add_argument("--servers", type=int, default=1)
     parser.add_argument("--distributed", action="store_true", help=DISTRIBUTED)
     parser.add_argument("--seed", type=int, default=1)
@@ -45,12 +47,20 @@ def actors(fleet: Fleet, report: Report, chosen: argparse.Namespace) -> list[Cor
                                       chosen.interval))  # fmt: skip
     started += [visitors.listen(fleet.next, report, number) for number in range(chosen.listeners)]
     started.append(visitors.repeatedly(visitors.downloads(fleet.next, report), 1.0))
-    started.append(
-        visitors.repeatedly(visitors.uploads(fleet.next, report, lambda k: pole_obj(2.0 + k / 1000)), 15.0)
-    )
-    if not chosen.no_attacks:
-        started += [attack() for attack in attackers.all_attacks(fleet.next, report)]
+    upload = visitors.builds if chosen.distributed else visitors.uploads
+    work = upload(fleet.next, report, lambda k: pole_obj(2.0 + k / 1000))
+    started.append(visitors.repeatedly(work, 60.0 if chosen.distributed else 15.0))
     return started
+
+
+def attacks(fleet: Fleet, report: Report, chosen: argparse.Namespace) -> list[tuple[str, list[Any]]]:
+    """What to start for each part of the run: its name and its clients."""
+    if chosen.no_attacks:
+        return [("no attack", [])]
+    kinds = attackers.all_attacks(fleet.next, report)
+    if chosen.one_by_one:
+        return [("no attack", []), *kinds.items(), ("no attack", [])]
+    return [("all attacks", [start for starts in kinds.values() for start in starts])]
 
 
 async def notice_failures(fleet: Fleet) -> None:
@@ -77,8 +87,9 @@ async def kill_some(fleet: Fleet, report: Report, every_s: float, dice: random.R
                 report.note("killed", kind)
             except psutil.NoSuchProcess:
                 continue
+        await asyncio.sleep(0.5)
         for node in fleet.nodes:
-            if node.process and await asyncio.to_thread(node.process.wait, 0.1) is not None:
+            if node.process and node.process.poll() is not None:
                 node.start()
 
 
@@ -90,22 +101,37 @@ async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
         tasks.append(asyncio.create_task(notice_failures(fleet)))
         tasks.append(asyncio.create_task(kill_some(fleet, report, chosen.interval, dice)))
     await asyncio.sleep(SETTLE_S)
-    for _ in range(round(60 * chosen.minutes / chosen.interval)):
-        await asyncio.sleep(chosen.interval)
-        print(report.line(), flush=True)
-        for task in tasks:
-            if task.done():
-                raise RuntimeError("a client of the load test failed") from task.exception()
+    parts = attacks(fleet, report, chosen)
+    for name, starts in parts:
+        print(name, flush=True)
+        attacking = [asyncio.create_task(start()) for start in starts]
+        for _ in range(max(1, round(60 * chosen.minutes / chosen.interval / len(parts)))):
+            await asyncio.sleep(chosen.interval)
+            print(report.line(), flush=True)
+            for task in tasks + attacking:
+                if task.done():
+                    raise RuntimeError("a client of the load test failed") from task.exception()
+        await end(attacking)
+    if chosen.distributed:
+        await visitors.note_jobs(fleet.next, report)
+    await end(tasks)
+    return report
+
+
+async def end(tasks: list[asyncio.Task[Any]]) -> None:
+    """Cancel tasks and wait for them."""
     for task in tasks:
         task.cancel()
     await asyncio.gather(*tasks, return_exceptions=True)
-    return report
 
 
 def main() -> int:
     """Run the load test; 1 if anything unexpected happened or the streams were too slow."""
     chosen = options()
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    soft = most if most != resource.RLIM_INFINITY else 1 << 16
     with fleet(chosen.servers, chosen.distributed) as servers:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, most))  # for the clients; servers keep theirs
         report = asyncio.run(run(servers, chosen))
         complaints = servers.complaints()
         print(report.summary())

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from typing import Any
 
 from galewood_server.cli.bench_client import masked
 
 from tests.load.report import Report
 from tests.load.visitors import LOST, Choose, planted
-from tests.load.wire_client import Refused, ask, open_socket, read_head, request_bytes
+from tests.load.wire_client import Refused, aborted, ask, open_socket, read_head, request_bytes
 
 PINGS = masked(b"", 9) * 2000
 LARGEST = 20_000
@@ -39,12 +40,13 @@ async def flood_pings(target: Choose, report: Report) -> None:
     while True:
         try:
             watcher = await open_socket(target(), "10.90.0.2")
-            async with asyncio.TaskGroup() as tasks:
-                following = tasks.create_task(watcher.follow())
-                while not following.done():
-                    watcher.writer.write(PINGS)
-                    await watcher.writer.drain()
-                    await asyncio.sleep(0.01)
+            with aborted(watcher.writer):
+                async with asyncio.TaskGroup() as tasks:
+                    following = tasks.create_task(watcher.follow())
+                    while not following.done():
+                        watcher.writer.write(PINGS)
+                        await watcher.writer.drain()
+                        await asyncio.sleep(0.01)
         except* LOST as group:
             report.note("flood of pings", _outcome(group))
         await asyncio.sleep(1)
@@ -56,14 +58,15 @@ async def flood_forests(target: Choose, report: Report, number: int) -> None:
     while True:
         try:
             watcher = await open_socket(target(), "10.90.0.3")
-            async with asyncio.TaskGroup() as tasks:
-                following = tasks.create_task(watcher.follow())
-                count = 0
-                while not following.done():
-                    watcher.send(plans[count % 2])
-                    await watcher.writer.drain()
-                    count += 1
-                    await asyncio.sleep(0.2)
+            with aborted(watcher.writer):
+                async with asyncio.TaskGroup() as tasks:
+                    following = tasks.create_task(watcher.follow())
+                    count = 0
+                    while not following.done():
+                        watcher.send(plans[count % 2])
+                        await watcher.writer.drain()
+                        count += 1
+                        await asyncio.sleep(0.2)
         except* LOST as group:
             report.note("flood of forests", _outcome(group))
         await asyncio.sleep(1)
@@ -71,18 +74,19 @@ async def flood_forests(target: Choose, report: Report, number: int) -> None:
 
 async def listen_too_often(target: Choose, report: Report, number: int) -> None:
     """One of many event streams of one address."""
+    await asyncio.sleep(number % 100 / 10)
     while True:
         try:
             reader, writer = await target().connect()
-            writer.write(request_bytes("GET", "/api/events", "10.90.0.4"))
-            status, _ = await read_head(reader)
-            report.note("too many event streams", status, expected=refused_well(status))
-            if status == 200:
-                await asyncio.sleep(30)
-            writer.close()
+            with aborted(writer):
+                writer.write(request_bytes("GET", "/api/events", "10.90.0.4"))
+                status, _ = await read_head(reader)
+                report.note("too many event streams", status, expected=refused_well(status))
+                if status == 200:
+                    await asyncio.sleep(30)
         except LOST as error:
             report.note("too many event streams", repr(error)[:40])
-        await asyncio.sleep(5 + number % 10)
+        await asyncio.sleep(20 + number % 20)
 
 
 async def never_read(target: Choose, report: Report) -> None:
@@ -91,10 +95,10 @@ async def never_read(target: Choose, report: Report) -> None:
         try:
             here = target()
             _, writer = await here.connect(limit=1024)
-            writer.transport.pause_reading()  # type: ignore[attr-defined]
-            writer.write(request_bytes("GET", f"/api/tables/{here.table}", "10.90.0.5"))
-            await asyncio.sleep(90)
-            writer.transport.abort()
+            with aborted(writer):
+                writer.transport.pause_reading()  # type: ignore[attr-defined]
+                writer.write(request_bytes("GET", f"/api/meshes/{here.mesh}", "10.90.0.5"))
+                await asyncio.sleep(90)
             report.note("unread download", "held for 90 s")
         except LOST as error:
             report.note("unread download", repr(error)[:40])
@@ -106,10 +110,10 @@ async def watch_without_reading(target: Choose, report: Report, number: int) -> 
     while True:
         try:
             watcher = await open_socket(target(), "10.90.0.6")
-            watcher.writer.transport.pause_reading()  # type: ignore[attr-defined]
-            watcher.send(planted(target().table, 500, number, f"unread-{number % 4}"))
-            await asyncio.sleep(30)
-            watcher.writer.transport.abort()
+            with aborted(watcher.writer):
+                watcher.writer.transport.pause_reading()  # type: ignore[attr-defined]
+                watcher.send(planted(target().table, 500, number, f"unread-{number % 4}"))
+                await asyncio.sleep(30)
             report.note("unread stream", "held for 30 s")
         except LOST as error:
             report.note("unread stream", repr(error)[:40])
@@ -121,14 +125,16 @@ def _outcome(group: BaseExceptionGroup[BaseException]) -> str:
     return str(refused[0]) if refused else "cut"
 
 
-def all_attacks(target: Choose, report: Report) -> list[Callable[[], object]]:
-    """Every attack, as functions that start it."""
-    return [
-        lambda: flood_requests(target, report),
-        lambda: flood_requests(target, report),
-        lambda: flood_pings(target, report),
-        *[lambda n=n: flood_forests(target, report, n) for n in range(4)],
-        *[lambda n=n: listen_too_often(target, report, n) for n in range(100)],
-        *[lambda: never_read(target, report) for _ in range(60)],
-        *[lambda n=n: watch_without_reading(target, report, n) for n in range(8)],
-    ]
+Start = Callable[[], Coroutine[Any, Any, None]]
+
+
+def all_attacks(target: Choose, report: Report) -> dict[str, list[Start]]:
+    """Every attack by its name, as functions that start its clients."""
+    return {
+        "flood of requests": [lambda: flood_requests(target, report)] * 2,
+        "flood of pings": [lambda: flood_pings(target, report)],
+        "flood of forests": [lambda n=n: flood_forests(target, report, n) for n in range(4)],
+        "event streams": [lambda n=n: listen_too_often(target, report, n) for n in range(1000)],
+        "unread downloads": [lambda: never_read(target, report)] * 130,
+        "unread streams": [lambda n=n: watch_without_reading(target, report, n) for n in range(8)],
+    }

@@ -22,6 +22,7 @@ from types import ModuleType
 import httpx
 import psutil
 from galewood_server.access.keys import new_key
+from galewood_server.settings import Settings
 from galewood_server.storage import Stores
 
 from tests.load.wire_client import Target
@@ -132,6 +133,8 @@ class Fleet:
 @contextmanager
 def fleet(count: int, distributed: bool) -> Generator[Fleet]:
     """Start servers; with `distributed` on one PostgreSQL, one S3-compatible store and one Dask cluster."""
+    if not (Settings().page_dir / "index.html").exists():
+        raise SystemExit("the page is not built: run `make build`, or set GALEWOOD_PAGE_DIR")
     key, key_hash = new_key()
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="galewood-load-")))
@@ -172,6 +175,7 @@ def _shared_services(stack: ExitStack, folder: Path) -> dict[str, str]:
         "GALEWOOD_STORE_URL": "s3://galewood",
         "GALEWOOD_SCHEDULER_URL": cluster["GALEWOOD_TEST_SCHEDULER"],
         "GALEWOOD_TEST_WORKERS": cluster["GALEWOOD_TEST_WORKERS"],
+        "GALEWOOD_JOB_ATTEMPTS": "20",  # each kill is one
     }
 
 

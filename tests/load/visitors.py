@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import random
 import time
 from collections.abc import Awaitable, Callable
@@ -13,7 +14,16 @@ from galewood.wind import Wind
 from galewood_server.stream import Forest, wire
 
 from tests.load.report import Report
-from tests.load.wire_client import Refused, Target, Watcher, ask, open_socket, read_head, request_bytes
+from tests.load.wire_client import (
+    Refused,
+    Target,
+    Watcher,
+    aborted,
+    ask,
+    open_socket,
+    read_head,
+    request_bytes,
+)
 
 LOST = (OSError, Refused, asyncio.IncompleteReadError, TimeoutError)
 Choose = Callable[[], Target]
@@ -41,9 +51,10 @@ async def watch(target: Choose, report: Report, number: int, trees: int, interva
         try:
             watcher = await open_socket(here, address_of(1, number))
             watcher.send(replace(planted(here.table, trees, number // 10), share=share))
-            async with asyncio.TaskGroup() as tasks:
-                tasks.create_task(watcher.follow())
-                tasks.create_task(_count(watcher, report, interval_s, lost_s))
+            with aborted(watcher.writer):
+                async with asyncio.TaskGroup() as tasks:
+                    tasks.create_task(watcher.follow())
+                    tasks.create_task(_count(watcher, report, interval_s, lost_s))
         except* LOST as group:
             report.note("watcher", f"lost, {group.exceptions[0]!r:.60}", expected=here.may_fail)
         if watcher and watcher.frames:
@@ -105,16 +116,12 @@ def uploads(target: Choose, report: Report, mesh: Callable[[int], bytes]) -> Cal
     """Upload a mesh, look at it and delete it again."""
 
     async def upload(number: int) -> None:
-        here = target()
-        key, where = {"Authorization": f"Bearer {here.key}"}, address_of(4, number % 5000)
-        body = b'--x\r\nContent-Disposition: form-data; name="file"; filename="load.obj"\r\n\r\n'
-        body += mesh(number) + b"\r\n--x--\r\n"
-        form = {**key, "Content-Type": "multipart/form-data; boundary=x"}
+        here, where = target(), address_of(4, number % 5000)
         try:
-            status, answer = await ask(here, "POST", "/api/trees", where, form, body)
+            status, answer = await _post(here, "/api/trees", where, mesh(number))
             report.note("upload", status, expected=status in (200, 201))
             if status == 201:
-                tree = answer.decode().partition('"id":"')[2].partition('"')[0]
+                tree, key = json.loads(answer)["id"], {"Authorization": f"Bearer {here.key}"}
                 status, _ = await ask(here, "DELETE", f"/api/trees/{tree}", where, key)
                 report.note("delete", status, expected=status == 204)
         except LOST as error:
@@ -123,17 +130,50 @@ def uploads(target: Choose, report: Report, mesh: Callable[[int], bytes]) -> Cal
     return upload
 
 
+def builds(target: Choose, report: Report, mesh: Callable[[int], bytes]) -> Callable[[int], Awaitable[None]]:
+    """Upload a mesh whose table is computed."""
+
+    async def build(number: int) -> None:
+        here = target()
+        try:
+            where = address_of(4, number % 5000)
+            status, _ = await _post(here, "/api/trees?build=true", where, mesh(number))
+            report.note("upload to build", status, expected=status in (200, 201))
+        except LOST as error:
+            report.note("upload to build", repr(error)[:60], expected=here.may_fail)
+
+    return build
+
+
+async def note_jobs(target: Choose, report: Report) -> None:
+    """Note the states of all builds: killed processes are no reason for one to fail."""
+    status, answer = await ask(target(), "GET", "/api/jobs?limit=500", address_of(6, 1))
+    report.note("jobs", status, expected=status == 200)
+    for job in json.loads(answer)["jobs"] if status == 200 else []:
+        report.note("job", job["state"], expected=job["state"] != "failed")
+
+
+async def _post(here: Target, path: str, address: str, mesh: bytes) -> tuple[int, bytes]:
+    headers = {
+        "Authorization": f"Bearer {here.key}",
+        "Content-Type": "multipart/form-data; boundary=x",
+    }
+    body = b'--x\r\nContent-Disposition: form-data; name="file"; filename="load.obj"\r\n\r\n'
+    return await ask(here, "POST", path, address, headers, body + mesh + b"\r\n--x--\r\n")
+
+
 async def listen(target: Choose, report: Report, number: int) -> None:
     """Listen to the events of all trees."""
     while True:
         here = target()
         try:
             reader, writer = await here.connect()
-            writer.write(request_bytes("GET", "/api/events", address_of(5, number)))
-            status, _ = await read_head(reader)
-            report.note("event stream", status, expected=status == 200)
-            while await reader.read(1 << 16):
-                pass
+            with aborted(writer):
+                writer.write(request_bytes("GET", "/api/events", address_of(5, number)))
+                status, _ = await read_head(reader)
+                report.note("event stream", status, expected=status == 200)
+                while await reader.read(1 << 16):
+                    pass
         except LOST as error:
             report.note("event stream", repr(error)[:60], expected=here.may_fail)
         await asyncio.sleep(1)

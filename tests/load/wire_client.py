@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import struct
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from galewood_server.cli.bench_client import masked
@@ -33,6 +34,15 @@ class Target:
         """A connection. `limit` is the size of its read buffer in bytes."""
         async with asyncio.timeout(PATIENCE_S):
             return await asyncio.open_connection("127.0.0.1", self.port, limit=limit)
+
+
+@contextmanager
+def aborted(writer: asyncio.StreamWriter) -> Generator[None]:
+    """Drop a connection after the block, also when its task is cancelled."""
+    try:
+        yield
+    finally:
+        writer.transport.abort()
 
 
 def request_bytes(

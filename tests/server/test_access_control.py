@@ -13,11 +13,11 @@ import anyio
 import httpx
 import pytest
 from fastapi import FastAPI, Request
-from galewood_server.access.keys import new_key
+from galewood_server.access.keys import check_writer, new_key
 from galewood_server.access.middleware import AccessControl
 from galewood_server.access.rates import rate_limit_key
 from galewood_server.app.headers import SecurityHeaders
-from galewood_server.http.errors import install_error_handlers
+from galewood_server.http.errors import ProblemError, install_error_handlers
 from galewood_server.http.multipart import FORM_OVERHEAD_BYTES
 from galewood_server.ops.metrics import Metrics
 from galewood_server.ops.tracing import Tracing
@@ -88,10 +88,28 @@ def test_without_keys_remote_clients_are_read_only() -> None:
         assert code_of(ask(app, "POST", "/api/thing", client=client)) == (403, "local-only")
 
 
-@pytest.mark.parametrize("name", ["X-Forwarded-For", "Forwarded", "Via", "X-Real-IP"])
+@pytest.mark.parametrize(
+    "name", ["X-Forwarded-For", "X-Forwarded-Proto", "Forwarded", "Via", "X-Real-IP", "CF-Connecting-IP"]
+)
 def test_forwarded_requests_are_not_local(name: str) -> None:
     answer = ask(application(), "POST", "/api/thing", headers={name: "127.0.0.1"})
     assert code_of(answer) == (403, "local-only")
+
+
+def test_a_proxy_that_rewrites_the_host_is_not_local() -> None:
+    """nginx with only `proxy_pass http://localhost:8000`: HTTP/1.0, Host rewritten, no header added."""
+    scope = {
+        "type": "http", "method": "POST", "path": "/api/thing", "client": LOCAL, "http_version": "1.0",
+        "headers": [(b"host", b"localhost:8000"), (b"connection", b"close")],
+    }  # fmt: skip
+    with pytest.raises(ProblemError) as refused:
+        check_writer(scope, Settings())
+    assert refused.value.problem.code == "local-only"
+    check_writer({**scope, "http_version": "1.1"}, Settings())
+
+
+def test_local_writes_can_be_switched_off() -> None:
+    assert code_of(ask(application(local_writes=False), "POST", "/api/thing")) == (403, "local-only")
 
 
 @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example", "localhost.evil.example"])

@@ -16,7 +16,13 @@ from galewood_server.settings import Settings
 
 WRITE_METHODS = frozenset({"POST", "PUT", "PATCH", "DELETE"})
 READ_ONLY_POSTS = frozenset({"/api/winds/validate"})  # POST only because it needs a request body
-FORWARDED = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
+FORWARDED = frozenset(
+    {
+        "forwarded", "via", "x-real-ip", "x-client-ip", "x-cluster-client-ip", "x-original-host",
+        "true-client-ip", "cf-connecting-ip", "fastly-client-ip", "fly-client-ip",
+    }
+)  # fmt: skip
+"""Headers that proxies add, besides X-Forwarded-…."""
 
 
 def new_key() -> tuple[str, str]:
@@ -49,7 +55,7 @@ def check_writer(scope: Scope, settings: Settings) -> None:
         )
     if settings.api_keys:
         _check_key(headers, settings.api_keys)
-    elif not _is_local(scope, headers):
+    elif not settings.local_writes or not _is_local(scope, headers):
         raise ProblemError(
             403,
             "local-only",
@@ -76,10 +82,14 @@ def _check_key(headers: Headers, hashes: list[str]) -> None:
 def _is_local(scope: Scope, headers: Headers) -> bool:
     """Whether the client connected directly over the loopback interface, using a loopback host name.
 
-    Requests forwarded by a proxy count as remote. The host name is checked against DNS rebinding.
+    Requests forwarded by a proxy count as remote. The host name is checked against DNS rebinding. A proxy on
+    this machine may hide behind both: nginx by default rewrites Host and adds no header, but then it speaks
+    HTTP/1.0, which no browser does.
     """
     client = scope.get("client")
-    if client is None or not _is_loopback(client[0]) or any(name in headers for name in FORWARDED):
+    if client is None or not _is_loopback(client[0]) or scope.get("http_version") == "1.0":
+        return False
+    if any(name in FORWARDED or name.startswith("x-forwarded-") for name in headers):
         return False
     return _is_loopback(_host_name(headers.get("host", "")))
 

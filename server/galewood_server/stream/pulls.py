@@ -85,7 +85,7 @@ class GroupPulls:
         try:
             response = point_response(self._table, pull.vertex, self._compliance)
         except PullError as error:
-            log.info("ignored a pull: %s", error)
+            log.debug("ignored a pull: %s", error)  # at every tick, as long as it is held
             return
         self._held[pull.hand] = _Held(tree, pull, PullingHand(response))
 
