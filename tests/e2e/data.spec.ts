@@ -1,4 +1,5 @@
 /** Files that are no trees: an inventory plants the forest, a measurement becomes the wind. */
+import AxeBuilder from "@axe-core/playwright";
 import type { Page } from "@playwright/test";
 import { expect, forest, open, SMALL, test } from "./forest";
 
@@ -14,6 +15,15 @@ const drop = (page: Page, name: string, text: string) =>
     },
     [name, text],
   );
+
+/** The dialog with a report, which must be accessible. */
+async function reportOf(page: Page, name: string) {
+  const report = page.getByRole("dialog", { name });
+  await report.waitFor();
+  const { violations } = await new AxeBuilder({ page }).include("dialog.report-dialog").analyze();
+  expect(violations).toEqual([]);
+  return report;
+}
 
 const moving = (page: Page) => page.evaluate(() => window.galewood?.trees.moving ?? 0);
 
@@ -37,7 +47,7 @@ test("an inventory plants its stems, from an address and from a dropped file", a
       properties: { baumart: k === 0 ? "Winterlinde" : "Pappel", h: 11 + k },
     })),
   }));
-  const report = page.getByRole("dialog", { name: "Forest from an inventory" });
+  const report = await reportOf(page, "Forest from an inventory");
   await expect(report).toContainText("3 of 3 rows");
   await expect(report).toContainText("Winterlinde is shown as maple");
   await report.getByRole("button", { name: "Close" }).click();
@@ -49,7 +59,7 @@ test("a dropped measurement becomes the wind, and trees bend with it", async ({ 
   await forest(page);
   const lines = Array.from({ length: 40 }, (_, k) => `${k};${9 + (k % 3)},5;270`);
   await drop(page, "mast.csv", `Zeit (s);Windgeschwindigkeit (m/s);Windrichtung\n${lines.join("\n")}\n`);
-  const report = page.getByRole("dialog", { name: "Measured wind" });
+  const report = await reportOf(page, "Measured wind");
   await expect(report).toContainText("10.5 m/s from 270°");
   await report.getByRole("button", { name: "Close" }).click();
   const wind = await page.evaluate(() => window.galewood!.wind);

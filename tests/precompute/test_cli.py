@@ -85,5 +85,9 @@ def test_a_measurement_becomes_a_wind_document(tmp_path: Path) -> None:
     assert "mean wind: 10.0 m/s from 270°" in result.output
     wind = parse_wind(json.loads((tmp_path / "mast.wind.json").read_text()))
     assert wind.mean_speed_m_s == pytest.approx(10.0)
+    played = ["simulate", str(GOLDEN), "--seconds", "4", "--wind"]
+    result = CliRunner().invoke(app, [*played, str(tmp_path / "mast.wind.json")])
+    assert result.exit_code == 0, result.output
+    assert CliRunner().invoke(app, [*played, str(log)]).exit_code == 1
     log.write_text("time,speed,direction\n0,fast,270\n")
     assert CliRunner().invoke(app, ["wind", "read", str(log)]).exit_code == 1
