@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from galewood.util import Floats
+from galewood.wind.crown import crown_field
 from galewood.wind.document import Wind
 from galewood.wind.fronts import add_fronts
 from galewood.wind.models.cosine import CosineGusts
@@ -20,8 +21,6 @@ from galewood.wind.transition import Moment, WindState, at, change_wind, gust_ke
 
 TIMED = ("cosine", "recorded")
 """Models that depend on the time rather than on the distance travelled."""
-KEPT_GUSTS = 2
-"""A transition evaluates two gust fields at once."""
 KEPT_BUFFERS = 24
 """Three for each species in a forest."""
 
@@ -52,18 +51,47 @@ def gusts_of(wind: Wind) -> Gusts:
     return CosineGusts(wind)
 
 
+GustKey = tuple[object, ...]
+PREPARED_GUSTS = 4
+"""Those of a state, which holds up to three documents, and one more."""
+
+
+def _carried(wind: Wind, moment: Moment) -> float:
+    return moment.time_s if wind.model in TIMED else moment.travel
+
+
 class WindField:
     """The wind of a forest. Not thread-safe: the Navier–Stokes eddies are advanced as time goes on."""
 
     def __init__(self, wind: Wind | WindState) -> None:
         """Create the field from a document (travel starts at time 0) or from a shared state."""
         self.state = steady(wind) if isinstance(wind, Wind) else wind
-        self._gusts: dict[tuple[Any, ...], Gusts] = {}
+        self._gusts: dict[GustKey, Gusts] = {}
+        self._prepared: dict[GustKey, Gusts] = {}
         self._buffers: dict[tuple[str, int], Floats] = {}
 
     def change(self, wind: Wind, time_s: float) -> None:
         """Start a transition to another document at this time, s."""
         self.state = change_wind(self.state, wind, time_s)
+
+    def has(self, wind: Wind) -> bool:
+        """Whether the gusts of a wind exist, so that it can be evaluated without delay. Thread-safe."""
+        return gust_key(wind) in self._gusts or gust_key(wind) in self._prepared
+
+    def prepare(self, state: WindState, time_s: float) -> None:
+        """Create the gusts of a state that are missing, ready for this time, s, and later ones. Thread-safe.
+
+        Creates their fields, advances Navier–Stokes eddies to the time, and compiles what the evaluation
+        calls: up to half a second, or a few seconds where nothing is compiled yet.
+        """
+        moment, place, created = at(state, time_s), np.zeros((4, 2)), dict[GustKey, Gusts]()
+        for wind in filter(None, (state.before, state.wind, state.next)):
+            if not self.has(wind) and gust_key(wind) not in created:
+                gusts = created[gust_key(wind)] = gusts_of(wind)
+                gusts.velocity(wind, _carried(wind, moment), *place)
+            crown_field(wind.seed)
+        kept = {**self._prepared, **created}
+        self._prepared = {key: kept[key] for key in list(kept)[-PREPARED_GUSTS:]}
 
     def at(self, time_s: float) -> Moment:
         """The interpolated wind parameters at a time, s, including any transition in progress."""
@@ -111,13 +139,12 @@ class WindField:
         return self._buffers[key]
 
     def _write(self, wind: Wind, moment: Moment, x: Floats, z: Floats, out_x: Floats, out_z: Floats) -> None:
-        carried = moment.time_s if wind.model in TIMED else moment.travel
-        self._gusts_for(wind).velocity(wind, carried, x, z, out_x, out_z)
+        self._gusts_for(wind, moment).velocity(wind, _carried(wind, moment), x, z, out_x, out_z)
 
-    def _gusts_for(self, wind: Wind) -> Gusts:
-        key = gust_key(wind)
+    def _gusts_for(self, wind: Wind, moment: Moment) -> Gusts:
+        key, needed = gust_key(wind), (gust_key(moment.before), gust_key(moment.wind))
         if key not in self._gusts:
-            while len(self._gusts) >= KEPT_GUSTS:
-                del self._gusts[next(iter(self._gusts))]
-            self._gusts[key] = gusts_of(wind)
+            for old in [one for one in self._gusts if one not in needed]:
+                del self._gusts[old]
+            self._gusts[key] = self._prepared.pop(key, None) or gusts_of(wind)
         return self._gusts[key]

@@ -11,7 +11,10 @@ import { seasonal } from "../scene/season/seasonal";
 import { aerialPerspective } from "../scene/sky/air";
 import { Stage } from "../scene/stage";
 import { standView } from "../scene/stand";
+import { LEVEL_SHARES } from "../scene/trees/detail";
+import { PullSlots } from "../scene/trees/pull/pullSlots";
 import type { SpeciesOptions } from "../scene/trees/speciesForest";
+import { materialsOf } from "../scene/trees/treeMaterial";
 import { Attention } from "./attention";
 import { Comparison } from "./compare/comparison";
 import { ContextLoss } from "./contextLoss";
@@ -56,6 +59,8 @@ const NOT_SHARED =
 const REPORT_EVERY_MS = 250;
 /** The scene stays static for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
+/** Displays refresh a little early or late; a limited frame may come this much early. */
+const EARLY_MS = 1;
 const PLACEMENT_KEYS: SettingKey[] = [
   "trees",
   "density",
@@ -264,12 +269,18 @@ export class App {
     const { quality } = this.settings;
     const { capabilities } = this.stage.renderer;
     return {
+      materials: materialsOf({
+        anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
+        smoothEdges: quality !== "low",
+        gloss: quality === "high",
+        surface: seasonal,
+        atmosphere: aerialPerspective,
+      }),
       maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
-      anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
-      smoothEdges: quality !== "low",
-      gloss: quality === "high",
-      surface: seasonal,
-      atmosphere: aerialPerspective,
+      // If gloss is affordable, so are the shadows of all leaves.
+      shadows: { share: quality === "high" ? 1 : LEVEL_SHARES[1], cascades: true },
+      shoots: quality !== "low",
+      pullsOf: (holds) => new PullSlots(holds),
       flutter: this.flutter,
       exaggeration: this.exaggeration,
     };
@@ -463,8 +474,9 @@ export class App {
 
   private onFrame(now_ms: number): void {
     if (this.asleep || this.attention.hidden || this.graphics.lost) return;
-    const begin_ms = performance.now();
     const frame_ms = now_ms - this.last_ms;
+    if (frame_ms < 1000 / this.settings.frameRateLimit_hz - EARLY_MS) return;
+    const begin_ms = performance.now();
     const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
     this.last_ms = now_ms;
     this.visit.advance(dt_s);

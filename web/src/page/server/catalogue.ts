@@ -2,7 +2,8 @@
 
 import type { TreeAsset } from "../../scene/forest";
 import { type Form, kindsOf } from "../../scene/forms";
-import { readTreeModel, type TreeModel } from "../../scene/trees/mesh/treeMesh";
+import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
+import { readTreeModel } from "../../scene/trees/mesh/treeVariants";
 import type { TableMotion } from "../../worker/protocol";
 import { displayName } from "../ui/words";
 import { fetchMesh, type Job, Problem, type Tree, type TreeChange } from "./api";

@@ -31,6 +31,8 @@ export interface Settings {
   /** Fraction of the distance to the found record's pose covered per step; null: the default of each table. */
   poseEasing: number | null;
   quality: Quality;
+  /** Pictures per second at most; the motion keeps its speed. */
+  frameRateLimit_hz: number;
   season: Season;
   /** Elapsed share of the daylight: 0 before sunrise, 0.5 at noon, 1 after sunset. */
   daytime: number;
@@ -52,6 +54,7 @@ export const LIMITS = {
   poseEasing: { min: 0, max: 0.5, step: 0.005 },
   daytime: { min: 0, max: 1, step: 0.005 },
   exaggeration: { min: 1, max: 4, step: 0.1 },
+  frameRateLimit_hz: { min: 5, max: 240, step: 1 },
 } as const;
 
 const LONGEST_ADDRESS = 500;
@@ -71,6 +74,7 @@ export const DEFAULTS: Settings = {
   method: "modal",
   poseEasing: null,
   quality: "high",
+  frameRateLimit_hz: 240,
   season: "autumn",
   daytime: 0.66,
   exaggeration: 1,
@@ -87,6 +91,7 @@ const NAMES: Record<NumberKey, string> = {
   poseEasing: "easing",
   daytime: "time",
   exaggeration: "motion",
+  frameRateLimit_hz: "fps",
 };
 
 const FLAGS = { panel: "panel", background: "background", flutter: "flutter", embed: "embed" } as const;

@@ -1,5 +1,6 @@
 /** Poses streamed by the server, displayed with a short delay; the connection is restored automatically. */
 
+import { coverageOf, extrapolationRatioOf, GroupWind } from "../../core/motion/groupWind";
 import type { Method } from "../../core/motion/method";
 import { poseStride } from "../../core/motion/poseStride";
 import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
@@ -11,7 +12,6 @@ import { PoseSum } from "../stream/poseSum";
 import { SharedClock } from "../stream/sharedClock";
 import { PoseTimeline } from "../stream/timeline";
 import { WindSender } from "../stream/windSender";
-import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motionSource";
 import type { PointResponses, PulledTable } from "./pulls/pointResponses";
 import type { Pulled } from "./pulls/pulled";

@@ -1,0 +1,122 @@
+/** Serves and bundles the examples of the package `galewood` for their tests. */
+import { existsSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { createServer, type Server } from "node:http";
+import { createRequire } from "node:module";
+import type { AddressInfo } from "node:net";
+import { extname, join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+
+export const WEB = resolve(__dirname, "../../web");
+export const EXAMPLES = join(WEB, "player/examples");
+const TREES = resolve(__dirname, "../../assets/species/shipped");
+
+const TYPES: Record<string, string> = {
+  ".html": "text/html",
+  ".js": "text/javascript",
+  ".json": "application/json",
+  ".glb": "model/gltf-binary",
+};
+
+export interface Site {
+  readonly base: string;
+  close(): void;
+}
+
+/**
+ * Serves `folder` at /, the packages at /node_modules/ and the built-in trees at /trees/. `instead`: folders of packages that
+ * replace others.
+ */
+export async function site(folder: string, instead: Record<string, string> = {}): Promise<Site> {
+  const fileOf = (path: string): string => {
+    if (path.startsWith("/trees/")) return join(TREES, path.slice("/trees/".length));
+    if (!path.startsWith("/node_modules/")) return join(folder, path);
+    const [name, ...rest] = path.slice("/node_modules/".length).split("/");
+    return join(WEB, "node_modules", instead[name] ?? name, ...rest);
+  };
+  const server: Server = createServer((request, answer) => {
+    const { pathname } = new URL(request.url ?? "/", "http://localhost");
+    let file = fileOf(pathname);
+    if (existsSync(file) && statSync(file).isDirectory()) file = join(file, "index.html");
+    if (pathname === "/favicon.ico") answer.writeHead(204).end();
+    else if (!existsSync(file)) answer.writeHead(404).end();
+    else answer.writeHead(200, { "content-type": TYPES[extname(file)] ?? "application/octet-stream" }).end(readFileSync(file));
+  });
+  await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
+  return { base: `http://127.0.0.1:${(server.address() as AddressInfo).port}`, close: () => server.close() };
+}
+
+const inWeb = createRequire(join(WEB, "package.json"));
+/** Some bundlers are modules, which this file, once compiled, could not require. */
+const bundler = (name: string) => import(pathToFileURL(inWeb.resolve(name)).href);
+
+const PAGE = '<!doctype html><meta charset="utf-8"><style>body{margin:0}</style><script type="module" src="./app.js"></script>';
+
+/** A folder with the bundled plain example, for a release of three.js. */
+export type Bundle = (three: string, folder: string) => Promise<void>;
+
+const SCENE = join(EXAMPLES, "plain/scene.js");
+/** Where a release of three.js is: the package, and its addons. */
+const filesOf = (three: string) => ({
+  main: join(WEB, "node_modules", three, "build/three.module.js"),
+  addons: join(WEB, "node_modules", three, "examples/jsm"),
+});
+
+export const withVite: Bundle = async (three, folder) => {
+  const { build } = await bundler("vite");
+  const { main, addons } = filesOf(three);
+  const alias = [
+    { find: /^three$/, replacement: main },
+    { find: /^three\/addons\//, replacement: `${addons}/` },
+  ];
+  await build({
+    configFile: false,
+    logLevel: "error",
+    root: join(EXAMPLES, "plain"),
+    resolve: { alias },
+    build: { outDir: folder, emptyOutDir: true, target: "es2023" },
+  });
+};
+
+export const withWebpack: Bundle = async (three, folder) => {
+  const { default: webpack } = await bundler("webpack");
+  const { main, addons } = filesOf(three);
+  const options = {
+    mode: "development",
+    devtool: false,
+    entry: { app: SCENE },
+    output: { path: folder, filename: "[name].js", publicPath: "auto" },
+    resolve: { alias: { three$: main, "three/addons": addons } },
+  };
+  await new Promise<void>((done, failed) => {
+    webpack(options, (fault: Error | null, stats?: { hasErrors(): boolean; toString(): string }) => {
+      if (fault || stats?.hasErrors()) failed(fault ?? new Error(String(stats)));
+      else done();
+    });
+  });
+  writeFileSync(join(folder, "index.html"), PAGE);
+};
+
+export const withEsbuild: Bundle = async (three, folder) => {
+  const { build } = await bundler("esbuild");
+  const { main, addons } = filesOf(three);
+  await build({
+    entryPoints: { app: SCENE, "galewood.worker": "galewood/worker" },
+    bundle: true,
+    format: "esm",
+    logLevel: "error",
+    outdir: folder,
+    absWorkingDir: EXAMPLES,
+    plugins: [
+      {
+        name: "release",
+        setup(builder: { onResolve(options: { filter: RegExp }, find: (from: { path: string }) => { path: string }): void }) {
+          builder.onResolve({ filter: /^three$/ }, () => ({ path: main }));
+          builder.onResolve({ filter: /^three\/addons\// }, ({ path }) => ({
+            path: path.replace("three/addons", addons),
+          }));
+        },
+      },
+    ],
+  });
+  writeFileSync(join(folder, "index.html"), PAGE);
+};
