@@ -20,6 +20,7 @@ from galewood.cli.tools import (
     without_frames,
     write_figures,
 )
+from galewood.cli.wind_commands import read_wind_document
 from galewood.cli.wind_commands import register as register_wind
 
 if TYPE_CHECKING:  # loaded only by the commands that need it
@@ -45,6 +46,12 @@ def simulate(
     gustiness: Annotated[float, typer.Option(help="0 steady … 1 wild.")] = 0.5,
     seconds: Annotated[float, typer.Option(help="How long to play.")] = 20.0,
     trees: Annotated[int, typer.Option(help="Number of trees, 10 m apart.")] = 16,
+    wind_file: Annotated[
+        Path | None,
+        typer.Option(
+            "--wind", exists=True, dir_okay=False, help="Wind document (JSON) instead of these numbers."
+        ),
+    ] = None,
     paper: Annotated[bool, typer.Option("--paper", help="Use the paper's state search.")] = False,
     json_out: JsonOut = None,
 ) -> None:
@@ -54,6 +61,8 @@ def simulate(
     from galewood.wind import Wind
 
     wind = Wind(mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness)
+    if wind_file is not None:
+        wind = read_wind_document(wind_file)
     figures = play(decode(table.read_bytes()), wind, seconds, trees, "paper" if paper else "modal")
     write_figures(json_out, figures)
     console.print_json(data=figures)

@@ -11,7 +11,7 @@ import typer
 from galewood.cli.tools import JsonOut, console, write_figures
 
 if TYPE_CHECKING:  # loaded only when a command runs
-    from galewood.wind import Measurement
+    from galewood.wind import Measurement, Wind
 
 wind = typer.Typer(no_args_is_help=True, help="Winds from measurements.")
 
@@ -41,6 +41,17 @@ def read(
     write_figures(json_out, found.report.document())
     for line in [*_lines(found), f"{target}: wind document"]:
         print(line)
+
+
+def read_wind_document(path: Path) -> Wind:
+    """The wind of a JSON document; prints what is wrong with it and exits."""
+    from galewood.wind import parse_wind
+
+    try:
+        return parse_wind(json.loads(path.read_bytes()))
+    except ValueError as error:  # not JSON, or no wind
+        console.print(f"[red]{path} is no wind document.[/red] {error}", highlight=False)
+        raise typer.Exit(1) from None
 
 
 def _lines(found: Measurement) -> list[str]:

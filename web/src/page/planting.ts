@@ -1,7 +1,7 @@
 /** Plants the forest: places the trees of the catalogue and sends them to the worker. */
 
 import { clearingPlace } from "../scene/clearing";
-import { type Forest, type PlacedSpecies, placeForest, type TreeAsset } from "../scene/forest";
+import { type Forest, type PlacedSpecies, placedSpecies, placeForest, type TreeAsset } from "../scene/forest";
 import { woodReach_m } from "../scene/placement";
 import type { Stage } from "../scene/stage";
 import { placeStand, type Stand } from "../scene/stand";
@@ -27,7 +27,10 @@ export function plantForest(
   const only = assets.some((asset) => how(asset) === "only");
   const uploads = Object.keys(settings.planted);
   const single = Object.fromEntries(uploads.map((id, k) => [id, clearingPlace(k)]));
-  if (stand) return placeStand(assets, stand, { ...settings, single, named: stand.named });
+  if (stand) {
+    const places = placeStand(assets, stand, { form: settings.form, named: stand.named });
+    return placedSpecies(assets, (asset) => places.get(asset) ?? [], single, settings.season);
+  }
   return placeForest(assets, settings.trees, settings.forestSeed, {
     ...settings,
     grows: (asset) => (only ? how(asset) === "only" : asset.builtin || how(asset) === "more"),

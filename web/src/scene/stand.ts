@@ -1,9 +1,8 @@
 /** A forest from an inventory: every stem is a tree of its species, at its place and as tall as measured. Pure. */
 import { hashUnit } from "../core/math/random";
-import { type PlacedSpecies, placedSpecies, type TreeAsset } from "./forest";
+import type { TreeAsset } from "./forest";
 import { type FormChoice, formAt, kindsOf } from "./forms";
 import { HEART } from "./placement";
-import type { Season } from "./season/season";
 import type { Placement } from "./trees/instanceData";
 
 /** A stem as the scene needs it (core/inventory reads it from a file). */
@@ -26,9 +25,6 @@ export interface Stand {
 
 export interface StandOptions {
   readonly form: FormChoice;
-  readonly season: Season;
-  /** Further places of single trees, by id. */
-  readonly single: Readonly<Record<string, Placement>>;
   /** The upload that has the name of a species; null if none has. */
   named(species: string): string | null;
 }
@@ -49,12 +45,12 @@ const placeOf = (stem: StandStem, index: number, height_m: number): Placement =>
   scale: Math.min(SCALES.most, Math.max(SCALES.least, stem.height_m / height_m)),
 });
 
-/** The trees of a stand by species; stems whose tree is not loaded yet are left out. */
+/** The places of each tree of a stand; stems whose tree is not loaded yet are left out. */
 export function placeStand(
   assets: readonly TreeAsset[],
   { stems, perHa }: Stand,
   options: StandOptions,
-): PlacedSpecies[] {
+): Map<TreeAsset, Placement[]> {
   const tree = treeChooser(assets, perHa, options);
   const places = new Map<TreeAsset, Placement[]>();
   stems.forEach((stem, index) => {
@@ -64,7 +60,7 @@ export function placeStand(
     own.push(placeOf(stem, index, asset.model.height_m));
     places.set(asset, own);
   });
-  return placedSpecies(assets, (asset) => places.get(asset) ?? [], options.single, options.season);
+  return places;
 }
 
 function treeChooser(assets: readonly TreeAsset[], perHa: number, { form, named }: StandOptions) {
@@ -79,7 +75,8 @@ function treeChooser(assets: readonly TreeAsset[], perHa: number, { form, named 
       uploads.set(stem.species, own);
     }
     if (own) return own;
-    const kind = bySpecies.get(stem.builtin);
+    // a server may have only some of the species
+    const kind = bySpecies.get(stem.builtin) ?? kinds[0];
     const slender = form === "place" ? (stem.slender ?? perHa > DENSE_PER_HA) : form === "forest";
     return kind ? formAt(kind, !slender) : null;
   };
@@ -94,18 +91,23 @@ export interface StandSize {
 
 /** Half the vertical angle of view. */
 const HALF_VIEW = (23 * Math.PI) / 180;
-/** Share of the width at the near edge that must be in view. */
+/** Width of the picture that the stand may take, relative to that at its near edge; instruments cover the left. */
 const IN_VIEW = 0.9;
+const BESIDE_INSTRUMENTS = 1.15;
+const WIDE = 1.2;
 const FARTHEST_M = 250;
 
 /** Eye and target, with heights above the ground, that show a stand from the south and above its crowns. */
 export function standView({ width_m, depth_m, highest_m }: StandSize, aspect: number) {
-  const across_m = (0.5 * IN_VIEW * width_m + 4) / (Math.tan(HALF_VIEW) * aspect);
+  const wide = aspect > WIDE;
+  const room = wide ? BESIDE_INSTRUMENTS : IN_VIEW;
+  const across_m = (0.5 * room * width_m + 4) / (Math.tan(HALF_VIEW) * aspect);
+  const left_m = wide ? 0.12 * width_m : 0;
   const away_m = Math.min(FARTHEST_M, Math.max(across_m, 1.4 * highest_m) + 0.5 * depth_m);
   const eye = {
-    x: HEART.x_m + 0.12 * width_m,
+    x: HEART.x_m - left_m + 0.1 * width_m,
     above: 0.75 * highest_m + 0.1 * away_m,
     z: HEART.z_m + away_m,
   };
-  return { eye, target: { x: HEART.x_m, above: 0.45 * highest_m, z: HEART.z_m } };
+  return { eye, target: { x: HEART.x_m - left_m, above: 0.45 * highest_m, z: HEART.z_m } };
 }

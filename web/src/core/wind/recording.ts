@@ -18,19 +18,17 @@ export interface Recording {
 
 export const STILL: Recording = { interval_s: 1, unit: 0, pairs: "AAAAAAAAAAA=" };
 
-const FIELDS: Readonly<Record<"interval_s" | "unit", Field>> = {
-  interval_s: { low: 0.05, high: 3600, models: MODELS },
-  unit: { low: 0, high: 1000, models: MODELS },
-};
+const INTERVAL: Field = { low: 0.05, high: 3600, models: MODELS };
+const UNIT: Field = { low: 0, high: 1000, models: MODELS };
 const EXPECTED = `expected ${FEWEST_SAMPLES}..${MOST_SAMPLES} pairs of 16-bit integers, little-endian, in base64`;
 
 /** Parses the field `recording`; throws WindError that names the invalid field. */
 export function recordingAt(value: unknown, path: string): Recording {
   if (value === undefined || value === null) throw new WindError(path, "missing, expected an object");
   const fields = objectAt(value, path);
-  refuseUnknown(fields, [...Object.keys(FIELDS), "pairs"], path, "not a field of a recording");
-  const interval_s = numberAt(fields, "interval_s", FIELDS.interval_s, path) as number;
-  const unit = numberAt(fields, "unit", FIELDS.unit, path) as number;
+  refuseUnknown(fields, ["interval_s", "unit", "pairs"], path, "not a field of a recording");
+  const interval_s = numberAt(fields, "interval_s", INTERVAL, path) as number;
+  const unit = numberAt(fields, "unit", UNIT, path) as number;
   const { pairs } = fields;
   if (typeof pairs !== "string" || !isPairs(pairs)) throw new WindError(`${path}.pairs`, EXPECTED);
   return { interval_s, unit, pairs };
@@ -40,16 +38,13 @@ function isPairs(text: string): boolean {
   if (text.length % 4 !== 0 || text.length > 8 * MOST_SAMPLES || !/^[A-Za-z0-9+/]+={0,2}$/.test(text)) {
     return false;
   }
-  const padding = text.endsWith("==") ? 2 : text.endsWith("=") ? 1 : 0;
-  const count = ((text.length / 4) * 3 - padding) / 4;
+  const count = Math.floor((text.replace(/=/g, "").length * 3) / 4) / 4;
   return Number.isInteger(count) && count >= FEWEST_SAMPLES && count <= MOST_SAMPLES;
 }
 
 /** [count, 2] fluctuations along and across the wind, in standard deviations at this gustiness. */
 export function fluctuations({ pairs, unit }: Recording): Float64Array {
-  const { buffer } = bytesOfBase64(pairs);
-  const counts = new DataView(buffer);
-  return Float64Array.from({ length: buffer.byteLength / 2 }, (_, i) => counts.getInt16(2 * i, true) * unit);
+  return Float64Array.from(new Int16Array(bytesOfBase64(pairs).buffer), (count) => count * unit);
 }
 
 /** A recording of [count, 2] fluctuations, whose largest takes the largest count. */

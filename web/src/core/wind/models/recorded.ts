@@ -21,26 +21,29 @@ export class RecordedGusts implements Gusts {
   /** Cubic interpolation (Catmull–Rom): it passes through the samples, and the load has no kinks. */
   velocity(wind: ResolvedWind, time_s: number, x: Places, z: Places, outX: Output, outZ: Output): void {
     const { samples, interval_s, view } = this;
-    const convection = wind.convection_speed_m_s;
     const count = samples.length / 2;
     view.set(wind, 0);
     for (let i = 0; i < outX.length; i++) {
-      const age = time_s - (view.cos * x[i] + view.sin * z[i]) / convection;
+      const age = time_s - (view.cos * x[i] + view.sin * z[i]) / wind.convection_speed_m_s;
       const position = age / interval_s;
       const first = Math.floor(position);
       const t = position - first;
-      const k1 = first - count * Math.floor(first / count);
-      const k0 = 2 * (k1 === 0 ? count - 1 : k1 - 1);
-      const k2 = 2 * ((k1 + 1) % count);
-      const k3 = 2 * ((k1 + 2) % count);
-      const w0 = 0.5 * t * (t * (2 - t) - 1);
-      const w1 = 0.5 * (t * t * (3 * t - 5) + 2);
-      const w2 = 0.5 * t * (t * (4 - 3 * t) + 1);
-      const w3 = 0.5 * t * t * (t - 1);
-      const at = 2 * k1;
-      const a = w0 * samples[k0] + w1 * samples[at] + w2 * samples[k2] + w3 * samples[k3];
-      const b = w0 * samples[k0 + 1] + w1 * samples[at + 1] + w2 * samples[k2 + 1] + w3 * samples[k3 + 1];
-      view.write(i, a, b, outX, outZ);
+      let a = 0;
+      let b = 0;
+      for (let k = 0; k < 4; k++) {
+        const weight =
+          k === 0
+            ? t * (t * (2 - t) - 1)
+            : k === 1
+              ? t * t * (3 * t - 5) + 2
+              : k === 2
+                ? t * (t * (4 - 3 * t) + 1)
+                : t * t * (t - 1);
+        const at = 2 * ((((first + k - 1) % count) + count) % count);
+        a += weight * samples[at];
+        b += weight * samples[at + 1];
+      }
+      view.write(i, a / 2, b / 2, outX, outZ);
     }
   }
 }
