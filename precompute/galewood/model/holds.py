@@ -8,6 +8,7 @@ them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -28,8 +29,13 @@ SAMPLES, LEAF_SAMPLES = 400, 200
 """What bears and what is borne are sampled at these fractions of the height."""
 
 
-def holds_of(tree: TreeMesh, axis: Axis) -> Feet:
-    """The place of every render vertex of a tree on its axis, primitives concatenated."""
+def holds_of(
+    tree: TreeMesh, axis: Axis, improved: Callable[[RenderPrimitive, Feet], Feet] = lambda wood, feet: feet
+) -> Feet:
+    """The place of every render vertex of a tree on its axis, primitives concatenated.
+
+    ``improved`` may change the places of a wood primitive; what hangs on it follows.
+    """
     bearers = Bearers(axis, tree.height_m / SAMPLES)
     added = tree.added_wood()
     if added:
@@ -38,7 +44,7 @@ def holds_of(tree: TreeMesh, axis: Axis) -> Feet:
     for k in sorted(range(len(tree.primitives)), key=lambda k: KINDS.index(tree.primitives[k].kind)):
         primitive = as_stored(tree.primitives[k])
         if primitive.kind == "wood":
-            found[k] = bark_feet(primitive, axis)
+            found[k] = improved(primitive, bark_feet(primitive, axis))
         else:
             found[k] = _hung(primitive, bearers, axis, tree.height_m)
         if primitive.kind != "leaves" and len(primitive.faces):

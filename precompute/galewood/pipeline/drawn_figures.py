@@ -37,6 +37,11 @@ class DrawnFigures:
         """``tree``: the drawn mesh."""
         self._tree = tree
 
+    @property
+    def tree(self) -> TreeMesh:
+        """The drawn mesh."""
+        return self._tree
+
     @cached_property
     def _rest_m(self) -> Floats:
         return np.concatenate([p.positions_m for p in self._tree.primitives])
