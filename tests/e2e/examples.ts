@@ -61,7 +61,8 @@ const filesOf = (three: string) => ({
   addons: join(WEB, "node_modules", three, "examples/jsm"),
 });
 
-export const withVite: Bundle = async (three, folder) => {
+/** Bundles an example by Vite. */
+export async function bundled(example: string, three: string, folder: string): Promise<void> {
   const { build } = await bundler("vite");
   const { main, addons } = filesOf(three);
   const alias = [
@@ -71,11 +72,13 @@ export const withVite: Bundle = async (three, folder) => {
   await build({
     configFile: false,
     logLevel: "error",
-    root: join(EXAMPLES, "plain"),
+    root: join(EXAMPLES, example),
     resolve: { alias },
-    build: { outDir: folder, emptyOutDir: true, target: "es2023" },
+    build: { outDir: folder, emptyOutDir: true, target: "es2023", chunkSizeWarningLimit: 5000 },
   });
-};
+}
+
+export const withVite: Bundle = (three, folder) => bundled("plain", three, folder);
 
 export const withWebpack: Bundle = async (three, folder) => {
   const { default: webpack } = await bundler("webpack");

@@ -4,7 +4,7 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import type { Page } from "@playwright/test";
 import { PNG } from "pngjs";
-import { type Bundle, EXAMPLES, type Site, site, withEsbuild, withVite, withWebpack } from "./examples";
+import { type Bundle, bundled, EXAMPLES, type Site, site, withEsbuild, withVite, withWebpack } from "./examples";
 import { changedPixels, expect, type Picture, test } from "./forest";
 
 let folder = "";
@@ -63,6 +63,33 @@ for (const [name, bundle, three, release] of [
     await swaying(page);
   });
 }
+
+test("the custom element, whose wind can be changed", async ({ page }) => {
+  await page.goto(`${await serving(EXAMPLES)}/element/`);
+  await swaying(page);
+  await expect(page.getByRole("img", { name: "Trees swaying in the wind" })).toBeVisible();
+  const model = () => page.locator("galewood-forest").evaluate((one) => (one as unknown as { forest: { wind: { model: string } } }).forest.wind.model);
+  expect(await model()).toBe("spectral");
+  await page.locator("galewood-forest").evaluate((one) => one.setAttribute("wind", "storm-front"));
+  expect(await model()).toBe("navier-stokes");
+  await page.locator("galewood-forest").evaluate((one) => one.remove());
+  await expect(page.locator("canvas")).toHaveCount(0);
+});
+
+test("react-three-fiber: trees sway, and can be clicked", async ({ page }) => {
+  await bundled("r3f", "three", join(folder, "r3f"));
+  await page.goto(`${await serving(join(folder, "r3f"))}/`);
+  await swaying(page);
+  const { width, height } = page.viewportSize() ?? { width: 0, height: 0 };
+  await page.mouse.click(0.5 * width, 0.5 * height);
+  await expect(page.locator("output")).toHaveText("Tree 1");
+});
+
+test("Babylon.js, moved by galewood/core", async ({ page }) => {
+  await bundled("babylon", "three", join(folder, "babylon"));
+  await page.goto(`${await serving(join(folder, "babylon"))}/`);
+  await swaying(page);
+});
 
 interface Features {
   picked: number[];
