@@ -20,8 +20,8 @@ test.afterEach(() => {
 });
 
 /** Serves a folder for the test that runs. */
-async function serving(root: string, instead: Record<string, string> = {}): Promise<string> {
-  served = await site(root, instead);
+async function serving(root: string, service?: string): Promise<string> {
+  served = await site(root, service);
   return served.base;
 }
 
@@ -83,6 +83,20 @@ test("react-three-fiber: trees sway, and can be clicked", async ({ page }) => {
   const { width, height } = page.viewportSize() ?? { width: 0, height: 0 };
   await page.mouse.click(0.5 * width, 0.5 * height);
   await expect(page.locator("output")).toHaveText("Tree 1");
+});
+
+test("a shared forest that the service streams: everyone sees a change of the wind", async ({ page, context }) => {
+  const address = `${await serving(EXAMPLES, process.env.BASE_URL)}/streamed/?share=test-${Date.now()}`;
+  await page.goto(address);
+  await swaying(page);
+  await expect(page.locator("output")).toHaveText("alone");
+  const other = await context.newPage();
+  await other.goto(address);
+  await expect(page.locator("output")).toHaveText("2 are here");
+  await other.locator("select").selectOption("storm-front");
+  await expect(page.locator("select")).toHaveValue("storm-front");
+  await other.close();
+  await expect(page.locator("output")).toHaveText("alone");
 });
 
 test("Babylon.js, moved by galewood/core", async ({ page }) => {
