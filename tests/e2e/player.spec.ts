@@ -4,7 +4,7 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import type { Page } from "@playwright/test";
 import { PNG } from "pngjs";
-import { type Bundle, bundled, EXAMPLES, type Site, site, withEsbuild, withVite, withWebpack } from "./examples";
+import { type Bundle, bundled, EXAMPLES, type Site, site, WEB, withEsbuild, withVite, withWebpack } from "./examples";
 import { changedPixels, expect, type Picture, test } from "./forest";
 
 let folder = "";
@@ -102,6 +102,22 @@ test("a shared forest that the service streams: everyone sees a change of the wi
 test("Babylon.js, moved by galewood/core", async ({ page }) => {
   await bundled("babylon", "three", join(folder, "babylon"));
   await page.goto(`${await serving(join(folder, "babylon"))}/`);
+  await swaying(page);
+});
+
+test("the widget of a notebook, in one file, driven by a model as anywidget has it", async ({ page }) => {
+  await page.goto(`${await serving(join(WEB, "player"))}/package.json`);
+  await page.setContent('<body style="margin: 0"><div id="cell"></div></body>');
+  await page.evaluate(async () => {
+    const view = async (path: string) => new DataView(await (await fetch(path)).arrayBuffer());
+    const state: Record<string, unknown> = { trees: 3, height_px: 180, wind: "autumn-gusts" };
+    state.table = await view("/trees/poplar.table");
+    state.mesh = await view("/trees/poplar.glb");
+    const file = "/dist/notebook/widget.js";
+    const { default: widget } = await import(file);
+    const model = { get: (name: string) => state[name], on() {} };
+    await widget.render({ model, el: document.querySelector("#cell") });
+  });
   await swaying(page);
 });
 

@@ -51,5 +51,26 @@ await write(playing, [{ name: "core", test: /\/src\/(core|worker)\// }]);
 // Streams have their own, so that nobody else loads what they need.
 await write({ stream: "stream" });
 await write({ "galewood.stream.worker": "streamWorker" });
+
+/** The source of the worker, in one piece, as a module. */
+async function workerSource() {
+  const bundle = await rolldown({ plugins: [shortNames, shorterShaders], input: source("worker") });
+  const { output } = await bundle.generate({ format: "esm", minify: true });
+  await bundle.close();
+  return `export default ${JSON.stringify(output[0].code)};`;
+}
+
+// A notebook's widget is one file, with three.js and the worker.
+const inOne = {
+  name: "worker-source",
+  resolveId: (id) => (id === "virtual:worker" ? "\0worker" : null),
+  load: (id) => (id === "\0worker" ? workerSource() : null),
+};
+const widget = await rolldown({
+  plugins: [inOne, shortNames, shorterShaders],
+  input: { widget: source("notebook") },
+});
+await widget.write({ dir: join(DIST, "notebook"), format: "esm", minify: true });
+await widget.close();
 const tsc = join(HERE, "../node_modules/typescript/bin/tsc");
 execFileSync(process.execPath, [tsc, "-p", join(HERE, "tsconfig.json")], { stdio: "inherit" });
