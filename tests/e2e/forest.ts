@@ -24,7 +24,8 @@ export const test = base.extend<{ quiet: string[] }>({
   ],
 });
 
-export const open = (page: Page, query: string) => page.goto(`${process.env.BASE_URL}/?${query}`);
+/** Opens the page. Few frames a second leave the processor, which draws here, to the tests beside this one. */
+export const open = (page: Page, query: string) => page.goto(`${process.env.BASE_URL}/?fps=10&${query}`);
 
 /** Waits until moving trees are displayed. */
 export async function forest(page: Page): Promise<void> {

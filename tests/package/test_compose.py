@@ -127,3 +127,10 @@ def test_the_object_store_gets_its_credentials(tmp_path: Path) -> None:
     assert user["credentials"] == [{"accessKey": "galewood", "secretKey": "ab/+=12"}]
     refused = run_script("object-store.sh", environment | {"S3_SECRET": 'a"b'})
     assert refused.returncode == 2 and "S3_SECRET" in refused.stderr
+
+
+def test_the_proxy_sends_all_clients_of_a_shared_forest_to_one_server() -> None:
+    """The page names the forest in the query of its socket (web/src/worker/stream/forestUrl.ts)."""
+    caddyfile = (REPOSITORY / "deploy" / "Caddyfile").read_text()
+    (policy,) = re.findall(r"lb_policy ([^{}\n]*?)\s*\{\s*fallback (\w+)\s*\}", caddyfile)
+    assert policy == ("query share", "client_ip_hash")

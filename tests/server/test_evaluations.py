@@ -12,7 +12,7 @@ from galewood_server.access.keys import new_key
 from galewood_server.cli.client import Client, ServiceError
 
 from tests.server.conftest import NO_CLUSTER, Server, command_line, wait_until
-from tests.server.fake_job import STEPS
+from tests.server.fake_job import STEPS, hold_records
 from tests.server.test_jobs import gone
 from tests.server.test_rest_api import assert_problem
 
@@ -46,10 +46,14 @@ def tree(server: Server) -> dict[str, Any]:
 
 
 def computed(api: httpx.Client, name: str) -> dict[str, Any]:
-    """A tree with table and model."""
-    answer = api.post("/api/trees?build=true", files={"file": (name, name.encode())})
-    address = f"/api/trees/{answer.json()['id']}"
-    found: dict[str, Any] = wait_until(lambda: (now := api.get(address).json())["state"] == "ready" and now)
+    """A tree with table, model and records.
+
+    It is ready before its records are there, with which an evaluation covers one more method. So the same
+    request is another evaluation then.
+    """
+    tree = api.post("/api/trees?build=true", files={"file": (name, name.encode())}).json()
+    assert ended(api, f"/api/jobs/{tree['job_id']}")["state"] == "done"
+    found: dict[str, Any] = api.get(f"/api/trees/{tree['id']}").json()
     return found
 
 
@@ -84,6 +88,21 @@ def test_an_identical_evaluation_runs_once(api: httpx.Client, tree: dict[str, An
     listed = api.get(f"/api/trees/{tree['id']}/evaluations").json()
     assert [one["id"] for one in listed["evaluations"]][:2] == [other.json()["id"], found["id"]]
     assert listed["total"] == len(listed["evaluations"])
+
+
+def test_the_records_of_a_tree_make_another_evaluation(server: Server, api: httpx.Client) -> None:
+    held = hold_records(server.data_dir, "study-records.obj")
+    tree = api.post("/api/trees?build=true", files={"file": ("study-records.obj", b"study-records")}).json()
+    wait_until(lambda: api.get(f"/api/trees/{tree['id']}").json()["state"] == "ready")
+    before = evaluate(api, tree, frames=120)
+    assert before.json()["settings"]["records_sha256"] is None
+    assert evaluate(api, tree, frames=120).json()["id"] == before.json()["id"]
+    held.unlink()
+    assert ended(api, f"/api/jobs/{tree['job_id']}")["state"] == "done"
+    after = evaluate(api, tree, frames=120)
+    assert after.status_code == 202 and after.json()["settings"]["records_sha256"]
+    for answer in (before, after):
+        api.post(f"{answer.headers['location']}/cancel")
 
 
 def test_invalid_evaluations_are_problems(api: httpx.Client, tree: dict[str, Any]) -> None:

@@ -11,8 +11,8 @@ describe("settings in the URL", () => {
   });
 
   test("numbers are clamped and invalid values ignored", () => {
-    const settings = settingsFromQuery("?trees=1e9&speed=-3&gust=NaN&seed=&direction=abc&lookup=moon&form=bonsai&forest=3.7");
-    expect(settings).toEqual({ ...DEFAULTS, trees: 10_000, wind: withPlain(DEFAULTS.wind, { mean_speed_m_s: 0 }), forestSeed: 4 });
+    const settings = settingsFromQuery("?trees=1e9&speed=-3&gust=NaN&seed=&direction=abc&lookup=moon&form=bonsai&forest=3.7&fps=0");
+    expect(settings).toEqual({ ...DEFAULTS, trees: 10_000, wind: withPlain(DEFAULTS.wind, { mean_speed_m_s: 0 }), forestSeed: 4, frameRateLimit_hz: 5 });
   });
 
   test("a query restores its settings and is empty for the defaults", () => {

@@ -3,6 +3,7 @@ import { embedCode } from "../../web/src/page/settings/embedCode";
 import { settingsFromQuery } from "../../web/src/page/settings/settings";
 import { soundOf } from "../../web/src/page/sound";
 import { presenceWords } from "../../web/src/page/ui/sharingCard";
+import { forestUrl } from "../../web/src/worker/stream/forestUrl";
 
 test("the embed code is one safe iframe of the link", () => {
   const code = embedCode('https://forest.example/?trees=9&wind={"version":1}&share=a');
@@ -34,4 +35,11 @@ test("the words of presence", () => {
     "Nobody else is here yet.",
     "2 people are here, you included.",
   ]);
+});
+
+test("the socket's address names a shared forest, so that a proxy sends all its clients to one server", () => {
+  const share = { id: "ab_1-2", replant: false, about: {} };
+  const shared = forestUrl("wss://trees.example.org/in/ws/forest", share);
+  expect(shared).toBe("wss://trees.example.org/in/ws/forest?share=ab_1-2");
+  expect(forestUrl("ws://localhost:8000/ws/forest", null)).toBe("ws://localhost:8000/ws/forest");
 });

@@ -1,5 +1,6 @@
 """Construction of the finite-element model; in: TetMesh, Skeleton, wood, foliage; out: a FemModel."""
 
+from galewood.model.added_wood import in_added_wood
 from galewood.model.axis import Axis, Feet, axis_of_tets
 from galewood.model.beam_tree import BeamModel, beam_model
 from galewood.model.bearers import edge_points
@@ -39,6 +40,7 @@ __all__ = [
     "gusty_pressure",
     "holds_of",
     "horizontal_masses",
+    "in_added_wood",
     "participation_factors",
     "points_binding",
     "reference_model",

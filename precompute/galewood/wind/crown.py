@@ -46,11 +46,13 @@ SLANT = 0.191
 """Lateral drift, so that the periodic field does not return to the same tree."""
 MOST = 0.9
 """Limit of the relative speed of a gust, which keeps the wind from turning back."""
+FIELDS = 64
+"""Fields that are kept, of 65 kB each: one for every forest of a server in a wind of its own."""
 TURN = 2.0 * math.pi / 4294967296.0
 STRONG_PA = HALF_AIR_DENSITY_KG_M3 * STREAMLINING_SPEED_M_S**2
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=FIELDS)
 def crown_field(seed: int) -> Floats:
     """(CELLS, CELLS, 2) velocity along and across the wind at the grid points, unit variance each."""
     field = np.zeros((CELLS, CELLS, 2))

@@ -8,17 +8,19 @@ import numpy as np
 import numpy.typing as npt
 
 from galewood.util import Floats
+from galewood.wind.crown import crown_field
 from galewood.wind.document import Wind
 from galewood.wind.fronts import add_fronts
 from galewood.wind.models.cosine import CosineGusts
 from galewood.wind.models.eddy_gusts import EddyGusts
 from galewood.wind.models.perlin import PerlinGusts
+from galewood.wind.models.recorded import RecordedGusts
 from galewood.wind.models.spectral import SpectralGusts
 from galewood.wind.pressure import pressure_of_velocity
-from galewood.wind.transition import Moment, WindState, at, change_wind, steady
+from galewood.wind.transition import Moment, WindState, at, change_wind, gust_key, steady
 
-KEPT_GUSTS = 2
-"""A transition evaluates two gust fields at once."""
+TIMED = ("cosine", "recorded")
+"""Models that depend on the time rather than on the distance travelled."""
 KEPT_BUFFERS = 24
 """Three for each species in a forest."""
 
@@ -26,7 +28,7 @@ KEPT_BUFFERS = 24
 class Gusts(Protocol):
     """The gusts of one model and seed.
 
-    ``carried`` is the distance travelled in length scales; the cosine model uses the time, s, instead.
+    ``carried`` is the distance travelled in length scales; TIMED models use the time, s, instead.
     """
 
     def velocity(
@@ -44,7 +46,18 @@ def gusts_of(wind: Wind) -> Gusts:
         return SpectralGusts(wind.seed, wind.beta)
     if wind.model == "navier-stokes":
         return EddyGusts(wind.seed)
+    if wind.model == "recorded":
+        return RecordedGusts(wind.recording)
     return CosineGusts(wind)
+
+
+GustKey = tuple[object, ...]
+PREPARED_GUSTS = 4
+"""Those of a state, which holds up to three documents, and one more."""
+
+
+def _carried(wind: Wind, moment: Moment) -> float:
+    return moment.time_s if wind.model in TIMED else moment.travel
 
 
 class WindField:
@@ -53,12 +66,32 @@ class WindField:
     def __init__(self, wind: Wind | WindState) -> None:
         """Create the field from a document (travel starts at time 0) or from a shared state."""
         self.state = steady(wind) if isinstance(wind, Wind) else wind
-        self._gusts: dict[tuple[Any, ...], Gusts] = {}
+        self._gusts: dict[GustKey, Gusts] = {}
+        self._prepared: dict[GustKey, Gusts] = {}
         self._buffers: dict[tuple[str, int], Floats] = {}
 
     def change(self, wind: Wind, time_s: float) -> None:
         """Start a transition to another document at this time, s."""
         self.state = change_wind(self.state, wind, time_s)
+
+    def has(self, wind: Wind) -> bool:
+        """Whether the gusts of a wind exist, so that it can be evaluated without delay. Thread-safe."""
+        return gust_key(wind) in self._gusts or gust_key(wind) in self._prepared
+
+    def prepare(self, state: WindState, time_s: float) -> None:
+        """Create the gusts of a state that are missing, ready for this time, s, and later ones. Thread-safe.
+
+        Creates their fields, advances Navier–Stokes eddies to the time, and compiles what the evaluation
+        calls: up to half a second, or a few seconds where nothing is compiled yet.
+        """
+        moment, place, created = at(state, time_s), np.zeros((4, 2)), dict[GustKey, Gusts]()
+        for wind in filter(None, (state.before, state.wind, state.next)):
+            if not self.has(wind) and gust_key(wind) not in created:
+                gusts = created[gust_key(wind)] = gusts_of(wind)
+                gusts.velocity(wind, _carried(wind, moment), *place)
+            crown_field(wind.seed)
+        kept = {**self._prepared, **created}
+        self._prepared = {key: kept[key] for key in list(kept)[-PREPARED_GUSTS:]}
 
     def at(self, time_s: float) -> Moment:
         """The interpolated wind parameters at a time, s, including any transition in progress."""
@@ -106,13 +139,12 @@ class WindField:
         return self._buffers[key]
 
     def _write(self, wind: Wind, moment: Moment, x: Floats, z: Floats, out_x: Floats, out_z: Floats) -> None:
-        carried = moment.time_s if wind.model == "cosine" else moment.travel
-        self._gusts_for(wind).velocity(wind, carried, x, z, out_x, out_z)
+        self._gusts_for(wind, moment).velocity(wind, _carried(wind, moment), x, z, out_x, out_z)
 
-    def _gusts_for(self, wind: Wind) -> Gusts:
-        key = (wind.model, wind.seed, wind.beta, wind.waves)
+    def _gusts_for(self, wind: Wind, moment: Moment) -> Gusts:
+        key, needed = gust_key(wind), (gust_key(moment.before), gust_key(moment.wind))
         if key not in self._gusts:
-            while len(self._gusts) >= KEPT_GUSTS:
-                del self._gusts[next(iter(self._gusts))]
-            self._gusts[key] = gusts_of(wind)
+            for old in [one for one in self._gusts if one not in needed]:
+                del self._gusts[old]
+            self._gusts[key] = self._prepared.pop(key, None) or gusts_of(wind)
         return self._gusts[key]

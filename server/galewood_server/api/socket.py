@@ -12,6 +12,7 @@ from typing import Any
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from galewood.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_state
 
+from galewood_server.access import rate_limit_key
 from galewood_server.api.connections import limited_connection
 from galewood_server.context import Service, service_of
 from galewood_server.stream import (
@@ -68,6 +69,7 @@ class Session:
         self._websocket = websocket
         self._service = service
         self._protocol = protocol_of(websocket.scope)
+        self._address = rate_limit_key(websocket.client.host if websocket.client else "")
         self._subscription: Subscription | None = None
         self._asked = False  # for a forest; in mode "table" there may be none on the server
         self._sending: asyncio.Task[None] | None = None
@@ -134,7 +136,8 @@ class Session:
             case wire.WindChange():
                 wind = _wind(request.wind)
                 if self._subscription:
-                    self._subscription.forest.change_wind(wind)
+                    forest = self._subscription.forest
+                    await self._service.forests.change_wind(forest, wind, self._address)
             case wire.Pause():
                 if self._subscription:
                     self._subscription.forest.pause(request.paused)
@@ -163,14 +166,21 @@ class Session:
     async def _subscribe(self, forest: wire.Forest, tasks: asyncio.TaskGroup) -> None:
         """Replace the current subscription or table transfer by the requested one."""
         wind = self._check(forest)
+        await self._service.forests.admit(forest, self._address)
+        await asyncio.to_thread(self._check_tables, forest)  # a bucket is asked for each of them
         self._asked = True
         if self._sending:
             self._sending.cancel()
             await asyncio.wait([self._sending])
         before, self._subscription = self._subscription, None
+        if before and before.forest.share is None:  # its trees make room for the new ones
+            self._service.forests.leave(before)
+            before = None
         try:
             if forest.mode == "stream" or forest.share is not None:
-                self._subscription = await self._service.forests.join(forest, wind, self._protocol)
+                self._subscription = await self._service.forests.join(
+                    forest, wind, self._protocol, self._address
+                )
         finally:
             if before:
                 self._service.forests.leave(before)
@@ -188,12 +198,14 @@ class Session:
             raise SessionError("too-many-groups", f"A forest may have up to {settings.forest_groups} groups")
         if sum(group.count for group in forest.groups) > settings.forest_trees:
             raise SessionError("too-many-trees", f"A forest may have up to {settings.forest_trees} trees")
-        for group in forest.groups:
-            if not self._service.stores.tables.has(group.table):
-                raise SessionError(
-                    "no-such-table", f"There is no table {group.table[:12]}…", "Reload the list of trees."
-                )
         return wind
+
+    def _check_tables(self, forest: wire.Forest) -> None:
+        for sha256 in dict.fromkeys(group.table for group in forest.groups):
+            if not self._service.stores.tables.has(sha256):
+                raise SessionError(
+                    "no-such-table", f"There is no table {sha256[:12]}…", "Reload the list of trees."
+                )
 
     async def _send_tables(self, forest: wire.Forest) -> None:
         for sha256 in dict.fromkeys(group.table for group in forest.groups):

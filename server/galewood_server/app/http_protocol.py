@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from typing import Any
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from galewood_server.http import Problem
+
+log = logging.getLogger("galewood")
+STOPPING = Problem(
+    status=503,
+    code="server-stopping",
+    title="The server is being stopped",
+    detail="The request was not finished in time.",
+    hint="Try again in a minute.",
+)
 
 
 def protocol_with_limit(header_s: float, write_stall_s: float) -> type[H11Protocol]:
@@ -19,6 +31,28 @@ def protocol_with_limit(header_s: float, write_stall_s: float) -> type[H11Protoc
     class LimitedProtocol(H11Protocol):
         _head_timer: asyncio.TimerHandle | None = None
         _write_timer: asyncio.TimerHandle | None = None
+        _stopping = False
+
+        def __init__(self, *arguments: Any, **named: Any) -> None:
+            super().__init__(*arguments, **named)
+            self._served, self.app = self.app, self._serve
+
+        def shutdown(self) -> None:
+            self._stopping = True
+            super().shutdown()
+
+        async def _serve(self, scope: Any, receive: Any, send: Any) -> None:
+            """Serve a request. What the end of the server breaks off is no error, and gets no traceback."""
+            cycle: Any = self.cycle
+            try:
+                await self._served(scope, receive, send)
+            except asyncio.CancelledError:  # uvicorn's, for requests that outlast the time to stop
+                log.info("%s %s was broken off: the server stops", scope["method"], scope["path"][:200])
+                if not cycle.response_started and not cycle.disconnected:
+                    await STOPPING.response()(scope, receive, send)
+            if self._stopping and not cycle.response_complete:
+                cycle.disconnected = True
+                self.transport.abort()
 
         def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
             super().connection_made(transport)

@@ -135,6 +135,7 @@ def _server(folder: Path, load: Load) -> Generator[tuple[psutil.Process, int]]:
         probe.bind(("127.0.0.1", 0))
         port = int(probe.getsockname()[1])
     sockets = str(load.clients + load.stalled + 8)
+    trees = str(max(200_000, (load.clients + load.stalled) * load.trees))
     environment = {
         **os.environ,
         "GALEWOOD_DATA_DIR": str(folder),
@@ -143,7 +144,9 @@ def _server(folder: Path, load: Load) -> Generator[tuple[psutil.Process, int]]:
         "GALEWOOD_BUILTIN_SPECIES": "false",
         "GALEWOOD_SOCKET_CONNECTIONS": sockets,
         "GALEWOOD_SOCKET_CONNECTIONS_PER_ADDRESS": sockets,
-        "GALEWOOD_SERVER_TREES": str(max(200_000, (load.clients + load.stalled) * load.trees)),
+        "GALEWOOD_SERVER_TREES": trees,
+        "GALEWOOD_ADDRESS_TREES": trees,
+        "GALEWOOD_ADDRESS_TREES_PER_S": "1e9",
         "GALEWOOD_FOREST_TREES": str(max(20_000, load.trees)),
     }
 

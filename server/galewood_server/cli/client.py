@@ -175,6 +175,8 @@ async def stream(url: str, forest: Forest, name: str = "galewood client") -> Asy
     `url` is the server's, as for Client. Ends after a Failure. ConnectionClosedError if the socket breaks.
     """
     address = url.rstrip("/").replace("http", "ws", 1) + "/ws/forest"
+    if forest.share is not None:  # by which a proxy finds the server of this forest
+        address += f"?share={forest.share}"
     async with connect(address, max_size=None, compression=None) as socket:
         for request in (Hello(name), forest):
             await socket.send(encode_request(request))

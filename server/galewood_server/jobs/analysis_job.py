@@ -15,6 +15,7 @@ from galewood.wind import parse_wind_or_state
 from galewood_server.jobs.analysis_files import store_result
 from galewood_server.jobs.model_job import with_model
 from galewood_server.jobs.progress import JobLease, ProgressReporter
+from galewood_server.jobs.stored_files import stored_bytes, stored_path
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, JobKind, Stores
 from galewood_server.stream import pack_msgpack
@@ -42,9 +43,10 @@ def _compare(
 ) -> None:
     records = request.get("records_sha256")
     table = decode(
-        stores.tables.get(request["table_sha256"]), stores.records.get(records) if records else None
+        stored_bytes(stores, "tables", request["table_sha256"]),
+        stored_bytes(stores, "records", records) if records else None,
     )
-    model = load_model(stores.models.path(request["model_sha256"]))
+    model = load_model(stored_path(stores, "models", request["model_sha256"]))
     place = Place(**{name: request[name] for name in Place.__dataclass_fields__})
 
     def on_progress(share: float, message: str) -> None:
@@ -60,7 +62,9 @@ def _mesh_of(table: Table, stores: Stores) -> TreeMesh:
     """The tree mesh from which the table was built."""
     metadata = table.metadata
     options = ImportOptions(species=metadata["species"], height_m=float(metadata["height_m"]), up_axis="y")
-    return import_mesh_sandboxed(stores.meshes.get(metadata["mesh_sha256"]), "tree.glb", options)[0]
+    return import_mesh_sandboxed(
+        stored_bytes(stores, "meshes", metadata["mesh_sha256"]), "tree.glb", options
+    )[0]
 
 
 def pack(comparison: Comparison, table: Table) -> bytes:

@@ -17,7 +17,8 @@ from galewood_server.jobs.cluster.blob_transfer import BlobTransfer
 from galewood_server.jobs.cluster.dask_runner import DaskRunner
 from galewood_server.jobs.processes import lower_priority
 from galewood_server.jobs.progress import JobLease, ProgressReporter
-from galewood_server.jobs.queue import RECORDS, end_job
+from galewood_server.jobs.queue import AFTER_TABLE, RECORDS, end_job
+from galewood_server.jobs.stored_files import stored_bytes
 from galewood_server.jobs.table_fingerprint import fingerprint
 from galewood_server.settings import Settings
 from galewood_server.storage import (
@@ -56,14 +57,14 @@ class BuildInputs:
 def read_build_inputs(sessions: Sessions, stores: Stores, job_id: str) -> BuildInputs:
     """The inputs of a job: its tree's mesh and options, overridden by the job's settings.
 
-    A built-in tree also gets a table without its leaves.
+    A built-in tree also gets a table without its leaves. JobFailedError if the mesh is lost.
     """
     with sessions() as session:
         job = session.get_one(Job, job_id)
         tree = job.tree
         return BuildInputs(
             tree_id=tree.id,
-            source=stores.sources.get(tree.source_sha256),
+            source=stored_bytes(stores, "sources", tree.source_sha256, tree.filename),
             filename=tree.filename,
             options=build_options(
                 BuildRequest.model_validate({"bare_table": tree.builtin, **tree.options, **job.settings})
@@ -154,7 +155,9 @@ def publish_table(
         job_lease.check(session)
         _set_table(session, stores, inputs, files, result)
         job = session.get_one(Job, job_lease.job_id)
-        job.stage, job.fraction, job.seconds_left = RECORDS, 0.0, None
+        if job.stage not in AFTER_TABLE:  # a resumed job may have come farther
+            job.stage, job.fraction = RECORDS, 0.0
+        job.seconds_left = None
 
 
 def publish_result(

@@ -12,6 +12,7 @@ from galewood.table import read_metadata
 
 from galewood_server.jobs.analysis_files import PLOT, store_result
 from galewood_server.jobs.progress import JobFailedError, JobLease, ProgressReporter
+from galewood_server.jobs.stored_files import stored_bytes, stored_path
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores
 
@@ -44,19 +45,19 @@ def evaluate(
 def _run(
     folder: Path, reporter: ProgressReporter, request: dict[str, Any], settings: Settings, stores: Stores
 ) -> dict[str, Any]:
-    table, mesh = stores.tables.path(request["table_sha256"]), folder / "tree.glb"
-    mesh.write_bytes(stores.meshes.get(request["mesh_sha256"]))
-    records = request.get("records_sha256")
+    table, mesh = stored_path(stores, "tables", request["table_sha256"]), folder / "tree.glb"
+    mesh.write_bytes(stored_bytes(stores, "meshes", request["mesh_sha256"]))
+    model, records = stored_path(stores, "models", request["model_sha256"]), request.get("records_sha256")
 
     def on_progress(share: float, message: str) -> None:
         reporter.report("evaluating", share, message)
 
     try:
         return run_evaluation(
-            table, mesh, stores.models.path(request["model_sha256"]), settings.cache_dir, on_progress,
+            table, mesh, model, settings.cache_dir, on_progress,
             plot=folder / PLOT, frames=request["frames"], strength=strength_of(table, request),
             sway=request.get("sway"), seed=request["seed"], long=0, workers=1, reference_dir=folder,
-            records=stores.records.path(records) if records else None,
+            records=stored_path(stores, "records", records) if records else None,
         )  # fmt: skip
     except SourceError as error:
         raise JobFailedError("The table does not match the stored model. Compute the tree again.") from error

@@ -10,6 +10,7 @@ from galewood.fem import save_model
 from galewood.options import BuildRequest
 
 from galewood_server.jobs.progress import JobLease, ProgressReporter
+from galewood_server.jobs.stored_files import stored_bytes
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, Stores, Tree, mark_garbage, replace_files, store_referenced
 
@@ -25,7 +26,7 @@ def with_model(
 ) -> dict[str, Any]:
     """The settings of an analysis with the hash of its model, which is computed if there is none.
 
-    Raises Cancelled, MeshError.
+    Raises Cancelled, JobFailedError, MeshError.
     """
     if request.get("model_sha256"):
         return request
@@ -39,7 +40,7 @@ def _compute(job_lease: JobLease, settings: Settings, stores: Stores) -> bytes:
     with job_lease.sessions() as session:
         tree = session.get_one(Job, job_lease.job_id).tree
         options = build_options(BuildRequest.model_validate({**tree.options, **settings_of_table(tree)}))
-        source, filename = stores.sources.get(tree.source_sha256), tree.filename
+        source, filename = stored_bytes(stores, "sources", tree.source_sha256, tree.filename), tree.filename
     model = model_of(source, filename, options, settings.cache_dir)
     with tempfile.TemporaryDirectory(prefix="galewood-model-") as folder:
         path = Path(folder) / "model.npz"

@@ -7,26 +7,58 @@ import os
 import sys
 import threading
 from concurrent.futures import Future
+from contextlib import suppress
+from pathlib import Path
+from typing import NoReturn
 
 import psutil
 from galewood.threads import SINGLE_THREADED
 
 LOWER = 5
 """By how much `lower_priority` lowers it."""
+SEARCHES = 10
+"""How often descendants are searched at most: once finds them all, unless they start new ones meanwhile."""
 
 
 def kill_tree(pid: int) -> None:
-    """Kill a process and its descendants, the parent first so that it cannot start new ones."""
-    try:
+    """Kill a process and its descendants.
+
+    All are stopped first, from the parent down, so that none starts new ones and none notices the end of
+    another: a child that is just starting reads from its parent, and would otherwise report a broken pipe.
+    """
+    with suppress(psutil.NoSuchProcess):
         process = psutil.Process(pid)
-        family = [process, *process.children(recursive=True)]
-    except psutil.NoSuchProcess:
-        return
-    for member in family:
-        try:
-            member.kill()
-        except psutil.NoSuchProcess:
-            continue
+        process.suspend()
+        _kill_descendants(process)
+        process.kill()
+
+
+def _kill_descendants(process: psutil.Process) -> None:
+    """Suspend all descendants of a process, also those that start meanwhile, then kill the youngest first."""
+    found: dict[psutil.Process, None] = {}
+    for _ in range(SEARCHES):
+        new = [one for one in process.children(recursive=True) if one not in found]
+        if not new:
+            break
+        for one in new:
+            found[one] = None
+            with suppress(psutil.NoSuchProcess):
+                one.suspend()
+    for one in reversed(found):
+        with suppress(psutil.NoSuchProcess):
+            one.kill()
+
+
+def _end_with_descendants() -> NoReturn:
+    """Kill the descendants of this process, then end it.
+
+    Other threads go on meanwhile and may start further processes. Those find no parent when they start, so
+    what they write to standard error is of no interest.
+    """
+    with Path(os.devnull).open("w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+    _kill_descendants(psutil.Process())
+    os._exit(1)
 
 
 def die_with_parent() -> Future[str]:
@@ -42,12 +74,7 @@ def die_with_parent() -> Future[str]:
             received += chunk
             if b"\n" in received and not line.done():
                 line.set_result(received.partition(b"\n")[0].decode())
-        for child in psutil.Process().children(recursive=True):
-            try:
-                child.kill()
-            except psutil.NoSuchProcess:
-                continue
-        os._exit(1)
+        _end_with_descendants()
 
     threading.Thread(target=watch, name="die-with-parent", daemon=True).start()
     return line

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from galewood.util import Cancelled
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
-from galewood_server.jobs.queue import end_job
+from galewood_server.jobs.queue import AFTER_TABLE, end_job
 from galewood_server.storage import Job, Sessions
 
 REPORT_S = 0.25
@@ -38,6 +38,13 @@ class JobLease:
         if session.scalar(query) is not False:
             raise Cancelled
 
+    def reached(self) -> Reached:
+        """How far an earlier process of this job has come. Raises Cancelled."""
+        with self.sessions() as session:
+            self.check(session)
+            job = session.get_one(Job, self.job_id)
+            return Reached.of(job.stage, job.fraction)
+
     def write(self, **values: Any) -> None:
         """Update columns of the job. Raises Cancelled."""
         with self.sessions.begin() as session:
@@ -51,8 +58,26 @@ class JobLease:
             end_job(session, self.job_id, state, message=message, error=error, lease=self.lease)
 
 
+@dataclass(frozen=True, order=True)
+class Reached:
+    """How far a job has come. The stages after a build's table count from 0 again."""
+
+    part: int
+    fraction: float
+    stage: str = field(compare=False)
+
+    @classmethod
+    def of(cls, stage: str, fraction: float) -> Reached:
+        """What a report says."""
+        return cls(AFTER_TABLE.index(stage) + 1 if stage in AFTER_TABLE else 0, fraction, stage)
+
+
 class ProgressReporter:
-    """Writes progress to the database at most every REPORT_S and raises Cancelled for cancelled jobs."""
+    """Writes progress to the database at most every REPORT_S and raises Cancelled for cancelled jobs.
+
+    Progress never decreases: a job that resumes after a restart passes through its first stages again, which
+    takes little, and shows what it had reached until then.
+    """
 
     def __init__(self, job_lease: JobLease) -> None:
         self._job_lease = job_lease
@@ -61,6 +86,7 @@ class ProgressReporter:
         self._last_report: tuple[float, str] = (-1.0, "")
         self._last_fraction = 0.0
         self._samples: tuple[int, int] | None = None
+        self._reached: Reached | None = None
 
     def set_samples(self, done: int, total: int) -> None:
         """Set the number of finished training runs; written with the next report."""
@@ -74,10 +100,18 @@ class ProgressReporter:
         if fraction < self._last_fraction:  # the stages after the table count from 0 again
             self._began = None
         self._last_report, self._last_fraction = (now_s, stage), fraction
-        values: dict[str, Any] = {"stage": stage, "fraction": fraction, "message": message}
+        values = self._shown(Reached.of(stage, fraction), message)
         if self._samples:
             values["samples_done"], values["samples_total"] = self._samples
         self._job_lease.write(**values, seconds_left=self._seconds_left(now_s, fraction))
+
+    def _shown(self, now: Reached, message: str) -> dict[str, Any]:
+        """The columns for a report: those of the present stage, or what an earlier process had reached."""
+        best = self._reached or self._job_lease.reached()
+        self._reached = max(best, now)
+        if now < best:
+            return {"stage": best.stage, "fraction": best.fraction, "message": f"Resuming: {message}"}
+        return {"stage": now.stage, "fraction": now.fraction, "message": message}
 
     def _seconds_left(self, now_s: float, fraction: float) -> float:
         if self._began is None:

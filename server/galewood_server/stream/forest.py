@@ -16,6 +16,8 @@ from galewood_server.stream.pulls import GroupPulls, pullings
 from galewood_server.stream.wire import TICK_HZ, Forest, Method, Poses, Pull, Pulling
 from galewood_server.stream.wire_forest import Trees
 
+REHEARSED = 2
+"""Trees of a rehearsal: numba compiles other code for arrays of one row."""
 STREAM_ERROR_M = 0.25e-3
 """Maximum displacement error of a node from quantisation, for a tree of scale 1."""
 
@@ -69,6 +71,15 @@ class ForestClock:
         self._next = with_front(self._next, x_m, z_m, self.time_s + 1 / TICK_HZ)
         return self._next
 
+    def lacks(self, wind: Wind) -> bool:
+        """Whether the gusts of a wind must be prepared before it applies."""
+        return not self.field.has(wind)
+
+    def prepare(self, wind: Wind | None = None) -> None:
+        """Prepare the gusts of the present wind, or of one to change to. Slow: call it in a thread."""
+        state = self._next if wind is None else change_wind(self._next, wind, self.time_s)
+        self.field.prepare(state, self.time_s)
+
     def tick(self) -> None:
         """Advance by one tick."""
         self.field.state = self._next
@@ -87,6 +98,7 @@ class GroupStepper:
         compliance: Compliance | None = None,
     ) -> None:
         """trees (n, 4): x (m), z (m), yaw (rad), scale."""
+        self._made_of = (table, trees[:REHEARSED], pose_easing, method)
         self._trees = WindDrivenTrees(table, trees, method, pose_easing)
         self.pulls = GroupPulls(table, trees, compliance)
         quantum = stream_quantum(table)
@@ -97,6 +109,12 @@ class GroupStepper:
         """Advance all trees by dt_s to time_s under the wind at time_s, and those pulled by their hands."""
         self._trees.step(field, time_s, dt_s)
         self.pulls.step(self._trees, pulls, dt_s)
+
+    def rehearse(self) -> None:
+        """Step a few trees of this kind, so that everything is compiled before the first tick."""
+        few = GroupStepper(*self._made_of)
+        few.step(WindField(Wind()), 1.0, 1 / TICK_HZ)
+        few.write_poses(np.zeros(few.shape[:2], np.int32))
 
     def write_poses(self, out: Poses) -> None:
         """Write the poses (n, r) in units of quantum × modes.scale."""
@@ -118,10 +136,14 @@ class ForestStepper:
         parts = np.split(forest.trees, ends)[:-1]
         self.clock = clock
         given = compliances or [None] * len(tables)
+        clock.prepare()
         self._groups = [
             GroupStepper(table, part, forest.pose_easing, forest.method, compliance)
             for table, part, compliance in zip(tables, parts, given, strict=True)
         ]
+
+        for group in self._groups:
+            group.rehearse()
 
     @property
     def shapes(self) -> list[Shape]:

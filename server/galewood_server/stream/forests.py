@@ -18,11 +18,12 @@ from galewood_server.stream.client_buffer import ClientBuffer, FrameSink
 from galewood_server.stream.live_forest import LiveForest
 from galewood_server.stream.session_error import TRY_AGAIN_LATER, SessionError
 from galewood_server.stream.step_workers import StepWorker
+from galewood_server.stream.tree_budget import EDDIES_WORK, WIND_WORK, TreeBudget, WorkRates, work_of
 from galewood_server.stream.wire import Forest
 
 if TYPE_CHECKING:
     from galewood.table import Compliance, Table
-    from galewood.wind import WindState
+    from galewood.wind import Wind, WindState
 
     from galewood_server.stream.forest import ForestStepper
 
@@ -62,6 +63,8 @@ class Forests:
         self._records_of = records_of
         self._shared: dict[str, LiveForest] = {}
         self._join_lock = asyncio.Lock()
+        self._budget = TreeBudget(settings.server_trees, settings.address_trees)
+        self._rates = WorkRates(settings.address_trees_per_s)
         threads = cores()
         steppers = ThreadPoolExecutor(threads, thread_name_prefix="stepper")
         self._workers = [StepWorker(steppers) for _ in range(threads)]
@@ -76,17 +79,28 @@ class Forests:
         """Number of simulated trees."""
         return sum(worker.tree_count for worker in self._workers)
 
-    async def join(self, plan: Forest, wind: WindState, sink: FrameSink) -> Subscription:
+    async def admit(self, plan: Forest, address: str) -> None:
+        """Wait until the work for a forest request may be done. SessionError."""
+        await self._rates.take(address, work_of(plan))
+
+    async def change_wind(self, forest: LiveForest, wind: Wind, address: str) -> None:
+        """Change a forest's wind, as soon as its gusts are computed. SessionError."""
+        if forest.lacks(wind):
+            await self._rates.take(address, EDDIES_WORK if wind.model == "navier-stokes" else WIND_WORK)
+            await asyncio.to_thread(forest.prepare_wind, wind)
+        forest.change_wind(wind)
+
+    async def join(self, plan: Forest, wind: WindState, sink: FrameSink, address: str = "") -> Subscription:
         """Subscribe a client to the requested forest. SessionError."""
         client_buffer = ClientBuffer(
             sink, streams=plan.mode == "stream", stall_s=self._settings.socket_stall_s
         )
         if plan.share is None:
-            forest = await self._create(plan, wind)
+            forest = await self._create(plan, wind, address)
         else:
             # serialised, so that of two concurrent first clients one creates the forest and the other joins
             async with self._join_lock:
-                forest = await self._join_shared(plan.share, plan, wind)
+                forest = await self._join_shared(plan.share, plan, wind, address)
         forest.add(client_buffer, asyncio.get_running_loop().time())
         return Subscription(forest, client_buffer)
 
@@ -102,51 +116,54 @@ class Forests:
         else:
             self._end_later(forest)
 
-    async def _join_shared(self, share: str, plan: Forest, wind: WindState) -> LiveForest:
+    async def _join_shared(self, share: str, plan: Forest, wind: WindState, address: str) -> LiveForest:
         forest = self._shared.get(share)
         if forest is None:
             self._evict_empty_forest()
-            forest = await self._create(plan, wind)
+            forest = await self._create(plan, wind, address)
             self._shared[share] = forest
             return forest
         empty = not forest.plan.groups and bool(plan.groups)
         if empty or (plan.replant and not forest.same_trees(plan)):
-            await self._replant(forest, plan)
+            await self._replant(forest, plan, address)
         elif forest.needs_stepper and plan.mode == "stream":
-            await self._start_simulation(forest, plan)
+            await self._start_simulation(forest, plan, address)
         return forest
 
-    async def _start_simulation(self, forest: LiveForest, plan: Forest) -> None:
+    async def _start_simulation(self, forest: LiveForest, plan: Forest, address: str) -> None:
         """Start the simulation for the first streaming client, with the forest's or the client's trees."""
         source = forest.plan if len(forest.plan.trees) else plan
         if source.groups and source.groups == forest.plan.groups:
-            stepper = await self._stepper(forest, source)
+            stepper = await self._stepper(forest, source, address)
             forest.plan = replace(forest.plan, trees=source.trees)
             forest.set_stepper(stepper)
 
-    async def _replant(self, forest: LiveForest, plan: Forest) -> None:
+    async def _replant(self, forest: LiveForest, plan: Forest, address: str) -> None:
         simulated = plan.mode == "stream" or (forest.streamed and len(plan.trees) > 0)
-        forest.replant(plan, await self._stepper(forest, plan) if simulated else None)
+        forest.replant(plan, await self._stepper(forest, plan, address) if simulated else None)
+        if not simulated:
+            self._budget.restore(forest, None)
 
-    async def _create(self, plan: Forest, wind: WindState) -> LiveForest:
+    async def _create(self, plan: Forest, wind: WindState, address: str) -> LiveForest:
         from galewood_server.stream.forest import ForestClock
 
         clock = ForestClock(wind, plan.time_s)
         forest = LiveForest(plan, clock, asyncio.get_running_loop().time())
         if plan.mode == "stream" and plan.groups:
-            forest.set_stepper(await self._stepper(forest, plan))
+            forest.set_stepper(await self._stepper(forest, plan, address))
         min(self._workers, key=lambda worker: (worker.tree_count, len(worker.forests))).add(forest)
         return forest
 
-    async def _stepper(self, forest: LiveForest, plan: Forest) -> ForestStepper:
-        free = self._settings.server_trees - self.tree_count
-        if len(plan.trees) > free:
-            raise SessionError(
-                "server-full", "This server has reached its tree limit", "Try again later.", TRY_AGAIN_LATER
+    async def _stepper(self, forest: LiveForest, plan: Forest, address: str) -> ForestStepper:
+        before = self._budget.held(forest)
+        self._budget.reserve(forest, address, len(plan.trees))
+        try:
+            return await asyncio.to_thread(
+                lambda: forest.make_stepper(self._tables(plan), plan, self._compliances(plan))
             )
-        return await asyncio.to_thread(
-            lambda: forest.make_stepper(self._tables(plan), plan, self._compliances(plan))
-        )
+        except BaseException:
+            self._budget.restore(forest, before)
+            raise
 
     def _compliances(self, plan: Forest) -> list[Compliance | None]:
         return [self._compliance(group.table) for group in plan.groups]
@@ -205,6 +222,7 @@ class Forests:
             self._end(forest)
 
     def _end(self, forest: LiveForest) -> None:
+        self._budget.restore(forest, None)
         for worker in self._workers:
             worker.forests.discard(forest)
         if forest.share is not None and self._shared.get(forest.share) is forest:

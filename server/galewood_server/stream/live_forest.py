@@ -120,6 +120,14 @@ class LiveForest:
         """Start a transition to another wind at the next tick; all clients are notified."""
         self._clock.change_wind(wind)
 
+    def lacks(self, wind: Wind) -> bool:
+        """Whether this forest is simulated and the gusts of a wind must be prepared before it applies."""
+        return self._stepper is not None and self._clock.lacks(wind)
+
+    def prepare_wind(self, wind: Wind) -> None:
+        """Prepare to change to a wind. Slow: call it in a thread."""
+        self._clock.prepare(wind)
+
     def send_front(self, x_m: float, z_m: float) -> None:
         """Start a gust front at the next tick; all clients are notified."""
         self._clock.send_front(x_m, z_m)

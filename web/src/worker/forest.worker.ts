@@ -14,6 +14,7 @@ import { ShownPoses, type StartOfGroup } from "./motion/shownPoses";
 import { StreamMotion } from "./motion/streamMotion";
 import type { ForestPlan, FromWorker, ToWorker, TreeAt } from "./protocol";
 import { forestRequest, sharedGroups, streamMethod } from "./stream/forestRequest";
+import { forestUrl } from "./stream/forestUrl";
 import { motionBuffers, tableMotion } from "./table/tableMotion";
 import { TableStore } from "./table/tableStore";
 
@@ -118,7 +119,7 @@ function onReply(reply: Reply): void {
 
 function setPlan(plan: ForestPlan, wind: WindDocument, socketUrl: string): void {
   const starts = shown.continueAs(localGroups(plan));
-  const next = makeSource(plan, wind, socketUrl, starts);
+  const next = makeSource(plan, wind, forestUrl(socketUrl, plan.share), starts);
   source?.dispose();
   source = next;
   if (hidden) source.hide?.(true);

@@ -132,6 +132,13 @@ export class Catalogue {
     return uploads.map(({ tree }) => ({ id: tree.id, name: displayName(tree) }));
   }
 
+  /** The upload with this name or id; null if there is none. */
+  uploadNamed(name: string): string | null {
+    const wanted = name.trim().toLowerCase();
+    const found = this.uploads.find((tree) => tree.id === name || tree.name.toLowerCase() === wanted);
+    return found?.id ?? null;
+  }
+
   /** The trees of this forest, as last received from the server. */
   get known(): KnownTree[] {
     return this.grown.map(knownTree);

@@ -20,6 +20,8 @@ export interface Settings {
   planted: PlantedTrees;
   /** Form of the built-in species: the one that suits each place, or the same everywhere. */
   form: FormChoice;
+  /** Address of the inventory whose stems are planted; empty: the forest is invented. */
+  inventory: string;
   /** Seed of the placement. */
   forestSeed: number;
   /** The only copy of the page's wind: panel, instruments, links and worker read it here. */
@@ -29,6 +31,8 @@ export interface Settings {
   /** Fraction of the distance to the found record's pose covered per step; null: the default of each table. */
   poseEasing: number | null;
   quality: Quality;
+  /** Pictures per second at most; the motion keeps its speed. */
+  frameRateLimit_hz: number;
   season: Season;
   /** Elapsed share of the daylight: 0 before sunrise, 0.5 at noon, 1 after sunset. */
   daytime: number;
@@ -50,7 +54,10 @@ export const LIMITS = {
   poseEasing: { min: 0, max: 0.5, step: 0.005 },
   daytime: { min: 0, max: 1, step: 0.005 },
   exaggeration: { min: 1, max: 4, step: 0.1 },
+  frameRateLimit_hz: { min: 5, max: 240, step: 1 },
 } as const;
+
+const LONGEST_ADDRESS = 500;
 
 type NumberKey = keyof typeof LIMITS;
 
@@ -60,12 +67,14 @@ export const DEFAULTS: Settings = {
   shares: {},
   planted: {},
   form: "place",
+  inventory: "",
   forestSeed: 7,
   wind: plainWind({ mean_speed_m_s: 7, direction_deg: 30, gustiness: 0.6, seed: 1 }),
   lookup: "worker",
   method: "modal",
   poseEasing: null,
   quality: "high",
+  frameRateLimit_hz: 240,
   season: "autumn",
   daytime: 0.66,
   exaggeration: 1,
@@ -82,6 +91,7 @@ const NAMES: Record<NumberKey, string> = {
   poseEasing: "easing",
   daytime: "time",
   exaggeration: "motion",
+  frameRateLimit_hz: "fps",
 };
 
 const FLAGS = { panel: "panel", background: "background", flutter: "flutter", embed: "embed" } as const;
@@ -136,6 +146,8 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   if (planted !== null) settings.planted = plantedFrom(planted);
   const form = FORM_CHOICES.find((name) => name === given.get("form"));
   if (form) settings.form = form;
+  const inventory = given.get("inventory");
+  if (inventory !== null) settings.inventory = inventory.slice(0, LONGEST_ADDRESS);
   const season = SEASONS.find((name) => name === given.get("season"));
   if (season) settings.season = season;
   return settings;
@@ -159,6 +171,7 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   const planted = textOfPlanted(settings.planted);
   if (planted !== textOfPlanted(defaults.planted)) query.set("tree", planted);
   if (settings.form !== defaults.form) query.set("form", settings.form);
+  if (settings.inventory !== defaults.inventory) query.set("inventory", settings.inventory);
   if (settings.season !== defaults.season) query.set("season", settings.season);
   writeWind(query, settings.wind, defaults.wind);
   return query.toString();

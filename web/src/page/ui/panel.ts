@@ -122,6 +122,11 @@ export class Panel {
     });
     this.choice(folder, "background", "Distant forest");
     this.choice(folder, "quality", "Render quality", { Low: "low", Medium: "medium", High: "high" });
+    this.choice(folder, "frameRateLimit_hz", "Frame rate", {
+      "As the display": LIMITS.frameRateLimit_hz.max,
+      "At most 30": 30,
+      "At most 15": 15,
+    });
   }
 
   private lookup(folder: FolderApi): void {
@@ -168,16 +173,12 @@ export class Panel {
 
   private choice(
     folder: FolderApi,
-    key: "background" | "flutter" | "form" | "quality" | "lookup" | "method",
+    key: "background" | "flutter" | "form" | "frameRateLimit_hz" | "quality" | "lookup" | "method",
     label: string,
-    options?: object,
+    options?: Record<string, string | number>,
   ): BladeApi {
     return folder
-      .addBinding(
-        this.settings,
-        key,
-        options ? { label, options: options as Record<string, string> } : { label },
-      )
+      .addBinding(this.settings, key, options ? { label, options } : { label })
       .on("change", () => this.changed(key));
   }
 

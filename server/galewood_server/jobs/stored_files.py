@@ -1,0 +1,46 @@
+"""The stored files that a job reads: what is lost or damaged is named, with what to do about it."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from galewood_server.jobs.progress import JobFailedError
+from galewood_server.storage import Stores
+
+WHAT = {
+    "sources": "uploaded file",
+    "meshes": "mesh of this tree",
+    "tables": "table of this tree",
+    "records": "records of this tree",
+    "models": "model of this tree",
+}
+RESTORE = "restore it from a backup (`galewood doctor` lists what is missing)"
+
+
+def stored_bytes(stores: Stores, kind: str, sha256: str, filename: str = "") -> bytes:
+    """The content of a stored file. JobFailedError if it is lost or damaged."""
+    try:
+        data = stores.named(kind).get(sha256)
+    except FileNotFoundError as error:
+        raise _lost(kind, sha256, filename, "is lost") from error
+    if hashlib.sha256(data).hexdigest() != sha256:
+        raise _lost(kind, sha256, filename, "is damaged")
+    return data
+
+
+def stored_path(stores: Stores, kind: str, sha256: str) -> Path:
+    """The path of a stored file. JobFailedError if it is lost."""
+    try:
+        path = stores.named(kind).path(sha256)
+    except FileNotFoundError as error:
+        raise _lost(kind, sha256, "", "is lost") from error
+    if not path.is_file():
+        raise _lost(kind, sha256, "", "is lost")
+    return path
+
+
+def _lost(kind: str, sha256: str, filename: str, how: str) -> JobFailedError:
+    name = f" {filename}" if filename else ""
+    instead = "Upload it again" if kind == "sources" else "Compute the tree again"
+    return JobFailedError(f"The {WHAT[kind]}{name} {how} ({kind}/{sha256[:12]}…). {instead}, or {RESTORE}.")

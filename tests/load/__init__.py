@@ -1,0 +1,1 @@
+"""Combined load on a real server: `scripts/load-test --help` (docs/scaling.md)."""

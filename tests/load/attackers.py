@@ -1,0 +1,134 @@
+"""Clients that mean harm, all of one kind from one address. They are to be refused; nothing may fail."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+from galewood_server.cli.bench_client import masked
+
+from tests.load.report import Report
+from tests.load.visitors import LOST, Choose, planted
+from tests.load.wire_client import Refused, ask, open_socket, read_head, request_bytes
+
+PINGS = masked(b"", 9) * 2000
+LARGEST = 20_000
+
+
+def refused_well(status: int) -> bool:
+    """Whether a status is a sensible answer to an attack: no server error but "too busy"."""
+    return status < 500 or status in (503, 507)
+
+
+async def flood_requests(target: Choose, report: Report) -> None:
+    """Requests without pause, also with invented methods."""
+    number = 0
+    while True:
+        method, path = (f"M{number}", "/") if number % 5 == 0 else ("GET", f"/api/trees?limit={number % 7}")
+        try:
+            status, _ = await ask(target(), method, path, "10.90.0.1")
+            report.note("flood of requests", status, expected=refused_well(status))
+        except LOST as error:
+            report.note("flood of requests", repr(error)[:40])
+        number += 1
+        await asyncio.sleep(0.005)
+
+
+async def flood_pings(target: Choose, report: Report) -> None:
+    """WebSocket pings as fast as the server reads them."""
+    while True:
+        try:
+            watcher = await open_socket(target(), "10.90.0.2")
+            async with asyncio.TaskGroup() as tasks:
+                following = tasks.create_task(watcher.follow())
+                while not following.done():
+                    watcher.writer.write(PINGS)
+                    await watcher.writer.drain()
+                    await asyncio.sleep(0.01)
+        except* LOST as group:
+            report.note("flood of pings", _outcome(group))
+        await asyncio.sleep(1)
+
+
+async def flood_forests(target: Choose, report: Report, number: int) -> None:
+    """The largest forest, again and again."""
+    plans = [planted(target().table, LARGEST, seed) for seed in (number, number + 100)]
+    while True:
+        try:
+            watcher = await open_socket(target(), "10.90.0.3")
+            async with asyncio.TaskGroup() as tasks:
+                following = tasks.create_task(watcher.follow())
+                count = 0
+                while not following.done():
+                    watcher.send(plans[count % 2])
+                    await watcher.writer.drain()
+                    count += 1
+                    await asyncio.sleep(0.2)
+        except* LOST as group:
+            report.note("flood of forests", _outcome(group))
+        await asyncio.sleep(1)
+
+
+async def listen_too_often(target: Choose, report: Report, number: int) -> None:
+    """One of many event streams of one address."""
+    while True:
+        try:
+            reader, writer = await target().connect()
+            writer.write(request_bytes("GET", "/api/events", "10.90.0.4"))
+            status, _ = await read_head(reader)
+            report.note("too many event streams", status, expected=refused_well(status))
+            if status == 200:
+                await asyncio.sleep(30)
+            writer.close()
+        except LOST as error:
+            report.note("too many event streams", repr(error)[:40])
+        await asyncio.sleep(5 + number % 10)
+
+
+async def never_read(target: Choose, report: Report) -> None:
+    """A download of which nothing is read."""
+    while True:
+        try:
+            here = target()
+            _, writer = await here.connect(limit=1024)
+            writer.transport.pause_reading()  # type: ignore[attr-defined]
+            writer.write(request_bytes("GET", f"/api/tables/{here.table}", "10.90.0.5"))
+            await asyncio.sleep(90)
+            writer.transport.abort()
+            report.note("unread download", "held for 90 s")
+        except LOST as error:
+            report.note("unread download", repr(error)[:40])
+        await asyncio.sleep(1)
+
+
+async def watch_without_reading(target: Choose, report: Report, number: int) -> None:
+    """A stream of which nothing is read."""
+    while True:
+        try:
+            watcher = await open_socket(target(), "10.90.0.6")
+            watcher.writer.transport.pause_reading()  # type: ignore[attr-defined]
+            watcher.send(planted(target().table, 500, number, f"unread-{number % 4}"))
+            await asyncio.sleep(30)
+            watcher.writer.transport.abort()
+            report.note("unread stream", "held for 30 s")
+        except LOST as error:
+            report.note("unread stream", repr(error)[:40])
+        await asyncio.sleep(2)
+
+
+def _outcome(group: BaseExceptionGroup[BaseException]) -> str:
+    refused = [error for error in group.exceptions if isinstance(error, Refused)]
+    return str(refused[0]) if refused else "cut"
+
+
+def all_attacks(target: Choose, report: Report) -> list[Callable[[], object]]:
+    """Every attack, as functions that start it."""
+    return [
+        lambda: flood_requests(target, report),
+        lambda: flood_requests(target, report),
+        lambda: flood_pings(target, report),
+        *[lambda n=n: flood_forests(target, report, n) for n in range(4)],
+        *[lambda n=n: listen_too_often(target, report, n) for n in range(100)],
+        *[lambda: never_read(target, report) for _ in range(60)],
+        *[lambda n=n: watch_without_reading(target, report, n) for n in range(8)],
+    ]

@@ -1,0 +1,187 @@
+"""The servers under load, and what stands before them: a client's choice of a server, as a proxy makes it."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Generator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from types import ModuleType
+
+import httpx
+import psutil
+from galewood_server.access.keys import new_key
+from galewood_server.storage import Stores
+
+from tests.load.wire_client import Target
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+SHIPPED = REPOSITORY / "assets" / "species" / "shipped"
+STARTED_WITHIN_S = 180.0
+
+
+def free_port() -> int:
+    """A free port of the loopback interface."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@dataclass
+class Node:
+    """One server process with a data folder of its own."""
+
+    folder: Path
+    environment: dict[str, str]
+    port: int = field(default_factory=free_port)
+    process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> None:
+        """Start the process; `wait` waits for it."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        environment = {**self.environment, "GALEWOOD_DATA_DIR": str(self.folder), "PORT": str(self.port)}
+        with (self.folder / "server.log").open("ab") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "galewood_server.cli.main", "serve"],
+                env=environment, cwd=REPOSITORY, stdout=log, stderr=log,
+            )  # fmt: skip
+
+    @property
+    def ready(self) -> bool:
+        """Whether the server answers."""
+        try:
+            return httpx.get(f"http://127.0.0.1:{self.port}/api/health", timeout=5).status_code == 200
+        except httpx.HTTPError:
+            return False
+
+    def wait(self) -> None:
+        """Wait until the server answers. RuntimeError if it ends or takes too long."""
+        end_s = time.monotonic() + STARTED_WITHIN_S
+        while not self.ready:
+            if self.process is None or self.process.poll() is not None or time.monotonic() > end_s:
+                raise RuntimeError(f"a server did not start: {self.log()[-2000:]}")
+            time.sleep(0.2)
+
+    def log(self) -> str:
+        """What the server has written."""
+        return (self.folder / "server.log").read_text(errors="replace")
+
+    def stop(self, how: signal.Signals = signal.SIGTERM) -> None:
+        """End the process."""
+        if self.process and self.process.poll() is None:
+            self.process.send_signal(how)
+            self.process.wait(60)
+
+
+@dataclass
+class Fleet:
+    """Servers that share everything but their data folders."""
+
+    nodes: list[Node]
+    key: str
+    table: str
+    mesh: str
+    may_fail: bool
+    down: set[int] = field(default_factory=set[int])
+    """Ports that do not answer, as a proxy notes them."""
+
+    def __post_init__(self) -> None:
+        self._turns = itertools.count()
+
+    def next(self) -> Target:
+        """Any server that answers, one after the other."""
+        up = [node for node in self.nodes if node.port not in self.down] or self.nodes
+        return self.target(up[next(self._turns) % len(up)])
+
+    def of(self, name: str) -> Target:
+        """The server of a shared forest: the same for all its clients, another when that one is down."""
+
+        def weight(node: Node) -> bytes:
+            return hashlib.sha256(f"{name} {node.port}".encode()).digest()
+
+        up = [node for node in self.nodes if node.port not in self.down] or self.nodes
+        return self.target(max(up, key=weight))
+
+    def target(self, node: Node) -> Target:
+        """A server as its clients know it."""
+        return Target(node.port, self.key, self.table, self.mesh, self.may_fail)
+
+    @property
+    def processes(self) -> list[psutil.Process]:
+        """The servers' processes."""
+        running = [node.process for node in self.nodes if node.process and node.process.poll() is None]
+        return [psutil.Process(process.pid) for process in running]
+
+    def complaints(self) -> list[str]:
+        """Lines of the logs that should not be there."""
+        lines = [line for node in self.nodes for line in node.log().splitlines()]
+        return [line for line in lines if "Traceback" in line or "a forest failed" in line]
+
+
+@contextmanager
+def fleet(count: int, distributed: bool) -> Generator[Fleet]:
+    """Start servers; with `distributed` on one PostgreSQL, one S3-compatible store and one Dask cluster."""
+    key, key_hash = new_key()
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="galewood-load-")))
+        environment = {
+            **os.environ,
+            "HOST": "127.0.0.1",
+            "GALEWOOD_API_KEYS": key_hash,
+            "GALEWOOD_BUILTIN_SPECIES": "false",
+            "GALEWOOD_REPLACED_FILES_S": "60",
+        }
+        if distributed:
+            environment |= _shared_services(stack, folder)
+        stores = Stores(folder / "server-0", environment.get("GALEWOOD_STORE_URL"))
+        table = stores.tables.put((SHIPPED / "maple.table").read_bytes())
+        mesh = stores.meshes.put((SHIPPED / "maple.glb").read_bytes())
+        nodes = [Node(folder / f"server-{k}", environment) for k in range(count)]
+        for node in nodes:
+            stack.callback(node.stop)
+            node.start()
+        for node in nodes:
+            node.wait()
+        yield Fleet(nodes, key, table, mesh, distributed)
+
+
+def _shared_services(stack: ExitStack, folder: Path) -> dict[str, str]:
+    """Start PostgreSQL, a store and a cluster like `scripts/test-distributed`; settings of the servers."""
+    path = REPOSITORY / "scripts" / "test-distributed"
+    script = ModuleType("test_distributed")
+    script.__file__ = str(path)
+    SourceFileLoader(script.__name__, str(path)).exec_module(script)
+    database = stack.enter_context(script.postgres(folder))
+    store = stack.enter_context(script.store(folder))
+    os.environ.update(store)  # for the files that are put there from here
+    cluster = stack.enter_context(script.cluster(folder, {**os.environ, **store}))
+    return {
+        **store,
+        "GALEWOOD_DATABASE_URL": f"{database}/postgres",
+        "GALEWOOD_STORE_URL": "s3://galewood",
+        "GALEWOOD_SCHEDULER_URL": cluster["GALEWOOD_TEST_SCHEDULER"],
+        "GALEWOOD_TEST_WORKERS": cluster["GALEWOOD_TEST_WORKERS"],
+    }
+
+
+def victims(fleet: Fleet, dice: random.Random) -> list[tuple[str, psutil.Process]]:
+    """One process of each kind that may be killed: a server, a job, a worker."""
+    found = [("server", dice.choice(fleet.processes))]
+    for server in fleet.processes:
+        found += [("job", child) for child in server.children() if "job_process" in " ".join(child.cmdline())]
+    workers = fleet.nodes[0].environment.get("GALEWOOD_TEST_WORKERS", "")
+    for pid in filter(None, workers.split(",")):
+        nanny = psutil.Process(int(pid))
+        found += [("worker", child) for child in nanny.children()[-1:]]
+    return found
