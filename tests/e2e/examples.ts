@@ -1,6 +1,7 @@
 /** Serves and bundles the examples of the package `galewood` for their tests. */
 import { existsSync, readFileSync, statSync, writeFileSync } from "node:fs";
-import { createServer, type Server } from "node:http";
+import { createServer, type IncomingMessage, request as ask, type ServerResponse } from "node:http";
+import { connect } from "node:net";
 import { createRequire } from "node:module";
 import type { AddressInfo } from "node:net";
 import { extname, join, resolve } from "node:path";
@@ -22,27 +23,54 @@ export interface Site {
   close(): void;
 }
 
+/** Passes a request on to a service. */
+function passOn(service: string, request: IncomingMessage, answer: ServerResponse): void {
+  const { url, headers, method } = request;
+  const passed = ask(new URL(url ?? "/", service), { headers, method }, (reply) => {
+    answer.writeHead(reply.statusCode ?? 500, reply.headers);
+    reply.pipe(answer);
+  });
+  passed.on("error", () => answer.writeHead(502).end());
+  request.pipe(passed);
+}
+
 /**
- * Serves `folder` at /, the packages at /node_modules/ and the built-in trees at /trees/. `instead`: folders of packages that
- * replace others.
+ * Serves `folder` at /, the packages at /node_modules/ and the built-in trees at /trees/. `service`:
+ * what answers at /api/ and /ws/.
  */
-export async function site(folder: string, instead: Record<string, string> = {}): Promise<Site> {
+export async function site(folder: string, service?: string): Promise<Site> {
   const fileOf = (path: string): string => {
     if (path.startsWith("/trees/")) return join(TREES, path.slice("/trees/".length));
     if (!path.startsWith("/node_modules/")) return join(folder, path);
-    const [name, ...rest] = path.slice("/node_modules/".length).split("/");
-    return join(WEB, "node_modules", instead[name] ?? name, ...rest);
+    return join(WEB, path);
   };
-  const server: Server = createServer((request, answer) => {
+  const server = createServer((request, answer) => {
     const { pathname } = new URL(request.url ?? "/", "http://localhost");
+    if (service && pathname.startsWith("/api/")) {
+      passOn(service, request, answer);
+      return;
+    }
     let file = fileOf(pathname);
     if (existsSync(file) && statSync(file).isDirectory()) file = join(file, "index.html");
     if (pathname === "/favicon.ico") answer.writeHead(204).end();
     else if (!existsSync(file)) answer.writeHead(404).end();
     else answer.writeHead(200, { "content-type": TYPES[extname(file)] ?? "application/octet-stream" }).end(readFileSync(file));
   });
+  server.on("upgrade", ({ url, rawHeaders }, socket) => {
+    const { hostname, port } = new URL(service ?? "http://localhost");
+    const lines = rawHeaders.map((text, k) => (k % 2 === 0 ? `${text}: ` : `${text}\r\n`));
+    const passed = connect(Number(port), hostname, () => {
+      passed.write(`GET ${url} HTTP/1.1\r\n${lines.join("")}\r\n`);
+      passed.pipe(socket).pipe(passed);
+    });
+    for (const end of [passed, socket]) end.on("error", () => [passed, socket].forEach((one) => one.destroy()));
+  });
   await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
-  return { base: `http://127.0.0.1:${(server.address() as AddressInfo).port}`, close: () => server.close() };
+  return { base: `http://127.0.0.1:${(server.address() as AddressInfo).port}`, close: () => {
+      server.closeAllConnections();
+      server.close();
+    },
+  };
 }
 
 const inWeb = createRequire(join(WEB, "package.json"));
@@ -61,7 +89,8 @@ const filesOf = (three: string) => ({
   addons: join(WEB, "node_modules", three, "examples/jsm"),
 });
 
-export const withVite: Bundle = async (three, folder) => {
+/** Bundles an example by Vite. */
+export async function bundled(example: string, three: string, folder: string): Promise<void> {
   const { build } = await bundler("vite");
   const { main, addons } = filesOf(three);
   const alias = [
@@ -71,11 +100,13 @@ export const withVite: Bundle = async (three, folder) => {
   await build({
     configFile: false,
     logLevel: "error",
-    root: join(EXAMPLES, "plain"),
+    root: join(EXAMPLES, example),
     resolve: { alias },
-    build: { outDir: folder, emptyOutDir: true, target: "es2023" },
+    build: { outDir: folder, emptyOutDir: true, target: "es2023", chunkSizeWarningLimit: 5000 },
   });
-};
+}
+
+export const withVite: Bundle = (three, folder) => bundled("plain", three, folder);
 
 export const withWebpack: Bundle = async (three, folder) => {
   const { default: webpack } = await bundler("webpack");

@@ -4,7 +4,7 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import type { Page } from "@playwright/test";
 import { PNG } from "pngjs";
-import { type Bundle, EXAMPLES, type Site, site, withEsbuild, withVite, withWebpack } from "./examples";
+import { type Bundle, bundled, EXAMPLES, type Site, site, WEB, withEsbuild, withVite, withWebpack } from "./examples";
 import { changedPixels, expect, type Picture, test } from "./forest";
 
 let folder = "";
@@ -20,8 +20,8 @@ test.afterEach(() => {
 });
 
 /** Serves a folder for the test that runs. */
-async function serving(root: string, instead: Record<string, string> = {}): Promise<string> {
-  served = await site(root, instead);
+async function serving(root: string, service?: string): Promise<string> {
+  served = await site(root, service);
   return served.base;
 }
 
@@ -63,6 +63,63 @@ for (const [name, bundle, three, release] of [
     await swaying(page);
   });
 }
+
+test("the custom element, whose wind can be changed", async ({ page }) => {
+  await page.goto(`${await serving(EXAMPLES)}/element/`);
+  await swaying(page);
+  await expect(page.getByRole("img", { name: "Trees swaying in the wind" })).toBeVisible();
+  const model = () => page.locator("galewood-forest").evaluate((one) => (one as unknown as { forest: { wind: { model: string } } }).forest.wind.model);
+  expect(await model()).toBe("spectral");
+  await page.locator("galewood-forest").evaluate((one) => one.setAttribute("wind", "storm-front"));
+  expect(await model()).toBe("navier-stokes");
+  await page.locator("galewood-forest").evaluate((one) => one.remove());
+  await expect(page.locator("canvas")).toHaveCount(0);
+});
+
+test("react-three-fiber: trees sway, and can be clicked", async ({ page }) => {
+  await bundled("r3f", "three", join(folder, "r3f"));
+  await page.goto(`${await serving(join(folder, "r3f"))}/`);
+  await swaying(page);
+  const { width, height } = page.viewportSize() ?? { width: 0, height: 0 };
+  await page.mouse.click(0.5 * width, 0.5 * height);
+  await expect(page.locator("output")).toHaveText("Tree 1");
+});
+
+test("a shared forest that the service streams: everyone sees a change of the wind", async ({ page, context }) => {
+  const address = `${await serving(EXAMPLES, process.env.BASE_URL)}/streamed/?share=test-${Date.now()}`;
+  await page.goto(address);
+  await swaying(page);
+  await expect(page.locator("output")).toHaveText("alone");
+  const other = await context.newPage();
+  await other.goto(address);
+  await expect(page.locator("output")).toHaveText("2 are here");
+  await other.locator("select").selectOption("storm-front");
+  await expect(page.locator("select")).toHaveValue("storm-front");
+  await other.close();
+  await expect(page.locator("output")).toHaveText("alone");
+});
+
+test("Babylon.js, moved by galewood/core", async ({ page }) => {
+  await bundled("babylon", "three", join(folder, "babylon"));
+  await page.goto(`${await serving(join(folder, "babylon"))}/`);
+  await swaying(page);
+});
+
+test("the widget of a notebook, in one file, driven by a model as anywidget has it", async ({ page }) => {
+  await page.goto(`${await serving(join(WEB, "player"))}/package.json`);
+  await page.setContent('<body style="margin: 0"><div id="cell"></div></body>');
+  await page.evaluate(async () => {
+    const view = async (path: string) => new DataView(await (await fetch(path)).arrayBuffer());
+    const state: Record<string, unknown> = { trees: 3, height_px: 180, wind: "autumn-gusts" };
+    state.table = await view("/trees/poplar.table");
+    state.mesh = await view("/trees/poplar.glb");
+    const file = "/dist/notebook/widget.js";
+    const { default: widget } = await import(file);
+    const model = { get: (name: string) => state[name], on() {} };
+    await widget.render({ model, el: document.querySelector("#cell") });
+  });
+  await swaying(page);
+});
 
 interface Features {
   picked: number[];

@@ -13,9 +13,11 @@ import { golden, goldenJson, random } from "./golden";
 
 const PLAYER = fileURLToPath(new URL("../../web/player/", import.meta.url));
 const DIST = `${PLAYER}dist/`;
-/** Bytes, gzip: everything that plays a forest, and the custom element. */
+/** Bytes, gzip: everything that plays a forest; the custom element; what streams need besides. */
 const MOST_BYTES = 40_000;
 const MOST_ELEMENT_BYTES = 2_000;
+const MOST_STREAM_BYTES = 40_000;
+const STREAM = ["stream.js", "galewood.stream.worker.js"];
 
 /** Newest change of the sources that the package is built from. */
 function newest(folder: string): number {
@@ -39,9 +41,10 @@ describe("the built package", () => {
   test("plays within 40 kB, compressed, with worker and kernel", () => {
     const bytes = (names: readonly string[]) =>
       names.reduce((sum, name) => sum + gzipSync(readFileSync(DIST + name), { level: 9 }).length, 0);
-    const playing = scripts().filter((name) => name !== "element.js");
+    const playing = scripts().filter((name) => name !== "element.js" && !STREAM.includes(name));
     expect(bytes(playing)).toBeLessThanOrEqual(MOST_BYTES);
     expect(bytes(["element.js"])).toBeLessThanOrEqual(MOST_ELEMENT_BYTES);
+    expect(bytes(STREAM)).toBeLessThanOrEqual(MOST_STREAM_BYTES);
   });
 
   test("core and worker need nothing but their own files; the rest only three.js in addition", () => {
@@ -65,13 +68,14 @@ describe("the built package", () => {
     }
   });
 
-  test("the worker is found by the expression that bundlers look for", () => {
-    const starts = scripts().filter((name) =>
-      /new Worker\(new URL\([`"']\.\/galewood\.worker\.js[`"'],\s*import\.meta\.url\),\s*\{\s*type:\s*[`"']module[`"']/.test(
-        readFileSync(DIST + name, "utf8"),
-      ),
-    );
-    expect(starts).toHaveLength(1);
+  test("workers are found by the expression that bundlers look for", () => {
+    for (const file of ["galewood\\.worker", "galewood\\.stream\\.worker"]) {
+      const quote = "[`\"']";
+      const expression = new RegExp(
+        `new Worker\\(new URL\\(${quote}\\./${file}\\.js${quote},\\s*import\\.meta\\.url\\),\\s*\\{\\s*type:\\s*${quote}module`,
+      );
+      expect(scripts().filter((name) => expression.test(readFileSync(DIST + name, "utf8")))).toHaveLength(1);
+    }
   });
 });
 

@@ -27,24 +27,50 @@ const shorterShaders = {
   },
 };
 
-const bundle = await rolldown({
-  plugins: [shortNames, shorterShaders],
-  input: {
-    core: source("core"),
-    three: source("three"),
-    element: source("element"),
-    "galewood.worker": source("worker"),
-  },
-  external: [/^three(\/|$)/],
+/** Writes entry points; `groups`: chunks that they share. */
+async function write(names, groups = []) {
+  const bundle = await rolldown({
+    plugins: [shortNames, shorterShaders],
+    input: Object.fromEntries(Object.entries(names).map(([name, from]) => [name, source(from)])),
+    external: [/^three(\/|$)/],
+  });
+  await bundle.write({
+    dir: DIST,
+    format: "esm",
+    minify: true,
+    codeSplitting: { groups },
+    entryFileNames: "[name].js",
+    chunkFileNames: "[name].chunk.js",
+  });
+  await bundle.close();
+}
+
+// What plays tables is in one file, because pages and workers share it.
+const playing = { core: "core", three: "three", element: "element", "galewood.worker": "worker" };
+await write(playing, [{ name: "core", test: /\/src\/(core|worker)\// }]);
+// Streams have their own, so that nobody else loads what they need.
+await write({ stream: "stream" });
+await write({ "galewood.stream.worker": "streamWorker" });
+
+/** The source of the worker, in one piece, as a module. */
+async function workerSource() {
+  const bundle = await rolldown({ plugins: [shortNames, shorterShaders], input: source("worker") });
+  const { output } = await bundle.generate({ format: "esm", minify: true });
+  await bundle.close();
+  return `export default ${JSON.stringify(output[0].code)};`;
+}
+
+// A notebook's widget is one file, with three.js and the worker.
+const inOne = {
+  name: "worker-source",
+  resolveId: (id) => (id === "virtual:worker" ? "\0worker" : null),
+  load: (id) => (id === "\0worker" ? workerSource() : null),
+};
+const widget = await rolldown({
+  plugins: [inOne, shortNames, shorterShaders],
+  input: { widget: source("notebook") },
 });
-await bundle.write({
-  dir: DIST,
-  format: "esm",
-  minify: true,
-  codeSplitting: { groups: [{ name: "core", test: /\/src\/(core|worker)\// }] },
-  entryFileNames: "[name].js",
-  chunkFileNames: "[name].chunk.js",
-});
-await bundle.close();
+await widget.write({ dir: join(DIST, "notebook"), format: "esm", minify: true });
+await widget.close();
 const tsc = join(HERE, "../node_modules/typescript/bin/tsc");
 execFileSync(process.execPath, [tsc, "-p", join(HERE, "tsconfig.json")], { stdio: "inherit" });

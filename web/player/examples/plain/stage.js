@@ -19,8 +19,8 @@ renderer.setSize(innerWidth, innerHeight);
 document.body.append(renderer.domElement);
 
 export const camera = new PerspectiveCamera(46, innerWidth / innerHeight, 0.3, 400);
-camera.position.set(4, 4, 21);
-camera.lookAt(0, 5.4, 0);
+camera.position.set(4, 4, 24);
+camera.lookAt(0, 6, 0);
 
 export const scene = new Scene();
 scene.background = new Color(0xbcd6ea);

@@ -25,8 +25,8 @@ function App() {
     <>
       <Canvas
         shadows="percentage"
-        camera={{ position: [3, 5, 20], fov: 46 }}
-        onCreated={({ camera }) => camera.lookAt(0, 5.6, 0)}
+        camera={{ position: [3, 5, 23], fov: 46 }}
+        onCreated={({ camera }) => camera.lookAt(0, 6, 0)}
         frameloop="always"
       >
         <hemisphereLight args={[0xcfe4ff, 0x6d7a4a, 2.2]} />

@@ -94,7 +94,8 @@ export class Forest extends Group {
   private readonly inverse = new Matrix4();
   private blowing: Wind;
   private changed = true;
-  private unset: (() => void) | null = null;
+  private hooked: Object3D | null = null;
+  private unset = () => {};
   private disposed = false;
 
   constructor({ wind, materials = ownMaterial, worker = startWorker, ...view }: ForestOptions) {
@@ -269,10 +270,11 @@ export class Forest extends Group {
 
   /** Moves the nodes before every picture of the scene. */
   private hook(): void {
-    if (this.unset) return;
     let root: Object3D = this;
     while (root.parent) root = root.parent;
-    if (root === this) return;
+    if (root === this || root === this.hooked) return;
+    this.unset();
+    this.hooked = root;
     const { onBeforeRender } = root;
     const hooked: Object3D["onBeforeRender"] = (renderer, ...more) => {
       onBeforeRender.call(root, renderer, ...more);
@@ -315,7 +317,7 @@ export class Forest extends Group {
   /** Ends the worker and frees the memory of the graphics device. */
   override dispose(): void {
     this.disposed = true;
-    this.unset?.();
+    this.unset();
     this.client.dispose();
     for (const { trees } of this.groves.values()) trees.dispose();
     for (const model of this.models) disposeModel(model);

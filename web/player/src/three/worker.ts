@@ -2,23 +2,17 @@
 import type { WindDocument } from "../../../src/core/wind/wind";
 import type { DrawnMotion } from "../../../src/worker/protocol";
 import type { Floats, FromWorker, GroupFrame, ToWorker } from "../worker/messages";
+import { startAt } from "./start";
 
 /** Longer pauses, for example of a hidden tab, are skipped. */
 const MAX_STEP_S = 0.25;
 
-/**
- * The worker is a file beside this one, which bundlers find by this very expression. A page may not start a worker of another
- * origin (a CDN), but a worker of its own may import it from there.
- */
-export function startWorker(): Worker {
-  try {
-    return new Worker(new URL("./galewood.worker.js", import.meta.url), { type: "module" });
-  } catch {
-    const file = new URL("./galewood.worker.js", import.meta.url).href;
-    const source = new Blob([`import ${JSON.stringify(file)};`], { type: "text/javascript" });
-    return new Worker(URL.createObjectURL(source), { type: "module" });
-  }
-}
+/** The worker is a file beside this one. */
+export const startWorker = (): Worker =>
+  startAt(
+    () => new Worker(new URL("./galewood.worker.js", import.meta.url), { type: "module" }),
+    () => new URL("./galewood.worker.js", import.meta.url),
+  );
 
 interface Waiting {
   resolve(motion: DrawnMotion): void;
