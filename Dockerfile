@@ -6,6 +6,7 @@
 FROM node:24-bookworm-slim AS page
 WORKDIR /app/web
 COPY web/package.json web/package-lock.json ./
+COPY web/player/package.json player/package.json
 RUN npm ci --no-audit --no-fund
 COPY web ./
 RUN npm run build

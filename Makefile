@@ -21,7 +21,9 @@ WHEEL_SOURCES := $(shell find precompute server assets -type f -not -path '*/__p
 KERNEL_SOURCES := $(shell grep -rl numba precompute/galewood --include='*.py' 2>/dev/null)
 WEB_SOURCES := $(shell find web/src web/public -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json
 
-.PHONY: help run build wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-web test-e2e browser bench format species golden clean
+PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json web/src/core web/src/worker web/src/scene/trees -type f 2>/dev/null)
+
+.PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-web test-e2e browser bench format species golden clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -47,6 +49,9 @@ web/node_modules/.stamp: web/package-lock.json
 web/dist/index.html: web/node_modules/.stamp $(WEB_SOURCES)
 	@cd web && npm run --silent build -- --logLevel warn
 
+web/player/dist/core.js: web/node_modules/.stamp $(PLAYER_SOURCES)
+	@cd web && npm run --silent build:player
+
 # The longest step of a first build: done here, beside the page's set-up, so that no visitor waits for it.
 build/.kernels: $(VENV)/.base $(KERNEL_SOURCES)
 	@echo "Compiling the numeric kernels (once)"
@@ -55,6 +60,8 @@ build/.kernels: $(VENV)/.base $(KERNEL_SOURCES)
 	@touch $@
 
 # ---- everyday --------------------------------------------------------------------------------------
+player: web/player/dist/core.js ## the npm package for other pages, in web/player/dist
+
 build: $(VENV)/.base ## set everything up, compile the kernels and build the page
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=line build/.kernels web/dist/index.html
 
@@ -101,10 +108,10 @@ test-wheel: $(VENV)/.dev wheel ## what is declared, and the wheel installed far 
 test-distributed: $(VENV)/.dev ## the service on PostgreSQL, an S3-compatible store and a Dask cluster elsewhere
 	$(BIN)/python scripts/test-distributed
 
-test-web: web/node_modules/.stamp ## the TypeScript unit tests
+test-web: web/node_modules/.stamp web/player/dist/core.js ## the TypeScript unit tests
 	cd web && npm test --silent
 
-test-e2e: build browser ## the page in a real Chromium against a real server
+test-e2e: build player browser ## the page in a real Chromium against a real server
 	cd web && npm run --silent e2e
 
 browser: web/node_modules/.stamp ## a Chromium for the tests, where the machine has none
@@ -135,4 +142,4 @@ golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make_wire
 
 clean: ## remove what the targets above made (not the data directory)
-	rm -rf build dist web/dist web/node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report
+	rm -rf build dist web/dist web/player/dist web/node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report

@@ -2,8 +2,6 @@
  * Globals besides ECMAScript that src/core may use: those that pages, workers and Node have in common.
  * tsconfig.core.json uses this file instead of the DOM library, so that core cannot depend on the DOM.
  */
-declare function atob(data: string): string;
-
 declare class TextDecoder {
   constructor(label?: string, options?: { fatal?: boolean });
   decode(input?: ArrayBuffer | ArrayBufferView): string;

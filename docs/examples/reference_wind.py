@@ -1,11 +1,12 @@
 """Galewood winds in plain Python: an independent reader of docs/formats/wind.md, short rather than fast.
 
-Steady documents of the models cosine and spectral, pressure, and gusts within a crown; reference_noise.py has
-the other two models.
+Steady documents of the models cosine, spectral and recorded, pressure, and gusts within a crown;
+reference_noise.py has the other two models.
 """
 
 from __future__ import annotations
 
+import base64
 import math
 from collections.abc import Callable
 from typing import Any
@@ -70,6 +71,24 @@ def spectral(wind: dict[str, Any]) -> Velocity:
         return a, b
 
     return travelling(wind, gusts, 0.5)
+
+
+def recorded(wind: dict[str, Any]) -> Velocity:
+    """Velocity (x, z) at (x, z, t) of a recorded document."""
+    recording, theta = wind["recording"], math.radians(wind["direction_deg"])
+    pairs = np.frombuffer(base64.b64decode(recording["pairs"]), "<i2").reshape(-1, 2) * recording["unit"]
+    c, s, mean = math.cos(theta), math.sin(theta), wind["mean_speed_m_s"]
+
+    def velocity(x: float, z: float, t: float) -> Any:
+        p = (t - (x * c + z * s) / wind["convection_speed_m_s"]) / recording["interval_s"]
+        k = math.floor(p)
+        t = p - k
+        w = [t * (t * (2 - t) - 1), t * t * (3 * t - 5) + 2, t * (t * (4 - 3 * t) + 1), t * t * (t - 1)]
+        a, b = 0.5 * np.array(w) @ pairs[np.arange(k - 1, k + 3) % len(pairs)]
+        sigma = 0.308 * wind["gustiness"] * mean
+        return (mean + sigma * a) * np.array([c, s]) + sigma * b * np.array([-s, c])
+
+    return velocity
 
 
 def weights(t: float) -> Any:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         Tree,
         build,
         evaluate,
+        export_tree,
         field_report,
         grid,
         load,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
         save,
     )
     from galewood.evaluation import SourceError
+    from galewood.export import ExportError
     from galewood.fem import FemSettings
     from galewood.field import FieldError
     from galewood.options import BuildRequest
@@ -47,6 +49,7 @@ __all__ = [
     "SPECIES",
     "BuildRequest",
     "Cancelled",
+    "ExportError",
     "FemSettings",
     "FieldError",
     "Forest",
@@ -65,6 +68,7 @@ __all__ = [
     "WoodError",
     "build",
     "evaluate",
+    "export_tree",
     "field_report",
     "grid",
     "load",
@@ -82,6 +86,7 @@ _HOMES = {
     "Tree": "api",
     "build": "api",
     "evaluate": "api",
+    "export_tree": "api",
     "field_report": "api",
     "grid": "api",
     "load": "api",
@@ -89,6 +94,7 @@ _HOMES = {
     "save": "api",
     "Progress": "pipeline",
     "SourceError": "evaluation",
+    "ExportError": "export",
     "FemSettings": "fem",
     "FieldError": "field",
     "BuildRequest": "options",

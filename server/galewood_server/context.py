@@ -33,6 +33,9 @@ class Service:
     files_lock: threading.Lock = field(default_factory=threading.Lock)
     # set when a job is queued or cancelled, so that the supervisor reacts before its next poll
     jobs_changed: asyncio.Event = field(default_factory=asyncio.Event)
+    # exports take seconds of a processor, so they are made one at a time
+    export_slots: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
+    exports_waiting: int = 0
     # open connections by address
     socket_addresses: dict[str, int] = field(default_factory=dict[str, int])
     event_addresses: dict[str, int] = field(default_factory=dict[str, int])

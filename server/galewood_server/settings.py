@@ -53,6 +53,7 @@ class Settings(BaseSettings):
     scheduler_url: str | None = None
     page_dir: Path = data_folder("page", "web/dist")
     species_dir: Path = data_folder("species", "assets/species")
+    inventory: Path | None = None
     builtin_trees: bool = Field(default=True, validation_alias=_renamed("builtin_trees", "builtin_species"))
 
     workers: int = Field(default_factory=default_workers, ge=1, le=256)

@@ -11,7 +11,7 @@ from galewood.player import paper_search
 from galewood.table import compliance, records
 from galewood.table import format as table_format
 from galewood.table.container import MAX_HEADER_BYTES
-from galewood.wind import crown, document, fronts, pressure, transition
+from galewood.wind import crown, document, fronts, pressure, recording, transition
 from galewood.wind.models import eddy_gusts, frame, navier_stokes, perlin, spectral
 from galewood_server.stream import WIRE_VERSION, wire, wire_forest, wire_pull
 from galewood_server.stream.envelope import MAX_HEADER_BYTES as WIRE_HEADER_BYTES
@@ -97,6 +97,7 @@ WIND = [
     f"{document.Wind().length_scale_m:g} m for `length_scale_m`",
     f"{document.Wind().heading_swing_deg:g}° for `heading_swing_deg`",
     f"| `waves` | 1 … {document.MOST_WAVES} waves |",
+    f"`pairs` holds {recording.FEWEST_SAMPLES} … {recording.MOST_SAMPLES} pairs",
     f"a list of up to {('four' if fronts.MOST_FRONTS == 4 else fronts.MOST_FRONTS)} [gust fronts]",
     f"max({fronts.LEAST_TRAVEL_M_S:g}, {fronts.TRAVEL_SHARE:g} U₁)",
     f"({fronts.LEAST_GUST_M_S:g} + {fronts.GUST_SHARE:g} U₁) · min((t − t₁) / {fronts.RISE_S:g} s, 1) "

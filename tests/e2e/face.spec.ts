@@ -107,7 +107,7 @@ test("a shared link restores the picture", async ({ page, context }) => {
 });
 
 test("settings persist between visits", async ({ page }) => {
-  await open(page, "quality=low&trees=5&speed=0");
+  await open(page, "quality=low&trees=5&speed=0&background=0");
   await forest(page);
   await page.getByRole("button", { name: "Summer" }).click();
   await page.goto(`${process.env.BASE_URL}/`);

@@ -16,8 +16,9 @@ export const test = base.extend<{ quiet: string[] }>({
       });
       page.on("pageerror", (error) => complaints.push(error.message));
       await use(complaints);
-      // Ignore Chromium's remark about reading pixels from a software canvas.
-      expect(complaints.filter((text) => !/GPU stall due to ReadPixels/.test(text))).toEqual([]);
+      // Ignore Chromium's remark about reading pixels from a software canvas, and three's one to react-three-fiber.
+      const known = /GPU stall due to ReadPixels|THREE\.Clock: This module has been deprecated/;
+      expect(complaints.filter((text) => !known.test(text))).toEqual([]);
     },
     { auto: true },
   ],

@@ -61,6 +61,7 @@ for (const { name, format, leaves } of [
   { name: "draco.glb", format: "glb", leaves: true },
   { name: "skinned.glb", format: "glb", leaves: false },
   { name: "tree.zip", format: "obj", leaves: true },
+  { name: "scan.ply", format: "ply", leaves: false },
 ]) {
   test(`${name}, dropped on the page, becomes a tree that moves`, async ({ page }) => {
     test.setTimeout(12 * 60_000);

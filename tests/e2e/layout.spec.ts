@@ -77,7 +77,7 @@ test.use({ deviceScaleFactor: 0.5 });
 for (const [width, height] of [[390, 844], [800, 600], [900, 700], [1280, 720]] as const) {
   test(`nothing covers anything else at ${width} × ${height} with everything open`, async ({ page }) => {
     await page.setViewportSize({ width, height });
-    await open(page, "quality=low&trees=6&speed=3&motion=2");
+    await open(page, "quality=low&trees=6&speed=3&motion=2&background=0");
     await forest(page);
     await page.evaluate(() => window.galewood!.sleep(true)); // leave the processor to the test
     expect(await faults(page)).toEqual([]);
@@ -109,7 +109,7 @@ test.describe("for fingers", () => {
   for (const [width, height] of [[390, 844], [900, 700]] as const) {
     test(`all targets are at least 44 px high at ${width} px`, async ({ page }) => {
       await page.setViewportSize({ width, height });
-      await open(page, "quality=low&trees=4&speed=3");
+      await open(page, "quality=low&trees=4&speed=3&background=0");
       await forest(page);
       await page.evaluate(() => window.galewood!.sleep(true));
       for (const name of ["Wind", "Tools", "Settings"]) {
@@ -151,7 +151,7 @@ for (const deviceScaleFactor of [1, 2]) {
       });
       // Weak wind: the labels of the tip's displacement have the most digits.
       for (const speed of [1, 60]) {
-        await open(page, `quality=low&trees=3&speed=${speed}&gust=0.9`);
+        await open(page, `quality=low&trees=3&speed=${speed}&gust=0.9&background=0`);
         await forest(page);
         await page.getByRole("button", { name: "Anemometer" }).click();
         await page.mouse.click(420, 420);

@@ -1,7 +1,7 @@
 import { changedPixels, expect, forest, frames, open, picture, SMALL, sway_m, test } from "./forest";
 
 /** Wide enough for the toolbar. */
-test.use({ viewport: { width: 1000, height: 640 } });
+test.use({ deviceScaleFactor: 0.3, viewport: { width: 1000, height: 640 } });
 
 for (const lookup of ["worker", "server"] as const) {
   test(`pausing stops the trees, and they go on afterwards (${lookup})`, async ({ page }) => {

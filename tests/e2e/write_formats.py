@@ -1,7 +1,8 @@
-"""Writes a small tree in three ways that web sites ship trees: python -m tests.e2e.write_formats FOLDER
+"""Writes a small tree in four ways that web sites ship trees: python -m tests.e2e.write_formats FOLDER
 
 draco.glb (compressed, a texture as WebP), skinned.glb (lies on its side without its skeleton), tree.zip (OBJ
-with its materials and a texture).
+with its materials and a texture),
+scan.ply (upright along z, on the ground that was scanned with it, without colours).
 """
 
 import io
@@ -66,7 +67,30 @@ def zipped() -> bytes:
     return stream.getvalue()
 
 
+def scanned() -> bytes:
+    tree = slender(1.3)
+    side = np.linspace(-3.0, 3.0, 21)
+    x, y = (axis.ravel() for axis in np.meshgrid(side, side))
+    ground = np.column_stack([x, y, 0.04 * np.sin(3 * x) * np.cos(2 * y)])
+    corner = np.arange(20 * 21).reshape(20, 21)[:, :-1].ravel()
+    halves = corner + np.array([[0], [1], [21]]), corner + np.array([[1], [22], [21]])
+    upright = np.column_stack([tree.vertices[:, 0], -tree.vertices[:, 2], tree.vertices[:, 1]])
+    vertices = np.vstack([upright, ground])
+    faces = np.vstack([tree.faces, *(len(upright) + half.T for half in halves)])
+    lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}"]
+    lines += [f"property float {axis}" for axis in "xyz"]
+    lines += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
+    lines += [" ".join(f"{c:.5f}" for c in row) for row in vertices]
+    lines += ["3 " + " ".join(str(k) for k in face) for face in faces]
+    return "\n".join([*lines, ""]).encode()
+
+
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
-    for name, content in (("draco.glb", draco()), ("skinned.glb", skinned()), ("tree.zip", zipped())):
+    for name, content in (
+        ("draco.glb", draco()),
+        ("skinned.glb", skinned()),
+        ("tree.zip", zipped()),
+        ("scan.ply", scanned()),
+    ):
         (folder / name).write_bytes(content)

@@ -7,6 +7,7 @@ the eddies, and invalid documents with the path and text of their errors.
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 from galewood.wind import with_front
 from galewood.wind.evaluation import PRESETS, Wave, Wind, WindError, WindField, paper_wind, parse_wind
 from galewood.wind.models.navier_stokes import Eddies
+from galewood.wind.recording import quantised
 from galewood.wind.schema import wind_schema
 
 HERE = Path(__file__).parent
@@ -26,6 +28,12 @@ GUSTY: dict[str, Any] = {
     "gustiness": 0.9,
     "convection_speed_m_s": 11.0,
 }
+RECORDED = Wind(
+    **GUSTY,
+    seed=3,
+    model="recorded",
+    recording=quantised(np.random.default_rng(5).normal(size=(37, 2)), 0.4),
+)
 WINDS = (
     *PRESETS.values(),
     paper_wind(1, 12.0),
@@ -36,6 +44,7 @@ WINDS = (
     Wind(**GUSTY, seed=7, model="spectral", length_scale_m=35.0, beta=0.0),
     Wind(**GUSTY, seed=8, model="spectral", length_scale_m=15.0, beta=2.0),
     Wind(**GUSTY, seed=2, model="navier-stokes", length_scale_m=12.0),
+    RECORDED,
 )
 CHANGES = (
     (0.5, Wind(**GUSTY, seed=5, model="perlin", length_scale_m=35.0)),
@@ -43,6 +52,8 @@ CHANGES = (
     (2.0, Wind(9.0, -170.0, 0.4, 2.0, 5, "spectral", 60.0)),
     (2.2, Wind(3.0, 0.0, 0.4, 2.0, 5, "navier-stokes", 30.0)),
     (4.0, Wind(3.0, 0.0, 0.4, 2.0, 5)),
+    (4.9, RECORDED),
+    (5.6, replace(RECORDED, mean_speed_m_s=4.0, direction_deg=170.0)),
 )
 EDDY_STEPS = (0, 1, 100, 600)
 GOOD = Wind(seed=1, model="spectral").document()
@@ -72,6 +83,12 @@ BAD: tuple[object, ...] = (
         "waves": [{"frequency_hz": 0.1, "share": 0.6}, {"frequency_hz": 0.2, "share": 0.6}],
     },
     {**Wind().document(), "waves": [{"frequency_hz": 0.1, "share": 0.6, "colour": 1}]},
+    {**GOOD, "recording": {}},
+    {key: value for key, value in RECORDED.document().items() if key != "recording"},
+    {**RECORDED.document(), "recording": {"interval_s": 0.01, "unit": 1, "pairs": "AAAAAAAAAAA="}},
+    {**RECORDED.document(), "recording": {"interval_s": 1, "unit": 1, "pairs": "AAAA"}},
+    {**RECORDED.document(), "recording": {"interval_s": 1, "unit": 1, "pairs": "AAAA AAAAAA="}},
+    {**RECORDED.document(), "recording": {"interval_s": 1, "unit": 1, "pairs": "AAAAAAAAAAA=", "rate": 1}},
 )
 
 

@@ -24,6 +24,7 @@ from typing import Any
 
 import psutil
 import pytest
+from numba.core.caching import _CacheLocator  # pyright: ignore[reportPrivateUsage]
 
 from tests.precompute.shared_tets import small_tree_glb
 from tests.server.conftest import free_port
@@ -69,7 +70,7 @@ class Installation:
             if not any(Path(folder, name).exists() for name in ("node", "npm"))
             and not Path(folder).resolve().is_relative_to(REPOSITORY)
         ]
-        return kept | {"PATH": os.pathsep.join(without_node)}
+        return kept | {"PATH": os.pathsep.join(without_node), "NUMBA_CACHE_DIR": str(self.kernels)}
 
     def run(self, program: str, *arguments: str | Path, **settings: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
@@ -89,6 +90,27 @@ class Installation:
             cwd=self.here, env=self.variables(), capture_output=True, text=True,
         )  # fmt: skip
         assert installed.returncode == 0, installed.stderr
+
+    def take_kernels(self) -> None:
+        """Use the repository's compiled kernels, if there are any: to compile all takes longer than to build.
+
+        numba finds them by the source's folder; the source's time and size must be those at compilation.
+        """
+        compiled = os.environ.get("NUMBA_CACHE_DIR")
+        if compiled is None:
+            return
+        [installed] = (self.environment / "lib").glob("*/site-packages/galewood")
+        for copy in installed.rglob("*.py"):
+            source = REPOSITORY / "precompute" / "galewood" / copy.relative_to(installed)
+            os.utime(copy, ns=(source.stat().st_atime_ns, source.stat().st_mtime_ns))
+            theirs = Path(compiled, _CacheLocator.get_suitable_cache_subpath(str(source)))
+            if theirs.is_dir():
+                ours = self.kernels / _CacheLocator.get_suitable_cache_subpath(str(copy))
+                shutil.copytree(theirs, ours, dirs_exist_ok=True)
+
+    @property
+    def kernels(self) -> Path:
+        return self.here / "kernels"
 
     def processes(self) -> list[psutil.Process]:
         """What still runs with this environment's Python: a server that ends leaves children for a moment."""
@@ -140,12 +162,12 @@ def installation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Installat
 @pytest.fixture(scope="module")
 def alone(installation: Installation, wheel: Path) -> Alone:
     installation.install(str(wheel))
+    installation.take_kernels()
     (installation.here / "tree.glb").write_bytes(small_tree_glb())
     build = ("build", "tree.glb", "--out", "tree.gwt", *QUICK)
     return Alone(
         installation,
-        # every kernel is compiled here, to run for a moment: the usual optimisation takes most of the build
-        installation.run("galewood", *build, NUMBA_OPT="1"),
+        installation.run("galewood", *build),
         installation.run("python", "-c", DECODE, "tree.gwt"),
         installation.run("galewood", "serve"),
         installation.run("galewood", "key"),

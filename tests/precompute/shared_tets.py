@@ -13,14 +13,19 @@ from galewood.mesh.importer import read_tree
 from galewood.mesh.types import ImportOptions
 from galewood.tets.meshing import kept_tetrahedra, tetrahedralise
 
-from tests.precompute.tree_meshes import BRANCHES, cards, glb_bytes, y_tree
+from tests.precompute.tree_meshes import BRANCHES, Surface, cards, glb_bytes, y_tree
 
 TARGET_TETS = 800
+SCALE = 3.0
+"""Of the small tree: the larger a tree, the slower it sways, and the fewer steps its simulation needs."""
 
 
 def small_tree_glb(species: str = "") -> bytes:
     """The small tree; the name of its wood may tell a species."""
-    return glb_bytes(y_tree(), cards([end for _, end in BRANCHES]), species)
+    wood, leaves = y_tree(), cards([end for _, end in BRANCHES])
+    return glb_bytes(
+        Surface(SCALE * wood.vertices, wood.faces), Surface(SCALE * leaves.vertices, leaves.faces), species
+    )
 
 
 def cache_with_tets(

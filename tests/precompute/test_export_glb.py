@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from galewood.export.glb import ExportError, animated_glb, blown, sampled
+from galewood.export import ExportError, animated_glb, blown, sampled
 from galewood.mesh.render_mesh import render_glb
 from galewood.mesh.types import RenderPrimitive, TreeMesh
 from galewood.table.format import Table, decode

@@ -184,8 +184,8 @@ def report(poles) -> dict[str, Any]:
 def test_poles_have_their_exact_frequencies(report):
     assert [tree["tree"] for tree in report["trees"]] == list(POLES)
     for tree in report["trees"]:
-        # Meshing, the clamped slab and the weight are the error. No two meshes of fTetWild are the same: it was
-        # 1.0 to 3.1 % in repeated runs.
+        # Meshing, the clamped slab and the weight are the error: 1.0 to 3.1 % in repeated runs: no two
+        # meshes of fTetWild are the same.
         assert tree["model_frequency_hz"] == pytest.approx(tree["frequency_hz"], rel=0.05)
         assert tree["model_mode"] in (1, 2)
         # A uniform cantilever: 4 σ² / λ² with σ = 0.7341 and λ = 1.8751.

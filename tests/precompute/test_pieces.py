@@ -159,13 +159,15 @@ def test_a_bush_of_foliage_only_is_refused_with_a_hint():
     crown = shapes.ball(np.random.default_rng(SEED), (0, 1, 0), 1.0, 0.1, 3)
     text = ["o bush"] + ["v " + " ".join(map(str, v)) for v in crown.vertices]
     data = "\n".join(text + ["f " + " ".join(str(i + 1) for i in f) for f in crown.faces]).encode()
-    with pytest.raises(MeshError, match="No wood was found"):
-        read_tree(data, "bush.obj")
+    with pytest.raises(MeshError, match="No wood was found") as caught:
+        read_tree(data, "bush.obj", ImportOptions(complete=False))
+    assert "--complete" in caught.value.hint
 
 
 def test_wood_that_ends_low_in_the_crown_is_reported():
     file = labelled_file("conifer_tiers", SEED)
-    assert any("The wood ends at" in w for w in read_tree(file.data, file.filename).report["warnings"])
+    warnings = read_tree(file.data, file.filename, ImportOptions(complete=False)).report["warnings"]
+    assert any("The wood ends at" in w for w in warnings)
 
 
 @pytest.mark.parametrize("name", ["Rinde", "Кора", "树皮", "écorce", "TreeBark_2", "corteccia", "tronco"])

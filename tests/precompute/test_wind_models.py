@@ -37,6 +37,7 @@ from galewood.wind.models.cosine import cos_turns
 from galewood.wind.models.fourier import roots_of_unity, transform_columns, transform_rows
 from galewood.wind.models.perlin import NOISE_VARIANCE, SLOPES, noise, permutation
 from galewood.wind.presets import PAPER_WAVES
+from galewood.wind.recording import STILL
 from galewood.wind.schema import wind_schema
 
 from tests.golden import make_wind
@@ -92,7 +93,8 @@ def test_range_limits_are_inclusive() -> None:
         own: dict[str, Field] = {name: rule for name, rule in FIELDS.items() if model in rule.models}
         for end in ("low", "high"):
             numbers = {name: getattr(rule, end) for name, rule in own.items()}
-            parse_wind({"version": 1, "model": model, **numbers})
+            lists = {"recording": STILL.document()} if model == "recorded" else {}
+            parse_wind({"version": 1, "model": model, **numbers, **lists})
 
 
 def test_states_are_validated() -> None:

@@ -43,6 +43,6 @@ def test_every_tree_of_a_file_can_be_an_upload_of_its_own(api: httpx.Client) -> 
     ]
     assert trees[0]["id"] != trees[1]["id"]
     assert [[t["taken"] for t in tree["report"]["trees"]] for tree in trees] == [[True, False], [False, True]]
-    form = {"drop": "w, 1.0"}
+    form = {"drop": "w, 1.0", "complete": "false"}
     refused = api.post("/api/trees", files={"file": (file.filename, file.data)}, data=form)
     assert (refused.status_code, refused.json()["code"]) == (422, "no-wood")

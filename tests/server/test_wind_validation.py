@@ -10,7 +10,8 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
-from galewood.wind.evaluation import PRESETS, Wind
+from galewood.wind.evaluation import PRESETS, Wind, parse_state
+from galewood.wind.recording import MOST_SAMPLES, quantised
 from galewood_server.stream import wire
 from websockets.sync.client import connect
 
@@ -36,6 +37,33 @@ def test_valid_winds_are_returned_in_their_shortest_form(server: Server) -> None
     for wind in (Wind(), *PRESETS.values()):
         answer = httpx.post(f"{server.url}/api/winds/validate", json=wind.document())
         assert (answer.status_code, answer.json()) == (200, {"wind": wind.document()})
+
+
+def longest_recording() -> Wind:
+    """A recorded wind of the largest size."""
+    values = np.random.default_rng(3).normal(size=(MOST_SAMPLES, 2))
+    return Wind(model="recorded", recording=quantised(values, 0.1))
+
+
+def test_the_longest_recording_is_accepted_and_sent_to_all_clients(server: Server) -> None:
+    wind = longest_recording()
+    answer = httpx.post(f"{server.url}/api/winds/validate", json=wind.document())
+    assert (answer.status_code, answer.json()) == (200, {"wind": wind.document()})
+    with connect(server.socket_url, max_size=None) as socket:
+        socket.send(wire.encode_request(wire.Hello("test")))
+        socket.recv(timeout=10)
+        plan = wire.Forest("table", (), Wind().document(), 0.0, None, NO_TREES, share="recorded")
+        socket.send(wire.encode_request(plan))
+        socket.send(wire.encode_request(wire.WindChange(wind.document())))
+        for _ in range(100):
+            data = socket.recv(timeout=10)
+            assert isinstance(data, bytes)
+            reply = wire.decode_reply(data)
+            if isinstance(reply, wire.WindState) and reply.state["wind"]["model"] == "recorded":
+                break
+        else:
+            raise AssertionError("no WIND_STATE with the recording")
+    assert parse_state(reply.state).wind == wind
 
 
 def test_invalid_winds_are_problems_with_path_and_range(server: Server) -> None:

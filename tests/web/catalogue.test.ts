@@ -6,7 +6,7 @@ import type { TableMotion } from "../../web/src/worker/protocol";
 
 const model = vi.hoisted(() => ({ parts: [{ vertices: 3 }] }));
 const handlers = vi.hoisted(() => ({ change: (_: unknown) => {} }));
-vi.mock("../../web/src/scene/trees/mesh/treeMesh", () => ({ readTreeModel: async () => model }));
+vi.mock("../../web/src/scene/trees/mesh/treeVariants", () => ({ readTreeModel: async () => model }));
 vi.mock("../../web/src/page/server/api", () => ({
   fetchMesh: async () => new ArrayBuffer(0),
   Problem: class extends Error {},

@@ -69,6 +69,11 @@ describe("biome rejects", () => {
     ["src/scene/sky/planted.ts", "../../page/app", "scene knows nothing of the page"],
     ["src/scene/planted.ts", "../worker/motion/blend", "scene takes types from the worker's protocol only"],
     ["src/page/ui/planted.ts", "../../worker/motion/blend", "page takes types from the worker's protocol only"],
+    ["player/src/core/planted.ts", "three", "the worker draw nothing"],
+    ["player/src/worker/planted.ts", "../../../src/scene/trees/culling", "the worker draw nothing"],
+    ["player/src/three/planted.ts", "../../../src/page/app", "The package shares core, scene/trees"],
+    ["player/src/three/planted.ts", "../../../src/scene/sky/air", "The package shares core, scene/trees"],
+    ["player/src/planted.ts", "../../src/worker/motion/blend", "The package shares core, scene/trees"],
   ])("%s importing %s", async (file, specifier, message) => {
     for (const text of [importing(specifier), importingType(specifier)]) {
       const { passes, text: said } = await lint({ [file]: text });
@@ -97,6 +102,8 @@ test("biome accepts the allowed imports", async () => {
     "src/scene/trees/nodes/planted.ts": importing("../drawList") + "export * from '../../../worker/protocol';\n",
     "src/scene/planted.ts": importing("./trees/speciesForest") + "export * from '../worker/protocol';\n",
     "src/page/planted.ts": importing("../scene/forest") + "export * from '../worker/protocol';\n",
+    "player/src/core/planted.ts": importing("../../../src/core/table/present"),
+    "player/src/three/planted.ts": importing("../../../src/scene/trees/detail") + "export * from '../core/wind';\n",
   });
   expect(passes, text).toBe(true);
 });

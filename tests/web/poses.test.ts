@@ -6,7 +6,7 @@ import { compressed } from "../../web/src/core/wind/pressure";
 import { CALM_BREEZE, dynamicPressure, WindField } from "../../web/src/core/wind/wind";
 import type { Frame } from "../../web/src/core/wire/wire";
 import { JumpBlend } from "../../web/src/worker/motion/blend";
-import { GroupWind } from "../../web/src/worker/motion/groupWind";
+import { GroupWind } from "../../web/src/core/motion/groupWind";
 import { PoseSum } from "../../web/src/worker/stream/poseSum";
 import { PoseTimeline } from "../../web/src/worker/stream/timeline";
 

@@ -32,6 +32,8 @@ test("clients exchange only the settings that determine the placement", () => {
   expect(yours.form).toBe("open");
   expect(adoptPlacement(yours, placementOf(mine))).toBe(false);
   expect(adoptPlacement(yours, {})).toBe(false);
+  expect(adoptPlacement(yours, placementOf({ ...mine, inventory: "api/inventory" }))).toBe(true);
+  expect(yours.inventory).toBe("api/inventory");
   const plain = { ...mine };
   expect(adoptPlacement(plain, placementOf(DEFAULTS))).toBe(true);
   expect([plain.trees, plain.forestSeed, plain.method]).toEqual([DEFAULTS.trees, DEFAULTS.forestSeed, "modal"]);

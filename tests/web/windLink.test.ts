@@ -25,6 +25,17 @@ test("every wind is restored from the link", () => {
   expect(windFromQuery("?trees=9")).toBeNull();
 });
 
+test("a recording is too long for a link: its mean, direction and gustiness stand for it", () => {
+  const recording = { interval_s: 0.5, unit: 0.01, pairs: "AAAAAAAAAAA=" };
+  const recorded: WindDocument = {
+    ...plainWind({ mean_speed_m_s: 9.234, direction_deg: -33.4, gustiness: 0.617, seed: 1 }),
+    model: "recorded",
+    recording,
+  };
+  const query = new URLSearchParams(queryFromSettings({ ...DEFAULTS, wind: recorded }));
+  expect(Object.fromEntries(query)).toEqual({ speed: "9.2", direction: "327", gust: "0.62" });
+});
+
 test("an invalid wind in a link is rejected with its path", () => {
   expect(() => windFromQuery("?wind=gale")).toThrow(WindError);
   const bad = encodeURIComponent(JSON.stringify({ ...PRESETS.breeze, length_scale_m: 500 }));

@@ -28,8 +28,8 @@ export async function compileKernel(): Promise<Uint8Array> {
   return made;
 }
 
-/** Source of the module that contains the compiled kernel. */
+/** Source of the module that contains the compiled kernel, in hexadecimal, which compresses better than base64. */
 export async function kernelModule(): Promise<string> {
-  const text = Buffer.from(await compileKernel()).toString("base64");
+  const text = Buffer.from(await compileKernel()).toString("hex");
   return `// Written by \`npm run kernel\` from ../kernel/modal.ts.\nexport const MODAL_KERNEL =\n  "${text}";\n`;
 }

@@ -3,6 +3,7 @@
 # pyright: reportUnknownArgumentType=error, reportUnknownParameterType=error
 
 from galewood.api.evaluation import evaluate
+from galewood.api.exports import export_tree
 from galewood.api.field_reports import field_report
 from galewood.api.forests import Forest, Placements, grid
 from galewood.api.models import Model, Motion
@@ -18,6 +19,7 @@ __all__ = [
     "Tree",
     "build",
     "evaluate",
+    "export_tree",
     "field_report",
     "grid",
     "load",

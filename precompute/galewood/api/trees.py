@@ -63,6 +63,7 @@ def read(
     dbh_cm: float | None = None,
     min_radius_mm: float | None = None,
     bare: bool = False,
+    complete: bool | None = None,
 ) -> Tree:
     """Read a tree from a mesh file or a scan (MAT, CSV), in a sandboxed child process.
 
@@ -82,6 +83,8 @@ def read(
         dbh_cm: Scanned tree: scale all radii to this diameter of the trunk at 1.3 m.
         min_radius_mm: Scanned tree: drop branches thinner than this; by default 10 mm, or what leaves 200.
         bare: Scanned tree: add no leaves.
+        complete: Whether wood is added where foliage has none, such as a trunk inside a closed crown; it
+            bends, but is not drawn. By default where the foliage needs it.
 
     Raises:
         MeshError: The file cannot be read or is not a tree; the error says what to do.
@@ -99,6 +102,7 @@ def read(
         dbh_cm=dbh_cm,
         min_radius_mm=min_radius_mm,
         bare=bare,
+        complete=complete,
     )
     path = Path(path)
     data = mesh_with_companions(path)

@@ -15,7 +15,10 @@ from galewood.options import ImportRequest
 WITH_WARNINGS = 3
 """Exit code of --strict if there are warnings."""
 Preview = Annotated[
-    Path | None, typer.Option(dir_okay=False, help="Draw the imported tree to this PNG file.")
+    Path | None,
+    typer.Option(
+        dir_okay=False, help="Draw the imported tree to this PNG file; wood that was added is blue."
+    ),
 ]
 Strict = Annotated[
     bool, typer.Option("--strict", help=f"Exit with code {WITH_WARNINGS} if there are warnings.")
@@ -40,7 +43,7 @@ def check(mesh: Path, preview: Path | None, strict: bool, json_out: Path | None,
         tree, glb = import_mesh_sandboxed(data, mesh.name, options, then=EXPECTED_MOTION)
         if preview is not None:
             preview.parent.mkdir(parents=True, exist_ok=True)
-            preview.write_bytes(draw_limited(glb, PREVIEW_PX))
+            preview.write_bytes(draw_limited(glb, PREVIEW_PX, tree.added_wood()))
     except MeshError as error:
         console.print(f"[red]{error.title}[/red] {error.hint}")
         raise typer.Exit(1) from None

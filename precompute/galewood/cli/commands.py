@@ -9,6 +9,7 @@ import typer
 
 from galewood.cli.build_command import register as register_build
 from galewood.cli.check_command import register as register_check
+from galewood.cli.export_command import register as register_export
 from galewood.cli.field_commands import register as register_field
 from galewood.cli.tools import (
     CacheDir,
@@ -19,6 +20,8 @@ from galewood.cli.tools import (
     without_frames,
     write_figures,
 )
+from galewood.cli.wind_commands import read_wind_document
+from galewood.cli.wind_commands import register as register_wind
 
 if TYPE_CHECKING:  # loaded only by the commands that need it
     from galewood.pipeline import BuiltinMesh
@@ -30,7 +33,9 @@ app = typer.Typer(
 
 register_check(app)
 register_build(app)
+register_export(app)
 register_field(app)
+register_wind(app)
 
 
 @app.command()
@@ -41,6 +46,12 @@ def simulate(
     gustiness: Annotated[float, typer.Option(help="0 steady … 1 wild.")] = 0.5,
     seconds: Annotated[float, typer.Option(help="How long to play.")] = 20.0,
     trees: Annotated[int, typer.Option(help="Number of trees, 10 m apart.")] = 16,
+    wind_file: Annotated[
+        Path | None,
+        typer.Option(
+            "--wind", exists=True, dir_okay=False, help="Wind document (JSON) instead of these numbers."
+        ),
+    ] = None,
     paper: Annotated[bool, typer.Option("--paper", help="Use the paper's state search.")] = False,
     json_out: JsonOut = None,
 ) -> None:
@@ -50,43 +61,11 @@ def simulate(
     from galewood.wind import Wind
 
     wind = Wind(mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness)
+    if wind_file is not None:
+        wind = read_wind_document(wind_file)
     figures = play(decode(table.read_bytes()), wind, seconds, trees, "paper" if paper else "modal")
     write_figures(json_out, figures)
     console.print_json(data=figures)
-
-
-@app.command()
-def export(
-    table: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")],
-    out: Annotated[Path, typer.Argument(help="Animated GLB to write.")],
-    mesh: Annotated[
-        Path | None,
-        typer.Option(exists=True, dir_okay=False, help="Mesh of the table; default: TABLE with .glb."),
-    ] = None,
-    speed: Annotated[float, typer.Option(help="Mean wind speed, m/s.")] = 8.0,
-    direction: Annotated[float, typer.Option(help="Direction that the wind blows towards, degrees.")] = 30.0,
-    gustiness: Annotated[float, typer.Option(help="Gustiness, 0 (steady) to 1.")] = 0.5,
-    seed: Annotated[int, typer.Option(help="Seed of the gusts.")] = 1,
-    seconds: Annotated[float, typer.Option(min=0.1, max=600.0, help="Length of the animation, s.")] = 10.0,
-    loop: Annotated[bool, typer.Option("--loop", help="Make the last frame lead into the first.")] = False,
-    run: Annotated[str | None, typer.Option(help="Export this sampled run instead of a wind.")] = None,
-) -> None:
-    """Write a tree that sways in a wind as an animated GLB (morph targets) for other programs."""
-    from galewood.export import ExportError, animated_glb, blown, sampled
-    from galewood.table import TableError, decode
-    from galewood.wind import Wind
-
-    wind = Wind(mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness, seed=seed)
-    try:
-        decoded = decode(table.read_bytes())
-        q = sampled(decoded, run) if run else blown(decoded, wind, seconds, loop=loop)
-        glb = animated_glb(decoded, (mesh or table.with_suffix(".glb")).read_bytes(), q)
-    except (ExportError, TableError, KeyError, OSError) as error:
-        console.print(f"[red]{error.args[0] if isinstance(error, KeyError) else error}[/red]")
-        raise typer.Exit(1) from None
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_bytes(glb)
-    console.print(f"{out}: {len(glb) / 1e6:.1f} MB, {len(q)} frames")
 
 
 @app.command()

@@ -10,6 +10,7 @@ from galewood.mesh.types import ImportOptions, Material, RawPart, RenderPrimitiv
 from galewood.util import lazily
 
 if TYPE_CHECKING:
+    from galewood.mesh.arms import arms_of
     from galewood.mesh.beside import mesh_with_companions
     from galewood.mesh.gltf import read_glb
     from galewood.mesh.gltf_material import alpha_coverage, base_image
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 __getattr__ = lazily(
     __name__,
     {
+        "arms_of": "galewood.mesh.arms",
         "mesh_with_companions": "galewood.mesh.beside",
         "weld_keeping_faces": "galewood.mesh.repair",
         "read_glb": "galewood.mesh.gltf",
@@ -47,6 +49,7 @@ __all__ = [
     "Surface",
     "TreeMesh",
     "alpha_coverage",
+    "arms_of",
     "base_image",
     "compact",
     "face_components",

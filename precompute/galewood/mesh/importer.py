@@ -15,6 +15,7 @@ from galewood.mesh.classification import Classification, ClassifiedPart, classif
 from galewood.mesh.formats import FileContent, read_parts
 from galewood.mesh.joined_parts import joined_parts
 from galewood.mesh.limits import check_faces
+from galewood.mesh.missing_wood import Completed, complete_wood, foot_of_leaves, wood_of_leaves
 from galewood.mesh.piece_groups import Group
 from galewood.mesh.piece_report import pieces_report
 from galewood.mesh.pieces import find_pieces
@@ -53,15 +54,16 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     file_format = content.file_format
     parts, up, classified = understood(content, options)
     pieces, warnings = classified.parts, classified.warnings
-    _check_wood(pieces, classified.groups)
+    _check_wood(pieces, classified.groups, options)
     species, species_reason = guess_species(options.species, filename, parts)
-    wood, strays, repairs, wood_warnings = solid_wood(welded_wood(pieces))
-    pieces = without_strays(pieces, wood.vertices, strays)
+    wood, strays, repairs, wood_warnings = _solid(pieces)
+    pieces = without_strays(pieces, wood.vertices, strays) if wood else pieces
     raw_height = content.qsm["height_m"] if content.qsm else _height(pieces)
     scale, unit = (1.0, QSM_UNIT) if content.qsm else choose_scale(raw_height, species, options)
-    origin = _base_centre(wood)
+    origin = _base_centre(wood) if wood else foot_of_leaves([s.part for s in pieces])[0]
     pieces = [replace(s, part=_transformed(s.part, np.eye(3), origin, scale)) for s in pieces]
-    warnings = [*warnings, *_short_wood(pieces)]
+    grown = _completed(wood, origin, scale, pieces, False if content.qsm else options.complete)
+    warnings = [*warnings, *(grown.warnings or _short_wood(pieces))]
     if up.assumed:
         unsure = "Unsure about the up axis: choose it if the tree lies on its side. " if up.unsure else ""
         warnings.append(f"{unsure}The up axis is assumed to be +{up.value.upper()}: {up.reason}.")
@@ -92,10 +94,13 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     }
     if content.qsm:
         report["qsm"] = content.qsm
+    if grown.report:
+        report["added_wood"] = grown.report
     return TreeMesh(
         primitives=_primitives(pieces),
-        wood_vertices_m=np.ascontiguousarray((wood.vertices - origin) * scale),
-        wood_faces=wood.faces,
+        wood_vertices_m=np.ascontiguousarray(grown.wood.vertices),
+        wood_faces=grown.wood.faces,
+        added_faces=grown.added_faces,
         height_m=raw_height * scale,
         species=species,
         report=report,
@@ -187,8 +192,26 @@ def _check_volume(vertices: Floats) -> None:
         )
 
 
-def _check_wood(pieces: list[ClassifiedPart], groups: list[Group]) -> None:
-    if any(s.kind == "wood" for s in pieces):
+def _solid(pieces: list[ClassifiedPart]) -> tuple[Surface | None, Floats, dict[str, int], list[str]]:
+    """The drawn wood as in `solid_wood`; None if all is leaves."""
+    if not any(s.kind == "wood" for s in pieces):
+        return None, np.zeros((0, 3)), {}, []
+    return solid_wood(welded_wood(pieces))
+
+
+def _completed(
+    wood: Surface | None, origin: Floats, scale: float, pieces: list[ClassifiedPart], asked: bool | None
+) -> Completed:
+    """The wood in metres with what it lacks to carry its leaves."""
+    leaves = [s.part for s in pieces if s.kind == "leaves"]
+    if wood is None:
+        return wood_of_leaves(leaves)
+    return complete_wood(Surface((wood.vertices - origin) * scale, wood.faces), leaves, asked)
+
+
+def _check_wood(pieces: list[ClassifiedPart], groups: list[Group], options: ImportOptions) -> None:
+    free = options.complete is not False and options.wood is None
+    if any(s.kind == "wood" for s in pieces) or (pieces and free):
         return
     names = sorted({label for g in groups for label in g.labels})[:20] + [g.id for g in groups][:20]
     raise MeshError(
@@ -196,7 +219,7 @@ def _check_wood(pieces: list[ClassifiedPart], groups: list[Group]) -> None:
         "unsuitable",
         "No wood was found in the mesh: no trunk, no stems, no branches.",
         f"Specify which of these are wood (names, or numbers of pieces): {', '.join(names)}. "
-        "A bush that is drawn as leaves only needs stems.",
+        "A bush that is drawn as leaves only needs stems: allow missing wood to be added (--complete).",
     )
 
 
@@ -209,8 +232,9 @@ def _transformed(part: RawPart, rotation: Floats, origin: Floats, scale: float) 
 
 
 def _height(pieces: list[ClassifiedPart]) -> float:
-    """Height of the whole tree above the base of its wood."""
-    foot = min(float(s.part.positions[:, 1].min()) for s in pieces if s.kind == "wood")
+    """Height of the whole tree above the base of its wood, or of its leaves if it has none."""
+    standing = [s for s in pieces if s.kind == "wood"] or pieces
+    foot = min(float(s.part.positions[:, 1].min()) for s in standing)
     return max(float(s.part.positions[:, 1].max()) for s in pieces) - foot
 
 

@@ -83,7 +83,13 @@ def pack_tree(tree: TreeMesh) -> Arrays:
         for key, content in images.items():
             arrays[f"image_{i}_{key}"] = to_bytes_array(content)
         heads.append({"name": primitive.name, "kind": primitive.kind, "material": material})
-    head = {"primitives": heads, "height_m": tree.height_m, "species": tree.species, "report": tree.report}
+    head = {
+        "primitives": heads,
+        "height_m": tree.height_m,
+        "species": tree.species,
+        "report": tree.report,
+        "added_faces": tree.added_faces,
+    }
     return arrays | {"head": to_json_array(head)}
 
 
@@ -98,6 +104,7 @@ def unpack_tree(arrays: Arrays) -> TreeMesh:
         head["height_m"],
         head["species"],
         head["report"],
+        head["added_faces"],
     )
 
 

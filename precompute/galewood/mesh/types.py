@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+import numpy as np
+
 from galewood.util import Floats, Ints
 
 Kind = Literal["wood", "twigs", "leaves"]
@@ -32,6 +34,7 @@ class ImportOptions:
     leaves: tuple[str, ...] | None = None  # names or ids of pieces that are leaves
     drop: tuple[str, ...] | None = None  # names or ids of pieces that are left out
     tree: int | None = None  # which tree of a file with several, from 1; None: the largest
+    complete: bool | None = None  # whether missing wood is added; None: where the foliage needs it
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,10 @@ class RenderPrimitive:
 
 @dataclass(frozen=True)
 class TreeMesh:
-    """A tree ready for meshing: render primitives (wood, twigs, leaves), welded wood surface, report."""
+    """A tree ready for meshing: render primitives (wood, twigs, leaves), welded wood surface, report.
+
+    The last ``added_faces`` faces of the wood are in no primitive: they were added and are not drawn.
+    """
 
     primitives: list[RenderPrimitive]
     wood_vertices_m: Floats
@@ -82,3 +88,18 @@ class TreeMesh:
     height_m: float
     species: str | None
     report: dict[str, Any]
+    added_faces: int = 0
+
+    def added_wood(self) -> RenderPrimitive | None:
+        """The wood that was added and is not drawn, as a mesh; None if there is none."""
+        return self._of_faces("added", self.wood_faces[-self.added_faces :]) if self.added_faces else None
+
+    def drawn_wood(self) -> RenderPrimitive:
+        """The welded wood without what was added, as a mesh; it may be empty."""
+        return self._of_faces("drawn", self.wood_faces[: len(self.wood_faces) - self.added_faces])
+
+    def _of_faces(self, name: str, chosen: Ints) -> RenderPrimitive:
+        used, index = np.unique(chosen, return_inverse=True)
+        return RenderPrimitive(
+            name, "wood", self.wood_vertices_m[used], index.reshape(-1, 3).astype(np.int32)
+        )

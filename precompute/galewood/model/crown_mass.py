@@ -81,7 +81,8 @@ def twig_loads(
     if drawn and leaves:  # no outline is needed, which takes a while
         weight = _like_leaves(tree, spread)
     else:
-        outline = outline or _outline(tree)
+        # Added wood has no twigs of its own: how finely a tree is drawn is told by what is drawn.
+        outline = _outline(tree) if outline is None or tree.added_faces else outline
         if outline is None:
             none = spread(tree.primitives[0], np.zeros(len(tree.primitives[0].positions_m)))
             return TwigLoads(none, {"added_twig_mass_kg": 0.0})
@@ -105,8 +106,9 @@ def twig_loads(
 
 def _outline(tree: TreeMesh) -> Outline | None:
     """The branches of the drawn wood; None if its surface has none that can be followed."""
+    wood = tree.drawn_wood()
     try:
-        return outline_of(tree.wood_vertices_m, tree.wood_faces)
+        return outline_of(wood.positions_m, wood.faces)
     except (ValueError, IndexError):
         return None
 

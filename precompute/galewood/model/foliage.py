@@ -11,7 +11,14 @@ import numpy as np
 
 from galewood.mesh import RenderPrimitive, TreeMesh, alpha_coverage
 from galewood.model.bare_tree import without_leaves
-from galewood.model.binding import foliage_pieces, nearest_of_pieces, nearest_tets, render_binding
+from galewood.model.binding import (
+    CROWN_SIZE,
+    foliage_pieces,
+    nearest_of_pieces,
+    nearest_tets,
+    piece_size,
+    render_binding,
+)
 from galewood.model.crown_mass import twig_loads, vertex_areas
 from galewood.model.silhouette import silhouette_area
 from galewood.model.twigs import twig_volumes
@@ -77,7 +84,7 @@ def bind_foliage(tree: TreeMesh, mesh: TetMesh, wood: WoodLike, leaves: bool = T
     wood_mass = float(
         (tet_volumes(mesh.vertices_m, mesh.tets) * mesh.radius_ratio**2).sum() * wood.density_kg_m3
     )
-    spread = partial(_spread, mesh=mesh)
+    spread = partial(_spread, mesh=mesh, least_m=CROWN_SIZE * tree.height_m if tree.added_faces else np.inf)
     loaded = tree if leaves else without_leaves(tree)
     crown = crown_loads(loaded, wood, mesh.vertices_m[:, 1], spread, wood_mass)
     # Twigs hang where the leaves do, in winter too.
@@ -145,13 +152,17 @@ def _leaf_mass(leaf_area: Floats, wood_mass_kg: float) -> tuple[Floats, bool]:
     return (mass * (most / total), True) if total > most else (mass, False)
 
 
-def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh) -> Floats:
-    """Distribute an amount (n,) at render vertices to the tet vertices that they are bound to."""
+def _spread(primitive: RenderPrimitive, amount: Floats, mesh: TetMesh, least_m: float) -> Floats:
+    """Distribute an amount (n,) at render vertices to the tet vertices that they are bound to.
+
+    A piece larger than ``least_m``, such as a crown around an added stem, weighs on all wood inside it.
+    """
     anchors = nearest_tets(primitive.positions_m, mesh)
     holder = np.arange(len(amount))
     if primitive.kind != "wood":
         pieces = foliage_pieces(primitive)
-        holder = nearest_of_pieces(anchors.distance_m, pieces)[pieces]
+        loose = piece_size(primitive.positions_m, pieces) > least_m
+        holder = np.where(loose[pieces], holder, nearest_of_pieces(anchors.distance_m, pieces)[pieces])
     parts = anchors.weight[holder] * amount[:, None]
     return np.asarray(
         np.bincount(mesh.tets[anchors.tet[holder]].ravel(), parts.ravel(), len(mesh.vertices_m)),

@@ -8,11 +8,12 @@ them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from galewood.mesh import RenderPrimitive, TreeMesh
+from galewood.mesh import RenderPrimitive, TreeMesh, arms_of
 from galewood.model.axis import Axis, Feet, chosen, joined
 from galewood.model.bark import bark_feet
 from galewood.model.bearers import Bearers, edge_points
@@ -28,14 +29,22 @@ SAMPLES, LEAF_SAMPLES = 400, 200
 """What bears and what is borne are sampled at these fractions of the height."""
 
 
-def holds_of(tree: TreeMesh, axis: Axis) -> Feet:
-    """The place of every render vertex of a tree on its axis, primitives concatenated."""
+def holds_of(
+    tree: TreeMesh, axis: Axis, improved: Callable[[RenderPrimitive, Feet], Feet] = lambda wood, feet: feet
+) -> Feet:
+    """The place of every render vertex of a tree on its axis, primitives concatenated.
+
+    ``improved`` may change the places of a wood primitive; what hangs on it follows.
+    """
     bearers = Bearers(axis, tree.height_m / SAMPLES)
+    added = tree.added_wood()
+    if added:
+        bearers.add(added, bark_feet(added, axis))
     found: dict[int, Feet] = {}
     for k in sorted(range(len(tree.primitives)), key=lambda k: KINDS.index(tree.primitives[k].kind)):
         primitive = as_stored(tree.primitives[k])
         if primitive.kind == "wood":
-            found[k] = bark_feet(primitive, axis)
+            found[k] = improved(primitive, bark_feet(primitive, axis))
         else:
             found[k] = _hung(primitive, bearers, axis, tree.height_m)
         if primitive.kind != "leaves" and len(primitive.faces):
@@ -67,7 +76,22 @@ def _along_branches(primitive: RenderPrimitive, piece: Ints, feet: Feet, axis: A
     child, share, at_m = feet.child.copy(), feet.share.copy(), feet.at_m.copy()
     for number in large.tolist():
         own = np.flatnonzero(piece == number)
-        rib = midrib_of(primitive.positions_m[own], int(feet.child[own[0]]), axis, height_m)
-        if rib is not None:
-            child[own], share[own], at_m[own] = rib.child, rib.share, rib.at_m
+        held = chosen(feet, own[:1])
+        for arm in _arms(primitive, own, held):
+            rib = midrib_of(primitive.positions_m[arm], int(held.child[0]), axis, height_m)
+            if rib is not None:
+                child[arm], share[arm], at_m[arm] = rib.child, rib.share, rib.at_m
     return Feet(child, share, at_m, feet.distance_m)
+
+
+def _arms(primitive: RenderPrimitive, own: Ints, held: Feet) -> list[Ints]:
+    """The vertices (k,) of a piece, or of each of its arms: fronds that are joined where they grow."""
+    inside = np.zeros(len(primitive.positions_m), dtype=bool)
+    inside[own] = True
+    faces = primitive.faces[inside[primitive.faces[:, 0]]]
+    if not len(faces):
+        return [own]
+    arm = arms_of(primitive.positions_m, faces, held.at_m[0])
+    of_vertex = np.zeros(len(primitive.positions_m), dtype=np.int64)
+    of_vertex[faces.ravel()] = np.repeat(arm, 3)
+    return [own[of_vertex[own] == number] for number in range(int(arm.max()) + 1)]

@@ -21,6 +21,8 @@ BESIDE = 0.15
 """A branch runs along a long piece if it is nearer than this, relative to the size of the piece."""
 LEAST_CHORD = 0.25
 """Shortest chord of a branch that bends a piece, relative to the size of the piece."""
+OWN_CHORD = 1.3
+"""Chord of a long piece's own branch relative to one that it only touches."""
 
 
 def midrib_of(positions_m: Floats, child: int, axis: Axis, height_m: float) -> Feet | None:
@@ -33,14 +35,38 @@ def midrib_of(positions_m: Floats, child: int, axis: Axis, height_m: float) -> F
     slender = extent[1] < SLENDER * extent[0]
     if not slender and size_m < CLOSED * height_m:
         return None
-    inside = _beside(positions_m, axis, BESIDE * size_m) if slender else _within(positions_m, axis)
-    line = _line_through(axis, inside, child if slender else None)
+    if not slender:
+        return _held(positions_m, _line_through(axis, _within(positions_m, axis), None), axis, LEAST_CHORD)
+    inside = _beside(positions_m, axis, BESIDE * size_m)
+    touched, longest = (_line_through(axis, inside, start) for start in (child, None))
+    if _is_own(axis, longest, touched, child, BESIDE * size_m):
+        return _held(positions_m, longest, axis, LEAST_CHORD)
+    return _held(positions_m, touched, axis, LEAST_CHORD)
+
+
+def _is_own(axis: Axis, longest: Ints, touched: Ints, child: int, near_m: float) -> bool:
+    """Whether a piece that touches ``child`` follows the longest line beside it, not that through ``child``.
+
+    Where fronds grow, each touches the trunk and the ribs of its neighbours: the longer line that begins
+    there is its own.
+    """
+    if not len(longest) or _chord(axis, longest) < OWN_CHORD * _chord(axis, touched):
+        return False
+    return float(np.linalg.norm(axis.points_m[longest] - axis.points_m[child], axis=1).min()) < near_m
+
+
+def _chord(axis: Axis, line: Ints) -> float:
+    return float(np.linalg.norm(axis.points_m[line[-1]] - axis.points_m[line[0]])) if len(line) else 0.0
+
+
+def _held(positions_m: Floats, line: Ints, axis: Axis, least: float) -> Feet | None:
+    """The places along a line (p,) of points; None: its chord is short, relative to the size of the piece."""
     if len(line) < 3:
         return None
     place = axis.points_m[line]
     chord = place[-1] - place[0]
     length = float(np.linalg.norm(chord))
-    if length < LEAST_CHORD * size_m:
+    if length < least * float(np.linalg.norm(np.ptp(positions_m, axis=0))):
         return None
     return _projected(positions_m, line, place, chord / length, axis)
 

@@ -66,6 +66,12 @@ class ImportRequest(BaseModel):
         description="Scanned tree: add no leaves to the mesh; default: leaves at the ends of branches.",
     )
 
+    complete: bool | None = Field(
+        default=None,
+        description="Whether wood is added where foliage has none: a trunk inside a closed crown, ribs of "
+        "fronds, stems of a bush. It bends, but is not drawn. Default: where the foliage needs it.",
+    )
+
     @field_validator("species")
     @classmethod
     def _known(cls, name: str | None) -> str | None:
@@ -156,4 +162,5 @@ def import_options(request: ImportRequest) -> ImportOptions:
         tuple(request.leaves) if request.leaves else None,
         tuple(request.drop) if request.drop else None,
         request.tree,
+        request.complete,
     )

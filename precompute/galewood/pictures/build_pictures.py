@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import LinearSegmentedColormap, to_rgba
+from numpy.typing import NDArray
 
 from galewood.pictures.canvas import (
     INK,
@@ -27,6 +28,7 @@ from galewood.util import Floats, Ints
 BARK, SAPWOOD = np.array([0.80, 0.57, 0.37]), np.array([0.98, 0.80, 0.52])
 SAMPLE = "#ffd36b"
 ORDERS = LinearSegmentedColormap.from_list("orders", ["#f2ad3f", "#e0664f", "#b0568f", "#6f6fc4", "#58a6d6"])
+ADDED = to_rgba("#6fd08c")
 MOST_ORDERS = 5
 CLOSE_UP_SHARE = 0.06
 """Half the width of the close-up's view over the height of the wood."""
@@ -98,19 +100,22 @@ def _mark(whole: Axes, near: Axes, middle: Floats, half_m: float) -> None:
     near.plot(x, y, transform=near.transAxes, color=SOFT_INK, linewidth=1.2, clip_on=False)
 
 
-def skeleton_png(mesh: TetMesh, skeleton: Skeleton, sampled: Ints) -> bytes:
+def skeleton_png(
+    mesh: TetMesh, skeleton: Skeleton, sampled: Ints, added: NDArray[np.bool_] | None = None
+) -> bytes:
     """PNG of the skeleton inside the wood from two sides, coloured by branching order, with the sampled
-    elements.
+    elements; ``added`` (p,): which points are in wood that is not drawn.
     """
     figure = empty_page()
     for box, turn_deg in (((0.01, 0.02, 0.49, 0.87), 35.0), ((0.50, 0.02, 0.49, 0.87), 125.0)):
         camera, plot = Camera(turn_deg, 0.0), bare_axes(figure, box)
         _draw_ghost(plot, mesh, camera)
-        plot.add_collection(_lines(skeleton, camera))
+        plot.add_collection(_lines(skeleton, camera, added))
         _draw_samples(plot, camera.view(mesh.vertices_m[mesh.tets[sampled]].mean(axis=1)))
         frame_points(plot, camera.view(mesh.vertices_m)[:, :2])
     branches = int(skeleton.branch.max()) + 1
     facts = f"{branches} branches, coloured by order; {len(sampled)} sampled elements, from two sides"
+    facts += "; green: added wood, which is not drawn" if added is not None and added.any() else ""
     write_title(figure, "The skeleton", facts)
     return png(figure)
 
@@ -135,7 +140,7 @@ def branch_order(skeleton: Skeleton) -> Ints:
     return order
 
 
-def _lines(skeleton: Skeleton, camera: Camera) -> LineCollection:
+def _lines(skeleton: Skeleton, camera: Camera, added: NDArray[np.bool_] | None) -> LineCollection:
     flat = camera.view(skeleton.points_m)[:, :2]
     child = np.flatnonzero(skeleton.parent >= 0)
     order = np.minimum(branch_order(skeleton), MOST_ORDERS)[skeleton.branch[child]]
@@ -144,6 +149,8 @@ def _lines(skeleton: Skeleton, camera: Camera) -> LineCollection:
     widths = 0.9 + 6.0 * skeleton.radius_m[child] / float(skeleton.radius_m.max())
     segments = list(np.stack([flat[skeleton.parent[child]], flat[child]], axis=1))
     colours = ORDERS(order / max(int(order.max()), 1))
+    if added is not None:
+        colours[added[child]] = ADDED
     return LineCollection(segments, colors=colours, linewidths=widths, capstyle="round", zorder=2)
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from galewood.skeleton import Skeleton
 from galewood.tets import TetMesh
 from galewood.util import Ints
@@ -14,8 +17,10 @@ def tetrahedra_png(mesh: TetMesh) -> bytes:
     return build_pictures.tetrahedra_png(mesh)
 
 
-def skeleton_png(mesh: TetMesh, skeleton: Skeleton, sampled: Ints) -> bytes:
+def skeleton_png(
+    mesh: TetMesh, skeleton: Skeleton, sampled: Ints, added: NDArray[np.bool_] | None = None
+) -> bytes:
     """PNG of the skeleton inside the wood from two sides, with the sampled elements."""
     from galewood.pictures import build_pictures
 
-    return build_pictures.skeleton_png(mesh, skeleton, sampled)
+    return build_pictures.skeleton_png(mesh, skeleton, sampled, added)

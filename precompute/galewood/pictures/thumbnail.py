@@ -7,7 +7,7 @@ import io
 import numpy as np
 from PIL import Image, ImageDraw
 
-from galewood.mesh import Material, RawPart, base_image, read_glb
+from galewood.mesh import Material, RawPart, RenderPrimitive, base_image, read_glb
 from galewood.sandbox import Arrays, Limits, run_limited
 from galewood.util import Floats
 
@@ -16,12 +16,21 @@ OVERSAMPLING = 3
 MARGIN = 0.04
 LIGHT = np.array([0.4, 0.75, 0.53])  # from above, right and front
 WOOD, LEAVES = (0.45, 0.36, 0.28), (0.42, 0.52, 0.22)
+ADDED = (70, 190, 255, 150)
 LIMITS = Limits(memory_bytes=3 << 30, cpu_s=20)
 
 
-def draw_limited(glb: bytes, side_px: int = SIDE_PX) -> bytes:
-    """Draw a render mesh as square PNG in a child process with limits. Raises MeshError."""
-    arguments = {"glb": np.frombuffer(glb, np.uint8), "side_px": np.array(side_px)}
+def draw_limited(glb: bytes, side_px: int = SIDE_PX, added: RenderPrimitive | None = None) -> bytes:
+    """Draw a render mesh as square PNG in a child process with limits. Raises MeshError.
+
+    ``added`` is wood that is not part of the render mesh; it shines through.
+    """
+    corners = added.positions_m[added.faces] if added else np.zeros((0, 3, 3))
+    arguments: Arrays = {
+        "glb": np.frombuffer(glb, np.uint8),
+        "side_px": np.array(side_px),
+        "added": np.ascontiguousarray(corners, np.float64),
+    }
     return run_limited(
         "galewood.pictures.thumbnail:draw_in_child", arguments, LIMITS, what="Drawing the tree"
     )["png"].tobytes()
@@ -30,11 +39,12 @@ def draw_limited(glb: bytes, side_px: int = SIDE_PX) -> bytes:
 def draw_in_child(arguments: Arrays) -> Arrays:
     """Entry point of the child process of ``draw_limited``."""
     parts = read_glb(arguments["glb"].tobytes())
-    return {"png": np.frombuffer(draw(parts, int(arguments["side_px"])), np.uint8)}
+    png = draw(parts, int(arguments["side_px"]), arguments["added"])
+    return {"png": np.frombuffer(png, np.uint8)}
 
 
-def draw(parts: list[RawPart], side_px: int = SIDE_PX) -> bytes:
-    """Draw parts as square PNG with a transparent background, viewed along −z."""
+def draw(parts: list[RawPart], side_px: int = SIDE_PX, added: Floats | None = None) -> bytes:
+    """Draw parts as square PNG with a transparent background, viewed along −z; ``added`` (k, 3, 3) on top."""
     triangles = np.concatenate([part.positions[part.faces] for part in parts])
     colours = np.concatenate([_colours(part) for part in parts])
     # A partly transparent leaf card is drawn as a smaller opaque card of the same covered area.
@@ -49,15 +59,26 @@ def draw(parts: list[RawPart], side_px: int = SIDE_PX) -> bytes:
     fills = np.clip(shaded * 255, 0, 255).astype(int).tolist()
     for face in np.argsort(triangles[:, :, 2].mean(axis=1)).tolist():
         pen.polygon(corners[face], fill=tuple(fills[face]))
+    if added is not None and len(added):
+        image.alpha_composite(_over(added, triangles, side))
     stream = io.BytesIO()
     image.resize((side_px, side_px), Image.Resampling.BOX).save(stream, format="png", optimize=True)
     return stream.getvalue()
 
 
-def _to_pixels(triangles: Floats, side: int) -> Floats:
-    """(k, 3, 2) corners in pixels; the tree is centred and fills the picture."""
-    flat = triangles[:, :, :2]
-    low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
+def _over(added: Floats, triangles: Floats, side: int) -> Image.Image:
+    """Triangles (k, 3, 3) in one colour, half transparent."""
+    layer = Image.new("RGBA", (side, side))
+    pen = ImageDraw.Draw(layer)
+    for corners in _to_pixels(added, side, triangles).reshape(-1, 6).tolist():
+        pen.polygon(corners, fill=ADDED)
+    return layer
+
+
+def _to_pixels(triangles: Floats, side: int, whole: Floats | None = None) -> Floats:
+    """(k, 3, 2) corners in pixels; the whole tree is centred and fills the picture."""
+    flat, all_corners = triangles[:, :, :2], (triangles if whole is None else whole)[:, :, :2]
+    low, high = all_corners.min(axis=(0, 1)), all_corners.max(axis=(0, 1))
     pixels = side * (1 - 2 * MARGIN) / max(float((high - low).max()), 1e-9)
     centred = (flat - (low + high) / 2) * pixels
     return np.stack([side / 2 + centred[:, :, 0], side / 2 - centred[:, :, 1]], axis=2)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-import scipy.sparse
 
 from galewood.fem import FemSettings
 from galewood.modal import ModalTensors
-from galewood.model import Axis, Feet
-from galewood.pipeline.drawn_figures import DrawnFigures
+from galewood.pipeline.bark_holds import with_calm_bark
+from galewood.pipeline.surface import RenderMesh
 from galewood.pipeline.table_settings import TableSettings
 from galewood.reduction import (
     GustModes,
@@ -36,20 +34,6 @@ from galewood.util import Array, Floats
 
 REACH_MARGIN = 1.5
 """Allowance for motion beyond that of the training runs, as in pressures beyond the sampled range."""
-
-
-@dataclass(frozen=True)
-class RenderMesh:
-    """The mesh that the viewer moves: vertices in file order and their weights on the tet vertices."""
-
-    vertices_m: Floats  # (v, 3)
-    binding: scipy.sparse.csr_matrix  # (v, n)
-    primitives: list[dict[str, Any]]  # name, kind, vertices
-    axis: Axis
-    feet: Feet
-    """The place on the axis that holds each vertex."""
-    figures: DrawnFigures | None = None
-    """Measures what is drawn; None: nothing is measured."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +83,7 @@ def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
         "training_m": fitted.training_error_m,
     }
     q = [subspace.project(run.displacement_m) for run in training.runs]
+    of = replace(of, mesh=with_calm_bark(of.mesh, subspace.basis, q, of.height_m))
     winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
     moved = Moved(fitted.modal, subspace, q, winds_pa)
     layer = gust_modes(training.body, training.scheme)

@@ -17,6 +17,7 @@ from galewood.model import (
     bind_foliage,
     build_model,
     compare_with_reference,
+    in_added_wood,
     render_binding,
 )
 from galewood.pictures import skeleton_png, tetrahedra_png
@@ -203,7 +204,9 @@ def _solid(tree: TreeMesh, options: BuildOptions, on: Environment, artefacts: Ar
     skeleton = extract_skeleton(mesh)
     mesh = with_corrected_radii(tree, mesh, skeleton)
     elements = sampled_elements(mesh, skeleton, options.sampled_elements)
-    artefacts.draw("skeleton.png", skeleton_png, mesh, skeleton, elements)
+    artefacts.draw(
+        "skeleton.png", skeleton_png, mesh, skeleton, elements, in_added_wood(tree, skeleton.points_m)
+    )
     lumped = bind_foliage(tree, mesh, wood, leaves=options.foliage == "leaf")
     surface = render_mesh(tree, render_binding(tree, mesh), axis_of_tets(mesh, skeleton))
     return Solid(tree, mesh, skeleton, lumped, wood, surface, mesh.tets[elements])

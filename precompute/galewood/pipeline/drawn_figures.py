@@ -26,6 +26,8 @@ CONTACTS = 16
 """Nearest points of wood and twigs that are compared with a point of a leaf."""
 TOUCH = 0.003
 """A piece touches what is at most this much farther away than what is nearest, relative to the height."""
+APART = 0.01
+"""A piece that is farther from all drawn wood, relative to the height, may hang on wood that is not drawn."""
 
 
 class DrawnFigures:
@@ -34,6 +36,11 @@ class DrawnFigures:
     def __init__(self, tree: TreeMesh) -> None:
         """``tree``: the drawn mesh."""
         self._tree = tree
+
+    @property
+    def tree(self) -> TreeMesh:
+        """The drawn mesh."""
+        return self._tree
 
     @cached_property
     def _rest_m(self) -> Floats:
@@ -157,7 +164,8 @@ class _Contacts:
 class _Hanging:
     """What the pieces of twigs and leaves hang on: twigs on wood, leaves on wood or twigs.
 
-    A piece hangs on what it is nearest to. If it touches several, it hangs on the one that it follows.
+    A piece hangs on what it is nearest to. If it touches several, it hangs on the one that it follows. One
+    that hangs on wood that is not drawn, away from all that is, has nothing to leave a gap to.
     """
 
     def __init__(self, tree: TreeMesh) -> None:
@@ -166,9 +174,11 @@ class _Hanging:
         self._contacts: list[tuple[str, _Contacts]] = []
         for kind, bearers in (("twigs", ("wood",)), ("leaves", ("wood", "twigs"))):
             own = [part for part in parts if part[0].kind == kind]
-            if own:
-                bark = _Bark([part for part in parts if part[0].kind in bearers], tree.height_m)
-                self._contacts += [(kind, bark.contacts(*part)) for part in own]
+            bearing = [part for part in parts if part[0].kind in bearers]
+            if own and bearing:
+                bark = _Bark(bearing, tree.height_m, tree.added_wood())
+                contacts = [(kind, bark.contacts(*part)) for part in own]
+                self._contacts += [found for found in contacts if len(found[1].piece)]
 
     def figures(self, rest_m: Floats, now_m: Floats, height_m: float) -> dict[str, float]:
         """Largest gap of each kind between two positions of the vertices (v, 3), over the height."""
@@ -182,8 +192,11 @@ class _Hanging:
 class _Bark:
     """Edges on which pieces hang, found by points on them."""
 
-    def __init__(self, parts: list[tuple[RenderPrimitive, int]], height_m: float) -> None:
+    def __init__(
+        self, parts: list[tuple[RenderPrimitive, int]], height_m: float, added: RenderPrimitive | None
+    ) -> None:
         self._height_m = height_m
+        self._added = KDTree(edge_points(added, height_m / BARK_SAMPLES).place_m) if added else None
         points = [edge_points(primitive, height_m / BARK_SAMPLES) for primitive, _ in parts]
         self._ends = np.concatenate([p.ends + first for p, (_, first) in zip(points, parts, strict=True)])
         self._share = np.concatenate([p.share for p in points])
@@ -197,6 +210,7 @@ class _Bark:
         piece = foliage_pieces(primitive)[points.ends[:, 0]]
         least = np.full(int(piece.max()) + 1, np.inf)
         np.minimum.at(least, piece, distance[:, 0])
+        least[self._on_added(points.place_m, piece, least)] = -np.inf
         row, column = np.nonzero(distance <= least[piece][:, None] + TOUCH * self._height_m)
         bearer = near[row, column]
         return _Contacts(
@@ -206,6 +220,14 @@ class _Bark:
             self._ends[bearer],
             self._share[bearer],
         )
+
+    def _on_added(self, place_m: Floats, piece: Ints, drawn_m: Floats) -> np.ndarray:
+        """(k,) whether pieces hang on added wood, given their distance (k,) from what is drawn."""
+        if self._added is None:
+            return np.zeros(len(drawn_m), bool)
+        least = np.full(len(drawn_m), np.inf)
+        np.minimum.at(least, piece, self._added.query(place_m)[0])
+        return (least < drawn_m) & (drawn_m > APART * self._height_m)
 
 
 def _between(place_m: Floats, ends: Ints, share: Floats) -> Floats:

@@ -13,9 +13,9 @@ import scipy.sparse
 from galewood.fem import FemModel
 from galewood.mesh import TreeMesh
 from galewood.model import Axis, LumpedMasses, holds_of
-from galewood.pipeline.assemble import RenderMesh
 from galewood.pipeline.drawn_figures import DrawnFigures
 from galewood.pipeline.options import BuildOptions, Stages
+from galewood.pipeline.surface import RenderMesh
 from galewood.pipeline.tree_figures import figures_of
 from galewood.sampling import DesignWind, content_hash
 from galewood.skeleton import Skeleton

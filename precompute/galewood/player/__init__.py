@@ -2,6 +2,7 @@
 
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest, gaussian
+from galewood.player.periodic import PeriodicMotion, periodic_motion
 from galewood.player.pulling import PointResponse, PullError, PullingHand, point_response
 from galewood.player.sway import grid_placements, play
 from galewood.player.wind_driven import Method, WindDrivenTrees
@@ -10,12 +11,14 @@ __all__ = [
     "Method",
     "ModalForest",
     "PaperForest",
+    "PeriodicMotion",
     "PointResponse",
     "PullError",
     "PullingHand",
     "WindDrivenTrees",
     "gaussian",
     "grid_placements",
+    "periodic_motion",
     "play",
     "point_response",
 ]

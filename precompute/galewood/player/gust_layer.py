@@ -36,16 +36,32 @@ class GustLayer:
 
         The pressures (count,), Pa, are those at the trees. Writes the output modes q (count, L), m.
         """
-        if not q.shape[1]:
-            return
+        if q.shape[1]:
+            self.advance_under(
+                self.gusts_at(field, time_s, trees, pressure_x, pressure_z), trees, pressure_x, pressure_z, q
+            )
+
+    def gusts_at(
+        self, field: WindField, time_s: float, trees: Stepping, pressure_x: Floats, pressure_z: Floats
+    ) -> Floats:
+        """(count, 2G) pressures, Pa, at the places of each tree in addition to that at the tree.
+
+        The next call overwrites them.
+        """
         moment = field.at(time_s)
         write_gusts(
             crown_field(moment.crown.seed), crown_carried(moment), self._place, trees.x_m, trees.z_m,
             trees.turn, trees.size, pressure_x, pressure_z, self._gusts,
         )  # fmt: skip
+        return self._gusts
+
+    def advance_under(
+        self, gusts: Floats, trees: Stepping, pressure_x: Floats, pressure_z: Floats, q: Singles
+    ) -> None:
+        """Advance by one frame under given pressures of ``gusts_at``."""
         step, load, drag = self._tensors
         e, v, now, before = self._state
         advance_gusts(
-            step, load, drag, trees.rate, trees.turn, pressure_x, pressure_z, self._gusts, trees.phase,
+            step, load, drag, trees.rate, trees.turn, pressure_x, pressure_z, gusts, trees.phase,
             e, v, now, before, q,
         )  # fmt: skip

@@ -1,5 +1,6 @@
 """Model order reduction; in: training runs; out: POD basis, fitted modal model, render nodes."""
 
+from galewood.reduction.calm_bark import AxisPoses, calmed, drawn_poses
 from galewood.reduction.gust_layer import GustModes, gust_modes, gust_range
 from galewood.reduction.linear import LinearMotion, linear_motion
 from galewood.reduction.nodes import Motion, Nodes, make_nodes
@@ -9,6 +10,7 @@ from galewood.reduction.training import Fitted, ModalTraining, fit_smallest, sho
 from galewood.reduction.wind_scale import TrainingWinds, training_winds
 
 __all__ = [
+    "AxisPoses",
     "Exposure",
     "Fitted",
     "GustModes",
@@ -20,6 +22,8 @@ __all__ = [
     "QuantisedMotion",
     "Subspace",
     "TrainingWinds",
+    "calmed",
+    "drawn_poses",
     "fit_smallest",
     "gust_modes",
     "gust_range",

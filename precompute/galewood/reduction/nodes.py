@@ -17,7 +17,7 @@ from galewood.reduction.knots import AxisMotion, Knots, choose_knots
 from galewood.util import Floats, Ints
 
 MAX_NODES = 768
-JOINTS_PER_LINK = 8
+JOINTS_PER_LINK = 32
 """Joints between two points of the axis; the bark between them is held by the nearest."""
 TURN_ARM = 0.02
 """Arm at which rotation counts as displacement when nodes are chosen, relative to the height."""

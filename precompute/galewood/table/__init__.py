@@ -2,12 +2,21 @@
 
 from galewood.table.compliance import Compliance, decode_compliance, encode_compliance
 from galewood.table.container import Foliage, Metadata, TableError, foliage_of, read_metadata
-from galewood.table.drawn import NodePose, drawn_positions, joint_rows, node_pose, turned, vertex_rows
+from galewood.table.drawn import (
+    LONGEST,
+    NodePose,
+    drawn_positions,
+    joint_rows,
+    node_pose,
+    turned,
+    vertex_rows,
+)
 from galewood.table.format import FORMAT, VERSION, Table, decode, encode, with_records, without_gusts
 from galewood.table.records import Records, encode_records, poses
 
 __all__ = [
     "FORMAT",
+    "LONGEST",
     "VERSION",
     "Compliance",
     "Foliage",

@@ -3,6 +3,7 @@
 from galewood.util.arrays import Array, Floats, Int32s, Int64s, Ints, Singles
 from galewood.util.atomic_file import write_arrays, write_whole
 from galewood.util.cancelled import Cancelled
+from galewood.util.delimited import Row, decoded, delimiter_of, number_of, rows_of
 from galewood.util.errors import MeshError, Reason
 from galewood.util.lazy import lazily
 from galewood.util.process_usage import PeakMemory, cpu_seconds
@@ -18,10 +19,15 @@ __all__ = [
     "MeshError",
     "PeakMemory",
     "Reason",
+    "Row",
     "Singles",
     "WorkerPool",
     "cpu_seconds",
+    "decoded",
+    "delimiter_of",
     "lazily",
+    "number_of",
+    "rows_of",
     "usable_cores",
     "write_arrays",
     "write_whole",

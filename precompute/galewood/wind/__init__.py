@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from galewood.wind.crown import crown_carried, crown_field, write_gusts
     from galewood.wind.evaluation import wind_pressure
     from galewood.wind.field import WindField
+    from galewood.wind.measured.errors import MeasurementError
+    from galewood.wind.measured.reading import Measurement, read_measurement
     from galewood.wind.pressure import (
         HALF_AIR_DENSITY_KG_M3,
         STREAMLINED_EXPONENT,
@@ -44,7 +46,10 @@ _PRESSURE = (
 __getattr__ = lazily(
     __name__,
     {
+        "Measurement": "galewood.wind.measured.reading",
+        "MeasurementError": "galewood.wind.measured.errors",
         "WindField": "galewood.wind.field",
+        "read_measurement": "galewood.wind.measured.reading",
         **dict.fromkeys(("crown_carried", "crown_field", "write_gusts"), "galewood.wind.crown"),
         "wind_pressure": "galewood.wind.evaluation",
         **dict.fromkeys(_PRESSURE, "galewood.wind.pressure"),
@@ -56,6 +61,8 @@ __all__ = [
     "PRESETS",
     "STREAMLINED_EXPONENT",
     "STREAMLINING_SPEED_M_S",
+    "Measurement",
+    "MeasurementError",
     "Wind",
     "WindError",
     "WindField",
@@ -70,6 +77,7 @@ __all__ = [
     "parse_wind",
     "parse_wind_or_state",
     "pressure_per_speed",
+    "read_measurement",
     "sampled_peak_pa",
     "speed_of_pressure",
     "to_tree_frame",

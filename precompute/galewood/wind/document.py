@@ -2,34 +2,28 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+from galewood.wind.fields import (
+    MODELS,
+    Field,
+    WindError,
+    found_text,
+    number_at,
+    object_at,
+    refuse_unknown,
+)
+from galewood.wind.recording import STILL, Recording, recording_at
+
 VERSION = 1
-MODELS = ("cosine", "perlin", "spectral", "navier-stokes")
 TRAVELLING = ("perlin", "spectral", "navier-stokes")
 """Models whose gusts have a length scale and are advected by the air."""
+LISTS = {"cosine": ("waves",), "recorded": ("recording",)}
+"""Fields that are not numbers."""
 MOST_WAVES = 16
 SHARE_TOLERANCE = 1e-9
-
-
-@dataclass(frozen=True)
-class Field:
-    """A numeric field: its range, the models that have it, and its default (None: required)."""
-
-    low: float
-    high: float
-    models: tuple[str, ...] = MODELS
-    default: float | None = None
-    whole: bool = False
-
-    @property
-    def expected(self) -> str:
-        """The accepted range as text."""
-        kind = "a whole number" if self.whole else "a number"
-        return f"expected {kind} in {self.low:.10g}..{self.high:.10g}"
 
 
 FIELDS: dict[str, Field] = {
@@ -50,16 +44,6 @@ WAVE_FIELDS: dict[str, Field] = {
     "across": Field(-2.0, 2.0, default=0.0),
     "phase_turns": Field(0.0, 1.0, default=-1.0),
 }
-
-
-class WindError(ValueError):
-    """A wind document that cannot be parsed: the path of the field and what is accepted there."""
-
-    def __init__(self, path: str, expected: str, found: str = "") -> None:
-        """``found`` is appended to the message to show the rejected value; empty if that does not help."""
-        super().__init__(f"{path}: {expected}{found}")
-        self.path = path
-        self.expected = expected
 
 
 @dataclass(frozen=True)
@@ -101,6 +85,8 @@ class Wind:
     reference_height_m: float = 12.0
     heading_swing_deg: float = 12.0
     waves: tuple[Wave, ...] = field(default=FOREST_WAVES)
+    recording: Recording = STILL
+    """The measured fluctuations; model recorded only."""
 
     def document(self) -> dict[str, object]:
         """The JSON object that ``parse_wind`` accepts; optional fields with default values are omitted."""
@@ -112,6 +98,8 @@ class Wind:
         document: dict[str, object] = {"version": VERSION, "model": self.model, **numbers}
         if self.model == "cosine" and self.waves != FOREST_WAVES:
             document["waves"] = [_wave_document(wave) for wave in self.waves]
+        if self.model == "recorded":
+            document["recording"] = self.recording.document()
         return document
 
 
@@ -121,49 +109,24 @@ def _wave_document(wave: Wave) -> dict[str, float]:
 
 def parse_wind(document: object) -> Wind:
     """Parse a wind document. Raises WindError with the invalid field and what is accepted there."""
-    fields = _object(document, "wind")
+    fields = object_at(document, "wind")
     if fields.get("version") != VERSION or isinstance(fields.get("version"), bool):
-        raise WindError("wind.version", f"this reader knows version {VERSION}", _found(fields.get("version")))
+        raise WindError(
+            "wind.version", f"this reader knows version {VERSION}", found_text(fields.get("version"))
+        )
     model = fields.get("model")
     if not isinstance(model, str) or model not in MODELS:
-        raise WindError("wind.model", f"expected one of {', '.join(MODELS)}", _found(model))
+        raise WindError("wind.model", f"expected one of {', '.join(MODELS)}", found_text(model))
     rules = {name: rule for name, rule in FIELDS.items() if model in rule.models}
-    known = [*rules, "version", "model", *(["waves"] if model == "cosine" else [])]
-    _refuse_unknown(fields, known, "wind", f"not a field of the {model} model")
-    numbers: dict[str, Any] = {name: _number(fields, name, rule, "wind") for name, rule in rules.items()}
+    known = [*rules, "version", "model", *LISTS.get(model, ())]
+    refuse_unknown(fields, known, "wind", f"not a field of the {model} model")
+    numbers: dict[str, Any] = {name: number_at(fields, name, rule, "wind") for name, rule in rules.items()}
     numbers["seed"] = int(numbers["seed"])
     if "waves" in fields:
         numbers["waves"] = _waves(fields["waves"])
+    if model == "recorded":
+        numbers["recording"] = recording_at(fields.get("recording"), "wind.recording")
     return Wind(model=model, **numbers)
-
-
-def _object(value: object, path: str) -> Mapping[object, object]:
-    if not isinstance(value, Mapping):
-        raise WindError(path, "expected an object")
-    return cast(Mapping[object, object], value)
-
-
-def _refuse_unknown(fields: Mapping[object, object], known: Sequence[str], path: str, why: str) -> None:
-    for name in fields:
-        if name not in known:
-            raise WindError(f"{path}.{str(name)[:40]}", why)
-
-
-def _found(value: object) -> str:
-    return "" if value is None else f", not {value!r:.40}"
-
-
-def _number(fields: Mapping[object, object], name: str, rule: Field, path: str) -> float:
-    if name not in fields:
-        if rule.default is None:
-            raise WindError(f"{path}.{name}", f"missing, {rule.expected}")
-        return rule.default
-    value = fields[name]
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise WindError(f"{path}.{name}", rule.expected, _found(value))
-    if not rule.low <= value <= rule.high or (rule.whole and value != math.floor(value)):  # NaN fails too
-        raise WindError(f"{path}.{name}", rule.expected, _found(value))
-    return float(value)
 
 
 def _waves(value: object) -> tuple[Wave, ...]:
@@ -176,6 +139,6 @@ def _waves(value: object) -> tuple[Wave, ...]:
 
 
 def _wave(value: object, path: str) -> Wave:
-    fields = _object(value, path)
-    _refuse_unknown(fields, list(WAVE_FIELDS), path, "not a field of a wave")
-    return Wave(**{name: _number(fields, name, rule, path) for name, rule in WAVE_FIELDS.items()})
+    fields = object_at(value, path)
+    refuse_unknown(fields, list(WAVE_FIELDS), path, "not a field of a wave")
+    return Wave(**{name: number_at(fields, name, rule, path) for name, rule in WAVE_FIELDS.items()})

@@ -14,10 +14,13 @@ from galewood.wind.fronts import add_fronts
 from galewood.wind.models.cosine import CosineGusts
 from galewood.wind.models.eddy_gusts import EddyGusts
 from galewood.wind.models.perlin import PerlinGusts
+from galewood.wind.models.recorded import RecordedGusts
 from galewood.wind.models.spectral import SpectralGusts
 from galewood.wind.pressure import pressure_of_velocity
-from galewood.wind.transition import Moment, WindState, at, change_wind, steady
+from galewood.wind.transition import Moment, WindState, at, change_wind, gust_key, steady
 
+TIMED = ("cosine", "recorded")
+"""Models that depend on the time rather than on the distance travelled."""
 KEPT_BUFFERS = 24
 """Three for each species in a forest."""
 
@@ -25,7 +28,7 @@ KEPT_BUFFERS = 24
 class Gusts(Protocol):
     """The gusts of one model and seed.
 
-    ``carried`` is the distance travelled in length scales; the cosine model uses the time, s, instead.
+    ``carried`` is the distance travelled in length scales; TIMED models use the time, s, instead.
     """
 
     def velocity(
@@ -43,22 +46,18 @@ def gusts_of(wind: Wind) -> Gusts:
         return SpectralGusts(wind.seed, wind.beta)
     if wind.model == "navier-stokes":
         return EddyGusts(wind.seed)
+    if wind.model == "recorded":
+        return RecordedGusts(wind.recording)
     return CosineGusts(wind)
 
 
-GustKey = tuple[Any, ...]
-"""What the gusts depend on; the other numbers of a document only scale them."""
+GustKey = tuple[object, ...]
 PREPARED_GUSTS = 4
 """Those of a state, which holds up to three documents, and one more."""
 
 
-def gust_key(wind: Wind) -> GustKey:
-    """Documents with the same key have the same gusts."""
-    return (wind.model, wind.seed, wind.beta, wind.waves)
-
-
 def _carried(wind: Wind, moment: Moment) -> float:
-    return moment.time_s if wind.model == "cosine" else moment.travel
+    return moment.time_s if wind.model in TIMED else moment.travel
 
 
 class WindField:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from galewood.wind.document import FIELDS, MODELS, MOST_WAVES, VERSION, WAVE_FIELDS, Field
+from galewood.wind.document import FIELDS, MOST_WAVES, VERSION, WAVE_FIELDS
+from galewood.wind.fields import MODELS, Field
+from galewood.wind.recording import MOST_SAMPLES, RECORDING_FIELDS
 
 
 def wind_schema() -> dict[str, Any]:
@@ -25,6 +27,18 @@ def _model_schema(model: str) -> dict[str, Any]:
     if model == "cosine":
         waves = {"type": "array", "minItems": 1, "maxItems": MOST_WAVES, "items": {"$ref": "#/$defs/wave"}}
         schema["properties"]["waves"] = waves
+    if model == "recorded":
+        schema["properties"]["recording"] = _recording_schema()
+        schema["required"].append("recording")
+    return schema
+
+
+def _recording_schema() -> dict[str, Any]:
+    schema = _object_schema(RECORDING_FIELDS, {})
+    longest = 4 * -(-MOST_SAMPLES * 4 // 3)
+    pairs = {"type": "string", "contentEncoding": "base64", "minLength": 12, "maxLength": longest}
+    schema["properties"]["pairs"] = pairs
+    schema["required"].append("pairs")
     return schema
 
 

@@ -134,6 +134,7 @@ def at(state: WindState, time_s: float) -> Moment:
         seed=state.before.seed,
         beta=state.before.beta,
         waves=state.before.waves,
+        recording=state.before.recording,
     )
     return Moment(before, wind, time_s, travel, share, crown)
 
@@ -179,8 +180,13 @@ def _rate(wind: Wind) -> float:
     return wind.convection_speed_m_s / wind.length_scale_m
 
 
+def gust_key(wind: Wind) -> tuple[object, ...]:
+    """Equal for winds that share the same gust field."""
+    return wind.model, wind.seed, wind.beta, wind.waves, wind.recording
+
+
 def _same_field(a: Wind, b: Wind) -> bool:
-    return (a.model, a.seed, a.beta, a.waves) == (b.model, b.seed, b.beta, b.waves)
+    return gust_key(a) == gust_key(b)
 
 
 def _same_gusts(a: Wind, b: Wind) -> bool:

@@ -6,7 +6,9 @@ from fastapi import APIRouter
 
 from galewood_server.api import (
     events,
+    exports,
     health,
+    inventories,
     jobs,
     metrics,
     revisions,
@@ -23,7 +25,7 @@ from galewood_server.http import with_head_routes
 ROUTERS: tuple[APIRouter, ...] = tuple(
     with_head_routes(module.router)
     for module in (
-        uploads, trees, revisions, thumbnails, structures, jobs, job_pictures, comparisons, evaluations,
-        tables, artefacts, wood_species, winds, events, socket, health, metrics,
+        uploads, trees, revisions, thumbnails, structures, exports, jobs, job_pictures, comparisons,
+        evaluations, tables, artefacts, wood_species, winds, inventories, events, socket, health, metrics,
     )
 )  # fmt: skip

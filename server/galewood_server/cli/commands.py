@@ -11,6 +11,7 @@ import typer
 from galewood.cli import JsonOut, app, console, write_figures
 
 from galewood_server.cli.extras import needs_extras
+from galewood_server.cli.forest import report_inventory
 from galewood_server.cli.operations import doctor, key, upload
 
 for command in (upload, doctor, key):
@@ -35,6 +36,28 @@ def serve(
         if settings.database.startswith("postgres"):
             import_module("psycopg")  # SQLAlchemy would look for its driver only once the server runs
     run(create_app(settings), settings)
+
+
+@app.command()
+def forest(
+    inventory: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="CSV or GeoJSON of stems.")],
+    serving: Annotated[
+        bool, typer.Option("--serve/--no-serve", help="Serve the page with these trees, or only report.")
+    ] = True,
+    host: Annotated[str | None, typer.Option(help="Address to listen on (HOST).")] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on (PORT).")] = None,
+    data_dir: Annotated[Path | None, typer.Option(help="Data folder (GALEWOOD_DATA_DIR).")] = None,
+    json_out: JsonOut = None,
+) -> None:
+    """Plant a forest from an inventory of stems (position, species, height, diameter) and serve it."""
+    report_inventory(inventory, json_out)
+    if not serving:
+        return
+    os.environ["GALEWOOD_INVENTORY"] = str(inventory.resolve())
+    given_port = port or os.environ.get("GALEWOOD_PORT") or os.environ.get("PORT") or "8000"
+    given_host = host or os.environ.get("GALEWOOD_HOST") or os.environ.get("HOST") or "127.0.0.1"
+    print(f"Open http://{given_host}:{given_port}/?inventory=api/inventory", flush=True)
+    serve(host, port, data_dir)
 
 
 @app.command("bench-serve")

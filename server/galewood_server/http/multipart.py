@@ -18,7 +18,7 @@ FORM_OVERHEAD_BYTES = 64 * 1024  # boundaries, part headers and the text fields
 DRAIN_S = 2.0
 FIELDS = (
     "species", "height_m", "name", "up_axis", "wood_materials", "leaves", "drop", "tree", "dbh_cm",
-    "min_radius_mm", "bare",
+    "min_radius_mm", "bare", "complete",
 )  # fmt: skip
 UPLOAD_FORM: dict[str, Any] = {
     "requestBody": {
@@ -71,6 +71,11 @@ UPLOAD_FORM: dict[str, Any] = {
                             "description": "Scanned tree: thinner branches are dropped",
                         },
                         "bare": {"type": "boolean", "description": "Scanned tree: add no leaves"},
+                        "complete": {
+                            "type": "boolean",
+                            "description": "Whether wood is added where foliage has none; default: where "
+                            "it is needed",
+                        },
                     },
                 }
             }

@@ -16,7 +16,9 @@ import msgpack
 MAGIC = b"GW"
 WIRE_VERSION = 2
 PREFIX_BYTES = 8
-MAX_HEADER_BYTES = 64 * 1024
+MAX_HEADER_BYTES = 128 * 1024
+"""Room for a state with three recorded winds."""
+MAX_TEXT_BYTES = 32 * 1024
 
 Header = dict[str, Any]
 # msgpack has no complete type information
@@ -39,7 +41,7 @@ def pack_msgpack(document: Header) -> bytes:
 
 def unpack_msgpack(data: bytes | memoryview) -> object:
     """Decode msgpack with text keys. ValueError, TypeError, RecursionError, msgpack.UnpackException."""
-    return _unpackb(data, raw=False, strict_map_key=True, max_str_len=4096)
+    return _unpackb(data, raw=False, strict_map_key=True, max_str_len=MAX_TEXT_BYTES)
 
 
 def encode_message(kind: int, header: Header, payload: bytes = b"") -> bytes:

@@ -10,13 +10,19 @@ import type { Season } from "../scene/season/season";
 import { seasonal } from "../scene/season/seasonal";
 import { aerialPerspective } from "../scene/sky/air";
 import { Stage } from "../scene/stage";
+import { standView } from "../scene/stand";
+import { LEVEL_SHARES } from "../scene/trees/detail";
+import { PullSlots } from "../scene/trees/pull/pullSlots";
 import type { SpeciesOptions } from "../scene/trees/speciesForest";
+import { materialsOf } from "../scene/trees/treeMaterial";
 import { Attention } from "./attention";
 import { Comparison } from "./compare/comparison";
 import { ContextLoss } from "./contextLoss";
+import type { DataFiles } from "./files/dataFiles";
 import { ForestClient } from "./forestClient";
 import { ForestFigures } from "./forestFigures";
 import { FrameStatistics } from "./frameStatistics";
+import { InventoryForest } from "./inventory/inventoryForest";
 import { TreeOverlays } from "./overlays/treeOverlays";
 import { OwnTrees } from "./ownTree/ownTrees";
 import type { OwnUploads } from "./ownTree/ownUploads";
@@ -28,6 +34,7 @@ import { Puller } from "./pulling/puller";
 import { showPulls } from "./pulling/showPulls";
 import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
+import { momentFrom } from "./settings/link";
 import { plantedAs } from "./settings/planted";
 import { queryFromSettings, type Settings } from "./settings/settings";
 import { adoptPlacement, sharedFrom, withShared } from "./settings/sharedForest";
@@ -37,6 +44,7 @@ import { StatusReport } from "./statusReport";
 import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
 import { showExaggeration } from "./ui/exaggerated";
+import { InventoryCard } from "./ui/inventoryCard";
 import { askForKey, keptKey } from "./ui/keyDialog";
 import { Panel, type SettingKey } from "./ui/panel";
 import { PickedCard } from "./ui/pickedCard";
@@ -46,6 +54,8 @@ import { showToast } from "./ui/toast";
 import { Visit } from "./visit";
 import { WindStudio } from "./windStudio";
 
+const NOT_SHARED =
+  "Put it at an address of this server (galewood forest FILE) and open the page with ?inventory=ADDRESS.";
 const REPORT_EVERY_MS = 250;
 /** The scene stays static for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
@@ -57,6 +67,7 @@ const PLACEMENT_KEYS: SettingKey[] = [
   "shares",
   "planted",
   "form",
+  "inventory",
   "forestSeed",
   "lookup",
   "method",
@@ -80,6 +91,8 @@ export class App {
   private readonly paper: PaperMethod;
   private readonly forest: Forest;
   private readonly planting: Planting;
+  private readonly inventory: InventoryForest;
+  private readonly inventoryCard: InventoryCard;
   private readonly comparison: Comparison;
   readonly figures: ForestFigures;
   private readonly cards: ProgressCards;
@@ -117,6 +130,7 @@ export class App {
     readonly settings: Settings,
     private readonly defaults: Settings,
     uploads: OwnUploads,
+    files: DataFiles,
   ) {
     useKeys({ known: keptKey, ask: askForKey });
     this.stage = new Stage(element<HTMLCanvasElement>("view"), settings.quality);
@@ -152,8 +166,14 @@ export class App {
       (key) => this.change(key),
       (id, how) => this.ownTrees.plant(id, how),
     );
+    this.inventory = new InventoryForest({ changed: () => this.inventoryChanged(), problem: showToast });
+    this.inventoryCard = new InventoryCard({
+      report: () => this.inventory.report(),
+      look: () => this.showStand(),
+      remove: () => this.followInventory(""),
+    });
     this.catalogue = new Catalogue((sha256) => this.client.loadTable(sha256), {
-      isPlanted: (id) => plantedAs(settings, id) !== null,
+      isPlanted: (id) => plantedAs(settings, id) !== null || this.isInInventory(id),
       change: (change) => this.treeChanged(change),
       assetsChanged: () => {
         this.planting.place();
@@ -165,10 +185,18 @@ export class App {
       },
       problem: showToast,
     });
-    this.planting = new Planting(settings, this.stage, this.forest, this.client, this.catalogue, () => {
-      this.dirty = true;
-      this.ownTrees.appeared();
-    });
+    this.planting = new Planting(
+      settings,
+      this.stage,
+      this.forest,
+      this.client,
+      this.catalogue,
+      () => {
+        this.dirty = true;
+        this.ownTrees.appeared();
+      },
+      this.inventory,
+    );
     this.ownTrees = new OwnTrees(uploads, {
       settings,
       stage: this.stage,
@@ -228,6 +256,12 @@ export class App {
     });
     this.status = new StatusReport(settings, stage, forest, client, meter, () => this.reconnect());
     this.figures = new ForestFigures(forest, client, catalogue, paper, meter);
+    if (settings.inventory !== "") void this.inventory.follow(settings.inventory);
+    files.connect({
+      inventory: (file) => void this.openInventory(file),
+      measurement: (file) => void this.studio.loadMeasurement(file),
+      wind: (file) => void this.studio.loadWind(file),
+    });
     this.stage.renderer.setAnimationLoop((now) => this.onFrame(now));
   }
 
@@ -235,12 +269,18 @@ export class App {
     const { quality } = this.settings;
     const { capabilities } = this.stage.renderer;
     return {
+      materials: materialsOf({
+        anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
+        smoothEdges: quality !== "low",
+        gloss: quality === "high",
+        surface: seasonal,
+        atmosphere: aerialPerspective,
+      }),
       maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
-      anisotropy: quality === "low" ? 1 : Math.min(4, capabilities.getMaxAnisotropy()),
-      smoothEdges: quality !== "low",
-      gloss: quality === "high",
-      surface: seasonal,
-      atmosphere: aerialPerspective,
+      // If gloss is affordable, so are the shadows of all leaves.
+      shadows: { share: quality === "high" ? 1 : LEVEL_SHARES[1], cascades: true },
+      shoots: quality !== "low",
+      pullsOf: (holds) => new PullSlots(holds),
       flutter: this.flutter,
       exaggeration: this.exaggeration,
     };
@@ -284,21 +324,68 @@ export class App {
 
   /** Called when another client replaced the trees of this shared forest. */
   private takePlacement(about: About): void {
+    const before = this.settings.inventory;
     if (!adoptPlacement(this.settings, about)) return;
     this.panel.refresh();
     this.catalogue.choose();
-    this.planting.place();
+    if (this.settings.inventory === before) this.planting.place();
+    else void this.inventory.follow(this.settings.inventory);
     this.paper.chosen();
     this.visit.undo.adopt();
     this.remember("placement");
   }
 
-  /** The forest of this page becomes a shared one: its trees, its wind and its time. */
-  private startSharing(id: string): void {
+  /** Plants the stems of a file; in a shared forest the others could not see them. */
+  private async openInventory(file: File): Promise<void> {
+    if (this.planting.share !== null) {
+      showToast("A shared forest cannot be planted from a file.", NOT_SHARED);
+      return;
+    }
+    this.settings.inventory = "";
+    await this.inventory.open(file);
+    this.remember("inventory");
+  }
+
+  /** Plants the inventory of an address; none if it is empty. */
+  private followInventory(address: string): void {
+    this.settings.inventory = address;
+    this.change("inventory");
+  }
+
+  private inventoryChanged(): void {
+    this.inventoryCard.show(this.inventory.current);
+    this.catalogue?.choose();
+    this.planting?.place(true);
+    if (momentFrom(location.search).eye === null) this.showStand();
+  }
+
+  /** Whether an upload has the name of a species in the inventory. */
+  private isInInventory(id: string): boolean {
+    const { current } = this.inventory;
+    if (!current) return false;
+    const name = this.catalogue.uploads.find((upload) => upload.id === id)?.name ?? "";
+    return current.names.has(id.toLowerCase()) || current.names.has(name.toLowerCase());
+  }
+
+  /** Shows all of the stand. */
+  private showStand(): void {
+    const { current } = this.inventory;
+    if (!current) return;
+    const { eye, target } = standView(current.report, this.stage.camera.aspect);
+    this.look(eye, target);
+  }
+
+  /** The forest of this page becomes a shared one: its trees, its wind and its time. Returns whether it can. */
+  private startSharing(id: string): boolean {
+    if (this.inventory.current && this.settings.inventory === "") {
+      showToast("A forest from a file cannot be shared.", NOT_SHARED);
+      return false;
+    }
     this.planting.share = id;
     this.catalogue.bare = this.playsBareTables;
     this.planting.place(true);
     this.remember("share");
+    return true;
   }
 
   get paused(): boolean {
@@ -341,6 +428,7 @@ export class App {
       return;
     }
     if (key === "planted") this.catalogue.choose();
+    if (key === "inventory") void this.inventory.follow(this.settings.inventory);
     if (PLACEMENT_KEYS.includes(key)) this.planting.place(key !== "lookup");
     if (key === "method" || key === "lookup") this.paper.chosen();
     if (key === "quality") {
@@ -515,6 +603,7 @@ export class App {
     this.overlays.dispose();
     this.studio.dispose();
     this.visit.dispose();
+    this.inventoryCard.dispose();
     this.comparison.dispose();
     this.catalogue.dispose();
     this.client.dispose();

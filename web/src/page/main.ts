@@ -1,6 +1,7 @@
 import "./ui/instruments/instruments.css";
 import "./ui/uploads.css";
 import { App } from "./app";
+import { DataFiles } from "./files/dataFiles";
 import { detectGraphics } from "./graphics";
 import { OwnUploads } from "./ownTree/ownUploads";
 import { exposeProbe } from "./probe";
@@ -15,6 +16,7 @@ import { showToast } from "./ui/toast";
 import { acceptUploads } from "./ui/upload";
 
 const uploads = new OwnUploads(() => localStorage);
+const files = new DataFiles();
 
 /** Reports an invalid wind in the link. */
 function checkWind(): void {
@@ -37,7 +39,7 @@ function start(software: boolean): void {
   document.body.classList.toggle("embedded", settings.embed);
   checkWind();
   connectSheets(settings.panel);
-  const app = new App(settings, defaults, uploads);
+  const app = new App(settings, defaults, uploads, files);
   exposeProbe(app);
   if (settings.panel) showHint(() => localStorage);
   addEventListener("pagehide", (event) => {
@@ -57,7 +59,7 @@ function afterPaint(then: () => void): void {
 }
 
 // Accept files from the start: otherwise the browser would navigate to a dropped file.
-const stopUploads = acceptUploads(uploads);
+const stopUploads = acceptUploads(uploads, files);
 addEventListener("pagehide", ({ persisted }) => {
   if (!persisted) stopUploads();
 });

@@ -7,8 +7,8 @@ import { showToast } from "./ui/toast";
 export interface SharingPage {
   /** Id of the shared forest; null while the forest is private. */
   readonly share: string | null;
-  /** Makes the forest a shared one with this id. */
-  start(id: string): void;
+  /** Makes the forest a shared one with this id; returns whether it can be one. */
+  start(id: string): boolean;
   /** A link to this forest and view. */
   link(): string;
 }
@@ -42,7 +42,7 @@ export class Sharing {
   /** Shares the forest if it is private, and copies its link. */
   share(): void {
     if (this.page.share === null) {
-      this.page.start(newId());
+      if (!this.page.start(newId())) return;
       this.card.show(null);
     }
     void this.copyLink();

@@ -28,7 +28,8 @@ export interface VisitPage {
   readonly replaced: UndoEvents["replaced"];
   /** Id of the shared forest; null while the forest is private. */
   share(): string | null;
-  startSharing(id: string): void;
+  /** Returns whether the forest is shared from now on. */
+  startSharing(id: string): boolean;
 }
 
 /** The address of the whole page, given that of an embedded one. */

@@ -61,6 +61,15 @@ export class WindStudio {
     return this.stage.renderer.domElement;
   }
 
+  /** Plays the measurement of a file. */
+  async loadMeasurement(file: File): Promise<void> {
+    await this.instruments.loadMeasurement(file);
+  }
+
+  async loadWind(file: File): Promise<void> {
+    await this.instruments.loadWind(file);
+  }
+
   /** Shows the page's wind after a change. */
   showWind(): void {
     this.instruments.showWind();

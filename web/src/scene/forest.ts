@@ -95,8 +95,19 @@ export function placeForest(
   } = options;
   const places = placeTrees(count, seed, density);
   const planted = plant(assets.filter(grows), places, shares, form);
+  const placesOf = (asset: TreeAsset) => places.filter((_, i) => planted[i] === asset);
+  return placedSpecies(assets, placesOf, single, season);
+}
+
+/** The trees at these places, and the single ones, by species; those whose model is not loaded are left out. */
+export function placedSpecies(
+  assets: readonly TreeAsset[],
+  placesOf: (asset: TreeAsset) => Placement[],
+  single: Readonly<Record<string, Placement>>,
+  season: Season,
+): PlacedSpecies[] {
   return assets.flatMap((asset) => {
-    const own = places.filter((_, i) => planted[i] === asset);
+    const own = placesOf(asset);
     if (single[asset.id]) own.push(single[asset.id]);
     if (!asset.model || own.length === 0) return [];
     const instances = createInstanceData(own, groundHeight_m, (treeId) =>

@@ -44,9 +44,8 @@ export interface FirstSway {
   readonly tip_m_pa: number;
 }
 
-/** The part of a table that drawing needs, unpacked by the worker. */
-export interface TableMotion {
-  readonly sha256: string;
+/** The part of a table by which trees are drawn, unpacked by the worker. */
+export interface DrawnMotion {
   readonly modes: number;
   /** Floats per tree in a pose buffer: the modes, the local wind speed in m/s, padding to a multiple of four. */
   readonly stride: number;
@@ -69,6 +68,12 @@ export interface TableMotion {
   readonly levels: readonly NodeLevel[];
   /** Largest displacement of any part of a tree of scale 1, m. */
   readonly reach_m: number;
+  readonly height_m: number;
+}
+
+/** What the page needs of a table. */
+export interface TableMotion extends DrawnMotion {
+  readonly sha256: string;
   /** Nearer node of each render vertex. */
   readonly vertexNode: Uint16Array<ArrayBuffer>;
   readonly primitives: readonly { name: string; kind: string; vertices: number }[];
@@ -77,7 +82,6 @@ export interface TableMotion {
   readonly sway: FirstSway;
   /** Natural frequencies of the first coordinates, which are the oscillators' own shapes. */
   readonly frequencies_hz: Float32Array<ArrayBuffer>;
-  readonly height_m: number;
   readonly meshSha256: string;
   /** Whether the table was made from the tree in leaf or bare. */
   readonly foliage: Foliage;

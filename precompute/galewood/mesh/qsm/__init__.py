@@ -10,7 +10,17 @@ from galewood.mesh.qsm.treeqsm import HDF5
 from galewood.util import lazily
 
 if TYPE_CHECKING:
+    from galewood.mesh.qsm.branches import Line
     from galewood.mesh.qsm.reading import ScannedTree, read_qsm
+    from galewood.mesh.qsm.tubes import tube
 
-__getattr__ = lazily(__name__, dict.fromkeys(("ScannedTree", "read_qsm"), "galewood.mesh.qsm.reading"))
-__all__ = ["HDF5", "ScannedTree", "has_cylinder_columns", "read_qsm"]
+__getattr__ = lazily(
+    __name__,
+    {
+        "Line": "galewood.mesh.qsm.branches",
+        "ScannedTree": "galewood.mesh.qsm.reading",
+        "read_qsm": "galewood.mesh.qsm.reading",
+        "tube": "galewood.mesh.qsm.tubes",
+    },
+)
+__all__ = ["HDF5", "Line", "ScannedTree", "has_cylinder_columns", "read_qsm", "tube"]

@@ -45,7 +45,7 @@ let compiled: WebAssembly.Module | null | undefined;
 function compile(): WebAssembly.Module | null {
   if (compiled !== undefined) return compiled;
   try {
-    const bytes = Uint8Array.from(atob(MODAL_KERNEL), (letter) => letter.charCodeAt(0));
+    const bytes = Uint8Array.from(MODAL_KERNEL.match(/../g) ?? [], (pair) => Number.parseInt(pair, 16));
     compiled = new WebAssembly.Module(bytes);
   } catch {
     compiled = null;

@@ -1,8 +1,13 @@
 /** Wind document, version 1: fields, ranges and parser. Specified in docs/formats/wind.md. */
 
-export const MODELS = ["cosine", "perlin", "spectral", "navier-stokes"] as const;
-export type WindModel = (typeof MODELS)[number];
+import { type Field, MODELS, numberAt, objectAt, refuseUnknown, WindError, type WindModel } from "./fields";
+import { type Recording, recordingAt, STILL } from "./recording";
+
+export { MODELS, WindError, type WindModel } from "./fields";
+
 const VERSION = 1;
+/** Fields that are not numbers. */
+const LISTS: Partial<Record<WindModel, readonly string[]>> = { cosine: ["waves"], recorded: ["recording"] };
 const MOST_WAVES = 16;
 const SHARE_TOLERANCE = 1e-9;
 
@@ -31,32 +36,12 @@ export interface WindDocument {
   /** Cosine only. */
   readonly heading_swing_deg?: number;
   readonly waves?: readonly Wave[];
+  /** Recorded only. */
+  readonly recording?: Recording;
 }
 
 /** A document with every default filled in, also for fields that its model does not use. */
 export type ResolvedWind = Required<WindDocument>;
-
-/** Error in a wind document, with the path of the field and what is expected there. */
-export class WindError extends Error {
-  override readonly name = "WindError";
-
-  constructor(
-    readonly path: string,
-    readonly expected: string,
-    found: unknown = undefined,
-  ) {
-    super(`${path}: ${expected}${found === undefined ? "" : `, not ${String(found).slice(0, 40)}`}`);
-  }
-}
-
-interface Field {
-  readonly low: number;
-  readonly high: number;
-  readonly models: readonly WindModel[];
-  /** If absent, the field is required. */
-  readonly standard?: number;
-  readonly whole?: boolean;
-}
 
 const TRAVELLING: readonly WindModel[] = ["perlin", "spectral", "navier-stokes"];
 
@@ -104,6 +89,7 @@ const DEFAULTS = {
   reference_height_m: 12,
   heading_swing_deg: 12,
   waves: FOREST_WAVES,
+  recording: STILL,
 };
 
 /** Fills in the defaults of a valid document. */
@@ -136,7 +122,7 @@ export function parseWind(value: unknown): WindDocument {
     throw new WindError("wind.model", `expected one of ${MODELS.join(", ")}`, fields.model);
   }
   const names = (Object.keys(FIELDS) as WindNumber[]).filter((name) => hasField(model, name));
-  const known = [...names, "version", "model", ...(model === "cosine" ? ["waves"] : [])];
+  const known = [...names, "version", "model", ...(LISTS[model] ?? [])];
   refuseUnknown(fields, known, "wind", `not a field of the ${model} model`);
   const numbers: Partial<Record<WindNumber, number>> = {};
   for (const name of names) {
@@ -144,42 +130,9 @@ export function parseWind(value: unknown): WindDocument {
     if (number !== undefined) numbers[name] = number;
   }
   const waves = fields.waves === undefined ? {} : { waves: wavesAt(fields.waves) };
-  return { version: VERSION, model, ...numbers, ...waves } as WindDocument;
-}
-
-function objectAt(value: unknown, path: string): Record<string, unknown> {
-  if (typeof value !== "object" || value === null || Array.isArray(value)) {
-    throw new WindError(path, "expected an object");
-  }
-  return value as Record<string, unknown>;
-}
-
-function refuseUnknown(
-  fields: Record<string, unknown>,
-  known: readonly string[],
-  path: string,
-  why: string,
-): void {
-  for (const name of Object.keys(fields)) {
-    if (!known.includes(name)) throw new WindError(`${path}.${name.slice(0, 40)}`, why);
-  }
-}
-
-function numberAt(
-  fields: Record<string, unknown>,
-  name: string,
-  { low, high, standard, whole }: Field,
-  path: string,
-): number | undefined {
-  const expected = `expected ${whole ? "a whole number" : "a number"} in ${low}..${high}`;
-  if (fields[name] === undefined) {
-    if (standard === undefined) throw new WindError(`${path}.${name}`, `missing, ${expected}`);
-    return undefined;
-  }
-  const value = fields[name];
-  const fits = typeof value === "number" && value >= low && value <= high; // NaN fails too
-  if (!fits || (whole && !Number.isInteger(value))) throw new WindError(`${path}.${name}`, expected, value);
-  return value;
+  const recording =
+    model === "recorded" ? { recording: recordingAt(fields.recording, "wind.recording") } : {};
+  return { version: VERSION, model, ...numbers, ...waves, ...recording } as WindDocument;
 }
 
 function wavesAt(value: unknown): Wave[] {

@@ -7,9 +7,12 @@ import { changeWind, fieldKey, type Moment, steady, type WindState, windAt } fro
 import { CosineGusts } from "./models/cosine";
 import { EddyGusts } from "./models/eddyGusts";
 import { PerlinGusts } from "./models/perlin";
+import { RecordedGusts } from "./models/recorded";
 import { SpectralGusts } from "./models/spectral";
 import { pressureOfVelocity } from "./pressure";
 
+/** Models that depend on the time rather than on the distance travelled. */
+const TIMED: readonly string[] = ["cosine", "recorded"];
 /** A transition needs two models at once. */
 const KEPT_GUSTS = 2;
 /** One set per species of the forest, and some for the instruments. */
@@ -23,6 +26,8 @@ export function gustsOf(wind: ResolvedWind): Gusts {
       return new SpectralGusts(wind.seed, wind.beta);
     case "navier-stokes":
       return new EddyGusts(wind.seed);
+    case "recorded":
+      return new RecordedGusts(wind.recording);
     case "cosine":
       return new CosineGusts(wind);
   }
@@ -88,7 +93,7 @@ export class WindField {
   }
 
   private write(wind: ResolvedWind, moment: Moment, x: Places, z: Places, outX: Output, outZ: Output): void {
-    const carried = wind.model === "cosine" ? moment.time_s : moment.travel;
+    const carried = TIMED.includes(wind.model) ? moment.time_s : moment.travel;
     this.gustsFor(wind).velocity(wind, carried, x, z, outX, outZ);
   }
 

@@ -44,7 +44,7 @@ export class View {
   }
 }
 
-/** One model with one seed. `carried`: distance that the air has travelled, in length scales (cosine: time in s). */
+/** One model with one seed. `carried`: distance that the air has travelled, in length scales (cosine, recorded: time in s). */
 export interface Gusts {
   /** Writes the velocity (m/s, world x and z) at each place. */
   velocity(wind: ResolvedWind, carried: number, x: Places, z: Places, outX: Output, outZ: Output): void;

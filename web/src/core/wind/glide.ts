@@ -89,12 +89,13 @@ export function withFront(state: WindState, x_m: number, z_m: number, time_s: nu
 
 /** Removes the fields that the model does not use, so that the document is valid. */
 function strip(wind: ResolvedWind): WindDocument {
-  const { waves, ...rest } = wind;
+  const { waves, recording, ...rest } = wind;
   const fields = FIELDS as Record<string, { models: readonly string[] }>;
   const own = Object.entries(rest).filter(([name]) => fields[name]?.models.includes(wind.model) ?? true);
   return {
     ...Object.fromEntries(own),
     ...(wind.model === "cosine" ? { waves } : {}),
+    ...(wind.model === "recorded" ? { recording } : {}),
   } as unknown as WindDocument;
 }
 
@@ -111,8 +112,8 @@ export function windAt(shared: WindState, time_s: number): Moment {
   if (t >= 1 || state.before === state.wind) return { before: to, wind: to, ...whole };
   const wind = between(from, to, share);
   if (sameField(from, to)) return { before: wind, wind, ...whole };
-  const { model, seed, beta, waves } = from;
-  return { before: { ...wind, model, seed, beta, waves }, wind, time_s, travel, share, crown };
+  const { model, seed, beta, waves, recording } = from;
+  return { before: { ...wind, model, seed, beta, waves, recording }, wind, time_s, travel, share, crown };
 }
 
 /** The state itself, or the transition to its next wind when that has begun. */
@@ -166,7 +167,10 @@ function sameField(a: ResolvedWind, b: ResolvedWind): boolean {
 
 /** Equal for winds that share the same gust field. */
 export function fieldKey(wind: ResolvedWind): string {
-  return JSON.stringify([wind.model, wind.seed, wind.beta, wind.waves]);
+  const { model, seed, beta, waves, recording } = wind;
+  const { interval_s, unit, pairs } = recording;
+  // not through JSON, which would copy the long text in every frame
+  return JSON.stringify([model, seed, beta, waves, interval_s, unit]) + pairs;
 }
 
 /** Interpolates from a to b, the direction along the shorter arc; model, seed, β and waves are taken from b. */

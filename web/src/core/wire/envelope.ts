@@ -7,7 +7,7 @@ import { decode, encode } from "@msgpack/msgpack";
 export const VERSION = 2;
 const MAGIC = [0x47, 0x57]; // "GW"
 const PREFIX_BYTES = 8;
-const MAX_HEADER_BYTES = 64 * 1024;
+const MAX_HEADER_BYTES = 128 * 1024;
 
 export type Header = Record<string, unknown>;
 

@@ -2,7 +2,8 @@
 
 import type { TreeAsset } from "../../scene/forest";
 import { type Form, kindsOf } from "../../scene/forms";
-import { readTreeModel, type TreeModel } from "../../scene/trees/mesh/treeMesh";
+import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
+import { readTreeModel } from "../../scene/trees/mesh/treeVariants";
 import type { TableMotion } from "../../worker/protocol";
 import { displayName } from "../ui/words";
 import { fetchMesh, type Job, Problem, type Tree, type TreeChange } from "./api";
@@ -129,6 +130,13 @@ export class Catalogue {
   get uploads(): { id: string; name: string }[] {
     const uploads = [...this.entries.values()].filter(({ tree }) => !tree.builtin);
     return uploads.map(({ tree }) => ({ id: tree.id, name: displayName(tree) }));
+  }
+
+  /** The upload with this name or id; null if there is none. */
+  uploadNamed(name: string): string | null {
+    const wanted = name.trim().toLowerCase();
+    const found = this.uploads.find((tree) => tree.id === name || tree.name.toLowerCase() === wanted);
+    return found?.id ?? null;
   }
 
   /** The trees of this forest, as last received from the server. */

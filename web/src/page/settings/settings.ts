@@ -20,6 +20,8 @@ export interface Settings {
   planted: PlantedTrees;
   /** Form of the built-in species: the one that suits each place, or the same everywhere. */
   form: FormChoice;
+  /** Address of the inventory whose stems are planted; empty: the forest is invented. */
+  inventory: string;
   /** Seed of the placement. */
   forestSeed: number;
   /** The only copy of the page's wind: panel, instruments, links and worker read it here. */
@@ -55,6 +57,8 @@ export const LIMITS = {
   frameRateLimit_hz: { min: 5, max: 240, step: 1 },
 } as const;
 
+const LONGEST_ADDRESS = 500;
+
 type NumberKey = keyof typeof LIMITS;
 
 export const DEFAULTS: Settings = {
@@ -63,6 +67,7 @@ export const DEFAULTS: Settings = {
   shares: {},
   planted: {},
   form: "place",
+  inventory: "",
   forestSeed: 7,
   wind: plainWind({ mean_speed_m_s: 7, direction_deg: 30, gustiness: 0.6, seed: 1 }),
   lookup: "worker",
@@ -141,6 +146,8 @@ export function settingsFromQuery(query: string, defaults: Settings = DEFAULTS):
   if (planted !== null) settings.planted = plantedFrom(planted);
   const form = FORM_CHOICES.find((name) => name === given.get("form"));
   if (form) settings.form = form;
+  const inventory = given.get("inventory");
+  if (inventory !== null) settings.inventory = inventory.slice(0, LONGEST_ADDRESS);
   const season = SEASONS.find((name) => name === given.get("season"));
   if (season) settings.season = season;
   return settings;
@@ -164,6 +171,7 @@ export function queryFromSettings(settings: Settings, defaults: Settings = DEFAU
   const planted = textOfPlanted(settings.planted);
   if (planted !== textOfPlanted(defaults.planted)) query.set("tree", planted);
   if (settings.form !== defaults.form) query.set("form", settings.form);
+  if (settings.inventory !== defaults.inventory) query.set("inventory", settings.inventory);
   if (settings.season !== defaults.season) query.set("season", settings.season);
   writeWind(query, settings.wind, defaults.wind);
   return query.toString();

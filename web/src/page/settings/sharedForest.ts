@@ -10,6 +10,7 @@ const PLACEMENT_KEYS = [
   "shares",
   "planted",
   "form",
+  "inventory",
   "forestSeed",
   "method",
   "poseEasing",
@@ -31,7 +32,7 @@ export function withShared(query: string, share: string | null): string {
 /** What others need to reproduce the placement. */
 export function placementOf(settings: Settings): About {
   const usual: Settings = { ...settings, trees: Number.NaN, forestSeed: Number.NaN };
-  for (const key of ["density", "shares", "planted", "form", "method", "poseEasing"] as const) {
+  for (const key of ["density", "shares", "planted", "form", "inventory", "method", "poseEasing"] as const) {
     Object.assign(usual, { [key]: settingsFromQuery("")[key] });
   }
   const query = queryFromSettings(settings, usual);

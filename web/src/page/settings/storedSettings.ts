@@ -23,7 +23,9 @@ export function remembered(defaults: Settings, store: () => Store): Settings {
 
 export function keep(settings: Settings, defaults: Settings, store: () => Store): void {
   try {
-    store().setItem(KEY, JSON.stringify({ version: VERSION, query: queryFromSettings(settings, defaults) }));
+    // an inventory belongs to its address
+    const query = queryFromSettings({ ...settings, inventory: defaults.inventory }, defaults);
+    store().setItem(KEY, JSON.stringify({ version: VERSION, query }));
   } catch {
     // Storage is full or blocked: continue without it.
   }

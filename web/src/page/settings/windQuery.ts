@@ -44,9 +44,20 @@ const isPlain = (wind: WindDocument): boolean =>
   sameWind(wind, plainWind(wind)) &&
   KEYS.every((key) => clampTo(WIND_LIMITS[key], Number(queryText(wind[key]))) === wind[key]);
 
+/** The plain wind that stands for a recording, which is too long for an address. */
+function meanOf(wind: WindDocument): WindDocument {
+  const { mean_speed_m_s, direction_deg, gustiness, seed } = withinTurn(wind);
+  return plainWind({
+    mean_speed_m_s: Math.round(10 * mean_speed_m_s) / 10,
+    direction_deg: Math.round(direction_deg) % 360,
+    gustiness: Math.round(100 * gustiness) / 100,
+    seed,
+  });
+}
+
 /** Writes the difference between a wind and the default wind. */
 export function writeWind(query: URLSearchParams, given: WindDocument, usual: WindDocument): void {
-  const wind = withinTurn(given);
+  const wind = given.model === "recorded" ? meanOf(given) : withinTurn(given);
   if (sameWind(wind, withinTurn(usual))) return;
   if (!isPlain(wind) || !isPlain(usual)) {
     query.set("wind", JSON.stringify(wind));

@@ -1,4 +1,5 @@
 /** Uploads of trees, chosen with the button or dropped anywhere on the page. */
+import type { DataFiles } from "../files/dataFiles";
 import { type Chosen, chosenFiles, droppedFiles, grouped, uploadOf } from "../ownTree/fileGroups";
 import type { OwnUploads } from "../ownTree/ownUploads";
 import { sendFile } from "../ownTree/sendingDialog";
@@ -29,19 +30,21 @@ async function send(file: File, uploads: OwnUploads): Promise<void> {
 }
 
 /** Shows the dialogs one after another. Textures and buffers are sent with their mesh. */
-async function sendInTurn(files: readonly Chosen[], uploads: OwnUploads): Promise<void> {
-  for (const group of grouped(files)) await send(await uploadOf(group), uploads);
+async function sendInTurn(files: readonly Chosen[], uploads: OwnUploads, data: DataFiles): Promise<void> {
+  const trees: Chosen[] = [];
+  for (const one of files) if (!(await data.take(one.file))) trees.push(one);
+  for (const group of grouped(trees)) await send(await uploadOf(group), uploads);
 }
 
 /** Accepts uploads until the returned function is called. */
-export function acceptUploads(uploads: OwnUploads): () => void {
+export function acceptUploads(uploads: OwnUploads, data: DataFiles): () => void {
   const input = element<HTMLInputElement>("file");
   const curtain = element("drop");
   const life = new AbortController();
   const { signal } = life;
   element("upload").addEventListener("click", () => input.click(), { signal });
   const sendAll = (files: readonly Chosen[]) => {
-    void sendInTurn(files, uploads);
+    void sendInTurn(files, uploads, data);
   };
   const sendChosen = () => {
     sendAll(chosenFiles(input.files ?? [])); // copied, because clearing the input empties the list

@@ -17,7 +17,8 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { meanColour, type TreePart } from "../trees/mesh/treeMesh";
+import type { TreePart } from "../trees/mesh/treeMesh";
+import { meanColour } from "../trees/mesh/treeVariants";
 import { type Atlas, VIEW_COUNT } from "./atlas";
 import { viewport } from "./atlasLayout";
 import { BAKE_FRAGMENT, BAKE_VERTEX, REDUCE_FRAGMENT, REDUCE_VERTEX } from "./bakeShader";

@@ -1,7 +1,6 @@
 /** The atlases of all trees that may be drawn as impostors, baked a few views per frame. */
 import type { Object3D, WebGLRenderer } from "three";
 import type { TableMotion } from "../../worker/protocol";
-import { bendNodes } from "../trees/farCards";
 import type { TreeModel } from "../trees/mesh/treeMesh";
 import { Atlas } from "./atlas";
 import { MOST_ATLASES, viewsPerFrame } from "./atlasLayout";
@@ -77,7 +76,7 @@ export class ImpostorLibrary {
 
   /** Impostors for the simulated trees of a species. */
   cardsFor(model: TreeModel, group: Object3D, motion: TableMotion): SimulatedCards {
-    return new SimulatedCards(this, model, group, bendNodes(motion).middleAt);
+    return new SimulatedCards(this, model, group, motion);
   }
 
   get isReady(): boolean {

@@ -1,6 +1,9 @@
 /** Impostors of the simulated trees of one species, from some distance on. */
 import type { Object3D, Texture } from "three";
-import type { FarCards } from "../trees/farCards";
+import type { TableMotion } from "../../worker/protocol";
+import type { DrawList } from "../trees/drawList";
+import { type BendNodes, bendNodes, type FarCards, fillCards } from "../trees/farCards";
+import type { LevelTexels } from "../trees/levelMeshes";
 import type { TreeModel } from "../trees/mesh/treeMesh";
 import type { Atlas } from "./atlas";
 import { Cards } from "./cards";
@@ -18,14 +21,16 @@ const ARRIVAL = { from_m: 420, time_ms: 1500 };
 export class SimulatedCards implements FarCards {
   private cards: Cards | null = null;
   private since_ms = 0;
+  private readonly bend: BendNodes;
 
   constructor(
     private readonly library: AtlasSource,
     private readonly model: TreeModel,
     private readonly group: Object3D,
-    /** Height of the middle node relative to the tip. */
-    private readonly middleAt: number,
-  ) {}
+    private readonly motion: Pick<TableMotion, "rest_m" | "height_m" | "levels">,
+  ) {
+    this.bend = bendNodes(motion);
+  }
 
   get from_m(): number {
     const atlas = this.library.atlasOf(this.model);
@@ -42,7 +47,7 @@ export class SimulatedCards implements FarCards {
 
   private take(atlas: Atlas): void {
     this.drop();
-    this.cards = new Cards(atlas, this.middleAt);
+    this.cards = new Cards(atlas, this.bend.middleAt);
     this.cards.addTo(this.group);
     this.since_ms = performance.now();
   }
@@ -52,18 +57,20 @@ export class SimulatedCards implements FarCards {
     this.cards = null;
   }
 
-  reserve(count: number): { data: Float32Array; bend: Float32Array } {
-    const list = this.cards?.seen;
-    if (!list) throw new Error("no impostors");
-    list.reserve(count);
-    return list;
-  }
-
-  show(count: number, nodes: Texture, shift: number): void {
+  show(
+    list: DrawList,
+    instances: Float32Array,
+    texels: readonly LevelTexels[],
+    nodes: Texture,
+    shift: number,
+  ): void {
     if (!this.cards) return;
-    this.cards.uniforms.uNodes.value = nodes;
-    this.cards.uniforms.uNodeShift.value = shift;
-    this.cards.seen.show(count);
+    const { seen, uniforms } = this.cards;
+    seen.reserve(list.drawn);
+    const count = fillCards(seen, list, instances, texels, this.motion.levels, this.bend);
+    uniforms.uNodes.value = nodes;
+    uniforms.uNodeShift.value = shift;
+    seen.show(count);
   }
 
   dispose(): void {

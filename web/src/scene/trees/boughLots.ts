@@ -2,12 +2,8 @@
  * Variants of a species: every tree lacks some boughs, with their twigs and leaves, and each tree others. Pure.
  */
 import { hashUnit } from "../../core/math/random";
+import { ALWAYS, MISSING } from "./lotShader";
 import { STEM } from "./mesh/boughs";
-
-/** Share of the boughs that a tree lacks. */
-export const MISSING = 0.22;
-/** Lot of what every tree has. */
-export const ALWAYS = -1;
 
 /** The lot of every bough, in [0, 1): evenly spread, in random order along the stem. */
 export function lotsOf(boughs: number): Float32Array {
@@ -29,10 +25,3 @@ export function hasLot(lot: number, x: number, z: number): boolean {
   const turned = lot + 0.731 * x + 0.417 * z;
   return lot < 0 || turned - Math.floor(turned) >= MISSING;
 }
-
-/** 1 where the tree at a place (x, z) has what bears this lot, 0 where it lacks it. */
-export const LOT_SHADER = /* glsl */ `
-float hasLot(float lot, vec2 place) {
-  return step(${MISSING}, fract(lot + dot(place, vec2(0.731, 0.417))) + step(lot, -0.5));
-}
-`;

@@ -14,6 +14,14 @@ export interface Bounds {
   readonly height_m: number;
   readonly radius_m: number;
   readonly reach_m: number;
+  /** Height of the cylinder's lower end above the tree's origin; 0 if absent. */
+  readonly low_m?: number;
+}
+
+/** Bounds of a species whose trees stand at any angle. */
+export function boundsAnyhow({ height_m, radius_m, reach_m }: Bounds): Bounds {
+  const ball_m = Math.hypot(height_m, radius_m) + reach_m;
+  return { height_m: 2 * ball_m, radius_m: ball_m, reach_m: 0, low_m: -ball_m };
 }
 
 /** Whether a cylinder at a position intersects the space inside all planes; conservative. */

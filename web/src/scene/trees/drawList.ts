@@ -13,6 +13,8 @@ export interface View {
   readonly levelFrom_m: readonly [number, number];
   /** Shadows are drawn up to this distance. */
   readonly shadow_m: number;
+  /** Whether all trees up to it cast them, because light comes from elsewhere than the sun. */
+  readonly allCast?: boolean;
   /** Distance (m) from which a tree of scale 1 is replaced by its impostor; never without it. */
   readonly cardsFrom_m?: number;
 }
@@ -79,7 +81,7 @@ export class DrawList {
     const at = tree * INSTANCE_FLOATS;
     const scale = data[at + 6];
     const x = data[at];
-    const y = data[at + 1];
+    const y = data[at + 1] + scale * (bounds.low_m ?? 0);
     const z = data[at + 2];
     const height_m = bounds.height_m * scale;
     const radius_m = (bounds.radius_m + bounds.reach_m) * scale;
@@ -122,7 +124,8 @@ export class DrawList {
     const slide_m = height_m / Math.max(LOWEST_SUN, view.sun.y);
     const nearest_m = distance_m - ball_m - slide_m;
     if (nearest_m > view.shadow_m) return NONE;
-    if (!shadowSeen(view.planes, view.sun, x, y + 0.5 * height_m, z, ball_m, slide_m)) return NONE;
+    if (!view.allCast && !shadowSeen(view.planes, view.sun, x, y + 0.5 * height_m, z, ball_m, slide_m))
+      return NONE;
     return Math.min(CAST_BINS - 1, Math.max(0, Math.floor(nearest_m / CAST_BIN_M)));
   }
 

@@ -1,6 +1,6 @@
 /** Impostors of simulated trees, as the scene supplies them: what they need to know of the trees and their motion. */
 import type { Texture } from "three";
-import type { TableMotion } from "../../worker/protocol";
+import type { DrawnMotion } from "../../worker/protocol";
 import { LEVEL_COUNT } from "./detail";
 import type { DrawList } from "./drawList";
 import { INSTANCE_FLOATS } from "./instanceData";
@@ -9,11 +9,21 @@ import type { LevelTexels } from "./levelMeshes";
 export interface FarCards {
   /** Distance (m) from which trees of scale 1 are drawn as impostors; infinite while there are none. */
   readonly from_m: number;
-  /** Makes room for this many cards and returns their arrays: 12 and 4 floats each. */
-  reserve(count: number): { data: Float32Array; bend: Float32Array };
-  /** Draws the first `count` cards, moved by the nodes in this target of pass 1. */
-  show(count: number, nodes: Texture, shift: number): void;
+  /** Draws the cards of a draw list, moved by the nodes in this target of pass 1. */
+  show(
+    list: DrawList,
+    instances: Float32Array,
+    texels: readonly LevelTexels[],
+    nodes: Texture,
+    shift: number,
+  ): void;
   dispose(): void;
+}
+
+/** Room for cards: 12 and 4 floats each. */
+export interface CardRoom {
+  readonly data: Float32Array;
+  readonly bend: Float32Array;
 }
 
 /** Two nodes of the trunk by which a whole tree bends. */
@@ -25,7 +35,7 @@ export interface BendNodes {
 }
 
 /** The nodes nearest to the axis halfway up and at the top. */
-export function bendNodes({ rest_m, height_m }: Pick<TableMotion, "rest_m" | "height_m">): BendNodes {
+export function bendNodes({ rest_m, height_m }: Pick<DrawnMotion, "rest_m" | "height_m">): BendNodes {
   const nearest = (share: number) => {
     let best = 0;
     let least = Number.POSITIVE_INFINITY;
@@ -43,20 +53,19 @@ export function bendNodes({ rest_m, height_m }: Pick<TableMotion, "rest_m" | "he
   return { middle, tip, middleAt: Math.min(0.8, Math.max(0.2, at)) };
 }
 
-/** Fills the cards of a draw list, with the texels of their nodes. */
+/** Fills the cards of a draw list, with the texels of their nodes; returns their number. */
 export function fillCards(
-  cards: FarCards,
+  { data, bend }: CardRoom,
   list: DrawList,
   instances: Float32Array,
   texels: readonly LevelTexels[],
-  motion: TableMotion,
+  levels: DrawnMotion["levels"],
   nodes: BendNodes,
 ): number {
-  const { data, bend } = cards.reserve(list.drawn);
   let count = 0;
   for (let level = 0; level < LEVEL_COUNT; level++) {
     const { first, trees, nodes: perTree } = texels[level];
-    const { of } = motion.levels[level];
+    const { of } = levels[level];
     const fitting = Math.min(trees, list.visible[level] + list.hidden[level]);
     for (let k = 0; k < fitting; k++) {
       const tree = list.order[list.start[level] + k];

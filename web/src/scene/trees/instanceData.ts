@@ -1,6 +1,6 @@
 /** The trees of one species as packed arrays. Pure. */
 
-/** Floats per tree in `InstanceData.data`: x y z texel | s·cos s·sin s share | tint rgb, strength. */
+/** Floats per tree in `InstanceData.data`: x y z texel | s·cos s·sin s share | tint rgb, strength; or see `anyhow`. */
 export const INSTANCE_FLOATS = 12;
 
 /** A place for a tree. Species are assigned later, so that places never move. */
@@ -21,6 +21,12 @@ export interface InstanceData {
   readonly placement: Float32Array<ArrayBuffer>;
   /** Id of the place of each tree. */
   readonly ids: Uint32Array<ArrayBuffer>;
+  /**
+   * Trees that stand as matrices say: [count, 12] columns of the inverse of each, and whether all are upright. Their data are x y z texel | quaternion x y,
+   * largest scale, share | quaternion z w, scales along x and z over that along y; the quaternion is multiplied by the root
+   * of the scale along y.
+   */
+  readonly anyhow?: { readonly inverse: Float32Array; readonly upright: boolean };
 }
 
 export type Tint = (treeId: number) => readonly [number, number, number, number];

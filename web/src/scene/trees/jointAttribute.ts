@@ -1,13 +1,13 @@
 /** How the vertices of a part are held: between which nodes, and where. */
 import { BufferAttribute } from "three";
-import type { NodeLevel, TableMotion } from "../../worker/protocol";
+import type { DrawnMotion, NodeLevel } from "../../worker/protocol";
 import type { TreePart } from "./mesh/treeMesh";
 
 /** Largest value of the third number of a joint attribute: the whole share of its second node. */
 export const WHOLE_SHARE = 65535;
 
 /** Both nodes of the joint of each vertex of one part at one level, and the share of the second. */
-export function jointAttribute(part: TreePart, firstVertex: number, motion: TableMotion, level: NodeLevel) {
+export function jointAttribute(part: TreePart, firstVertex: number, motion: DrawnMotion, level: NodeLevel) {
   const joints = new Uint16Array(4 * part.vertices);
   part.hold.forEach((vertex, v) => {
     const joint = motion.vertexJoint[firstVertex + vertex];
@@ -19,7 +19,7 @@ export function jointAttribute(part: TreePart, firstVertex: number, motion: Tabl
 }
 
 /** The place of the joint of each vertex of one part, about which the vertex turns. */
-export function pivotAttribute(part: TreePart, firstVertex: number, motion: TableMotion) {
+export function pivotAttribute(part: TreePart, firstVertex: number, motion: DrawnMotion) {
   const pivots = new Float32Array(3 * part.vertices);
   part.hold.forEach((vertex, v) => {
     const at = 3 * motion.vertexJoint[firstVertex + vertex];

@@ -14,7 +14,7 @@ import { LEVEL_SHARES } from "./detail";
 import type { DrawList } from "./drawList";
 import { INSTANCE_FLOATS } from "./instanceData";
 import type { TreePart } from "./mesh/treeMesh";
-import type { PartMaterials } from "./treeMaterial";
+import type { PartMaterials } from "./partMaterials";
 
 /** A part at this level: triangles sorted by rank, and the joint of each vertex. */
 export interface LevelPart {
@@ -23,6 +23,13 @@ export interface LevelPart {
   readonly joint: BufferAttribute | null;
   readonly pivot: BufferAttribute | null;
   readonly materials: PartMaterials;
+}
+
+export interface ShadowOptions {
+  /** Largest share of a tree's pieces that is drawn into shadow maps. */
+  readonly share: number;
+  /** Whether the shadow cameras are cascades around the eye, so that each needs only the casters near enough. */
+  readonly cascades: boolean;
 }
 
 type InstancedMesh = Mesh<InstancedBufferGeometry, Material>;
@@ -65,19 +72,18 @@ export class LevelMeshes {
   private visible = 0;
   private casters = 0;
   private castersWithin: (distance_m: number) => number = () => 0;
-  /** `shadowShare`: largest share of a tree's pieces that is drawn into shadow maps. */
   constructor(
     private readonly level: number,
     parts: readonly LevelPart[],
     trees: number,
-    private readonly shadowShare: number,
+    private readonly shadows: ShadowOptions,
     group: Group,
   ) {
     this.seen = instancesFor(trees);
     this.casting = instancesFor(trees);
     const shadowLevel = Math.max(
       level,
-      LEVEL_SHARES.findLastIndex((share) => share >= shadowShare),
+      LEVEL_SHARES.findLastIndex((share) => share >= shadows.share),
     );
     for (const part of parts) {
       group.add(this.colourMesh(part), this.shadowMesh(part, shadowLevel));
@@ -87,6 +93,8 @@ export class LevelMeshes {
   private mesh(part: LevelPart, level: number, caster: boolean): InstancedMesh {
     const mesh = new Mesh(geometryOf(part, level, caster ? this.casting : this.seen), part.materials.colour);
     mesh.customDepthMaterial = part.materials.shadow;
+    if (part.materials.distance) mesh.customDistanceMaterial = part.materials.distance;
+    mesh.raycast = () => {}; // instances are picked by treePick.ts
     mesh.frustumCulled = false; // trees are culled individually
     mesh.matrixAutoUpdate = false;
     mesh.castShadow = caster;
@@ -108,9 +116,12 @@ export class LevelMeshes {
   private shadowMesh(part: LevelPart, level: number): InstancedMesh {
     const mesh = this.mesh(part, level, true);
     mesh.onBeforeShadow = (_renderer, _object, _camera, shadowCamera) => {
-      // The cascade covers a part of the view within this distance of the eye.
-      const radius_m = (shadowCamera as OrthographicCamera).right ?? Number.POSITIVE_INFINITY;
-      mesh.geometry.instanceCount = this.castersWithin(2 * radius_m);
+      // A cascade covers a part of the view within this distance of the eye.
+      const { right } = shadowCamera as OrthographicCamera;
+      const within_m = this.shadows.cascades
+        ? 2 * (right ?? Number.POSITIVE_INFINITY)
+        : Number.POSITIVE_INFINITY;
+      mesh.geometry.instanceCount = this.castersWithin(within_m);
     };
     mesh.onBeforeRender = () => {
       mesh.geometry.instanceCount = 0;
@@ -143,7 +154,7 @@ export class LevelMeshes {
   ): void {
     const array = buffer.array as Float32Array;
     const start = list.start[this.level];
-    const mostShare = buffer === this.casting ? this.shadowShare : 1;
+    const mostShare = buffer === this.casting ? this.shadows.share : 1;
     for (let i = 0; i < count; i++) {
       const place = placeOf(i);
       const tree = list.order[place];
@@ -169,6 +180,7 @@ export class LevelMeshes {
       const used = materialsOf(materials);
       mesh.material = used.colour;
       mesh.customDepthMaterial = used.shadow;
+      if (used.distance) mesh.customDistanceMaterial = used.distance;
     }
   }
 

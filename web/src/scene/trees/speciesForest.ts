@@ -1,22 +1,28 @@
 /** All trees of one species: pass 1 for its nodes, instanced meshes at every level of detail for pass 2. */
 import { type BufferAttribute, Group, type WebGLRenderer } from "three";
-import type { TableMotion } from "../../worker/protocol";
-import type { Bounds } from "./culling";
+import type { DrawnMotion, TableMotion } from "../../worker/protocol";
+import { type Bounds, boundsAnyhow } from "./culling";
 import { LEVEL_COUNT, LEVEL_SHARES } from "./detail";
 import { DrawList, type View } from "./drawList";
-import { type BendNodes, bendNodes, type FarCards, fillCards } from "./farCards";
+import type { FarCards } from "./farCards";
 import type { InstanceData } from "./instanceData";
 import { jointAttribute, pivotAttribute } from "./jointAttribute";
-import { LevelMeshes, type LevelPart, type LevelTexels } from "./levelMeshes";
+import { LevelMeshes, type LevelPart, type LevelTexels, type ShadowOptions } from "./levelMeshes";
 import type { TreeModel, TreePart } from "./mesh/treeMesh";
 import { NodePass } from "./nodes/nodePass";
-import { PullSlots, type ShownPull } from "./pull/pullSlots";
-import { type MaterialOptions, type PartMaterials, partMaterials } from "./treeMaterial";
+import type { MaterialMaker, PartMaterials } from "./partMaterials";
+import type { PullSlots, ShownPull } from "./pull/pullSlots";
 import { jointRadii } from "./treePick";
 import type { TreeUniforms } from "./treeShader";
 
-export interface SpeciesOptions extends MaterialOptions {
+export interface SpeciesOptions {
+  readonly materials: MaterialMaker;
   readonly maxTextureSide: number;
+  readonly shadows: ShadowOptions;
+  /** Draws fine shoots in place of fallen leaves; without smoothed edges they would be specks. */
+  readonly shoots: boolean;
+  /** What shows pulled branches, by the vertex whose motion each vertex takes; without it they are not shown. */
+  pullsOf?(holds: Uint32Array): PullSlots;
   /** Shared clock and amplitude of the flutter of leaves. */
   readonly flutter: { value: { x: number; y: number } };
   /** Shared factor of all displacements on screen. */
@@ -50,10 +56,11 @@ interface OwnPart {
   still: PartMaterials | null;
 }
 
-export class SpeciesForest {
+/** `Motion`: what is known of the motion besides what drawing needs. */
+export class SpeciesForest<Motion extends DrawnMotion = TableMotion> {
   readonly group = new Group();
   private readonly nodes: NodePass | null;
-  private readonly pulls: PullSlots;
+  private readonly pulls: PullSlots | null;
   private readonly uniforms: TreeUniforms;
   private readonly parts: OwnPart[];
   private readonly levels: LevelMeshes[];
@@ -64,12 +71,11 @@ export class SpeciesForest {
   private jointRadius_m: Float32Array | null = null;
   /** Impostors of distant trees, if the scene has any. */
   cards: FarCards | null = null;
-  private readonly bend: BendNodes | null;
 
   /** Without `motion` the trees stand still. */
   constructor(
     readonly model: TreeModel,
-    readonly motion: TableMotion | null,
+    readonly motion: Motion | null,
     public instances: InstanceData,
     readonly options: SpeciesOptions,
   ) {
@@ -77,15 +83,14 @@ export class SpeciesForest {
     this.nodes = motion
       ? new NodePass(motion, this.room, options.maxTextureSide, options.exaggeration)
       : null;
-    this.pulls = new PullSlots(holdsOf(model));
+    this.pulls = options.pullsOf?.(holdsOf(model)) ?? null;
     this.uniforms = {
-      ...this.pulls.uniforms,
+      ...this.pulls?.uniforms,
       uNodes: { value: this.nodes?.target.texture ?? null },
       uNodeShift: { value: 0 },
       uFlutter: options.flutter,
       uExaggeration: options.exaggeration,
     };
-    this.bend = motion && bendNodes(motion);
     this.parts = this.makeParts();
     this.levels = LEVEL_SHARES.map((_, level) => this.makeLevel(level));
     this.list = new DrawList(instances);
@@ -98,8 +103,7 @@ export class SpeciesForest {
       firstVertex += part.vertices;
       return own;
     });
-    // Without smoothed edges, such thin twigs would be specks.
-    const shoots = this.options.smoothEdges ? this.model.bare : [];
+    const shoots = this.options.shoots ? this.model.bare : [];
     const bare = shoots.map(({ part, of }) => this.ownPart(part, parts[of].firstVertex, true));
     return [...parts, ...bare];
   }
@@ -121,7 +125,7 @@ export class SpeciesForest {
       firstVertex === null
         ? { ...this.uniforms, uPulls: { value: 0 } }
         : { ...this.uniforms, uPullFirst: { value: firstVertex } };
-    const materials = partMaterials(part.material, part.kind, uniforms, this.options, moves);
+    const materials = this.options.materials(part.material, part.kind, uniforms, moves);
     materials.colour.vertexColors = part.colour !== null;
     return materials;
   }
@@ -134,8 +138,7 @@ export class SpeciesForest {
       const joint = motion && jointAttribute(part, firstVertex, motion, motion.levels[level]);
       return { part, joint, pivot, materials };
     });
-    // If gloss is affordable, so are the shadows of all leaves.
-    return new LevelMeshes(level, parts, this.room, this.options.gloss ? 1 : LEVEL_SHARES[1], this.group);
+    return new LevelMeshes(level, parts, this.room, this.options.shadows, this.group);
   }
 
   /** Replaces the instances if they fit; trees that stay keep their level of detail. */
@@ -167,7 +170,8 @@ export class SpeciesForest {
 
   get bounds(): Bounds {
     const { height_m, radius_m } = this.model;
-    return { height_m, radius_m, reach_m: this.exaggeration * (this.motion?.reach_m ?? 0) };
+    const bounds = { height_m, radius_m, reach_m: this.exaggeration * (this.motion?.reach_m ?? 0) };
+    return this.instances.anyhow?.upright === false ? boundsAnyhow(bounds) : bounds;
   }
 
   /** Data for picking. */
@@ -195,10 +199,9 @@ export class SpeciesForest {
   }
 
   private selectCards(texels: readonly LevelTexels[]): void {
-    const { cards, nodes, motion, bend } = this;
-    if (!cards || !nodes || !motion || !bend || !Number.isFinite(cards.from_m)) return;
-    const count = fillCards(cards, this.list, this.instances.data, texels, motion, bend);
-    cards.show(count, nodes.target.texture, nodes.shift);
+    const { cards, nodes } = this;
+    if (!cards || !nodes || !Number.isFinite(cards.from_m)) return;
+    cards.show(this.list, this.instances.data, texels, nodes.target.texture, nodes.shift);
   }
 
   /** Triangles of the last selection in the colour pass. */
@@ -212,7 +215,7 @@ export class SpeciesForest {
 
   /** Shows what the modes do not show of pulled trees. */
   showPulls(pulls: readonly ShownPull[]): void {
-    this.pulls.show(pulls);
+    this.pulls?.show(pulls);
   }
 
   renderNodes(renderer: WebGLRenderer): void {
@@ -238,12 +241,13 @@ export class SpeciesForest {
     this.group.removeFromParent();
     this.nodes?.dispose();
     this.cards?.dispose();
-    this.pulls.dispose();
+    this.pulls?.dispose();
     for (const level of this.levels) level.dispose();
     for (const { moving, still } of this.parts) {
       for (const materials of [moving, still]) {
         materials?.colour.dispose();
         materials?.shadow.dispose();
+        materials?.distance?.dispose();
       }
     }
   }

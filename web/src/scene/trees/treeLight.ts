@@ -1,6 +1,18 @@
 /** Colour and light of trees: the fragment part of pass 2. */
-import type { WebGLProgramParametersWithUniforms } from "three";
+import type { Color, WebGLProgramParametersWithUniforms } from "three";
 import type { Part } from "./mesh/treeMesh";
+
+/** Surface uniforms shared by all trees. */
+export interface SurfaceUniforms {
+  /** Snow cover: 0 none, 1 on all surfaces that face the sky. */
+  readonly uSnow: { value: number };
+  readonly uSnowColour: { value: Color };
+  /** Share of the leaves that are still on the tree. */
+  readonly uLeafShare: { value: number };
+  /** Sunlight before any shadow, and sky light on level ground. */
+  readonly uSunColour: { value: Color };
+  readonly uSkyColour: { value: Color };
+}
 
 /** Atmospheric perspective, as shader code that the scene supplies. */
 export interface AtmosphereShader {

@@ -1,4 +1,4 @@
-/** Materials of one part of a species, for the colour and the shadow pass. */
+/** Materials of one part of a species as the page draws it, for the colour and the shadow pass. */
 import {
   CustomBlending,
   DoubleSide,
@@ -13,7 +13,10 @@ import {
   ZeroFactor,
 } from "three";
 import type { Part } from "./mesh/treeMesh";
-import { type AtmosphereShader, deform, type SurfaceUniforms, type TreeUniforms } from "./treeShader";
+import type { MaterialMaker } from "./partMaterials";
+import { PULL_PARS } from "./pull/pullShader";
+import { type AtmosphereShader, patchColour, type SurfaceUniforms } from "./treeLight";
+import { deform, type TreeUniforms } from "./treeShader";
 
 const ALPHA_TEST = 0.42;
 
@@ -22,7 +25,7 @@ function sharpen(texture: Texture | null, anisotropy: number): Texture | null {
   return texture;
 }
 
-export type TreeMaterial = MeshStandardMaterial | MeshLambertMaterial;
+type TreeMaterial = MeshStandardMaterial | MeshLambertMaterial;
 
 export interface MaterialOptions {
   readonly anisotropy: number;
@@ -57,7 +60,10 @@ function colourMaterial(
   if (leaves && options.smoothEdges) material.defines = { ...material.defines, CUTICLE: "" };
   if (material.alphaToCoverage) keepAlpha(material);
   const { surface, atmosphere } = options;
-  deform(material, part, "colour", moves, { ...uniforms, ...atmosphere.uniforms, ...surface }, atmosphere);
+  const key = `colour-${atmosphere.key}`;
+  const variant = { part, moves, standing: "upright", key, pulls: PULL_PARS } as const;
+  const given = { ...uniforms, ...atmosphere.uniforms, ...surface };
+  deform(material, variant, given, (shader) => patchColour(shader, part, atmosphere));
   return material;
 }
 
@@ -74,7 +80,7 @@ function shadowMaterial(
   colour: TreeMaterial,
   part: Part,
   uniforms: TreeUniforms,
-  { surface, atmosphere }: MaterialOptions,
+  { surface }: MaterialOptions,
   moves: boolean,
 ): MeshDepthMaterial {
   const material = new MeshDepthMaterial({
@@ -82,24 +88,18 @@ function shadowMaterial(
     map: colour.alphaTest > 0 ? colour.map : null,
     alphaTest: colour.alphaTest,
   });
-  deform(material, part, "depth", moves, { ...uniforms, ...surface }, atmosphere);
+  deform(
+    material,
+    { part, moves, standing: "upright", key: "depth", pulls: PULL_PARS },
+    { ...uniforms, ...surface },
+  );
   return material;
 }
 
-/** Materials of a part. */
-export interface PartMaterials {
-  readonly colour: TreeMaterial;
-  readonly shadow: MeshDepthMaterial;
-}
-
 /** Materials of a part that is deformed by its nodes, or is static at no extra cost. */
-export function partMaterials(
-  from: MeshStandardMaterial,
-  part: Part,
-  uniforms: TreeUniforms,
-  options: MaterialOptions,
-  moves: boolean,
-): PartMaterials {
-  const colour = colourMaterial(from, part, uniforms, options, moves);
-  return { colour, shadow: shadowMaterial(colour, part, uniforms, options, moves) };
-}
+export const materialsOf =
+  (options: MaterialOptions): MaterialMaker =>
+  (from, part, uniforms, moves) => {
+    const colour = colourMaterial(from, part, uniforms, options, moves);
+    return { colour, shadow: shadowMaterial(colour, part, uniforms, options, moves) };
+  };

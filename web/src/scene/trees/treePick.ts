@@ -2,7 +2,7 @@
 
 import type { Ray } from "../../core/math/groundRay";
 import { poseNow } from "../../core/motion/nodePose";
-import type { TableMotion } from "../../worker/protocol";
+import type { DrawnMotion } from "../../worker/protocol";
 import type { Bounds } from "./culling";
 import { INSTANCE_FLOATS, type InstanceData } from "./instanceData";
 
@@ -10,7 +10,7 @@ export interface PickGroup {
   readonly instances: InstanceData;
   readonly bounds: Bounds;
   /** null for static trees. */
-  readonly motion: TableMotion | null;
+  readonly motion: DrawnMotion | null;
   /** Extent of the mesh around each joint, m at scale 1. */
   readonly jointRadius_m: Float32Array;
   readonly poses: Float32Array | null;
@@ -58,7 +58,7 @@ function candidates(groups: readonly PickGroup[], { from, to }: Ray): Candidate[
       const scale = instances.data[at + 6];
       const [ox, oy, oz] = [
         from.x - instances.data[at],
-        from.y - instances.data[at + 1],
+        from.y - instances.data[at + 1] - (bounds.low_m ?? 0) * scale,
         from.z - instances.data[at + 2],
       ];
       const enters_m = ballEntry(ox, oy - half_m * scale, oz, to.x, to.y, to.z, ball_m * scale);
@@ -84,11 +84,24 @@ export function ownRay(data: Float32Array, tree: number, { from, to }: Ray): Flo
   );
 }
 
+/** The ray before a tree's matrix was applied: origin, unit direction, and the length that a metre has there. */
+function rayBefore(inverse: Float32Array, tree: number, { from, to }: Ray): Float64Array {
+  const m = inverse.subarray(12 * tree, 12 * tree + 12);
+  const turned = (v: Ray["to"]) => [0, 1, 2].map((row) => m[row] * v.x + m[row + 3] * v.y + m[row + 6] * v.z);
+  const [x, y, z] = turned(from);
+  const [dx, dy, dz] = turned(to);
+  const length = Math.hypot(dx, dy, dz);
+  return Float64Array.of(x + m[9], y + m[10], z + m[11], dx / length, dy / length, dz / length, length);
+}
+
 /** Distance along the ray to a tree, m. */
 function entry(group: PickGroup, tree: number, ray: Ray): number {
   const { instances, bounds, motion, jointRadius_m, poses, exaggeration } = group;
   const scale = instances.data[tree * INSTANCE_FLOATS + 6];
-  const [ox, oy, oz, dx, dy, dz] = ownRay(instances.data, tree, ray);
+  const own = instances.anyhow
+    ? rayBefore(instances.anyhow.inverse, tree, ray)
+    : ownRay(instances.data, tree, ray);
+  const [ox, oy, oz, dx, dy, dz, length = 1 / scale] = own;
   if (!motion) return crownEntry(bounds, ox, oy, oz, dx, dy, dz) * scale;
   let nearest = Number.POSITIVE_INFINITY;
   const { jointRest_m: rest_m } = motion;
@@ -103,7 +116,7 @@ function entry(group: PickGroup, tree: number, ray: Ray): number {
     const t = ballEntry(ox - x, oy - y, oz - z, dx, dy, dz, radius_m);
     if (t < nearest) nearest = t;
   }
-  return nearest * scale;
+  return nearest / length;
 }
 
 /** Distance to a tree without nodes, approximated by the ellipsoid inside its bounds. */
@@ -131,7 +144,7 @@ export function pickTree(groups: readonly PickGroup[], ray: Ray): PickedTree | n
 const FILL = 0.75;
 
 /** Extent of the mesh around each joint, from the vertices that it holds (xyz packed, table order). */
-export function jointRadii(positions: readonly ArrayLike<number>[], motion: TableMotion): Float32Array {
+export function jointRadii(positions: readonly ArrayLike<number>[], motion: DrawnMotion): Float32Array {
   const { vertexJoint, jointRest_m } = motion;
   const radius_m = new Float32Array(motion.jointShare.length);
   let vertex = 0;

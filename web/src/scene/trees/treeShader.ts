@@ -1,16 +1,12 @@
 /** Shader code of pass 2, shared by the colour and shadow materials. */
-import type { Color, Material, WebGLProgramParametersWithUniforms } from "three";
-import { LOT_SHADER } from "./boughLots";
+import type { Material, WebGLProgramParametersWithUniforms } from "three";
 import { EDGE, MOST_GROWTH } from "./detail";
 import { WHOLE_SHARE } from "./jointAttribute";
 import { LEAF_FLUTTER } from "./leafFlutter";
+import { LOT_SHADER } from "./lotShader";
 import type { Part } from "./mesh/treeMesh";
 import { NODE_TEXEL, TURN_BY } from "./nodes/nodeTexel";
-import { PULL_PARS } from "./pull/pullShader";
 import type { PullUniforms } from "./pull/pullSlots";
-import { type AtmosphereShader, patchColour } from "./treeLight";
-
-export type { AtmosphereShader } from "./treeLight";
 
 export interface TreeUniforms extends Partial<PullUniforms> {
   /** Target of pass 1; null for static trees. */
@@ -22,22 +18,10 @@ export interface TreeUniforms extends Partial<PullUniforms> {
   uExaggeration: { value: number };
 }
 
-/** Surface uniforms shared by all trees. */
-export interface SurfaceUniforms {
-  /** Snow cover: 0 none, 1 on all surfaces that face the sky. */
-  readonly uSnow: { value: number };
-  readonly uSnowColour: { value: Color };
-  /** Share of the leaves that are still on the tree. */
-  readonly uLeafShare: { value: number };
-  /** Sunlight before any shadow, and sky light on level ground. */
-  readonly uSunColour: { value: Color };
-  readonly uSkyColour: { value: Color };
-}
-
 const VERTEX_PARS = /* glsl */ `
 attribute vec4 aPlace; // x, y, z in m; first texel of the tree in the node target
-attribute vec4 aTurn;  // scale*cos(yaw), scale*sin(yaw), scale, share of the pieces that are drawn
-attribute vec4 aTint;  // colour; weight relative to the texture colour
+attribute vec4 aTurn;  // see TURNED; scale, share of the pieces that are drawn
+attribute vec4 aTint;  // see TURNED
 attribute vec4 aAnchor; // base of the branch or petiole, to which it shrinks; lot of its bough, negative: every tree has it
 attribute vec4 aPiece; // random number of the piece, openness to the sky, flutter weight, rank
 #ifndef STILL
@@ -46,7 +30,7 @@ attribute vec3 aPivot; // where it is held
 uniform highp usampler2D uNodes;
 uniform int uNodeShift;
 uniform float uExaggeration;
-${NODE_TEXEL}${TURN_BY}${PULL_PARS}
+${NODE_TEXEL}${TURN_BY}
 vec3 heldMoved; // displacement and turn of the joint, and the wind there
 vec4 heldTurn;
 float heldWind;
@@ -71,15 +55,42 @@ varying vec4 vTint;
 varying vec4 vPiece;
 ${LOT_SHADER}${LEAF_FLUTTER}`;
 
+/** How trees stand: upright, turned about the vertical and of one scale, or as any matrix without shear says. */
+export type Standing = "upright" | "anyhow";
+
+/**
+ * From the tree's frame to the scene's: `stood` for places, `stoodNormal` for directions of any length.
+ * Upright: aTurn.xy is scale·(cos, sin) of the yaw, aTint the colour and its weight relative to the texture's.
+ * Anyhow: (aTurn.xy, aTint.xy) is a quaternion times the root of the scale along y, aTint.zw the scales along x and z over it.
+ */
+const STOOD: Record<Standing, string> = {
+  upright: /* glsl */ `
+vec3 stood(vec3 v) {
+  return vec3(aTurn.x * v.x + aTurn.y * v.z, aTurn.z * v.y, aTurn.x * v.z - aTurn.y * v.x);
+}
+#define stoodNormal stood
+`,
+  anyhow: /* glsl */ `
+vec3 spun(vec3 v) {
+  vec4 q = vec4(aTurn.xy, aTint.xy);
+  return (q.w * q.w - dot(q.xyz, q.xyz)) * v + 2.0 * (dot(q.xyz, v) * q.xyz + q.w * cross(q.xyz, v));
+}
+vec3 stood(vec3 v) {
+  return spun(v * vec3(aTint.z, 1.0, aTint.w));
+}
+vec3 stoodNormal(vec3 v) {
+  return spun(v / vec3(aTint.z, 1.0, aTint.w));
+}
+`,
+};
+
 const NORMAL = /* glsl */ `
 #ifdef STILL
   vec3 facing = normal;
 #else
-  takeJoint();
   vec3 facing = turnedBy(heldTurn, normal);
 #endif
-vec3 objectNormal = normalize(vec3(
-  aTurn.x * facing.x + aTurn.y * facing.z, aTurn.z * facing.y, aTurn.x * facing.z - aTurn.y * facing.x));
+vec3 objectNormal = normalize(stoodNormal(facing));
 `;
 
 const POSITION = /* glsl */ `
@@ -90,9 +101,6 @@ float grown = clamp((aTurn.w * ${1 + EDGE} - aPiece.w) / (${EDGE} * aTurn.w), 0.
 grown *= hasLot(aAnchor.w, aPlace.xz);
 vec3 local = mix(aAnchor.xyz, position, grown);
 #ifndef STILL
-  #ifdef SHADOW
-    takeJoint(); // the shadow pass has no normals
-  #endif
   #ifdef LEAVES
     vec3 pivot = aPivot;
     float leafSwing = uFlutter.y * aPiece.z * leafAngle(aPiece.x, heldWind, uFlutter.x + dot(aPlace.xz, vec2(0.7, 1.1)));
@@ -100,13 +108,15 @@ vec3 local = mix(aAnchor.xyz, position, grown);
   #else
     vec3 pivot = mix(aAnchor.xyz, aPivot, grown); // a branch that shrinks to its base ends there
   #endif
-  local = pivot + heldMoved + turnedBy(heldTurn, local - pivot) + uExaggeration * pulledBy();
+  local = pivot + heldMoved + turnedBy(heldTurn, local - pivot);
+  #ifdef PULLED
+    local += uExaggeration * pulledBy();
+  #endif
 #endif
 #ifdef LEAVES
   local *= step(aPiece.x, uLeafShare); // fallen leaves collapse to a point
 #endif
-vec3 transformed = aPlace.xyz + vec3(
-  aTurn.x * local.x + aTurn.y * local.z, aTurn.z * local.y, aTurn.x * local.z - aTurn.y * local.x);
+vec3 transformed = aPlace.xyz + stood(local);
 vTint = aTint;
 vPiece = aPiece;
 #if defined(LEAVES) && !defined(STILL)
@@ -114,37 +124,52 @@ vPiece = aPiece;
 #endif
 `;
 
-type Pass = "colour" | "depth";
+/** What tells one program from another. */
+export interface Variant {
+  readonly part: Part;
+  /** Trees that do not move are drawn without any deformation. */
+  readonly moves: boolean;
+  readonly standing: Standing;
+  /** Part of the key of the program: differs where the code of `further` differs. */
+  readonly key: string;
+  /** GLSL of `pulledBy()`, the displacement of a vertex by pulls; without it there are none. */
+  readonly pulls?: string;
+}
 
 function patchVertex(
   shader: WebGLProgramParametersWithUniforms,
-  part: Part,
-  pass: Pass,
-  moves: boolean,
+  { part, moves, standing, pulls }: Variant,
 ): void {
-  const defined = [part === "leaves" && "LEAVES", pass === "depth" && "SHADOW", !moves && "STILL"].filter(
-    (name) => name !== false,
-  );
+  const defined = [part === "leaves" && "LEAVES", !moves && "STILL"].filter((name) => name !== false);
+  const pulled = pulls && moves ? `#define PULLED\n${pulls}` : "";
   const defines = defined.map((name) => `#define ${name}\n`).join("");
   shader.vertexShader = shader.vertexShader
-    .replace("#include <common>", `#include <common>\n${defines}${VERTEX_PARS}`)
+    .replace("#include <common>", `#include <common>\n${defines}${VERTEX_PARS}${STOOD[standing]}${pulled}`)
     .replace("#include <beginnormal_vertex>", NORMAL)
     .replace("#include <begin_vertex>", POSITION);
+  // First of all, because not every material has normals.
+  if (moves)
+    shader.vertexShader = shader.vertexShader.replace("void main() {", "void main() {\ntakeJoint();");
 }
 
-/** Adds the deformation of pass 2 to a material, or none. Each combination compiles to its own program, hence the key. */
+/**
+ * Adds the deformation of pass 2 to a material, or none. Each combination compiles to its own program, hence the key.
+ * `further` changes the rest of the shader.
+ */
 export function deform(
   material: Material,
-  part: Part,
-  pass: Pass,
-  moves: boolean,
+  variant: Variant,
   uniforms: object,
-  atmosphere: AtmosphereShader,
+  further: (shader: WebGLProgramParametersWithUniforms) => void = () => {},
 ): void {
-  material.onBeforeCompile = (shader) => {
+  const { part, moves, standing, key } = variant;
+  const before = material.onBeforeCompile;
+  const keyBefore = material.customProgramCacheKey();
+  material.onBeforeCompile = (shader, renderer) => {
+    before.call(material, shader, renderer);
     Object.assign(shader.uniforms, uniforms);
-    patchVertex(shader, part, pass, moves);
-    if (pass === "colour") patchColour(shader, part, atmosphere);
+    patchVertex(shader, variant);
+    further(shader);
   };
-  material.customProgramCacheKey = () => `galewood-${part}-${pass}-${moves}-${atmosphere.key}`;
+  material.customProgramCacheKey = () => `galewood-${part}-${moves}-${standing}-${key}-${keyBefore}`;
 }

@@ -2,30 +2,21 @@
 
 import { GustLayer } from "../../core/modal/gustLayer";
 import { ModalForest } from "../../core/modal/modalForest";
+import { coverageOf, extrapolationRatioOf, GroupWind } from "../../core/motion/groupWind";
 import type { Method } from "../../core/motion/method";
 import { PaperForest } from "../../core/motion/paperSearch";
 import { poseStride } from "../../core/motion/poseStride";
+import { SteppedTrees, stepsOf } from "../../core/motion/steppedTrees";
 import type { Records } from "../../core/table/records";
 import type { Table } from "../../core/table/table";
 import { type WindField, withFront } from "../../core/wind/wind";
 import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
 import { rowsBefore, type ShownGroup } from "./carry";
-import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
 import type { MotionSource } from "./motionSource";
 import { HeldTrees } from "./pulls/heldTrees";
 import { PointResponses } from "./pulls/pointResponses";
 import type { Pulled } from "./pulls/pulled";
 import type { StartOfGroup } from "./shownPoses";
-
-/** Maximum step of wind and poses, so that the motion does not depend on the frame rate. */
-const MAX_STEP_S = 1 / 30;
-
-/**
- * Distances from the viewer up to which gusts within crowns move trees fully, and at all: at 80 m a pixel of a picture
- * 720 pixels high is 9 cm, more than branches move relative to the crown.
- */
-const FULL_M = 50;
-const GONE_M = 80;
 
 export interface LocalGroup extends ShownGroup {
   readonly table: Table;
@@ -39,13 +30,7 @@ export interface LocalGroup extends ShownGroup {
 
 interface Moving {
   readonly group: LocalGroup;
-  readonly lookup: PaperForest | ModalForest;
-  /** Only with the modal method. */
-  readonly gusts: GustLayer | null;
-  /** [count] share of the gusts within the crown: fades out with the distance from the viewer. */
-  readonly nearness: Float32Array;
-  readonly wind: GroupWind;
-  readonly modes: number;
+  readonly trees: SteppedTrees<PaperForest | ModalForest>;
 }
 
 export class LocalMotion implements MotionSource {
@@ -73,16 +58,16 @@ export class LocalMotion implements MotionSource {
           : new ModalForest(table, count);
       const modal = lookup instanceof ModalForest;
       const peak_pa = modal ? table.modal.limits[2] : peak_pressure_pa;
-      const own = new GroupWind(placement, height_m, peak_pa, !modal);
-      lookup.setTrees(own.x, own.z, own.column(2), own.column(3));
+      const wind = new GroupWind(placement, height_m, peak_pa, !modal);
       const gusts = modal ? new GustLayer(table, count) : null;
-      return { group, lookup, gusts, wind: own, modes, nearness: new Float32Array(count).fill(1) };
+      return { group, trees: new SteppedTrees(lookup, gusts, wind, modes) };
     });
   }
 
   /** Starts the trees of the modal method where and as fast as they are displayed; `adopt` has precedence. */
   startAt(starts: readonly (StartOfGroup | null)[]): void {
-    for (const [g, { lookup, wind, modes }] of this.groups.entries()) {
+    for (const [g, { trees }] of this.groups.entries()) {
+      const { lookup, wind, modes } = trees;
       const start = starts[g];
       if (!start || !(lookup instanceof ModalForest)) continue;
       wind.update(this.field, this.time_s);
@@ -98,17 +83,18 @@ export class LocalMotion implements MotionSource {
 
   /** Takes over the state of trees that existed before with the same table and method. */
   adopt(before: LocalMotion): void {
-    for (const { group, lookup, gusts } of this.groups) {
+    for (const { group, trees } of this.groups) {
+      const { lookup, gusts } = trees;
       const old = before.groups.find(
         (other) => other.group.key === group.key && other.group.table === group.table,
       );
       if (!old) continue;
       const rows = rowsBefore(old.group.ids, group.ids);
-      if (lookup instanceof ModalForest && old.lookup instanceof ModalForest) {
-        lookup.adopt(old.lookup, rows);
-        if (gusts && old.gusts) gusts.adopt(old.gusts, rows);
-      } else if (lookup instanceof PaperForest && old.lookup instanceof PaperForest) {
-        lookup.adopt(old.lookup, rows);
+      if (lookup instanceof ModalForest && old.trees.lookup instanceof ModalForest) {
+        lookup.adopt(old.trees.lookup, rows);
+        if (gusts && old.trees.gusts) gusts.adopt(old.trees.gusts, rows);
+      } else if (lookup instanceof PaperForest && old.trees.lookup instanceof PaperForest) {
+        lookup.adopt(old.trees.lookup, rows);
       }
     }
   }
@@ -120,14 +106,14 @@ export class LocalMotion implements MotionSource {
   }
 
   displace({ group, tree }: TreeAt, e: Float64Array, v: Float64Array): boolean {
-    const lookup = this.groups[group]?.lookup;
+    const lookup = this.groups[group]?.trees.lookup;
     if (!(lookup instanceof ModalForest) || tree >= lookup.count) return false;
     lookup.displace(tree, e, v);
     return true;
   }
 
   pull(order: PullOrder): void {
-    if (order.at.tree < (this.groups[order.at.group]?.lookup.count ?? 0)) this.hands.pull(order);
+    if (order.at.tree < (this.groups[order.at.group]?.trees.lookup.count ?? 0)) this.hands.pull(order);
   }
 
   letGo(hand: number): void {
@@ -143,12 +129,12 @@ export class LocalMotion implements MotionSource {
   }
 
   get coverage(): number {
-    return coverageOf(this.groups.map(({ wind }) => wind));
+    return coverageOf(this.groups.map(({ trees }) => trees.wind));
   }
 
   get extrapolationRatio(): number {
-    const winds = extrapolationRatioOf(this.groups.map(({ wind }) => wind));
-    return this.groups.reduce((most, { lookup }) => {
+    const winds = extrapolationRatioOf(this.groups.map(({ trees }) => trees.wind));
+    return this.groups.reduce((most, { trees: { lookup } }) => {
       if (lookup instanceof ModalForest)
         for (const one of lookup.extrapolationRatio) most = Math.max(most, one);
       return most;
@@ -157,12 +143,7 @@ export class LocalMotion implements MotionSource {
 
   /** Trees far from the viewer (m, world) do without the gusts within their crowns. */
   see(x: number, z: number): void {
-    for (const { wind, nearness } of this.groups) {
-      for (let tree = 0; tree < nearness.length; tree++) {
-        const far_m = Math.hypot(wind.x[tree] - x, wind.z[tree] - z);
-        nearness[tree] = Math.min(1, Math.max(0, (GONE_M - far_m) / (GONE_M - FULL_M)));
-      }
-    }
+    for (const { trees } of this.groups) trees.see(x, z);
   }
 
   takeWind_ms(): number {
@@ -172,7 +153,7 @@ export class LocalMotion implements MotionSource {
   }
 
   inspect({ group, tree }: TreeAt): Inspection | null {
-    const found = this.groups[group];
+    const found = this.groups[group]?.trees;
     if (!found || tree >= found.lookup.count) return null;
     const { lookup, wind } = found;
     const felt = wind.extrapolationRatioAt(tree);
@@ -181,9 +162,9 @@ export class LocalMotion implements MotionSource {
   }
 
   advance(dt_s: number, out: readonly Float32Array[]): boolean {
-    const steps = Math.max(1, Math.ceil(dt_s / MAX_STEP_S - 1e-9));
-    for (let step = 0; step < steps; step++) this.step(dt_s / steps);
-    for (let g = 0; g < this.groups.length; g++) this.write(g, out[g]);
+    const { steps, step_s } = stepsOf(dt_s);
+    for (let step = 0; step < steps; step++) this.step(step_s);
+    for (const [g, { trees }] of this.groups.entries()) trees.write(out[g]);
     this.hands.follow(dt_s, out);
     return true;
   }
@@ -191,24 +172,10 @@ export class LocalMotion implements MotionSource {
   private step(dt_s: number): void {
     this.time_s += dt_s;
     const begin_ms = performance.now();
-    for (const { wind } of this.groups) wind.update(this.field, this.time_s);
+    for (const { trees } of this.groups) trees.feel(this.field, this.time_s);
     this.wind_ms += performance.now() - begin_ms;
     const moment = this.field.at(this.time_s);
-    for (const { lookup, gusts, wind, nearness } of this.groups) {
-      const { pressureX, pressureZ } = wind;
-      gusts?.advance(moment, lookup.stepping(dt_s), pressureX, pressureZ, nearness, lookup.q);
-      lookup.advance(dt_s, pressureX, pressureZ);
-    }
-  }
-
-  private write(group: number, out: Float32Array): void {
-    const { lookup, wind, modes } = this.groups[group];
-    const stride = poseStride(modes);
-    const { q } = lookup;
-    for (let tree = 0, from = 0, to = 0; tree < lookup.count; tree++, to += stride, from += modes) {
-      for (let k = 0; k < modes; k++) out[to + k] = q[from + k];
-    }
-    wind.writeSpeeds(out, modes);
+    for (const { trees } of this.groups) trees.step(dt_s, moment);
   }
 
   dispose(): void {}

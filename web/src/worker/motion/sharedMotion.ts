@@ -4,6 +4,7 @@ import type { Pulls, Reply, Request } from "../../core/wire/wire";
 import type { Connection, Inspection, PullOrder, TreeAt } from "../protocol";
 import { ForestSocket } from "../stream/forestSocket";
 import { SharedClock } from "../stream/sharedClock";
+import { WindSender } from "../stream/windSender";
 import type { LocalMotion } from "./localMotion";
 import type { MotionSource } from "./motionSource";
 import type { Pulled } from "./pulls/pulled";
@@ -27,6 +28,7 @@ export class SharedMotion implements MotionSource {
   private readonly clock: SharedClock;
   private clockReceived_ms = Number.NaN;
   private readonly sender: PullSender;
+  private readonly windSender = new WindSender((request) => this.socket.send(request));
   /** Hands of this page, which it need not be told of. */
   private readonly own = new Set<number>();
 
@@ -111,7 +113,7 @@ export class SharedMotion implements MotionSource {
   }
 
   windChanged(wind: WindDocument): void {
-    this.socket.send({ type: "wind", wind: { ...wind } });
+    this.windSender.change(wind);
   }
 
   pause(paused: boolean): void {
@@ -140,6 +142,7 @@ export class SharedMotion implements MotionSource {
   }
 
   dispose(): void {
+    this.windSender.dispose();
     this.socket.dispose();
     this.local.dispose();
   }

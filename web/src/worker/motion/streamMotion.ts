@@ -1,5 +1,6 @@
 /** Poses streamed by the server, displayed with a short delay; the connection is restored automatically. */
 
+import { coverageOf, extrapolationRatioOf, GroupWind } from "../../core/motion/groupWind";
 import type { Method } from "../../core/motion/method";
 import { poseStride } from "../../core/motion/poseStride";
 import { parseState, type WindDocument, type WindField } from "../../core/wind/wind";
@@ -10,7 +11,7 @@ import { ForestSocket } from "../stream/forestSocket";
 import { PoseSum } from "../stream/poseSum";
 import { SharedClock } from "../stream/sharedClock";
 import { PoseTimeline } from "../stream/timeline";
-import { coverageOf, extrapolationRatioOf, GroupWind } from "./groupWind";
+import { WindSender } from "../stream/windSender";
 import type { MotionSource } from "./motionSource";
 import type { PointResponses, PulledTable } from "./pulls/pointResponses";
 import type { Pulled } from "./pulls/pulled";
@@ -52,6 +53,7 @@ export class StreamMotion implements MotionSource {
   private paused = false;
   private hidden = false;
   private readonly sender: PullSender;
+  private readonly windSender = new WindSender((request) => this.socket.send(request));
   private readonly pulls: StreamedPulls;
   pulled: Pulled[] = [];
 
@@ -145,7 +147,7 @@ export class StreamMotion implements MotionSource {
   }
 
   windChanged(wind: WindDocument): void {
-    this.socket.send({ type: "wind", wind: { ...wind } });
+    this.windSender.change(wind);
   }
 
   pause(paused: boolean): void {
@@ -213,6 +215,7 @@ export class StreamMotion implements MotionSource {
   }
 
   dispose(): void {
+    this.windSender.dispose();
     this.socket.dispose();
   }
 }

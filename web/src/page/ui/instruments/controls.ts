@@ -15,6 +15,7 @@ const MODEL_NAMES: Record<WindModel, string> = {
   perlin: "Perlin noise",
   spectral: "1/f^β turbulence",
   "navier-stokes": "Navier–Stokes eddies",
+  recorded: "Measured",
 };
 
 interface Slider {
@@ -69,6 +70,7 @@ const SLIDERS: readonly Slider[] = [
 export class WindControls {
   readonly element = make("div", "", "wind-controls");
   private readonly model = make("select");
+  private readonly measured: HTMLOptionElement;
   private readonly rows: {
     slider: Slider;
     row: HTMLElement;
@@ -81,6 +83,7 @@ export class WindControls {
     private readonly changed: (wind: WindDocument) => void,
   ) {
     for (const name of MODELS) this.model.append(new Option(MODEL_NAMES[name], name));
+    this.measured = this.model.options[MODELS.indexOf("recorded")];
     this.model.addEventListener("change", () => {
       this.changed(withModel(current.wind, this.model.value as WindModel));
     });
@@ -111,6 +114,8 @@ export class WindControls {
 
   show(): void {
     const { wind } = this.current;
+    // a measurement is loaded from a file, not chosen here
+    this.measured.hidden = this.measured.disabled = wind.model !== "recorded";
     this.model.value = wind.model;
     for (const { slider, row, input, output } of this.rows) {
       row.hidden = !hasField(wind.model, slider.name);

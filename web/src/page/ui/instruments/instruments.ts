@@ -14,7 +14,7 @@ import { windInWords } from "./beaufort";
 import { WindControls } from "./controls";
 import { WindRose } from "./rose";
 import { presetAt, presetOf } from "./windEditing";
-import { saveWind, WindFileInput } from "./windFiles";
+import { MeasurementInput, saveWind, WindFileInput } from "./windFiles";
 
 const PRESET_NAMES: Record<PresetName, string> = {
   still: "Still",
@@ -51,6 +51,7 @@ export class Instruments {
     (wind) => this.events.wind(wind),
     (why) => this.refuse(why),
   );
+  private readonly measurements: MeasurementInput;
   private readonly overlayButton = toggle(
     "Show on ground",
     "Shows the wind as arrows on the ground: warm colours in gusts, blue in lulls",
@@ -62,6 +63,7 @@ export class Instruments {
     private readonly events: InstrumentEvents,
   ) {
     this.controls = new WindControls(current, events.wind);
+    this.measurements = new MeasurementInput(events);
     this.presets = (Object.keys(PRESETS) as PresetName[]).map((name) => this.presetButton(name));
     this.overlayButton.addEventListener("click", () => events.overlay(flip(this.overlayButton)));
     this.placeButton.addEventListener("click", () => events.placing(flip(this.placeButton)));
@@ -92,7 +94,10 @@ export class Instruments {
     const details = make("details");
     const save = make("button", "Download wind");
     const load = make("button", "Load wind…");
-    save.type = load.type = "button";
+    const measured = make("button", "Load a measurement (CSV)…");
+    measured.title = "Plays the record of an anemometer: columns with time, speed and direction";
+    save.type = load.type = measured.type = "button";
+    measured.addEventListener("click", () => this.measurements.choose());
     save.addEventListener("click", () => saveWind(this.wind));
     load.addEventListener("click", () => this.files.choose());
     details.append(
@@ -100,8 +105,17 @@ export class Instruments {
       this.controls.element,
       this.coverage,
       group("wind-files", save, load, this.files.element),
+      group("wind-files", measured, this.measurements.element),
     );
     return details;
+  }
+
+  loadMeasurement(file: File): Promise<void> {
+    return this.measurements.take(file);
+  }
+
+  loadWind(file: File): Promise<void> {
+    return this.files.take(file);
   }
 
   private refuse(why: WindError): void {

@@ -3,6 +3,7 @@ import {
   hasField,
   PRESETS,
   type PresetName,
+  STILL,
   type WindDocument,
   type WindModel,
   type WindNumber,
@@ -12,13 +13,17 @@ const STANDARD = { length_scale_m: 25, beta: 5 / 3 };
 
 /** Changes the model: keeps the common fields, adds the defaults of new ones and removes the rest. */
 export function withModel(wind: WindDocument, model: WindModel): WindDocument {
-  const { waves, ...numbers } = { ...STANDARD, ...wind };
+  const { waves, recording, ...numbers } = { ...STANDARD, ...wind };
   const kept = Object.entries(numbers).filter(
     ([name]) => name === "version" || name === "model" || hasField(model, name as WindNumber),
   );
   const { beta: _, ...plain } = Object.fromEntries(kept);
   const beta = model === "spectral" ? { beta: numbers.beta } : {};
-  return { ...plain, ...beta, ...(model === "cosine" && waves ? { waves } : {}), model } as WindDocument;
+  const lists = {
+    ...(model === "cosine" && waves ? { waves } : {}),
+    ...(model === "recorded" ? { recording: recording ?? STILL } : {}),
+  };
+  return { ...plain, ...beta, ...lists, model } as WindDocument;
 }
 
 /** A preset with the given direction. */

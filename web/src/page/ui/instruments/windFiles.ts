@@ -2,6 +2,7 @@
 import { parseWindText, type WindDocument, WindError } from "../../../core/wind/wind";
 import { make } from "../dom";
 import { saveFile } from "../saveFile";
+import type { MeasurementEvents } from "./measurement";
 
 const LARGEST_BYTES = 65_536;
 
@@ -18,18 +19,35 @@ export function saveWind(wind: WindDocument): void {
 }
 
 /** A hidden file input; `choose` opens it. */
-export class WindFileInput {
+class FileInput {
   readonly element = make("input");
 
-  constructor(loaded: (wind: WindDocument) => void, refused: (why: WindError) => void) {
+  /** `take` reads a file, chosen or dropped. */
+  constructor(
+    accept: string,
+    testId: string,
+    readonly take: (file: File) => Promise<void>,
+  ) {
     this.element.type = "file";
-    this.element.accept = ".json,application/json";
+    this.element.accept = accept;
     this.element.hidden = true;
-    this.element.dataset.testid = "wind-file";
-    this.element.addEventListener("change", async () => {
+    this.element.dataset.testid = testId;
+    this.element.addEventListener("change", () => {
       const file = this.element.files?.[0];
       this.element.value = "";
-      if (!file) return;
+      if (file) void take(file);
+    });
+  }
+
+  choose(): void {
+    this.element.click();
+  }
+}
+
+/** A wind document, as "Download wind" saves it. */
+export class WindFileInput extends FileInput {
+  constructor(loaded: (wind: WindDocument) => void, refused: (why: WindError) => void) {
+    super(".json,application/json", "wind-file", async (file) => {
       try {
         loaded(windFromText(await file.text()));
       } catch (error) {
@@ -38,8 +56,14 @@ export class WindFileInput {
       }
     });
   }
+}
 
-  choose(): void {
-    this.element.click();
+/** The file of an anemometer's logger. */
+export class MeasurementInput extends FileInput {
+  constructor(events: MeasurementEvents) {
+    super(".csv,.dat,.txt,.tsv,text/csv", "measurement-file", async (file) => {
+      const { loadMeasurement } = await import("./measurement");
+      await loadMeasurement(file, events);
+    });
   }
 }

@@ -13,7 +13,7 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import type { TableMotion } from "../../../worker/protocol";
+import type { DrawnMotion } from "../../../worker/protocol";
 import type { DrawList } from "../drawList";
 import { LevelPass, type PoseRows } from "./levelPass";
 import { levelRows, nodeLayout } from "./nodeLayout";
@@ -50,7 +50,7 @@ export class NodePass {
   private poses: Float32Array | null = null;
 
   constructor(
-    private readonly motion: TableMotion,
+    private readonly motion: DrawnMotion,
     readonly trees: number,
     private readonly maxSide: number,
     factor: { value: number },

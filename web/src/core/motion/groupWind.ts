@@ -1,8 +1,8 @@
 /** The wind at the trees of one group, written into pose buffers. Nothing is allocated per frame. */
 
-import { poseStride } from "../../core/motion/poseStride";
-import { compression, pressureOfVelocity } from "../../core/wind/pressure";
-import { dynamicPressure, heightFactor, type WindField } from "../../core/wind/wind";
+import { compression, pressureOfVelocity } from "../wind/pressure";
+import { dynamicPressure, heightFactor, type WindField } from "../wind/wind";
+import { poseStride } from "./poseStride";
 
 export class GroupWind {
   readonly count: number;

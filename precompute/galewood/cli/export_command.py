@@ -1,0 +1,137 @@
+"""`galewood export`: a moving tree as files for engines and other programs."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from galewood.cli.tools import JsonOut, console, progress_bar, progress_reporter, write_figures
+
+if TYPE_CHECKING:
+    from galewood.export import ExportOptions
+    from galewood.table import Table
+    from galewood.wind import Wind
+
+TableFile = Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="Table file.")]
+Target = Annotated[Path | None, typer.Argument(help="Where to write; the same as --out.")]
+Out = Annotated[Path | None, typer.Option(help="Folder to write (--to glb: file); default: TABLE-KIND.")]
+To = Annotated[
+    str,
+    typer.Option(help="vat (textures), bones (rigged GLB), pivots (Unreal), usd, or glb (morph targets)."),
+]
+MESH_HELP = "Mesh of the table; default: TABLE with .glb."
+Mesh = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help=MESH_HELP)]
+WIND_HELP = "Preset (still, breeze, autumn-gusts, storm-front) or file of a wind document."
+WindName = Annotated[str | None, typer.Option("--wind", help=WIND_HELP)]
+Speed = Annotated[float | None, typer.Option(help="Mean wind speed, m/s (default 8).")]
+Direction = Annotated[float | None, typer.Option(help="Direction that the wind blows towards, degrees (30).")]
+Gustiness = Annotated[float | None, typer.Option(help="Gustiness, 0 (steady) to 1 (default 0.5).")]
+Seed = Annotated[int | None, typer.Option(help="Seed of the gusts (default 1).")]
+LoopS = Annotated[float | None, typer.Option("--loop-s", help="Length of the loop, s (default 8).")]
+Fps = Annotated[float, typer.Option(help="Frames per second.")]
+Format = Annotated[str, typer.Option("--format", help="Textures of vat: exr or png (16 bits).")]
+Bones = Annotated[int, typer.Option(help="Most bones of a skeleton.")]
+Seconds = Annotated[float, typer.Option(min=0.1, max=600.0, help="--to glb: length without a loop, s.")]
+LoopFlag = Annotated[bool, typer.Option("--loop", help="--to glb: repeat after --seconds.")]
+Run = Annotated[str | None, typer.Option(help="--to glb: export this sampled run instead of a wind.")]
+
+
+def export(
+    table: TableFile,
+    target: Target = None,
+    to: To = "glb",
+    out: Out = None,
+    mesh: Mesh = None,
+    wind: WindName = None,
+    speed: Speed = None,
+    direction: Direction = None,
+    gustiness: Gustiness = None,
+    seed: Seed = None,
+    loop_s: LoopS = None,
+    fps: Fps = 30.0,
+    textures: Format = "exr",
+    bones: Bones = 256,
+    seconds: Seconds = 10.0,
+    loop: LoopFlag = False,
+    run: Run = None,
+    json_out: JsonOut = None,
+) -> None:
+    """Write a tree that sways in a wind for engines (vat, bones, pivots), USD, or as an animated GLB."""
+    from galewood.export import ExportError, ExportOptions
+    from galewood.table import TableError, decode
+    from galewood.wind import WindError
+
+    where = target or out
+    try:
+        chosen = _blowing(wind, mean_speed_m_s=speed, direction_deg=direction, gustiness=gustiness, seed=seed)
+        decoded, glb = decode(table.read_bytes()), _mesh_of(table, mesh)
+        if to == "glb" and loop_s is None:
+            _write_glb(decoded, glb, where or table.with_suffix(".sway.glb"), chosen, seconds, loop, run)
+            return
+        options = ExportOptions(chosen, loop_s or 8.0, fps, textures, bones)  # type: ignore[arg-type]
+        _write(decoded, glb, to, where or table.with_name(f"{table.stem}-{to}"), options, json_out)
+    except (ExportError, TableError, WindError, KeyError, OSError, ValueError) as error:
+        console.print(f"[red]{error.args[0] if isinstance(error, KeyError) else error}[/red]")
+        raise typer.Exit(1) from None
+
+
+def _blowing(name: str | None, **changes: Any) -> Wind:
+    """The wind of a preset, of a document, or the usual one, with the values that were given."""
+    from galewood.wind import PRESETS, Wind, WindError, parse_wind
+
+    if name is None:
+        wind = Wind()
+    elif name in PRESETS:
+        wind = PRESETS[name]
+    elif Path(name).is_file():
+        wind = parse_wind(json.loads(Path(name).read_text()))
+    else:
+        raise WindError("--wind", f"expected a file or one of {', '.join(PRESETS)}", f", not {name!r}")
+    return replace(wind, **{field: value for field, value in changes.items() if value is not None})
+
+
+def _mesh_of(table: Path, mesh: Path | None) -> bytes:
+    from galewood.export import ExportError
+
+    beside = mesh or table.with_suffix(".glb")
+    if not beside.is_file():
+        raise ExportError(f"there is no mesh {beside}: name the GLB of the table's build with --mesh")
+    return beside.read_bytes()
+
+
+def _write_glb(
+    table: Table, mesh: bytes, out: Path, wind: Wind, seconds: float, loop: bool, run: str | None
+) -> None:
+    from galewood.export import animated_glb, blown, sampled
+
+    q = sampled(table, run) if run else blown(table, wind, seconds, loop=loop)
+    glb = animated_glb(table, mesh, q)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_bytes(glb)
+    console.print(f"{out}: {len(glb) / 1e6:.1f} MB, {len(q)} frames")
+
+
+def _write(
+    table: Table, glb: bytes, to: str, out: Path, options: ExportOptions, json_out: Path | None
+) -> None:
+    from galewood.export import write_export
+
+    folder, name = (out.parent, out.stem) if out.suffix == ".glb" else (out, "tree")
+    with progress_bar() as bar:
+        figures = write_export(table, glb, to, folder, name, options, progress_reporter(bar))
+    write_figures(json_out, figures)
+    size = sum(path.stat().st_size for path in folder.iterdir() if path.name.startswith(name))
+    console.print(f"{folder}: {size / 1e6:.1f} MB")
+    measured = figures.get("measured") or figures.get("rigged", {}).get("measured", {})
+    for measure, percent in measured.items():
+        said = measure.removesuffix("_percent_of_height").replace("_", " ")
+        console.print(f"  {said}: {percent:.3g} % of height")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the program."""
+    app.command()(export)

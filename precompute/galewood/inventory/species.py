@@ -1,0 +1,116 @@
+"""Species names of inventories (Latin, English, German) and the built-in tree that stands for each.
+
+Only populus, acer and prunus have trees of their own. All others are substituted by habit: tall and narrow,
+broad, or small; an assumption. Twin: web/src/core/inventory/species.ts.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass
+from functools import lru_cache
+
+BUILTIN = {"populus": "poplar", "acer": "maple", "prunus": "apricot"}
+_NARROW = (
+    "abies alnus betula calocedrus cedrus chamaecyparis cupressus eucalyptus ginkgo larix liriodendron "
+    "metasequoia picea pinus pseudotsuga salix sequoia sequoiadendron taxodium thuja tsuga"
+)
+_BROAD = (
+    "aesculus ailanthus carpinus carya castanea catalpa celtis fagus fraxinus gleditsia juglans "
+    "liquidambar magnolia ostrya paulownia platanus pterocarya quercus robinia sophora styphnolobium tilia "
+    "ulmus zelkova"
+)
+_SMALL = (
+    "amelanchier cornus corylus crataegus cydonia elaeagnus ilex juniperus koelreuteria laburnum malus "
+    "mespilus morus olea pyrus sambucus sorbus taxus viburnum"
+)
+STANDS_FOR: dict[str, str] = {
+    **BUILTIN,
+    **dict.fromkeys(_NARROW.split(), "poplar"),
+    **dict.fromkeys(_BROAD.split(), "maple"),
+    **dict.fromkeys(_SMALL.split(), "apricot"),
+}
+_COMMON = (
+    "populus:poplar,aspen,cottonwood,pappel,espe,zitterpappel acer:maple,boxelder,ahorn "
+    "prunus:apricot,cherry,plum,almond,peach,blackthorn,aprikose,marille,kirsche,pflaume,zwetschge,"
+    "zwetschke,mandel,pfirsich,schlehe abies:fir,tanne,weisstanne alnus:alder,erle betula:birch,birke "
+    "cedrus:cedar,zeder cupressus:cypress,zypresse ginkgo:maidenhair larix:larch,laerche "
+    "liriodendron:tuliptree,tulpenbaum picea:spruce,fichte pinus:pine,kiefer,foehre,arve,zirbe "
+    "pseudotsuga:douglas,douglasie salix:willow,sallow,osier,weide sequoia:redwood,mammutbaum "
+    "tsuga:hemlock,hemlocktanne thuja:arborvitae,lebensbaum aesculus:horsechestnut,buckeye,rosskastanie "
+    "ailanthus:goetterbaum carpinus:hornbeam,hainbuche,weissbuche carya:hickory,pecan "
+    "castanea:chestnut,kastanie,edelkastanie,esskastanie catalpa:trompetenbaum fagus:beech,buche "
+    "fraxinus:ash,esche gleditsia:honeylocust juglans:walnut,butternut,walnuss,nussbaum "
+    "liquidambar:sweetgum,amberbaum platanus:plane,sycamore,planetree,platane quercus:oak,eiche "
+    "robinia:locust,robinie styphnolobium:schnurbaum tilia:lime,linden,basswood,linde ulmus:elm,ulme,ruester "
+    "cornus:dogwood,hartriegel,kornelkirsche corylus:hazel,hasel crataegus:hawthorn,weissdorn "
+    "cydonia:quince,quitte ilex:holly,stechpalme juniperus:juniper,wacholder laburnum:goldregen "
+    "malus:apple,crabapple,apfel,apfelbaum morus:mulberry,maulbeere,maulbeerbaum olea:olive,olivenbaum "
+    "pyrus:pear,birne,birnbaum sambucus:elder,holunder "
+    "sorbus:rowan,whitebeam,vogelbeere,eberesche,mehlbeere,elsbeere,speierling taxus:yew,eibe"
+)
+COMMON: dict[str, str] = {
+    name: genus
+    for entry in _COMMON.split()
+    for genus, names in [entry.split(":")]
+    for name in names.split(",")
+}
+SHORTEST_ENDING = 4
+"""Letters of a name that may be the end of a German compound, such as eiche in stieleiche."""
+SMALL_M = 8.0
+"""Unknown trees below this height are taken for small ones."""
+
+
+@dataclass(frozen=True)
+class Match:
+    """The built-in species that stands for a name."""
+
+    builtin: str
+    genus: str
+    """Empty: the name is unknown."""
+
+    @property
+    def same(self) -> bool:
+        """Whether it is a tree of the same genus."""
+        return BUILTIN.get(self.genus) == self.builtin
+
+
+def match_species(name: str, height_m: float) -> Match:
+    """The built-in species for a name; an unknown one is decided by the height."""
+    genus = genus_of(name)
+    if genus:
+        return Match(STANDS_FOR[genus], genus)
+    return Match("apricot" if height_m < SMALL_M else "maple", "")
+
+
+@lru_cache(maxsize=4096)
+def genus_of(name: str) -> str:
+    """The genus of a Latin, English or German name; empty if it is unknown."""
+    words = plain(name).split(" ")
+    if words[0] in STANDS_FOR:
+        return words[0]
+    whole = "".join(words)
+    # the noun comes last in English and in German
+    for word in [whole, *reversed(words)]:
+        if word in BUILTIN.values():
+            return next(genus for genus, builtin in BUILTIN.items() if builtin == word)
+        if found := _common(word):
+            return found
+    return ""
+
+
+def _common(word: str) -> str:
+    if word in COMMON:
+        return COMMON[word]
+    endings = [name for name in COMMON if len(name) >= SHORTEST_ENDING and word.endswith(name)]
+    return COMMON[max(endings, key=len)] if endings else ""
+
+
+def plain(name: str) -> str:
+    """A name in lower case: words of letters a to z, umlauts written out, no accents, no brackets."""
+    text = re.sub(r"[\[(].*?[\])]", " ", name.lower())
+    for letter, written in {"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "×": " "}.items():
+        text = text.replace(letter, written)
+    text = "".join(one for one in unicodedata.normalize("NFD", text) if not unicodedata.combining(one))
+    return re.sub(r"[^a-z]+", " ", text).strip()

@@ -1,0 +1,137 @@
+"""Motion that repeats: the steady state of a tree's modal model under gusts that are made periodic.
+
+The pressures of the wind over a little more than one period are blended, the last part into the first, so
+that they repeat; then the model runs, period after period, until its state repeats too. Nothing of the
+motion itself is blended: it is what the model does in such a wind.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from galewood.player.gust_layer import GustLayer
+from galewood.player.modal_forest import ModalForest
+from galewood.table import Table, node_pose
+from galewood.util import Floats
+from galewood.wind import Wind, WindField, compress_pressure, dynamic_pressure, height_factor
+
+BLEND_S = 3.0
+"""Longest part of a period over which the wind blends into that before it."""
+BLEND_SHARE = 0.4
+"""The same as a share of the period."""
+REPEATS = 2e-5
+"""Displacement of any node from one period to the next, over the height, at which the motion repeats."""
+MOST_PERIODS = 60
+START_S = 20.0
+"""Time of the wind document at which the period begins: its gusts have then developed."""
+
+
+@dataclass(frozen=True)
+class PeriodicMotion:
+    """Poses q (N, r) of one period, one for each table step dt_s."""
+
+    q: Floats
+    after: Floats
+    """(r,) pose one period after the first, which it should equal."""
+    dt_s: float
+    seam: float
+    """Largest displacement of a node between the end of the period and its beginning, over the height."""
+    periods: int
+    """How many periods were played until the motion repeated."""
+
+
+@dataclass(frozen=True)
+class _Pressures:
+    """Pressures (T, 1) at the tree, x and z, and (T, 1, 2G) in addition at the places of its crown; Pa."""
+
+    x: Floats
+    z: Floats
+    gusts: Floats
+
+
+def periodic_motion(table: Table, wind: Wind, seconds: float) -> PeriodicMotion:
+    """The motion of one tree, at the origin, that repeats after ``seconds``, rounded to table steps.
+
+    Raises ValueError for a period shorter than 4 table steps.
+    """
+    dt_s = float(table.metadata["dt_s"])
+    steps = round(seconds / dt_s)
+    if steps < 4:
+        raise ValueError(f"the period must be at least {4 * dt_s:.2g} s")
+    blend = max(1, min(round(BLEND_S / dt_s), int(BLEND_SHARE * steps)))
+    recorded = _recorded(table, wind, steps + blend)
+    return _steady(table, _repeating(recorded, steps, blend), dt_s)
+
+
+def _recorded(table: Table, wind: Wind, count: int) -> _Pressures:
+    """The pressures of ``count`` table steps, as ``WindDrivenTrees`` has them."""
+    dt_s, field, place = float(table.metadata["dt_s"]), WindField(wind), np.zeros(1)
+    height_m = np.array([float(table.metadata["height_m"])])
+    factor = height_factor(height_m, wind.height_exponent, wind.reference_height_m)
+    peak_pa = dynamic_pressure(wind.mean_speed_m_s * (1.0 + wind.gustiness) * factor)
+    forest, layer, ratio = _tree(table), GustLayer(table.gusts, 1), np.zeros(1)
+    found = _Pressures(
+        np.zeros((count, 1)), np.zeros((count, 1)), np.zeros((count, 1, 2 * len(table.gust_place)))
+    )
+    for k in range(count):
+        now_s, x, z = START_S + k * dt_s, found.x[k], found.z[k]
+        field.pressure(place, place, now_s, x, z, factor)
+        compress_pressure(x, z, peak_pa, float(table.modal_limits[2]), ratio)
+        if found.gusts.size:
+            found.gusts[k] = layer.gusts_at(field, now_s, forest.stepping(dt_s), x, z)
+    return found
+
+
+def _repeating(recorded: _Pressures, steps: int, blend: int) -> _Pressures:
+    return _Pressures(*(_wrapped(rows, steps, blend) for rows in (recorded.x, recorded.z, recorded.gusts)))
+
+
+def _wrapped(rows: Floats, steps: int, blend: int) -> Floats:
+    """(steps, …) rows whose beginning continues their end.
+
+    The deviations from the mean are weighted by a sine and a cosine, so that the blend of two unrelated
+    gusts is as strong as each of them; a mean of both would be weaker.
+    """
+    mean = rows.mean(axis=0)
+    quarter = 0.5 * np.pi * (np.arange(blend) / blend).reshape(-1, *[1] * (rows.ndim - 1))
+    found = rows[:steps].copy()
+    after = rows[steps : steps + blend] - mean
+    found[:blend] = mean + np.sin(quarter) * (rows[:blend] - mean) + np.cos(quarter) * after
+    return found
+
+
+def _tree(table: Table) -> ModalForest:
+    forest = ModalForest(table.modal, float(table.metadata["dt_s"]), table.mode_scale, 1)
+    forest.set_trees(0.0, 0.0, 0.0, 1.0)
+    return forest
+
+
+def _steady(table: Table, pressures: _Pressures, dt_s: float) -> PeriodicMotion:
+    """Play the period until the motion repeats."""
+    forest, layer = _tree(table), GustLayer(table.gusts, 1)
+    steps, height_m = len(pressures.x), float(table.metadata["height_m"])
+    modes = slice(table.fitted_modes, None)
+    dt_s_up = dt_s * (1 + 1e-12)  # so that rounding never skips a step
+    track = np.zeros((steps, forest.q.shape[1]))
+    periods = 0
+    while True:
+        for k in range(steps):
+            x, z = pressures.x[k], pressures.z[k]
+            if pressures.gusts.size:
+                gusts = np.ascontiguousarray(pressures.gusts[k])
+                layer.advance_under(gusts, forest.stepping(dt_s_up), x, z, forest.q[:, modes])
+            forest.advance(dt_s_up, x, z)
+            if k == 0 and periods:
+                after = forest.q[0].astype(np.float64)
+                seam = _farthest_m(table, after - track[0]) / height_m
+                if seam <= REPEATS or periods == MOST_PERIODS:
+                    return PeriodicMotion(track, after, dt_s, seam, periods)
+            track[k] = forest.q[0]
+        periods += 1
+
+
+def _farthest_m(table: Table, q: Floats) -> float:
+    """Largest displacement of a node at coordinates q (r,), m."""
+    return float(np.linalg.norm(node_pose(table, q).moved_m, axis=1).max())

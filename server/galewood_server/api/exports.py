@@ -1,0 +1,135 @@
+"""Exports of computed trees for engines: made in a sandboxed child process, kept by what they depend on."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import FileResponse
+from galewood.export import REVISION, ExportKind, ExportOptions, TextureFormat, export_limited
+from galewood.util import write_whole
+from galewood.wind import PRESETS, Wind, parse_wind
+from pydantic import BaseModel, ConfigDict, Field
+
+from galewood_server.api.analyses.common import computed_tree
+from galewood_server.api.files.artefacts import BINARY
+from galewood_server.context import Service, ServiceDep
+from galewood_server.http import NOT_MODIFIED, ProblemError, etag_matches, problems
+
+router = APIRouter(prefix="/api/trees", tags=["trees"])
+KEPT = 32
+"""Exports kept on disk; the oldest are removed."""
+MOST_WAITING = 4
+ZIP: dict[int | str, dict[str, Any]] = {
+    200: {"description": "The files of the export.", "content": {"application/zip": BINARY}}
+}
+
+
+class ExportQuery(BaseModel):
+    """Options of an export, as of `galewood export`."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    wind: str = Field(
+        default="",
+        max_length=4096,
+        description="A preset (still, breeze, autumn-gusts, storm-front) or a wind document as JSON.",
+    )
+    loop_s: float = Field(default=8.0, ge=1, le=60, description="Length of the loop, s.")
+    fps: float = Field(default=30.0, ge=5, le=60, description="Frames per second.")
+    format: TextureFormat = Field(default="exr", description="Textures of `vat`.")
+    bones: int = Field(default=256, ge=4, le=256, description="Most bones of a skeleton.")
+
+    def options(self) -> ExportOptions:
+        """The options. WindError."""
+        return ExportOptions(_wind(self.wind), self.loop_s, self.fps, self.format, self.bones)
+
+
+@dataclass(frozen=True)
+class _Source:
+    """What an export is made from."""
+
+    table_sha256: str
+    mesh_sha256: str
+    name: str
+
+
+@router.get(
+    "/{tree_id}/exports/{kind}",
+    response_class=FileResponse,
+    responses={**ZIP, **NOT_MODIFIED, **problems(404, 409, 422, 503)},
+)
+async def get_export(
+    tree_id: str,
+    kind: ExportKind,
+    request: Request,
+    service: ServiceDep,
+    query: Annotated[ExportQuery, Query()],
+) -> Response:
+    """A tree that sways in a loop, as a ZIP archive: `vat` (textures), `bones` (rigged GLB), `pivots` (for
+    Unreal), `usd`, or `glb` (morph targets). The first request for it takes some seconds."""
+    options = query.options()
+    source = await asyncio.to_thread(_source, service, tree_id)
+    key = _key(source, kind, options)
+    name = f"{source.name}-{kind}.zip"
+    headers = {"ETag": f'"{key[:32]}"', "Cache-Control": "no-cache"}
+    if etag_matches(request.headers.get("if-none-match", ""), headers["ETag"]):
+        return Response(status_code=304, headers=headers)
+    target = service.settings.cache_dir / "exports" / f"{key}.zip"
+    if not target.is_file():
+        await _make(service, source, kind, options, target)
+    return FileResponse(target, media_type="application/zip", filename=name, headers=headers)
+
+
+def _wind(text: str) -> Wind:
+    if not text:
+        return Wind()
+    if text in PRESETS:
+        return PRESETS[text]
+    try:
+        return parse_wind(json.loads(text))
+    except (json.JSONDecodeError, RecursionError):
+        presets = ", ".join(PRESETS)
+        raise ProblemError(
+            422, "bad-wind", "Unknown wind", hint=f"Use one of {presets}, or a wind document as JSON."
+        ) from None
+
+
+def _source(service: Service, tree_id: str) -> _Source:
+    with service.sessions() as session:
+        tree = computed_tree(session, tree_id)
+        name = "".join(letter if letter.isascii() and letter.isalnum() else "-" for letter in tree.id)
+        return _Source(tree.table_sha256 or "", tree.mesh_sha256 or "", name)
+
+
+def _key(source: _Source, kind: str, options: ExportOptions) -> str:
+    parts = [REVISION, source.table_sha256, source.mesh_sha256, source.name, kind, options.document()]
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+async def _make(service: Service, source: _Source, kind: str, options: ExportOptions, target: Path) -> None:
+    """Make an export in a child process, one at a time. MeshError; ProblemError 503 if too many wait."""
+    if service.exports_waiting >= MOST_WAITING:
+        hint, headers = "Try again shortly.", {"Retry-After": "20"}
+        raise ProblemError(503, "busy", "Too many exports are being made", hint=hint, headers=headers)
+    service.exports_waiting += 1
+    try:
+        async with service.export_slots:
+            if not target.is_file():  # somebody else may have asked for the same one
+                await asyncio.to_thread(_export, service, source, kind, options, target)
+    finally:
+        service.exports_waiting -= 1
+
+
+def _export(service: Service, source: _Source, kind: str, options: ExportOptions, target: Path) -> None:
+    stores = service.stores
+    table, mesh = stores.tables.get(source.table_sha256), stores.meshes.get(source.mesh_sha256)
+    write_whole(target, export_limited(table, mesh, kind, source.name, options))
+    kept = sorted(target.parent.glob("*.zip"), key=lambda path: path.stat().st_mtime)
+    for path in kept[:-KEPT]:
+        path.unlink(missing_ok=True)

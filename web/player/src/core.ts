@@ -1,0 +1,35 @@
+/**
+ * Trees that sway, without three.js and without a browser: runs in Node, in workers and beside any engine.
+ *
+ * Tables and wind documents are those of Galewood (docs/formats).
+ */
+import { decodeWithoutRecords, type Table } from "../../src/core/table/present";
+
+export type { Jointed } from "../../src/core/motion/nodePose";
+export { NodePose } from "../../src/core/motion/nodePose";
+export { poseStride } from "../../src/core/motion/poseStride";
+export { TableError } from "../../src/core/table/container";
+export type { Foliage, Primitive, Table, TableMetadata } from "../../src/core/table/present";
+export {
+  PRESETS,
+  parseWind,
+  parseWindText,
+  type Wave,
+  type WindDocument,
+  WindError,
+  WindField,
+  type WindModel,
+} from "../../src/core/wind/wind";
+export {
+  createForest,
+  Forest,
+  type ForestOptions,
+  jointsOf,
+  type Kind,
+  type Place,
+  type TreeNodes,
+} from "./core/forest";
+export type { Point, Wind, WindFunction } from "./core/wind";
+
+/** Reads a table file of version 7 or later; throws a TableError that names the fault. */
+export const readTable = (bytes: ArrayBuffer | Uint8Array): Table => decodeWithoutRecords(bytes);

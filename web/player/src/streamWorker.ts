@@ -1,0 +1,12 @@
+/** The worker of a forest that a service moves: `galewood.stream.worker.js`. */
+import type { ToWorker } from "./worker/messages";
+import { answer } from "./worker/serve";
+import { StreamedForest, type StreamRequest } from "./worker/streamed";
+
+const scope = self as unknown as Worker;
+let forest: StreamedForest | null = null;
+
+scope.onmessage = ({ data }: MessageEvent<ToWorker | StreamRequest>) => {
+  if (data.kind === "stream") forest = new StreamedForest(data, (news) => scope.postMessage(news));
+  else if (forest) answer(forest, data, (message, transfer) => scope.postMessage(message, transfer));
+};

@@ -1,0 +1,8 @@
+/** Forests of swaying trees for three.js. */
+export { PRESETS, type WindDocument } from "../../src/core/wind/wind";
+export type { Wind, WindFunction } from "./core/wind";
+export { Forest, type ForestOptions, type Pick, type TreeFiles } from "./three/forest";
+export type { MaterialFactory } from "./three/materials";
+export type { Planted } from "./three/planted";
+export { type ServedTree, servedTrees } from "./three/served";
+export type { ViewOptions } from "./three/view";

@@ -1,0 +1,327 @@
+/** A forest as an object of three.js. */
+import {
+  type Camera,
+  Group,
+  type Intersection,
+  Matrix4,
+  type Object3D,
+  type Raycaster,
+  Ray as ThreeRay,
+  Vector3,
+  type WebGLRenderer,
+} from "three";
+import { disposeModel, readPlainTree, type TreeModel } from "../../../src/scene/trees/mesh/treeMesh";
+import { SpeciesForest, type SpeciesOptions } from "../../../src/scene/trees/speciesForest";
+import { pickTree } from "../../../src/scene/trees/treePick";
+import type { DrawnMotion } from "../../../src/worker/protocol";
+import type { Point, Wind } from "../core/wind";
+import { type MaterialFactory, makerOf, ownMaterial } from "./materials";
+import { Planted } from "./planted";
+import { instancesOf, placementOf } from "./standing";
+import { Viewer, type ViewOptions } from "./view";
+import { startWorker, WorkerClient } from "./worker";
+
+/** The files of a tree: addresses, or their contents. */
+export interface TreeFiles {
+  /** Its lookup table. */
+  readonly table: string | URL | ArrayBuffer;
+  /** The GLB whose vertices the table moves. */
+  readonly mesh: string | URL | ArrayBuffer;
+}
+
+export interface ForestOptions extends Partial<ViewOptions> {
+  readonly wind: Wind;
+  /** Materials instead of those in the meshes. */
+  readonly materials?: MaterialFactory;
+  /** Starts `galewood.worker.js`, where a bundler does not find it. */
+  readonly worker?: () => Worker;
+}
+
+/** A tree that a ray has hit. */
+export interface Pick {
+  readonly trees: Planted;
+  /** Index of the tree among those. */
+  readonly tree: number;
+  readonly distance_m: number;
+  /** Where, in the world. */
+  readonly point: Vector3;
+}
+
+interface Loaded {
+  readonly table: number;
+  readonly motion: DrawnMotion;
+  readonly model: TreeModel;
+}
+
+/** Texels that every device with WebGL 2 that three.js supports has room for. */
+const MAX_TEXTURE_SIDE = 4096;
+
+const absolute = (from: string | URL | ArrayBuffer) =>
+  from instanceof ArrayBuffer ? from : new URL(from, document.baseURI).href;
+
+async function bytesOf(from: string | URL | ArrayBuffer): Promise<ArrayBuffer> {
+  if (from instanceof ArrayBuffer) return from;
+  const response = await fetch(from);
+  if (!response.ok) throw new Error(`${from}: the server responded with status ${response.status}`);
+  return response.arrayBuffer();
+}
+
+/** Checks that a table was made for a mesh. */
+function checkFit({ motion, model }: Loaded): void {
+  const vertices = model.parts.reduce((sum, part) => sum + part.vertices, 0);
+  if (vertices !== motion.vertexJoint.length)
+    throw new Error(
+      `the table moves ${motion.vertexJoint.length} vertices, the mesh has ${vertices}: use the GLB that belongs to it`,
+    );
+}
+
+/**
+ * Trees that sway. Add it to a scene, plant trees, and call `update` before every picture. It steps them in a worker of its
+ * own.
+ */
+export class Forest extends Group {
+  /** Level of detail and shadows; may be changed at any time. */
+  readonly viewing: ViewOptions;
+  private readonly client: WorkerClient;
+  private readonly loaded = new Map<string, Promise<Loaded>>();
+  private readonly groves = new Map<number, Planted>();
+  private readonly models = new Set<TreeModel>();
+  private readonly viewer = new Viewer();
+  private readonly species: SpeciesOptions;
+  private readonly leafShare = { value: 1 };
+  private readonly from = new Matrix4();
+  private readonly ray = new ThreeRay();
+  private readonly inverse = new Matrix4();
+  private blowing: Wind;
+  private changed = true;
+  private hooked: Object3D | null = null;
+  private unset = () => {};
+  private disposed = false;
+
+  constructor({ wind, materials = ownMaterial, worker = startWorker, ...view }: ForestOptions) {
+    super();
+    this.viewing = { detail_m: view.detail_m ?? [34, 80], shadow_m: view.shadow_m ?? 120 };
+    this.client = new WorkerClient(worker());
+    this.client.failed = (fault) => {
+      if (!this.disposed) console.error(fault);
+    };
+    this.species = {
+      materials: makerOf(materials, this.leafShare),
+      maxTextureSide: MAX_TEXTURE_SIDE,
+      shadows: { share: 1, cascades: false },
+      shoots: false,
+      flutter: { value: { x: 0, y: 1 } },
+      exaggeration: { value: 1 },
+    };
+    this.blowing = wind;
+    this.wind = wind;
+  }
+
+  /** The wind: a document (docs/formats/wind.md), or a function. A new document takes over within 0.6 s. */
+  get wind(): Wind {
+    return this.blowing;
+  }
+
+  set wind(wind: Wind) {
+    this.blowing = wind;
+    this.client.setWind(typeof wind === "function" ? null : wind);
+  }
+
+  /** Time of the motion, s. */
+  get time_s(): number {
+    return this.client.time_s;
+  }
+
+  /** Factor of all displacements on screen; 1 by default. */
+  get exaggeration(): number {
+    return this.species.exaggeration.value;
+  }
+
+  set exaggeration(factor: number) {
+    this.species.exaggeration.value = factor;
+    this.changed = true;
+  }
+
+  /** Amplitude of the flutter of leaves; 0 disables it. */
+  get flutter(): number {
+    return this.species.flutter.value.y;
+  }
+
+  set flutter(amplitude: number) {
+    this.species.flutter.value.y = amplitude;
+  }
+
+  /** Share of the leaves that are on the trees. */
+  get leaves(): number {
+    return this.leafShare.value;
+  }
+
+  set leaves(share: number) {
+    this.leafShare.value = share;
+  }
+
+  /** All that is planted. */
+  get planted(): readonly Planted[] {
+    return [...this.groves.values()];
+  }
+
+  private load({ table, mesh }: TreeFiles): Promise<Loaded> {
+    const read = async (): Promise<Loaded> => {
+      const [read_, model] = await Promise.all([
+        this.client.load(absolute(table)),
+        bytesOf(mesh).then((bytes) => readPlainTree(bytes)),
+      ]);
+      const loaded = { ...read_, model };
+      checkFit(loaded);
+      this.models.add(model);
+      return loaded;
+    };
+    if (table instanceof ArrayBuffer || mesh instanceof ArrayBuffer) return read();
+    const key = `${absolute(table)} ${absolute(mesh)}`;
+    const known = this.loaded.get(key) ?? read();
+    this.loaded.set(key, known);
+    known.catch(() => this.loaded.delete(key));
+    return known;
+  }
+
+  /**
+   * Plants a tree at each matrix, which places the tree's frame (metres, y up, origin at the foot) in that of the forest.
+   * Rejects if a file cannot be read or the two do not belong together.
+   */
+  async plant(files: TreeFiles, places: readonly Matrix4[]): Promise<Planted> {
+    const { table, motion, model } = await this.load(files);
+    if (this.disposed) throw new Error("the forest was disposed of");
+    const matrices = places.map((matrix) => matrix.clone());
+    this.updateWorldMatrix(true, false);
+    const trees = new SpeciesForest(model, motion, instancesOf(matrices), this.species);
+    const group = this.client.plant(table, placementOf(matrices, this.matrixWorld), motion.stride);
+    const planted = new Planted(
+      group,
+      table,
+      motion,
+      trees,
+      matrices,
+      () => this.client.poses(group),
+      () => this.matrixWorld,
+    );
+    this.groves.set(group, planted);
+    this.add(trees.group);
+    this.changed = true;
+    return planted;
+  }
+
+  /** Moves planted trees; they keep their pose. */
+  move(planted: Planted, places: readonly Matrix4[]): void {
+    if (places.length !== planted.count)
+      throw new RangeError(`expected ${planted.count} matrices, not ${places.length}: plant the others anew`);
+    planted.matrices = places.map((matrix) => matrix.clone());
+    planted.trees.setInstances(instancesOf(planted.matrices));
+    this.client.move(planted.group, planted.table, placementOf(planted.matrices, this.matrixWorld));
+    this.changed = true;
+  }
+
+  /** Removes planted trees. */
+  uproot(planted: Planted): void {
+    this.groves.delete(planted.group);
+    this.client.remove(planted.group);
+    planted.trees.dispose();
+  }
+
+  /** Advances the motion by dt_s (s) and selects what this camera sees. Call it before every picture. */
+  update(dt_s: number, camera: Camera): void {
+    this.updateWorldMatrix(true, false);
+    this.follow();
+    this.hook();
+    const eye = new Vector3().setFromMatrixPosition(camera.matrixWorld);
+    this.client.advance(dt_s, [eye.x, eye.z], this.blow);
+    const fresh = this.client.takeFresh();
+    this.species.flutter.value.x = this.client.time_s;
+    const look = this.viewer.look(camera, this, this.viewing) || this.changed;
+    this.changed = false;
+    const view = look ? this.viewer.view(camera, this.viewing) : null;
+    for (const { group, trees } of this.groves.values()) {
+      if (view) trees.select(view);
+      const poses = fresh && this.client.poses(group);
+      if (poses) trees.setPoses(poses);
+    }
+  }
+
+  /** The trees feel the wind where they are in the world. */
+  private follow(): void {
+    if (this.from.equals(this.matrixWorld)) return;
+    this.from.copy(this.matrixWorld);
+    for (const { group, table, matrices } of this.groves.values())
+      this.client.move(group, table, placementOf(matrices, this.matrixWorld));
+  }
+
+  private get blow() {
+    const wind = this.blowing;
+    if (typeof wind !== "function") return null;
+    const at: Point = new Vector3();
+    return (group: number, velocity: Float32Array, time_s: number) => {
+      for (const [k, matrix] of this.groves.get(group)?.matrices.entries() ?? []) {
+        (at as Vector3).setFromMatrixPosition(matrix).applyMatrix4(this.matrixWorld);
+        const { x, z } = wind(at, time_s);
+        velocity[2 * k] = x;
+        velocity[2 * k + 1] = z;
+      }
+    };
+  }
+
+  /** Moves the nodes before every picture of the scene. */
+  private hook(): void {
+    let root: Object3D = this;
+    while (root.parent) root = root.parent;
+    if (root === this || root === this.hooked) return;
+    this.unset();
+    this.hooked = root;
+    const { onBeforeRender } = root;
+    const hooked: Object3D["onBeforeRender"] = (renderer, ...more) => {
+      onBeforeRender.call(root, renderer, ...more);
+      this.renderNodes(renderer as WebGLRenderer);
+    };
+    root.onBeforeRender = hooked;
+    this.unset = () => {
+      if (root.onBeforeRender === hooked) root.onBeforeRender = onBeforeRender;
+    };
+  }
+
+  private renderNodes(renderer: WebGLRenderer): void {
+    const { xr } = renderer;
+    const immersive = xr.enabled;
+    xr.enabled = false;
+    for (const { trees } of this.groves.values()) trees.renderNodes(renderer);
+    xr.enabled = immersive;
+  }
+
+  /** The first tree that a ray hits, where it is at the moment; null if it hits none. */
+  pick({ ray, near, far }: Raycaster): Pick | null {
+    this.ray.copy(ray).applyMatrix4(this.inverse.copy(this.matrixWorld).invert());
+    const groves = this.planted;
+    const groups = groves.map(({ trees, group }) => ({ ...trees.pickable, poses: this.client.poses(group) }));
+    const hit = pickTree(groups, { from: this.ray.origin, to: this.ray.direction });
+    if (!hit) return null;
+    const point = this.ray.at(hit.distance_m, new Vector3()).applyMatrix4(this.matrixWorld);
+    const distance_m = point.distanceTo(ray.origin);
+    if (distance_m < near || distance_m > far) return null;
+    return { trees: groves[hit.group], tree: hit.tree, distance_m, point };
+  }
+
+  /** The same for `Raycaster.intersectObject`, and thereby for pointer events of react-three-fiber. */
+  override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
+    const hit = this.pick(raycaster);
+    if (hit)
+      intersects.push({ distance: hit.distance_m, point: hit.point, object: this, instanceId: hit.tree });
+  }
+
+  /** Ends the worker and frees the memory of the graphics device. */
+  override dispose(): void {
+    this.disposed = true;
+    this.unset();
+    this.client.dispose();
+    for (const { trees } of this.groves.values()) trees.dispose();
+    for (const model of this.models) disposeModel(model);
+    this.groves.clear();
+    this.removeFromParent();
+  }
+}

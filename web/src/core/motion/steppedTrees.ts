@@ -1,0 +1,71 @@
+/** The trees of one table, stepped by the wind at each of them: the modal or the paper's method, and the gust layer. */
+import type { GustLayer } from "../modal/gustLayer";
+import type { Moment } from "../wind/glide";
+import type { WindField } from "../wind/wind";
+import type { GroupWind } from "./groupWind";
+import { poseStride } from "./poseStride";
+import type { TreeInstances } from "./treeInstances";
+
+/** Maximum step of wind and poses, so that the motion does not depend on the frame rate. */
+const MAX_STEP_S = 1 / 30;
+
+/**
+ * Distances from the viewer up to which gusts within crowns move trees fully, and at all: at 80 m a pixel of a picture
+ * 720 pixels high is 9 cm, more than branches move relative to the crown.
+ */
+const FULL_M = 50;
+const GONE_M = 80;
+
+/** Number and length of the steps that make up a frame. */
+export function stepsOf(dt_s: number): { steps: number; step_s: number } {
+  const steps = Math.max(1, Math.ceil(dt_s / MAX_STEP_S - 1e-9));
+  return { steps, step_s: dt_s / steps };
+}
+
+export class SteppedTrees<Lookup extends TreeInstances = TreeInstances> {
+  /** [count] share of the gusts within the crown: fades out with the distance from the viewer. */
+  private readonly nearness: Float32Array;
+
+  /** `gusts`: only with the modal method. */
+  constructor(
+    readonly lookup: Lookup,
+    readonly gusts: GustLayer | null,
+    readonly wind: GroupWind,
+    readonly modes: number,
+  ) {
+    lookup.setTrees(wind.x, wind.z, wind.column(2), wind.column(3));
+    this.nearness = new Float32Array(lookup.count).fill(1);
+  }
+
+  /** Trees far from the viewer (m, world) do without the gusts within their crowns. */
+  see(x: number, z: number): void {
+    const { wind, nearness } = this;
+    for (let tree = 0; tree < nearness.length; tree++) {
+      const far_m = Math.hypot(wind.x[tree] - x, wind.z[tree] - z);
+      nearness[tree] = Math.min(1, Math.max(0, (GONE_M - far_m) / (GONE_M - FULL_M)));
+    }
+  }
+
+  /** Evaluates the wind at every tree; call before `step`. */
+  feel(field: WindField, time_s: number): void {
+    this.wind.update(field, time_s);
+  }
+
+  step(dt_s: number, moment: Moment): void {
+    const { lookup, gusts, wind, nearness } = this;
+    const { pressureX, pressureZ } = wind;
+    gusts?.advance(moment, lookup.stepping(dt_s), pressureX, pressureZ, nearness, lookup.q);
+    lookup.advance(dt_s, pressureX, pressureZ);
+  }
+
+  /** Writes `poseStride(modes)` floats per tree: the modes, then the wind speed. */
+  write(out: Float32Array): void {
+    const { lookup, wind, modes } = this;
+    const stride = poseStride(modes);
+    const { q } = lookup;
+    for (let tree = 0, from = 0, to = 0; tree < lookup.count; tree++, to += stride, from += modes) {
+      for (let k = 0; k < modes; k++) out[to + k] = q[from + k];
+    }
+    wind.writeSpeeds(out, modes);
+  }
+}

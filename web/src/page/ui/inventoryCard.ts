@@ -1,0 +1,44 @@
+/** Card of a forest from an inventory: its size, the report, and back to the usual forest. */
+import type { NamedInventory } from "../inventory/inventoryForest";
+import { element, make } from "./dom";
+
+export interface InventoryTools {
+  report(): void;
+  look(): void;
+  remove(): void;
+}
+
+export class InventoryCard {
+  private readonly root = make("article", "", "card sharing inventory");
+  private readonly words = make("p");
+
+  constructor(tools: InventoryTools) {
+    this.root.hidden = true;
+    this.root.setAttribute("aria-label", "Forest from an inventory");
+    const row = make("div", "", "picked-tools");
+    for (const [words, pressed] of [
+      ["Report", () => tools.report()],
+      ["Show all", () => tools.look()],
+      ["Remove", () => tools.remove()],
+    ] as const) {
+      const button = make("button", words);
+      button.type = "button";
+      button.addEventListener("click", pressed);
+      row.append(button);
+    }
+    this.root.append(make("h2", "Inventory"), this.words, row);
+    element("cards").prepend(this.root);
+  }
+
+  show(inventory: NamedInventory | null): void {
+    this.root.hidden = inventory === null;
+    if (!inventory) return;
+    const { name, report } = inventory;
+    const size = `${report.width_m.toFixed(0)} × ${report.depth_m.toFixed(0)} m`;
+    this.words.textContent = `${name}: ${report.stems} trees on ${size}`;
+  }
+
+  dispose(): void {
+    this.root.remove();
+  }
+}

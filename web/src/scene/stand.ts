@@ -1,0 +1,113 @@
+/** A forest from an inventory: every stem is a tree of its species, at its place and as tall as measured. Pure. */
+import { hashUnit } from "../core/math/random";
+import type { TreeAsset } from "./forest";
+import { type FormChoice, formAt, kindsOf } from "./forms";
+import { HEART } from "./placement";
+import type { Placement } from "./trees/instanceData";
+
+/** A stem as the scene needs it (core/inventory reads it from a file). */
+export interface StandStem {
+  readonly east_m: number;
+  readonly north_m: number;
+  readonly species: string;
+  /** Built-in species that stands for it. */
+  readonly builtin: string;
+  readonly height_m: number;
+  /** Whether it has grown in a stand; null if that is unknown. */
+  readonly slender: boolean | null;
+}
+
+export interface Stand {
+  readonly stems: readonly StandStem[];
+  /** Stems per hectare, which decides on the form where it is unknown. */
+  readonly perHa: number;
+}
+
+export interface StandOptions {
+  readonly form: FormChoice;
+  /** The upload that has the name of a species; null if none has. */
+  named(species: string): string | null;
+}
+
+/** Ids of other places are smaller (placement.ts, clearing.ts). */
+const FIRST_ID = 2 ** 25;
+/** Trees that nobody measured to be slender are so in stands of more stems. */
+const DENSE_PER_HA = 200;
+/** Limits of the size of a tree relative to its mesh. */
+export const SCALES = { least: 0.15, most: 4 } as const;
+
+/** Where a stem stands: the middle of the plot is the middle of the forest; north is up, away from the first view. */
+const placeOf = (stem: StandStem, index: number, height_m: number): Placement => ({
+  id: FIRST_ID + index,
+  x_m: HEART.x_m + stem.east_m,
+  z_m: HEART.z_m - stem.north_m,
+  yaw_rad: 2 * Math.PI * hashUnit(index, 1),
+  scale: Math.min(SCALES.most, Math.max(SCALES.least, stem.height_m / height_m)),
+});
+
+/** The places of each tree of a stand; stems whose tree is not loaded yet are left out. */
+export function placeStand(
+  assets: readonly TreeAsset[],
+  { stems, perHa }: Stand,
+  options: StandOptions,
+): Map<TreeAsset, Placement[]> {
+  const tree = treeChooser(assets, perHa, options);
+  const places = new Map<TreeAsset, Placement[]>();
+  stems.forEach((stem, index) => {
+    const asset = tree(stem);
+    if (!asset?.model) return;
+    const own = places.get(asset) ?? [];
+    own.push(placeOf(stem, index, asset.model.height_m));
+    places.set(asset, own);
+  });
+  return places;
+}
+
+function treeChooser(assets: readonly TreeAsset[], perHa: number, { form, named }: StandOptions) {
+  const kinds = kindsOf(assets.filter(({ builtin }) => builtin));
+  const bySpecies = new Map(kinds.map((kind) => [(kind.open ?? kind.forest)?.species, kind]));
+  const byId = new Map(assets.map((asset) => [asset.id, asset]));
+  const uploads = new Map<string, TreeAsset | null>();
+  return (stem: StandStem): TreeAsset | null => {
+    let own = uploads.get(stem.species);
+    if (own === undefined) {
+      own = byId.get(named(stem.species) ?? "") ?? null;
+      uploads.set(stem.species, own);
+    }
+    if (own) return own;
+    // a server may have only some of the species
+    const kind = bySpecies.get(stem.builtin) ?? kinds[0];
+    const slender = form === "place" ? (stem.slender ?? perHa > DENSE_PER_HA) : form === "forest";
+    return kind ? formAt(kind, !slender) : null;
+  };
+}
+
+/** Extent of a stand. */
+export interface StandSize {
+  readonly width_m: number;
+  readonly depth_m: number;
+  readonly highest_m: number;
+}
+
+/** Half the vertical angle of view. */
+const HALF_VIEW = (23 * Math.PI) / 180;
+/** Width of the picture that the stand may take, relative to that at its near edge; instruments cover the left. */
+const IN_VIEW = 0.9;
+const BESIDE_INSTRUMENTS = 1.15;
+const WIDE = 1.2;
+const FARTHEST_M = 250;
+
+/** Eye and target, with heights above the ground, that show a stand from the south and above its crowns. */
+export function standView({ width_m, depth_m, highest_m }: StandSize, aspect: number) {
+  const wide = aspect > WIDE;
+  const room = wide ? BESIDE_INSTRUMENTS : IN_VIEW;
+  const across_m = (0.5 * room * width_m + 4) / (Math.tan(HALF_VIEW) * aspect);
+  const left_m = wide ? 0.12 * width_m : 0;
+  const away_m = Math.min(FARTHEST_M, Math.max(across_m, 1.4 * highest_m) + 0.5 * depth_m);
+  const eye = {
+    x: HEART.x_m - left_m + 0.1 * width_m,
+    above: 0.75 * highest_m + 0.1 * away_m,
+    z: HEART.z_m + away_m,
+  };
+  return { eye, target: { x: HEART.x_m - left_m, above: 0.45 * highest_m, z: HEART.z_m } };
+}
