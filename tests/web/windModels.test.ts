@@ -109,3 +109,23 @@ describe("rejects with the same path and message as Python", () => {
     });
   });
 });
+
+test("a change keeps the gusts that blow: vortices are not computed a second time", () => {
+  const wind = { version: 1, mean_speed_m_s: 8, direction_deg: 0, gustiness: 0.5, convection_speed_m_s: 8, length_scale_m: 20 };
+  const eddies = parseWind({ ...wind, model: "navier-stokes", seed: 5 });
+  const [first, second] = [2, 3].map((seed) => parseWind({ ...wind, model: "perlin", seed }));
+  const field = new WindField(eddies);
+  const kept = (field as unknown as { gusts: Map<string, unknown> }).gusts;
+  const [x, z, outX, outZ] = Array.from({ length: 4 }, () => new Float64Array(1));
+  field.velocity(x, z, 0, outX, outZ);
+  const [blowing] = kept.values();
+  // Back to the vortices, and on to other gusts: they have been there longest, but still fade out.
+  for (const [k, next] of [first, eddies, second].entries()) {
+    field.change(next, 60 * k);
+    for (const later_s of [0.5, 50]) {
+      field.velocity(x, z, 60 * k + later_s, outX, outZ);
+      if (later_s < 1) expect([...kept.values()]).toContain(blowing);
+    }
+  }
+  expect(kept.size).toBe(2);
+});

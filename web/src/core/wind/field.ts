@@ -13,8 +13,6 @@ import { pressureOfVelocity } from "./pressure";
 
 /** Models that depend on the time rather than on the distance travelled. */
 const TIMED: readonly string[] = ["cosine", "recorded"];
-/** A transition needs two models at once. */
-const KEPT_GUSTS = 2;
 /** One set per species of the forest, and some for the instruments. */
 const KEPT_BUFFERS = 12;
 
@@ -94,14 +92,15 @@ export class WindField {
 
   private write(wind: ResolvedWind, moment: Moment, x: Places, z: Places, outX: Output, outZ: Output): void {
     const carried = TIMED.includes(wind.model) ? moment.time_s : moment.travel;
-    this.gustsFor(wind).velocity(wind, carried, x, z, outX, outZ);
+    this.gustsFor(wind, moment).velocity(wind, carried, x, z, outX, outZ);
   }
 
-  private gustsFor(wind: ResolvedWind): Gusts {
+  private gustsFor(wind: ResolvedWind, { before, wind: after }: Moment): Gusts {
     const key = fieldKey(wind);
     let gusts = this.gusts.get(key);
     if (!gusts) {
-      for (const old of this.gusts.keys()) if (this.gusts.size >= KEPT_GUSTS) this.gusts.delete(old);
+      const needed = [fieldKey(before), fieldKey(after)];
+      for (const old of this.gusts.keys()) if (!needed.includes(old)) this.gusts.delete(old);
       gusts = gustsOf(wind);
       this.gusts.set(key, gusts);
     }
