@@ -91,6 +91,12 @@ describe("detected properties of an upload", () => {
     }
   });
 
+  test("say why wood was added, if any was", () => {
+    expect(assumedOf(intake).addedWood).toBeNull();
+    const added_wood = { reason: "the wood ends inside a closed crown", stems_m: [3.1] };
+    expect(assumedOf({ import: { ...intake, added_wood } }).addedWood).toBe(added_wood.reason);
+  });
+
   test("those of a scanned tree are there only if the file was one", () => {
     expect(assumedOf(intake).scan).toBeNull();
     const qsm = { dbh_cm: 18.2, min_radius_mm: 10, dropped: { thin_branches: 3 } };

@@ -40,6 +40,8 @@ export interface Assumed {
   /** For each drawn primitive runs of vertices: row of `pieces`, number, row, number, … */
   readonly vertexPieces: readonly (readonly number[])[];
   readonly warnings: readonly string[];
+  /** Why wood that the file lacks was added; null: none was. */
+  readonly addedWood: string | null;
   /** Null if the file is a mesh. */
   readonly scan: Scan | null;
 }
@@ -122,6 +124,7 @@ export function assumedOf(report: unknown): Assumed {
     trees: list(intake.trees).map(treeOf),
     vertexPieces: list(intake.vertex_pieces).map((runs) => list(runs).map((n) => numberIn(n) ?? -1)),
     warnings: list(intake.warnings).map(text).filter(Boolean),
+    addedWood: "added_wood" in intake ? text(object(intake.added_wood).reason) : null,
     scan: "qsm" in intake ? scanOf(object(intake.qsm), parts) : null,
   };
 }

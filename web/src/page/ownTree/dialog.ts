@@ -43,6 +43,7 @@ export class OwnTreeDialog {
   private computing: Computing | null = null;
   private stopWatching = () => {};
   private started = false;
+  private lacksWood = false;
   private frame = 0;
   private last_ms = 0;
 
@@ -120,6 +121,7 @@ export class OwnTreeDialog {
       row("Height (m)", height, assumed.size),
       axisRow(axis, assumed),
       ...this.trees(assumed),
+      ...this.addedWood(assumed),
       ...(assumed.scan ? this.scanFields(assumed.scan) : [this.parts(assumed)]),
     ];
   }
@@ -136,6 +138,22 @@ export class OwnTreeDialog {
       this.change({ tree: Number(value), ...AS_DETECTED }),
     );
     return [row("Tree", made, "the file has several; drop it again to plant another one")];
+  }
+
+  /** Whether wood that the file lacks is added; the choice stays once wood has been left out. */
+  private addedWood({ addedWood }: Assumed): HTMLElement[] {
+    this.lacksWood ||= addedWood !== null;
+    if (!this.lacksWood) return [];
+    const made = select({ added: "Added", none: "None" }, addedWood === null ? "none" : "added", (value) =>
+      this.change({ complete: value === "added" ? null : false }),
+    );
+    return [
+      row(
+        "Missing wood",
+        made,
+        addedWood ?? "foliage without wood stays rigid, or bends with the nearest bough",
+      ),
+    ];
   }
 
   /** What can be corrected only in a scanned tree. Its parts are known. */

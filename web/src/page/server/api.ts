@@ -154,6 +154,8 @@ export interface Assumptions {
   drop?: string[] | null;
   /** Which tree of a file with several. */
   tree?: number | null;
+  /** Whether wood is added where foliage has none. */
+  complete?: boolean | null;
   /** Of a scanned tree, like the fields below: diameter of the trunk at 1.3 m. */
   dbh_cm?: number | null;
   min_radius_mm?: number | null;
