@@ -9,7 +9,7 @@ export interface InventoryTools {
 }
 
 export class InventoryCard {
-  private readonly root = make("article", "", "card sharing inventory");
+  private readonly root = make("article", "", "card inventory");
   private readonly words = make("p");
 
   constructor(tools: InventoryTools) {
