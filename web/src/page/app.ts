@@ -1,6 +1,6 @@
-/** The application: connects stage, forest, worker, catalogue and panel, and runs the frame loop. */
+/** The application: connects stage, forest, worker, catalogue and panel. */
 
-import { meanVelocity_m_s, sameWind } from "../core/wind/edit";
+import { sameWind } from "../core/wind/edit";
 import { parseWind, type WindDocument } from "../core/wind/wind";
 import type { About } from "../core/wire/wire";
 import { exaggeration } from "../scene/exaggeration";
@@ -21,6 +21,7 @@ import { ContextLoss } from "./contextLoss";
 import type { DataFiles } from "./files/dataFiles";
 import { ForestClient } from "./forestClient";
 import { ForestFigures } from "./forestFigures";
+import { FrameLoop } from "./frameLoop";
 import { FrameStatistics } from "./frameStatistics";
 import { InventoryForest } from "./inventory/inventoryForest";
 import { TreeOverlays } from "./overlays/treeOverlays";
@@ -31,7 +32,6 @@ import { Planting } from "./planting";
 import { Playback } from "./playback";
 import { Gusts } from "./pulling/gusts";
 import { Puller } from "./pulling/puller";
-import { showPulls } from "./pulling/showPulls";
 import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { momentFrom } from "./settings/link";
@@ -56,11 +56,6 @@ import { WindStudio } from "./windStudio";
 
 const NOT_SHARED =
   "Put it at an address of this server (galewood forest FILE) and open the page with ?inventory=ADDRESS.";
-const REPORT_EVERY_MS = 250;
-/** The scene stays static for this long while the first trees are loading. */
-const PATIENCE_MS = 4000;
-/** Displays refresh a little early or late; a limited frame may come this much early. */
-const EARLY_MS = 1;
 const PLACEMENT_KEYS: SettingKey[] = [
   "trees",
   "density",
@@ -76,10 +71,6 @@ const PLACEMENT_KEYS: SettingKey[] = [
 
 export class App {
   readonly stage: Stage;
-  frame = 0;
-  private stopped = false;
-  /** While true, the forest neither advances nor draws, to leave the processor to other work. */
-  asleep = false;
   private readonly client = new ForestClient(showToast, {
     placement: (about) => this.takePlacement(about),
     present: (clients) => this.visit.sharing.present(clients),
@@ -120,10 +111,10 @@ export class App {
   private readonly status: StatusReport;
   private readonly flutter = { value: { x: 0, y: 0 } };
   private readonly exaggeration = exaggeration;
+  /** Whether the trees to draw must be selected again. */
+  private readonly view = { changed: true };
   private connected = true;
-  private dirty = true;
-  private last_ms = performance.now();
-  private reported_ms = 0;
+  readonly loop: FrameLoop;
 
   /** Settings are stored as differences from `defaults`. */
   constructor(
@@ -192,7 +183,7 @@ export class App {
       this.client,
       this.catalogue,
       () => {
-        this.dirty = true;
+        this.view.changed = true;
         this.ownTrees.appeared();
       },
       this.inventory,
@@ -221,7 +212,7 @@ export class App {
     });
     this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
     this.picker.enabled = () => !this.studio.isPlacing;
-    const moves = () => !this.paused && !this.playback.paused;
+    const moves = () => !this.loop.paused && !this.playback.paused;
     this.puller = new Puller(this.stage, this.forest, this.client, this.picker, moves);
     this.gusts = new Gusts(this.stage, this.client);
     this.picker.onGround = (x_m, z_m) => this.gusts.send(x_m, z_m);
@@ -252,7 +243,7 @@ export class App {
     const { stage, forest, client, catalogue, paper, meter, picker } = this;
     this.comparison = new Comparison(forest, client, catalogue, picker, (busy) => {
       // The forest stops meanwhile, to leave the processor to the comparison.
-      this.asleep = busy;
+      this.loop.asleep = busy;
     });
     this.status = new StatusReport(settings, stage, forest, client, meter, () => this.reconnect());
     this.figures = new ForestFigures(forest, client, catalogue, paper, meter);
@@ -262,7 +253,28 @@ export class App {
       measurement: (file) => void this.studio.loadMeasurement(file),
       wind: (file) => void this.studio.loadWind(file),
     });
-    this.stage.renderer.setAnimationLoop((now) => this.onFrame(now));
+    this.loop = new FrameLoop({
+      settings,
+      stage,
+      forest,
+      client,
+      picker,
+      meter,
+      view: this.view,
+      planting: this.planting,
+      visit: this.visit,
+      playback: this.playback,
+      ownTrees: this.ownTrees,
+      puller: this.puller,
+      gusts: this.gusts,
+      studio: this.studio,
+      overlays: this.overlays,
+      sound: this.sound,
+      flutter: this.flutter,
+      isUnseen: () => this.attention.hidden || this.graphics.lost,
+      report: () => this.report(),
+    });
+    this.loop.start();
   }
 
   private speciesOptions(): SpeciesOptions {
@@ -388,15 +400,6 @@ export class App {
     return true;
   }
 
-  get paused(): boolean {
-    return this.stopped;
-  }
-
-  set paused(paused: boolean) {
-    this.stopped = paused;
-    this.client.pause(paused);
-  }
-
   /** Sets season and time of day. */
   setScenery(season: Season, daytime: number): void {
     this.settings.season = season;
@@ -411,7 +414,7 @@ export class App {
     this.stage.show(daytime, season);
     this.forest.setSeason(season);
     this.stage.shelter(this.forest.crowns);
-    this.dirty = true;
+    this.view.changed = true;
   }
 
   /** The server moves a shared forest by the tables in leaf, because its clients may look at it in any season. */
@@ -459,7 +462,7 @@ export class App {
     const factor = this.settings.exaggeration;
     this.exaggeration.value = factor;
     showExaggeration(factor);
-    this.dirty = true;
+    this.view.changed = true;
   }
 
   /** Stores the settings and updates the URL; `kind` names what was changed. */
@@ -470,86 +473,6 @@ export class App {
       keep(this.settings, this.defaults, () => localStorage);
     const query = withShared(queryFromSettings(this.settings), this.planting.share);
     history.replaceState(null, "", query ? `?${query}` : location.pathname);
-  }
-
-  private onFrame(now_ms: number): void {
-    if (this.asleep || this.attention.hidden || this.graphics.lost) return;
-    const frame_ms = now_ms - this.last_ms;
-    if (frame_ms < 1000 / this.settings.frameRateLimit_hz - EARLY_MS) return;
-    const begin_ms = performance.now();
-    const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
-    this.last_ms = now_ms;
-    this.visit.advance(dt_s);
-    const played_s = this.playback.advance_s(dt_s, this.settings.lookup === "server");
-    this.move(played_s ?? 0, played_s !== null);
-    this.draw(dt_s);
-    this.frame++;
-    this.meter.count(frame_ms, performance.now() - begin_ms);
-    if (now_ms - this.reported_ms > REPORT_EVERY_MS) {
-      this.reported_ms = now_ms;
-      this.report();
-    }
-  }
-
-  /** Advances by dt_s; without `playing` the trees keep their poses. */
-  private move(dt_s: number, playing = true): void {
-    if (playing && !this.paused) this.client.advance(dt_s, this.stage.camera.position);
-    if (playing) this.takePoses();
-    this.picker.advance(dt_s);
-    this.ownTrees.advance();
-    this.puller.advance();
-    this.gusts.advance();
-    this.studio.tipOf = this.picker.moving;
-    this.overlays.advance(playing ? dt_s : 0);
-    this.sound.advance(this.studio.field, this.stage.camera.position, this.client.time_s, playing);
-    this.studio.advance(dt_s, this.client, this.forest);
-    this.stage.advance(dt_s, meanVelocity_m_s(this.settings.wind), this.client.time_s);
-    if (this.client.wind) this.stage.backdrop.wood.advance(this.client.wind.state, this.client.time_s);
-    this.flutter.value.x += dt_s;
-    this.flutter.value.y = this.settings.flutter ? 1 : 0;
-  }
-
-  private takePoses(): void {
-    if (!this.client.takeFreshPoses()) return;
-    for (const [k, { forest }] of this.forest.moving.entries()) forest.setPoses(this.client.poses[k]);
-    showPulls(this.forest, this.client);
-  }
-
-  /** Advances by dt_s and waits for the poses; for frame-by-frame rendering while asleep. */
-  async step(dt_s: number, drawn = true): Promise<void> {
-    this.visit.advance(dt_s);
-    this.move(dt_s);
-    while (this.client.isBusy) await new Promise((done) => setTimeout(done, 1));
-    this.takePoses();
-    if (drawn) this.draw(dt_s);
-    this.frame++;
-  }
-
-  /** Skip drawing until the first trees have moved: before that only the clouds would. */
-  private get waitsForTrees(): boolean {
-    if (this.frame === 0 || performance.now() > PATIENCE_MS) return false;
-    const steps = !this.paused && !this.playback.paused;
-    return !this.hasTrees || (steps && this.client.time_s <= this.planting.from_s);
-  }
-
-  private get hasTrees(): boolean {
-    return this.forest.group.children.length > 0;
-  }
-
-  /** `dt_s`: time since the last picture. */
-  private draw(dt_s: number): void {
-    const { stage, forest } = this;
-    this.dirty = stage.updateCamera() || this.dirty;
-    if (this.waitsForTrees && (this.hasTrees || !this.dirty)) return;
-    if (this.dirty) {
-      forest.select(stage.view());
-      stage.backdrop.select(stage.view());
-    }
-    this.dirty = false;
-    stage.renderer.info.reset();
-    forest.renderNodes(stage.renderer);
-    stage.render(dt_s);
-    this.visit.drawn();
   }
 
   private report(): void {
@@ -592,7 +515,7 @@ export class App {
   }
 
   dispose(): void {
-    this.stage.renderer.setAnimationLoop(null);
+    this.loop.stop();
     this.attention.dispose();
     this.graphics.dispose();
     this.puller.dispose();

@@ -77,7 +77,7 @@ declare global {
 export function exposeProbe(app: App): void {
   window.galewood = {
     get frame() {
-      return app.frame;
+      return app.loop.frame;
     },
     get time_s() {
       return app.figures.time_s;
@@ -105,7 +105,7 @@ export function exposeProbe(app: App): void {
       return app.connection;
     },
     get paused() {
-      return app.paused;
+      return app.loop.paused;
     },
     get wind() {
       return app.settings.wind;
@@ -118,10 +118,10 @@ export function exposeProbe(app: App): void {
     },
     setWind: (document) => app.setWind(document),
     pause() {
-      app.paused = true;
+      app.loop.paused = true;
     },
     resume() {
-      app.paused = false;
+      app.loop.paused = false;
     },
     look: (eye, at) => app.look(eye, at),
     get eye() {
@@ -132,9 +132,9 @@ export function exposeProbe(app: App): void {
     },
     dress: (season, daytime) => app.setScenery(season, daytime),
     sleep(asleep) {
-      app.asleep = asleep;
+      app.loop.asleep = asleep;
     },
-    step: (dt_s, drawn) => app.step(dt_s, drawn),
+    step: (dt_s, drawn) => app.loop.step(dt_s, drawn),
     pick(left_px, top_px) {
       app.picker.select(app.picker.find(left_px, top_px));
       return probed(app.picker.figures);
