@@ -6,10 +6,32 @@ export { expect };
 
 export const SMALL = "panel=0&quality=low&trees=6&flutter=0&background=0";
 
+/**
+ * Runs in every page before its scripts: few frames a second, because this processor draws them, and other tests need it
+ * too. What a page does in a frame is the same.
+ */
+function drawSlowly(): void {
+  const every_ms = 180;
+  const soon = window.requestAnimationFrame.bind(window);
+  const timers = new Map<number, number>();
+  let last = 0;
+  window.requestAnimationFrame = (callback) => {
+    const id = ++last;
+    const run = (now_ms: number) => timers.delete(id) && callback(now_ms);
+    timers.set(id, window.setTimeout(() => soon(run), every_ms - (performance.now() % every_ms)));
+    return id;
+  };
+  window.cancelAnimationFrame = (id) => {
+    window.clearTimeout(timers.get(id));
+    timers.delete(id);
+  };
+}
+
 /** Tests fail if the console of the page shows errors or warnings. */
 export const test = base.extend<{ quiet: string[] }>({
   quiet: [
-    async ({ page }, use) => {
+    async ({ context, page }, use) => {
+      await context.addInitScript(drawSlowly);
       const complaints: string[] = [];
       page.on("console", (message) => {
         if (message.type() === "error" || message.type() === "warning") complaints.push(message.text());
@@ -24,8 +46,7 @@ export const test = base.extend<{ quiet: string[] }>({
   ],
 });
 
-/** Opens the page. Few frames a second leave the processor, which draws here, to the tests beside this one. */
-export const open = (page: Page, query: string) => page.goto(`${process.env.BASE_URL}/?fps=10&${query}`);
+export const open = (page: Page, query: string) => page.goto(`${process.env.BASE_URL}/?${query}`);
 
 /** Waits until moving trees are displayed. */
 export async function forest(page: Page): Promise<void> {

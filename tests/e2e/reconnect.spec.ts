@@ -24,7 +24,7 @@ test("the forest keeps moving while the server is down, and the stream resumes w
   let server = serve(port, data);
   try {
     await until("the server", STARTS_WITHIN_MS, healthy);
-    await page.goto(`${base}/?fps=10&${SMALL.replace("panel=0", "panel=1")}&speed=12&lookup=server`);
+    await page.goto(`${base}/?${SMALL.replace("panel=0", "panel=1")}&speed=12&lookup=server`);
     await forest(page);
     await expect.poll(state).toBe("live");
     await expect(page.locator("#status")).toContainText(/Computed on the server, \d+ ms, frame \d+ ms old/);

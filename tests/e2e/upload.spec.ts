@@ -18,7 +18,7 @@ test("a file chosen before the script is loaded is not lost", async ({ page, qui
     await chosen;
     await route.continue();
   });
-  await page.goto(`${process.env.BASE_URL}/?fps=10&${panelled}&speed=5`, { waitUntil: "commit" });
+  await page.goto(`${process.env.BASE_URL}/?${panelled}&speed=5`, { waitUntil: "commit" });
   await page.setInputFiles("#file", file);
   release();
   await expect(page.getByRole("alert").locator("strong")).not.toBeEmpty();
