@@ -1,11 +1,30 @@
-"""Exports the motion of a tree for other programs: engines, modellers, renderers."""
+"""Exports the motion of a tree for other programs: engines, modellers, renderers.
 
-from galewood.export.bundle import FORMATS, KINDS, REVISION, ExportKind, ExportOptions, archive, write_export
+Options and errors are cheap to import; all other names are loaded when they are first used.
+"""
+
+from typing import TYPE_CHECKING
+
 from galewood.export.errors import ExportError
-from galewood.export.glb import animated_glb, blown, sampled
-from galewood.export.limited import export_limited
-from galewood.export.textures import TextureFormat
+from galewood.export.options import FORMATS, KINDS, REVISION, ExportKind, ExportOptions, TextureFormat
+from galewood.util import lazily
 
+if TYPE_CHECKING:
+    from galewood.export.bundle import archive, write_export
+    from galewood.export.glb import animated_glb, blown, sampled
+    from galewood.export.limited import export_limited
+
+__getattr__ = lazily(
+    __name__,
+    {
+        "animated_glb": "galewood.export.glb",
+        "archive": "galewood.export.bundle",
+        "blown": "galewood.export.glb",
+        "export_limited": "galewood.export.limited",
+        "sampled": "galewood.export.glb",
+        "write_export": "galewood.export.bundle",
+    },
+)
 __all__ = [
     "FORMATS",
     "KINDS",

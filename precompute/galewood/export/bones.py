@@ -12,6 +12,7 @@ import numpy as np
 from galewood.export.gltf_file import GltfFile
 from galewood.export.joints import RigidMotion, joint_motion, joint_of_vertex, node_motion, rotated
 from galewood.export.looped import Loop, seam_percent
+from galewood.export.options import MOST_BONES
 from galewood.export.skeleton import Skeleton, choose_bones, samples
 from galewood.export.skinning import INFLUENCES, fitted_weights
 from galewood.export.wind_groups import wind_groups
@@ -21,8 +22,6 @@ from galewood.util import Floats, Ints
 if TYPE_CHECKING:
     import pygltflib
 
-MOST_BONES = 256
-"""Of one skin: what Unity, Unreal and Godot take without changing their settings."""
 MEASURED_MOMENTS = 64
 STILL = 1e-6
 """A bone that moves less than this, m or in a quaternion, has no channel in the animation."""

@@ -6,54 +6,25 @@ import io
 import json
 import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 
-from galewood.export.bones import MOST_BONES, export_bones
+from galewood.export.bones import export_bones
 from galewood.export.errors import ExportError
 from galewood.export.glb import animated_glb, linear_error_percent
 from galewood.export.gltf_file import GltfFile
 from galewood.export.looped import Loop, looped, seam_percent
+from galewood.export.options import FORMATS, KINDS, ExportOptions
 from galewood.export.pivots import export_pivots
-from galewood.export.textures import TextureFormat
 from galewood.export.usd import export_usd
 from galewood.export.vat import export_vat
 from galewood.table import Table
-from galewood.wind import Wind, parse_wind
+from galewood.wind import parse_wind
 
-ExportKind = Literal["vat", "bones", "pivots", "usd", "glb"]
-KINDS: tuple[ExportKind, ...] = get_args(ExportKind)
-FORMATS: tuple[TextureFormat, ...] = get_args(TextureFormat)
-REVISION = 1
-"""Increased when the files of the same options change: services keep exports by it."""
 FEWEST_BONES = 4
 OnProgress = Callable[[float, str], None]
-
-
-@dataclass(frozen=True)
-class ExportOptions:
-    """What to export: the wind, the length of its loop and the frame rate; and what single kinds need."""
-
-    wind: Wind = field(default_factory=Wind)
-    loop_s: float = 8.0
-    fps: float = 30.0
-    format: TextureFormat = "exr"
-    """Of vertex animation textures."""
-    bones: int = MOST_BONES
-    """Most bones of a skeleton."""
-
-    def document(self) -> dict[str, Any]:
-        """The options as JSON, in a fixed order."""
-        return {
-            "wind": self.wind.document(),
-            "loop_s": self.loop_s,
-            "fps": self.fps,
-            "format": self.format,
-            "bones": self.bones,
-        }
 
 
 def write_export(

@@ -16,11 +16,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from galewood.export.bones import MOST_BONES, export_bones
+from galewood.export.bones import export_bones
 from galewood.export.errors import ExportError
 from galewood.export.gltf_file import GltfFile
 from galewood.export.joints import joint_motion, joint_of_vertex
 from galewood.export.looped import Loop
+from galewood.export.options import MOST_BONES
 from galewood.export.skeleton import branch_of_node, levels, parents_of, samples
 from galewood.export.textures import write_exr, write_png8
 from galewood.table import Table

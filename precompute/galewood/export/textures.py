@@ -6,14 +6,14 @@ import struct
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from galewood.export.options import TextureFormat
 from galewood.util import Floats
 
-TextureFormat = Literal["exr", "png"]
 WIDEST = 4096
 """Widest texture: every graphics card of the last fifteen years takes it."""
 TALLEST = 16384

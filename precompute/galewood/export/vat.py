@@ -22,10 +22,10 @@ from galewood.export.errors import ExportError
 from galewood.export.gltf_file import GltfFile
 from galewood.export.joints import RigidMotion, joint_motion, joint_of_vertex, rotated
 from galewood.export.looped import Loop, seam_percent
+from galewood.export.options import TextureFormat
 from galewood.export.textures import (
     TALLEST,
     WIDEST,
-    TextureFormat,
     Written,
     read_texture,
     write_texture,

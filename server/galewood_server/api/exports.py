@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
-from galewood.export import REVISION, ExportKind, ExportOptions, TextureFormat, export_limited
+from galewood.export import REVISION, ExportKind, ExportOptions, TextureFormat
 from galewood.util import write_whole
 from galewood.wind import PRESETS, Wind, parse_wind
 from pydantic import BaseModel, ConfigDict, Field
@@ -127,6 +127,8 @@ async def _make(service: Service, source: _Source, kind: str, options: ExportOpt
 
 
 def _export(service: Service, source: _Source, kind: str, options: ExportOptions, target: Path) -> None:
+    from galewood.export import export_limited  # loads what a build needs
+
     stores = service.stores
     table, mesh = stores.tables.get(source.table_sha256), stores.meshes.get(source.mesh_sha256)
     write_whole(target, export_limited(table, mesh, kind, source.name, options))
