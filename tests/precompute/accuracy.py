@@ -38,11 +38,14 @@ class Built:
     cache: Path
 
 
-def build(name: str, folder: Path, design_speed_m_s: float = 18.0, workers: int = 2) -> Built:
+def build(
+    name: str, folder: Path, design_speed_m_s: float = 18.0, workers: int = 2, target_tets: int = 5500
+) -> Built:
     """Build a species as `galewood build` does, without the comparison with the quadratic reference."""
     options = BuildOptions(
         mesh_import=ImportOptions(species=name),
         design_speed_m_s=design_speed_m_s,
+        target_tets=target_tets,
         reference_frames=0,
         paper=False,
     )

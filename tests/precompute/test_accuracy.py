@@ -1,4 +1,7 @@
-"""The accuracy that is claimed of the shipped species, on a real build of the smallest of them."""
+"""The accuracy claimed of the shipped species, on a build of the smallest of them with fewer tetrahedra.
+
+`make test-species` tests all of them as they are shipped.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +19,12 @@ pytestmark = pytest.mark.timeout(1800)
 
 @pytest.fixture(scope="module")
 def poplar(tmp_path_factory: pytest.TempPathFactory) -> Built:
-    return build("poplar", tmp_path_factory.mktemp("poplar"))
+    return build("poplar", tmp_path_factory.mktemp("poplar"), target_tets=2500)
 
 
 def test_no_vertex_is_off_by_more_than_half_a_percent_when_it_sways_by_a_tenth(poplar: Built) -> None:
-    found = accuracy(poplar, sway=0.10, names=("perlin", "one-over-f", "step"))
-    assert len(found) == 3
+    found = accuracy(poplar, sway=0.10, names=("perlin", "step"))
+    assert len(found) == 2
     assert all(figures["reference_sway"] > 0.09 for figures in found.values())
     assert largest(found) <= LIMIT
 
