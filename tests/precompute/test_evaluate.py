@@ -160,8 +160,10 @@ SOFT = replace(
     wood_of_species("maple"), young_longitudinal_pa=wood_of_species("maple").young_longitudinal_pa / 30
 )
 """With its own wood the stub sways at 7 Hz, too fast for the time steps of the elements to be exact."""
+HEIGHT_M = 5.2
+"""A third of the small tree's own: it sways faster, so that a short run covers many periods."""
 OPTIONS = BuildOptions(
-    mesh_import=ImportOptions(species="maple"),
+    mesh_import=ImportOptions(species="maple", height_m=HEIGHT_M),
     target_tets=TARGET_TETS,
     sampled_elements=8,
     design_speed_m_s=14.0,
@@ -182,7 +184,7 @@ def in_this_process(tasks: Sequence[SampleTask], done: Callable[[int], None]) ->
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Table of a small tree with its mesh beside it, and the cache of its build."""
     path = tmp_path_factory.mktemp("evaluate")
-    cache = cache_with_tets(path / "cache", tmp_path_factory)
+    cache = cache_with_tets(path / "cache", tmp_path_factory, HEIGHT_M)
     built = build_table(
         small_tree_glb(),
         "tree.glb",
@@ -297,9 +299,9 @@ def test_a_long_run_is_cached_and_motion_is_bounded_beyond_the_sampled_range(
     # The stub sways little even so: errors are compared with the sway.
     share = [window["max_error"] / window["sway"] for window in first["methods"]["modal"]]
     assert len(share) == 5
-    assert max(share) < 0.05
+    assert max(share) < 0.01
     # The first window begins at rest, where there is no error yet.
-    assert max(share[2:]) <= 2 * max(share[:2])
+    assert max(share[2:]) <= 1.5 * max(share[:2])
     again = long_run(table, source, tmp_path, lambda f, m: None, frames=2000, sway=0.005, seed=610)
     assert first == again
     far = beyond(table, source, frames=300)

@@ -4,7 +4,7 @@ import { meanVelocity_m_s } from "../core/wind/edit";
 import type { Forest } from "../scene/forest";
 import type { Stage } from "../scene/stage";
 import type { ForestClient } from "./forestClient";
-import type { FrameStatistics } from "./frameStatistics";
+import { type FrameStatistics, isFrameDue } from "./frameStatistics";
 import type { TreeOverlays } from "./overlays/treeOverlays";
 import type { OwnTrees } from "./ownTree/ownTrees";
 import type { Planting } from "./planting";
@@ -21,8 +21,6 @@ import type { WindStudio } from "./windStudio";
 const REPORT_EVERY_MS = 250;
 /** The scene stays static for this long while the first trees are loading. */
 const PATIENCE_MS = 4000;
-/** Displays refresh a little early or late; a limited frame may come this much early. */
-const EARLY_MS = 1;
 
 /** What a frame advances and draws. */
 export interface LoopParts {
@@ -82,7 +80,7 @@ export class FrameLoop {
   private onFrame(now_ms: number): void {
     if (this.asleep || this.parts.isUnseen()) return;
     const frame_ms = now_ms - this.last_ms;
-    if (frame_ms < 1000 / this.parts.settings.frameRateLimit_hz - EARLY_MS) return;
+    if (!isFrameDue(frame_ms, this.parts.settings.frameRateLimit_hz)) return;
     const begin_ms = performance.now();
     const dt_s = this.paused ? 0 : Math.min(0.25, Math.max(0, frame_ms / 1000));
     this.last_ms = now_ms;

@@ -1,4 +1,4 @@
-/** Running means of the cost of a frame. Pure. */
+/** Running means of the cost of a frame, and when the next one is due. Pure. */
 
 /** Figures of the panel, refreshed several times per second. */
 export interface Statistics {
@@ -15,6 +15,12 @@ export interface Statistics {
 }
 
 const SHARE = 0.08;
+/** Displays refresh a little early or late; a limited frame may come this much early. */
+const EARLY_MS = 1;
+
+/** Whether the next frame may be drawn, this long after the last one. */
+export const isFrameDue = (since_ms: number, limit_hz: number): boolean =>
+  since_ms >= 1000 / limit_hz - EARLY_MS;
 
 export class FrameStatistics {
   readonly statistics: Statistics = {
