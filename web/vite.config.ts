@@ -1,10 +1,12 @@
-import { defineConfig } from "vite";
-import { precompress } from "./scripts/precompress";
+import { defaultClientConditions, defineConfig } from "vite";
+import { precompress } from "./scripts/precompress.ts";
 
 const server = process.env.GALEWOOD_SERVER ?? "http://127.0.0.1:8000";
 
 export default defineConfig({
   plugins: [precompress()],
+  // The package galewood comes from its sources, so that it need not be built first.
+  resolve: { conditions: ["galewood-source", ...defaultClientConditions] },
   build: { target: "es2023", chunkSizeWarningLimit: 900, sourcemap: false },
   worker: { format: "es" },
   server: {

@@ -3,10 +3,17 @@ import { defineConfig } from "vitest/config";
 
 const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
 
+/** The package galewood comes from its sources. */
+const SOURCES = ["galewood-source", "module", "node", "development|production"];
+
 /** The tests are in ../tests/web, outside the folder of node_modules, so packages are resolved from here. */
 export default defineConfig({
   root: here(".."),
-  resolve: { alias: { vitest: here("node_modules/vitest"), three: here("node_modules/three") } },
+  resolve: {
+    conditions: SOURCES,
+    alias: { vitest: here("node_modules/vitest"), three: here("node_modules/three") },
+  },
+  ssr: { resolve: { conditions: SOURCES } },
   server: { fs: { allow: [here("..")] } },
   test: { include: ["tests/web/**/*.test.ts"], environment: "node", testTimeout: 60_000 },
 });

@@ -1,5 +1,5 @@
 import type { Page } from "@playwright/test";
-import { CALM_BREEZE } from "../../web/src/core/wind/presets";
+import { CALM_BREEZE } from "../../web/player/src/core/wind/presets";
 import { expect, forest, open, SMALL, test } from "./forest";
 
 const panelled = SMALL.replace("panel=0", "panel=1");

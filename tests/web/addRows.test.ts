@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { addRows } from "../../web/src/core/modal/addRows";
+import { addRows } from "../../web/player/src/core/modal/addRows";
 import { seededRandom } from "./seeded";
 
 test("sums of rows of any width equal those computed column by column", () => {

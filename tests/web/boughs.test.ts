@@ -2,11 +2,11 @@ import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { describe, expect, test } from "vitest";
 import { readGlb } from "../../web/scripts/species/glb";
-import { hasLot, lotsOf } from "../../web/src/scene/trees/boughLots";
-import { ALWAYS, MISSING } from "../../web/src/scene/trees/lotShader";
-import { bareShoots } from "../../web/src/scene/trees/mesh/bareShoots";
-import { boughsOf, type BornePart, STEM } from "../../web/src/scene/trees/mesh/boughs";
-import { connectedComponents, weldedComponents } from "../../web/src/scene/trees/mesh/components";
+import { hasLot, lotsOf } from "../../web/src/scene/treeModel/boughLots";
+import { ALWAYS, MISSING } from "../../web/player/src/trees/lotShader";
+import { bareShoots } from "../../web/src/scene/treeModel/bareShoots";
+import { boughsOf, type BornePart, STEM } from "../../web/player/src/trees/mesh/boughs";
+import { connectedComponents, weldedComponents } from "../../web/player/src/trees/mesh/components";
 import { random } from "./golden";
 
 const path = (file: string) => fileURLToPath(new URL(`../../assets/species/${file}`, import.meta.url));

@@ -1,13 +1,13 @@
 /** Trees that stay in a new plan: when a species is added, or a table replaces another one. */
 import { describe, expect, test } from "vitest";
-import { noGusts } from "../../web/src/core/modal/gustTensors";
-import { poseStride } from "../../web/src/core/motion/poseStride";
-import { decodeTable, type Table } from "../../web/src/core/table/table";
-import { WindField } from "../../web/src/core/wind/wind";
-import { carryGroup, poseTransfer, rowsBefore } from "../../web/src/worker/motion/carry";
-import { LocalMotion } from "../../web/src/worker/motion/localMotion";
-import { coarserNodes, groupRows } from "../../web/src/worker/table/nodeLevels";
-import { tableMotion } from "../../web/src/worker/table/tableMotion";
+import { noGusts } from "../../web/player/src/core/modal/gustTensors";
+import { poseStride } from "../../web/player/src/core/motion/poseStride";
+import { decodeTable, type Table } from "../../web/player/src/core/table/table";
+import { WindField } from "../../web/player/src/core/wind/wind";
+import { carryGroup, poseTransfer, rowsBefore } from "../../web/player/src/worker/motion/carry";
+import { LocalMotion } from "../../web/player/src/worker/motion/localMotion";
+import { coarserNodes, groupRows } from "../../web/player/src/worker/table/nodeLevels";
+import { tableMotion } from "../../web/player/src/worker/table/tableMotion";
 import { golden } from "./golden";
 import { seededRandom } from "./seeded";
 

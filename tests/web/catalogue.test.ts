@@ -2,11 +2,11 @@
 import { afterEach, describe, expect, test, vi } from "vitest";
 import type { Tree } from "../../web/src/page/server/api";
 import { Catalogue } from "../../web/src/page/server/catalogue";
-import type { TableMotion } from "../../web/src/worker/protocol";
+import type { TableMotion } from "../../web/player/src/worker/protocol";
 
 const model = vi.hoisted(() => ({ parts: [{ vertices: 3 }] }));
 const handlers = vi.hoisted(() => ({ change: (_: unknown) => {} }));
-vi.mock("../../web/src/scene/trees/mesh/treeVariants", () => ({ readTreeModel: async () => model }));
+vi.mock("../../web/src/scene/treeModel/treeVariants", () => ({ readTreeModel: async () => model }));
 vi.mock("../../web/src/page/server/api", () => ({
   fetchMesh: async () => new ArrayBuffer(0),
   Problem: class extends Error {},

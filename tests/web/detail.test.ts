@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { componentCentres, connectedComponents, holders, weldedComponents } from "../../web/src/scene/trees/mesh/components";
+import { componentCentres, connectedComponents, holders, weldedComponents } from "../../web/player/src/trees/mesh/components";
 import {
   branchBases,
   grownLeaf,
@@ -12,9 +12,9 @@ import {
   rankedIndex,
   shareAt,
   woodRanks,
-} from "../../web/src/scene/trees/detail";
+} from "../../web/player/src/trees/detail";
 import { seededRandom } from "./seeded";
-import { openness, roundNormals } from "../../web/src/scene/trees/mesh/foliage";
+import { openness, roundNormals } from "../../web/player/src/trees/mesh/foliage";
 
 /** `count` separate quads; the k-th has side 1 + k/count and stands at x = 10 k. */
 function quads(count: number) {

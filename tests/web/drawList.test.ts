@@ -1,9 +1,9 @@
 import { describe, expect, test } from "vitest";
-import { cylinderSeen } from "../../web/src/scene/trees/culling";
-import { LEVEL_COUNT, LEVEL_SHARES } from "../../web/src/scene/trees/detail";
-import { DrawList, type View } from "../../web/src/scene/trees/drawList";
+import { cylinderSeen } from "../../web/player/src/trees/culling";
+import { LEVEL_COUNT, LEVEL_SHARES } from "../../web/player/src/trees/detail";
+import { DrawList, type View } from "../../web/player/src/trees/drawList";
 import { placeTrees } from "../../web/src/scene/placement";
-import { INSTANCE_FLOATS, createInstanceData } from "../../web/src/scene/trees/instanceData";
+import { INSTANCE_FLOATS, createInstanceData } from "../../web/player/src/trees/instanceData";
 import { seededRandom } from "./seeded";
 
 const BOUNDS = { height_m: 10, radius_m: 3, reach_m: 0 };

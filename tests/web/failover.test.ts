@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
-import { FailoverMotion } from "../../web/src/worker/motion/failover";
-import type { LocalMotion } from "../../web/src/worker/motion/localMotion";
-import type { ConnectionState } from "../../web/src/worker/protocol";
-import type { StreamMotion } from "../../web/src/worker/motion/streamMotion";
+import { FailoverMotion } from "../../web/player/src/worker/motion/failover";
+import type { LocalMotion } from "../../web/player/src/worker/motion/localMotion";
+import type { ConnectionState } from "../../web/player/src/worker/protocol";
+import type { StreamMotion } from "../../web/player/src/worker/motion/streamMotion";
 
 /** A source whose poses equal its clock, with only the members that the failover uses. */
 class Source {

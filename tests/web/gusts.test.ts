@@ -1,10 +1,10 @@
 import { expect, test } from "vitest";
-import { GustLayer } from "../../web/src/core/modal/gustLayer";
-import { fittedModes, decodeTable } from "../../web/src/core/table/table";
-import { CrownGusts } from "../../web/src/core/wind/crown";
-import { compressed, compression } from "../../web/src/core/wind/pressure";
-import { type WindDocument, WindField } from "../../web/src/core/wind/wind";
-import { LocalMotion } from "../../web/src/worker/motion/localMotion";
+import { GustLayer } from "../../web/player/src/core/modal/gustLayer";
+import { fittedModes, decodeTable } from "../../web/player/src/core/table/table";
+import { CrownGusts } from "../../web/player/src/core/wind/crown";
+import { compressed, compression } from "../../web/player/src/core/wind/pressure";
+import { type WindDocument, WindField } from "../../web/player/src/core/wind/wind";
+import { LocalMotion } from "../../web/player/src/worker/motion/localMotion";
 import { golden, goldenJson } from "./golden";
 
 interface Driven {

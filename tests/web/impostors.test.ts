@@ -1,6 +1,6 @@
 import { readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
-import { decodeTable } from "../../web/src/core/table/table";
+import { decodeTable } from "../../web/player/src/core/table/table";
 import { type Form, kindsOf, plant } from "../../web/src/scene/forms";
 import { glade } from "../../web/src/scene/ground/landscape";
 import {
@@ -24,12 +24,12 @@ import { SHADE_M, SHADE_SIDE, shadeOf } from "../../web/src/scene/impostors/shad
 import { airDamping, freeStep, Sway } from "../../web/src/scene/impostors/sway";
 import { treeBox } from "../../web/src/scene/impostors/treeBox";
 import { placeTrees, reach_m, SPACING_M } from "../../web/src/scene/placement";
-import { FADE_END, fadeAt } from "../../web/src/scene/trees/crossFade";
-import { DrawList, type View } from "../../web/src/scene/trees/drawList";
-import { bendNodes } from "../../web/src/scene/trees/farCards";
-import { createInstanceData } from "../../web/src/scene/trees/instanceData";
-import { oscillatorOf } from "../../web/src/worker/table/firstSway";
-import { tableMotion } from "../../web/src/worker/table/tableMotion";
+import { FADE_END, fadeAt } from "../../web/player/src/trees/crossFade";
+import { DrawList, type View } from "../../web/player/src/trees/drawList";
+import { bendNodes } from "../../web/player/src/trees/farCards";
+import { createInstanceData } from "../../web/player/src/trees/instanceData";
+import { oscillatorOf } from "../../web/player/src/worker/table/firstSway";
+import { tableMotion } from "../../web/player/src/worker/table/tableMotion";
 import { seededRandom } from "./seeded";
 
 const dot = (a: Direction, b: Direction) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

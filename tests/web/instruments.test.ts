@@ -1,13 +1,13 @@
 import { describe, expect, test } from "vitest";
-import { groundUnder } from "../../web/src/core/math/groundRay";
-import { nearestTree, tipDisplacement_m, tipNode } from "../../web/src/core/motion/tip";
+import { groundUnder } from "../../web/player/src/core/math/groundRay";
+import { nearestTree, tipDisplacement_m, tipNode } from "../../web/player/src/core/motion/tip";
 import { bearingFrom_deg, beaufort, directionFrom_deg, windInWords, windName } from "../../web/src/page/ui/instruments/beaufort";
 import { dialTurn_deg, placeOfWind, windAfterKey, windAtPlace } from "../../web/src/page/ui/instruments/dial";
 import { kolmogorovLine, powerSpectrum } from "../../web/src/page/ui/instruments/powerSpectrum";
 import { KEPT_SAMPLES, RATE_HZ, Recorder } from "../../web/src/page/ui/instruments/recorder";
 import { presetAt, presetOf, withModel } from "../../web/src/page/ui/instruments/windEditing";
 import { windFromText } from "../../web/src/page/ui/instruments/windFiles";
-import { CALM_BREEZE, MODELS, PRESETS, type PresetName, parseWind, WindError } from "../../web/src/core/wind/wind";
+import { CALM_BREEZE, MODELS, PRESETS, type PresetName, parseWind, WindError } from "../../web/player/src/core/wind/wind";
 import { random } from "./golden";
 
 describe("Beaufort", () => {

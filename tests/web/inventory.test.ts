@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
-import { type Inventory, InventoryError, readInventory, rowsOfGeojson } from "../../web/src/core/inventory/reading";
-import { matchSpecies } from "../../web/src/core/inventory/species";
-import { readRows } from "../../web/src/page/files/rows";
+import { type Inventory, InventoryError, readInventory, rowsOfGeojson } from "../../web/player/src/core/inventory/reading";
+import { matchSpecies } from "../../web/player/src/core/inventory/species";
+import { readRows } from "../../web/player/src/files/rows";
 import { goldenJson } from "./golden";
 
 interface Golden {

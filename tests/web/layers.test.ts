@@ -51,29 +51,30 @@ const importingType = (specifier: string) => `import type { Thing } from "${spec
 
 describe("biome rejects", () => {
   test.each([
-    ["src/core/wind/planted.ts", "three", "core draws nothing"],
-    ["src/core/wind/planted.ts", "three/addons/controls/OrbitControls.js", "core draws nothing"],
-    ["src/core/planted.ts", "../worker/protocol", "core imports nothing from outside core"],
-    ["src/core/wind/planted.ts", "../../scene/quality", "core imports nothing from outside core"],
-    ["src/core/wind/planted.ts", "../../page/settings/settings", "core imports nothing from outside core"],
-    ["src/worker/planted.ts", "three", "The worker draws nothing"],
-    ["src/worker/motion/planted.ts", "../../scene/trees/culling", "worker imports core only"],
-    ["src/worker/motion/planted.ts", "../../page/settings/settings", "worker imports core only"],
-    ["src/scene/trees/planted.ts", "../sky/air", "scene/trees imports core"],
-    ["src/scene/trees/planted.ts", "../season/season", "scene/trees imports core"],
-    ["src/scene/trees/planted.ts", "../forest", "scene/trees imports core"],
-    ["src/scene/trees/planted.ts", "../../page/app", "scene/trees imports core"],
-    ["src/scene/trees/planted.ts", "../../worker/motion/blend", "scene/trees imports core"],
-    ["src/scene/trees/nodes/planted.ts", "../../sky/air", "scene/trees imports core"],
-    ["src/scene/trees/nodes/planted.ts", "../../../page/app", "scene/trees imports core"],
+    ["player/src/core/wind/planted.ts", "three", "core draws nothing"],
+    ["player/src/core/wind/planted.ts", "three/addons/controls/OrbitControls.js", "core draws nothing"],
+    ["player/src/core/wind/planted.ts", "../../worker/protocol", "core imports nothing from outside core"],
+    ["player/src/core/wind/planted.ts", "../../trees/detail", "core imports nothing from outside core"],
+    ["player/src/core/wind/planted.ts", "../../three/forest", "core imports nothing from outside core"],
+    ["player/src/core/wind/planted.ts", "../../../../src/scene/quality", "core imports nothing from outside core"],
+    ["player/src/core/wind/planted.ts", "galewood/trees", "The package uses its own files"],
+    ["player/src/worker/planted.ts", "three", "The worker draws nothing"],
+    ["player/src/worker/motion/planted.ts", "../../trees/culling", "The worker imports core only"],
+    ["player/src/worker/motion/planted.ts", "../../../../src/page/settings/settings", "The worker imports core only"],
+    ["player/src/trees/planted.ts", "../three/forest", "The tree code imports core"],
+    ["player/src/trees/planted.ts", "../worker/motion/blend", "The tree code imports core"],
+    ["player/src/trees/nodes/planted.ts", "../../worker/motion/blend", "The tree code imports core"],
+    ["player/src/trees/planted.ts", "../../../src/scene/sky/air", "The tree code imports core"],
+    ["player/src/trees/planted.ts", "../../../src/page/app", "The tree code imports core"],
+    ["player/src/three/planted.ts", "../../../src/page/app", "The package knows nothing of the page"],
+    ["player/src/three/planted.ts", "../../../src/scene/sky/air", "The package knows nothing of the page"],
+    ["player/src/planted.ts", "../../src/page/app", "The package knows nothing of the page"],
+    ["player/src/planted.ts", "galewood/core", "The package uses its own files"],
     ["src/scene/sky/planted.ts", "../../page/app", "scene knows nothing of the page"],
-    ["src/scene/planted.ts", "../worker/motion/blend", "scene takes types from the worker's protocol only"],
-    ["src/page/ui/planted.ts", "../../worker/motion/blend", "page takes types from the worker's protocol only"],
-    ["player/src/core/planted.ts", "three", "the worker draw nothing"],
-    ["player/src/worker/planted.ts", "../../../src/scene/trees/culling", "the worker draw nothing"],
-    ["player/src/three/planted.ts", "../../../src/page/app", "The package shares core, scene/trees"],
-    ["player/src/three/planted.ts", "../../../src/scene/sky/air", "The package shares core, scene/trees"],
-    ["player/src/planted.ts", "../../src/worker/motion/blend", "The package shares core, scene/trees"],
+    ["src/scene/sky/planted.ts", "galewood/client-worker", "scene starts no worker"],
+    ["src/scene/sky/planted.ts", "../../../player/src/trees/culling", "by its public subpaths"],
+    ["src/page/planted.ts", "../../player/src/core/wind/wind", "by its public subpaths"],
+    ["src/page/ui/planted.ts", "../../../player/dist/core.js", "by its public subpaths"],
   ])("%s importing %s", async (file, specifier, message) => {
     for (const text of [importing(specifier), importingType(specifier)]) {
       const { passes, text: said } = await lint({ [file]: text });
@@ -87,7 +88,7 @@ describe("biome rejects", () => {
     ["values", importing],
     ["types", importingType],
   ])("a cycle of %s", async (_, text) => {
-    const files = { "src/core/a.ts": text("./b"), "src/core/b.ts": text("./c"), "src/core/c.ts": text("./a") };
+    const files = { "src/page/a.ts": text("./b"), "src/page/b.ts": text("./c"), "src/page/c.ts": text("./a") };
     const { passes, text: said } = await lint(files);
     expect(passes, said).toBe(false);
     expect(said).toContain("lint/suspicious/noImportCycles");
@@ -96,14 +97,13 @@ describe("biome rejects", () => {
 
 test("biome accepts the allowed imports", async () => {
   const { passes, text } = await lint({
-    "src/core/math/planted.ts": importing("../wind/document"),
-    "src/worker/motion/planted.ts": importing("../../core/table/table") + "export * from '../protocol';\n",
-    "src/scene/trees/planted.ts": importing("../../core/math/random") + "export * from '../../worker/protocol';\n",
-    "src/scene/trees/nodes/planted.ts": importing("../drawList") + "export * from '../../../worker/protocol';\n",
-    "src/scene/planted.ts": importing("./trees/speciesForest") + "export * from '../worker/protocol';\n",
-    "src/page/planted.ts": importing("../scene/forest") + "export * from '../worker/protocol';\n",
-    "player/src/core/planted.ts": importing("../../../src/core/table/present"),
-    "player/src/three/planted.ts": importing("../../../src/scene/trees/detail") + "export * from '../core/wind';\n",
+    "player/src/core/math/planted.ts": importing("../wind/document"),
+    "player/src/worker/motion/planted.ts": importing("../../core/table/table") + "export * from '../protocol';\n",
+    "player/src/trees/planted.ts": importing("three/addons/loaders/GLTFLoader.js") + "export * from '../worker/protocol';\n",
+    "player/src/trees/nodes/planted.ts": importing("../drawList") + "export * from '../../worker/protocol';\n",
+    "player/src/three/planted.ts": importing("../trees/detail") + "export * from '../core/forest/givenWind';\n",
+    "src/scene/planted.ts": importing("galewood/trees") + "export * from 'galewood/client';\n",
+    "src/page/planted.ts": importing("../scene/forest") + "export * from 'galewood/core';\n",
   });
   expect(passes, text).toBe(true);
 });

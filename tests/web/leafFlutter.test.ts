@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
-import { connectedComponents, petioles } from "../../web/src/scene/trees/mesh/components";
-import { leafFreedom } from "../../web/src/scene/trees/mesh/foliage";
-import { FASTEST_HZ, FULL_AT_M_S, LEAF_FLUTTER, RAD_PER_M_S, SLOWEST_HZ } from "../../web/src/scene/trees/leafFlutter";
+import { connectedComponents, petioles } from "../../web/player/src/trees/mesh/components";
+import { leafFreedom } from "../../web/player/src/trees/mesh/foliage";
+import { FASTEST_HZ, FULL_AT_M_S, LEAF_FLUTTER, RAD_PER_M_S, SLOWEST_HZ } from "../../web/player/src/trees/leafFlutter";
 
 /** Two cards: a small leaf of 0.1 m, and a piece of 2 m. */
 const CARDS = Float32Array.of(0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 5, 0, 0, 7, 0, 0, 5, 2, 0);

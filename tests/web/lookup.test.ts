@@ -1,8 +1,8 @@
 import { describe, expect, test } from "vitest";
-import { PaperForest, gaussian } from "../../web/src/core/motion/paperSearch";
-import type { Records } from "../../web/src/core/table/records";
-import { decodeTable } from "../../web/src/core/table/table";
-import { CALM_BREEZE, windPressure } from "../../web/src/core/wind/wind";
+import { PaperForest, gaussian } from "../../web/player/src/core/motion/paperSearch";
+import type { Records } from "../../web/player/src/core/table/records";
+import { decodeTable } from "../../web/player/src/core/table/table";
+import { CALM_BREEZE, windPressure } from "../../web/player/src/core/wind/wind";
 import { golden, goldenJson } from "./golden";
 
 interface Walk {

@@ -1,8 +1,8 @@
 import { describe, expect, test } from "vitest";
-import { bytesOfBase64 } from "../../web/src/core/files/base64";
-import { type Measurement, MeasurementError, readMeasurement } from "../../web/src/core/wind/measured/reading";
-import { parseWind, type WindDocument, WindField } from "../../web/src/core/wind/wind";
-import { readRows, textOf } from "../../web/src/page/files/rows";
+import { bytesOfBase64 } from "../../web/player/src/core/files/base64";
+import { type Measurement, MeasurementError, readMeasurement } from "../../web/player/src/core/wind/measured/reading";
+import { parseWind, type WindDocument, WindField } from "../../web/player/src/core/wind/wind";
+import { readRows, textOf } from "../../web/player/src/files/rows";
 import { goldenJson } from "./golden";
 
 interface Golden {

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
-import { decodeTable } from "../../web/src/core/table/table";
-import { ModalForest } from "../../web/src/core/modal/modalForest";
+import { decodeTable } from "../../web/player/src/core/table/table";
+import { ModalForest } from "../../web/player/src/core/modal/modalForest";
 import { golden, goldenJson } from "./golden";
 
 interface Sway {

@@ -1,10 +1,10 @@
 import { expect, test } from "vitest";
 import { compileKernel } from "../../web/scripts/compileKernel";
-import { decodeTable, type Table } from "../../web/src/core/table/table";
-import { noGusts } from "../../web/src/core/modal/gustTensors";
-import { ModalForest } from "../../web/src/core/modal/modalForest";
-import { MODAL_KERNEL } from "../../web/src/core/modal/modalKernel.wasm";
-import { contracts, forceTerms, poseTerms } from "../../web/src/core/modal/modalTensors";
+import { decodeTable, type Table } from "../../web/player/src/core/table/table";
+import { noGusts } from "../../web/player/src/core/modal/gustTensors";
+import { ModalForest } from "../../web/player/src/core/modal/modalForest";
+import { MODAL_KERNEL } from "../../web/player/src/core/modal/modalKernel.wasm";
+import { contracts, forceTerms, poseTerms } from "../../web/player/src/core/modal/modalTensors";
 import { golden } from "./golden";
 import { seededRandom } from "./seeded";
 

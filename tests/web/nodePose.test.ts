@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
-import { LONGEST, NodePose, turn } from "../../web/src/core/motion/nodePose";
-import { decodeTable } from "../../web/src/core/table/table";
-import { tableMotion } from "../../web/src/worker/table/tableMotion";
+import { LONGEST, NodePose, turn } from "../../web/player/src/core/motion/nodePose";
+import { decodeTable } from "../../web/player/src/core/table/table";
+import { tableMotion } from "../../web/player/src/worker/table/tableMotion";
 import { golden } from "./golden";
 import { seededRandom } from "./seeded";
 

@@ -4,7 +4,7 @@ import { localError_m } from "../../web/src/page/overlays/localError";
 import { edgesOf, linksOf } from "../../web/src/page/overlays/structure";
 import { modesByFrequency } from "../../web/src/page/overlays/modes";
 import { NodeBinding } from "../../web/src/scene/overlays/nodeBinding";
-import { oscillatorFrequencies_hz } from "../../web/src/worker/table/oscillators";
+import { oscillatorFrequencies_hz } from "../../web/player/src/worker/table/oscillators";
 import { random } from "./golden";
 
 test("points move as their nodes do: exactly at a node, as all of them in a translation, not at the root (seed 4)", () => {

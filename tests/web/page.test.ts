@@ -1,11 +1,11 @@
 import { describe, expect, test } from "vitest";
 import { problemFrom } from "../../web/src/page/server/api";
-import { fractalNoise, valueNoise } from "../../web/src/core/math/noise";
-import { hashUnit } from "../../web/src/core/math/random";
+import { fractalNoise, valueNoise } from "../../web/player/src/core/math/noise";
+import { hashUnit } from "../../web/player/src/core/math/random";
 import { leafTint } from "../../web/src/scene/season/palette";
 import { progressLine, statusLine, summary, timeLeft } from "../../web/src/page/ui/words";
-import { plainWind } from "../../web/src/core/wind/edit";
-import { parseWind } from "../../web/src/core/wind/wind";
+import { plainWind } from "../../web/player/src/core/wind/edit";
+import { parseWind } from "../../web/player/src/core/wind/wind";
 import { WIND_LIMITS } from "../../web/src/page/settings/windQuery";
 import { DEFAULTS } from "../../web/src/page/settings/settings";
 

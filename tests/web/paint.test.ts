@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { hashUnit } from "../../web/src/core/math/random";
+import { hashUnit } from "../../web/player/src/core/math/random";
 import { paintGrass, paintLitter, paintNoise } from "../../web/src/scene/textures/paint";
 
 /** Reference implementation of the noise, which hashes every corner. */

@@ -5,8 +5,8 @@ import { isRecorded, onlyExtrasLeft, paperNote, paperStateOf, paperWords } from 
 import type { Job, Tree } from "../../web/src/page/server/api";
 import type { KnownTree } from "../../web/src/page/server/catalogue";
 import { tableWords } from "../../web/src/page/ui/words";
-import type { TableMotion } from "../../web/src/worker/protocol";
-import { streamMethod } from "../../web/src/worker/stream/forestRequest";
+import type { TableMotion } from "../../web/player/src/worker/protocol";
+import { streamMethod } from "../../web/player/src/worker/stream/forestRequest";
 
 const motion = (given: Partial<TableMotion> = {}) =>
   ({ sha256: "t", hasRecords: false, preliminary: false, linear: false, leftOut: [], ...given }) as TableMotion;

@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import { Playback, STEP_S } from "../../web/src/page/playback";
 import { presetOf } from "../../web/src/page/ui/instruments/windEditing";
-import { PRESETS, type PresetName } from "../../web/src/core/wind/wind";
+import { PRESETS, type PresetName } from "../../web/player/src/core/wind/wind";
 
 describe("playback", () => {
   test("plays real time, or a part of it", () => {

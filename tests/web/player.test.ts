@@ -5,10 +5,10 @@ import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 import { Matrix4, Quaternion, Vector3 } from "three";
 import { beforeAll, describe, expect, test } from "vitest";
-import { INSTANCE_FLOATS } from "../../web/src/scene/trees/instanceData";
+import { INSTANCE_FLOATS } from "../../web/player/src/trees/instanceData";
 import type * as Core from "../../web/player/src/core";
 import { instancesOf, placementOf } from "../../web/player/src/three/standing";
-import { Stepper } from "../../web/player/src/worker/stepper";
+import { Stepper } from "../../web/player/src/worker/simple/stepper";
 import { golden, goldenJson, random } from "./golden";
 
 const PLAYER = fileURLToPath(new URL("../../web/player/", import.meta.url));

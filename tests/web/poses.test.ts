@@ -1,14 +1,14 @@
 import { describe, expect, test } from "vitest";
-import { poseStride } from "../../web/src/core/motion/poseStride";
-import { levelRows, nodeLayout } from "../../web/src/scene/trees/nodes/nodeLayout";
-import { meanCrownDisplacement_m } from "../../web/src/core/motion/crownDisplacement";
-import { compressed } from "../../web/src/core/wind/pressure";
-import { CALM_BREEZE, dynamicPressure, WindField } from "../../web/src/core/wind/wind";
-import type { Frame } from "../../web/src/core/wire/wire";
-import { JumpBlend } from "../../web/src/worker/motion/blend";
-import { GroupWind } from "../../web/src/core/motion/groupWind";
-import { PoseSum } from "../../web/src/worker/stream/poseSum";
-import { PoseTimeline } from "../../web/src/worker/stream/timeline";
+import { poseStride } from "../../web/player/src/core/motion/poseStride";
+import { levelRows, nodeLayout } from "../../web/player/src/trees/nodes/nodeLayout";
+import { meanCrownDisplacement_m } from "../../web/player/src/core/motion/crownDisplacement";
+import { compressed } from "../../web/player/src/core/wind/pressure";
+import { CALM_BREEZE, dynamicPressure, WindField } from "../../web/player/src/core/wind/wind";
+import type { Frame } from "../../web/player/src/core/wire/wire";
+import { JumpBlend } from "../../web/player/src/worker/motion/blend";
+import { GroupWind } from "../../web/player/src/core/motion/groupWind";
+import { PoseSum } from "../../web/player/src/worker/stream/poseSum";
+import { PoseTimeline } from "../../web/player/src/worker/stream/timeline";
 
 describe("node target", () => {
   test.each([

@@ -1,15 +1,15 @@
 import { describe, expect, test } from "vitest";
-import { decodeCompliance } from "../../web/src/core/pull/compliance";
-import { solveFactor } from "../../web/src/core/pull/factor";
-import { PullingHand, type Vector } from "../../web/src/core/pull/hand";
-import { PullError, pointResponse } from "../../web/src/core/pull/pointResponse";
-import { restFrequency, ringShare } from "../../web/src/core/pull/restRing";
-import { decodeTable } from "../../web/src/core/table/table";
-import { WindField } from "../../web/src/core/wind/wind";
-import { poseStride } from "../../web/src/core/motion/poseStride";
-import { LocalMotion } from "../../web/src/worker/motion/localMotion";
-import { PointResponses } from "../../web/src/worker/motion/pulls/pointResponses";
-import { RestRings } from "../../web/src/worker/motion/pulls/restRings";
+import { decodeCompliance } from "../../web/player/src/core/pull/compliance";
+import { solveFactor } from "../../web/player/src/core/pull/factor";
+import { PullingHand, type Vector } from "../../web/player/src/core/pull/hand";
+import { PullError, pointResponse } from "../../web/player/src/core/pull/pointResponse";
+import { restFrequency, ringShare } from "../../web/player/src/core/pull/restRing";
+import { decodeTable } from "../../web/player/src/core/table/table";
+import { WindField } from "../../web/player/src/core/wind/wind";
+import { poseStride } from "../../web/player/src/core/motion/poseStride";
+import { LocalMotion } from "../../web/player/src/worker/motion/localMotion";
+import { PointResponses } from "../../web/player/src/worker/motion/pulls/pointResponses";
+import { RestRings } from "../../web/player/src/worker/motion/pulls/restRings";
 import { pullInWords } from "../../web/src/page/pulling/pullTag";
 import { golden, goldenJson } from "./golden";
 

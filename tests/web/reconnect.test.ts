@@ -1,9 +1,9 @@
 /** Lost connections: waiting times, attempts at once, and pages that nobody looks at. */
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
-import { Backoff } from "../../web/src/core/net/backoff";
-import { encodeReply } from "../../web/src/core/wire/wire";
+import { Backoff } from "../../web/player/src/core/net/backoff";
+import { encodeReply } from "../../web/player/src/core/wire/wire";
 import { followEvents } from "../../web/src/page/server/eventStream";
-import { ForestSocket } from "../../web/src/worker/stream/forestSocket";
+import { ForestSocket } from "../../web/player/src/worker/stream/forestSocket";
 import { random } from "./golden";
 
 test("waiting times double up to 30 s and are spread over half of each (seeds 1 to 50)", () => {

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { plainWind, withPlain } from "../../web/src/core/wind/edit";
+import { plainWind, withPlain } from "../../web/player/src/core/wind/edit";
 import { DEFAULTS, defaultsFor, queryFromSettings, settingsFromQuery } from "../../web/src/page/settings/settings";
 
 describe("settings in the URL", () => {

@@ -1,10 +1,10 @@
 import { describe, expect, test } from "vitest";
-import { PRESETS, WindField } from "../../web/src/core/wind/wind";
+import { PRESETS, WindField } from "../../web/player/src/core/wind/wind";
 import { DEFAULTS } from "../../web/src/page/settings/settings";
 import { adoptPlacement, placementOf, sharedFrom, withShared } from "../../web/src/page/settings/sharedForest";
-import { forestRequest, sharedGroups } from "../../web/src/worker/stream/forestRequest";
-import { ServerClock } from "../../web/src/worker/stream/serverClock";
-import { SharedClock } from "../../web/src/worker/stream/sharedClock";
+import { forestRequest, sharedGroups } from "../../web/player/src/worker/stream/forestRequest";
+import { ServerClock } from "../../web/player/src/worker/stream/serverClock";
+import { SharedClock } from "../../web/player/src/worker/stream/sharedClock";
 import { random } from "./golden";
 
 describe("a shared forest in the address", () => {

@@ -3,7 +3,7 @@ import { embedCode } from "../../web/src/page/settings/embedCode";
 import { settingsFromQuery } from "../../web/src/page/settings/settings";
 import { soundOf } from "../../web/src/page/sound";
 import { presenceWords } from "../../web/src/page/ui/sharingCard";
-import { forestUrl } from "../../web/src/worker/stream/forestUrl";
+import { forestUrl } from "../../web/player/src/worker/stream/forestUrl";
 
 test("the embed code is one safe iframe of the link", () => {
   const code = embedCode('https://forest.example/?trees=9&wind={"version":1}&share=a');

@@ -1,8 +1,9 @@
 import { describe, expect, test } from "vitest";
-import { type StandStem, placeStand, SCALES, standView } from "../../web/src/scene/stand";
+import { SCALES } from "../../web/player/src/inventory/places";
+import { type StandStem, placeStand, standView } from "../../web/src/scene/stand";
 import type { TreeAsset } from "../../web/src/scene/forest";
 import { HEART } from "../../web/src/scene/placement";
-import type { TreeModel } from "../../web/src/scene/trees/mesh/treeMesh";
+import type { TreeModel } from "../../web/player/src/trees/mesh/treeMesh";
 
 const asset = (id: string, species: string, form: "open" | "forest", height_m: number, builtin = true): TreeAsset => ({
   id,

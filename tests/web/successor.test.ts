@@ -1,12 +1,12 @@
 /** Trees whose table, records or method change go on moving: no jump, no restart. */
 import { describe, expect, test } from "vitest";
-import type { Method } from "../../web/src/core/motion/method";
-import { poseStride } from "../../web/src/core/motion/poseStride";
-import { decodeTable, type Table } from "../../web/src/core/table/table";
-import { WindField } from "../../web/src/core/wind/wind";
-import { JumpBlend } from "../../web/src/worker/motion/blend";
-import { type LocalGroup, LocalMotion } from "../../web/src/worker/motion/localMotion";
-import { ShownPoses } from "../../web/src/worker/motion/shownPoses";
+import type { Method } from "../../web/player/src/core/motion/method";
+import { poseStride } from "../../web/player/src/core/motion/poseStride";
+import { decodeTable, type Table } from "../../web/player/src/core/table/table";
+import { WindField } from "../../web/player/src/core/wind/wind";
+import { JumpBlend } from "../../web/player/src/worker/motion/blend";
+import { type LocalGroup, LocalMotion } from "../../web/player/src/worker/motion/localMotion";
+import { ShownPoses } from "../../web/player/src/worker/motion/shownPoses";
 import { golden } from "./golden";
 
 const FULL = decodeTable(golden("pole.safetensors"));

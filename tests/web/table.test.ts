@@ -1,8 +1,8 @@
 import { createHash } from "node:crypto";
 import { describe, expect, test } from "vitest";
-import { decodeRecords, poses, type Records, recordsOf } from "../../web/src/core/table/records";
-import { decodeTable, type Table, TableError, fittedModes } from "../../web/src/core/table/table";
-import { tableMotion } from "../../web/src/worker/table/tableMotion";
+import { decodeRecords, poses, type Records, recordsOf } from "../../web/player/src/core/table/records";
+import { decodeTable, type Table, TableError, fittedModes } from "../../web/player/src/core/table/table";
+import { tableMotion } from "../../web/player/src/worker/table/tableMotion";
 import { golden, random } from "./golden";
 import { tampered } from "./tableFile";
 

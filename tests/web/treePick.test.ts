@@ -1,8 +1,8 @@
-import { vertexAt } from "../../web/src/scene/trees/grabPoint";
+import { vertexAt } from "../../web/src/page/pulling/grabPoint";
 import { expect, test } from "vitest";
-import { INSTANCE_FLOATS, createInstanceData } from "../../web/src/scene/trees/instanceData";
-import { ballEntry, type PickGroup, pickTree } from "../../web/src/scene/trees/treePick";
-import type { TableMotion } from "../../web/src/worker/protocol";
+import { INSTANCE_FLOATS, createInstanceData } from "../../web/player/src/trees/instanceData";
+import { ballEntry, type PickGroup, pickTree } from "../../web/player/src/trees/treePick";
+import type { TableMotion } from "../../web/player/src/worker/protocol";
 import { seededRandom } from "./seeded";
 
 const BOUNDS = { height_m: 10, radius_m: 3, reach_m: 1 };

@@ -13,10 +13,10 @@ import { clearingPlace } from "../../web/src/scene/clearing";
 import type { TreeAsset } from "../../web/src/scene/forest";
 import { glade } from "../../web/src/scene/ground/landscape";
 import { placeTrees } from "../../web/src/scene/placement";
-import type { TreeModel } from "../../web/src/scene/trees/mesh/treeMesh";
+import type { TreeModel } from "../../web/player/src/trees/mesh/treeMesh";
 import { random } from "./golden";
 
-vi.mock("../../web/src/scene/trees/mesh/treeMesh", () => ({ disposeModel: () => {} }));
+vi.mock("../../web/player/src/trees/mesh/treeMesh", () => ({ disposeModel: () => {} }));
 vi.mock("../../web/src/page/ownTree/ownTree.css", () => ({}));
 
 const MODEL = { parts: [], height_m: 8, radius_m: 3 } as unknown as TreeModel;

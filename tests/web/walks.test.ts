@@ -1,10 +1,10 @@
 import { createHash } from "node:crypto";
 import { describe, expect, test } from "vitest";
-import { PaperForest } from "../../web/src/core/motion/paperSearch";
-import type { Records } from "../../web/src/core/table/records";
-import { decodeTable } from "../../web/src/core/table/table";
-import { ModalForest } from "../../web/src/core/modal/modalForest";
-import { parseWind, type WindDocument, WindField } from "../../web/src/core/wind/wind";
+import { PaperForest } from "../../web/player/src/core/motion/paperSearch";
+import type { Records } from "../../web/player/src/core/table/records";
+import { decodeTable } from "../../web/player/src/core/table/table";
+import { ModalForest } from "../../web/player/src/core/modal/modalForest";
+import { parseWind, type WindDocument, WindField } from "../../web/player/src/core/wind/wind";
 import { golden, goldenJson } from "./golden";
 
 interface Walks {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { PRESETS } from "../../web/src/core/wind/presets";
+import { PRESETS } from "../../web/player/src/core/wind/presets";
 import { SEASON_LOOKS, SEASONS } from "../../web/src/scene/season/season";
 import { behindCloud, cloudBody, cloudEdge } from "../../web/src/scene/sky/cloudField";
 import { atmosphereAt, underClouds } from "../../web/src/scene/sky/daytime";

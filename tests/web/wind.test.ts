@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { CALM_BREEZE, dynamicPressure, parseWind, WIND_RANGES, WindError, windPressure } from "../../web/src/core/wind/wind";
+import { CALM_BREEZE, dynamicPressure, parseWind, WIND_RANGES, WindError, windPressure } from "../../web/player/src/core/wind/wind";
 import { goldenJson } from "./golden";
 
 interface Vector {

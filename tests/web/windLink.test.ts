@@ -11,9 +11,9 @@ import {
   steady,
   type WindDocument,
   WindError,
-} from "../../web/src/core/wind/wind";
+} from "../../web/player/src/core/wind/wind";
 import { random } from "./golden";
-import { gustSpeed_m_s, plainWind, withMean, withPlain } from "../../web/src/core/wind/edit";
+import { gustSpeed_m_s, plainWind, withMean, withPlain } from "../../web/player/src/core/wind/edit";
 
 const WINDS: readonly WindDocument[] = [CALM_BREEZE, ...Object.values(PRESETS), paperWind(2, 11, 200)];
 

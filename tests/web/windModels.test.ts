@@ -8,8 +8,8 @@ import {
   type WindDocument,
   WindField,
   withFront,
-} from "../../web/src/core/wind/wind";
-import { Eddies } from "../../web/src/core/wind/models/navierStokes";
+} from "../../web/player/src/core/wind/wind";
+import { Eddies } from "../../web/player/src/core/wind/models/navierStokes";
 import { goldenJson } from "./golden";
 
 interface Golden {

@@ -7,7 +7,7 @@ import {
   type Reply,
   type Request,
   WireError,
-} from "../../web/src/core/wire/wire";
+} from "../../web/player/src/core/wire/wire";
 import { golden, goldenJson, random } from "./golden";
 
 type Plain = Record<string, unknown> & { type: string };

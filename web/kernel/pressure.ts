@@ -1,4 +1,4 @@
-// The pressure law of ../src/core/wind/pressure.ts in single precision, for four drag points at a time.
+// The pressure law of ../player/src/core/wind/pressure.ts in single precision, for four drag points at a time.
 
 /** Exponent of the pressure above the speed at which crowns streamline. */
 const STREAMLINED_EXPONENT: f32 = 1.3;

@@ -51,6 +51,16 @@ await write(playing, [{ name: "core", test: /\/src\/(core|worker)\// }]);
 // Streams have their own, so that nobody else loads what they need.
 await write({ stream: "stream" });
 await write({ "galewood.stream.worker": "streamWorker" });
+// Files of measurements and inventories: read once, by few.
+await write({ inventory: "inventory", measured: "measured" }, [
+  { name: "files", test: /\/(core\/files|files|papaparse)\// },
+]);
+// Building blocks share code with each other, not with what is above: nobody needs both.
+const blocks = ["trees", "wind", "motion", "random", "client"];
+await write(Object.fromEntries(blocks.map((name) => [name, name])), [
+  { name: "blocks", test: /\/src\/(core|worker)\// },
+]);
+await write({ "galewood.client.worker": "clientWorker" });
 
 /** The source of the worker, in one piece, as a module. */
 async function workerSource() {

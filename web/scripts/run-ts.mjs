@@ -2,4 +2,8 @@
 import { resolve } from "node:path";
 import { runnerImport } from "vite";
 
-await runnerImport(resolve(process.argv[2]), { configFile: false, logLevel: "error" });
+await runnerImport(resolve(process.argv[2]), {
+  configFile: false,
+  logLevel: "error",
+  ssr: { noExternal: ["galewood"], resolve: { conditions: ["galewood-source", "module", "node"] } },
+});

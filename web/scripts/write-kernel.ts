@@ -1,5 +1,5 @@
-/** Writes src/core/modal/modalKernel.wasm.ts: npm run kernel */
+/** Writes player/src/core/modal/modalKernel.wasm.ts: npm run kernel */
 import { writeFileSync } from "node:fs";
 import { kernelModule } from "./compileKernel";
 
-writeFileSync("src/core/modal/modalKernel.wasm.ts", await kernelModule());
+writeFileSync("player/src/core/modal/modalKernel.wasm.ts", await kernelModule());

@@ -3,13 +3,23 @@
  *
  * Tables and wind documents are those of Galewood (docs/formats).
  */
-import { decodeWithoutRecords, type Table } from "../../src/core/table/present";
+import { decodeWithoutRecords, type Table } from "./core/table/present";
 
-export type { Jointed } from "../../src/core/motion/nodePose";
-export { NodePose } from "../../src/core/motion/nodePose";
-export { poseStride } from "../../src/core/motion/poseStride";
-export { TableError } from "../../src/core/table/container";
-export type { Foliage, Primitive, Table, TableMetadata } from "../../src/core/table/present";
+export {
+  createForest,
+  Forest,
+  type ForestOptions,
+  jointsOf,
+  type Kind,
+  type Place,
+  type TreeNodes,
+} from "./core/forest/forest";
+export type { Point, Wind, WindFunction } from "./core/forest/givenWind";
+export type { Jointed } from "./core/motion/nodePose";
+export { NodePose } from "./core/motion/nodePose";
+export { poseStride } from "./core/motion/poseStride";
+export { TableError } from "./core/table/container";
+export type { Foliage, Primitive, Table, TableMetadata } from "./core/table/present";
 export {
   PRESETS,
   parseWind,
@@ -19,17 +29,7 @@ export {
   WindError,
   WindField,
   type WindModel,
-} from "../../src/core/wind/wind";
-export {
-  createForest,
-  Forest,
-  type ForestOptions,
-  jointsOf,
-  type Kind,
-  type Place,
-  type TreeNodes,
-} from "./core/forest";
-export type { Point, Wind, WindFunction } from "./core/wind";
+} from "./core/wind/wind";
 
 /** Reads a table file of version 7 or later; throws a TableError that names the fault. */
 export const readTable = (bytes: ArrayBuffer | Uint8Array): Table => decodeWithoutRecords(bytes);

@@ -21,7 +21,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { PRESETS, parseWindText, type WindDocument } from "../../src/core/wind/wind";
+import { PRESETS, parseWindText, type WindDocument } from "./core/wind/wind";
 import { Forest } from "./three/forest";
 import { servedTrees } from "./three/served";
 

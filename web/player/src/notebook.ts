@@ -3,7 +3,7 @@
 import workerSource from "virtual:worker";
 import { DirectionalLight, HemisphereLight, Matrix4, PerspectiveCamera, Scene, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { PRESETS, parseWindText } from "../../src/core/wind/wind";
+import { PRESETS, parseWindText } from "./core/wind/wind";
 import { Forest } from "./three/forest";
 
 /** The part of anywidget's model that is needed. */

@@ -1,7 +1,7 @@
 /** Forests whose motion a Galewood service computes and streams: private ones, or shared by everyone who names them. */
-import type { WindDocument } from "../../src/core/wind/wind";
+import type { WindDocument } from "./core/wind/wind";
 import { startAt } from "./three/start";
-import type { StreamNews, StreamRequest } from "./worker/streamed";
+import type { StreamNews, StreamRequest } from "./worker/simple/streamed";
 
 export interface StreamOptions {
   /** Address of the service. */

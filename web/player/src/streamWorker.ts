@@ -1,7 +1,7 @@
 /** The worker of a forest that a service moves: `galewood.stream.worker.js`. */
-import type { ToWorker } from "./worker/messages";
-import { answer } from "./worker/serve";
-import { StreamedForest, type StreamRequest } from "./worker/streamed";
+import type { ToWorker } from "./worker/simple/messages";
+import { answer } from "./worker/simple/serve";
+import { StreamedForest, type StreamRequest } from "./worker/simple/streamed";
 
 const scope = self as unknown as Worker;
 let forest: StreamedForest | null = null;

@@ -1,6 +1,7 @@
 /** Forests of swaying trees for three.js. */
-export { PRESETS, type WindDocument } from "../../src/core/wind/wind";
-export type { Wind, WindFunction } from "./core/wind";
+
+export type { Wind, WindFunction } from "./core/forest/givenWind";
+export { PRESETS, type WindDocument } from "./core/wind/wind";
 export { Forest, type ForestOptions, type Pick, type TreeFiles } from "./three/forest";
 export type { MaterialFactory } from "./three/materials";
 export type { Planted } from "./three/planted";

@@ -1,7 +1,7 @@
 /** The worker of a forest: `galewood.worker.js`. */
-import type { ToWorker } from "./worker/messages";
-import { answer } from "./worker/serve";
-import { Stepper } from "./worker/stepper";
+import type { ToWorker } from "./worker/simple/messages";
+import { answer } from "./worker/simple/serve";
+import { Stepper } from "./worker/simple/stepper";
 
 const scope = self as unknown as Worker;
 const stepper = new Stepper();

@@ -1,6 +1,6 @@
 /** Time per frame of the wind of a large forest, for each model. */
-import { hasField, MODELS, type WindDocument, type WindModel } from "../../src/core/wind/document";
-import { WindField } from "../../src/core/wind/field";
+import { hasField, MODELS, type WindDocument, type WindModel } from "../../player/src/core/wind/document";
+import { WindField } from "../../player/src/core/wind/field";
 
 export interface WindTiming {
   readonly median_ms: number;

@@ -1,20 +1,19 @@
 /** The application: connects stage, forest, worker, catalogue and panel. */
 
-import { sameWind } from "../core/wind/edit";
-import { parseWind, type WindDocument } from "../core/wind/wind";
-import type { About } from "../core/wire/wire";
+import type { About } from "galewood/client";
+import type { SpeciesOptions } from "galewood/trees";
+import { LEVEL_SHARES, PullSlots } from "galewood/trees";
+import { parseWind, sameWind, type WindDocument } from "galewood/wind";
 import { exaggeration } from "../scene/exaggeration";
 import { Forest } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
 import type { Season } from "../scene/season/season";
 import { seasonal } from "../scene/season/seasonal";
 import { aerialPerspective } from "../scene/sky/air";
+import { cascadeReach_m } from "../scene/sky/daylight";
 import { Stage } from "../scene/stage";
 import { standView } from "../scene/stand";
-import { LEVEL_SHARES } from "../scene/trees/detail";
-import { PullSlots } from "../scene/trees/pull/pullSlots";
-import type { SpeciesOptions } from "../scene/trees/speciesForest";
-import { materialsOf } from "../scene/trees/treeMaterial";
+import { materialsOf } from "../scene/treeSurface/treeMaterial";
 import { Attention } from "./attention";
 import { Comparison } from "./compare/comparison";
 import { ContextLoss } from "./contextLoss";
@@ -290,7 +289,7 @@ export class App {
       }),
       maxTextureSide: Math.min(capabilities.maxTextureSize, 4096),
       // If gloss is affordable, so are the shadows of all leaves.
-      shadows: { share: quality === "high" ? 1 : LEVEL_SHARES[1], cascades: true },
+      shadows: { share: quality === "high" ? 1 : LEVEL_SHARES[1], reach_m: cascadeReach_m },
       shoots: quality !== "low",
       pullsOf: (holds) => new PullSlots(holds),
       flutter: this.flutter,

@@ -1,8 +1,7 @@
 /** Client of the worker on the main thread: sends plans, receives poses, recycles buffers. */
 
-import type { WindDocument, WindState } from "../core/wind/wind";
-import type { About } from "../core/wire/wire";
 import type {
+  About,
   Connection,
   ForestPlan,
   FromWorker,
@@ -14,7 +13,8 @@ import type {
   ToWorker,
   TreeAt,
   Work,
-} from "../worker/protocol";
+} from "galewood/client";
+import type { WindDocument, WindState } from "galewood/wind";
 import { PullFields } from "./pulling/pullFields";
 import { complianceUrl, recordsUrl, tableUrl } from "./server/api";
 
@@ -47,7 +47,7 @@ const MAX_STEP_S = 0.25;
 
 /** Starts the worker early, so that it loads while the page builds the scene. */
 function startWorker(): Worker {
-  return new Worker(new URL("../worker/forest.worker.ts", import.meta.url), { type: "module" });
+  return new Worker(new URL("./forest.worker.ts", import.meta.url), { type: "module" });
 }
 
 export class ForestClient {

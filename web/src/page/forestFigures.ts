@@ -1,6 +1,6 @@
 /** Figures of the running forest, for `window.galewood`. */
 
-import { meanCrownDisplacement_m } from "../core/motion/crownDisplacement";
+import { meanCrownDisplacement_m } from "galewood/motion";
 import type { Forest, MovingGroup } from "../scene/forest";
 import type { ForestClient } from "./forestClient";
 import type { FrameStatistics } from "./frameStatistics";

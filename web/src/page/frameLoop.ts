@@ -1,6 +1,6 @@
 /** The frame loop: advances all that moves, draws the picture, and reports a few times per second. */
 
-import { meanVelocity_m_s } from "../core/wind/edit";
+import { meanVelocity_m_s } from "galewood/wind";
 import type { Forest } from "../scene/forest";
 import type { Stage } from "../scene/stage";
 import type { ForestClient } from "./forestClient";

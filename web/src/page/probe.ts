@@ -1,6 +1,6 @@
 /** `window.galewood`: the API for tests and embedding pages. */
 
-import type { WindDocument } from "../core/wind/wind";
+import type { WindDocument } from "galewood/wind";
 import type { App } from "./app";
 import type { PickedFigures } from "./treePicker";
 

@@ -1,5 +1,5 @@
 /** The sound of the wind at the camera: filtered noise that follows the local gusts. Off until asked for. */
-import type { WindField } from "../core/wind/wind";
+import type { WindField } from "galewood/wind";
 
 const NOISE_S = 4;
 /** Time constant with which the sound follows the wind, s. */

@@ -1,8 +1,8 @@
 /** Writes the figures of the panel, the status line and the summary of the forest. */
 
+import type { Connection } from "galewood/client";
 import type { Forest } from "../scene/forest";
 import type { Stage } from "../scene/stage";
-import type { Connection } from "../worker/protocol";
 import type { ForestClient } from "./forestClient";
 import type { FrameStatistics } from "./frameStatistics";
 import type { Settings } from "./settings/settings";

@@ -1,13 +1,13 @@
 /** Tree picking: a ring around the picked tree, its figures, and a camera that can follow it. */
+
+import type { TreeAt } from "galewood/client";
+import { tipDisplacement_m, tipNode } from "galewood/motion";
+import { groundUnder, INSTANCE_FLOATS, type Ray } from "galewood/trees";
 import { Raycaster, Vector2, Vector3 } from "three";
-import { groundUnder, type Ray } from "../core/math/groundRay";
-import { tipDisplacement_m, tipNode } from "../core/motion/tip";
 import type { Forest, MovingGroup, PickedTree } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
 import { PickRing } from "../scene/overlays/pickRing";
 import type { Stage } from "../scene/stage";
-import { INSTANCE_FLOATS } from "../scene/trees/instanceData";
-import type { TreeAt } from "../worker/protocol";
 import type { ForestClient } from "./forestClient";
 
 /** Current figures of the picked tree. */

@@ -1,14 +1,15 @@
 /** Connects the wind instruments to the scene: overlay, mast, picking, and the wind field that they display. */
+
+import type { TreeAt } from "galewood/client";
+import { nearestTree, tipDisplacement_m, tipNode } from "galewood/motion";
+import { groundUnder } from "galewood/trees";
+import { type WindDocument, WindField } from "galewood/wind";
 import { Raycaster, Vector2, Vector3 } from "three";
-import { groundUnder } from "../core/math/groundRay";
-import { nearestTree, tipDisplacement_m, tipNode } from "../core/motion/tip";
-import { type WindDocument, WindField } from "../core/wind/wind";
 import type { Forest } from "../scene/forest";
 import { groundHeight_m } from "../scene/ground/landscape";
 import { Mast } from "../scene/overlays/mast";
 import { WindOverlay } from "../scene/overlays/windOverlay";
 import type { Stage } from "../scene/stage";
-import type { TreeAt } from "../worker/protocol";
 import type { ForestClient } from "./forestClient";
 import { element } from "./ui/dom";
 import { dialTurn_deg } from "./ui/instruments/dial";

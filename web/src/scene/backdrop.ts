@@ -1,5 +1,6 @@
 /** Everything drawn as impostors: their pictures, the background forest, and the shadows of trees on distant ground. */
 
+import type { View } from "galewood/trees";
 import type { WebGLRenderer } from "three";
 import { FarWood, type Planted } from "./ground/farWood";
 import { shared } from "./impostors/cardMaterial";
@@ -10,7 +11,6 @@ import type { Quality } from "./quality";
 import type { Season } from "./season/season";
 import type { Daylight } from "./sky/daylight";
 import { CROWN_FLOATS, type Crowns } from "./sky/exposure";
-import type { View } from "./trees/drawList";
 
 /** Distance from which simulated trees of scale 1 are drawn as impostors. */
 const CARDS_FROM_M: Record<Quality, number> = { low: 60, medium: 85, high: 120 };

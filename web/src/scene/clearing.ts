@@ -1,6 +1,7 @@
 /** Places in the clearing in front of the first view, for trees that are shown singly. Pure. */
+
+import type { Placement } from "galewood/trees";
 import { gladeCentre_m } from "./ground/landscape";
-import type { Placement } from "./trees/instanceData";
 
 /** Ids of the places of the forest are smaller (placement.ts). */
 const FIRST_ID = 2 ** 24;

@@ -1,7 +1,20 @@
 /** The forest on screen: one SpeciesForest per species, on shared placements. */
+
+import type { TableMotion } from "galewood/client";
+import type { Ray, View } from "galewood/trees";
+import {
+  createInstanceData,
+  disposeModel,
+  INSTANCE_FLOATS,
+  type InstanceData,
+  type Placement,
+  pickTree,
+  SpeciesForest,
+  type SpeciesOptions,
+  setTints,
+  type TreeModel,
+} from "galewood/trees";
 import { Group, type WebGLRenderer } from "three";
-import type { Ray } from "../core/math/groundRay";
-import type { TableMotion } from "../worker/protocol";
 import { type Form, type FormChoice, plant } from "./forms";
 import { groundHeight_m } from "./ground/landscape";
 import type { ImpostorLibrary } from "./impostors/library";
@@ -9,17 +22,6 @@ import { placeTrees } from "./placement";
 import { leafTint } from "./season/palette";
 import type { Season } from "./season/season";
 import { CROWN_FLOATS, type Crowns } from "./sky/exposure";
-import type { View } from "./trees/drawList";
-import {
-  createInstanceData,
-  INSTANCE_FLOATS,
-  type InstanceData,
-  type Placement,
-  setTints,
-} from "./trees/instanceData";
-import { disposeModel, type TreeModel } from "./trees/mesh/treeMesh";
-import { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
-import { pickTree } from "./trees/treePick";
 
 /** A tree of one species and form; not drawn until its model is loaded. */
 export interface TreeAsset {

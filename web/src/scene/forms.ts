@@ -1,7 +1,8 @@
 /** Forms of a species: open-grown trees stand at the edge of a forest, slender ones inside it. Pure. */
+
+import type { Placement } from "galewood/trees";
 import { glade } from "./ground/landscape";
 import { chooseSpecies, reach_m } from "./placement";
-import type { Placement } from "./trees/instanceData";
 
 export type Form = "open" | "forest";
 /** Which form is planted: the one that suits each place, or the same everywhere. */

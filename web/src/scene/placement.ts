@@ -1,8 +1,7 @@
 /** Seeded placement of trees, stable when trees or species are added. Pure. */
-import { valueNoise } from "../core/math/noise";
-import { hashText, hashUnit } from "../core/math/random";
+import { hashText, hashUnit, valueNoise } from "galewood/random";
+import type { Placement } from "galewood/trees";
 import { glade } from "./ground/landscape";
-import type { Placement } from "./trees/instanceData";
 
 export const SPACING_M = 6.4;
 /** The forest grows outwards from here, so that the initial camera looks into it. */

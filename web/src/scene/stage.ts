@@ -1,4 +1,6 @@
 /** Renderer, camera, sky, ground and light: everything except the trees. */
+
+import type { View } from "galewood/trees";
 import {
   ACESFilmicToneMapping,
   Frustum,
@@ -27,7 +29,6 @@ import type { Crowns } from "./sky/exposure";
 import { Lighting } from "./sky/lighting";
 import { Sky } from "./sky/sky";
 import { Pictures } from "./textures/pictures";
-import type { View } from "./trees/drawList";
 
 const PIXEL_RATIO: Record<Quality, number> = { low: 1, medium: 1.5, high: 2 };
 const LEVEL_FROM_M: Record<Quality, [number, number]> = { low: [7, 24], medium: [34, 80], high: [52, 120] };

@@ -1,11 +1,12 @@
 /** A forest from an inventory: every stem is a tree of its species, at its place and as tall as measured. Pure. */
-import { hashUnit } from "../core/math/random";
+import { SCALES } from "galewood/inventory";
+import { hashUnit } from "galewood/random";
+import type { Placement } from "galewood/trees";
 import type { TreeAsset } from "./forest";
 import { type FormChoice, formAt, kindsOf } from "./forms";
 import { HEART } from "./placement";
-import type { Placement } from "./trees/instanceData";
 
-/** A stem as the scene needs it (core/inventory reads it from a file). */
+/** A stem as the scene needs it (galewood/inventory reads it from a file). */
 export interface StandStem {
   readonly east_m: number;
   readonly north_m: number;
@@ -33,8 +34,6 @@ export interface StandOptions {
 const FIRST_ID = 2 ** 25;
 /** Trees that nobody measured to be slender are so in stands of more stems. */
 const DENSE_PER_HA = 200;
-/** Limits of the size of a tree relative to its mesh. */
-export const SCALES = { least: 0.15, most: 4 } as const;
 
 /** Where a stem stands: the middle of the plot is the middle of the forest; north is up, away from the first view. */
 const placeOf = (stem: StandStem, index: number, height_m: number): Placement => ({

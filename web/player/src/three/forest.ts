@@ -10,11 +10,11 @@ import {
   Vector3,
   type WebGLRenderer,
 } from "three";
-import { disposeModel, readPlainTree, type TreeModel } from "../../../src/scene/trees/mesh/treeMesh";
-import { SpeciesForest, type SpeciesOptions } from "../../../src/scene/trees/speciesForest";
-import { pickTree } from "../../../src/scene/trees/treePick";
-import type { DrawnMotion } from "../../../src/worker/protocol";
-import type { Point, Wind } from "../core/wind";
+import type { Point, Wind } from "../core/forest/givenWind";
+import { disposeModel, readPlainTree, type TreeModel } from "../trees/mesh/treeMesh";
+import { SpeciesForest, type SpeciesOptions } from "../trees/speciesForest";
+import { pickTree } from "../trees/treePick";
+import type { DrawnMotion } from "../worker/protocol";
 import { type MaterialFactory, makerOf, ownMaterial } from "./materials";
 import { Planted } from "./planted";
 import { instancesOf, placementOf } from "./standing";
@@ -108,7 +108,7 @@ export class Forest extends Group {
     this.species = {
       materials: makerOf(materials, this.leafShare),
       maxTextureSide: MAX_TEXTURE_SIDE,
-      shadows: { share: 1, cascades: false },
+      shadows: { share: 1 },
       shoots: false,
       flutter: { value: { x: 0, y: 1 } },
       exaggeration: { value: 1 },

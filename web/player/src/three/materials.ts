@@ -9,9 +9,9 @@ import {
   type Texture,
   type WebGLProgramParametersWithUniforms,
 } from "three";
-import type { Part } from "../../../src/scene/trees/mesh/treeMesh";
-import type { MaterialMaker } from "../../../src/scene/trees/partMaterials";
-import { deform } from "../../../src/scene/trees/treeShader";
+import type { Part } from "../trees/mesh/treeMesh";
+import type { MaterialMaker } from "../trees/partMaterials";
+import { deform } from "../trees/treeShader";
 
 /** Makes the material of a part of a tree from that of its mesh. Called once per part: return a new material each time. */
 export type MaterialFactory = (part: Part, original: MeshStandardMaterial) => Material;

@@ -1,9 +1,9 @@
 /** Trees of one kind that were planted together. */
 import type { Matrix4, Vector3 } from "three";
-import { NodePose } from "../../../src/core/motion/nodePose";
-import { tipNode } from "../../../src/core/motion/tip";
-import type { SpeciesForest } from "../../../src/scene/trees/speciesForest";
-import type { DrawnMotion } from "../../../src/worker/protocol";
+import { NodePose } from "../core/motion/nodePose";
+import { tipNode } from "../core/motion/tip";
+import type { SpeciesForest } from "../trees/speciesForest";
+import type { DrawnMotion } from "../worker/protocol";
 
 export class Planted {
   private readonly pose: NodePose;

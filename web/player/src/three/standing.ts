@@ -1,6 +1,6 @@
 /** How trees stand: from matrices to the data of their instances. */
 import { Matrix4, Quaternion, Vector3 } from "three";
-import { INSTANCE_FLOATS, type InstanceData } from "../../../src/scene/trees/instanceData";
+import { INSTANCE_FLOATS, type InstanceData } from "../trees/instanceData";
 
 /** Angle by which a tree may lean and still be culled as an upright one: sine of about one degree. */
 const UPRIGHT = 0.02;

@@ -9,7 +9,7 @@ import {
   type PerspectiveCamera,
   Vector3,
 } from "three";
-import type { View } from "../../../src/scene/trees/drawList";
+import type { View } from "../trees/drawList";
 
 /** The distances of the level of detail are meant for this vertical field of view, rad. */
 const FIELD_RAD = 0.8;

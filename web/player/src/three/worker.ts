@@ -1,7 +1,7 @@
 /** Starts the worker and talks to it: one frame is on its way at any time, and its buffers circulate. */
-import type { WindDocument } from "../../../src/core/wind/wind";
-import type { DrawnMotion } from "../../../src/worker/protocol";
-import type { Floats, FromWorker, GroupFrame, ToWorker } from "../worker/messages";
+import type { WindDocument } from "../core/wind/wind";
+import type { DrawnMotion } from "../worker/protocol";
+import type { Floats, FromWorker, GroupFrame, ToWorker } from "../worker/simple/messages";
 import { startAt } from "./start";
 
 /** Longer pauses, for example of a hidden tab, are skipped. */

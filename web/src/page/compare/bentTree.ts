@@ -1,4 +1,8 @@
 /** A tree that is deformed on the CPU, for the comparison view. */
+
+import type { TableMotion } from "galewood/client";
+import { NodePose } from "galewood/motion";
+import type { TreeModel, TreePart } from "galewood/trees";
 import {
   BufferAttribute,
   BufferGeometry,
@@ -11,9 +15,6 @@ import {
   MeshBasicMaterial,
   MeshLambertMaterial,
 } from "three";
-import { NodePose } from "../../core/motion/nodePose";
-import type { TreeModel, TreePart } from "../../scene/trees/mesh/treeMesh";
-import type { TableMotion } from "../../worker/protocol";
 
 const SOUND = new Color(1, 1, 1);
 const WRONG = new Color(1, 0.12, 0.05);

@@ -1,9 +1,9 @@
 /** "Check accuracy": a dialog that overlays a tree animated from its table with the reference solution. */
 import "./compare.css";
-import type { Method } from "../../core/motion/method";
-import type { WindState } from "../../core/wind/wind";
-import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
-import type { TableMotion } from "../../worker/protocol";
+import type { TableMotion } from "galewood/client";
+import type { Method } from "galewood/motion";
+import type { TreeModel } from "galewood/trees";
+import type { WindState } from "galewood/wind";
 import { Problem, type Tree } from "../server/api";
 import { make } from "../ui/dom";
 import { stiffnessInWords } from "../ui/physics";

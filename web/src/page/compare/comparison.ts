@@ -1,7 +1,7 @@
 /** Opens the comparison with the reference solution; its view is loaded when it is first opened. */
 
+import type { SpeciesForest } from "galewood/trees";
 import type { Forest } from "../../scene/forest";
-import type { SpeciesForest } from "../../scene/trees/speciesForest";
 import type { ForestClient } from "../forestClient";
 import { localError_m } from "../overlays/localError";
 import type { Catalogue } from "../server/catalogue";

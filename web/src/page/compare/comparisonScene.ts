@@ -1,9 +1,9 @@
 /** The tree animated from its table, overlaid with the reference solution as a ghost. */
 
-import type { Method } from "../../core/motion/method";
+import type { TableMotion } from "galewood/client";
+import type { Method } from "galewood/motion";
+import type { TreeModel } from "galewood/trees";
 import { PreviewStage } from "../../scene/previewStage";
-import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
-import type { TableMotion } from "../../worker/protocol";
 import { BentTree } from "./bentTree";
 import { poseAt, type Tracks } from "./tracks";
 

@@ -1,6 +1,6 @@
 /** Requests a finite element simulation of one tree from the server, and polls for the result. */
 
-import type { WindState } from "../../core/wind/wind";
+import type { WindState } from "galewood/wind";
 import { fetchApi, Problem } from "../server/api";
 import { decodeTracks, type Tracks } from "./tracks";
 

@@ -1,6 +1,6 @@
 /** Decoder of comparison files (docs/formats/comparison.md). Pure. */
 import { decode } from "@msgpack/msgpack";
-import { entryOfMethod, type Method } from "../../core/motion/method";
+import { entryOfMethod, type Method } from "galewood/motion";
 
 export interface Tracks {
   readonly frames: number;

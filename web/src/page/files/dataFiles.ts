@@ -1,5 +1,5 @@
 /** Dropped files that are no trees: measurements of the wind, winds, and inventories. */
-import { parseWindText, WindError } from "../../core/wind/wind";
+import { parseWindText, WindError } from "galewood/wind";
 
 /** What a text file holds. */
 export type Kind = "inventory" | "measurement" | "wind";
@@ -37,14 +37,11 @@ export class DataFiles {
 
 /** What a file holds, by its first lines; null if it may be a tree. */
 async function kindOf(file: File): Promise<Kind | null> {
-  const { readRows, textOf } = await import("./rows");
-  const text = textOf(new Uint8Array(await file.slice(0, SNIFFED_BYTES).arrayBuffer()));
+  const { isInventory, isMeasurement, textOf } = await import("./reading");
+  const text = textOf(await file.slice(0, SNIFFED_BYTES).arrayBuffer());
   if (/^\s*\{/.test(text)) return isWind(file.size > SNIFFED_BYTES ? "" : text) ? "wind" : "inventory";
-  const rows = readRows(text).slice(0, 100);
-  const { columnsOf } = await import("../../core/inventory/columns");
-  if (rows.some((row) => columnsOf(row) !== null)) return "inventory";
-  const wind = await import("../../core/wind/measured/columns");
-  return rows.some((row) => wind.columnsOf(row) !== null) ? "measurement" : null;
+  if (isInventory(text)) return "inventory";
+  return isMeasurement(text) ? "measurement" : null;
 }
 
 function isWind(text: string): boolean {

@@ -1,7 +1,7 @@
 /** The inventory from which the forest is planted: from an address, or from a file of the visitor. */
-import { InventoryError } from "../../core/inventory/errors";
-import type { Inventory } from "../../core/inventory/reading";
-import { SCALES } from "../../scene/stand";
+
+import type { Inventory } from "galewood/inventory";
+import { InventoryError, SCALES } from "galewood/inventory";
 import { showReport } from "../ui/reportDialog";
 
 const LARGEST_BYTES = 32 * 1024 ** 2;
@@ -64,8 +64,8 @@ export class InventoryForest {
     this.loading = true;
     let name = given;
     try {
-      const { readFile } = await import("./readFile");
-      const read = readFile(
+      const { readInventory } = await import("../files/reading");
+      const read = readInventory(
         await bytes((real) => {
           name = real;
         }),

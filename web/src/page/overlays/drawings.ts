@@ -1,12 +1,13 @@
 /** What the overlays draw on one tree. Each is in the tree's own frame, except the wind, which is in the world's. */
+
+import type { TableMotion } from "galewood/client";
+import { NodePose } from "galewood/motion";
+import type { WindField } from "galewood/wind";
 import { Group, type Object3D, Vector3 } from "three";
-import { NodePose } from "../../core/motion/nodePose";
-import type { WindField } from "../../core/wind/wind";
 import { ErrorPoints } from "../../scene/overlays/errorPoints";
 import { NodeBinding } from "../../scene/overlays/nodeBinding";
 import { WindArrows } from "../../scene/overlays/windArrows";
 import { WireFigure, type WireStyle } from "../../scene/overlays/wireFigure";
-import type { TableMotion } from "../../worker/protocol";
 import { shownFrequency_hz } from "./modes";
 import type { Structure } from "./structure";
 

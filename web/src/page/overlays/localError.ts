@@ -1,5 +1,5 @@
 /** The error of a table at each node, from a comparison with the reference solution. Pure. */
-import type { TableMotion } from "../../worker/protocol";
+import type { TableMotion } from "galewood/client";
 import type { Tracks } from "../compare/tracks";
 
 /** Root mean square over all frames of the distance of each node from the reference, m. */

@@ -1,5 +1,5 @@
 /** The natural modes of a table: order, rate and words. Pure. */
-import type { TableMotion } from "../../worker/protocol";
+import type { TableMotion } from "galewood/client";
 
 /** Faster modes are slowed down to this. */
 const FASTEST_SHOWN_HZ = 0.8;

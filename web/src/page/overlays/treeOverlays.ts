@@ -1,12 +1,12 @@
 /** Draws skeleton, tetrahedra, modes, wind or error on the picked tree, moving with it. */
 
+import type { TableMotion, TreeAt } from "galewood/client";
+import { NodePose } from "galewood/motion";
+import { INSTANCE_FLOATS } from "galewood/trees";
+import type { WindField } from "galewood/wind";
 import { Group } from "three";
-import { NodePose } from "../../core/motion/nodePose";
-import type { WindField } from "../../core/wind/wind";
 import type { Forest } from "../../scene/forest";
 import type { Stage } from "../../scene/stage";
-import { INSTANCE_FLOATS } from "../../scene/trees/instanceData";
-import type { TableMotion, TreeAt } from "../../worker/protocol";
 import type { ForestClient } from "../forestClient";
 import { Problem } from "../server/api";
 import type { KnownTree } from "../server/catalogue";

@@ -1,4 +1,6 @@
 /** Preview of the detected parts: wood in one colour, leaves in another. */
+
+import type { TreeModel, TreePart } from "galewood/trees";
 import {
   BufferAttribute,
   BufferGeometry,
@@ -10,7 +12,6 @@ import {
   Vector2,
 } from "three";
 import { PreviewStage } from "../../scene/previewStage";
-import type { TreeModel, TreePart } from "../../scene/trees/mesh/treeMesh";
 import { rowsOfVertices } from "./pieces";
 
 export const COLOURS = { wood: 0xc08a55, leaves: 0x7fb061 } as const;

@@ -1,18 +1,12 @@
 /** The tree that this visitor holds: finds it in every placement, and turns places into orders for the worker. */
+
+import type { PulledTree, PullOrder, TreeAt } from "galewood/client";
+import { INSTANCE_FLOATS } from "galewood/trees";
 import { Vector3 } from "three";
 import { exaggeration } from "../../scene/exaggeration";
 import type { Forest, MovingGroup } from "../../scene/forest";
-import {
-  displacementOf,
-  type GrabbedTree,
-  restOf,
-  toTree,
-  toWorld,
-  type Vector,
-} from "../../scene/trees/grabPoint";
-import { INSTANCE_FLOATS } from "../../scene/trees/instanceData";
-import type { PulledTree, PullOrder, TreeAt } from "../../worker/protocol";
 import type { ForestClient } from "../forestClient";
+import { displacementOf, type GrabbedTree, restOf, toTree, toWorld, type Vector } from "./grabPoint";
 
 /** A point of a tree, whatever its index in the placement. */
 export interface Grip {

@@ -3,14 +3,15 @@
  * a drag pulls the branch that was hit; elsewhere a drag turns the view. A finger must press long on a tree that is
  * not selected. With a tree selected, P takes hold of it, and the arrow keys move the hand.
  */
+
+import { tipNode } from "galewood/motion";
 import { Plane, Raycaster, Vector2, Vector3 } from "three";
-import { tipNode } from "../../core/motion/tip";
 import type { Forest, PickedTree } from "../../scene/forest";
 import { PullHandle } from "../../scene/overlays/pullHandle";
 import type { Stage } from "../../scene/stage";
-import { grabbedVertex, vertexAt } from "../../scene/trees/grabPoint";
 import type { ForestClient } from "../forestClient";
 import type { TreePicker } from "../treePicker";
+import { grabbedVertex, vertexAt } from "./grabPoint";
 import { grabbedTree, HeldTree, treeAt } from "./pulledTree";
 import { PullTag, pullInWords } from "./pullTag";
 

@@ -1,6 +1,7 @@
 /** Hands the pulled trees to the scene, with the displacements that their modes do not show. */
+
+import type { ShownPull } from "galewood/trees";
 import type { Forest } from "../../scene/forest";
-import type { ShownPull } from "../../scene/trees/pull/pullSlots";
 import type { ForestClient } from "../forestClient";
 
 /** Call when new poses have arrived. */

@@ -1,10 +1,10 @@
 /** The trees of the server, with meshes and tables as they are loaded. */
 
+import type { TableMotion } from "galewood/client";
+import type { TreeModel } from "galewood/trees";
 import type { TreeAsset } from "../../scene/forest";
 import { type Form, kindsOf } from "../../scene/forms";
-import type { TreeModel } from "../../scene/trees/mesh/treeMesh";
-import { readTreeModel } from "../../scene/trees/mesh/treeVariants";
-import type { TableMotion } from "../../worker/protocol";
+import { readTreeModel } from "../../scene/treeModel/treeVariants";
 import { displayName } from "../ui/words";
 import { fetchMesh, type Job, Problem, type Tree, type TreeChange } from "./api";
 import { type EventStream, followEvents } from "./eventStream";

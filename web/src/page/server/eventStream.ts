@@ -1,6 +1,6 @@
 /** The server-sent events: the state of every tree, then every change. */
 
-import { Backoff } from "../../core/net/backoff";
+import { Backoff } from "galewood/client";
 import type { TreeChange } from "./api";
 
 export interface EventHandlers {

@@ -1,11 +1,12 @@
 /** Settings of the visitor: defaults, limits and conversion from and to the URL query. Pure. */
-import { type Method, parseMethod } from "../../core/motion/method";
-import { plainWind } from "../../core/wind/edit";
-import type { WindDocument } from "../../core/wind/wind";
+
+import type { LookupPlace } from "galewood/client";
+import { type Method, parseMethod } from "galewood/motion";
+import type { WindDocument } from "galewood/wind";
+import { plainWind } from "galewood/wind";
 import { FORM_CHOICES, type FormChoice } from "../../scene/forms";
 import type { Quality } from "../../scene/quality";
 import { SEASONS, type Season } from "../../scene/season/season";
-import type { LookupPlace } from "../../worker/protocol";
 import { type PlantedTrees, plantedFrom, textOfPlanted } from "./planted";
 import { numberFrom, queryText } from "./queryNumbers";
 import { windFromQuery, withQueryNumbers, writeWind } from "./windQuery";

@@ -1,6 +1,6 @@
 /** A shared forest: its id in the address, and the description of its placement that clients exchange. Pure. */
 
-import type { About } from "../../core/wire/wire";
+import type { About } from "galewood/client";
 import { queryFromSettings, type Settings, settingsFromQuery } from "./settings";
 
 /** The settings that determine the placement. */

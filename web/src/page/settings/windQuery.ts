@@ -2,8 +2,15 @@
  * The wind in a URL query. A plain wind is written as four numbers (`speed`, `direction`, `gust`, `seed`), any other
  * wind as a document (`wind`). Pure.
  */
-import { type PlainWind, plainWind, sameWind, withinTurn, withPlain } from "../../core/wind/edit";
-import { parseWindText, type WindDocument } from "../../core/wind/wind";
+import {
+  type PlainWind,
+  parseWindText,
+  plainWind,
+  sameWind,
+  type WindDocument,
+  withinTurn,
+  withPlain,
+} from "galewood/wind";
 import { clampTo, numberFrom, queryText } from "./queryNumbers";
 
 type PlainKey = keyof PlainWind;

@@ -1,6 +1,7 @@
 /** The settings panel. */
+
+import { type PlainWind, withinTurn, withPlain } from "galewood/wind";
 import { type BladeApi, type FolderApi, Pane } from "tweakpane";
-import { type PlainWind, withinTurn, withPlain } from "../../core/wind/edit";
 import type { Statistics } from "../frameStatistics";
 import { type Playback, SPEEDS } from "../playback";
 import { type Planted, plantedAs } from "../settings/planted";

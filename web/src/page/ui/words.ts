@@ -1,6 +1,6 @@
 /** Texts of the page: progress, summary and status lines. Pure. */
 
-import type { Connection, TableMotion } from "../../worker/protocol";
+import type { Connection, TableMotion } from "galewood/client";
 import { isActive, type Job, type Tree } from "../server/api";
 
 const STAGES: Record<string, string> = {

@@ -1,6 +1,8 @@
 /** The background forest beyond the simulated trees: impostors of the same species that sway in the same wind. */
+
+import type { View } from "galewood/trees";
+import { WindField, type WindState } from "galewood/wind";
 import { Group } from "three";
-import { WindField, type WindState } from "../../core/wind/wind";
 import type { TreeAsset } from "../forest";
 import { Cards } from "../impostors/cards";
 import { farPlaces, plantFar, THINNING } from "../impostors/farPlaces";
@@ -9,7 +11,6 @@ import type { ImpostorLibrary } from "../impostors/library";
 import type { Quality } from "../quality";
 import { leafTint } from "../season/palette";
 import type { Season } from "../season/season";
-import type { View } from "../trees/drawList";
 
 /** What the simulated forest consists of. */
 export interface Planted {

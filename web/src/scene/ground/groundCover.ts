@@ -2,6 +2,8 @@
  * Grass tufts around the camera, on a lattice that wraps around it, so that tufts stay in place while the camera moves.
  * They bend with the wind.
  */
+
+import { hashUnit, valueNoise } from "galewood/random";
 import {
   BufferAttribute,
   BufferGeometry,
@@ -13,8 +15,6 @@ import {
   Vector2,
   Vector3,
 } from "three";
-import { valueNoise } from "../../core/math/noise";
-import { hashUnit } from "../../core/math/random";
 import type { Quality } from "../quality";
 import { SEASON_LOOKS, type Season } from "../season/season";
 import { seasonal } from "../season/seasonal";

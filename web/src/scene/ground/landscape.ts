@@ -1,5 +1,5 @@
 /** Shape of the land: pure functions of position, shared by terrain, placement and camera. */
-import { fractalNoise, valueNoise } from "../../core/math/noise";
+import { fractalNoise, valueNoise } from "galewood/random";
 
 const SEED = 20_260;
 

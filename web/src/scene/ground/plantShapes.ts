@@ -1,6 +1,7 @@
 /** Meshes of low plants of height 1: grass tufts, shrubs, ferns, and a single leaf. */
+
+import { hashUnit } from "galewood/random";
 import { BufferAttribute, BufferGeometry, Vector3 } from "three";
-import { hashUnit } from "../../core/math/random";
 
 const TWIGS = 18;
 const FRONDS = 9;

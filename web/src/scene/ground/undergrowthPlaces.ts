@@ -1,6 +1,5 @@
 /** Where shrubs, ferns and fallen leaves lie: pure functions of the cell of a lattice, the land and the trees. */
-import { valueNoise } from "../../core/math/noise";
-import { hashUnit } from "../../core/math/random";
+import { hashUnit, valueNoise } from "galewood/random";
 import { glade } from "./landscape";
 import type { Trunks } from "./trunks";
 

@@ -1,4 +1,6 @@
 /** The pictures of one tree from all sides: what an impostor is drawn from. */
+
+import type { TreeModel } from "galewood/trees";
 import {
   ClampToEdgeWrapping,
   LinearFilter,
@@ -6,7 +8,6 @@ import {
   NoColorSpace,
   WebGLRenderTarget,
 } from "three";
-import type { TreeModel } from "../trees/mesh/treeMesh";
 import { COLOUR_SIDE, SURFACE_SIDE } from "./atlasLayout";
 import { VIEWS } from "./octahedral";
 import { type TreeBox, treeBox } from "./treeBox";

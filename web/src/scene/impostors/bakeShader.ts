@@ -1,6 +1,6 @@
 /** Shaders that draw one view of a tree at rest, and that reduce it to its place in the atlas. */
 
-import { LOT_SHADER } from "../trees/lotShader";
+import { LOT_SHADER } from "galewood/trees";
 
 /** Light is stored as its square root, which keeps dark colours apart in eight bits. */
 export const BAKE_VERTEX = /* glsl */ `

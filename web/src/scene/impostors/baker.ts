@@ -1,4 +1,6 @@
 /** Draws the views of trees into their atlases, a few per frame. */
+
+import type { TreePart } from "galewood/trees";
 import {
   BufferAttribute,
   BufferGeometry,
@@ -17,8 +19,7 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import type { TreePart } from "../trees/mesh/treeMesh";
-import { meanColour } from "../trees/mesh/treeVariants";
+import { meanColour } from "../treeModel/treeVariants";
 import { type Atlas, VIEW_COUNT } from "./atlas";
 import { viewport } from "./atlasLayout";
 import { BAKE_FRAGMENT, BAKE_VERTEX, REDUCE_FRAGMENT, REDUCE_VERTEX } from "./bakeShader";

@@ -1,8 +1,8 @@
 /** Shader code of impostors: a card that faces the eye, bends with its tree and is lit like it. */
 
+import { NODE_TEXEL } from "galewood/trees";
 import { AIR_FRAGMENT, AIR_PARS } from "../sky/air";
-import { NODE_TEXEL } from "../trees/nodes/nodeTexel";
-import { CROWN_LIGHT } from "../trees/treeLight";
+import { CROWN_LIGHT } from "../treeSurface/treeLight";
 import { COLOUR_SIDE } from "./atlasLayout";
 import { FLAT_VARYINGS, LIGHT, NORMAL, SURFACE } from "./cardSurface";
 import { OCTAHEDRAL_GLSL } from "./octahedral";

@@ -2,12 +2,12 @@
  * Places of the background forest: those that the simulated forest would take next, so that it goes on beyond its edge with
  * the same density, species and trees. Farther away, where one hides the other, there are fewer. Pure.
  */
-import { hashUnit } from "../../core/math/random";
+import { hashUnit } from "galewood/random";
+import type { Placement } from "galewood/trees";
 import { type Grown, kindsOf } from "../forms";
 import { glade } from "../ground/landscape";
 import { chooseSpecies, HEART, isWood, placeAt, reach_m, SPACING_M } from "../placement";
 import type { Quality } from "../quality";
-import type { Placement } from "../trees/instanceData";
 
 /** The background forest ends here, m from the centre. */
 export const REACH_M = 430;

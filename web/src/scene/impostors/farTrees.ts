@@ -1,17 +1,20 @@
 /** The background trees of one species: selection, motion and cards. */
-import { heightFactor, type WindField } from "../../core/wind/wind";
-import type { TableMotion } from "../../worker/protocol";
-import { groundHeight_m } from "../ground/landscape";
-import { type Bounds, cylinderSeen, shadowSeen } from "../trees/culling";
-import type { View } from "../trees/drawList";
+
+import type { TableMotion } from "galewood/client";
+import type { View } from "galewood/trees";
 import {
+  type Bounds,
   createInstanceData,
+  cylinderSeen,
   INSTANCE_FLOATS,
   type InstanceData,
   type Placement,
   setTints,
+  shadowSeen,
   type Tint,
-} from "../trees/instanceData";
+} from "galewood/trees";
+import { heightFactor, type WindField } from "galewood/wind";
+import { groundHeight_m } from "../ground/landscape";
 import { BEND_FLOATS, CARD_FLOATS, type CardList, type Cards } from "./cards";
 import { Sway, TIP_FLOATS } from "./sway";
 

@@ -1,7 +1,8 @@
 /** The atlases of all trees that may be drawn as impostors, baked a few views per frame. */
+
+import type { TableMotion } from "galewood/client";
+import type { TreeModel } from "galewood/trees";
 import type { Object3D, WebGLRenderer } from "three";
-import type { TableMotion } from "../../worker/protocol";
-import type { TreeModel } from "../trees/mesh/treeMesh";
 import { Atlas } from "./atlas";
 import { MOST_ATLASES, viewsPerFrame } from "./atlasLayout";
 import { Baker } from "./baker";

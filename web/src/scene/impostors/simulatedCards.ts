@@ -1,10 +1,9 @@
 /** Impostors of the simulated trees of one species, from some distance on. */
+
+import type { TableMotion } from "galewood/client";
+import type { DrawList, LevelTexels, TreeModel } from "galewood/trees";
+import { type BendNodes, bendNodes, type FarCards, fillCards } from "galewood/trees";
 import type { Object3D, Texture } from "three";
-import type { TableMotion } from "../../worker/protocol";
-import type { DrawList } from "../trees/drawList";
-import { type BendNodes, bendNodes, type FarCards, fillCards } from "../trees/farCards";
-import type { LevelTexels } from "../trees/levelMeshes";
-import type { TreeModel } from "../trees/mesh/treeMesh";
 import type { Atlas } from "./atlas";
 import { Cards } from "./cards";
 

@@ -2,8 +2,9 @@
  * Motion of trees that are not simulated: the first sway mode of each, a damped oscillator along x and z with the
  * frequency, damping and compliance of its species' table, driven by the forest's wind at its place. Pure.
  */
-import { dynamicPressure } from "../../core/wind/wind";
-import type { FirstSway } from "../../worker/protocol";
+
+import type { FirstSway } from "galewood/client";
+import { dynamicPressure } from "galewood/wind";
 
 /** Largest displacement of the tip relative to the height. */
 const MOST_SWAY = 0.22;

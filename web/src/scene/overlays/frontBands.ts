@@ -1,6 +1,7 @@
 /** Gust fronts on their way: pale bands on the ground that travel with them. */
+
+import { FRONT_LIFE_S, type Front, frontExtent, MOST_FRONTS, travelled_m } from "galewood/wind";
 import { BufferAttribute, BufferGeometry, Group, Mesh, MeshBasicMaterial } from "three";
-import { FRONT_LIFE_S, type Front, frontExtent, MOST_FRONTS, travelled_m } from "../../core/wind/fronts";
 import { groundHeight_m } from "../ground/landscape";
 
 const COLUMNS = 40;

@@ -1,4 +1,6 @@
 /** Arrows on the ground that show the wind: longer and warmer in gusts, shorter and bluer in lulls. */
+
+import type { WindField } from "galewood/wind";
 import {
   BufferGeometry,
   Color,
@@ -8,7 +10,6 @@ import {
   MeshBasicMaterial,
   type Vector3,
 } from "three";
-import type { WindField } from "../../core/wind/wind";
 import { groundHeight_m } from "../ground/landscape";
 
 const SIDE = 30;

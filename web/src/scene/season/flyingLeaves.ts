@@ -1,4 +1,6 @@
 /** Leaves that the wind tears off the crowns around the camera: one draw call, animated in the vertex shader. */
+
+import { hashUnit } from "galewood/random";
 import {
   DoubleSide,
   DynamicDrawUsage,
@@ -7,7 +9,6 @@ import {
   Mesh,
   MeshLambertMaterial,
 } from "three";
-import { hashUnit } from "../../core/math/random";
 import { leafBlade } from "../ground/plantShapes";
 import type { Quality } from "../quality";
 import { AIR_FRAGMENT, AIR_PARS, air } from "../sky/air";

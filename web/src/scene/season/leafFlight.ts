@@ -1,5 +1,5 @@
 /** Paths of leaves that the wind tears off: functions of their age, the same here and in the shader. Pure. */
-import { hashUnit } from "../../core/math/random";
+import { hashUnit } from "galewood/random";
 import type { Season } from "./season";
 
 export interface Flight {

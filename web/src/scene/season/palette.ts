@@ -1,5 +1,5 @@
 /** Leaf colours of a tree by season, and their weight relative to the leaf texture. Pure. */
-import { hashUnit } from "../../core/math/random";
+import { hashUnit } from "galewood/random";
 import type { Rgb } from "../sky/atmosphere";
 import type { Season } from "./season";
 

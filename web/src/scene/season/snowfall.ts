@@ -1,4 +1,6 @@
 /** Snow driven past the camera in a winter storm: flakes in a box that wraps around the eye, in one draw call. */
+
+import { hashUnit } from "galewood/random";
 import {
   BufferAttribute,
   InstancedBufferAttribute,
@@ -7,7 +9,6 @@ import {
   ShaderMaterial,
   Vector3,
 } from "three";
-import { hashUnit } from "../../core/math/random";
 import type { Quality } from "../quality";
 import { snowShare } from "../sky/weather";
 import type { Season } from "./season";

@@ -1,6 +1,6 @@
 /** Aerial perspective in linear light, before tone mapping; sky, ground and trees share one sky table. */
 import { Color, type DataTexture, Vector2, Vector3 } from "three";
-import type { AtmosphereShader } from "../trees/treeLight";
+import type { AtmosphereShader } from "../treeSurface/treeLight";
 import { AEROSOL_G, SKY_AZIMUTHS, SKY_ELEVATIONS } from "./atmosphere";
 
 export const air = {

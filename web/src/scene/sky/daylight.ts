@@ -1,5 +1,5 @@
 /** Lighting of the scene: the sun with two shadow cascades, ambient sky light and atmosphere. */
-import { Group, HemisphereLight, Vector3 } from "three";
+import { type Camera, Group, HemisphereLight, type OrthographicCamera, Vector3 } from "three";
 import { SunLight } from "three/addons/lights/SunLight.js";
 import type { Quality } from "../quality";
 import { SEASON_LOOKS, type Season } from "../season/season";
@@ -107,3 +107,10 @@ export class Daylight {
     this.texture.dispose();
   }
 }
+
+/**
+ * How far from the eye (m) a caster can stand and still reach the map of a shadow camera: a cascade covers a part of the view
+ * around the eye.
+ */
+export const cascadeReach_m = (shadowCamera: Camera): number =>
+  2 * ((shadowCamera as OrthographicCamera).right ?? Number.POSITIVE_INFINITY);

@@ -1,5 +1,5 @@
 /** Procedural tileable pictures: noise for clouds and ground, fallen leaves, grass. Pure. */
-import { hashUnit } from "../../core/math/random";
+import { hashUnit } from "galewood/random";
 
 export interface Picture {
   readonly side: number;

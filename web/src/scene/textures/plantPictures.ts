@@ -1,5 +1,5 @@
 /** Pictures of low plants on transparent ground: a leafy twig of a shrub, and the frond of a fern. Pure. */
-import { hashUnit } from "../../core/math/random";
+import { hashUnit } from "galewood/random";
 
 /** Side of one picture; both lie side by side. */
 export const PLANT_SIDE = 256;

@@ -1,5 +1,5 @@
 /** The anemometer: its position, its measurements and their plots. */
-import type { WindField } from "../../../core/wind/wind";
+import type { WindField } from "galewood/wind";
 import { make } from "../dom";
 import type { Plots } from "./plots";
 import { KEPT_SAMPLES, RATE_HZ, Recorder } from "./recorder";

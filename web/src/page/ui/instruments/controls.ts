@@ -1,12 +1,5 @@
 /** Wind model, gust sliders and seed. */
-import {
-  FIELDS,
-  hasField,
-  MODELS,
-  type WindDocument,
-  type WindModel,
-  type WindNumber,
-} from "../../../core/wind/wind";
+import { FIELDS, hasField, MODELS, type WindDocument, type WindModel, type WindNumber } from "galewood/wind";
 import { make } from "../dom";
 import { withModel } from "./windEditing";
 

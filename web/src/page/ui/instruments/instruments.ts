@@ -1,13 +1,13 @@
 /** The wind instruments: rose, description, presets, gust sliders, overlay, anemometer, files. */
 
-import { withMean } from "../../../core/wind/edit";
 import {
   PRESETS,
   type PresetName,
   type WindDocument,
   type WindError,
   type WindField,
-} from "../../../core/wind/wind";
+  withMean,
+} from "galewood/wind";
 import { element, make } from "../dom";
 import { Anemometer } from "./anemometer";
 import { windInWords } from "./beaufort";

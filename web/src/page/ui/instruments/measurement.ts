@@ -1,15 +1,15 @@
 /** Loads the file of an anemometer's logger as the wind, and says what was understood of it. */
 
-import type { Row } from "../../../core/files/delimited";
 import {
   duration,
   type Measurement,
   MeasurementError,
   type Report,
+  type Row,
   readMeasurement,
-} from "../../../core/wind/measured/reading";
-import type { WindDocument } from "../../../core/wind/wind";
-import { readRows, textOf } from "../../files/rows";
+  readRows,
+} from "galewood/measured";
+import type { WindDocument } from "galewood/wind";
 import { make } from "../dom";
 import { showReport } from "../reportDialog";
 
@@ -24,7 +24,7 @@ export interface MeasurementEvents {
 export async function loadMeasurement(file: File, events: MeasurementEvents): Promise<void> {
   try {
     if (file.size > LARGEST_BYTES) throw new MeasurementError("The file is larger than 64 MB: cut it.");
-    const rows = readRows(textOf(new Uint8Array(await file.arrayBuffer())));
+    const rows = readRows(await file.arrayBuffer());
     use(file.name, rows, 0, events);
   } catch (error) {
     refuse(error, events);

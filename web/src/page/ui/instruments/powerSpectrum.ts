@@ -1,5 +1,5 @@
 /** Power spectrum of a recorded signal (Welch's method). Pure. */
-import { rootsOfUnity, transformRows } from "../../../core/wind/models/fourier";
+import { rootsOfUnity, transformRows } from "galewood/wind";
 
 const SEGMENT = 512;
 const ROOTS = rootsOfUnity(SEGMENT);

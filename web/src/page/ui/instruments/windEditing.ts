@@ -7,7 +7,7 @@ import {
   type WindDocument,
   type WindModel,
   type WindNumber,
-} from "../../../core/wind/wind";
+} from "galewood/wind";
 
 const STANDARD = { length_scale_m: 25, beta: 5 / 3 };
 

@@ -1,5 +1,5 @@
 /** Download and upload of a wind document as a file. */
-import { parseWindText, type WindDocument, WindError } from "../../../core/wind/wind";
+import { parseWindText, type WindDocument, WindError } from "galewood/wind";
 import { make } from "../dom";
 import { saveFile } from "../saveFile";
 import type { MeasurementEvents } from "./measurement";

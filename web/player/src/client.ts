@@ -1,0 +1,18 @@
+/** Messages to and from the worker `galewood/client-worker`, which has both methods, pulls, streams and shared forests. */
+export { Backoff } from "./core/net/backoff";
+export type { About } from "./core/wire/wire";
+export type {
+  Connection,
+  FirstSway,
+  ForestPlan,
+  FromWorker,
+  GroupPlan,
+  Inspection,
+  LookupPlace,
+  PulledTree,
+  PullOrder,
+  TableMotion,
+  ToWorker,
+  TreeAt,
+  Work,
+} from "./worker/protocol";

@@ -1,0 +1,39 @@
+/** Trees of one table as both the public forest and the worker step them: by the modal method. */
+import { GustLayer } from "../modal/gustLayer";
+import { ModalForest } from "../modal/modalForest";
+import { GroupWind } from "../motion/groupWind";
+import { SteppedTrees, stepsOf } from "../motion/steppedTrees";
+import type { Table } from "../table/table";
+import type { WindField } from "../wind/wind";
+
+export type Trees = SteppedTrees<ModalForest>;
+
+/** `placement`: x, z, yaw, scale of each tree. */
+export function treesOf(table: Table, placement: Float32Array): Trees {
+  const { height_m, modes } = table.metadata;
+  const count = placement.length / 4;
+  const wind = new GroupWind(placement, height_m, table.modal.limits[2]);
+  return new SteppedTrees(new ModalForest(table, count), new GustLayer(table, count), wind, modes);
+}
+
+/** The same trees, in the same pose, at other places. */
+export function movedTo(trees: Trees, table: Table, placement: Float32Array): Trees {
+  const moved = treesOf(table, placement);
+  const rows = Int32Array.from({ length: Math.min(trees.lookup.count, moved.lookup.count) }, (_, i) => i);
+  moved.lookup.adopt(trees.lookup, rows);
+  if (trees.gusts) moved.gusts?.adopt(trees.gusts, rows);
+  return moved;
+}
+
+/** Advances all groups by a frame that ends at the returned time. */
+export function advance(groups: readonly Trees[], field: WindField, time_s: number, dt_s: number): number {
+  const { steps, step_s } = stepsOf(dt_s);
+  let now_s = time_s;
+  for (let step = 0; step < steps; step++) {
+    now_s += step_s;
+    for (const trees of groups) trees.feel(field, now_s);
+    const moment = field.at(now_s);
+    for (const trees of groups) trees.step(step_s, moment);
+  }
+  return now_s;
+}

@@ -1,0 +1,38 @@
+/**
+ * Building blocks of the renderer, for a scene that needs more than `Forest` of galewood/three: it brings its own materials,
+ * impostors and worker. They change more often than the simple entry points.
+ */
+export { groundUnder, type Ray } from "./core/math/groundRay";
+export { type Bounds, cylinderSeen, shadowSeen } from "./trees/culling";
+export { LEVEL_SHARES, rankedIndex } from "./trees/detail";
+export type { DrawList, View } from "./trees/drawList";
+export { type BendNodes, bendNodes, type FarCards, fillCards } from "./trees/farCards";
+export {
+  createInstanceData,
+  INSTANCE_FLOATS,
+  type InstanceData,
+  type Placement,
+  setTints,
+  type Tint,
+} from "./trees/instanceData";
+export type { LevelTexels, ShadowOptions } from "./trees/levelMeshes";
+export { ALWAYS, LOT_SHADER, MISSING } from "./trees/lotShader";
+export { type BornePart, boughsOf, STEM } from "./trees/mesh/boughs";
+export type { Components } from "./trees/mesh/components";
+export {
+  type BarePart,
+  disposeModel,
+  type Part,
+  type ReadPart,
+  readParts,
+  readPlainTree,
+  type TreeModel,
+  type TreePart,
+} from "./trees/mesh/treeMesh";
+export { NODE_TEXEL } from "./trees/nodes/nodeTexel";
+export type { MaterialMaker, PartMaterials } from "./trees/partMaterials";
+export { PULL_PARS } from "./trees/pull/pullShader";
+export { PullSlots, type ShownPull } from "./trees/pull/pullSlots";
+export { SpeciesForest, type SpeciesOptions } from "./trees/speciesForest";
+export { ownRay, type PickedTree, pickTree } from "./trees/treePick";
+export { deform, type Standing, type TreeUniforms, type Variant } from "./trees/treeShader";

@@ -1,0 +1,115 @@
+/**
+ * Continuous level of detail. Every leaf and branch has a rank in [0, 1). A tree shows the pieces whose rank is below
+ * its share; a piece shrinks to a point before it disappears. Pure.
+ */
+import { hashUnit } from "../core/math/random";
+import { type Components, componentCentres, componentRadii } from "./mesh/components";
+
+/** Levels of detail: index prefixes that contain every piece visible up to this share. */
+export const LEVEL_SHARES = [1, 0.5, 0.25, 0.13, 0.07] as const;
+export const LEVEL_COUNT = LEVEL_SHARES.length;
+/** A piece shrinks while its rank is between share and (1 + EDGE) · share. */
+export const EDGE = 0.2;
+/** Remaining leaves grow to preserve the crown area, up to this factor: larger ones no longer look like leaves. */
+export const MOST_GROWTH = 2.4;
+/** Share at the second distance of a view. */
+const SHARE_AT_SECOND = 0.2;
+/** Hysteresis: a tree keeps its finer level until it needs this share of the coarser one. */
+const HYSTERESIS = 0.93;
+/** Minimum share far away; low enough for the last level. */
+const LEAST_SHARE = 0.9 * LEVEL_SHARES[LEVEL_COUNT - 1];
+
+/** Share of pieces that a tree shows: 1 up to the first distance, then a power of the distance. */
+export function shareAt(distance_m: number, [first_m, second_m]: readonly [number, number]): number {
+  if (distance_m <= first_m) return 1;
+  const power = Math.log(SHARE_AT_SECOND) / Math.log(second_m / first_m);
+  return Math.max(LEAST_SHARE, (distance_m / first_m) ** power);
+}
+
+/** The level for a share; `before` is the previous level (255: none), kept within the hysteresis. */
+export function levelFor(share: number, before: number): number {
+  let level = LEVEL_COUNT - 1;
+  while (LEVEL_SHARES[level] < share) level--;
+  if (before >= level || before === 255) return level;
+  return share < HYSTERESIS * LEVEL_SHARES[before + 1] ? level : before;
+}
+
+/** Relative size (0..1) of a piece of this rank at this share; same as in the shader. */
+export function pieceSize(rank: number, share: number): number {
+  return Math.min(1, Math.max(0, (share * (1 + EDGE) - rank) / (EDGE * share)));
+}
+
+/** Growth factor of the remaining leaves; same as in the shader. */
+export const leafGrowth = (share: number): number => Math.min(MOST_GROWTH, 1 / Math.sqrt(share));
+
+/** Position (xyz) of a leaf vertex at this share, scaled about a point; same as in the shader. */
+export function grownLeaf(
+  vertex: readonly number[],
+  middle: readonly number[],
+  rank: number,
+  share: number,
+): number[] {
+  const grown = pieceSize(rank, share) * leafGrowth(share);
+  return vertex.map((at, axis) => middle[axis] + grown * (at - middle[axis]));
+}
+
+/** Rank of each leaf, seeded. */
+export function leafRanks(pieces: Components): Float32Array {
+  return Float32Array.from({ length: pieces.count }, (_, piece) => hashUnit(piece, 11));
+}
+
+/** Rank of each branch, longest first; wood that consists of few pieces stays complete. */
+export function woodRanks(pieces: Components, positions: ArrayLike<number>): Float32Array {
+  const ranks = new Float32Array(pieces.count);
+  if (pieces.count < 4) return ranks;
+  const radii = componentRadii(pieces, positions, componentCentres(pieces, positions));
+  const sorted = [...radii.keys()].sort((a, b) => radii[b] - radii[a]);
+  sorted.forEach((piece, place) => {
+    ranks[piece] = place / pieces.count;
+  });
+  return ranks;
+}
+
+/** Weight of the height relative to the horizontal distance along a branch. */
+const UPWARD = 0.3;
+
+/** The point to which each branch shrinks: its vertex nearest to the base of the trunk, xyz packed. */
+export function branchBases(pieces: Components, positions: ArrayLike<number>): Float32Array {
+  const bases = new Float32Array(pieces.count * 3);
+  const least = new Float32Array(pieces.count).fill(Number.POSITIVE_INFINITY);
+  pieces.ofVertex.forEach((piece, v) => {
+    const [x, y, z] = [positions[v * 3], positions[v * 3 + 1], positions[v * 3 + 2]];
+    const out = Math.hypot(x, z) + UPWARD * y;
+    if (out >= least[piece]) return;
+    least[piece] = out;
+    bases.set([x, y, z], piece * 3);
+  });
+  return bases;
+}
+
+/** Indices in ascending order of the values, which are at least 0; equal ones in their own order. */
+function orderOf(values: Float32Array): Uint32Array {
+  const n = values.length;
+  // The bits of positive numbers are ordered like the numbers; numbers sort faster than objects with a comparison.
+  const bits = new Uint32Array(values.buffer);
+  const keys = Float64Array.from(bits, (value, k) => value * n + k).sort();
+  return Uint32Array.from(keys, (key) => key % n);
+}
+
+/** Triangles sorted by the rank of their piece, and the number of indices of each level. */
+export function rankedIndex(
+  index: ArrayLike<number>,
+  rankOf: (vertex: number) => number,
+): { index: Uint32Array; counts: number[] } {
+  const rank = Float32Array.from({ length: index.length / 3 }, (_, t) => rankOf(index[3 * t]));
+  const triangles = orderOf(rank);
+  const sorted = new Uint32Array(triangles.length * 3);
+  triangles.forEach((t, place) => {
+    for (let corner = 0; corner < 3; corner++) sorted[3 * place + corner] = index[3 * t + corner];
+  });
+  const counts = LEVEL_SHARES.map((share) => {
+    const beyond = triangles.findIndex((t) => pieceSize(rank[t], share) <= 0);
+    return 3 * (beyond < 0 ? triangles.length : beyond);
+  });
+  return { index: sorted, counts };
+}

@@ -1,0 +1,29 @@
+/** How the vertices of a part are held: between which nodes, and where. */
+import { BufferAttribute } from "three";
+import type { DrawnMotion, NodeLevel } from "../worker/protocol";
+import type { TreePart } from "./mesh/treeMesh";
+
+/** Largest value of the third number of a joint attribute: the whole share of its second node. */
+export const WHOLE_SHARE = 65535;
+
+/** Both nodes of the joint of each vertex of one part at one level, and the share of the second. */
+export function jointAttribute(part: TreePart, firstVertex: number, motion: DrawnMotion, level: NodeLevel) {
+  const joints = new Uint16Array(4 * part.vertices);
+  part.hold.forEach((vertex, v) => {
+    const joint = motion.vertexJoint[firstVertex + vertex];
+    const share = Math.round(WHOLE_SHARE * motion.jointShare[joint]);
+    const [first, second] = [0, 1].map((k) => level.of[motion.jointNodes[2 * joint + k]]);
+    joints.set(share > 0 && first !== second ? [first, second, share, 0] : [first, first, 0, 0], 4 * v);
+  });
+  return new BufferAttribute(joints, 4);
+}
+
+/** The place of the joint of each vertex of one part, about which the vertex turns. */
+export function pivotAttribute(part: TreePart, firstVertex: number, motion: DrawnMotion) {
+  const pivots = new Float32Array(3 * part.vertices);
+  part.hold.forEach((vertex, v) => {
+    const at = 3 * motion.vertexJoint[firstVertex + vertex];
+    pivots.set(motion.jointRest_m.subarray(at, at + 3), 3 * v);
+  });
+  return new BufferAttribute(pivots, 3);
+}

@@ -1,0 +1,189 @@
+/** One level of detail of one species: instanced meshes for the colour pass and for the shadow pass. */
+import {
+  type BufferAttribute,
+  type Camera,
+  DynamicDrawUsage,
+  type Group,
+  InstancedBufferGeometry,
+  InstancedInterleavedBuffer,
+  InterleavedBufferAttribute,
+  type Material,
+  Mesh,
+} from "three";
+import { LEVEL_SHARES } from "./detail";
+import type { DrawList } from "./drawList";
+import { INSTANCE_FLOATS } from "./instanceData";
+import type { TreePart } from "./mesh/treeMesh";
+import type { PartMaterials } from "./partMaterials";
+
+/** A part at this level: triangles sorted by rank, and the joint of each vertex. */
+export interface LevelPart {
+  readonly part: TreePart;
+  /** Nodes and share of each vertex's joint, and its place; null: the tree stands still. */
+  readonly joint: BufferAttribute | null;
+  readonly pivot: BufferAttribute | null;
+  readonly materials: PartMaterials;
+}
+
+export interface ShadowOptions {
+  /** Largest share of a tree's pieces that is drawn into shadow maps. */
+  readonly share: number;
+  /** How far from the eye (m) a caster can stand and still reach the map of a shadow camera; without it, anywhere. */
+  reach_m?(shadowCamera: Camera): number;
+}
+
+type InstancedMesh = Mesh<InstancedBufferGeometry, Material>;
+
+/** Location of the level's trees in the target of pass 1. */
+export interface LevelTexels {
+  readonly first: number;
+  readonly trees: number;
+  readonly nodes: number;
+}
+
+function geometryOf({ part, joint, pivot }: LevelPart, level: number, instances: InstancedInterleavedBuffer) {
+  const geometry = new InstancedBufferGeometry();
+  geometry.setIndex(part.index);
+  geometry.setDrawRange(0, part.counts[level]);
+  geometry.setAttribute("position", part.position);
+  geometry.setAttribute("normal", part.normal);
+  if (part.uv) geometry.setAttribute("uv", part.uv);
+  if (part.colour) geometry.setAttribute("color", part.colour);
+  geometry.setAttribute("aAnchor", part.anchor);
+  geometry.setAttribute("aPiece", part.piece);
+  if (joint) geometry.setAttribute("aJoint", joint);
+  if (pivot) geometry.setAttribute("aPivot", pivot);
+  ["aPlace", "aTurn", "aTint"].forEach((name, k) => {
+    geometry.setAttribute(name, new InterleavedBufferAttribute(instances, 4, k * 4));
+  });
+  return geometry;
+}
+
+function instancesFor(trees: number): InstancedInterleavedBuffer {
+  const buffer = new InstancedInterleavedBuffer(new Float32Array(trees * INSTANCE_FLOATS), INSTANCE_FLOATS);
+  buffer.setUsage(DynamicDrawUsage);
+  return buffer;
+}
+
+export class LevelMeshes {
+  private readonly seen: InstancedInterleavedBuffer;
+  private readonly casting: InstancedInterleavedBuffer;
+  private readonly meshes: { mesh: InstancedMesh; materials: PartMaterials; caster: boolean }[] = [];
+  private visible = 0;
+  private casters = 0;
+  private castersWithin: (distance_m: number) => number = () => 0;
+  constructor(
+    private readonly level: number,
+    parts: readonly LevelPart[],
+    trees: number,
+    private readonly shadows: ShadowOptions,
+    group: Group,
+  ) {
+    this.seen = instancesFor(trees);
+    this.casting = instancesFor(trees);
+    const shadowLevel = Math.max(
+      level,
+      LEVEL_SHARES.findLastIndex((share) => share >= shadows.share),
+    );
+    for (const part of parts) {
+      group.add(this.colourMesh(part), this.shadowMesh(part, shadowLevel));
+    }
+  }
+
+  private mesh(part: LevelPart, level: number, caster: boolean): InstancedMesh {
+    const mesh = new Mesh(geometryOf(part, level, caster ? this.casting : this.seen), part.materials.colour);
+    mesh.customDepthMaterial = part.materials.shadow;
+    if (part.materials.distance) mesh.customDistanceMaterial = part.materials.distance;
+    mesh.raycast = () => {}; // instances are picked by treePick.ts
+    mesh.frustumCulled = false; // trees are culled individually
+    mesh.matrixAutoUpdate = false;
+    mesh.castShadow = caster;
+    this.meshes.push({ mesh, materials: part.materials, caster });
+    return mesh;
+  }
+
+  private colourMesh(part: LevelPart): InstancedMesh {
+    const mesh = this.mesh(part, this.level, false);
+    mesh.renderOrder = this.level;
+    mesh.receiveShadow = true;
+    mesh.onBeforeRender = () => {
+      mesh.geometry.instanceCount = this.visible;
+    };
+    return mesh;
+  }
+
+  /** Mesh for the shadow maps only, each with the casters that can reach it. */
+  private shadowMesh(part: LevelPart, level: number): InstancedMesh {
+    const mesh = this.mesh(part, level, true);
+    mesh.onBeforeShadow = (_renderer, _object, _camera, shadowCamera) => {
+      const within_m = this.shadows.reach_m?.(shadowCamera) ?? Number.POSITIVE_INFINITY;
+      mesh.geometry.instanceCount = this.castersWithin(within_m);
+    };
+    mesh.onBeforeRender = () => {
+      mesh.geometry.instanceCount = 0;
+    };
+    return mesh;
+  }
+
+  /** Takes the level's trees from a draw list. */
+  fill(list: DrawList, data: Float32Array, texels: LevelTexels): void {
+    const { level } = this;
+    const start = list.start[level];
+    this.visible = Math.min(list.visible[level], texels.trees);
+    this.copy(this.seen, data, list, texels, this.visible, list.share, (i) => start + i);
+    const castStart = list.castStart[level];
+    this.casters = list.castersWithin(level, Number.POSITIVE_INFINITY);
+    this.castersWithin = (distance_m) => list.castersWithin(level, distance_m);
+    const casterAt = (i: number) => Math.min(list.casters[castStart + i], start + texels.trees - 1);
+    this.copy(this.casting, data, list, texels, this.casters, list.castShare, casterAt);
+    for (const { mesh, caster } of this.meshes) mesh.visible = (caster ? this.casters : this.visible) > 0;
+  }
+
+  private copy(
+    buffer: InstancedInterleavedBuffer,
+    data: Float32Array,
+    list: DrawList,
+    { first, nodes }: LevelTexels,
+    count: number,
+    shares: Float32Array,
+    placeOf: (i: number) => number,
+  ): void {
+    const array = buffer.array as Float32Array;
+    const start = list.start[this.level];
+    const mostShare = buffer === this.casting ? this.shadows.share : 1;
+    for (let i = 0; i < count; i++) {
+      const place = placeOf(i);
+      const tree = list.order[place];
+      const from = tree * INSTANCE_FLOATS;
+      const to = i * INSTANCE_FLOATS;
+      for (let k = 0; k < INSTANCE_FLOATS; k++) array[to + k] = data[from + k];
+      array[to + 3] = first + (place - start) * nodes;
+      array[to + 7] = Math.min(mostShare, shares[tree]);
+    }
+    buffer.clearUpdateRanges();
+    buffer.addUpdateRange(0, count * INSTANCE_FLOATS);
+    buffer.needsUpdate = count > 0;
+  }
+
+  get visibleTriangles(): number {
+    const seen = this.meshes.filter(({ mesh, caster }) => !caster && mesh.material.visible);
+    return seen.reduce((sum, { mesh }) => sum + (mesh.geometry.drawRange.count / 3) * this.visible, 0);
+  }
+
+  /** Draws with these materials, one pair per part. */
+  drawWith(materialsOf: (materials: PartMaterials) => PartMaterials): void {
+    for (const { mesh, materials } of this.meshes) {
+      const used = materialsOf(materials);
+      mesh.material = used.colour;
+      mesh.customDepthMaterial = used.shadow;
+      if (used.distance) mesh.customDistanceMaterial = used.distance;
+    }
+  }
+
+  dispose(): void {
+    for (const { mesh } of this.meshes) {
+      mesh.removeFromParent();
+      mesh.geometry.dispose();
+    }
+  }
+}

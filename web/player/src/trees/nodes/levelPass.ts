@@ -1,0 +1,154 @@
+/** One level of pass 1: its own nodes and modes, drawn to its own rows, updated at a rate that depends on its distance. */
+import { type BufferGeometry, type DataTexture, GLSL3, Mesh, RawShaderMaterial, type Texture } from "three";
+import type { NodeLevel } from "../../worker/protocol";
+import { FLAT_SHIFT, flatTexture, uploadFirst } from "./flatTexture";
+import { COVER, DISPLACE, SHORTEN } from "./levelShader";
+import type { LevelRows } from "./nodeLayout";
+
+/** Poses as written by the worker, `stride` floats per tree, and the list of drawn trees. */
+export interface PoseRows {
+  readonly poses: Float32Array;
+  readonly stride: number;
+  /** Index of the wind in a row. */
+  readonly wind: number;
+  readonly order: Uint32Array;
+  /** First index of each level in the order. */
+  readonly start: Uint32Array;
+}
+
+/** Frames between pose updates, by level; poses are interpolated in between. */
+const PERIODS = [1, 1, 1, 2, 4];
+
+type Step = Mesh<BufferGeometry, RawShaderMaterial>;
+
+/** A texture of rows [nodes, 3, 4 quads]. */
+function rowsTexture(rows: Float32Array): DataTexture {
+  const { texture, data } = flatTexture(rows.length / 4, 4);
+  data.set(rows);
+  return texture;
+}
+
+/** A texture of the links: vector at rest from the node before, and its index. */
+function linksTexture({ nodes, rest_m, parent }: NodeLevel): DataTexture {
+  const { texture, data } = flatTexture(nodes, 4);
+  for (let node = 0; node < nodes; node++) {
+    const before = parent[node];
+    for (let axis = 0; axis < 3; axis++)
+      data[4 * node + axis] = rest_m[3 * node + axis] - rest_m[3 * before + axis];
+    data[4 * node + 3] = before;
+  }
+  return texture;
+}
+
+/** One level: its rows, the poses of its drawn trees, and the meshes that draw both steps. */
+export class LevelPass {
+  /** Adds up displacements; its target is the second one's source. */
+  readonly displacing: Step;
+  readonly shortening: Step;
+  private readonly textures: readonly DataTexture[];
+  private readonly period: number;
+  private poses;
+  private before;
+  /** Frames since the last pose update. */
+  private age = 0;
+  rows: LevelRows = { row: 0, rows: 0, trees: 0 };
+
+  /** `factor`: shared factor of all displacements. */
+  constructor(
+    readonly level: NodeLevel,
+    trees: number,
+    geometry: BufferGeometry,
+    private readonly index: number,
+    factor: { value: number },
+    moved: { value: Texture | null },
+  ) {
+    this.period = PERIODS[index] ?? 1;
+    this.textures = [rowsTexture(level.basis), rowsTexture(level.turn), linksTexture(level)];
+    const [basis, turn, links] = this.textures;
+    this.poses = flatTexture(trees * level.quads, 4);
+    this.before = this.period > 1 ? flatTexture(trees * level.quads, 4) : this.poses;
+    const shared = {
+      uPoses: { value: this.poses.texture },
+      uBefore: { value: this.before.texture },
+      uShare: { value: 1 },
+      uFactor: factor,
+      uNodeCount: { value: level.nodes },
+      uShift: { value: 0 },
+      uRow: { value: 0 },
+      uDrawn: { value: 0 },
+    };
+    this.displacing = new Mesh(geometry, this.material(DISPLACE, { ...shared, uRows: { value: basis } }));
+    const further = { uRows: { value: turn }, uMoved: moved, uLinks: { value: links } };
+    this.shortening = new Mesh(geometry, this.material(SHORTEN, { ...shared, ...further }));
+    for (const mesh of [this.displacing, this.shortening]) mesh.frustumCulled = false;
+    this.uniforms = shared;
+  }
+
+  private readonly uniforms;
+
+  private material(fragmentShader: string, uniforms: RawShaderMaterial["uniforms"]): RawShaderMaterial {
+    return new RawShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: COVER,
+      fragmentShader,
+      depthTest: false,
+      depthWrite: false,
+      defines: {
+        QUADS: this.level.quads,
+        FLAT_SHIFT,
+        WIND_CHANNEL: this.level.columns.length % 4,
+        ...(this.period > 1 && { BLEND: 1 }),
+      },
+      uniforms,
+    });
+  }
+
+  place(rows: LevelRows, shift: number): void {
+    this.rows = rows;
+    const { uniforms } = this;
+    uniforms.uShift.value = shift;
+    uniforms.uRow.value = rows.row;
+    uniforms.uDrawn.value = rows.trees;
+  }
+
+  /** Call when the drawn trees have changed: takes their newest poses immediately. */
+  restart(from: PoseRows): void {
+    this.gather(from);
+    this.age = this.period - 1;
+    this.uniforms.uShare.value = 1;
+  }
+
+  /** Per frame: takes new poses if they are due, otherwise interpolates. */
+  advance(from: PoseRows): void {
+    this.age = (this.age + 1) % this.period;
+    if (this.age === 0) {
+      [this.poses, this.before] = [this.before, this.poses];
+      this.gather(from);
+    }
+    this.uniforms.uShare.value = (this.age + 1) / this.period;
+  }
+
+  /** Copies the modes of the level and the wind of each drawn tree. */
+  private gather({ poses, stride, wind, order, start }: PoseRows): void {
+    const { columns, quads } = this.level;
+    const { data, texture } = this.poses;
+    const first = start[this.index];
+    let to = 0;
+    for (let slot = first; slot < first + this.rows.trees; slot++, to += 4 * quads) {
+      const from = order[slot] * stride;
+      for (let k = 0; k < columns.length; k++) data[to + k] = poses[from + columns[k]];
+      data[to + columns.length] = poses[from + wind];
+    }
+    uploadFirst(texture, this.rows.trees * quads);
+    const { uniforms } = this;
+    uniforms.uPoses.value = texture;
+    uniforms.uBefore.value = this.before.texture;
+  }
+
+  dispose(): void {
+    for (const mesh of [this.displacing, this.shortening]) mesh.material.dispose();
+    for (const texture of this.textures) texture.dispose();
+    this.poses.texture.dispose();
+    this.before.texture.dispose();
+  }
+}

@@ -1,0 +1,32 @@
+/** The wind anywhere and at any time: documents, their evaluation, gust fronts, spectra and plain editing. */
+export {
+  meanVelocity_m_s,
+  type PlainWind,
+  plainWind,
+  sameWind,
+  withinTurn,
+  withMean,
+  withPlain,
+} from "./core/wind/edit";
+export { FRONT_LIFE_S, type Front, frontExtent, MOST_FRONTS, travelled_m } from "./core/wind/fronts";
+export { rootsOfUnity, transformRows } from "./core/wind/models/fourier";
+export {
+  dynamicPressure,
+  FIELDS,
+  hasField,
+  heightFactor,
+  MODELS,
+  PRESETS,
+  type PresetName,
+  parseWind,
+  parseWindText,
+  STILL,
+  type Wave,
+  type WindDocument,
+  WindError,
+  WindField,
+  type WindModel,
+  type WindNumber,
+  type WindState,
+  windPressure,
+} from "./core/wind/wind";

@@ -1,0 +1,69 @@
+/** What the worker does: reads tables and steps groups of trees. Knows no worker, so that tests can call it. */
+
+import { GivenWind } from "../../core/forest/givenWind";
+import { advance, movedTo, type Trees, treesOf } from "../../core/forest/trees";
+import { decodeWithoutRecords, type Table } from "../../core/table/present";
+import { type WindDocument, WindField } from "../../core/wind/wind";
+import type { DrawnMotion } from "../protocol";
+import { drawnMotion } from "../table/drawnMotion";
+import type { Floats, GroupFrame } from "./messages";
+
+interface Group {
+  readonly table: Table;
+  trees: Trees;
+}
+
+export class Stepper {
+  time_s = 0;
+  private readonly tables = new Map<number, Table>();
+  private readonly groups = new Map<number, Group>();
+  private field: WindField | null = null;
+  /** Velocities at the trees of a group, by the array of their x. */
+  private readonly velocities = new Map<unknown, Floats>();
+
+  read(table: number, bytes: ArrayBuffer): DrawnMotion {
+    const decoded = decodeWithoutRecords(bytes);
+    this.tables.set(table, decoded);
+    return drawnMotion(decoded);
+  }
+
+  plant(group: number, table: number, placement: Floats): void {
+    const decoded = this.tables.get(table);
+    if (!decoded) throw new Error(`table ${table} is used before it was loaded`);
+    const before = this.groups.get(group)?.trees;
+    const trees = before ? movedTo(before, decoded, placement) : treesOf(decoded, placement);
+    this.groups.set(group, { table: decoded, trees });
+  }
+
+  remove(group: number): void {
+    this.groups.delete(group);
+  }
+
+  /** null: velocities come with every frame. */
+  setWind(wind: WindDocument | null): void {
+    if (wind === null) this.field = new GivenWind((x, _z, _time_s, outX, outZ) => this.take(x, outX, outZ));
+    else if (this.field && !(this.field instanceof GivenWind)) this.field.change(wind, this.time_s);
+    else this.field = new WindField(wind);
+  }
+
+  private take(x: unknown, outX: { [index: number]: number; length: number }, outZ: typeof outX): void {
+    const velocity = this.velocities.get(x);
+    for (let i = 0; i < outX.length; i++) {
+      outX[i] = velocity ? velocity[2 * i] : 0;
+      outZ[i] = velocity ? velocity[2 * i + 1] : 0;
+    }
+  }
+
+  advance(dt_s: number, [x, z]: readonly [number, number], frames: readonly GroupFrame[]): void {
+    if (!this.field) return;
+    this.velocities.clear();
+    for (const { group, velocity } of frames) {
+      const trees = this.groups.get(group)?.trees;
+      trees?.see(x, z);
+      if (trees && velocity) this.velocities.set(trees.wind.x, velocity);
+    }
+    const all = Array.from(this.groups.values(), (group) => group.trees);
+    this.time_s = advance(all, this.field, this.time_s, dt_s);
+    for (const { group, poses } of frames) this.groups.get(group)?.trees.write(poses);
+  }
+}

@@ -1,0 +1,132 @@
+/**
+ * The shoots of a tree without its leaves: a leaf card is a picture of a whole shoot, and where it was, a thin twig with
+ * side twigs is drawn in winter. Made in the browser, because they follow from the cards. Pure.
+ */
+import { hashUnit } from "galewood/random";
+
+/** Cards of four vertices: the lower edge, then the upper one. */
+export interface CardMesh {
+  readonly positions: Float32Array;
+  /** First vertex of each card. */
+  readonly first: Uint32Array;
+}
+
+export interface ShootMesh {
+  readonly positions: Float32Array;
+  readonly normals: Float32Array;
+  readonly index: Uint32Array;
+  /** Of each vertex: the card's first vertex, whose node it shares. */
+  readonly card: Uint32Array;
+  /** Of each vertex: the point to which its twig shrinks. */
+  readonly bases: Float32Array;
+  /** Of each vertex: rank of its twig in [0, 1). */
+  readonly ranks: Float32Array;
+}
+
+type Point = readonly [number, number, number];
+
+const SIDES = 3;
+const TWIG_VERTICES = SIDES + 1;
+/** Twigs of a shoot: itself and its side twigs. */
+const TWIGS = 2;
+/** Radius at the base over the length: 4 mm for a shoot of 45 cm. */
+const SLENDER = 0.009;
+/** Share of the card's length that the shoot takes, and the length of the lowest side twig relative to it. */
+const LENGTH = 0.9;
+const SIDE_LENGTH = 0.5;
+const SIDE_ANGLE = 0.75;
+/** Ranks of the shoots and of their side twigs: both disappear before the twigs that bear them. */
+const RANKS = [
+  [0.35, 0.8],
+  [0.6, 1],
+] as const;
+
+const along = (a: Point, b: Point, t: number): Point => [
+  a[0] + t * (b[0] - a[0]),
+  a[1] + t * (b[1] - a[1]),
+  a[2] + t * (b[2] - a[2]),
+];
+const minus = (a: Point, b: Point): Point => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const plus = (a: Point, b: Point, t: number): Point => [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]];
+const cross = (a: Point, b: Point): Point => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
+const unit = (a: Point): Point => {
+  const length = Math.hypot(...a) || 1;
+  return [a[0] / length, a[1] / length, a[2] / length];
+};
+
+/** Where the twigs of a card begin and end: the shoot along its middle, side twigs to the left or right. */
+function twigsOf(positions: Float32Array, first: number, card: number): { from: Point; to: Point }[] {
+  const corner = (k: number): Point => [
+    positions[3 * (first + k)],
+    positions[3 * (first + k) + 1],
+    positions[3 * (first + k) + 2],
+  ];
+  const foot = along(corner(0), corner(1), 0.5);
+  const axis = minus(along(corner(3), corner(2), 0.5), foot);
+  const across = minus(corner(1), corner(0));
+  const out = unit(cross(across, axis));
+  const bend = (channel: number) => 0.35 * (hashUnit(card, channel) - 0.5);
+  const size = Math.hypot(...axis);
+  const tip = plus(plus(foot, axis, LENGTH), out, bend(21) * size);
+  const twigs = [{ from: foot, to: tip }];
+  for (let k = 1; k < TWIGS; k++) {
+    const at = 0.2 + 0.4 * hashUnit(card, 30 + k);
+    const length = SIDE_LENGTH * (1.1 - at) * (0.7 + 0.6 * hashUnit(card, 40 + k));
+    const from = along(foot, tip, at);
+    const side = hashUnit(card, 70 + k) < 0.5 ? SIDE_ANGLE : -SIDE_ANGLE;
+    const to = plus(plus(plus(from, axis, length * 0.75), across, side * length), out, bend(50 + k) * size);
+    twigs.push({ from, to });
+  }
+  return twigs;
+}
+
+/** The bare shoots in place of leaf cards. */
+export function bareShoots({ positions, first }: CardMesh): ShootMesh {
+  const twigs = first.length * TWIGS;
+  const vertices = twigs * TWIG_VERTICES;
+  const mesh = {
+    positions: new Float32Array(3 * vertices),
+    normals: new Float32Array(3 * vertices),
+    index: new Uint32Array(3 * SIDES * twigs),
+    card: new Uint32Array(vertices),
+    bases: new Float32Array(3 * vertices),
+    ranks: new Float32Array(vertices),
+  };
+  let twig = 0;
+  first.forEach((vertex, card) => {
+    twigsOf(positions, vertex, card).forEach(({ from, to }, k) => {
+      const [low, high] = RANKS[Math.min(k, 1)];
+      addTwig(mesh, twig++, from, to, vertex, low + (high - low) * 0.999 * hashUnit(card, 60 + k));
+    });
+  });
+  return mesh;
+}
+
+/** A three-sided spike. */
+function addTwig(mesh: ShootMesh, twig: number, from: Point, to: Point, card: number, rank: number): void {
+  const direction = minus(to, from);
+  const length = Math.hypot(...direction);
+  const helper: Point = Math.abs(direction[1]) > 0.9 * length ? [1, 0, 0] : [0, 1, 0];
+  const u = unit(cross(direction, helper));
+  const w = unit(cross(direction, u));
+  const base = twig * TWIG_VERTICES;
+  for (let k = 0; k <= SIDES; k++) {
+    const angle = (2 * Math.PI * k) / SIDES;
+    const normal = plus(
+      [Math.cos(angle) * u[0], Math.cos(angle) * u[1], Math.cos(angle) * u[2]],
+      w,
+      Math.sin(angle),
+    );
+    const at = 3 * (base + k);
+    mesh.positions.set(k === SIDES ? to : plus(from, normal, SLENDER * length), at);
+    mesh.normals.set(k === SIDES ? unit(direction) : normal, at);
+    mesh.bases.set(from, at);
+    mesh.card[base + k] = card;
+    mesh.ranks[base + k] = rank;
+    if (k < SIDES) mesh.index.set([base + k, base + ((k + 1) % SIDES), base + SIDES], 3 * (SIDES * twig + k));
+  }
+}

@@ -1,0 +1,106 @@
+/** Reads a normalised GLB with what the page draws in addition: trees that lack boughs, and bare trees. */
+
+import type { Components } from "galewood/trees";
+import {
+  type BarePart,
+  boughsOf,
+  type ReadPart,
+  rankedIndex,
+  readParts,
+  type TreeModel,
+  type TreePart,
+} from "galewood/trees";
+import { BufferAttribute } from "three";
+import { bareShoots } from "./bareShoots";
+import { lotsOf, pieceLots } from "./boughLots";
+
+/** Mean of the colours of a part; null without any. */
+export function meanColour(colour: BufferAttribute | null): [number, number, number] | null {
+  if (!colour || colour.count === 0) return null;
+  const sum: [number, number, number] = [0, 0, 0];
+  for (let i = 0; i < 3 * colour.count; i++) sum[i % 3] += colour.array[i];
+  return [sum[0] / colour.count, sum[1] / colour.count, sum[2] / colour.count];
+}
+
+/** Vertices that all have the mean of other colours. */
+function evenColour(of: BufferAttribute | null, vertices: number): BufferAttribute | null {
+  const mean = meanColour(of);
+  if (!mean) return null;
+  return new BufferAttribute(
+    Float32Array.from({ length: 3 * vertices }, (_, i) => mean[i % 3]),
+    3,
+  );
+}
+
+/** Gives every bough its lot, so that trees can lack it. */
+function drawLots(read: readonly ReadPart[]): void {
+  const boughs = boughsOf(read.map(({ borne }) => borne));
+  const lots = lotsOf(1 + boughs.reduce((most, bough) => bough.reduce((a, b) => Math.max(a, b), most), -1));
+  read.forEach(({ part, borne }, k) => {
+    const ofPiece = pieceLots(boughs[k], lots);
+    const anchor = part.anchor.array as Float32Array;
+    borne.pieces.ofVertex.forEach((piece, v) => {
+      anchor[4 * v + 3] = ofPiece[piece];
+    });
+  });
+}
+
+/** First vertices of the leaves that are cards of four vertices. */
+function cardsOf({ ofVertex, count }: Components): Uint32Array {
+  const sizes = new Uint32Array(count);
+  const first = new Uint32Array(count).fill(ofVertex.length);
+  ofVertex.forEach((piece, v) => {
+    sizes[piece]++;
+    first[piece] = Math.min(first[piece], v);
+  });
+  return first.filter((_, piece) => sizes[piece] === 4);
+}
+
+/** Shoots in place of leaf cards, in the colour of the twigs; none for trees without drawn twigs. */
+function barePartsOf(read: readonly ReadPart[]): BarePart[] {
+  const twigs = read.find(({ borne }) => borne.kind === "twigs");
+  return read.flatMap(({ part, borne }, of): BarePart[] => {
+    if (part.kind !== "leaves" || !twigs) return [];
+    const positions = part.position.array as Float32Array;
+    const shoots = bareShoots({ positions, first: cardsOf(borne.pieces) });
+    const vertices = shoots.card.length;
+    const piece = new Float32Array(4 * vertices);
+    const anchor = new Float32Array(4 * vertices);
+    shoots.card.forEach((v, k) => {
+      piece.set([part.piece.getX(v), part.piece.getY(v), 0, shoots.ranks[k]], 4 * k);
+      anchor.set([...shoots.bases.subarray(3 * k, 3 * k + 3), part.anchor.getW(v)], 4 * k);
+    });
+    const ranked = rankedIndex(shoots.index, (v) => shoots.ranks[v]);
+    const bare: TreePart = {
+      kind: "wood",
+      vertices,
+      material: twigs.part.material,
+      normal: new BufferAttribute(shoots.normals, 3),
+      uv: null,
+      colour: evenColour(twigs.part.colour, vertices),
+      position: new BufferAttribute(shoots.positions, 3),
+      anchor: new BufferAttribute(anchor, 4),
+      piece: new BufferAttribute(piece, 4),
+      hold: shoots.card,
+      index: new BufferAttribute(ranked.index, 1),
+      counts: ranked.counts,
+    };
+    return [{ part: bare, of }];
+  });
+}
+
+/** Reads a GLB; throws if it is invalid or contains no mesh. `varied`: each tree lacks some boughs. */
+export async function readTreeModel(bytes: ArrayBuffer, varied = false): Promise<TreeModel> {
+  const { read, height_m, radius_m } = await readParts(bytes);
+  if (varied) drawLots(read);
+  let bareParts: BarePart[] | null = null;
+  return {
+    parts: read.map(({ part }) => part),
+    get bare() {
+      bareParts ??= barePartsOf(read);
+      return bareParts;
+    },
+    height_m,
+    radius_m,
+  };
+}

@@ -1,0 +1,174 @@
+/** Colour and light of trees: the fragment part of pass 2. */
+
+import type { Part } from "galewood/trees";
+import type { Color, WebGLProgramParametersWithUniforms } from "three";
+
+/** Surface uniforms shared by all trees. */
+export interface SurfaceUniforms {
+  /** Snow cover: 0 none, 1 on all surfaces that face the sky. */
+  readonly uSnow: { value: number };
+  readonly uSnowColour: { value: Color };
+  /** Share of the leaves that are still on the tree. */
+  readonly uLeafShare: { value: number };
+  /** Sunlight before any shadow, and sky light on level ground. */
+  readonly uSunColour: { value: Color };
+  readonly uSkyColour: { value: Color };
+}
+
+/** Atmospheric perspective, as shader code that the scene supplies. */
+export interface AtmosphereShader {
+  /** Part of the program's cache key: differs where the code differs. */
+  readonly key: string;
+  readonly uniforms: Readonly<Record<string, { value: unknown }>>;
+  /** GLSL declarations and functions for the fragment shader. */
+  readonly declarations: string;
+  /** Replaces three's `opaque_fragment`; works on linear light before tone mapping. */
+  readonly output: string;
+}
+
+const FRAGMENT_PARS = /* glsl */ `
+uniform float uSnow;
+uniform vec3 uSnowColour;
+uniform vec3 uSunColour;
+uniform vec3 uSkyColour;
+varying vec4 vTint;
+varying vec4 vPiece;
+`;
+
+const LEAF_MAP = /* glsl */ `
+#ifdef USE_MAP
+  vec4 leaf = texture2D(map, vMapUv);
+  vec2 texels = vec2(textureSize(map, 0));
+  vec2 right = dFdx(vMapUv) * texels;
+  vec2 down = dFdy(vMapUv) * texels;
+  float area = abs(right.x * down.y - right.y * down.x) + 1e-4;
+  // Mip levels reduce the alpha coverage: restore it.
+  leaf.a *= 1.0 + 0.14 * max(0.0, log2(area));
+  // A card seen edge-on is a smear of all its leaves, so fade it: 1 from the front, twice the cosine at the edge.
+  leaf.a *= smoothstep(0.1, 0.5, 2.0 * area / (dot(right, right) + dot(down, down)));
+  diffuseColor *= leaf;
+#endif
+float shade = dot(diffuseColor.rgb, vec3(0.2126, 0.7152, 0.0722));
+#ifdef USE_MAP
+  // Each leaf of the picture keeps its deviation from the mean colour of all leaves, which is the coarsest mip level.
+  vec3 mean = max(textureLod(map, vMapUv, 10.0).rgb, 0.01);
+  // Green leaves differ in lightness more than in hue, coloured ones in both.
+  float hues = mix(0.3, 0.9, smoothstep(0.0, 0.3, vTint.r - 0.6 * vTint.g));
+  vec3 own = clamp(mix(vec3(shade / dot(mean, vec3(0.2126, 0.7152, 0.0722))), leaf.rgb / mean, hues), 0.45, 1.8);
+#else
+  vec3 own = vec3(0.35 + 1.9 * shade);
+#endif
+diffuseColor.rgb = mix(diffuseColor.rgb, 0.87 * vTint.rgb * mix(vec3(1.0), own, 0.85), vTint.a);
+// Cards differ in lightness and hue: some yellower, some bluer.
+diffuseColor.rgb *= 0.82 + 0.36 * vPiece.x;
+diffuseColor.rgb *= mix(vec3(1.09, 1.01, 0.8), vec3(0.92, 1.02, 1.05), fract(vPiece.x * 7.31));
+`;
+
+const WOOD_MAP = /* glsl */ `
+#include <map_fragment>
+// Darken pale bark, which would be white in sunlight.
+diffuseColor.rgb *= (0.85 + 0.3 * vPiece.x) * (1.0 - 0.5 * diffuseColor.g);
+`;
+
+/** Snow in patches on surfaces that face the sky. */
+const SNOW = /* glsl */ `
+#include <normal_fragment_maps>
+float skyward = dot(normal, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz);
+float lying = smoothstep(0.05, 0.5, skyward + 0.35 * (fract(vPiece.x * 7.0) - 0.6)) * uSnow;
+diffuseColor.rgb = mix(diffuseColor.rgb, uSnowColour, lying);
+`;
+
+const LEAF_NORMAL = /* glsl */ `
+float faceDirection = gl_FrontFacing ? 1.0 : -1.0;
+vec3 normal = normalize(vNormal); // crown normals: the same from both sides
+vec3 nonPerturbedNormal = normal;
+#if defined(CUTICLE) && defined(USE_MAP)
+  // Near the eye: the plane of the card, with ribs and edges of the leaves from the gradient of the picture's lightness.
+  vec3 along = normalize(dFdx(vViewPosition));
+  vec3 across = normalize(dFdy(vViewPosition));
+  vec3 face = normalize(cross(along, across));
+  float close = 1.0 - smoothstep(2.0, 60.0, area);
+  vec3 relief = dFdx(shade) * cross(across, face) + dFdy(shade) * cross(face, along);
+  vec3 blade = normalize(face - 2.2 * close * relief);
+  normal = normalize(mix(normal, faceforward(blade, -normal, blade), 0.4 * close));
+#endif
+`;
+
+/**
+ * Light inside a crown, where neither the shadow map nor the hemisphere light know how much reaches a leaf: part of the
+ * sky is visible everywhere, and sunlight is scattered on from leaf to leaf, most on the sunny side.
+ */
+export const CROWN_LIGHT = /* glsl */ `
+/** Share of the sky light at an openness (0 inside the crown, 1 outside). */
+float crownSky(float open) {
+  return 0.58 + 0.42 * open;
+}
+/** Share of the sun that finds gaps: a low one meets more crowns on its way. high: sine of its elevation. */
+float crownGaps(float high) {
+  return 0.3 + 0.7 * smoothstep(0.05, 0.55, high);
+}
+/** Irradiance by sunlight that other leaves scattered; facing: cosine between the crown's normal and the sun. */
+vec3 crownGlow(vec3 sun, float open, float facing) {
+  return sun * vec3(0.8, 1.0, 0.5) * (0.045 + 0.085 * smoothstep(-1.0, 0.7, facing)) * (0.5 + 0.5 * open);
+}
+`;
+
+/** After lighting: light inside the crown, light through the leaves, and the gloss of their cuticle. */
+const LEAF_LIGHT = /* glsl */ `
+#include <lights_fragment_end>
+vec3 skyward_ = (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz;
+float facingSun = dot(geometryNormal, directLight.direction);
+float gaps = crownGaps(dot(directLight.direction, skyward_));
+reflectedLight.indirectDiffuse *= crownSky(vPiece.y);
+reflectedLight.directDiffuse *= 0.6 + 0.4 * vPiece.y;
+vec3 leafTint = diffuseColor.rgb * RECIPROCAL_PI;
+reflectedLight.indirectDiffuse += leafTint * gaps * crownGlow(uSunColour, vPiece.y, facingSun);
+// Through the leaf: the sun, of which some passes between the leaves that a shadow map merges, and the sky above it.
+float through = pow(saturate(dot(-geometryViewDir, directLight.direction)), 3.0);
+float behind = saturate(0.45 - 0.55 * facingSun);
+float beneath = saturate(-dot(geometryViewDir, skyward_));
+vec3 passed = mix(directLight.color, uSunColour, 0.22 * gaps) * (0.35 + 0.65 * vPiece.y) * (0.6 * through + 0.34 * behind)
+  + uSkyColour * crownSky(vPiece.y) * 0.5 * beneath;
+reflectedLight.directDiffuse += leafTint * passed * vec3(1.12, 1.0, 0.5);
+#if defined(CUTICLE) && defined(USE_MAP)
+  // Fresnel reflection of a waxy leaf (refractive index about 1.45), smoother on some leaves than on others.
+  float gloss = mix(9.0, 48.0, fract(vPiece.x * 13.7)) * (0.4 + 0.6 * close);
+  vec3 shiny = faceforward(blade, -geometryViewDir, blade);
+  vec3 halfway = normalize(geometryViewDir + directLight.direction);
+  float grazing = pow(1.0 - saturate(dot(geometryViewDir, shiny)), 5.0);
+  float glint = pow(saturate(dot(shiny, halfway)), gloss) * (gloss + 8.0) / 25.1;
+  reflectedLight.directDiffuse += directLight.color * saturate(dot(shiny, directLight.direction)) * glint
+    * (0.035 + 0.965 * pow(1.0 - saturate(dot(halfway, geometryViewDir)), 5.0));
+  reflectedLight.indirectDiffuse += uSkyColour * RECIPROCAL_PI * vPiece.y * (0.03 + 0.3 * grazing)
+    * saturate(0.35 + 0.65 * dot(reflect(-geometryViewDir, shiny), skyward_));
+#endif
+`;
+
+const WOOD_LIGHT = /* glsl */ `
+#include <lights_fragment_end>
+reflectedLight.indirectDiffuse *= crownSky(vPiece.y);
+reflectedLight.indirectDiffuse += diffuseColor.rgb * RECIPROCAL_PI * 0.7
+  * crownGaps(dot(directLight.direction, (viewMatrix * vec4(0.0, 1.0, 0.0, 0.0)).xyz))
+  * crownGlow(uSunColour, vPiece.y, dot(geometryNormal, directLight.direction));
+`;
+
+/** Adds colour, snow and light to the fragment shader of a part. */
+export function patchColour(
+  shader: WebGLProgramParametersWithUniforms,
+  part: Part,
+  atmosphere: AtmosphereShader,
+): void {
+  const leaves = part === "leaves";
+  shader.fragmentShader = shader.fragmentShader
+    .replace(
+      "#include <common>",
+      `#include <common>\n${FRAGMENT_PARS}${CROWN_LIGHT}${atmosphere.declarations}`,
+    )
+    .replace("#include <map_fragment>", leaves ? LEAF_MAP : WOOD_MAP)
+    .replace("#include <lights_fragment_end>", leaves ? LEAF_LIGHT : WOOD_LIGHT)
+    .replace("#include <normal_fragment_maps>", SNOW)
+    .replace("#include <opaque_fragment>", atmosphere.output)
+    .replace("#include <fog_fragment>", "");
+  if (leaves)
+    shader.fragmentShader = shader.fragmentShader.replace("#include <normal_fragment_begin>", LEAF_NORMAL);
+}

@@ -1,0 +1,104 @@
+/** Materials of one part of a species as the page draws it, for the colour and the shadow pass. */
+
+import type { MaterialMaker, Part } from "galewood/trees";
+import { deform, PULL_PARS, type TreeUniforms } from "galewood/trees";
+import {
+  CustomBlending,
+  DoubleSide,
+  FrontSide,
+  type Material,
+  MeshDepthMaterial,
+  MeshLambertMaterial,
+  MeshStandardMaterial,
+  OneFactor,
+  RGBADepthPacking,
+  type Texture,
+  ZeroFactor,
+} from "three";
+import { type AtmosphereShader, patchColour, type SurfaceUniforms } from "./treeLight";
+
+const ALPHA_TEST = 0.42;
+
+function sharpen(texture: Texture | null, anisotropy: number): Texture | null {
+  if (texture) texture.anisotropy = anisotropy;
+  return texture;
+}
+
+type TreeMaterial = MeshStandardMaterial | MeshLambertMaterial;
+
+export interface MaterialOptions {
+  readonly anisotropy: number;
+  readonly smoothEdges: boolean;
+  /** Gloss of bark; without it, shading costs about half. */
+  readonly gloss: boolean;
+  readonly surface: SurfaceUniforms;
+  readonly atmosphere: AtmosphereShader;
+}
+
+function colourMaterial(
+  from: MeshStandardMaterial,
+  part: Part,
+  uniforms: TreeUniforms,
+  options: MaterialOptions,
+  moves: boolean,
+): TreeMaterial {
+  const leaves = part === "leaves";
+  const cut = leaves && (from.alphaTest > 0 || from.transparent);
+  const common = {
+    map: sharpen(from.map, options.anisotropy),
+    color: from.color,
+    side: leaves ? DoubleSide : FrontSide,
+    alphaTest: cut ? ALPHA_TEST : 0,
+    alphaToCoverage: cut && options.smoothEdges,
+  };
+  // Leaves have a gloss of their own, which is cheaper: see treeLight.ts.
+  const material =
+    options.gloss && !leaves
+      ? new MeshStandardMaterial({ ...common, roughness: 0.94, metalness: 0 })
+      : new MeshLambertMaterial(common);
+  if (leaves && options.smoothEdges) material.defines = { ...material.defines, CUTICLE: "" };
+  if (material.alphaToCoverage) keepAlpha(material);
+  const { surface, atmosphere } = options;
+  const key = `colour-${atmosphere.key}`;
+  const variant = { part, moves, standing: "upright", key, pulls: PULL_PARS } as const;
+  const given = { ...uniforms, ...atmosphere.uniforms, ...surface };
+  deform(material, variant, given, (shader) => patchColour(shader, part, atmosphere));
+  return material;
+}
+
+/** Alpha coverage must not make the canvas transparent: write only colour and keep the cleared alpha. */
+function keepAlpha(material: Material): void {
+  material.blending = CustomBlending;
+  material.blendSrc = OneFactor;
+  material.blendDst = ZeroFactor;
+  material.blendSrcAlpha = ZeroFactor;
+  material.blendDstAlpha = OneFactor;
+}
+
+function shadowMaterial(
+  colour: TreeMaterial,
+  part: Part,
+  uniforms: TreeUniforms,
+  { surface }: MaterialOptions,
+  moves: boolean,
+): MeshDepthMaterial {
+  const material = new MeshDepthMaterial({
+    depthPacking: RGBADepthPacking,
+    map: colour.alphaTest > 0 ? colour.map : null,
+    alphaTest: colour.alphaTest,
+  });
+  deform(
+    material,
+    { part, moves, standing: "upright", key: "depth", pulls: PULL_PARS },
+    { ...uniforms, ...surface },
+  );
+  return material;
+}
+
+/** Materials of a part that is deformed by its nodes, or is static at no extra cost. */
+export const materialsOf =
+  (options: MaterialOptions): MaterialMaker =>
+  (from, part, uniforms, moves) => {
+    const colour = colourMaterial(from, part, uniforms, options, moves);
+    return { colour, shadow: shadowMaterial(colour, part, uniforms, options, moves) };
+  };
