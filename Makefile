@@ -19,9 +19,10 @@ PYTEST ?= $(BIN)/python -m pytest
 WHEEL_SOURCES := $(shell find precompute server assets -type f -not -path '*/__pycache__/*' 2>/dev/null) \
 	pyproject.toml setup.py README.md LICENSE NOTICE
 KERNEL_SOURCES := $(shell grep -rl numba precompute/galewood --include='*.py' 2>/dev/null)
-WEB_SOURCES := $(shell find web/src web/public -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json
+WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/null) web/index.html web/vite.config.ts web/tsconfig.json \
+	web/player/package.json
 
-PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json web/src/core web/src/worker web/src/scene/trees -type f 2>/dev/null)
+PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
 .PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-web test-e2e browser bench format species golden clean
 

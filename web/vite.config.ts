@@ -7,7 +7,18 @@ export default defineConfig({
   plugins: [precompress()],
   // The package galewood comes from its sources, so that it need not be built first.
   resolve: { conditions: ["galewood-source", ...defaultClientConditions] },
-  build: { target: "es2023", chunkSizeWarningLimit: 900, sourcemap: false },
+  build: {
+    target: "es2023",
+    chunkSizeWarningLimit: 900,
+    sourcemap: false,
+    rolldownOptions: {
+      // three.js changes less often than the page.
+      output: {
+        codeSplitting: { groups: [{ name: "three", test: /\/node_modules\/three\/(build|src)\// }] },
+      },
+      checks: { pluginTimings: false },
+    },
+  },
   worker: { format: "es" },
   server: {
     proxy: {

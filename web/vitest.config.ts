@@ -11,7 +11,12 @@ export default defineConfig({
   root: here(".."),
   resolve: {
     conditions: SOURCES,
-    alias: { vitest: here("node_modules/vitest"), three: here("node_modules/three") },
+    alias: [
+      { find: /^vitest$/, replacement: here("node_modules/vitest") },
+      { find: /^three$/, replacement: here("node_modules/three/build/three.module.js") },
+      { find: /^three\/addons\//, replacement: here("node_modules/three/examples/jsm/") },
+      { find: /^three\/examples\//, replacement: here("node_modules/three/examples/") },
+    ],
   },
   ssr: { resolve: { conditions: SOURCES } },
   server: { fs: { allow: [here("..")] } },

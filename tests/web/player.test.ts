@@ -3,18 +3,15 @@ import { execFileSync } from "node:child_process";
 import { existsSync, readdirSync, readFileSync, statSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
-import { Matrix4, Quaternion, Vector3 } from "three";
 import { beforeAll, describe, expect, test } from "vitest";
-import { INSTANCE_FLOATS } from "../../web/player/src/trees/instanceData";
 import type * as Core from "../../web/player/src/core";
-import { instancesOf, placementOf } from "../../web/player/src/three/standing";
-import { Stepper } from "../../web/player/src/worker/simple/stepper";
-import { golden, goldenJson, random } from "./golden";
+import { golden, goldenJson } from "./golden";
 
 const PLAYER = fileURLToPath(new URL("../../web/player/", import.meta.url));
 const DIST = `${PLAYER}dist/`;
+const PAGE = `${PLAYER}../src/`;
 /** Bytes, gzip: everything that plays a forest; the custom element; what streams need besides. */
-const MOST_BYTES = 40 * 1024;
+const MOST_BYTES = 40_000;
 const MOST_ELEMENT_BYTES = 2_000;
 const MOST_STREAM_BYTES = 40_000;
 const STREAM = ["stream.js", "galewood.stream.worker.js"];
@@ -26,46 +23,108 @@ function newest(folder: string): number {
   return files.reduce((most, one) => Math.max(most, statSync(`${one.parentPath}/${one.name}`).mtimeMs), 0);
 }
 
+interface Manifest {
+  readonly exports: Readonly<Record<string, string | Readonly<Record<string, string>>>>;
+}
+
+const manifest = () => JSON.parse(readFileSync(`${PLAYER}package.json`, "utf8")) as Manifest;
+
+/** Subpaths of the package that the page imports, with the names of the values it takes. */
+function importsOfPage(): Map<string, Set<string>> {
+  const used = new Map<string, Set<string>>();
+  for (const file of readdirSync(PAGE, { recursive: true, encoding: "utf8" }).filter((name) => name.endsWith(".ts"))) {
+    const text = readFileSync(PAGE + file, "utf8");
+    for (const [, what = "", from] of text.matchAll(/\b(?:import|export)\s+([^;"']*?from\s+)?"(galewood[^"]*)"/g)) {
+      const names = used.get(from) ?? new Set();
+      const values = what.startsWith("type ") ? "" : (/\{([^}]*)\}/.exec(what)?.[1] ?? "");
+      for (const name of values.split(",").map((one) => one.trim()))
+        if (name !== "" && !name.startsWith("type ")) names.add(name.split(" ")[0]);
+      used.set(from, names);
+    }
+  }
+  return used;
+}
+
 let core: typeof Core;
 beforeAll(async () => {
-  const sources = [`${PLAYER}src`, ...["core", "worker", "scene/trees"].map((name) => `${PLAYER}../src/${name}`)];
   const built = existsSync(`${DIST}core.js`) ? statSync(`${DIST}core.js`).mtimeMs : 0;
-  if (sources.some((folder) => newest(folder) > built))
+  if (newest(`${PLAYER}src`) > built)
     execFileSync(process.execPath, [`${PLAYER}build.mjs`], { stdio: "pipe" });
   core = await import(/* @vite-ignore */ `${DIST}core.js`);
 }, 120_000);
 
 const scripts = () => readdirSync(DIST).filter((name) => name.endsWith(".js"));
+/** What a built file imports, at once or later. */
+const importsOf = (name: string) =>
+  Array.from(
+    readFileSync(DIST + name, "utf8").matchAll(/\b(?:from|import\s*\(?)\s*[`"']([\w@./-]+)[`"']/g),
+    ([, at]) => at,
+  );
+
+/** Built files, and all that they import. */
+function closureOf(names: readonly string[]): string[] {
+  const found = new Set<string>();
+  const add = (name: string) => {
+    if (found.has(name)) return;
+    found.add(name);
+    for (const at of importsOf(name)) if (at.startsWith("./")) add(at.slice(2));
+  };
+  names.forEach(add);
+  return [...found];
+}
 
 describe("the built package", () => {
-  test("plays within 40 KiB, compressed, with worker and kernel", () => {
+  test("plays within 40,000 bytes, compressed, with worker and kernel", () => {
     const bytes = (names: readonly string[]) =>
       names.reduce((sum, name) => sum + gzipSync(readFileSync(DIST + name), { level: 9 }).length, 0);
-    const playing = scripts().filter((name) => name !== "element.js" && !STREAM.includes(name));
+    const playing = closureOf(["core.js", "three.js", "galewood.worker.js"]);
     expect(bytes(playing)).toBeLessThanOrEqual(MOST_BYTES);
+    expect(closureOf(["element.js"]).filter((name) => !playing.includes(name))).toEqual(["element.js"]);
     expect(bytes(["element.js"])).toBeLessThanOrEqual(MOST_ELEMENT_BYTES);
     expect(bytes(STREAM)).toBeLessThanOrEqual(MOST_STREAM_BYTES);
   });
 
-  test("core and worker need nothing but their own files; the rest only three.js in addition", () => {
-    const imports = (name: string) =>
-      Array.from(readFileSync(DIST + name, "utf8").matchAll(/\b(?:from|import)\s*[`"']([^`"']+)[`"']/g), ([, at]) => at);
+  test("needs nothing but its own files, and three.js only to draw", () => {
+    const drawing = ["three.js", "element.js", "trees.js", "inventory.js"];
     for (const name of scripts()) {
-      for (const at of imports(name)) {
-        if (/^three(\/|$)/.test(at)) expect(["three.js", "element.js", "served.chunk.js"]).toContain(name);
+      for (const at of importsOf(name)) {
+        if (/^three(\/|$)/.test(at)) expect(drawing, `${name} imports ${at}`).toContain(name);
         else expect(existsSync(DIST + at), `${name} imports ${at}`).toBe(true);
       }
     }
+    expect(closureOf(["inventory.js", "wind.js", "client.js"])).not.toContain("trees.js");
   });
 
-  test("every entry point of the manifest exists, with its types", () => {
-    const { exports } = JSON.parse(readFileSync(`${PLAYER}package.json`, "utf8")) as {
-      exports: Record<string, string | Record<string, string>>;
-    };
-    for (const entry of Object.values(exports)) {
-      for (const file of typeof entry === "string" ? [entry] : Object.values(entry))
-        expect(existsSync(PLAYER + file), file).toBe(true);
+  test("holds every entry point of the manifest, with its types, and no sources", () => {
+    const pack = ["pack", "--dry-run", "--json", "--ignore-scripts", "--offline"];
+    const listed = execFileSync("npm", pack, { cwd: PLAYER, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
+    const [{ files }] = JSON.parse(listed) as { files: { path: string }[] }[];
+    const packed = new Set(files.map(({ path }) => `./${path}`));
+    for (const [entry, targets] of Object.entries(manifest().exports)) {
+      if (typeof targets === "string") continue; // package.json itself
+      const { "galewood-source": from, ...given } = targets;
+      expect(existsSync(PLAYER + from), entry).toBe(true);
+      for (const file of Object.values(given)) expect(packed, entry).toContain(file);
     }
+    expect([...packed].filter((path) => path.startsWith("./src/"))).toEqual([]);
+  });
+
+  test("exports all that the page imports, which imports nothing else of it", async () => {
+    const used = importsOfPage();
+    expect(used.size).toBeGreaterThan(5);
+    for (const [entry, names] of used) {
+      const targets = manifest().exports[entry.replace("galewood", ".")];
+      if (!targets || typeof targets === "string") throw new Error(`${entry} is not exported`);
+      if (entry.endsWith("-worker")) continue; // starts as soon as it is imported
+      const module = await import(/* @vite-ignore */ PLAYER + targets.default);
+      expect(Object.keys(module), entry).toEqual(expect.arrayContaining([...names]));
+    }
+  });
+
+  test("has types by which the page compiles", () => {
+    const configuration = `${PLAYER}tsconfig.page.json`;
+    const tsc = `${PLAYER}../node_modules/typescript/bin/tsc`;
+    execFileSync(process.execPath, [tsc, "-p", configuration], { stdio: "pipe" });
   });
 
   test("workers are found by the expression that bundlers look for", () => {
@@ -190,71 +249,6 @@ describe("galewood/core in Node", () => {
     ],
   ])("refuses %s", (_, act, fault) => {
     expect(act).toThrow(fault);
-  });
-});
-
-describe("trees at matrices", () => {
-  const seed = 5;
-  const next = random(seed);
-  const matrices = Array.from({ length: 20 }, () => {
-    const turn = new Quaternion(next() - 0.5, next() - 0.5, next() - 0.5, next() - 0.5).normalize();
-    const size = new Vector3(0.5 + next(), 0.5 + next(), 0.5 + next());
-    return new Matrix4().compose(new Vector3(9 * next(), 3 * next(), 9 * next()), turn, size);
-  });
-
-  test(`the shader's arithmetic is that of the matrix (seed ${seed})`, () => {
-    const { data } = instancesOf(matrices);
-    for (const [k, matrix] of matrices.entries()) {
-      const [x, y, z, , qx, qy, , , qz, qw, wide, deep] = data.subarray(k * INSTANCE_FLOATS);
-      const v = new Vector3(0.3, 2.5, -0.7);
-      const q = new Vector3(qx, qy, qz);
-      const s = new Vector3(v.x * wide, v.y, v.z * deep);
-      const spun = s
-        .clone()
-        .multiplyScalar(qw * qw - q.dot(q))
-        .addScaledVector(q, 2 * q.dot(s))
-        .addScaledVector(q.clone().cross(s), 2 * qw);
-      expect(spun.add(new Vector3(x, y, z)).distanceTo(v.applyMatrix4(matrix))).toBeLessThan(1e-5);
-    }
-  });
-
-  test("upright trees have yaw and scale; a mirrored one is refused", () => {
-    const upright = new Matrix4().compose(
-      new Vector3(1, 2, 3),
-      new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), 0.7),
-      new Vector3(2, 2, 2),
-    );
-    expect(instancesOf([upright]).anyhow?.upright).toBe(true);
-    expect(instancesOf(matrices).anyhow?.upright).toBe(false);
-    const [x, z, yaw, scale] = placementOf([upright], new Matrix4().makeTranslation(10, 0, 0));
-    [x - 11, z - 3, yaw - 0.7, scale - 2].forEach((error) => expect(Math.abs(error)).toBeLessThan(1e-6));
-    expect(() => instancesOf([new Matrix4().makeScale(-1, 1, 1)])).toThrow(/mirrors/);
-  });
-});
-
-describe("the worker", () => {
-  const table = () => golden("pole.safetensors").slice().buffer as ArrayBuffer;
-  const frame = (stride: number) => ({ group: 0, poses: new Float32Array(stride), velocity: null });
-
-  test("steps like the public forest; a group that moves keeps its pose", () => {
-    const stepper = new Stepper();
-    const motion = stepper.read(0, table());
-    stepper.setWind(core.PRESETS["autumn-gusts"]);
-    stepper.plant(0, 0, Float32Array.of(4, 5, 0.3, 1));
-    const place = { x_m: 4, z_m: 5, yaw_rad: 0.3 };
-    const read = core.readTable(table());
-    const forest = core.createForest({ kinds: [{ table: read, places: [place] }], wind: core.PRESETS["autumn-gusts"] });
-    const frames = [frame(motion.stride)];
-    for (let k = 0; k < 90; k++) {
-      stepper.advance(1 / 30, [4, 5], frames);
-      forest.step(1 / 30);
-    }
-    const before = frames[0].poses.slice(0, motion.modes);
-    expect(before).toEqual(forest.coordinates(0).slice());
-    stepper.plant(0, 0, Float32Array.of(40, 5, 0.3, 1));
-    stepper.advance(0, [4, 5], frames);
-    const jump = before.reduce((most, value, k) => Math.max(most, Math.abs(value - frames[0].poses[k])), 0);
-    expect(jump).toBeLessThan(1e-6);
   });
 });
 

@@ -1,43 +1,33 @@
-/** Builds the package into dist/: entry points and the worker share chunks, so that nothing is there twice. */
+/** Builds the package into dist/. Entry points that are used together share chunks, so that nothing is there twice. */
 import { execFileSync } from "node:child_process";
-import { rmSync } from "node:fs";
-import { dirname, join } from "node:path";
+import { copyFileSync, mkdirSync, rmSync } from "node:fs";
+import { basename, dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { rolldown } from "rolldown";
+import { shorterShaders } from "./shorterShaders.mjs";
 import { shortNames } from "./shortNames.mjs";
 
 const HERE = dirname(fileURLToPath(import.meta.url));
 const DIST = join(HERE, "dist");
 const source = (name) => join(HERE, "src", `${name}.ts`);
+const isThree = (id) => /^three(\/|$)/.test(id);
 
-rmSync(DIST, { recursive: true, force: true });
-/** Shader code without comments, and without spaces where it is neither a directive nor TypeScript. */
-const shorterShaders = {
-  name: "shorter-shaders",
-  transform: {
-    filter: { id: /\.ts$/, code: /\/\* glsl \*\// },
-    handler: (code) =>
-      code.replace(/\/\* glsl \*\/ `[^`]*`/g, (text) =>
-        text
-          .slice("/* glsl */ ".length)
-          .replace(/\/\*[\s\S]*?\*\/|\/\/.*$/gm, "")
-          .replace(/\s*\n\s*/g, "\n")
-          .replace(/^[^#\n$]*$/gm, (line) => line.replace(/ *([=+\-*/,;(){}<>?:]) */g, "$1")),
-      ),
-  },
-};
+const options = (plugins = []) => ({
+  plugins: [...plugins, shortNames, shorterShaders],
+  checks: { pluginTimings: false },
+});
+const output = { format: "esm", minify: true, comments: { legal: true, annotation: false, jsdoc: false } };
 
-/** Writes entry points; `groups`: chunks that they share. */
-async function write(names, groups = []) {
+/** Writes entry points; `groups`: chunks that they share; `external`: what is imported when the package is used. */
+async function write(names, { groups = [], external = isThree, plugins } = {}) {
   const bundle = await rolldown({
-    plugins: [shortNames, shorterShaders],
+    ...options(plugins),
     input: Object.fromEntries(Object.entries(names).map(([name, from]) => [name, source(from)])),
-    external: [/^three(\/|$)/],
+    external,
   });
   await bundle.write({
+    ...output,
     dir: DIST,
-    format: "esm",
-    minify: true,
     codeSplitting: { groups },
     entryFileNames: "[name].js",
     chunkFileNames: "[name].chunk.js",
@@ -45,42 +35,64 @@ async function write(names, groups = []) {
   await bundle.close();
 }
 
-// What plays tables is in one file, because pages and workers share it.
-const playing = { core: "core", three: "three", element: "element", "galewood.worker": "worker" };
-await write(playing, [{ name: "core", test: /\/src\/(core|worker)\// }]);
-// Streams have their own, so that nobody else loads what they need.
-await write({ stream: "stream" });
-await write({ "galewood.stream.worker": "streamWorker" });
-// Files of measurements and inventories: read once, by few.
-await write({ inventory: "inventory", measured: "measured" }, [
-  { name: "files", test: /\/(core\/files|files|papaparse)\// },
-]);
-// Building blocks share code with each other, not with what is above: nobody needs both.
-const blocks = ["trees", "wind", "motion", "random", "client"];
-await write(Object.fromEntries(blocks.map((name) => [name, name])), [
-  { name: "blocks", test: /\/src\/(core|worker)\// },
-]);
-await write({ "galewood.client.worker": "clientWorker" });
-
 /** The source of the worker, in one piece, as a module. */
 async function workerSource() {
-  const bundle = await rolldown({ plugins: [shortNames, shorterShaders], input: source("worker") });
-  const { output } = await bundle.generate({ format: "esm", minify: true });
+  const bundle = await rolldown({ ...options(), input: source("worker") });
+  const { output: chunks } = await bundle.generate(output);
   await bundle.close();
-  return `export default ${JSON.stringify(output[0].code)};`;
+  return `export default ${JSON.stringify(chunks[0].code)};`;
 }
 
-// A notebook's widget is one file, with three.js and the worker.
+/** The module "virtual:worker". */
 const inOne = {
   name: "worker-source",
   resolveId: (id) => (id === "virtual:worker" ? "\0worker" : null),
   load: (id) => (id === "\0worker" ? workerSource() : null),
 };
-const widget = await rolldown({
-  plugins: [inOne, shortNames, shorterShaders],
-  input: { widget: source("notebook") },
+
+rmSync(DIST, { recursive: true, force: true });
+// What plays tables is in one file, because pages and workers share it.
+await write(
+  { core: "core", three: "three", "galewood.worker": "worker" },
+  { groups: [{ name: "core", test: /\/src\/(core|worker)\// }] },
+);
+// The custom element uses the other entry points, as a page would.
+const entries = /^\.\/(core|three)$/;
+await write(
+  { element: "element" },
+  {
+    plugins: [
+      {
+        name: "entries",
+        resolveId: (id) => (entries.test(id) ? { id: `${id}.js`, external: "relative" } : null),
+      },
+    ],
+  },
+);
+// Streams have their own files, so that nobody else loads what they need.
+await write({ stream: "stream" });
+await write({ "galewood.stream.worker": "streamWorker" });
+// Files of measurements and inventories: read once, by few.
+await write(
+  { inventory: "inventory", measured: "measured" },
+  { groups: [{ name: "files", test: /\/(core\/files|files|papaparse)\// }] },
+);
+// Building blocks share code with each other, not with the entry points above.
+const blocks = ["trees", "wind", "motion", "random", "client"];
+await write(Object.fromEntries(blocks.map((name) => [name, name])), {
+  groups: [{ name: "blocks", test: /\/src\/(core|worker)\// }],
 });
-await widget.write({ dir: join(DIST, "notebook"), format: "esm", minify: true });
+await write({ "galewood.client.worker": "clientWorker" });
+// A notebook's widget is one file, with three.js and the worker.
+const widget = await rolldown({ ...options([inOne]), input: { widget: source("notebook") } });
+await widget.write({ ...output, dir: join(DIST, "notebook") });
 await widget.close();
+// The licences of what is inside these files.
+mkdirSync(join(DIST, "licences"));
+for (const name of ["papaparse", "@msgpack/msgpack", "three"])
+  copyFileSync(
+    join(HERE, "../node_modules", name, "LICENSE"),
+    join(DIST, "licences", `${basename(name)}.txt`),
+  );
 const tsc = join(HERE, "../node_modules/typescript/bin/tsc");
 execFileSync(process.execPath, [tsc, "-p", join(HERE, "tsconfig.json")], { stdio: "inherit" });

@@ -5,8 +5,11 @@ import { fileURLToPath } from "node:url";
 import asc from "assemblyscript/asc";
 
 const FOLDER = join(dirname(fileURLToPath(import.meta.url)), "../kernel");
-/** The caller provides the memory; nothing is allocated, so no garbage collector is needed. */
-const OPTIONS = ["--runtime", "stub", "-O3", "--noAssert", "--enable", "simd", "--importMemory"];
+/**
+ * The caller provides the memory; nothing is allocated, so no garbage collector is needed. `s`: code that is repeated less; a
+ * quarter smaller, and no slower.
+ */
+const OPTIONS = ["--runtime", "stub", "-O3s", "--noAssert", "--enable", "simd", "--importMemory"];
 
 /** Compiles the source; throws the compiler's messages on failure. */
 export async function compileKernel(): Promise<Uint8Array> {

@@ -21,9 +21,8 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { PRESETS, parseWindText, type WindDocument } from "./core/wind/wind";
-import { Forest } from "./three/forest";
-import { servedTrees } from "./three/served";
+import { PRESETS, parseWindText, type WindDocument } from "./core";
+import { Forest, servedTrees } from "./three";
 
 const MOST_TREES = 500;
 const SPACING_M = 5;

@@ -1,0 +1,16 @@
+/** Plugin: shader code without comments, and without spaces where it is neither a directive nor TypeScript. */
+
+const short = (text) =>
+  text
+    .slice("/* glsl */ ".length)
+    .replace(/\/\*[\s\S]*?\*\/|\/\/.*$/gm, "")
+    .replace(/\s*\n\s*/g, "\n")
+    .replace(/^[^#\n$]*$/gm, (line) => line.replace(/ *([=+\-*/,;(){}<>?:]) */g, "$1"));
+
+export const shorterShaders = {
+  name: "shorter-shaders",
+  transform: {
+    filter: { id: /\.ts$/, code: /\/\* glsl \*\// },
+    handler: (code) => code.replace(/\/\* glsl \*\/ `[^`]*`/g, short),
+  },
+};
