@@ -124,11 +124,12 @@ interface Features {
   instance: number | null;
   beside: boolean;
   tip_m: number[];
+  stand_m: number[];
   refused: string;
   time_s: number;
 }
 
-test("any material, any matrix, shadows of three kinds of light, picking, a wind as a function", async ({ page }) => {
+test("any material, any matrix, an inventory, shadows of three kinds of light, picking, a wind as a function", async ({ page }) => {
   const base = await serving(resolve(__dirname, "player"));
   await page.goto(`${base}/features.html`);
   const handle = await page.waitForFunction(() => (window as { features?: unknown }).features);
@@ -138,5 +139,8 @@ test("any material, any matrix, shadows of three kinds of light, picking, a wind
   expect(found.beside).toBe(false);
   // The wind blows to +x.
   expect(found.tip_m[0]).toBeGreaterThan(0.02);
+  // As tall as in the inventory, apart from the sway.
+  expect(Math.abs(found.stand_m[0] - 12)).toBeLessThan(0.5);
+  expect(Math.abs(found.stand_m[1] - 6)).toBeLessThan(0.25);
   expect(found.refused).toContain("use the GLB that belongs to it");
 });

@@ -181,7 +181,7 @@ def pulls_of(fields: dict[str, Any]) -> wire.Pulls:
 
 
 def request_of(message: dict[str, Any]) -> wire.Request:
-    """A request from its JSON form (web/src/core/wire)."""
+    """A request from its JSON form (web/player/src/core/wire)."""
     fields = {name: value for name, value in message.items() if name != "type"}
     return REQUEST_KINDS[message["type"]](**with_target(with_trees(fields)))
 

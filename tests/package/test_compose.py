@@ -130,7 +130,7 @@ def test_the_object_store_gets_its_credentials(tmp_path: Path) -> None:
 
 
 def test_the_proxy_sends_all_clients_of_a_shared_forest_to_one_server() -> None:
-    """The page names the forest in the query of its socket (web/src/worker/stream/forestUrl.ts)."""
+    """The page names the forest in the query of its socket (web/player/src/worker/stream/forestUrl.ts)."""
     caddyfile = (REPOSITORY / "deploy" / "Caddyfile").read_text()
     (policy,) = re.findall(r"lb_policy ([^{}\n]*?)\s*\{\s*fallback (\w+)\s*\}", caddyfile)
     assert policy == ("query share", "client_ip_hash")

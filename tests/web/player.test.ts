@@ -1,6 +1,7 @@
 /** The npm package as strangers get it: the built files, in Node. */
 import { execFileSync } from "node:child_process";
 import { existsSync, readdirSync, readFileSync, statSync } from "node:fs";
+import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 import { beforeAll, describe, expect, test } from "vitest";
@@ -125,6 +126,17 @@ describe("the built package", () => {
     const configuration = `${PLAYER}tsconfig.page.json`;
     const tsc = `${PLAYER}../node_modules/typescript/bin/tsc`;
     execFileSync(process.execPath, [tsc, "-p", configuration], { stdio: "pipe" });
+  });
+
+  test("has types whose imports Node resolves, too", () => {
+    const types = `${DIST}types/`;
+    for (const name of readdirSync(types, { recursive: true, encoding: "utf8" }).filter((one) => one.endsWith(".d.ts"))) {
+      const relative = readFileSync(types + name, "utf8").matchAll(/\b(?:from|import\(|import) *"(\.[^"]+)"/g);
+      for (const [, at] of relative) {
+        expect(at, name).toMatch(/\.js$/);
+        expect(existsSync(join(types, dirname(name), at.replace(/js$/, "d.ts"))), `${name} imports ${at}`).toBe(true);
+      }
+    }
   });
 
   test("workers are found by the expression that bundlers look for", () => {

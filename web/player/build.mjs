@@ -1,6 +1,6 @@
 /** Builds the package into dist/. Entry points that are used together share chunks, so that nothing is there twice. */
 import { execFileSync } from "node:child_process";
-import { copyFileSync, mkdirSync, rmSync } from "node:fs";
+import { copyFileSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { basename, dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { rolldown } from "rolldown";
@@ -96,3 +96,9 @@ for (const name of ["papaparse", "@msgpack/msgpack", "three"])
   );
 const tsc = join(HERE, "../node_modules/typescript/bin/tsc");
 execFileSync(process.execPath, [tsc, "-p", join(HERE, "tsconfig.json")], { stdio: "inherit" });
+// Node's way of finding modules needs the endings, which the sources leave out.
+const types = join(DIST, "types");
+for (const name of readdirSync(types, { recursive: true }).filter((one) => one.endsWith(".d.ts"))) {
+  const text = readFileSync(join(types, name), "utf8");
+  writeFileSync(join(types, name), text.replace(/\b((?:from|import\(|import) *")(\.[^"]+)"/g, '$1$2.js"'));
+}

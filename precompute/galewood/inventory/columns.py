@@ -1,4 +1,7 @@
-"""Which column of an inventory holds what, and in which unit. Twin: web/src/core/inventory/columns.ts."""
+"""Which column of an inventory holds what, and in which unit.
+
+Twin: web/player/src/core/inventory/columns.ts.
+"""
 
 from __future__ import annotations
 

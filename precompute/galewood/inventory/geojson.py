@@ -1,6 +1,6 @@
 """Points of a GeoJSON file (RFC 7946) as rows, so that they are read like a table.
 
-Twin: web/src/core/inventory/geojson.ts.
+Twin: web/player/src/core/inventory/geojson.ts.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the reader of an inventory assumed, in sentences. Twin: web/src/core/inventory/notes.ts."""
+"""What the reader of an inventory assumed, in sentences. Twin: web/player/src/core/inventory/notes.ts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the rows of an inventory to trees. Twin: web/src/core/inventory/reading.ts."""
+"""From the rows of an inventory to trees. Twin: web/player/src/core/inventory/reading.ts."""
 
 from __future__ import annotations
 

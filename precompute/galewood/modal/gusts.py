@@ -2,7 +2,7 @@
 
 The modal model is driven by one pressure per tree. What the wind at ``places`` in the crown differs from it
 drives oscillators of their own: Ritz vectors of the finite-element model, stepped exactly, in metres of their
-output mode. Drag damps them. Twin: web/src/core/modal/gustLayer.ts.
+output mode. Drag damps them. Twin: web/player/src/core/modal/gustLayer.ts.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)

@@ -1,6 +1,6 @@
 """The gust layer of many trees: motion under gusts that differ within each crown.
 
-Twin: web/src/core/modal/gustLayer.ts.
+Twin: web/player/src/core/modal/gustLayer.ts.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The paper's state search (Algorithm 1) for many trees: finds the next record and the resulting pose.
 
-web/src/core/motion/paperSearch.ts performs the same operations in the same order. Both find the same records
-and, in units of the table's mode scale, bit-identical poses: no fused multiply-add, no fast math.
+web/player/src/core/motion/paperSearch.ts performs the same operations in the same order. Both find the same
+records and, in units of the table's mode scale, bit-identical poses: no fused multiply-add, no fast math.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)

@@ -3,7 +3,7 @@
 Mode acceleration (docs/design/0018-pulling.md): a held tree is displaced by its static response to the
 force, and goes on swaying in the wind about it. The modes' part of that response is added to the pose, the
 rest by whoever draws the tree. On release the modes' part becomes part of the oscillators' state, so that the
-tree swings. Twin: web/src/core/pull.
+tree swings. Twin: web/player/src/core/pull.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The compliance file: how a tree yields to small point forces (docs/formats/compliance.md).
 
-Twin: web/src/core/pull/compliance.ts. ``decode_compliance`` checks everything, so that a decoded file can be
-solved without bounds checks.
+Twin: web/player/src/core/pull/compliance.ts. ``decode_compliance`` checks everything, so that a decoded file
+can be solved without bounds checks.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Where a table's vertices are drawn. Twins: web/src/core/motion/nodePose.ts, shaders of web/src/scene/trees.
+"""Where a table's vertices are drawn. Twins: web/player/src/core/motion/nodePose.ts, shaders of
+web/player/src/trees.
 
 A node moves by Σ q · basis. The link from its parent to it is not drawn longer than at rest by more than
 LONGEST: what it has in excess is taken off the node and all that come after it, so that branches bend instead

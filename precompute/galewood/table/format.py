@@ -1,5 +1,5 @@
 """The table format: one safetensors file per species (docs/formats/table.md).
-Twin: web/src/core/table/table.ts.
+Twin: web/player/src/core/table/table.ts.
 
 ``decode`` checks everything that readers rely on, so that a decoded table can be searched without bounds
 checks.

@@ -1,6 +1,6 @@
 """Text tables with separators: delimiter, rows with their lines, and numbers as loggers write them.
 
-Twin: web/src/core/files/delimited.ts, where the page splits the rows with Papa Parse.
+Twin: web/player/src/core/files/delimited.ts, where the page splits the rows with Papa Parse.
 """
 
 from __future__ import annotations

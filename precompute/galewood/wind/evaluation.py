@@ -1,8 +1,8 @@
 """Wind speed and heading at given positions and times, from a small document and a seed.
 
-Specified in docs/formats/wind.md. web/src/core/wind implements the same arithmetic in TypeScript; golden test
-vectors keep the two in step. Gusts are advected by the wind, so neighbouring trees move similarly but not in
-unison. Code that evaluates many frames of one forest should keep a ``WindField``.
+Specified in docs/formats/wind.md. web/player/src/core/wind implements the same arithmetic in TypeScript;
+golden test vectors keep the two in step. Gusts are advected by the wind, so neighbouring trees move similarly
+but not in unison. Code that evaluates many frames of one forest should keep a ``WindField``.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Gust fronts: single gusts that start at a place and travel with the wind, beside those of a document.
 
-Specified in docs/formats/wind.md; web/src/core/wind/fronts.ts implements the same arithmetic.
+Specified in docs/formats/wind.md; web/player/src/core/wind/fronts.ts implements the same arithmetic.
 """
 
 from __future__ import annotations

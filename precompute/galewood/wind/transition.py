@@ -5,7 +5,7 @@ A change is interpolated from the old document to the new one over TRANSITION_S.
 never the product of the time and a parameter, so that a change of speed does not displace the gusts. A state
 is a small value that can be transmitted: everyone who shares it computes the same wind at every time.
 While one gust field fades into another, or their length changes, a further change waits until that is over:
-so a state never holds a mixture, which no document could describe. Twin: web/src/core/wind/glide.ts.
+so a state never holds a mixture, which no document could describe. Twin: web/player/src/core/wind/glide.ts.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The message envelope of the wire protocol: prefix, msgpack header, padding, payload.
 
-Specified in docs/formats/wire.md; counterpart of web/src/core/wire/envelope.ts. The functions below
+Specified in docs/formats/wire.md; counterpart of web/player/src/core/wire/envelope.ts. The functions below
 `decode_message` validate header fields.
 """
 

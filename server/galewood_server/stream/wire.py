@@ -1,6 +1,7 @@
 """The wire protocol of /ws/forest, version 2: specified in docs/formats/wire.md.
 
-Counterpart of web/src/core/wire/wire.ts. Requests are sent by clients, replies by the server. envelope.py
+Counterpart of web/player/src/core/wire/wire.ts. Requests are sent by clients, replies by the server.
+envelope.py
 has the common message structure, wire_forest.py and wire_frame.py the messages with numeric payloads.
 Decoders validate all fields, so that later code need not check them.
 """

@@ -1,4 +1,4 @@
-"""The message FRAME, which contains poses. Counterpart of web/src/core/wire/wireFrame.ts.
+"""The message FRAME, which contains poses. Counterpart of web/player/src/core/wire/wireFrame.ts.
 
 Poses are integers in units of `quantum` × the table's modes.scale. Key frames are int32. Other frames contain
 differences to another tick: int16 for the first `wide` modes, which move most, and int8 for the others.

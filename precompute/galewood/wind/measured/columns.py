@@ -1,6 +1,6 @@
 """Which column of a table is time, speed, direction or a component, and in which unit.
 
-Twin: web/src/core/wind/measured/columns.ts.
+Twin: web/player/src/core/wind/measured/columns.ts.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What the reader of a measurement assumed, left out or changed, in sentences.
 
-Twin: web/src/core/wind/measured/notes.ts.
+Twin: web/player/src/core/wind/measured/notes.ts.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""From the file of a logger to a wind. Twin: web/src/core/wind/measured/reading.ts.
+"""From the file of a logger to a wind. Twin: web/player/src/core/wind/measured/reading.ts.
 
 The mean wind is the mean speed (as a cup anemometer has it) towards the mean direction of the velocity; the
 rest of each sample is a fluctuation along and across it.

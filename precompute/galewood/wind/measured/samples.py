@@ -1,6 +1,6 @@
 """The samples of a table: times and velocities, as they stand in the file.
 
-Twin: web/src/core/wind/measured/samples.ts.
+Twin: web/player/src/core/wind/measured/samples.ts.
 """
 
 from __future__ import annotations

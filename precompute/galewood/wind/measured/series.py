@@ -1,6 +1,6 @@
 """Samples at equal intervals: in order, without duplicates, gaps bridged.
 
-Twin: web/src/core/wind/measured/series.ts.
+Twin: web/player/src/core/wind/measured/series.ts.
 """
 
 from __future__ import annotations

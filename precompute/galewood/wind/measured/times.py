@@ -1,6 +1,6 @@
 """Times as loggers write them, in seconds from an arbitrary origin.
 
-Twin: web/src/core/wind/measured/times.ts.
+Twin: web/player/src/core/wind/measured/times.ts.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Superposed cosine gust waves (paper, Sec. 6). web/src/core/wind/models/cosine.ts implements the same
+"""Superposed cosine gust waves (paper, Sec. 6). web/player/src/core/wind/models/cosine.ts implements the same
 arithmetic.
 """
 # pyright: reportMissingParameterType=false

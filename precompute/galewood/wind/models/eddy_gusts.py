@@ -4,7 +4,7 @@ A simulation cannot be entered in the middle, and a page that joins a forest aft
 whole day. Therefore runs follow one another: each lasts EPOCH + OVERLAP steps from its own seeded start, and
 during OVERLAP steps consecutive runs are cross-faded (the squared weights sum to one, which preserves the
 variance). Any time is at most EPOCH + OVERLAP steps from a start, and everyone who shares seed and travel
-sees the same eddies. web/src/core/wind/models/eddyGusts.ts implements the same arithmetic.
+sees the same eddies. web/player/src/core/wind/models/eddyGusts.ts implements the same arithmetic.
 """
 
 from __future__ import annotations

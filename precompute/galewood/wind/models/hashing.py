@@ -1,4 +1,4 @@
-"""Seeded integer hashes, identical to web/src/core/wind/hashing.ts."""
+"""Seeded integer hashes, identical to web/player/src/core/wind/hashing.ts."""
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)
 

@@ -3,7 +3,8 @@
 Units are grid cells and the standard deviation of the velocity. Each step advects semi-Lagrangially and then,
 in Fourier space, projects onto fields with zero central-difference divergence, applies friction, adds seeded
 forcing in a band of wavenumbers and rescales to unit variance, which keeps the energy constant. It uses only
-+ − × ÷ and square roots in a fixed order; web/src/core/wind/models/navierStokes.ts produces the same bits.
++ − × ÷ and square roots in a fixed order; web/player/src/core/wind/models/navierStokes.ts produces the same
+bits.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)

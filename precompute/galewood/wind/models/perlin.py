@@ -1,6 +1,6 @@
 """Gusts of improved Perlin noise (Perlin 2002): three octaves that move with the wind and slowly evolve.
 
-web/src/core/wind/models/perlin.ts implements the same arithmetic.
+web/player/src/core/wind/models/perlin.ts implements the same arithmetic.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)

@@ -1,6 +1,6 @@
 """A measured wind: the fluctuations of a recording, carried downwind unchanged (Taylor 1938).
 
-web/src/core/wind/models/recorded.ts implements the same arithmetic.
+web/player/src/core/wind/models/recorded.ts implements the same arithmetic.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)

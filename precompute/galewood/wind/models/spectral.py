@@ -2,8 +2,8 @@
 
 Along the wind, the power at frequency f is (1 + 70.8 n²)^(−β/2) with n = f L / c: von Kármán's spectrum
 (1948; ESDU 85020) with its exponent −5/3 as a parameter. Across the wind, the coherence of each frequency
-decays exponentially with distance (Davenport 1961). web/src/core/wind/models/spectral.ts implements the same
-arithmetic.
+decays exponentially with distance (Davenport 1961). web/player/src/core/wind/models/spectral.ts implements
+the same arithmetic.
 """
 # pyright: reportMissingParameterType=false
 # (compiled kernels take their types from the call)

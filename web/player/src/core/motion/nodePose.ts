@@ -1,6 +1,6 @@
 /**
  * Where the vertices of a table are drawn, on the CPU. Pure. Same as precompute/galewood/table/drawn.py and the shaders of
- * scene/trees, which explain it.
+ * trees/, which explain it.
  */
 
 /** The part of a table's motion that decides where vertices are drawn: n nodes, j joints. */
