@@ -20,11 +20,12 @@ import { TreeOverlays } from "./overlays/treeOverlays";
 import { OwnTrees } from "./ownTree/ownTrees";
 import type { OwnUploads } from "./ownTree/ownUploads";
 import { PaperMethod } from "./paper/paperMethod";
+import { PickedTreeCard } from "./pickedTreeCard";
 import { Planting } from "./planting";
 import { Playback } from "./playback";
 import { Gusts } from "./pulling/gusts";
 import { Puller } from "./pulling/puller";
-import { cancelJob, Problem, type TreeChange, useKeys } from "./server/api";
+import { type TreeChange, useKeys } from "./server/api";
 import { Catalogue } from "./server/catalogue";
 import { plantedAs } from "./settings/planted";
 import type { Settings } from "./settings/settings";
@@ -36,7 +37,6 @@ import { TreePicker } from "./treePicker";
 import { element } from "./ui/dom";
 import { askForKey, keptKey } from "./ui/keyDialog";
 import { Panel } from "./ui/panel";
-import { PickedCard } from "./ui/pickedCard";
 import { ProgressCards } from "./ui/progress";
 import { SceneryBar } from "./ui/scenery";
 import { showToast } from "./ui/toast";
@@ -70,7 +70,7 @@ export class App implements ChangingParts {
   readonly picker: TreePicker;
   readonly puller: Puller;
   private readonly gusts: Gusts;
-  private readonly pickedCard: PickedCard;
+  private readonly pickedCard: PickedTreeCard;
   readonly playback = new Playback();
   readonly sound = new WindSound();
   private readonly graphics: ContextLoss;
@@ -192,7 +192,7 @@ export class App implements ChangingParts {
       wind: (wind) => this.changes.changeWind(wind, "instruments"),
       problem: showToast,
     });
-    this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.showPicked());
+    this.picker = new TreePicker(this.stage, this.forest, this.client, () => this.pickedCard.show());
     this.picker.enabled = () => !this.studio.isPlacing;
     const moves = () => !this.loop.paused && !this.playback.paused;
     this.puller = new Puller(this.stage, this.forest, this.client, this.picker, moves);
@@ -208,26 +208,21 @@ export class App implements ChangingParts {
       field: this.studio.field,
       exaggeration,
     });
-    this.pickedCard = new PickedCard(
-      {
-        follow: (following) => {
-          this.picker.following = following;
-        },
-        compare: () => void this.comparison.open(),
-        physics: () => this.visit.openPhysics(),
-        cancel: (jobId) => void this.cancel(jobId),
-        planted: (id) => plantedAs(settings, id),
-        plant: (id, how) => this.ownTrees.plant(id, how),
-        close: () => this.picker.select(null),
-      },
-      this.overlays.menu.element,
-    );
     const { stage, forest, client, catalogue, paper, meter, picker } = this;
     this.comparison = new Comparison(forest, client, catalogue, picker, (busy) => {
       // The forest stops meanwhile, to leave the processor to the comparison.
       this.loop.asleep = busy;
     });
     this.status = new StatusReport(settings, stage, forest, client, meter, () => this.reconnect());
+    this.pickedCard = new PickedTreeCard(this.overlays.menu.element, {
+      settings,
+      picker,
+      catalogue,
+      paper,
+      ownTrees: this.ownTrees,
+      visit: this.visit,
+      comparison: this.comparison,
+    });
     this.figures = new ForestFigures(forest, client, catalogue, paper, meter);
     if (settings.inventory !== "") this.inventory.follow();
     files.connect({
@@ -271,15 +266,6 @@ export class App implements ChangingParts {
     if (this.settings.method === "paper" && this.settings.lookup === "server") this.planting.place();
   }
 
-  private async cancel(jobId: string): Promise<void> {
-    try {
-      await cancelJob(jobId);
-    } catch (error) {
-      if (!(error instanceof Problem)) throw error;
-      showToast(error.title, error.hint);
-    }
-  }
-
   /** Sets the wind from an untrusted document; throws WindError if it is invalid. */
   setWind(document: unknown): void {
     this.changes.setWind(document);
@@ -295,13 +281,7 @@ export class App implements ChangingParts {
     this.panel.uploads.show(this.catalogue.uploads);
     this.panel.showMethodNote(this.paper.note);
     this.status.show(this.connected, this.catalogue.listed);
-    this.showPicked();
-  }
-
-  private showPicked(): void {
-    const { figures } = this.picker;
-    const known = figures && this.catalogue.find(figures.treeId);
-    this.pickedCard.show(figures, known, known ? this.paper.stateOf(known) : { kind: "missing" });
+    this.pickedCard.show();
   }
 
   /** Tries lost connections to the server at once. */

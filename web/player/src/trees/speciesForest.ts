@@ -119,7 +119,7 @@ export class SpeciesForest<Motion extends DrawnMotion = TableMotion> {
     };
   }
 
-  /** `firstVertex`: of the part in the fields of pulled points, which leave out the shoots of winter (null). */
+  /** `firstVertex`: of the part in the fields of pulled points, which leave out shoots in place of leaves (null). */
   private materials(part: TreePart, moves: boolean, firstVertex: number | null): PartMaterials {
     const uniforms =
       firstVertex === null

@@ -69,7 +69,7 @@ function meshesOf(scene: Object3D): Mesh<BufferGeometry, MeshStandardMaterial>[]
   return meshes.sort((a, b) => rank(a) - rank(b));
 }
 
-/** Kinds of primitives that come after the wood. Twigs are drawn like wood: they stay in winter. */
+/** Kinds of primitives that come after the wood. Twigs are drawn like wood: they stay when leaves have fallen. */
 const KINDS = ["twigs", "leaves"];
 const kindOf = (mesh: Object3D): Part => (mesh.name.startsWith("leaves") ? "leaves" : "wood");
 
@@ -190,7 +190,7 @@ export async function readParts(
   return { read, height_m: high.y, radius_m };
 }
 
-/** Reads a GLB: complete trees, without shoots for winter. */
+/** Reads a GLB: complete trees, without shoots in place of leaves. */
 export async function readPlainTree(bytes: ArrayBuffer): Promise<TreeModel> {
   const { read, height_m, radius_m } = await readParts(bytes);
   return { parts: read.map(({ part }) => part), bare: [], height_m, radius_m };
