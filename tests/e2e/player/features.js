@@ -68,6 +68,7 @@ const pair = await forests[2].plant(files, [matrixOf(9), matrixOf(9), matrixOf(9
 // Beyond the picture.
 const stems = readInventory("x;y;species;height\n0;0;poplar;12\n600;0;aspen;6\n");
 const stand = await plantInventory(forests[1], stems, { poplar: files });
+const stand_m = [0, 1].map((tree) => stand.poplar.tip(tree, new Vector3()).y); // at rest
 const refused = await forests[0]
   .plant({ table: files.table, mesh: "/trees/poplar.glb" }, [new Matrix4()])
   .then(() => "", String);
@@ -96,7 +97,7 @@ function report() {
     instance: hit?.instanceId ?? null,
     beside: forests[0].pick(ray(60, 30)) !== null,
     tip_m: planted[0].tip(0, new Vector3()).sub(before).toArray(),
-    stand_m: [0, 1].map((tree) => stand.poplar.tip(tree, new Vector3()).y),
+    stand_m,
     refused,
     time_s: forests[0].time_s,
   };
