@@ -243,8 +243,12 @@ def test_the_wheel_holds_everything_once(wheel: Path) -> None:
         if path.is_file() and path.suffix not in (".pyc", ".nbi", ".nbc")
     }
     copies = {
-        f"galewood_server/data/{name}/{path.relative_to(folder).as_posix()}"
-        for name, folder in (("page", REPOSITORY / "web/dist"), ("species", REPOSITORY / "assets/species"))
+        f"{name}/{path.relative_to(folder).as_posix()}"
+        for name, folder in (
+            ("galewood_server/data/page", REPOSITORY / "web/dist"),
+            ("galewood/data/species", REPOSITORY / "assets/species"),
+            ("galewood/data/notebook", REPOSITORY / "web/player/dist/notebook"),
+        )
         for path in folder.rglob("*")
         if path.is_file()
     }
