@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 import anywidget
@@ -11,7 +12,7 @@ import traitlets
 from galewood.wind import PRESETS, Wind, WindError, parse_wind
 
 
-class WindTrait(traitlets.TraitType[Wind, "Wind | str | Mapping[str, Any]"]):
+class WindTrait(traitlets.TraitType[Wind, Wind | str | Mapping[str, Any]]):
     """A wind: in Python a ``Wind``, which presets and documents become; in the front end a document."""
 
     info_text = f"a galewood.Wind, a wind document, or one of {', '.join(PRESETS)}"
