@@ -37,7 +37,7 @@ def shown_table(tree: str | Path | MotionTable | Tree, mesh: str | Path | None =
 def builtin_trees() -> dict[str, Path]:
     """The tables of the built-in trees by their names."""
     shipped = (species_folder() / SHIPPED_FOLDER).glob("*.table")
-    return {path.stem: path for path in sorted(shipped) if "." not in path.stem}
+    return dict(sorted((path.stem, path) for path in shipped if "." not in path.stem))
 
 
 def _loaded(tree: str | Path, mesh: str | Path | None) -> MotionTable:
