@@ -9,7 +9,7 @@ COPY web/package.json web/package-lock.json ./
 COPY web/player/package.json player/package.json
 RUN npm ci --no-audit --no-fund
 COPY web ./
-RUN npm run build
+RUN npm run build && npm run build:player
 
 FROM python:3.11-slim-bookworm AS wheel
 ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
@@ -21,6 +21,7 @@ COPY assets assets
 COPY precompute precompute
 COPY server server
 COPY --from=page /app/web/dist web/dist
+COPY --from=page /app/web/player/dist/notebook web/player/dist/notebook
 RUN pip wheel --no-deps --no-build-isolation --wheel-dir /wheel .
 
 FROM python:3.11-slim-bookworm

@@ -37,9 +37,10 @@ $(VENV)/.base: requirements/base.txt pyproject.toml setup.py
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
 
-$(VENV)/.dev: requirements/dev.txt $(VENV)/.base
+$(VENV)/.dev: requirements/dev.txt requirements/client.txt $(VENV)/.base
 	@echo "Setting up development packages (once)"
 	@$(PIP_INSTALL) -r requirements/dev.txt
+	@$(PIP_INSTALL) -r requirements/client.txt
 	@touch $@
 
 web/node_modules/.stamp: web/package-lock.json
@@ -68,7 +69,7 @@ build: $(VENV)/.base ## set everything up, compile the kernels and build the pag
 
 wheel: build/wheel/.made ## one wheel with everything to install elsewhere, in build/wheel
 
-build/wheel/.made: $(VENV)/.base web/dist/index.html $(WHEEL_SOURCES)
+build/wheel/.made: $(VENV)/.base web/dist/index.html web/player/dist/core.js $(WHEEL_SOURCES)
 	@rm -rf build/wheel
 	@$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir build/wheel .
 	@touch $@

@@ -1,7 +1,7 @@
-"""The build's one step beyond pyproject.toml: the page and the species, as data of galewood_server.
+"""The build's one step beyond pyproject.toml: the page, the species and the notebook's front end, as data.
 
-They stand in the repository once, as web/dist (built) and assets/species; a wheel gets copies below
-galewood_server/data, where galewood_server.settings looks first. An editable installation gets none.
+They stand in the repository once, as web/dist (built), assets/species and web/player/dist/notebook (built); a
+wheel gets copies below the packages, where galewood.packaged looks first. An editable installation gets none.
 """
 
 import shutil
@@ -14,7 +14,11 @@ from setuptools.errors import SetupError
 
 HERE = Path(__file__).resolve().parent
 # folder in the wheel, folder of the repository, a file that it must have
-DATA = (("page", "web/dist", "index.html"), ("species", "assets/species", "species.json"))
+DATA = (
+    ("galewood_server/data/page", "web/dist", "index.html"),
+    ("galewood/data/species", "assets/species", "species.json"),
+    ("galewood/data/notebook", "web/player/dist/notebook", "widget.js"),
+)
 
 
 class BuildWithData(build_py):
@@ -28,7 +32,7 @@ class BuildWithData(build_py):
             for name, source, needed in DATA:
                 if not (HERE / source / needed).is_file():
                     raise SetupError(f"{source}/{needed} is missing: `make wheel` builds what a wheel needs")
-                shutil.copytree(HERE / source, Path(self.build_lib, "galewood_server", "data", name))
+                shutil.copytree(HERE / source, Path(self.build_lib, name))
 
 
 class NoSourceArchive(sdist):

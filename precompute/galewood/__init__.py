@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from galewood.export import ExportError
     from galewood.fem import FemSettings
     from galewood.field import FieldError
+    from galewood.notebook import NotebookError, show
     from galewood.options import BuildRequest
     from galewood.pipeline import Progress
     from galewood.table import TableError
@@ -57,6 +58,7 @@ __all__ = [
     "Model",
     "Motion",
     "MotionTable",
+    "NotebookError",
     "Placements",
     "Progress",
     "SourceError",
@@ -74,6 +76,7 @@ __all__ = [
     "load",
     "read",
     "save",
+    "show",
 ]
 
 # Loaded on first use, so that importing a single sub-package stays fast.
@@ -97,6 +100,8 @@ _HOMES = {
     "ExportError": "export",
     "FemSettings": "fem",
     "FieldError": "field",
+    "NotebookError": "notebook",
+    "show": "notebook",
     "BuildRequest": "options",
     "TableError": "table",
     "Cancelled": "util",

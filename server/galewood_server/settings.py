@@ -7,22 +7,14 @@ import re
 from pathlib import Path
 from typing import Annotated, Literal
 
+from galewood.packaged import data_folder, species_folder
 from pydantic import AliasChoices, Field, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 PACKAGE = Path(__file__).resolve().parent
-REPOSITORY = PACKAGE.parent.parent
 MEBIBYTE = 1024 * 1024
 LARGEST_FOREST, TREES_PER_CORE = 20_000, 12_000
 """A step and a frame of 20,000 trees take 28 ms of a core (measured), and there are 30 per second."""
-
-
-def data_folder(packaged: str, checkout: str) -> Path:
-    """Where files that are no Python lie: in a wheel the copy below this package (setup.py), in a checkout of
-    the repository the folder that it is a copy of.
-    """
-    copy = PACKAGE / "data" / packaged
-    return copy if copy.is_dir() else REPOSITORY / checkout
 
 
 def default_workers() -> int:
@@ -51,8 +43,8 @@ class Settings(BaseSettings):
     database_url: str | None = None
     store_url: str | None = None
     scheduler_url: str | None = None
-    page_dir: Path = data_folder("page", "web/dist")
-    species_dir: Path = data_folder("species", "assets/species")
+    page_dir: Path = data_folder("page", "web/dist", PACKAGE)
+    species_dir: Path = species_folder()
     inventory: Path | None = None
     builtin_trees: bool = Field(default=True, validation_alias=_renamed("builtin_trees", "builtin_species"))
 

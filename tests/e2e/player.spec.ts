@@ -2,10 +2,9 @@
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
-import type { Page } from "@playwright/test";
-import { PNG } from "pngjs";
-import { type Bundle, bundled, EXAMPLES, type Site, site, WEB, withEsbuild, withVite, withWebpack } from "./examples";
-import { changedPixels, expect, type Picture, test } from "./forest";
+import { type Bundle, bundled, EXAMPLES, type Site, site, withEsbuild, withVite, withWebpack } from "./examples";
+import { expect, test } from "./forest";
+import { swaying } from "./swaying";
 
 let folder = "";
 test.beforeAll(() => {
@@ -23,25 +22,6 @@ test.afterEach(() => {
 async function serving(root: string, service?: string): Promise<string> {
   served = await site(root, service);
   return served.base;
-}
-
-const shot = async (page: Page): Promise<Picture> => PNG.sync.read(await page.screenshot());
-
-/** Number of pixels that are neither sky nor meadow nor a blank page: brown, yellow, dark. */
-function treePixels({ data }: Picture): number {
-  let count = 0;
-  for (let i = 0; i < data.length; i += 4) if (data[i + 2] < 0.6 * data[i] || data[i] + data[i + 1] < 120) count++;
-  return count;
-}
-
-/** Waits until trees are drawn, and until they have moved. */
-async function swaying(page: Page): Promise<void> {
-  await expect.poll(async () => treePixels(await shot(page))).toBeGreaterThan(500);
-  // Three times, because the first changes may be those of pictures that are still being loaded.
-  for (let changes = 0; changes < 3; changes++) {
-    const before = await shot(page);
-    await expect.poll(async () => changedPixels(before, await shot(page), 24)).toBeGreaterThan(100);
-  }
 }
 
 test("plain modules with an import map, three.js 0.187", async ({ page }) => {
@@ -100,22 +80,6 @@ test("a shared forest that the service streams: everyone sees a change of the wi
 test("Babylon.js, moved by galewood/core", async ({ page }) => {
   await bundled("babylon", "three", join(folder, "babylon"));
   await page.goto(`${await serving(join(folder, "babylon"))}/`);
-  await swaying(page);
-});
-
-test("the widget of a notebook, in one file, driven by a model as anywidget has it", async ({ page }) => {
-  await page.goto(`${await serving(join(WEB, "player"))}/package.json`);
-  await page.setContent('<body style="margin: 0"><div id="cell"></div></body>');
-  await page.evaluate(async () => {
-    const view = async (path: string) => new DataView(await (await fetch(path)).arrayBuffer());
-    const state: Record<string, unknown> = { trees: 3, height_px: 180, wind: "autumn-gusts" };
-    state.table = await view("/trees/poplar.table");
-    state.mesh = await view("/trees/poplar.glb");
-    const file = "/dist/notebook/widget.js";
-    const { default: widget } = await import(file);
-    const model = { get: (name: string) => state[name], on() {} };
-    await widget.render({ model, el: document.querySelector("#cell") });
-  });
   await swaying(page);
 });
 

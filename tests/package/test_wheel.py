@@ -45,6 +45,12 @@ print(json.dumps({
     "code": galewood.__file__, "species": table.metadata["species"], "vertices": len(table.vertex_node),
 }))
 """
+SHOW = """
+import galewood
+from galewood.packaged import data_folder, species_folder
+print(species_folder(), data_folder("notebook", "web/player/dist/notebook") / "widget.js", sep="\\n")
+galewood.show("poplar")
+"""
 pytestmark = pytest.mark.timeout(1800)  # the first install of a machine fetches a few hundred megabytes
 
 
@@ -131,6 +137,7 @@ class Alone:
     installation: Installation
     build: subprocess.CompletedProcess[str]
     decoded: subprocess.CompletedProcess[str]
+    show: subprocess.CompletedProcess[str]
     serve: subprocess.CompletedProcess[str]
     key: subprocess.CompletedProcess[str]
 
@@ -169,6 +176,7 @@ def alone(installation: Installation, wheel: Path) -> Alone:
         installation,
         installation.run("galewood", *build),
         installation.run("python", "-c", DECODE, "tree.gwt"),
+        installation.run("python", "-c", SHOW),
         installation.run("galewood", "serve"),
         installation.run("galewood", "key"),
     )
@@ -243,8 +251,12 @@ def test_the_wheel_holds_everything_once(wheel: Path) -> None:
         if path.is_file() and path.suffix not in (".pyc", ".nbi", ".nbc")
     }
     copies = {
-        f"galewood_server/data/{name}/{path.relative_to(folder).as_posix()}"
-        for name, folder in (("page", REPOSITORY / "web/dist"), ("species", REPOSITORY / "assets/species"))
+        f"{name}/{path.relative_to(folder).as_posix()}"
+        for name, folder in (
+            ("galewood_server/data/page", REPOSITORY / "web/dist"),
+            ("galewood/data/species", REPOSITORY / "assets/species"),
+            ("galewood/data/notebook", REPOSITORY / "web/player/dist/notebook"),
+        )
         for path in folder.rglob("*")
         if path.is_file()
     }
@@ -267,6 +279,13 @@ def test_the_library_alone_builds_a_table(alone: Alone) -> None:
     assert Path(told["code"]).is_relative_to(alone.installation.environment)
     assert told["species"] == "maple"
     assert told["vertices"] > 0
+
+
+def test_without_its_extra_show_says_what_to_install(alone: Alone) -> None:
+    assert alone.show.stderr.strip().splitlines()[-1].endswith("pip install 'galewood[notebook]'")
+    files = [Path(line) for line in alone.show.stdout.splitlines()]
+    assert all(file.is_relative_to(alone.installation.environment) and file.exists() for file in files)
+    assert len(files) == 2
 
 
 def test_without_its_extra_the_service_says_what_to_install(alone: Alone) -> None:

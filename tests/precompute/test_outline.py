@@ -9,7 +9,7 @@ from galewood.mesh.importer import read_tree
 from galewood.mesh.types import ImportOptions
 from galewood.model.beam_tree import beam_model, frame_of
 from galewood.pipeline import BuildOptions
-from galewood.pipeline.beam_table import beam_table
+from galewood.pipeline.from_beams import beam_table
 from galewood.sampling import MAX_SWAY_SHARE
 from galewood.skeleton import outline_of
 from galewood.skeleton.bridges import bridges

@@ -111,6 +111,23 @@ def test_every_route_has_a_description_and_problems(server: Server) -> None:
                 assert {"401", "403"} <= set(operation["responses"]) and operation["security"], (method, path)
 
 
+def test_every_answer_has_a_type_and_a_schema(server: Server) -> None:
+    with server.client() as api:
+        paths = api.get("/openapi.json").json()["paths"]
+    names: list[str] = []
+    for path, operations in paths.items():
+        for method, operation in operations.items():
+            names.append(operation["operationId"])
+            for status, answer in operation["responses"].items():
+                kinds = answer.get("content", {})
+                assert bool(kinds) == (status not in ("204", "304")), (method, path, status)
+                assert all(kind.get("schema") for kind in kinds.values()), (method, path, status)
+                if status[0] == "4":
+                    assert list(kinds) == ["application/problem+json"], (method, path, status)
+                assert (status in ("201", "202")) == ("Location" in answer.get("headers", {}))
+    assert len(set(names)) == len(names) and all(name.isidentifier() for name in names)
+
+
 def test_wrong_methods_are_answered_with_the_allowed_ones(server: Server) -> None:
     with httpx.Client(base_url=server.url) as api:
         answer = api.put("/api/trees")

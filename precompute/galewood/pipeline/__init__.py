@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from galewood.pipeline.build import build_table, build_tree, model_of
     from galewood.pipeline.drawn_figures import DrawnFigures, drawn_words
     from galewood.pipeline.expected import expected_motion, motion_lines, with_expected_motion
+    from galewood.pipeline.from_beams import beam_table
     from galewood.pipeline.rehearsal import compile_kernels
     from galewood.pipeline.report import render_mesh
     from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship, ship_compliance
@@ -34,6 +35,7 @@ __getattr__ = lazily(
         "Surroundings": "galewood.pipeline.assemble",
         "assemble_table": "galewood.pipeline.assemble",
         "internal_states": "galewood.pipeline.assemble",
+        "beam_table": "galewood.pipeline.from_beams",
         "build_table": "galewood.pipeline.build",
         "build_tree": "galewood.pipeline.build",
         "model_of": "galewood.pipeline.build",
@@ -66,6 +68,7 @@ __all__ = [
     "TableSettings",
     "assemble_table",
     "bare_path",
+    "beam_table",
     "build_key",
     "build_options",
     "build_table",

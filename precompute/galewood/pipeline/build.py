@@ -23,8 +23,8 @@ from galewood.model import (
 from galewood.pictures import skeleton_png, tetrahedra_png
 from galewood.pipeline.artefacts import ArtefactPublisher, Publish
 from galewood.pipeline.assemble import DefaultPart, RenderMesh
-from galewood.pipeline.beam_table import beam_table
 from galewood.pipeline.compliance_file import compliance_file
+from galewood.pipeline.from_beams import beam_table
 from galewood.pipeline.options import FURTHER, BuildOptions, BuildResult, Progress, Stages
 from galewood.pipeline.report import bears_leaves, build_report, render_mesh
 from galewood.pipeline.stiffness import goal_of, scaled_to

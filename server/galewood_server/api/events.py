@@ -21,7 +21,7 @@ from galewood_server.access import rate_limit_key
 from galewood_server.api.connections import counted, streams_exceeded
 from galewood_server.api.trees import job_out, tree_out
 from galewood_server.context import Service, ServiceDep, service_of
-from galewood_server.http import Change, JobOut, ProblemError
+from galewood_server.http import EVENT_STREAM, Change, JobOut, ProblemError
 from galewood_server.jobs import find_job
 from galewood_server.storage import ACTIVE, Job, JobState, Tree
 
@@ -193,14 +193,14 @@ def feed_of(connection: HTTPConnection) -> ChangeFeed:
     return feed
 
 
-@router.get("/events", response_class=EventSourceResponse)
+@router.get("/events", response_class=EventSourceResponse, responses=EVENT_STREAM)
 async def all_events(request: Request) -> EventSourceResponse:
     """The current state of all trees, then every change: {"tree": Tree, "job": Job|null, "deleted": bool}."""
     service = service_of(request)
     return stream(service, all_changes(feed_of(request)))
 
 
-@router.get("/jobs/{job_id}/events", response_class=EventSourceResponse)
+@router.get("/jobs/{job_id}/events", response_class=EventSourceResponse, responses=EVENT_STREAM)
 async def job_events(job_id: str, request: Request, service: ServiceDep) -> EventSourceResponse:
     """Server-sent events named "progress" with the job, until it ends."""
 

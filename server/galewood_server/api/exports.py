@@ -7,7 +7,7 @@ import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import FileResponse
@@ -17,17 +17,14 @@ from galewood.wind import PRESETS, Wind, parse_wind
 from pydantic import BaseModel, ConfigDict, Field
 
 from galewood_server.api.analyses.common import computed_tree
-from galewood_server.api.files.artefacts import BINARY
 from galewood_server.context import Service, ServiceDep
-from galewood_server.http import NOT_MODIFIED, ProblemError, etag_matches, problems
+from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matches, problems
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 KEPT = 32
 """Exports kept on disk; the oldest are removed."""
 MOST_WAITING = 4
-ZIP: dict[int | str, dict[str, Any]] = {
-    200: {"description": "The files of the export.", "content": {"application/zip": BINARY}}
-}
+ZIP = contents("The files of the export.", "application/zip")
 
 
 class ExportQuery(BaseModel):

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from fastapi import APIRouter
 from fastapi.responses import FileResponse
 
 from galewood_server.context import ServiceDep
-from galewood_server.http import ProblemError, problems
+from galewood_server.http import ProblemError, contents, problems
 
 router = APIRouter(prefix="/api/inventory", tags=["inventory"])
-FILE: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The file as it is: CSV or GeoJSON.",
-        "content": {"text/csv": {}, "application/geo+json": {}},
-    }
-}
+FILE = contents("The file as it is: CSV or GeoJSON.", "text/csv", "application/geo+json")
 
 
 @router.get("", response_class=FileResponse, responses={**FILE, **problems(404)})

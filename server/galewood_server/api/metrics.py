@@ -15,6 +15,7 @@ from sqlalchemy.orm import InstrumentedAttribute
 
 from galewood_server.access import stored_bytes
 from galewood_server.context import Service, ServiceDep
+from galewood_server.http import contents
 from galewood_server.ops import Metrics
 from galewood_server.storage import Job, Tree
 
@@ -59,7 +60,7 @@ def _labelled_gauge(name: str, help_text: str, label: str, counts: dict[str, int
     return family
 
 
-@router.get("/metrics", response_class=Response)
+@router.get("/metrics", response_class=Response, responses=contents("The metrics.", "text/plain"))
 def metrics(request: Request, service: ServiceDep) -> Response:
     """Metrics in the Prometheus text format. A public proxy must not forward this path."""
     found: Metrics = request.app.state.metrics

@@ -7,11 +7,19 @@ from typing import Any
 
 from fastapi import APIRouter, Request
 from galewood.wind import parse_wind
+from pydantic import BaseModel
 
 from galewood_server.http import ProblemError, problems
 
 router = APIRouter(prefix="/api/winds", tags=["winds"])
 LARGEST_BYTES = 64 * 1024
+
+
+class WindOut(BaseModel):
+    """A valid wind document (docs/formats/wind.md)."""
+
+    wind: dict[str, Any]
+
 
 BODY: dict[str, Any] = {
     "requestBody": {"required": True, "content": {"application/json": {"schema": {"type": "object"}}}}
@@ -19,12 +27,12 @@ BODY: dict[str, Any] = {
 
 
 @router.post("/validate", openapi_extra=BODY, responses=problems(413, 422))
-async def validate(request: Request) -> dict[str, Any]:
+async def validate(request: Request) -> WindOut:
     """Validate a wind document (docs/formats/wind.md) and return it in its shortest form as `wind`.
 
     422 `bad-wind` names the path of the invalid field and the allowed values.
     """
-    return {"wind": parse_wind(_json(await _body(request))).document()}
+    return WindOut(wind=parse_wind(_json(await _body(request))).document())
 
 
 async def _body(request: Request) -> bytes:

@@ -62,7 +62,14 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
             await asyncio.gather(*tasks, return_exceptions=True)
             lock.close()
 
-    app = FastAPI(title="Galewood", version=VERSION, lifespan=lifespan, docs_url=None, redoc_url=None)
+    app = FastAPI(
+        title="Galewood",
+        version=VERSION,
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
+        generate_unique_id_function=lambda route: route.name,  # generated clients name their functions so
+    )
     app.state.metrics = metrics = Metrics(VERSION)
     install_error_handlers(app, [route for router in ROUTERS for route in router.routes])
     for router in ROUTERS:

@@ -17,6 +17,13 @@ Write access requires an API key (`Authorization: Bearer KEY`) or, if the operat
 on the server's own machine. Lists are paginated: pass `next` as `after`. Responses have `ETag` and
 `X-Request-ID` headers. Forests are streamed over the WebSocket `/ws/forest` (docs/formats/wire.md)."""
 
+_HEADERS = {
+    "Location": {"201", "202"},
+    "ETag": {"200", "206", "304"},
+    "Retry-After": {"429", "503"},
+}
+"""Headers of responses, by status; ETag only where a copy can be current."""
+
 
 def describe(app: FastAPI) -> None:
     """Replace the app's OpenAPI function by one that adds the shared problems and the API key."""
@@ -54,5 +61,10 @@ def _complete_operation(path: str, method: str, operation: dict[str, Any]) -> No
     if method in WRITE_METHODS and path not in READ_ONLY_POSTS:
         shared |= {401, 403}
         operation["security"] = [{"key": []}, {}]
+    responses = operation["responses"]
     for status, answer in problems(*sorted(shared)).items():
-        operation["responses"][str(status)] = answer
+        responses[str(status)] = answer
+    for name, statuses in _HEADERS.items():
+        for status in statuses & responses.keys():
+            if name != "ETag" or "304" in responses:
+                responses[status].setdefault("headers", {})[name] = {"schema": {"type": "string"}}

@@ -1,5 +1,6 @@
 """Shared by all routes: schemas, problem details (RFC 9457), pagination, ETags and multipart forms."""
 
+from galewood_server.http.contents import EVENT_STREAM, contents
 from galewood_server.http.errors import (
     Problem,
     ProblemError,
@@ -41,6 +42,7 @@ from galewood_server.http.schemas import (
 )
 
 __all__ = [
+    "EVENT_STREAM",
     "IMPORT_FIELDS",
     "NOT_MODIFIED",
     "UPLOAD_FORM",
@@ -65,6 +67,7 @@ __all__ = [
     "Upload",
     "WoodSpeciesList",
     "WoodSpeciesOut",
+    "contents",
     "cursor_time",
     "decode_cursor",
     "encode_cursor",

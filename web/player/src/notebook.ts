@@ -1,21 +1,21 @@
 /** The front end of a notebook's widget (anywidget): a small forest below a cell. Everything it needs is in its one file. */
 
 import workerSource from "virtual:worker";
-import { DirectionalLight, HemisphereLight, Matrix4, PerspectiveCamera, Scene, WebGLRenderer } from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { PRESETS, parseWindText } from "./core/wind/wind";
+import { parseWind, type WindDocument } from "./core/wind/wind";
+import { places, Stage } from "./stage";
 import { Forest } from "./three/forest";
+import { WindControls } from "./windControls";
 
-/** The part of anywidget's model that is needed. */
-interface Model {
+/** The part of anywidget's model that is needed; precompute/galewood/notebook/widget.py is its other side. */
+export interface Model {
   get(name: "table" | "mesh"): DataView;
   get(name: "trees" | "height_px"): number;
-  get(name: "wind"): string;
-  on(event: string, listener: () => void): void;
+  get(name: "wind"): unknown;
+  set(name: "wind", wind: WindDocument): void;
+  save_changes(): void;
+  on(event: "change:wind" | "change:height_px", listener: () => void): void;
+  off(event: "change:wind" | "change:height_px", listener: () => void): void;
 }
-
-const SPACING_M = 5;
-const TURN_RAD = 2.399963;
 
 const bytesOf = ({ buffer, byteOffset, byteLength }: DataView): ArrayBuffer =>
   (buffer as ArrayBuffer).slice(byteOffset, byteOffset + byteLength);
@@ -26,56 +26,75 @@ function startWorker(): Worker {
   return new Worker(url, { type: "module" });
 }
 
-const places = (count: number): Matrix4[] =>
-  Array.from({ length: count }, (_, k) =>
-    new Matrix4()
-      .makeTranslation(
-        SPACING_M * Math.sqrt(k) * Math.cos(TURN_RAD * k),
-        0,
-        SPACING_M * Math.sqrt(k) * Math.sin(TURN_RAD * k),
-      )
-      .multiply(new Matrix4().makeRotationY(5 * k)),
-  );
-
-const windOf = (text: string) =>
-  Object.hasOwn(PRESETS, text) ? PRESETS[text as keyof typeof PRESETS] : parseWindText(text);
-
-/** Shows the forest; returns what ends it. */
-async function render({ model, el }: { model: Model; el: HTMLElement }): Promise<() => void> {
-  const renderer = new WebGLRenderer({ antialias: true, alpha: true });
-  const height = model.get("height_px");
-  const width = Math.max(200, el.clientWidth);
-  renderer.setSize(width, height);
-  renderer.domElement.setAttribute("role", "img");
-  renderer.domElement.setAttribute("aria-label", "Trees swaying in the wind");
-  el.append(renderer.domElement);
-  const forest = new Forest({ wind: windOf(model.get("wind")), worker: startWorker });
-  model.on("change:wind", () => {
-    forest.wind = windOf(model.get("wind"));
-  });
-  const sun = new DirectionalLight(0xfff1d6, 3);
-  sun.position.set(14, 22, 12);
-  const scene = new Scene();
-  scene.add(forest, sun, new HemisphereLight(0xcfe4ff, 0x6d7a4a, 2.2));
-  const count = model.get("trees");
-  const files = { table: bytesOf(model.get("table")), mesh: bytesOf(model.get("mesh")) };
-  const { height_m } = await forest.plant(files, places(count));
-  const camera = new PerspectiveCamera(46, width / height, 0.3, 1000);
-  camera.position.set(4, 0.5 * height_m, 0.9 * height_m + SPACING_M * Math.sqrt(count));
-  const controls = new OrbitControls(camera, renderer.domElement);
-  controls.target.set(0, 0.45 * height_m, 0);
-  let before_ms = performance.now();
-  renderer.setAnimationLoop((now_ms) => {
-    controls.update();
-    forest.update(Math.max(0, now_ms - before_ms) / 1000, camera);
-    before_ms = now_ms;
-    renderer.render(scene, camera);
-  });
+/** Shows the forest and the controls of its wind; returns what ends it. */
+function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
+  const picture = document.createElement("div");
+  picture.style.height = `${model.get("height_px")}px`;
+  el.append(picture);
+  let end = () => {};
+  try {
+    end = begin(model, el, picture);
+  } catch (error) {
+    complain(el, error);
+  }
   return () => {
-    renderer.setAnimationLoop(null);
-    forest.dispose();
-    renderer.dispose();
+    end();
+    el.replaceChildren();
   };
+}
+
+function begin(model: Model, el: HTMLElement, picture: HTMLElement): () => void {
+  const forest = new Forest({ wind: parseWind(model.get("wind")), worker: startWorker });
+  const stage = staged(picture, forest, model.get("trees"));
+  const controls = new WindControls(parseWind(model.get("wind")), (wind) => {
+    forest.wind = wind;
+    model.set("wind", wind);
+    model.save_changes();
+  });
+  el.append(controls.element);
+  const changed = () => {
+    const wind = parseWind(model.get("wind"));
+    forest.wind = wind;
+    controls.show(wind);
+  };
+  const resized = () => {
+    picture.style.height = `${model.get("height_px")}px`;
+  };
+  model.on("change:wind", changed);
+  model.on("change:height_px", resized);
+  let ended = false;
+  const files = { table: bytesOf(model.get("table")), mesh: bytesOf(model.get("mesh")) };
+  forest.plant(files, places(model.get("trees"))).then(
+    ({ height_m }) => stage.run(height_m),
+    (error: unknown) => {
+      if (!ended) complain(el, error);
+    },
+  );
+  return () => {
+    ended = true;
+    model.off("change:wind", changed);
+    model.off("change:height_px", resized);
+    stage.end();
+  };
+}
+
+/** Where there is no WebGL the forest's worker must not stay. */
+function staged(picture: HTMLElement, forest: Forest, trees: number): Stage {
+  try {
+    return new Stage(picture, forest, trees);
+  } catch (error) {
+    forest.dispose();
+    throw error;
+  }
+}
+
+/** Says below the cell why there are no trees. */
+function complain(el: HTMLElement, error: unknown): void {
+  const line = document.createElement("p");
+  line.setAttribute("role", "alert");
+  line.textContent = `The trees cannot be shown: ${error instanceof Error ? error.message : error}`;
+  el.replaceChildren(line);
+  console.error(error);
 }
 
 export default { render };

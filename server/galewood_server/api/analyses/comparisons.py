@@ -20,7 +20,7 @@ from galewood_server.api.analyses.common import (
 )
 from galewood_server.api.events import feed_of, follow_job, stream
 from galewood_server.context import ServiceDep
-from galewood_server.http import NOT_MODIFIED, problems
+from galewood_server.http import EVENT_STREAM, NOT_MODIFIED, contents, problems
 from galewood_server.jobs import add_job, find_job, request_cancel
 from galewood_server.storage import Job, forget_old_analyses
 
@@ -94,7 +94,9 @@ def cancel_comparison(comparison_id: str, service: ServiceDep) -> ComparisonOut:
 
 
 @router.get(
-    "/comparisons/{comparison_id}/events", response_class=EventSourceResponse, responses=problems(404)
+    "/comparisons/{comparison_id}/events",
+    response_class=EventSourceResponse,
+    responses={**EVENT_STREAM, **problems(404)},
 )
 def comparison_events(comparison_id: str, request: Request, service: ServiceDep) -> EventSourceResponse:
     """Server-sent events named "progress" with the comparison, until it ends."""
@@ -109,7 +111,7 @@ def comparison_events(comparison_id: str, request: Request, service: ServiceDep)
 @router.get(
     "/comparisons/{comparison_id}/tracks",
     response_class=FileResponse,
-    responses={**NOT_MODIFIED, **problems(404)},
+    responses={**contents("The tracks.", "application/msgpack"), **NOT_MODIFIED, **problems(404)},
 )
 def get_tracks(comparison_id: str, request: Request, service: ServiceDep) -> Response:
     """The motion by each method (docs/formats/comparison.md)."""

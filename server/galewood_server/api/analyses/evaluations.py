@@ -18,10 +18,9 @@ from galewood_server.api.analyses.common import (
     result_file,
 )
 from galewood_server.api.events import feed_of, follow_job, stream
-from galewood_server.api.files.artefacts import BINARY
 from galewood_server.api.trees import find_tree
 from galewood_server.context import ServiceDep
-from galewood_server.http import NOT_MODIFIED, problems
+from galewood_server.http import EVENT_STREAM, NOT_MODIFIED, contents, problems
 from galewood_server.jobs import PLOT, add_job, find_job, request_cancel
 from galewood_server.storage import ACTIVE, Job, Tree, forget_old_analyses
 
@@ -146,7 +145,9 @@ def cancel_evaluation(evaluation_id: str, service: ServiceDep) -> EvaluationOut:
 
 
 @router.get(
-    "/evaluations/{evaluation_id}/events", response_class=EventSourceResponse, responses=problems(404)
+    "/evaluations/{evaluation_id}/events",
+    response_class=EventSourceResponse,
+    responses={**EVENT_STREAM, **problems(404)},
 )
 def evaluation_events(evaluation_id: str, request: Request, service: ServiceDep) -> EventSourceResponse:
     """Server-sent events named "progress" with the evaluation, until it ends."""
@@ -173,7 +174,7 @@ def get_report(evaluation_id: str, request: Request, service: ServiceDep) -> Res
 @router.get(
     "/evaluations/{evaluation_id}/plot",
     response_class=FileResponse,
-    responses={200: {"content": {"image/png": BINARY}}, **NOT_MODIFIED, **problems(404)},
+    responses={**contents("The plot.", "image/png"), **NOT_MODIFIED, **problems(404)},
 )
 def get_plot(evaluation_id: str, request: Request, service: ServiceDep) -> Response:
     """The plot of the errors over time (PNG)."""

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, Response
 
 from galewood_server.context import Service, ServiceDep
-from galewood_server.http import NOT_MODIFIED, ProblemError, etag_matches, not_found, problems
+from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matches, not_found, problems
 from galewood_server.storage import PREFERRED, FileStore, coding_of, encoded_file
 
 log = logging.getLogger("galewood.files")
@@ -18,14 +18,12 @@ router = APIRouter(prefix="/api", tags=["artefacts"])
 IMMUTABLE = "public, max-age=31536000, immutable"
 _RANGE = re.compile(r"bytes=\s*(\d+-\d*|-\d+)(\s*,\s*(\d+-\d*|-\d+)){0,15}\s*")
 COMPRESSED = ("table", "records", "compliance")
-BINARY: dict[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 
 
 def _responses(media_type: str) -> dict[int | str, dict[str, Any]]:
-    content = {media_type: BINARY}
-    part = {"description": "The requested byte range.", "content": content}
-    whole = {"description": "The file.", "content": content}
-    return {200: whole, 206: part, **NOT_MODIFIED, **problems(400, 404, 416)}
+    whole = contents("The file.", media_type)
+    part = contents("The requested byte range.", media_type, status=206)
+    return {**whole, **part, **NOT_MODIFIED, **problems(400, 404, 416)}
 
 
 @router.get("/tables/{sha256}", response_class=FileResponse, responses=_responses("application/octet-stream"))

@@ -6,14 +6,16 @@ from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, Response
 
 from galewood_server.context import ServiceDep
-from galewood_server.http import NOT_MODIFIED, etag_matches, not_found, problems
+from galewood_server.http import NOT_MODIFIED, contents, etag_matches, not_found, problems
 from galewood_server.jobs import find_job
 
 router = APIRouter(prefix="/api/jobs", tags=["jobs"])
 
 
 @router.get(
-    "/{job_id}/pictures/{name}", response_class=FileResponse, responses={**NOT_MODIFIED, **problems(404)}
+    "/{job_id}/pictures/{name}",
+    response_class=FileResponse,
+    responses={**contents("The image.", "image/png"), **NOT_MODIFIED, **problems(404)},
 )
 def get_picture(job_id: str, name: str, request: Request, service: ServiceDep) -> Response:
     """A preview image (PNG) listed in the job's `pictures`; its hash there changes with its content."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
@@ -11,13 +10,11 @@ from galewood.util import write_whole
 
 from galewood_server.api.trees import find_tree
 from galewood_server.context import Service, ServiceDep
-from galewood_server.http import NOT_MODIFIED, ProblemError, etag_matches, problems
+from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matches, problems
 from galewood_server.storage import is_hash
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
-PNG: dict[int | str, dict[str, Any]] = {
-    200: {"description": "256 × 256 pixels.", "content": {"image/png": {}}}
-}
+PNG = contents("256 × 256 pixels.", "image/png")
 
 
 @router.get(
