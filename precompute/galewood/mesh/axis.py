@@ -32,6 +32,8 @@ TAPER_WEIGHT = 2.0  # for wood three times as thick below as above
 GROUND_WEIGHT = 5.0
 ORDER_WEIGHT = 8.0  # per height between the centres of wood and leaves
 SURE, CERTAIN = 0.8, 0.85
+LEAST_LEAD = 1.0  # of +Y over other axes by shape alone; with less, a format that demands +Y is doubted
+CONVENTION = "the convention of the format"
 
 AXES: tuple[Axis, ...] = ("y", "z", "x", "-y", "-z", "-x")
 ROTATIONS: dict[str, tuple[tuple[float, ...], ...]] = {
@@ -95,13 +97,22 @@ def decided(weights: dict[str, dict[Axis, float]], file_format: str) -> Choice:
     against = [words for words, w in weights.items() if w[best] < max(w.values()) - 0.5]
     if stated := STATED_Y.get(file_format):
         if best == "y" or confidence < CERTAIN:
-            unsure = best != "y"
-            reason = stated + (f", but its shape suggests {signed(best)}" if unsure else "")
-            return Choice("y", reason, assumed=unsure, unsure=unsure, confidence=1.0 - confidence * unsure)
+            return _as_stated(stated, weights, totals)
         against = [stated]
     reason = ", ".join(favouring) or "no indicator favours another"
     reason += f"; but {', '.join(against)} would suggest another" if against else ""
     return Choice(best, reason, assumed=True, unsure=confidence < SURE, confidence=confidence)
+
+
+def _as_stated(stated: str, weights: dict[str, dict[Axis, float]], totals: dict[Axis, float]) -> Choice:
+    """+Y, as the format says; unsure if the shape alone speaks for another axis."""
+    shape = {axis: totals[axis] - weights[CONVENTION][axis] for axis in AXES}
+    rival = max(AXES[1:], key=lambda axis: shape[axis])
+    if shape["y"] >= shape[rival] + LEAST_LEAD:
+        return Choice("y", stated, assumed=False)
+    doubt = 1.0 / (1.0 + float(np.exp(np.clip(shape["y"] - shape[rival], -50, 50))))
+    reason = f"{stated}, but its shape suggests {signed(rival)}"
+    return Choice("y", reason, assumed=True, unsure=True, confidence=1.0 - doubt)
 
 
 def indicators(
@@ -116,9 +127,7 @@ def indicators(
     seen = {axis: _upright(points, corners, pieces, score, to_y_up(axis)) for axis in AXES}
     largest = max(*(one.base for one in seen.values()), 1e-9)
     return {
-        "the convention of the format": {
-            axis: given.get(axis, UPSIDE_DOWN if axis.startswith("-") else 0.0) for axis in AXES
-        },
+        CONVENTION: {axis: given.get(axis, UPSIDE_DOWN if axis.startswith("-") else 0.0) for axis in AXES},
         "a large, compact base": {
             axis: max(BASE_WEIGHT * float(np.log(max(one.base, 1e-9) / largest)), -BASE_MOST)
             for axis, one in seen.items()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from galewood.mesh.piece_evidence import is_tube
+from galewood.mesh.piece_evidence import STOUT, is_tube
 from galewood.mesh.pieces import Pieces
 from galewood.util import Floats, Ints
 
@@ -64,14 +64,17 @@ def _width(points: Floats, start: float, span: float) -> float:
 
 
 def taper(corners: Floats, pieces: Pieces, score: Floats) -> float:
-    """1 for wood that is much thicker near its foot than near its top, −1 for the opposite.
+    """1 for tubes of wood that are much thicker near the foot than near the top, −1 for the opposite.
 
     The thickness at a height is 4 A / P of the section there, the diameter of a round trunk; many branches
     are as thin as each of them.
     """
     piece = np.concatenate(pieces.of_face)
-    wood = (score > 0)[piece]
-    rows = wood if wood.any() else np.ones(len(piece), dtype=bool)
+    s = pieces.shapes
+    extent = float((s.high.max(axis=0) - s.low.min(axis=0)).max())
+    rows = ((score > 0) & is_tube(s) & (s.thickness < STOUT * extent))[piece]
+    if not rows.any():
+        return 0.0
     own, of = corners[rows], piece[rows]
     low, tall = float(own[:, :, 1].min()), float(np.ptp(own[:, :, 1]))
     lower, upper = (
@@ -115,28 +118,20 @@ def order(pieces: Pieces, score: Floats) -> float:
 
 
 def ground(corners: Floats) -> float:
-    """1 if wide flat ground lies at the bottom, −1 if at the top, else 0."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    size = np.linalg.norm(normal, axis=1)
-    level = np.abs(normal[:, 1]) > 0.6 * size
+    """1 if wide flat ground lies at the bottom, else 0."""
     centre = corners.mean(axis=1)
     low, extent = float(corners[:, :, 1].min()), max(float(np.ptp(corners[:, :, 1])), 1e-300)
+    there = centre[:, 1] < low + 0.12 * extent
+    normal = np.cross(corners[there, 1] - corners[there, 0], corners[there, 2] - corners[there, 0])
+    size = np.linalg.norm(normal, axis=1)
+    level = np.abs(normal[:, 1]) > 0.6 * size
+    flat, area = corners[there][level].reshape(-1, 3), float(size[level].sum())
+    if not len(flat) or area < 0.6 * float(size.sum()):
+        return 0.0
+    # the side of a crown faces outwards, ground faces the tree
+    if float(size[level & (normal[:, 1] > 0)].sum()) < 0.4 * area:
+        return 0.0
     width = np.ptp(corners.reshape(-1, 3), axis=0)[[0, 2]]
-    found = 0.0
-    for sign, there in (
-        (1.0, centre[:, 1] < low + 0.12 * extent),
-        (-1.0, centre[:, 1] > low + 0.88 * extent),
-    ):
-        flat = corners[level & there].reshape(-1, 3)
-        share = float(size[level & there].sum()) / max(float(size[there].sum()), 1e-300)
-        if not len(flat) or share < 0.6:
-            continue
-        # the side of a crown faces outwards, ground faces the tree
-        inwards = float(size[level & there & (sign * normal[:, 1] > 0)].sum())
-        if inwards < 0.4 * float(size[level & there].sum()):
-            continue
-        across = np.ptp(flat, axis=0)[[0, 2]]
-        covered = float(size[level & there].sum()) / 2 / max(float(np.prod(width)), 1e-300)
-        if (across > 0.7 * width).all() and covered > 0.4:
-            found += sign
-    return found
+    across = np.ptp(flat, axis=0)[[0, 2]]
+    covered = area / 2 / max(float(np.prod(width)), 1e-300)
+    return float((across > 0.7 * width).all() and covered > 0.4)
