@@ -170,6 +170,7 @@ export class OwnTreeDialog {
       () => this.dialog.close(),
     );
     this.several = several;
+    this.paint.hidden = true;
     this.side.replaceChildren(several.root);
     void several.run();
   }
@@ -287,6 +288,7 @@ export class OwnTreeDialog {
       leave: () => this.dialog.close(),
     });
     this.computing = computing;
+    this.paint.hidden = true;
     this.side.replaceChildren(computing.root);
     computing.focus();
     this.stopWatching = this.uploads.watch(id, (change) => {

@@ -16,13 +16,14 @@ export function upAxisRow({ axis }: Assumed, change: (axis: string) => void): HT
   if (!axis.unsure) return row("Up axis", select(AXES, axis.value, change), axis.reason);
   const question = make("fieldset", "", "own-tree-question");
   question.append(make("legend", "Does the tree stand upright?"));
-  const answers = make("div", "", "own-tree-answers");
+  const yes = make("div", "", "own-tree-answers");
+  const no = make("div", "", "own-tree-answers");
   const name = AXES.find(([id]) => id === axis.value)?.[1] ?? axis.value;
-  answers.append(
-    button(`Yes, ${name} is up`, () => change(axis.value)),
+  yes.append(button(`Yes, ${name} is up`, () => change(axis.value)));
+  no.append(
     make("span", "No, up is"),
     ...AXES.filter(([id]) => id !== axis.value).map(([id, words]) => button(words, () => change(id))),
   );
-  question.append(answers, make("small", `Its shape does not tell for certain: ${axis.reason}.`));
+  question.append(yes, no, make("small", `Its shape does not tell for certain: ${axis.reason}.`));
   return question;
 }
