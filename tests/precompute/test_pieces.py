@@ -1,6 +1,7 @@
 """Colours of faces, pieces, choices by id and name, other objects and several trees."""
 
 import io
+import json
 
 import numpy as np
 import pytest
@@ -233,11 +234,12 @@ def test_ranges_of_numbers():
 def test_the_glb_of_all_pieces_names_the_piece_of_every_vertex():
     file = labelled_file("pot", SEED)
     report = read_tree(file.data, file.filename).report
-    scene = trimesh.load(io.BytesIO(pieces_glb(file.data, file.filename)), file_type="glb")
+    glb = pieces_glb(file.data, file.filename)
+    scene = trimesh.load(io.BytesIO(glb), file_type="glb")
     rows = [np.asarray(mesh.vertex_attributes["_PIECE"]).reshape(-1) for mesh in scene.geometry.values()]
     faces = sum(len(mesh.faces) for mesh in scene.geometry.values())
     assert faces == sum(p["faces"] for p in report["pieces"])  # also the pot, which is left out
-    listed = scene.metadata["pieces"]
+    listed = json.loads(glb[20 : 20 + int.from_bytes(glb[12:16], "little")])["extras"]["pieces"]
     assert set(np.concatenate(rows).astype(int)) == set(range(len(listed["kind"])))
     assert listed["kind"].count("other") == sum(p["pieces"] for p in report["pieces"] if p["kind"] == "other")
     for mesh, own in zip(scene.geometry.values(), rows, strict=True):

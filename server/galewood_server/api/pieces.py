@@ -38,7 +38,7 @@ class _Source:
 )
 async def read_pieces(tree_id: str, service: ServiceDep) -> Response:
     """All pieces of an upload's tree, also those that are left out, to choose from: a GLB with the attribute
-    `_PIECE` (docs/formats/pieces.md). A POST, because it reads the file again."""
+    `_PIECE` (docs/how-to/pieces.md). A POST, because it reads the file again."""
     source = await asyncio.to_thread(_source, service, tree_id)
     async with service.import_slots:
         glb = await asyncio.to_thread(_pieces, service, source)
