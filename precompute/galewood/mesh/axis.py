@@ -124,7 +124,7 @@ def indicators(
     """
     given = CONVENTIONS.get(file_format, {})
     score = own_evidence(pieces).score
-    seen = {axis: _upright(points, corners, pieces, score, to_y_up(axis)) for axis in AXES}
+    seen: dict[Axis, _Seen] = {axis: _upright(points, corners, pieces, score, to_y_up(axis)) for axis in AXES}
     largest = max(*(one.base for one in seen.values()), 1e-9)
     return {
         CONVENTION: {axis: given.get(axis, UPSIDE_DOWN if axis.startswith("-") else 0.0) for axis in AXES},

@@ -57,7 +57,7 @@ class GlbWriter:
         """Add a primitive as a mesh; with the row of each vertex's piece, `piece` (n,), without normals."""
         attributes = {"POSITION": self._floats(primitive.positions_m, bounds=True)}
         if piece is not None:
-            attributes["_PIECE"] = self._floats(piece[:, None])
+            attributes["_PIECE"] = self._floats(piece[:, None].astype(np.float64))
         else:
             normals = primitive.normals if primitive.normals is not None else vertex_normals(primitive)
             attributes["NORMAL"] = self._floats(normals)

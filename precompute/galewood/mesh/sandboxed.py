@@ -90,8 +90,10 @@ def pieces_in_child(arguments: Arrays) -> Arrays:
 
 def _options_of(chosen: dict[str, Any]) -> ImportOptions:
     """The options as they were before they became JSON."""
-    lists = {name: tuple(chosen[name]) for name in ("wood", "leaves", "drop") if chosen[name] is not None}
-    return ImportOptions(**{**chosen, **lists})
+    lists: dict[str, Any] = {
+        name: tuple(chosen[name]) for name in ("wood", "leaves", "drop") if chosen[name] is not None
+    }
+    return ImportOptions(**(chosen | lists))
 
 
 def pack_tree(tree: TreeMesh) -> Arrays:

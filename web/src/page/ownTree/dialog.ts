@@ -21,10 +21,11 @@ import { LivelinessChoice } from "./livelinessChoice";
 import { olderParts } from "./olderParts";
 import type { OwnUploads } from "./ownUploads";
 import { Painting } from "./painting/painting";
-import { AS_DETECTED, type PieceChoices, PieceList } from "./pieces";
+import { type PieceChoices, PieceList } from "./pieces";
 import { Preview } from "./preview";
 import { scanFields } from "./scanFields";
 import { SeveralTrees } from "./severalTrees";
+import { addedWoodRow, treeRows } from "./treeRows";
 import { upAxisRow } from "./upAxis";
 
 const still = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -128,36 +129,21 @@ export class OwnTreeDialog {
     const height = numberField(assumed.height_m, { min: 0.5, max: 150, step: 0.1 }, (value) =>
       this.change({ height_m: value }),
     );
+    this.lacksWood ||= assumed.addedWood !== null; // the choice stays once wood has been left out
     const axis = upAxisRow(assumed, (value) => void this.change({ up_axis: value }));
     return [
       ...(assumed.axis.unsure ? [axis] : []), // a question comes first
       row("Wood species", wood, assumed.species.reason),
       row("Height (m)", height, assumed.size),
       ...(assumed.axis.unsure ? [] : [axis]),
-      ...this.trees(assumed),
-      ...this.addedWood(assumed),
+      ...treeRows(
+        assumed.trees,
+        (one) => void this.change(one),
+        () => this.importAll(assumed),
+      ),
+      ...(this.lacksWood ? [addedWoodRow(assumed.addedWood, (one) => void this.change(one))] : []),
       ...(assumed.scan ? scanFields(assumed.scan, (one) => void this.change(one)) : [this.parts(assumed)]),
     ];
-  }
-
-  /** Which tree of a file with several is imported. */
-  private trees(assumed: Assumed): HTMLElement[] {
-    const { trees } = assumed;
-    if (trees.length < 2) return [];
-    const words = trees.map(
-      ({ number, name, height_m }) =>
-        [
-          String(number),
-          `${number} of ${trees.length}: ${name ? `${name}, ` : ""}${height_m.toFixed(1)} m`,
-        ] as const,
-    );
-    const taken = trees.find((tree) => tree.taken)?.number ?? 1;
-    const made = select(words, String(taken), (value) =>
-      this.change({ tree: Number(value), ...AS_DETECTED }),
-    );
-    const all = button(`Import all ${trees.length} trees`, () => this.importAll(assumed));
-    all.classList.add("own-tree-all");
-    return [row("Tree", made, "the file has several; each can become a tree of its own"), all];
   }
 
   /** Imports every tree of the file as an upload of its own. */
@@ -173,26 +159,6 @@ export class OwnTreeDialog {
     this.paint.hidden = true;
     this.side.replaceChildren(several.root);
     void several.run();
-  }
-
-  /** Whether wood that the file lacks is added; the choice stays once wood has been left out. */
-  private addedWood({ addedWood }: Assumed): HTMLElement[] {
-    this.lacksWood ||= addedWood !== null;
-    if (!this.lacksWood) return [];
-    const choices = [
-      ["added", "Added"],
-      ["none", "None"],
-    ] as const;
-    const made = select(choices, addedWood === null ? "none" : "added", (value) =>
-      this.change({ complete: value === "added" ? null : false }),
-    );
-    return [
-      row(
-        "Missing wood",
-        made,
-        addedWood ?? "foliage without wood stays rigid, or bends with the nearest bough",
-      ),
-    ];
   }
 
   /** The detected pieces; for reports of older imports their parts. */

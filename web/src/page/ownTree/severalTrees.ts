@@ -85,6 +85,7 @@ export class SeveralTrees {
   readonly root = make("div", "", "own-tree-several");
   private readonly entries: readonly Entry[];
   private readonly stops: (() => void)[] = [];
+  private running = true;
 
   /** `leave` closes the dialog; the rest goes on. `finished` is called when no tree is left to wait for. */
   constructor(
@@ -116,11 +117,13 @@ export class SeveralTrees {
   async run(): Promise<void> {
     const order = [...this.entries].sort((a, b) => Number(b.found.taken) - Number(a.found.taken));
     for (const entry of order) if (entry.state === "waiting") await this.import(entry);
+    this.running = false;
+    if (order[0].state === "left") await this.remove(order[0]);
   }
 
-  /** Whether the upload that the dialog was opened for was kept. */
+  /** Whether the upload that the dialog was opened for is kept, or still needed: the others are its copies. */
   get keepsShown(): boolean {
-    return this.entries.some(({ tree, state }) => tree?.id === this.host.tree.id && state !== "left");
+    return this.running || this.entries.some(({ found, state }) => found.taken && state !== "left");
   }
 
   private async import(entry: Entry): Promise<void> {
@@ -129,7 +132,7 @@ export class SeveralTrees {
       const tree = await this.treeOf(entry);
       entry.tree = tree;
       if (this.wasLeft(entry)) {
-        await deleteTree(tree.id);
+        if (!entry.found.taken) await deleteTree(tree.id);
         return;
       }
       const chosen = this.host.firstFrequency_Hz;
@@ -156,7 +159,8 @@ export class SeveralTrees {
 
   private follow(entry: Entry, tree: Tree): void {
     const { uploads } = this.host;
-    entry.show("computing", "Computing its motion");
+    if (tree.table_sha256 === null) entry.show("computing", "Computing its motion");
+    else entry.show("moving", "It moves already");
     this.stops.push(uploads.watch(tree.id, (change) => this.changed(entry, change)));
     uploads.add(tree.id, true);
     // the camera goes to one of them only
@@ -177,9 +181,18 @@ export class SeveralTrees {
   }
 
   private cancel(entry: Entry): void {
-    if (entry.state === "computing" && entry.tree) this.host.uploads.onCancel?.(entry.tree.id);
+    const { state } = entry;
     entry.show("left", "Cancelled");
+    if (state === "computing" && !(entry.found.taken && this.running)) void this.remove(entry);
     this.tell();
+  }
+
+  /** Removes an upload that was cancelled, and ends its computation. */
+  private async remove({ tree, found }: Entry): Promise<void> {
+    const id = tree?.id ?? (found.taken ? this.host.tree.id : null);
+    if (id === null) return;
+    if (this.host.uploads.find(id)) this.host.uploads.onCancel?.(id);
+    else await deleteTree(id).catch(() => {});
   }
 
   private tell(): void {
