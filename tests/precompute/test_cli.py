@@ -8,8 +8,12 @@ from pathlib import Path
 
 import pytest
 from galewood.cli.commands import app
+from galewood.options import BuildRequest
+from galewood.util import MeshError
 from galewood.wind import parse_wind
 from typer.testing import CliRunner
+
+from tests.precompute.labelled_trees import labelled_file
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "pole.safetensors"
 
@@ -91,3 +95,22 @@ def test_a_measurement_becomes_a_wind_document(tmp_path: Path) -> None:
     assert CliRunner().invoke(app, [*played, str(log)]).exit_code == 1
     log.write_text("time,speed,direction\n0,fast,270\n")
     assert CliRunner().invoke(app, ["wind", "read", str(log)]).exit_code == 1
+
+
+def test_all_trees_of_a_file_are_built_and_a_failure_stops_none(tmp_path: Path, monkeypatch) -> None:
+    file = labelled_file("three_trees_plain", 41)
+    mesh = tmp_path / file.filename
+    mesh.write_bytes(file.data)
+    built: list[tuple[int | None, str]] = []
+
+    def build_one(mesh: Path, request: BuildRequest, out: Path, *rest: object) -> None:
+        built.append((request.tree, out.name))
+        if request.tree == 2:
+            raise MeshError("no-wood", "unsuitable", "No wood was found.", "Choose it.")
+
+    monkeypatch.setattr("galewood.cli.build_command._build_one", build_one)
+    command = ["build", str(mesh), "--out", str(tmp_path / "a.gwt"), "--all-trees", "--up-axis", "y"]
+    result = CliRunner().invoke(app, command)
+    assert built == [(1, "a-1.gwt"), (2, "a-2.gwt"), (3, "a-3.gwt")]
+    assert result.exit_code == 1
+    assert "No wood was found" in result.output and "1 of 3 trees failed" in result.output

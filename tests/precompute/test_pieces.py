@@ -1,11 +1,15 @@
 """Colours of faces, pieces, choices by id and name, other objects and several trees."""
 
 import io
+import json
 
 import numpy as np
 import pytest
+import trimesh
 from galewood.mesh.importer import ImportOptions, read_tree
+from galewood.mesh.painted import ranges_of
 from galewood.mesh.piece_colour import face_colours, hue_saturation_value
+from galewood.mesh.piece_mesh import pieces_glb
 from galewood.mesh.piece_names import named_kind, named_other
 from galewood.mesh.piece_shape import measure
 from galewood.mesh.pieces import find_pieces
@@ -196,3 +200,54 @@ def test_the_ground_of_a_scan_is_found_and_a_bare_tree_has_none():
     assert found[: len(ground.faces)].mean() > 0.98
     assert found[len(ground.faces) :].mean() < 0.02  # what is buried in the ground
     assert ground_faces(stem.vertices[stem.faces]) is None
+
+
+def test_single_pieces_are_chosen_by_ranges_and_the_rest_keeps_its_id():
+    file = labelled_file("pot", SEED)
+    plain = read_tree(file.data, file.filename).report
+    crowd = max((p for p in plain["pieces"] if p["kind"] == "wood"), key=lambda p: p["pieces"])
+    part, first = crowd["id"].split(".")
+    name = f"{part}.{int(first) + 1}-{int(first) + 1}"
+    report = read_tree(file.data, file.filename, ImportOptions(drop=(name,))).report
+    painted = next(p for p in report["pieces"] if p.get("ranges"))
+    rest = next(p for p in report["pieces"] if p["id"] == crowd["id"])
+    assert (painted["kind"], painted["pieces"], painted["ranges"], painted["chosen"]) == (
+        "other",
+        1,
+        [name],
+        True,
+    )
+    assert (rest["kind"], rest["pieces"]) == ("wood", crowd["pieces"] - 1)
+    assert rest["faces"] + painted["faces"] == crowd["faces"]
+    # one piece of its group keeps what the whole group was made
+    both = read_tree(file.data, file.filename, ImportOptions(leaves=(crowd["id"],), drop=(name,))).report
+    assert {p["id"]: p["kind"] for p in both["pieces"]}[crowd["id"]] == "leaves"
+    with pytest.raises(MeshError) as caught:
+        read_tree(file.data, file.filename, ImportOptions(drop=(f"{part}.900-901",)))
+    assert caught.value.code == "no-such-piece"
+
+
+def test_ranges_of_numbers():
+    assert ranges_of(3, np.array([1, 2, 3, 7, 9, 10])) == ["3.1-3", "3.7-7", "3.9-10"]
+
+
+def test_the_glb_of_all_pieces_names_the_piece_of_every_vertex():
+    file = labelled_file("pot", SEED)
+    report = read_tree(file.data, file.filename).report
+    glb = pieces_glb(file.data, file.filename)
+    scene = trimesh.load(io.BytesIO(glb), file_type="glb")
+    rows = [np.asarray(mesh.vertex_attributes["_PIECE"]).reshape(-1) for mesh in scene.geometry.values()]
+    faces = sum(len(mesh.faces) for mesh in scene.geometry.values())
+    assert faces == sum(p["faces"] for p in report["pieces"])  # also the pot, which is left out
+    listed = json.loads(glb[20 : 20 + int.from_bytes(glb[12:16], "little")])["extras"]["pieces"]
+    assert set(np.concatenate(rows).astype(int)) == set(range(len(listed["kind"])))
+    assert listed["kind"].count("other") == sum(p["pieces"] for p in report["pieces"] if p["kind"] == "other")
+    for mesh, own in zip(scene.geometry.values(), rows, strict=True):
+        assert (own[mesh.faces] == own[mesh.faces][:, :1]).all()
+
+
+def test_trees_are_named_by_what_only_they_are_called():
+    file = labelled_file("two_trees", SEED)
+    trees = read_tree(file.data, file.filename).report["trees"]
+    assert len(trees) == 2 and all(isinstance(tree["name"], str) for tree in trees)
+    assert len({tree["name"] for tree in trees if tree["name"]}) == sum(bool(t["name"]) for t in trees)

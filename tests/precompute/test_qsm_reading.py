@@ -152,12 +152,13 @@ def test_cylinder_files_are_read_in_the_sandbox() -> None:
     assert caught.value.code == "unreadable"
 
 
-@pytest.mark.parametrize("axis", ["x", "y"])
+@pytest.mark.parametrize("axis", ["x", "y", "-x", "-y", "-z"])
 def test_another_axis_may_point_up(axis: Axis) -> None:
     """The same tree with its coordinates in another order is the same tree."""
-    order = {"x": [2, 0, 1], "y": [1, 2, 0]}[axis]
+    order = {"x": [2, 0, 1], "y": [1, 2, 0], "z": [0, 1, 2]}[axis[-1]]
+    signs = [1.0, -1.0, -1.0] if axis.startswith("-") else [1.0, 1.0, 1.0]  # half a turn about x
     model = make.y_model()
-    given = replace(model, start_m=model.start_m[:, order], end_m=model.end_m[:, order])
+    given = replace(model, start_m=(model.start_m * signs)[:, order], end_m=(model.end_m * signs)[:, order])
     found = read_tree(make.archi(given), "a.csv", ImportOptions(up_axis=axis))
     assert found.report["qsm"] == read_tree(make.archi(model), "a.csv").report["qsm"]
     assert found.wood_vertices_m[:, 1].max() == pytest.approx(4.0, abs=0.1)

@@ -46,3 +46,37 @@ def test_every_tree_of_a_file_can_be_an_upload_of_its_own(api: httpx.Client) -> 
     form = {"drop": "w, 1.0", "complete": "false"}
     refused = api.post("/api/trees", files={"file": (file.filename, file.data)}, data=form)
     assert (refused.status_code, refused.json()["code"]) == (422, "no-wood")
+
+
+def test_all_pieces_can_be_fetched_to_choose_from(api: httpx.Client) -> None:
+    file = labelled_file("pot", 41)
+    tree = api.post("/api/trees", files={"file": (file.filename, file.data)}).json()
+    answer = api.post(f"/api/trees/{tree['id']}/pieces")
+    assert (answer.status_code, answer.headers["content-type"]) == (200, "model/gltf-binary")
+    assert answer.content[:4] == b"glTF"
+    painted = api.patch(f"/api/trees/{tree['id']}", json={"drop": ["1.1-2"]}).json()["report"]["pieces"]
+    assert [(p["ranges"], p["kind"]) for p in painted if "ranges" in p] == [
+        (["1.1-1"], "other"),
+        (["1.2-2"], "other"),
+    ]
+    assert api.post("/api/trees/none/pieces").status_code == 404
+    builtin = next(t["id"] for t in api.get("/api/trees").json()["trees"] if t["builtin"])
+    assert api.post(f"/api/trees/{builtin}/pieces").status_code == 403
+
+
+def test_another_tree_of_a_file_is_imported_without_sending_it_again(api: httpx.Client) -> None:
+    file = labelled_file("three_trees_plain", 41)
+    first = api.post("/api/trees", files={"file": (file.filename, file.data)}, data={"up_axis": "y"}).json()
+    path = f"/api/trees/{first['id']}/copies"
+    made = api.post(path, json={"tree": 2, "name": "second"})
+    assert made.status_code == 201
+    second = made.json()
+    assert made.headers["location"] == f"/api/trees/{second['id']}"
+    assert (second["name"], second["report"]["up_axis"]["reason"]) == ("second", "given")
+    assert [t["taken"] for t in second["report"]["trees"]] == [False, True, False]
+    again = api.post(path, json={"tree": 2})
+    assert (again.status_code, again.json()["id"]) == (200, second["id"])
+    refused = api.post(path, json={"tree": 9})
+    assert (refused.status_code, refused.json()["code"]) == (422, "no-such-tree")
+    assert api.delete(f"/api/trees/{first['id']}").status_code == 204
+    assert api.patch(f"/api/trees/{second['id']}", json={"height_m": 7.0}).status_code == 200

@@ -55,7 +55,7 @@ def read(
     *,
     species: str | None = None,
     height_m: float | None = None,
-    up_axis: Literal["x", "y", "z"] | None = None,
+    up_axis: Literal["x", "y", "z", "-x", "-y", "-z"] | None = None,
     wood_materials: list[str] | None = None,
     leaves: list[str] | None = None,
     drop: list[str] | None = None,

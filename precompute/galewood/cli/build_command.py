@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -19,6 +19,9 @@ from galewood.cli.tools import (
     write_figures,
 )
 from galewood.options import BuildRequest
+
+if TYPE_CHECKING:
+    from galewood.util import MeshError
 
 Out = Annotated[Path, typer.Option(help="Table file to write; the mesh it moves is written beside it.")]
 WoodFile = Annotated[
@@ -54,9 +57,19 @@ Artefacts = Annotated[
 ]
 
 
+AllTrees = Annotated[
+    bool,
+    typer.Option(
+        "--all-trees",
+        help="Build every tree of a file with several: OUT-1.gwt, OUT-2.gwt, ... A failure stops no other.",
+    ),
+]
+
+
 def build(
     mesh: Path,
     out: Path,
+    all_trees: bool,
     wood: Path | None,
     reference: bool,
     reference_frames: int,
@@ -66,6 +79,72 @@ def build(
     **chosen: Any,
 ) -> None:
     """Simulate a tree mesh and write its motion table, and the mesh that the table moves."""
+    from galewood.util import MeshError
+
+    request = _request(chosen, wood)
+    jobs = [(request, out, artefacts, json_out)]
+    try:
+        if all_trees:
+            jobs = _job_per_tree(mesh, request, out, artefacts, json_out)
+    except MeshError as error:
+        _fail(error)
+    failed = 0
+    for one, to, pictures, figures in jobs:
+        try:
+            _build_one(mesh, one, to, reference, reference_frames, pictures, cache_dir, figures)
+        except MeshError as error:
+            failed += 1
+            _fail(error, stop=len(jobs) == 1)
+    if failed:
+        console.print(f"[red]{failed} of {len(jobs)} trees failed.[/red]")
+        raise typer.Exit(1)
+
+
+def _fail(error: MeshError, stop: bool = True) -> None:
+    console.print(f"[red]{error.title}[/red] {error.hint}")
+    if stop:
+        raise typer.Exit(1) from None
+
+
+def _job_per_tree(
+    mesh: Path, request: BuildRequest, out: Path, artefacts: Path | None, json_out: Path | None
+) -> list[tuple[BuildRequest, Path, Path | None, Path | None]]:
+    """For each tree of the file its request and its files. The unit is that of the first. MeshError."""
+    from galewood.mesh import import_mesh_sandboxed, mesh_with_companions
+    from galewood.options import import_options
+
+    first, _ = import_mesh_sandboxed(mesh_with_companions(mesh), mesh.name, import_options(request))
+    trees, unit = first.report["trees"], first.report["unit"]["value"]
+    console.print(f"{len(trees)} trees in the file")
+
+    def numbered(path: Path | None, number: int) -> Path | None:
+        return path and path.with_name(f"{path.stem}-{number}{path.suffix}")
+
+    return [
+        (
+            request.model_copy(
+                update={"tree": t["number"]}
+                | ({"height_m": t["height_m"]} if unit in ("given", "unknown") else {})
+            ),
+            out.with_name(f"{out.stem}-{t['number']}{out.suffix}"),
+            numbered(artefacts, t["number"]),
+            numbered(json_out, t["number"]),
+        )
+        for t in trees
+    ]
+
+
+def _build_one(
+    mesh: Path,
+    request: BuildRequest,
+    out: Path,
+    reference: bool,
+    reference_frames: int,
+    artefacts: Path | None,
+    cache_dir: Path,
+    json_out: Path | None,
+) -> None:
+    """Build one tree. MeshError."""
     from dataclasses import replace
 
     from galewood.fem import FemSettings
@@ -80,9 +159,8 @@ def build(
         motion_lines,
         tree_lines,
     )
-    from galewood.util import MeshError
 
-    options = build_options(_request(chosen, wood))
+    options = build_options(request)
     options = replace(
         options,
         reference_frames=reference_frames,
@@ -95,21 +173,17 @@ def build(
         for warning in tree.report["warnings"]:
             console.print(f"[yellow]Warning:[/yellow] {warning}")
 
-    try:
-        with progress_bar() as bar:
-            report = progress_reporter(bar)
-            result = build_table(
-                mesh_with_companions(mesh),
-                mesh.name,
-                options,
-                progress=lambda now: report(now.fraction, now.message),
-                cache_dir=cache_dir,
-                publish=file_writer(artefacts) if artefacts else None,
-                on_import=tell,
-            )
-    except MeshError as error:
-        console.print(f"[red]{error.title}[/red] {error.hint}")
-        raise typer.Exit(1) from None
+    with progress_bar() as bar:
+        report = progress_reporter(bar)
+        result = build_table(
+            mesh_with_companions(mesh),
+            mesh.name,
+            options,
+            progress=lambda now: report(now.fraction, now.message),
+            cache_dir=cache_dir,
+            publish=file_writer(artefacts) if artefacts else None,
+            on_import=tell,
+        )
     out.parent.mkdir(parents=True, exist_ok=True)
     table = result.whole_table()
     out.write_bytes(table)
@@ -156,6 +230,7 @@ def register(app: typer.Typer) -> None:
     parameters = [
         named_parameter("mesh", Mesh),
         named_parameter("out", Out),
+        named_parameter("all_trees", AllTrees, False),
         *request_parameters(BuildRequest, without=("wood",)),
         named_parameter("wood", WoodFile, None),
         named_parameter("reference", Reference, False),

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         volume,
         weld_keeping_faces,
     )
-    from galewood.mesh.sandboxed import import_mesh_sandboxed
+    from galewood.mesh.sandboxed import import_mesh_sandboxed, pieces_sandboxed
 
 __getattr__ = lazily(
     __name__,
@@ -39,6 +39,7 @@ __getattr__ = lazily(
         "signed_volumes": "galewood.mesh.repair",
         "volume": "galewood.mesh.repair",
         "import_mesh_sandboxed": "galewood.mesh.sandboxed",
+        "pieces_sandboxed": "galewood.mesh.sandboxed",
     },
 )
 __all__ = [
@@ -55,6 +56,7 @@ __all__ = [
     "face_components",
     "import_mesh_sandboxed",
     "mesh_with_companions",
+    "pieces_sandboxed",
     "read_glb",
     "signed_volumes",
     "volume",

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from galewood.mesh.other_objects import Others, find_around, find_ground, find_named, joined_faces
+from galewood.mesh.painted import painted_kinds, with_painted
 from galewood.mesh.piece_choices import Choices, read_choices
 from galewood.mesh.piece_evidence import PRIOR, SURE, Evidence, Mask, add_position, is_sheet, own_evidence
 from galewood.mesh.piece_groups import Group, group_pieces
@@ -52,6 +53,7 @@ class Classification:
     warnings: list[str]
     unsure_share: float  # of the tree's faces
     group_of_face: list[Ints]  # for each part of the file, the index in `groups` of each face
+    pieces: Pieces
 
 
 def classify(
@@ -204,8 +206,9 @@ def _chosen(found: _Found, parts: list[RawPart], options: ImportOptions) -> Clas
         )
     pieces, others = found.pieces, found.others
     groups = group_pieces(pieces, parts, found.kind, found.reason, found.sure, others, found.tree)
-    choices = read_choices(options, parts, groups)
-    groups = [_decided(group, choices, number) for group in groups]
+    painted, empty = painted_kinds(options, pieces, {label for part in parts for label in part.labels})
+    choices = read_choices(options, parts, groups, empty)
+    groups = [_decided(group, choices, number) for group in with_painted(groups, pieces, painted)]
     group_of_piece = np.zeros(len(pieces), dtype=np.int32)
     for index, group in enumerate(groups):
         group_of_piece[group.pieces] = index
@@ -227,13 +230,15 @@ def _chosen(found: _Found, parts: list[RawPart], options: ImportOptions) -> Clas
     faces = sum(g.faces for g in kept)
     unsure = sum(g.unsure_faces for g in kept if not g.chosen) / max(faces, 1)
     warnings = [*found.warnings, *_warnings(groups, found, number, unsure)]
-    return Classification(result, groups, found.trees, number, warnings, unsure, group_of_face)
+    return Classification(result, groups, found.trees, number, warnings, unsure, group_of_face, pieces)
 
 
 def _decided(group: Group, choices: Choices, tree: int) -> Group:
     """A group with the user's choice, or left out if it belongs to another tree."""
     if group.tree not in (0, tree):
         return replace(group, kind="other", what=f"tree {group.tree}", reason="another tree of the file")
+    if group.ranges:
+        return group
     chosen = choices.of(group)
     if chosen is None:
         return group

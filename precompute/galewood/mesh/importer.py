@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from galewood.mesh.axis import AXES, Choice, choose_scale, choose_up_axis, to_y_up
+from galewood.mesh.axis import ROTATIONS, Choice, choose_up_axis, signed, to_y_up
 from galewood.mesh.classification import Classification, ClassifiedPart, classify, welded_wood, without_strays
 from galewood.mesh.formats import FileContent, read_parts
 from galewood.mesh.joined_parts import joined_parts
@@ -25,6 +25,7 @@ from galewood.mesh.scan_ground import without_ground
 from galewood.mesh.species_names import guess_species
 from galewood.mesh.surface import solid_wood
 from galewood.mesh.types import KINDS, ImportOptions, Material, RawPart, RenderPrimitive, TreeMesh
+from galewood.mesh.unit import choose_scale
 from galewood.util import Floats, Ints, MeshError
 
 __all__ = [
@@ -49,7 +50,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     `filename` only distinguishes formats without a signature and suggests the species; no file is opened.
     """
     options = options or ImportOptions()
-    _check_options(options)
+    check_options(options)
     content = read_parts(data, filename, options)
     file_format = content.file_format
     parts, up, classified = understood(content, options)
@@ -66,7 +67,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     warnings = [*warnings, *(grown.warnings or _short_wood(pieces))]
     if up.assumed:
         unsure = "Unsure about the up axis: choose it if the tree lies on its side. " if up.unsure else ""
-        warnings.append(f"{unsure}The up axis is assumed to be +{up.value.upper()}: {up.reason}.")
+        warnings.append(f"{unsure}The up axis is assumed to be {signed(up.value)}: {up.reason}.")
     if unit.value not in ("m", "given"):
         warnings.append(f"The unit is assumed: {unit.reason}.")
     report: dict[str, Any] = {
@@ -121,7 +122,8 @@ def understood(content: FileContent, options: ImportOptions) -> tuple[list[RawPa
     return parts, up, classify(parts, options, content.qsm is not None, turned)
 
 
-def _check_options(options: ImportOptions) -> None:
+def check_options(options: ImportOptions) -> None:
+    """Raise MeshError if an option is out of range."""
     height_m = options.height_m
     if height_m is not None and not MIN_HEIGHT_M <= height_m <= MAX_HEIGHT_M:
         raise MeshError(
@@ -130,8 +132,10 @@ def _check_options(options: ImportOptions) -> None:
             f"A height of {height_m:g} m is not plausible for a tree.",
             f"Enter a height from {MIN_HEIGHT_M} to {MAX_HEIGHT_M} m.",
         )
-    if options.up_axis is not None and options.up_axis not in AXES:
-        raise MeshError("bad-axis", "unsuitable", f"Unknown axis {options.up_axis!r}.", "Use x, y or z.")
+    if options.up_axis is not None and options.up_axis not in ROTATIONS:
+        raise MeshError(
+            "bad-axis", "unsuitable", f"Unknown axis {options.up_axis!r}.", "Use x, y, z, -x, -y or -z."
+        )
 
 
 def _usable(parts: list[RawPart]) -> list[RawPart]:

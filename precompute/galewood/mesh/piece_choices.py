@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from galewood.mesh.painted import RANGE
 from galewood.mesh.piece_groups import Group, GroupKind
 from galewood.mesh.piece_names import named_kind
 from galewood.mesh.types import ImportOptions, RawPart
@@ -39,8 +40,13 @@ def _words(kind: GroupKind) -> str:
     return "left out" if kind == "other" else kind
 
 
-def read_choices(options: ImportOptions, parts: list[RawPart], groups: list[Group]) -> Choices:
-    """The choices of the options. Raises MeshError if one names nothing in the file."""
+def read_choices(
+    options: ImportOptions, parts: list[RawPart], groups: list[Group], empty: list[str]
+) -> Choices:
+    """The choices of the options that mean whole groups or parts.
+
+    Raises MeshError if one names nothing in the file; `empty` are ranges of pieces that do not exist.
+    """
     labels = {label for part in parts for label in part.labels}
     ids = {name for group in groups for name in group.ids}
     by_id: dict[str, GroupKind] = {}
@@ -50,11 +56,13 @@ def read_choices(options: ImportOptions, parts: list[RawPart], groups: list[Grou
         ("leaves", options.leaves or ()),
         ("other", options.drop or ()),
     )
-    unknown: list[str] = []
+    unknown = list(empty)
     for kind, names in given:
         for name in names:
             if name in labels:
                 by_name[name] = kind
+            elif RANGE.fullmatch(name):
+                continue
             elif ID.fullmatch(name):
                 by_id[name] = kind
                 unknown += [] if name in ids else [name]
@@ -69,6 +77,6 @@ def read_choices(options: ImportOptions, parts: list[RawPart], groups: list[Grou
             f"It has: {', '.join(known)}.",
         )
     named = bool(options.wood) and any(
-        not ID.fullmatch(name) or name in labels for name in options.wood or ()
+        not (ID.fullmatch(name) or RANGE.fullmatch(name)) or name in labels for name in options.wood or ()
     )
     return Choices(by_id, by_name, named)

@@ -40,6 +40,7 @@ class Group:
     high: Floats
     ids: frozenset[str]  # ids by which any of its pieces may be named
     chosen: bool = False  # by the user
+    ranges: tuple[str, ...] = ()  # of its pieces, if they were chosen alone
 
     def report(self) -> dict[str, Any]:
         """The group as JSON."""
@@ -55,6 +56,7 @@ class Group:
             "tree": self.tree,
             "colour": self.colour,
             "chosen": self.chosen,
+            **({"ranges": list(self.ranges)} if self.ranges else {}),
         }
 
 

@@ -26,6 +26,7 @@ def pieces_report(
     listed = sorted(order)
     row = np.full(len(found.groups) + 1, -1, dtype=np.int32)  # the last is for vertices without a group
     row[listed] = np.arange(len(listed))
+    names = tree_names(found)
     return {
         "pieces": [found.groups[k].report() for k in listed],
         "pieces_unlisted": len(found.groups) - len(listed),
@@ -33,6 +34,7 @@ def pieces_report(
         "trees": [
             {
                 "number": number,
+                "name": names[number - 1],
                 "height_m": round(float(tree.high[1] - tree.low[1]) * metres_per_unit, 3),
                 "centre": [round(float(c), 4) for c in (tree.low + tree.high) / 2],
                 "faces": tree.faces,
@@ -42,6 +44,21 @@ def pieces_report(
         ],
         "unsure_share": round(found.unsure_share, 4),
     }
+
+
+def tree_names(found: Classification) -> list[str]:
+    """A name for each tree: of the names that no other tree has, that of most faces; "" if there is none."""
+    faces: dict[str, dict[int, int]] = {}
+    for group in found.groups:
+        for label in set(group.labels) if group.tree else ():
+            of_tree = faces.setdefault(label, {})
+            of_tree[group.tree] = of_tree.get(group.tree, 0) + group.faces
+    own = {label: of_tree for label, of_tree in faces.items() if len(of_tree) == 1}
+    names: list[str] = []
+    for number in range(1, len(found.trees) + 1):
+        mine = [label for label, of_tree in own.items() if number in of_tree]
+        names.append(max(mine, key=lambda label: own[label][number], default=""))
+    return names
 
 
 def _vertex_pieces(parts: list[ClassifiedPart], row: Ints) -> list[list[int]]:

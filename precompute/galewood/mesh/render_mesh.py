@@ -26,13 +26,15 @@ DEFAULT_COLOURS = {
 
 def render_glb(tree: TreeMesh) -> bytes:
     """The tree's primitives, in order, as a valid binary glTF 2.0; deterministic for a given tree."""
-    writer = _Writer()
+    writer = GlbWriter()
     for primitive in tree.primitives:
         writer.add(primitive)
     return writer.glb()
 
 
-class _Writer:
+class GlbWriter:
+    """Collects primitives in a glTF document."""
+
     def __init__(self) -> None:
         self.binary = bytearray()
         self.document: Json = {
@@ -51,10 +53,14 @@ class _Writer:
         self.images: dict[bytes, int] = {}
         self.extensions: set[str] = set()
 
-    def add(self, primitive: RenderPrimitive) -> None:
+    def add(self, primitive: RenderPrimitive, piece: Ints | None = None) -> None:
+        """Add a primitive as a mesh; with the row of each vertex's piece, `piece` (n,), without normals."""
         attributes = {"POSITION": self._floats(primitive.positions_m, bounds=True)}
-        normals = primitive.normals if primitive.normals is not None else vertex_normals(primitive)
-        attributes["NORMAL"] = self._floats(normals)
+        if piece is not None:
+            attributes["_PIECE"] = self._floats(piece[:, None].astype(np.float64))
+        else:
+            normals = primitive.normals if primitive.normals is not None else vertex_normals(primitive)
+            attributes["NORMAL"] = self._floats(normals)
         if primitive.uv is not None:
             attributes["TEXCOORD_0"] = self._floats(primitive.uv)
         if primitive.colours is not None:
@@ -75,6 +81,7 @@ class _Writer:
         self.document["scenes"][0]["nodes"].append(len(self.document["nodes"]) - 1)
 
     def glb(self) -> bytes:
+        """The document as a binary glTF 2.0."""
         self.document["buffers"] = [{"byteLength": len(self.binary)}]
         if self.extensions:
             self.document["extensionsUsed"] = sorted(self.extensions)
@@ -109,7 +116,7 @@ class _Writer:
             "bufferView": self._view(values.tobytes(), ARRAY_BUFFER),
             "componentType": FLOAT,
             "count": len(values),
-            "type": f"VEC{values.shape[1]}",
+            "type": f"VEC{values.shape[1]}" if values.shape[1] > 1 else "SCALAR",
         }
         if bounds:
             accessor |= {"min": values.min(axis=0).tolist(), "max": values.max(axis=0).tolist()}

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from galewood.mesh.gltf_material import pack_material, unpack_material
 from galewood.mesh.importer import read_tree, render_glb
 from galewood.mesh.limits import MAX_BYTES
+from galewood.mesh.piece_mesh import pieces_glb
 from galewood.mesh.types import ImportOptions, RenderPrimitive, TreeMesh
 from galewood.sandbox import Arrays, Limits, run_limited
 from galewood.util import MeshError
@@ -57,16 +58,42 @@ def import_mesh_sandboxed(
 def read_in_child(arguments: Arrays) -> Arrays:
     """The part of import_mesh_sandboxed that runs in the child."""
     request = from_json_array(arguments["request"])
-    chosen = request["options"]
-    for name in ("wood", "leaves", "drop"):
-        if chosen[name] is not None:
-            chosen[name] = tuple(chosen[name])
-    tree = read_tree(arguments["data"].tobytes(), request["filename"], ImportOptions(**chosen))
+    options = _options_of(request["options"])
+    tree = read_tree(arguments["data"].tobytes(), request["filename"], options)
     glb = render_glb(tree)
     if then := request.get("then"):
         module, name = then.split(":")
         tree = getattr(import_module(module), name)(tree)
     return pack_tree(tree) | {"glb": to_bytes_array(glb)}
+
+
+def pieces_sandboxed(
+    data: bytes, filename: str, options: ImportOptions | None = None, limits: Limits | None = None
+) -> bytes:
+    """Run pieces_glb in a child process: all pieces of a file that was imported before. Raises MeshError."""
+    request = {"filename": filename, "options": asdict(options or ImportOptions())}
+    result = run_limited(
+        "galewood.mesh.sandboxed:pieces_in_child",
+        {"data": to_bytes_array(data), "request": to_json_array(request)},
+        limits or IMPORT_LIMITS,
+        what="Reading the mesh",
+    )
+    return result["glb"].tobytes()
+
+
+def pieces_in_child(arguments: Arrays) -> Arrays:
+    """The part of pieces_sandboxed that runs in the child."""
+    request = from_json_array(arguments["request"])
+    options = _options_of(request["options"])
+    return {"glb": to_bytes_array(pieces_glb(arguments["data"].tobytes(), request["filename"], options))}
+
+
+def _options_of(chosen: dict[str, Any]) -> ImportOptions:
+    """The options as they were before they became JSON."""
+    lists: dict[str, Any] = {
+        name: tuple(chosen[name]) for name in ("wood", "leaves", "drop") if chosen[name] is not None
+    }
+    return ImportOptions(**(chosen | lists))
 
 
 def pack_tree(tree: TreeMesh) -> Arrays:

@@ -15,7 +15,7 @@ from galewood.util import Floats, Ints
 Kind = Literal["wood", "twigs", "leaves"]
 """Wood is meshed. Twigs are wood too thin to be meshed: they are drawn, and hang on it with their mass."""
 KINDS: tuple[Kind, ...] = ("wood", "twigs", "leaves")  # in the order of the primitives
-Axis = Literal["x", "y", "z"]
+Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
 
 
 @dataclass(frozen=True)

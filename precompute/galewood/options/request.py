@@ -26,21 +26,23 @@ class ImportRequest(BaseModel):
 
     species: str | None = Field(default=None, description="Wood species; default: guessed from the names.")
     height_m: float | None = Field(default=None, gt=0.1, le=150, description="Height of the tree, m.")
-    up_axis: Literal["x", "y", "z"] | None = Field(default=None, description="Axis that points up.")
+    up_axis: Literal["x", "y", "z", "-x", "-y", "-z"] | None = Field(
+        default=None, description="Axis that points up; -z: z points down."
+    )
     wood_materials: list[MaterialName] | None = Field(
         default=None,
         min_length=1,
-        max_length=400,
+        max_length=4000,
         description="What is wood: names of materials, nodes or meshes, or ids of pieces. If a name is "
         "given, all parts that are not named are leaves; ids change only their own pieces.",
     )
     leaves: list[MaterialName] | None = Field(
-        default=None, min_length=1, max_length=400, description="What is leaves: names, or ids of pieces."
+        default=None, min_length=1, max_length=4000, description="What is leaves: names, or ids of pieces."
     )
     drop: list[MaterialName] | None = Field(
         default=None,
         min_length=1,
-        max_length=400,
+        max_length=4000,
         description="What is left out, such as ground: names, or ids of pieces.",
     )
     tree: int | None = Field(

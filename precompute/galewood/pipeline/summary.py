@@ -10,9 +10,10 @@ MOST_PARTS = 30
 def import_lines(report: dict[str, Any]) -> list[str]:
     """What was found in a mesh file and what was assumed; warnings are not included."""
     species, unit, axis = report["species"], report["unit"], report["up_axis"]
+    up = str(axis["value"]).upper()
     lines = [
         f"{report['file']['name']}: {report['file']['format']}, {report['height_m']:.3g} m high",
-        f"up axis +{str(axis['value']).upper()}{_assumed(axis)}",
+        f"up axis {'' if up.startswith('-') else '+'}{up}{_assumed(axis)}",
         f"unit {unit['value']}{_assumed(unit)}",
         f"wood species {species['value'] or 'default'} ({species['reason']})",
     ]

@@ -11,6 +11,7 @@ from galewood_server.api import (
     inventories,
     jobs,
     metrics,
+    pieces,
     revisions,
     socket,
     trees,
@@ -25,7 +26,7 @@ from galewood_server.http import with_head_routes
 ROUTERS: tuple[APIRouter, ...] = tuple(
     with_head_routes(module.router)
     for module in (
-        uploads, trees, revisions, thumbnails, structures, exports, jobs, job_pictures, comparisons,
+        uploads, trees, revisions, pieces, thumbnails, structures, exports, jobs, job_pictures, comparisons,
         evaluations, tables, artefacts, wood_species, winds, inventories, events, socket, health, metrics,
     )
 )  # fmt: skip

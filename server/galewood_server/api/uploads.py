@@ -60,7 +60,7 @@ async def upload_tree(
     if tree is None:
         check_face_count(upload.data, service.settings.upload_faces)
         mesh, glb = await read_mesh(service, upload.data, upload.filename, given_import_options(fields))
-        tree, new = await asyncio.to_thread(_store, service, upload, fields, mesh, glb)
+        tree, new = await asyncio.to_thread(store_tree, service, upload, fields, mesh, glb)
     else:
         new = False
     response.status_code = 201 if new else 200
@@ -124,7 +124,7 @@ def _find_same(session: Session, source_sha256: str, options: dict[str, Any]) ->
     return next((tree for tree in trees if tree.options == options), None)
 
 
-def _store(
+def store_tree(
     service: Service, upload: Upload, fields: TreeChanges, mesh: TreeMesh, glb: bytes
 ) -> tuple[TreeOut, bool]:
     """Store an upload. Returns the tree and whether it is new: equal concurrent uploads become one tree."""

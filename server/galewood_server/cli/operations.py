@@ -24,7 +24,7 @@ def upload(
     ] = None,
     species: Annotated[str | None, typer.Option(help="Wood species.")] = None,
     height_m: Annotated[float | None, typer.Option(help="Height of the tree (m).")] = None,
-    up_axis: Annotated[str | None, typer.Option(help="Up axis: x, y or z.")] = None,
+    up_axis: Annotated[str | None, typer.Option(help="Up axis: x, y, z, -x, -y or -z.")] = None,
     wood: Annotated[list[str] | None, typer.Option(help="Names or ids of pieces that are wood.")] = None,
     leaves: Annotated[list[str] | None, typer.Option(help="Names or ids of pieces that are leaves.")] = None,
     drop: Annotated[list[str] | None, typer.Option(help="Names or ids of pieces to leave out.")] = None,

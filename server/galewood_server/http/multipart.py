@@ -39,7 +39,7 @@ UPLOAD_FORM: dict[str, Any] = {
                         "species": {"type": "string", "description": "See GET /api/species"},
                         "height_m": {"type": "number", "exclusiveMinimum": 0.1, "maximum": 150},
                         "name": {"type": "string", "maxLength": 200},
-                        "up_axis": {"type": "string", "enum": ["x", "y", "z"]},
+                        "up_axis": {"type": "string", "enum": ["x", "y", "z", "-x", "-y", "-z"]},
                         "wood_materials": {
                             "type": "string",
                             "description": "Comma-separated names of wood materials, nodes or meshes, or "

@@ -6,11 +6,15 @@ import {
   DirectionalLight,
   Mesh,
   MeshBasicMaterial,
+  MOUSE,
+  type Object3D,
   PerspectiveCamera,
   type Raycaster,
   Scene,
+  TOUCH,
   type Vector2,
   WebGLRenderer,
+  type WebGLRenderTarget,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
@@ -51,6 +55,27 @@ export class PreviewStage {
   /** Directs a ray from the camera through a place on the canvas, in −1 … 1. */
   aim(ray: Raycaster, place: Vector2): void {
     ray.setFromCamera(place, this.camera);
+  }
+
+  /** Leaves the left button and a single finger to others; the right button and two fingers still turn the tree. */
+  leavePointer(left: boolean): void {
+    this.controls.mouseButtons = {
+      LEFT: left ? null : MOUSE.ROTATE,
+      MIDDLE: MOUSE.DOLLY,
+      RIGHT: MOUSE.ROTATE,
+    };
+    this.controls.touches = { ONE: left ? null : TOUCH.ROTATE, TWO: TOUCH.DOLLY_ROTATE };
+  }
+
+  /** What the camera sees of an object of the scene: four bytes per pixel, the lowest line first. */
+  read(object: Object3D, target: WebGLRenderTarget): Uint8Array {
+    const pixels = new Uint8Array(4 * target.width * target.height);
+    this.renderer.setRenderTarget(target);
+    this.renderer.setClearColor(0, 0);
+    this.renderer.render(object, this.camera);
+    this.renderer.setRenderTarget(null);
+    this.renderer.readRenderTargetPixels(target, 0, 0, target.width, target.height, pixels);
+    return pixels;
   }
 
   render(): void {

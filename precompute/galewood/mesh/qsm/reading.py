@@ -25,8 +25,11 @@ from galewood.mesh.qsm.tubes import tube, tube_faces
 from galewood.mesh.types import Axis, ImportOptions, Material, RawPart
 from galewood.util import Floats, MeshError
 
-COLUMNS_FOR_Z_UP: dict[Axis, list[int]] = {"x": [1, 2, 0], "y": [2, 0, 1], "z": [0, 1, 2]}
-"""Order of the coordinates in which the axis that points up is the last, without mirroring."""
+Z_UP: dict[Axis, tuple[list[int], list[float]]] = {
+    "x": ([1, 2, 0], [1, 1, 1]), "y": ([2, 0, 1], [1, 1, 1]), "z": ([0, 1, 2], [1, 1, 1]),
+    "-x": ([1, 2, 0], [1, -1, -1]), "-y": ([2, 0, 1], [1, -1, -1]), "-z": ([0, 1, 2], [1, -1, -1]),
+}  # fmt: skip
+"""Order of the coordinates, and their signs, with which the given axis becomes +Z, without mirroring."""
 QsmFormat = Literal["treeqsm", "csv"]
 MIN_RADIUS_MM = 10.0
 MOST_BRANCHES = 200
@@ -60,8 +63,8 @@ class ScannedTree:
 def read_qsm(data: bytes, file_format: QsmFormat, options: ImportOptions) -> ScannedTree:
     """The tree of a cylinder model. Raises MeshError if it is damaged or is not one tree."""
     raw, models = read_treeqsm(data) if file_format == "treeqsm" else (read_table(data), 1)
-    order = COLUMNS_FOR_Z_UP[options.up_axis or "z"]
-    raw = replace(raw, start_m=raw.start_m[:, order], end_m=raw.end_m[:, order])
+    order, signs = Z_UP[options.up_axis or "z"]
+    raw = replace(raw, start_m=raw.start_m[:, order] * signs, end_m=raw.end_m[:, order] * signs)
     if options.height_m is not None and raw.height_m > 0:
         raw = raw.scaled(options.height_m / raw.height_m)
     tree, loose = checked_tree(raw)
@@ -83,14 +86,14 @@ def read_qsm(data: bytes, file_format: QsmFormat, options: ImportOptions) -> Sca
         "dropped": _dropped(tree, branches, kept, loose),
     }
     warnings = _warnings(report, models, options) + trunk_warnings(tree, branches[0])
-    return ScannedTree([_in_axes_of_file(part, order) for part in parts], report, warnings)
+    return ScannedTree([_in_axes_of_file(part, order, signs) for part in parts], report, warnings)
 
 
-def _in_axes_of_file(part: RawPart, order: list[int]) -> RawPart:
+def _in_axes_of_file(part: RawPart, order: list[int], signs: list[float]) -> RawPart:
     """The part with its coordinates in the order of the file."""
     back = np.argsort(order)
-    normals = None if part.normals is None else part.normals[:, back]
-    return replace(part, positions=part.positions[:, back], normals=normals)
+    normals = None if part.normals is None else (part.normals * signs)[:, back]
+    return replace(part, positions=(part.positions * signs)[:, back], normals=normals)
 
 
 def _fitted(tree: Cylinders, trunk: Branch, dbh_cm: float | None) -> tuple[Cylinders, float | None]:

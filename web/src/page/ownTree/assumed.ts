@@ -13,6 +13,8 @@ export interface Part {
 /** A tree of a file with several. */
 export interface FoundTree {
   readonly number: number;
+  /** A name in the file that no other tree has; may be empty. */
+  readonly name: string;
   readonly height_m: number;
   readonly faces: number;
   readonly taken: boolean;
@@ -31,6 +33,8 @@ export interface Scan {
 export interface Assumed {
   readonly axis: { value: string; reason: string; unsure: boolean };
   readonly size: string;
+  /** The unit of the file; "given" or "unknown" if the height says nothing about it. */
+  readonly unit: string;
   readonly height_m: number;
   readonly species: { value: string; reason: string };
   readonly parts: readonly Part[];
@@ -78,6 +82,7 @@ function pieceOf(value: unknown): Piece {
     tree: numberIn(piece.tree) ?? 1,
     colour: /^#[0-9a-f]{6}$/.test(text(piece.colour)) ? text(piece.colour) : null,
     chosen: piece.chosen === true,
+    ranges: list(piece.ranges).map(text).filter(Boolean),
   };
 }
 
@@ -85,6 +90,7 @@ function treeOf(value: unknown): FoundTree {
   const tree = object(value);
   return {
     number: numberIn(tree.number) ?? 1,
+    name: text(tree.name),
     height_m: numberIn(tree.height_m) ?? 0,
     faces: numberIn(tree.faces) ?? 0,
     taken: tree.taken === true,
@@ -117,6 +123,7 @@ export function assumedOf(report: unknown): Assumed {
   return {
     axis: { value: text(axis.value) || "y", reason: text(axis.reason), unsure: axis.unsure === true },
     size: text(unit.reason),
+    unit: text(unit.value),
     height_m: numberIn(intake.height_m) ?? 0,
     species: { value: text(species.value), reason: text(species.reason) },
     parts,

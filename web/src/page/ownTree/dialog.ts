@@ -11,23 +11,31 @@ import {
   startPrecompute,
   type Tree,
 } from "../server/api";
-import type { Limits } from "../settings/queryNumbers";
 import { make } from "../ui/dom";
 import { displayName } from "../ui/words";
-import { type Assumed, assumedOf, type Scan } from "./assumed";
+import { type Assumed, assumedOf } from "./assumed";
 import { Computing } from "./computing";
 import { expectedMotionOf } from "./expectedMotion";
+import { button, numberField, row, select } from "./formRows";
 import { LivelinessChoice } from "./livelinessChoice";
+import { olderParts } from "./olderParts";
 import type { OwnUploads } from "./ownUploads";
-import { AS_DETECTED, PieceList } from "./pieces";
+import { Painting } from "./painting/painting";
+import { type PieceChoices, PieceList } from "./pieces";
 import { Preview } from "./preview";
+import { scanFields } from "./scanFields";
+import { SeveralTrees } from "./severalTrees";
+import { addedWoodRow, treeRows } from "./treeRows";
+import { upAxisRow } from "./upAxis";
 
-const AXES = { y: "Y", z: "Z", x: "X" };
 const still = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class OwnTreeDialog {
   private readonly dialog = make("dialog", "", "own-tree");
   private readonly canvas = make("canvas", "", "own-tree-stage");
+  /** The picture and its controls. */
+  private readonly view = make("div", "", "own-tree-view");
+  private readonly paint = button("Paint pieces", () => void this.startPainting());
   private readonly title = make("h2", "Your tree");
   private readonly side = make("section");
   private readonly form = make("div", "", "own-tree-form");
@@ -41,6 +49,10 @@ export class OwnTreeDialog {
   );
   private settle: (started: boolean) => void = () => {};
   private computing: Computing | null = null;
+  private painting: Painting | null = null;
+  private several: SeveralTrees | null = null;
+  /** The import that painting has started. */
+  private changing: Promise<boolean> = Promise.resolve(true);
   private stopWatching = () => {};
   private started = false;
   private lacksWood = false;
@@ -56,16 +68,18 @@ export class OwnTreeDialog {
     this.message.setAttribute("role", "status");
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", "Detected parts: wood in brown, leaves in green");
-    const away = make("button", "Discard");
-    for (const button of [away, this.go]) button.type = "button";
-    away.addEventListener("click", () => this.dialog.close());
+    const away = button("Discard", () => this.dialog.close());
+    this.go.type = "button";
     this.go.addEventListener("click", () => void this.compute());
     const foot = make("footer");
     foot.append(away, this.go);
     this.side.append(this.form, this.message, foot);
     const body = make("div", "", "own-tree-body");
-    body.append(this.canvas, this.side);
+    this.paint.hidden = true;
+    this.view.append(this.canvas, this.paint);
+    body.append(this.view, this.side);
     this.dialog.append(this.title, body);
+    this.dialog.addEventListener("keydown", (event) => this.key(event));
     this.dialog.addEventListener("close", () => void this.closed());
     document.body.append(this.dialog);
     this.preview = new Preview(this.canvas, (entry) => this.pieces.focus(entry));
@@ -108,116 +122,116 @@ export class OwnTreeDialog {
   }
 
   private fields(assumed: Assumed, species: readonly { id: string; name: string }[]): HTMLElement[] {
-    const woods = Object.fromEntries(species.map(({ id, name }) => [id, name]));
+    const woods = species.map(({ id, name }) => [id, name] as const);
     const wood = select(woods, assumed.species.value || "default", (value) =>
       this.change({ species: value }),
     );
     const height = numberField(assumed.height_m, { min: 0.5, max: 150, step: 0.1 }, (value) =>
       this.change({ height_m: value }),
     );
-    const axis = select(AXES, assumed.axis.value, (value) => this.change({ up_axis: value }));
+    this.lacksWood ||= assumed.addedWood !== null; // the choice stays once wood has been left out
+    const axis = upAxisRow(assumed, (value) => void this.change({ up_axis: value }));
     return [
+      ...(assumed.axis.unsure ? [axis] : []), // a question comes first
       row("Wood species", wood, assumed.species.reason),
       row("Height (m)", height, assumed.size),
-      axisRow(axis, assumed),
-      ...this.trees(assumed),
-      ...this.addedWood(assumed),
-      ...(assumed.scan ? this.scanFields(assumed.scan) : [this.parts(assumed)]),
-    ];
-  }
-
-  /** Which tree of a file with several is imported. */
-  private trees({ trees }: Assumed): HTMLElement[] {
-    if (trees.length < 2) return [];
-    const words = trees.map(({ number, height_m }) => [
-      String(number),
-      `${number} of ${trees.length}: ${height_m.toFixed(1)} m`,
-    ]);
-    const taken = trees.find((tree) => tree.taken)?.number ?? 1;
-    const made = select(Object.fromEntries(words), String(taken), (value) =>
-      this.change({ tree: Number(value), ...AS_DETECTED }),
-    );
-    return [row("Tree", made, "the file has several; drop it again to plant another one")];
-  }
-
-  /** Whether wood that the file lacks is added; the choice stays once wood has been left out. */
-  private addedWood({ addedWood }: Assumed): HTMLElement[] {
-    this.lacksWood ||= addedWood !== null;
-    if (!this.lacksWood) return [];
-    const made = select({ added: "Added", none: "None" }, addedWood === null ? "none" : "added", (value) =>
-      this.change({ complete: value === "added" ? null : false }),
-    );
-    return [
-      row(
-        "Missing wood",
-        made,
-        addedWood ?? "foliage without wood stays rigid, or bends with the nearest bough",
+      ...(assumed.axis.unsure ? [] : [axis]),
+      ...treeRows(
+        assumed.trees,
+        (one) => void this.change(one),
+        () => this.importAll(assumed),
       ),
+      ...(this.lacksWood ? [addedWoodRow(assumed.addedWood, (one) => void this.change(one))] : []),
+      ...(assumed.scan ? scanFields(assumed.scan, (one) => void this.change(one)) : [this.parts(assumed)]),
     ];
   }
 
-  /** What can be corrected only in a scanned tree. Its parts are known. */
-  private scanFields({ dbh_cm, min_radius_mm, dropped, bare }: Scan): HTMLElement[] {
-    const diameter = numberField(dbh_cm, { min: 1, max: 1500, step: 0.1 }, (value) =>
-      this.change({ dbh_cm: value }),
+  /** Imports every tree of the file as an upload of its own. */
+  private importAll(assumed: Assumed): void {
+    this.painting?.finish(false);
+    const { tree, uploads } = this;
+    const several = new SeveralTrees(
+      { tree, assumed, uploads, firstFrequency_Hz: this.liveliness.firstFrequency_Hz },
+      () => this.dialog.close(),
+      () => this.dialog.close(),
     );
-    diameter.disabled = dbh_cm === null;
-    const least = numberField(min_radius_mm, { min: 0, max: 500, step: 0.5 }, (value) =>
-      this.change({ min_radius_mm: value }),
-    );
-    const leaves = select({ added: "Added", none: "None" }, bare ? "none" : "added", (value) =>
-      this.change({ bare: value === "none" }),
-    );
-    const low = "the trunk does not reach 1.3 m";
-    return [
-      row("Trunk (cm)", diameter, dbh_cm === null ? low : "diameter at 1.3 m; all radii are scaled with it"),
-      row("Finest (mm)", least, `${dropped} dropped: branches nowhere as thick as this radius`),
-      row("Leaves", leaves, "a scan has none; their area is assumed"),
-    ];
+    this.several = several;
+    this.paint.hidden = true;
+    this.side.replaceChildren(several.root);
+    void several.run();
   }
 
-  /** The detected pieces; for reports of older imports their parts, each with a checkbox that marks it as wood. */
+  /** The detected pieces; for reports of older imports their parts. */
   private parts({ parts, pieces, trees }: Assumed): HTMLElement {
     if (pieces.length > 0) {
       this.pieces.show(pieces, trees.find((tree) => tree.taken)?.number ?? 1);
+      this.paint.hidden = this.painting !== null;
       return this.pieces.root;
     }
-    const set = make("fieldset");
-    set.append(make("legend", "Detected parts (checked = wood)"));
-    for (const part of parts) {
-      const box = make("input");
-      Object.assign(box, { type: "checkbox", checked: part.wood, value: part.name, disabled: !part.name });
-      box.addEventListener("change", () => {
-        const chosen = [...set.querySelectorAll("input:checked")].map(
-          (one) => (one as HTMLInputElement).value,
-        );
-        this.change({ wood_materials: chosen.length > 0 ? chosen : null });
-      });
-      const label = make("label");
-      label.append(
-        box,
-        make("span", part.name || "unnamed"),
-        make("small", `${part.faces.toLocaleString("en")} faces; ${part.reason}`),
-      );
-      set.append(label);
-    }
-    return set;
+    return olderParts(parts, (wood) => void this.change({ wood_materials: wood }));
   }
 
-  private async change(assumptions: Assumptions): Promise<void> {
-    this.busy("Importing the mesh again");
+  /** Starts painting pieces in the picture. */
+  private async startPainting(): Promise<void> {
+    const { tree } = this;
+    const { height_m, pieces } = assumedOf(tree.report);
+    this.busy("Reading all pieces");
+    this.paint.disabled = true;
     try {
-      this.tree = await changeAssumptions(this.tree.id, assumptions);
+      const host = { stage: this.preview.stage, canvas: this.canvas, place: this.view };
+      const upload = { id: tree.id, height_m, pieces };
+      this.painting = await Painting.start(host, upload, (choices) => this.painted(choices));
+      this.preview.hide(true);
+      this.paint.hidden = this.form.inert = true;
       this.message.textContent = "";
     } catch (error) {
       this.say(error);
     } finally {
-      this.go.disabled = false;
+      this.go.disabled = this.paint.disabled = false;
     }
-    await this.show();
+  }
+
+  /** Painting has ended, with choices if pieces have changed. */
+  private painted(choices: PieceChoices | null): void {
+    this.painting = null;
+    this.paint.hidden = this.form.inert = false;
+    this.preview.hide(false);
+    if (choices) this.changing = this.change(choices);
+    else void this.show();
+    this.paint.focus();
+  }
+
+  private key(event: KeyboardEvent): void {
+    if (!this.painting) return;
+    if (event.key === "Escape") {
+      event.preventDefault(); // ends painting, not the dialog
+      this.painting.finish(false);
+    } else if (!isTyping(event.target) && this.painting.key(event)) event.preventDefault();
+    else return;
+    event.stopPropagation();
+  }
+
+  /** Returns whether the import succeeded. */
+  private async change(assumptions: Assumptions): Promise<boolean> {
+    this.busy("Importing the mesh again");
+    try {
+      this.tree = await changeAssumptions(this.tree.id, assumptions);
+      this.message.textContent = "";
+      return true;
+    } catch (error) {
+      this.say(error);
+      return false;
+    } finally {
+      this.go.disabled = false;
+      await this.show();
+    }
   }
 
   private async compute(): Promise<void> {
+    this.painting?.finish(true);
+    const fine = await this.changing;
+    this.changing = Promise.resolve(true);
+    if (!fine) return;
     this.busy("Submitting");
     try {
       await startPrecompute(this.tree.id, { first_frequency_hz: this.liveliness.firstFrequency_Hz });
@@ -240,6 +254,7 @@ export class OwnTreeDialog {
       leave: () => this.dialog.close(),
     });
     this.computing = computing;
+    this.paint.hidden = true;
     this.side.replaceChildren(computing.root);
     computing.focus();
     this.stopWatching = this.uploads.watch(id, (change) => {
@@ -263,8 +278,11 @@ export class OwnTreeDialog {
     cancelAnimationFrame(this.frame);
     this.stopWatching();
     this.computing?.dispose();
+    this.several?.dispose();
+    this.painting?.dispose();
     this.preview.dispose();
     this.dialog.remove();
+    this.started ||= this.several?.keepsShown === true;
     if (!this.started) await deleteTree(this.tree.id).catch(() => {}); // discarded
     this.settle(this.started);
   }
@@ -277,44 +295,5 @@ function warnings({ warnings: texts }: Assumed): HTMLElement[] {
   return [list];
 }
 
-function axisRow(axis: HTMLElement, { axis: { reason, unsure } }: Assumed): HTMLElement {
-  const made = row("Up axis", axis, unsure ? `Unsure, please check: ${reason}` : reason);
-  made.classList.toggle("unsure", unsure);
-  return made;
-}
-
-function row(words: string, control: HTMLElement, reason: string): HTMLElement {
-  const label = make("label", "", "own-tree-row");
-  label.append(make("span", words), control, make("small", reason));
-  return label;
-}
-
-function numberField(
-  value: number | null,
-  limits: Limits,
-  changed: (value: number | null) => void,
-): HTMLInputElement {
-  const made = make("input");
-  const [min, max, step] = [limits.min, limits.max, limits.step].map(String);
-  Object.assign(made, { type: "number", min, max, step, value: value?.toFixed(1) ?? "" });
-  made.addEventListener("change", () =>
-    changed(Number.isNaN(made.valueAsNumber) ? null : made.valueAsNumber),
-  );
-  return made;
-}
-
-function select(
-  choices: Record<string, string>,
-  value: string,
-  chosen: (value: string) => void,
-): HTMLSelectElement {
-  const made = make("select");
-  for (const [id, words] of Object.entries(choices)) {
-    const option = make("option", words);
-    option.value = id;
-    made.append(option);
-  }
-  made.value = value;
-  made.addEventListener("change", () => chosen(made.value));
-  return made;
-}
+const isTyping = (target: EventTarget | null) =>
+  target instanceof HTMLInputElement && /^(text|number)$/.test(target.type);

@@ -20,6 +20,8 @@ export interface Piece {
   /** #rrggbb, or null if the file has none. */
   readonly colour: string | null;
   readonly chosen: boolean;
+  /** Its pieces as ranges, if they were painted one by one; empty for a whole group. */
+  readonly ranges: readonly string[];
 }
 
 /** The choices as the server takes them; null: as detected. */
@@ -38,10 +40,12 @@ const WORDS: Record<PieceKind, string> = {
 
 /** All choices after one more. Twigs cannot be chosen: that restores what was detected. Pure. */
 export function choicesWith(pieces: readonly Piece[], id: string, kind: PieceKind): PieceChoices {
-  const kinds = new Map(pieces.filter(({ chosen }) => chosen).map((piece) => [piece.id, piece.kind]));
-  kinds.set(id, kind);
   const of = (wanted: PieceKind) => {
-    const ids = [...kinds].filter(([, found]) => found === wanted).map(([key]) => key);
+    const ids = pieces.flatMap((piece) => {
+      const found = piece.id === id ? kind : piece.chosen ? piece.kind : null;
+      if (found !== wanted) return [];
+      return piece.ranges.length > 0 ? piece.ranges : [piece.id];
+    });
     return ids.length > 0 ? ids : null;
   };
   return { wood_materials: of("wood"), leaves: of("leaves"), drop: of("other") };

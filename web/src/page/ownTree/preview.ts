@@ -24,10 +24,13 @@ const CLICK_PX = 5;
 type PreviewMesh = Mesh<BufferGeometry, MeshLambertMaterial>;
 
 export class Preview {
-  private readonly stage: PreviewStage;
+  readonly stage: PreviewStage;
   private tree: Group | null = null;
+  /** The size of the tree. */
+  private frame: TreeModel | null = null;
   /** For each mesh, the row of each vertex. */
   private rows: readonly Int32Array[] = [];
+  private hidden = false;
   private readonly life = new AbortController();
 
   /** `picked` is called with the row of a piece that is clicked. */
@@ -39,7 +42,8 @@ export class Preview {
     canvas.addEventListener(
       "pointerup",
       (event) => {
-        if (!from || Math.hypot(event.clientX - from[0], event.clientY - from[1]) > CLICK_PX) return;
+        if (!from || this.hidden || Math.hypot(event.clientX - from[0], event.clientY - from[1]) > CLICK_PX)
+          return;
         const row = this.rowAt(canvas, event);
         if (row !== null) picked(row);
       },
@@ -53,13 +57,22 @@ export class Preview {
     this.tree = new Group();
     this.tree.add(...model.parts.map(meshOf));
     this.rows = model.parts.map((part, k) => rowsOfVertices(vertexPieces[k] ?? [], part.vertices));
+    this.tree.visible = !this.hidden;
     this.stage.scene.add(this.tree);
+    this.frame = model;
     this.stage.frame(model);
+  }
+
+  /** Hides the tree, because something else is drawn in its place. */
+  hide(hidden: boolean): void {
+    this.hidden = hidden;
+    if (this.tree) this.tree.visible = !hidden;
+    if (!hidden && this.frame) this.stage.frame(this.frame);
   }
 
   /** Renders, and rotates the tree slowly unless `still`. */
   render(dt_s: number, still: boolean): void {
-    if (this.tree && !still) this.tree.rotation.y += TURN_RAD_S * dt_s;
+    if (this.tree && !still && !this.hidden) this.tree.rotation.y += TURN_RAD_S * dt_s;
     this.stage.render();
   }
 

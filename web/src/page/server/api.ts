@@ -145,6 +145,7 @@ export async function startPrecompute(treeId: string, settings: BuildSettings = 
 
 /** Corrections of an upload; null restores the detected value. */
 export interface Assumptions {
+  name?: string | null;
   species?: string | null;
   height_m?: number | null;
   up_axis?: string | null;
@@ -170,6 +171,25 @@ export async function changeAssumptions(treeId: string, assumptions: Assumptions
     body: JSON.stringify(assumptions),
   };
   return (await (await fetchApi(`api/trees/${encodeURIComponent(treeId)}`, init)).json()) as Tree;
+}
+
+/** All pieces of an upload's tree as a GLB, also those that are left out. */
+export async function fetchPieces(treeId: string): Promise<ArrayBuffer> {
+  const path = `api/trees/${encodeURIComponent(treeId)}/pieces`;
+  return (await fetchApi(path, { method: "POST" })).arrayBuffer();
+}
+
+/** Imports the file of an upload once more, as a tree of its own, with these changes. */
+export async function copyTree(
+  treeId: string,
+  changes: Assumptions & { readonly name: string },
+): Promise<Tree> {
+  const init = {
+    method: "POST",
+    headers: { "content-type": "application/json" },
+    body: JSON.stringify(changes),
+  };
+  return (await (await fetchApi(`api/trees/${encodeURIComponent(treeId)}/copies`, init)).json()) as Tree;
 }
 
 export async function deleteTree(treeId: string): Promise<void> {

@@ -1,0 +1,87 @@
+"""The pieces of an upload to choose from, and further trees of its file as uploads of their own."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import APIRouter, Response
+from galewood.mesh import pieces_sandboxed
+from galewood.sandbox import Limits
+
+from galewood_server.api.files.artefacts import BINARY
+from galewood_server.api.trees import find_tree
+from galewood_server.api.uploads import given_import_options, read_mesh, store_tree
+from galewood_server.context import Service, ServiceDep
+from galewood_server.http import ProblemError, TreeChanges, TreeOut, Upload, import_options, problems
+
+router = APIRouter(prefix="/api/trees", tags=["trees"])
+GLB: dict[int | str, dict[str, Any]] = {
+    200: {"description": "All pieces as a GLB.", "content": {"model/gltf-binary": BINARY}}
+}
+
+
+@dataclass(frozen=True)
+class _Source:
+    """The file of an upload, and its import options."""
+
+    upload: Upload
+    options: dict[str, Any]
+
+
+@router.post(
+    "/{tree_id}/pieces",
+    response_class=Response,
+    max_body_size=1024,
+    responses={**GLB, **problems(403, 404, 413, 422)},
+)
+async def read_pieces(tree_id: str, service: ServiceDep) -> Response:
+    """All pieces of an upload's tree, also those that are left out, to choose from: a GLB with the attribute
+    `_PIECE` (docs/how-to/pieces.md). A POST, because it reads the file again."""
+    source = await asyncio.to_thread(_source, service, tree_id)
+    async with service.import_slots:
+        glb = await asyncio.to_thread(_pieces, service, source)
+    return Response(glb, media_type="model/gltf-binary", headers={"Cache-Control": "no-store"})
+
+
+@router.post(
+    "/{tree_id}/copies",
+    status_code=201,
+    max_body_size=64 * 1024,
+    responses={
+        200: {"model": TreeOut, "description": "There is such a tree already."},
+        **problems(400, 403, 404, 413, 422, 507),
+    },
+)
+async def copy_tree(tree_id: str, body: TreeChanges, service: ServiceDep, response: Response) -> TreeOut:
+    """Import the file of an upload once more as a tree of its own, with other options: another `tree` of a
+    file with several, for instance. Options that are missing are those of the upload; null restores the
+    default. The file is not sent again, and stored once."""
+    source = await asyncio.to_thread(_source, service, tree_id)
+    kept = {key: value for key, value in source.options.items() if key not in body.model_fields_set}
+    fields = TreeChanges.model_validate({**kept, **body.model_dump(exclude_unset=True)})
+    options = given_import_options(fields)
+    mesh, glb = await read_mesh(service, source.upload.data, source.upload.filename, options)
+    tree, new = await asyncio.to_thread(store_tree, service, source.upload, fields, mesh, glb)
+    response.status_code = 201 if new else 200
+    response.headers["Location"] = f"/api/trees/{tree.id}"
+    return tree
+
+
+def _source(service: Service, tree_id: str) -> _Source:
+    """ProblemError 403, 404."""
+    with service.sessions() as session:
+        tree = find_tree(session, tree_id)
+        if tree.builtin:
+            hint = "Only the file of an upload can be imported again."
+            raise ProblemError(403, "builtin-tree", "This is a built-in tree", hint=hint)
+        data = service.stores.sources.get(tree.source_sha256)
+        return _Source(Upload(data, tree.filename, {}), tree.options)
+
+
+def _pieces(service: Service, source: _Source) -> bytes:
+    settings = service.settings
+    limits = Limits(settings.import_memory_bytes, settings.import_cpu_s, settings.import_wall_s)
+    upload = source.upload
+    return pieces_sandboxed(upload.data, upload.filename, import_options(source.options), limits)

@@ -1,0 +1,78 @@
+/** Draws pieces in the colour of their kind, or their rows as colours to be read back. */
+import { DataTexture, DoubleSide, NearestFilter, ShaderMaterial, type Texture } from "three";
+import type { PieceKind } from "../pieces";
+
+/** sRGB. */
+export const KIND_COLOURS: Record<PieceKind, readonly [number, number, number]> = {
+  wood: [0xc0, 0x8a, 0x55],
+  twigs: [0x96, 0x66, 0x3c],
+  leaves: [0x7f, 0xb0, 0x61],
+  other: [0x6d, 0x74, 0x7a],
+};
+const WIDTH = 256;
+
+/** The colour of every piece, one texel each. */
+export class PieceColours {
+  readonly texture: DataTexture;
+  private readonly bytes: Uint8Array;
+
+  constructor(count: number) {
+    const rows = Math.max(1, Math.ceil(count / WIDTH));
+    this.bytes = new Uint8Array(4 * WIDTH * rows).fill(255);
+    this.texture = new DataTexture(this.bytes, WIDTH, rows);
+    this.texture.magFilter = this.texture.minFilter = NearestFilter;
+  }
+
+  set(row: number, kind: PieceKind): void {
+    this.bytes.set(KIND_COLOURS[kind], 4 * row);
+    this.texture.needsUpdate = true;
+  }
+}
+
+const VERTEX = /* glsl */ `
+attribute float piece;
+flat varying int row;
+varying vec3 place;
+varying vec2 at;
+void main() {
+  vec4 seen = modelViewMatrix * vec4(position, 1.0);
+  row = int(piece + 0.5);
+  place = seen.xyz;
+  at = uv;
+  gl_Position = projectionMatrix * seen;
+}`;
+
+// The normal is that of the face, because pieces have none of their own.
+const FRAGMENT = /* glsl */ `
+uniform sampler2D colours;
+uniform sampler2D leaf;
+uniform bool cutOut;
+uniform bool picking;
+flat varying int row;
+varying vec3 place;
+varying vec2 at;
+void main() {
+  if (cutOut && texture2D(leaf, at).a < 0.42) discard;
+  if (picking) {
+    int id = row + 1;
+    gl_FragColor = vec4(vec3(id & 255, (id >> 8) & 255, (id >> 16) & 255) / 255.0, 1.0);
+    return;
+  }
+  vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
+  float light = 0.42 + 0.58 * max(0.0, dot(normal, normalize(vec3(0.35, 0.75, 0.55))));
+  gl_FragColor = vec4(texelFetch(colours, ivec2(row % ${WIDTH}, row / ${WIDTH}), 0).rgb * light, 1.0);
+}`;
+
+export function pieceMaterial(colours: PieceColours, map: Texture | null): ShaderMaterial {
+  return new ShaderMaterial({
+    vertexShader: VERTEX,
+    fragmentShader: FRAGMENT,
+    uniforms: {
+      colours: { value: colours.texture },
+      leaf: { value: map },
+      cutOut: { value: map !== null },
+      picking: { value: false },
+    },
+    side: DoubleSide,
+  });
+}

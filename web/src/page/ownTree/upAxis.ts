@@ -1,0 +1,29 @@
+/** The up axis in the form of an upload: a row, or a question if the server is unsure. */
+import { make } from "../ui/dom";
+import type { Assumed } from "./assumed";
+import { button, row, select } from "./formRows";
+
+const AXES = [
+  ["y", "Y"],
+  ["z", "Z"],
+  ["x", "X"],
+  ["-y", "−Y"],
+  ["-z", "−Z"],
+  ["-x", "−X"],
+] as const;
+
+export function upAxisRow({ axis }: Assumed, change: (axis: string) => void): HTMLElement {
+  if (!axis.unsure) return row("Up axis", select(AXES, axis.value, change), axis.reason);
+  const question = make("fieldset", "", "own-tree-question");
+  question.append(make("legend", "Does the tree stand upright?"));
+  const yes = make("div", "", "own-tree-answers");
+  const no = make("div", "", "own-tree-answers");
+  const name = AXES.find(([id]) => id === axis.value)?.[1] ?? axis.value;
+  yes.append(button(`Yes, ${name} is up`, () => change(axis.value)));
+  no.append(
+    make("span", "No, up is"),
+    ...AXES.filter(([id]) => id !== axis.value).map(([id, words]) => button(words, () => change(id))),
+  );
+  question.append(yes, no, make("small", `Its shape does not tell for certain: ${axis.reason}.`));
+  return question;
+}
