@@ -7,6 +7,8 @@ import { PNG } from "pngjs";
 import { type Bundle, bundled, EXAMPLES, type Site, site, WEB, withEsbuild, withVite, withWebpack } from "./examples";
 import { changedPixels, expect, type Picture, test } from "./forest";
 
+test.use({ drawn: "always" });
+
 let folder = "";
 test.beforeAll(() => {
   folder = mkdtempSync(join(tmpdir(), "galewood-player-"));
