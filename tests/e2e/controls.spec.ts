@@ -71,7 +71,7 @@ test("exaggerated motion is labelled, and leaves the figures as they are", async
 });
 
 test.describe("overlays", () => {
-  test.use({ drawn: "sometimes" });
+  test.use({ deviceScaleFactor: 0.3, drawn: "sometimes" });
 
   test("overlays are drawn on the picked tree", async ({ page }) => {
     test.setTimeout(240_000);
@@ -186,7 +186,7 @@ test("the wind is heard once it is turned on, and not while the motion is paused
 });
 
 test.describe("graphics", () => {
-  test.use({ drawn: "sometimes" });
+  test.use({ deviceScaleFactor: 0.3, drawn: "sometimes" });
 
   test("a lost graphics context is explained, and the forest comes back without warnings", async ({ page }) => {
     await open(page, panelled);
