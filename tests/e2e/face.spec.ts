@@ -157,31 +157,35 @@ test.describe("on a wide page", () => {
     });
   }
 
-  test("tools: view, fly-through, photo, video", async ({ page }) => {
-    await page.setViewportSize({ width: 800, height: 300 });
-    await open(page, "quality=low&trees=3&speed=5");
-    await forest(page);
-    const eye = () => page.evaluate(() => window.galewood!.eye);
-    const first = await eye();
-    await page.getByRole("button", { name: "Tools" }).click();
-    await page.getByRole("button", { name: "Views" }).click();
-    await page.getByRole("button", { name: "Above the canopy" }).click();
-    await expect.poll(async () => (await eye())[1]).toBeGreaterThan(first[1] + 8);
-    const fly = page.getByRole("button", { name: "Fly through the forest" });
-    await fly.click();
-    const begun = await eye();
-    await expect.poll(async () => Math.hypot(...(await eye()).map((at, k) => at - begun[k]))).toBeGreaterThan(1);
-    await fly.click();
-    await expect(fly).toHaveAttribute("aria-pressed", "false");
-    const photo = page.waitForEvent("download");
-    await page.getByRole("button", { name: "Save photo" }).click();
-    expect((await photo).suggestedFilename()).toMatch(/^galewood-.*\.png$/);
-    const film = page.getByRole("button", { name: "Record video" });
-    await film.click();
-    await expect(film).toHaveAttribute("aria-pressed", "true");
-    await frames(page, 6);
-    const saved = page.waitForEvent("download");
-    await film.click();
-    expect((await saved).suggestedFilename()).toMatch(/^galewood-.*\.webm$/);
+  test.describe("pictures of it", () => {
+    test.use({ deviceScaleFactor: 0.25, drawn: "always" });
+
+    test("tools: view, fly-through, photo, video", async ({ page }) => {
+      await page.setViewportSize({ width: 800, height: 300 });
+      await open(page, "quality=low&trees=3&speed=5");
+      await forest(page);
+      const eye = () => page.evaluate(() => window.galewood!.eye);
+      const first = await eye();
+      await page.getByRole("button", { name: "Tools" }).click();
+      await page.getByRole("button", { name: "Views" }).click();
+      await page.getByRole("button", { name: "Above the canopy" }).click();
+      await expect.poll(async () => (await eye())[1]).toBeGreaterThan(first[1] + 8);
+      const fly = page.getByRole("button", { name: "Fly through the forest" });
+      await fly.click();
+      const begun = await eye();
+      await expect.poll(async () => Math.hypot(...(await eye()).map((at, k) => at - begun[k]))).toBeGreaterThan(1);
+      await fly.click();
+      await expect(fly).toHaveAttribute("aria-pressed", "false");
+      const photo = page.waitForEvent("download");
+      await page.getByRole("button", { name: "Save photo" }).click();
+      expect((await photo).suggestedFilename()).toMatch(/^galewood-.*\.png$/);
+      const film = page.getByRole("button", { name: "Record video" });
+      await film.click();
+      await expect(film).toHaveAttribute("aria-pressed", "true");
+      await frames(page, 6);
+      const saved = page.waitForEvent("download");
+      await film.click();
+      expect((await saved).suggestedFilename()).toMatch(/^galewood-.*\.webm$/);
+    });
   });
 });
