@@ -138,7 +138,12 @@ species: web/node_modules/.stamp build/.kernels ## grow the three species again,
 
 golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make
+	$(BIN)/python -m tests.golden.make_drawn
+	$(BIN)/python -m tests.golden.make_gusts
+	$(BIN)/python -m tests.golden.make_inventory
 	$(BIN)/python -m tests.golden.make_linear
+	$(BIN)/python -m tests.golden.make_measured
+	$(BIN)/python -m tests.golden.make_pull
 	$(BIN)/python -m tests.golden.make_walks
 	$(BIN)/python -m tests.golden.make_wind
 	$(BIN)/python -m tests.golden.make_wire

@@ -4,7 +4,7 @@ import { expect, forest, open, SMALL, test } from "./forest";
 const panelled = SMALL.replace("panel=0", "panel=1");
 
 // A wide page for the dialogs, at a low resolution because of software rendering.
-test.use({ deviceScaleFactor: 0.5 });
+test.use({ deviceScaleFactor: 0.5, drawn: "sometimes" });
 
 /**
  * Largest allowed error of the modal reduced-order model for the poplar in a wind of 10 m/s, % of tree height: about

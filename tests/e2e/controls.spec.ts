@@ -1,5 +1,5 @@
 import type { Page } from "@playwright/test";
-import { expect, forest, frames, open, SMALL, sway_m, test } from "./forest";
+import { elapse, expect, forest, frames, open, SMALL, sway_m, test } from "./forest";
 
 const panelled = `${SMALL.replace("panel=0", "panel=1")}&speed=9`;
 const tool = (page: Page, name: string) =>
@@ -58,7 +58,7 @@ test("exaggerated motion is labelled, and leaves the figures as they are", async
   const sway = async (query: string) => {
     await open(page, `${panelled}&gust=0&${query}`);
     await forest(page);
-    await page.waitForFunction(() => window.galewood!.time_s > 8);
+    await elapse(page, 8);
     await page.getByRole("button", { name: "Pause the motion" }).evaluate((button: HTMLButtonElement) => button.click());
     await frames(page, 3);
     return sway_m(page);
@@ -70,32 +70,36 @@ test("exaggerated motion is labelled, and leaves the figures as they are", async
   expect(Math.abs(exaggerated / plain - 1)).toBeLessThan(0.25); // not twice as much
 });
 
-test("overlays are drawn on the picked tree", async ({ page }) => {
-  test.setTimeout(240_000);
-  await page.setViewportSize({ width: 640, height: 480 });
-  await open(page, panelled);
-  await forest(page);
-  await pickTree(page);
-  const choice = page.getByLabel("Show on the tree");
-  const note = page.locator(".overlay-note");
-  const shown = () => page.evaluate(() => window.galewood!.overlay);
-  for (const [kind, words] of [
-    ["skeleton", /\d+ points/],
-    ["tetrahedra", /[\d,]+ tetrahedra/],
-    ["modes", /^Mode 1 of \d+: 0\.\d+ Hz/],
-  ] as const) {
-    await choice.selectOption(kind);
-    await expect(note).toHaveText(words);
-    expect(await shown()).toBe(kind);
-  }
-  await page.getByRole("button", { name: "Next mode" }).click();
-  await expect(note).toHaveText(/^Mode 2 of/);
-  await choice.selectOption("wind");
-  await expect.poll(shown).toBe("wind");
-  await choice.selectOption("error");
-  await expect(note).toContainText("Check accuracy");
-  await choice.selectOption("none");
-  await expect.poll(shown).toBe("none");
+test.describe("overlays", () => {
+  test.use({ deviceScaleFactor: 0.3, drawn: "sometimes" });
+
+  test("overlays are drawn on the picked tree", async ({ page }) => {
+    test.setTimeout(240_000);
+    await page.setViewportSize({ width: 640, height: 480 });
+    await open(page, panelled);
+    await forest(page);
+    await pickTree(page);
+    const choice = page.getByLabel("Show on the tree");
+    const note = page.locator(".overlay-note");
+    const shown = () => page.evaluate(() => window.galewood!.overlay);
+    for (const [kind, words] of [
+      ["skeleton", /\d+ points/],
+      ["tetrahedra", /[\d,]+ tetrahedra/],
+      ["modes", /^Mode 1 of \d+: 0\.\d+ Hz/],
+    ] as const) {
+      await choice.selectOption(kind);
+      await expect(note).toHaveText(words);
+      expect(await shown()).toBe(kind);
+    }
+    await page.getByRole("button", { name: "Next mode" }).click();
+    await expect(note).toHaveText(/^Mode 2 of/);
+    await choice.selectOption("wind");
+    await expect.poll(shown).toBe("wind");
+    await choice.selectOption("error");
+    await expect(note).toContainText("Check accuracy");
+    await choice.selectOption("none");
+    await expect.poll(shown).toBe("none");
+  });
 });
 
 test("a forest is shared with another page: both see who is here, and the same wind", async ({ page, context }) => {
@@ -181,18 +185,22 @@ test("the wind is heard once it is turned on, and not while the motion is paused
   await expect.poll(loudness).toBe(0);
 });
 
-test("a lost graphics context is explained, and the forest comes back without warnings", async ({ page }) => {
-  await open(page, panelled);
-  await forest(page);
-  await page.evaluate(() => {
-    const canvas = document.getElementById("view") as HTMLCanvasElement;
-    const loss = canvas.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
-    Object.assign(window, { loss });
-    loss.loseContext();
+test.describe("graphics", () => {
+  test.use({ deviceScaleFactor: 0.3, drawn: "sometimes" });
+
+  test("a lost graphics context is explained, and the forest comes back without warnings", async ({ page }) => {
+    await open(page, panelled);
+    await forest(page);
+    await page.evaluate(() => {
+      const canvas = document.getElementById("view") as HTMLCanvasElement;
+      const loss = canvas.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
+      Object.assign(window, { loss });
+      loss.loseContext();
+    });
+    await expect(page.getByRole("alert")).toContainText("The browser has reset its graphics.");
+    const drawn = await page.evaluate(() => window.galewood!.frame);
+    await page.evaluate(() => (window as unknown as { loss: WEBGL_lose_context }).loss.restoreContext());
+    await page.waitForFunction((before) => window.galewood!.frame > before + 10, drawn);
+    await expect.poll(() => sway_m(page)).toBeGreaterThan(0.01);
   });
-  await expect(page.getByRole("alert")).toContainText("The browser has reset its graphics.");
-  const drawn = await page.evaluate(() => window.galewood!.frame);
-  await page.evaluate(() => (window as unknown as { loss: WEBGL_lose_context }).loss.restoreContext());
-  await page.waitForFunction((before) => window.galewood!.frame > before + 10, drawn);
-  await expect.poll(() => sway_m(page)).toBeGreaterThan(0.01);
 });

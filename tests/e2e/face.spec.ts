@@ -14,26 +14,60 @@ function skyColour({ width, height, data }: Picture): [number, number, number] {
 
 const share = (a: Picture, b: Picture, tolerance: number) => changedPixels(a, b, tolerance) / (a.width * a.height);
 
-test("every season and the evening look different", async ({ page }) => {
-  await open(page, still);
-  await forest(page);
-  await background(page);
-  const scene = async (season: string, daytime: number) => {
-    await page.evaluate(([name, time]) => window.galewood!.dress(name as never, time as number), [season, daytime]);
-    await frames(page, 25); // exposure and clouds adapt
-    return picture(page);
-  };
-  const noon = await scene("summer", 0.5);
-  const evening = await scene("summer", 0.97);
-  const others = [await scene("spring", 0.5), await scene("autumn", 0.5), await scene("winter", 0.5)];
-  for (const other of others) expect(share(noon, other, 16)).toBeGreaterThan(0.15);
-  expect(share(others[1], others[2], 16)).toBeGreaterThan(0.3);
-  const [red, , blue] = skyColour(noon);
-  const [eveningRed, , eveningBlue] = skyColour(evening);
-  expect(blue).toBeGreaterThan(1.2 * red);
-  expect(eveningRed / eveningBlue).toBeGreaterThan((1.2 * red) / blue);
-  // The first scene again, up to what is left of the adaptation.
-  expect(share(noon, await scene("summer", 0.5), 8)).toBeLessThan(0.02);
+test.describe("pictures", () => {
+  test.use({ deviceScaleFactor: 0.5, drawn: "always" });
+
+  test("every season and the evening look different", async ({ page }) => {
+    await open(page, still);
+    await forest(page);
+    await background(page);
+    const scene = async (season: string, daytime: number) => {
+      await page.evaluate(
+        async ([name, time]) => {
+          const galewood = window.galewood!;
+          galewood.sleep(true);
+          galewood.dress(name as never, time as number);
+          for (let k = 0; k < 10; k++) await galewood.step(0.5); // exposure and clouds adapt
+        },
+        [season, daytime],
+      );
+      return picture(page);
+    };
+    const noon = await scene("summer", 0.5);
+    const evening = await scene("summer", 0.97);
+    const others = [await scene("spring", 0.5), await scene("autumn", 0.5), await scene("winter", 0.5)];
+    for (const other of others) expect(share(noon, other, 16)).toBeGreaterThan(0.15);
+    expect(share(others[1], others[2], 16)).toBeGreaterThan(0.3);
+    const [red, , blue] = skyColour(noon);
+    const [eveningRed, , eveningBlue] = skyColour(evening);
+    expect(blue).toBeGreaterThan(1.2 * red);
+    expect(eveningRed / eveningBlue).toBeGreaterThan((1.2 * red) / blue);
+    // The first scene again, up to what is left of the adaptation.
+    expect(share(noon, await scene("summer", 0.5), 8)).toBeLessThan(0.02);
+  });
+
+  test("a shared link restores the picture", async ({ page, context }) => {
+    await page.setViewportSize({ width: 480, height: 270 });
+    await context.grantPermissions(["clipboard-read", "clipboard-write"]);
+    await open(page, `${panelled}&season=winter&time=0.8&forest=11`);
+    await forest(page);
+    await page.evaluate(() => window.galewood!.look({ x: -6, above: 5, z: 12 }, { x: 2, above: 5, z: -20 }));
+    await page.evaluate(() => document.querySelector<HTMLButtonElement>("[aria-label='Copy link']")?.click());
+    await expect(page.getByRole("alert")).toContainText("Link copied");
+    const link = await page.evaluate(() => navigator.clipboard.readText());
+    const bare = async () => {
+      await page.addStyleTag({ content: "body > :not(main) { visibility: hidden !important }" });
+      await frames(page, 3);
+      return picture(page);
+    };
+    const before = await bare();
+    await page.goto("about:blank");
+    await page.goto(link);
+    await forest(page);
+    const after = await bare();
+    // Camera damping may leave a tiny difference.
+    expect(share(before, after, 24)).toBeLessThan(0.01);
+  });
 });
 
 for (const lookup of ["worker", "server"] as const) {
@@ -83,29 +117,6 @@ test("a forest is shared by a winter computed here and a winter streamed by the 
   await other.close();
 });
 
-test("a shared link restores the picture", async ({ page, context }) => {
-  await page.setViewportSize({ width: 480, height: 270 });
-  await context.grantPermissions(["clipboard-read", "clipboard-write"]);
-  await open(page, `${panelled}&season=winter&time=0.8&forest=11`);
-  await forest(page);
-  await page.evaluate(() => window.galewood!.look({ x: -6, above: 5, z: 12 }, { x: 2, above: 5, z: -20 }));
-  await page.evaluate(() => document.querySelector<HTMLButtonElement>("[aria-label='Copy link']")?.click());
-  await expect(page.getByRole("alert")).toContainText("Link copied");
-  const link = await page.evaluate(() => navigator.clipboard.readText());
-  const bare = async () => {
-    await page.addStyleTag({ content: "body > :not(main) { visibility: hidden !important }" });
-    await frames(page, 3);
-    return picture(page);
-  };
-  const before = await bare();
-  await page.goto("about:blank");
-  await page.goto(link);
-  await forest(page);
-  const after = await bare();
-  // Camera damping may leave a tiny difference.
-  expect(share(before, after, 24)).toBeLessThan(0.01);
-});
-
 test("settings persist between visits", async ({ page }) => {
   await open(page, "quality=low&trees=5&speed=0&background=0");
   await forest(page);
@@ -146,31 +157,35 @@ test.describe("on a wide page", () => {
     });
   }
 
-  test("tools: view, fly-through, photo, video", async ({ page }) => {
-    await page.setViewportSize({ width: 800, height: 300 });
-    await open(page, "quality=low&trees=3&speed=5");
-    await forest(page);
-    const eye = () => page.evaluate(() => window.galewood!.eye);
-    const first = await eye();
-    await page.getByRole("button", { name: "Tools" }).click();
-    await page.getByRole("button", { name: "Views" }).click();
-    await page.getByRole("button", { name: "Above the canopy" }).click();
-    await expect.poll(async () => (await eye())[1]).toBeGreaterThan(first[1] + 8);
-    const fly = page.getByRole("button", { name: "Fly through the forest" });
-    await fly.click();
-    const begun = await eye();
-    await expect.poll(async () => Math.hypot(...(await eye()).map((at, k) => at - begun[k]))).toBeGreaterThan(1);
-    await fly.click();
-    await expect(fly).toHaveAttribute("aria-pressed", "false");
-    const photo = page.waitForEvent("download");
-    await page.getByRole("button", { name: "Save photo" }).click();
-    expect((await photo).suggestedFilename()).toMatch(/^galewood-.*\.png$/);
-    const film = page.getByRole("button", { name: "Record video" });
-    await film.click();
-    await expect(film).toHaveAttribute("aria-pressed", "true");
-    await frames(page, 6);
-    const saved = page.waitForEvent("download");
-    await film.click();
-    expect((await saved).suggestedFilename()).toMatch(/^galewood-.*\.webm$/);
+  test.describe("pictures of it", () => {
+    test.use({ deviceScaleFactor: 0.25, drawn: "always" });
+
+    test("tools: view, fly-through, photo, video", async ({ page }) => {
+      await page.setViewportSize({ width: 800, height: 300 });
+      await open(page, "quality=low&trees=3&speed=5");
+      await forest(page);
+      const eye = () => page.evaluate(() => window.galewood!.eye);
+      const first = await eye();
+      await page.getByRole("button", { name: "Tools" }).click();
+      await page.getByRole("button", { name: "Views" }).click();
+      await page.getByRole("button", { name: "Above the canopy" }).click();
+      await expect.poll(async () => (await eye())[1]).toBeGreaterThan(first[1] + 8);
+      const fly = page.getByRole("button", { name: "Fly through the forest" });
+      await fly.click();
+      const begun = await eye();
+      await expect.poll(async () => Math.hypot(...(await eye()).map((at, k) => at - begun[k]))).toBeGreaterThan(1);
+      await fly.click();
+      await expect(fly).toHaveAttribute("aria-pressed", "false");
+      const photo = page.waitForEvent("download");
+      await page.getByRole("button", { name: "Save photo" }).click();
+      expect((await photo).suggestedFilename()).toMatch(/^galewood-.*\.png$/);
+      const film = page.getByRole("button", { name: "Record video" });
+      await film.click();
+      await expect(film).toHaveAttribute("aria-pressed", "true");
+      await frames(page, 6);
+      const saved = page.waitForEvent("download");
+      await film.click();
+      expect((await saved).suggestedFilename()).toMatch(/^galewood-.*\.webm$/);
+    });
   });
 });

@@ -1,37 +1,50 @@
 import { background, changedPixels, expect, forest, frames, open, picture, SMALL, steadyDisplacement_m, sway_m, test } from "./forest";
 
-test("the page shows a forest", async ({ page }) => {
-  await open(page, `${SMALL}&speed=10`);
-  await forest(page);
-  const colours = new Set<number>();
-  const { data } = await picture(page);
-  for (let i = 0; i < data.length; i += 4) colours.add((data[i] >> 3) * 1024 + (data[i + 1] >> 3) * 32 + (data[i + 2] >> 3));
-  expect(colours.size).toBeGreaterThan(200);
-  expect(await page.evaluate(() => window.galewood!.readySpecies.length)).toBeGreaterThan(0);
-});
+test.describe("pictures", () => {
+  test.use({ drawn: "always" });
 
-test("a strong wind moves crowns and pixels", async ({ page }) => {
-  await open(page, `${SMALL}&speed=18`);
-  await forest(page);
-  const before = await picture(page);
-  await expect.poll(() => sway_m(page)).toBeGreaterThan(0.02);
-  await frames(page, 3);
-  expect(changedPixels(before, await picture(page), 12)).toBeGreaterThan(100);
+  test("the page shows a forest", async ({ page }) => {
+    await open(page, `${SMALL}&speed=10`);
+    await forest(page);
+    const colours = new Set<number>();
+    const { data } = await picture(page);
+    for (let i = 0; i < data.length; i += 4) colours.add((data[i] >> 3) * 1024 + (data[i + 1] >> 3) * 32 + (data[i + 2] >> 3));
+    expect(colours.size).toBeGreaterThan(200);
+    expect(await page.evaluate(() => window.galewood!.readySpecies.length)).toBeGreaterThan(0);
+  });
+
+  test("a strong wind moves crowns and pixels", async ({ page }) => {
+    await open(page, `${SMALL}&speed=18`);
+    await forest(page);
+    const before = await picture(page);
+    await expect.poll(() => sway_m(page)).toBeGreaterThan(0.02);
+    await frames(page, 3);
+    expect(changedPixels(before, await picture(page), 12)).toBeGreaterThan(100);
+  });
+
+  for (const lookup of ["worker", "server"] as const) {
+    test(`still air: no pixel changes (${lookup})`, async ({ page }) => {
+      await open(page, `${SMALL}&speed=0&lookup=${lookup}`);
+      await forest(page);
+      await background(page);
+      await frames(page, 4);
+      const before = await picture(page);
+      const time_s = await page.evaluate(() => window.galewood!.time_s);
+      await page.waitForFunction((from) => window.galewood!.time_s > from + 1, time_s);
+      expect(changedPixels(before, await picture(page), 0)).toBe(0);
+      expect(await sway_m(page)).toBeLessThan(1e-4);
+    });
+  }
+
+  test("the forest goes on beyond the simulated trees", async ({ page }) => {
+    await open(page, SMALL.replace("background=0", "background=1"));
+    await forest(page);
+    await background(page);
+    expect(await page.evaluate(() => window.galewood!.statistics.impostors.backgroundTrees)).toBeGreaterThan(100);
+  });
 });
 
 for (const lookup of ["worker", "server"] as const) {
-  test(`still air: no pixel changes (${lookup})`, async ({ page }) => {
-    await open(page, `${SMALL}&speed=0&lookup=${lookup}`);
-    await forest(page);
-    await background(page);
-    await frames(page, 4);
-    const before = await picture(page);
-    const time_s = await page.evaluate(() => window.galewood!.time_s);
-    await page.waitForFunction((from) => window.galewood!.time_s > from + 1, time_s);
-    expect(changedPixels(before, await picture(page), 0)).toBe(0);
-    expect(await sway_m(page)).toBeLessThan(1e-4);
-  });
-
   test(`the wind dies down and the trees come to rest (${lookup})`, async ({ page }) => {
     await open(page, `${SMALL.replace("panel=0", "panel=1")}&speed=4&lookup=${lookup}`);
     await forest(page);
@@ -78,11 +91,4 @@ test.describe("on a phone", () => {
     await page.getByRole("button", { name: "Settings" }).click();
     await expect(page.getByLabel("Mean speed (m/s)").first()).toBeVisible();
   });
-});
-
-test("the forest goes on beyond the simulated trees", async ({ page }) => {
-  await open(page, SMALL.replace("background=0", "background=1"));
-  await forest(page);
-  await background(page);
-  expect(await page.evaluate(() => window.galewood!.statistics.impostors.backgroundTrees)).toBeGreaterThan(100);
 });

@@ -7,17 +7,26 @@ export { expect };
 export const SMALL = "panel=0&quality=low&trees=6&flutter=0&background=0";
 
 /**
- * Runs in every page before its scripts: few frames a second, because this processor draws them, and other tests need it
- * too. What a page does in a frame is the same.
+ * Which frames of a page are drawn. This processor draws them, which costs far more than all else that a page does:
+ * `always` is for tests that look at pictures, `sometimes` for what no such test shows, so that the graphics library
+ * checks those draws too, `never` for all others. What a page computes in a frame is the same.
  */
-function drawSlowly(): void {
+type Drawn = "always" | "sometimes" | "never";
+
+/** Runs in every page before its scripts: few frames a second, and only the first of every `drawEvery` is drawn. */
+function drawSlowly(drawEvery: number): void {
   const every_ms = 180;
   const soon = window.requestAnimationFrame.bind(window);
   const timers = new Map<number, number>();
   let last = 0;
+  let called = 0;
   window.requestAnimationFrame = (callback) => {
     const id = ++last;
-    const run = (now_ms: number) => timers.delete(id) && callback(now_ms);
+    const run = (now_ms: number) => {
+      if (!timers.delete(id)) return;
+      called++;
+      callback(now_ms);
+    };
     timers.set(id, window.setTimeout(() => soon(run), every_ms - (performance.now() % every_ms)));
     return id;
   };
@@ -25,13 +34,38 @@ function drawSlowly(): void {
     window.clearTimeout(timers.get(id));
     timers.delete(id);
   };
+  if (drawEvery === 1) return;
+  const graphics = WebGL2RenderingContext.prototype;
+  for (const name of ["clear", "drawArrays", "drawArraysInstanced", "drawElements", "drawElementsInstanced"] as const) {
+    const draw = graphics[name] as (...what: number[]) => void;
+    Object.assign(graphics, {
+      [name](this: WebGL2RenderingContext, ...what: number[]) {
+        if (called % drawEvery === 0) draw.apply(this, what);
+      },
+    });
+  }
+  // Nobody sees the ground either, which keeps its mean colours.
+  const Started = window.Worker;
+  const silent = { terminate() {}, postMessage() {} };
+  window.Worker = function start(address: string | URL, options?: WorkerOptions) {
+    return String(address).includes("painting.worker") ? silent : new Started(address, options);
+  } as unknown as typeof Worker;
 }
 
-/** Tests fail if the console of the page shows errors or warnings. */
-export const test = base.extend<{ quiet: string[] }>({
+/** Prime, because a page may ask for several callbacks a frame; all of them take their turns. */
+const DRAW_EVERY: Record<Drawn, number> = { always: 1, sometimes: 19, never: Number.POSITIVE_INFINITY };
+
+interface Watched {
+  drawn: Drawn;
+  /** What the console of the page shows: the test fails if these are errors or warnings. */
+  quiet: string[];
+}
+
+export const test = base.extend<Watched>({
+  drawn: ["never", { option: true }],
   quiet: [
-    async ({ context, page }, use) => {
-      await context.addInitScript(drawSlowly);
+    async ({ context, page, drawn }, use) => {
+      await context.addInitScript(drawSlowly, DRAW_EVERY[drawn]);
       const complaints: string[] = [];
       page.on("console", (message) => {
         if (message.type() === "error" || message.type() === "warning") complaints.push(message.text());
@@ -85,6 +119,27 @@ export async function steadyDisplacement_m(page: Page): Promise<[number, number]
   );
   return (await found.jsonValue())!;
 }
+
+/**
+ * Advances the forest of a page that computes its motion itself by a span of its own time, as fast as it can and without
+ * drawing. Returns the mean displacement of the crowns (x, y, z)
+ * after each step, and the largest of the selected tree's tip.
+ */
+export const elapse = (page: Page, span_s: number) =>
+  page.evaluate(async (span) => {
+    const galewood = window.galewood!;
+    const crowns_m: [number, number, number][] = [];
+    let tip_m = 0;
+    galewood.sleep(true);
+    const end_s = galewood.time_s + span;
+    while (galewood.time_s < end_s) {
+      await galewood.step(0.1, false);
+      crowns_m.push([...galewood.crownDisplacement_m]);
+      tip_m = Math.max(tip_m, galewood.picked?.tip_m ?? 0);
+    }
+    galewood.sleep(false);
+    return { crowns_m, tip_m };
+  }, span_s);
 
 /** Waits for more frames. */
 export async function frames(page: Page, count: number): Promise<void> {

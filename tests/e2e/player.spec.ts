@@ -6,6 +6,8 @@ import { type Bundle, bundled, EXAMPLES, type Site, site, withEsbuild, withVite,
 import { expect, test } from "./forest";
 import { swaying } from "./swaying";
 
+test.use({ drawn: "always" });
+
 let folder = "";
 test.beforeAll(() => {
   folder = mkdtempSync(join(tmpdir(), "galewood-player-"));

@@ -1,6 +1,6 @@
 import type { Page } from "@playwright/test";
 import { CALM_BREEZE } from "../../web/player/src/core/wind/presets";
-import { expect, forest, open, SMALL, test } from "./forest";
+import { elapse, expect, forest, open, SMALL, test } from "./forest";
 
 const panelled = SMALL.replace("panel=0", "panel=1");
 /** Large enough for the instruments, at a low resolution because of software rendering. */
@@ -130,7 +130,9 @@ test.describe("the anemometer", () => {
     await forest(page);
     await page.getByRole("button", { name: "Anemometer" }).click();
     await page.mouse.click(560, 440);
-    await page.waitForFunction(() => (window.galewood!.anemometer?.samples ?? 0) > 100);
+    await expect.poll(() => page.evaluate(() => window.galewood!.anemometer)).not.toBeNull();
+    await elapse(page, 12);
+    expect(await page.evaluate(() => window.galewood!.anemometer!.samples)).toBeGreaterThan(100);
     await expect(page.locator(".plots canvas")).toHaveCount(2);
     const { speed_m_s, tip_m } = await page.evaluate(() => window.galewood!.anemometer!);
     expect(speed_m_s).toBeGreaterThan(2.5);
@@ -142,21 +144,14 @@ test.describe("the anemometer", () => {
 test.describe("presets", () => {
   test.use(wide);
 
-  /** Root mean square of the mean crown displacement about its mean, m, over some seconds of the forest's time. */
-  const sway = (seconds: number) =>
-    new Promise<number>((resolve) => {
-      const track: number[][] = [];
-      const from_s = window.galewood!.time_s;
-      const look = () => {
-        const { time_s, crownDisplacement_m } = window.galewood!;
-        if (time_s > from_s + 3) track.push([...crownDisplacement_m]);
-        if (time_s < from_s + seconds) return requestAnimationFrame(look);
-        const mean = [0, 1, 2].map((axis) => track.reduce((sum, at) => sum + at[axis], 0) / track.length);
-        const square = track.reduce((sum, at) => sum + at.reduce((all, x, axis) => all + (x - mean[axis]) ** 2, 0), 0);
-        return resolve(Math.sqrt(square / track.length));
-      };
-      look();
-    });
+  /** Root mean square of the mean crown displacement about its mean, m, from 3 s to 20 s of the forest's time. */
+  async function sway(page: Page): Promise<number> {
+    await elapse(page, 3);
+    const { crowns_m: track } = await elapse(page, 17);
+    const mean = [0, 1, 2].map((axis) => track.reduce((sum, at) => sum + at[axis], 0) / track.length);
+    const square = track.reduce((sum, at) => sum + at.reduce((all, x, axis) => all + (x - mean[axis]) ** 2, 0), 0);
+    return Math.sqrt(square / track.length);
+  }
 
   test("a storm moves the trees more than a breeze", async ({ page }) => {
     await open(page, panelled);
@@ -164,7 +159,7 @@ test.describe("presets", () => {
     const moved: number[] = [];
     for (const name of ["Breeze", "Storm front"]) {
       await page.getByRole("button", { name, exact: true }).click();
-      moved.push(await page.evaluate(sway, 20));
+      moved.push(await sway(page));
     }
     expect(moved[1]).toBeGreaterThan(2 * moved[0]);
   });

@@ -15,6 +15,8 @@ from typing import Any
 from galewood.inventory import InventoryError, match_species, read_inventory
 from galewood.inventory.species import COMMON, STANDS_FOR
 
+from tests.golden.texts import refused, write_golden
+
 HERE = Path(__file__).parent
 POINTS = (
     (8.40371, 49.00937, "Winterlinde", 21.5, 48),
@@ -75,23 +77,14 @@ def read(name: str, text: str) -> dict[str, Any]:
     return {"name": name, "text": text, "stems": stems, "report": found.report.document()}
 
 
-def refused(name: str, text: str) -> dict[str, str]:
-    """The error of a file."""
-    try:
-        read_inventory(text.encode())
-    except InventoryError as error:
-        return {"name": name, "text": text, "error": str(error)}
-    raise AssertionError(f"not refused: {name}")
-
-
 def main() -> None:
     """Write the file."""
     golden = {
         "files": [read(name, text) for name, text in FILES.items()],
-        "refused": [refused(name, text) for name, text in BAD.items()],
+        "refused": [refused(name, text, read_inventory, InventoryError) for name, text in BAD.items()],
         "species": {name: asdict(match_species(name, 10.0)) for name in (*STANDS_FOR, *COMMON)},
     }
-    (HERE / "inventory.json").write_text(json.dumps(golden, separators=(",", ":"), ensure_ascii=False) + "\n")
+    write_golden(HERE / "inventory.json", golden)
 
 
 if __name__ == "__main__":

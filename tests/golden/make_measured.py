@@ -5,7 +5,6 @@ Files as loggers write them, with the wind and the report that Python reads from
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +12,8 @@ from typing import Any
 
 import numpy as np
 from galewood.wind import MeasurementError, read_measurement
+
+from tests.golden.texts import refused, write_golden
 
 HERE = Path(__file__).parent
 Line = Callable[[float, float, float], str]
@@ -153,22 +154,13 @@ def read(name: str, text: str) -> dict[str, Any]:
     }
 
 
-def refused(name: str, text: str) -> dict[str, str]:
-    """The error of a file."""
-    try:
-        read_measurement(text.encode())
-    except MeasurementError as error:
-        return {"name": name, "text": text, "error": str(error)}
-    raise AssertionError(f"not refused: {name}")
-
-
 def main() -> None:
     """Write the file."""
     golden = {
         "files": [read(name, text) for name, text in FILES.items()],
-        "refused": [refused(name, text) for name, text in BAD.items()],
+        "refused": [refused(name, text, read_measurement, MeasurementError) for name, text in BAD.items()],
     }
-    (HERE / "measured.json").write_text(json.dumps(golden, separators=(",", ":"), ensure_ascii=False) + "\n")
+    write_golden(HERE / "measured.json", golden)
 
 
 if __name__ == "__main__":

@@ -10,12 +10,10 @@ import numpy as np
 import pytest
 from galewood.fem.model import FemModel
 from galewood.model.construction import build_model
-from galewood.verify import beam_checks, element_checks, motion_checks, species_checks
+from galewood.verify import beam_checks, element_checks, motion_checks
 from galewood.verify.bars import Bar, polygon_bar
 from galewood.verify.checks import Check
 from galewood.wood.species import Wood
-
-from tests.precompute.apricot import apricot
 
 Plant = Callable[[Wood], Wood]
 
@@ -98,11 +96,11 @@ def test_motion_checks_fail_with_another_mass_or_damping(monkeypatch: pytest.Mon
     monkeypatch.setattr(motion_checks, "laden_pole", lambda: model)
     assert not any(failed(motion_checks.checks()))
     heavy = replace(model, mass_kg=1.05 * model.mass_kg)
-    monkeypatch.setattr(motion_checks, "laden_pole", lambda: heavy)
-    assert [check.passed for check in motion_checks.checks() if "frequency" in check.name] == [False, False]
+    ringing = list(motion_checks.ring_downs(heavy))
+    assert [check.passed for check in ringing if "frequency" in check.name] == [False, False]
     damped = replace(model, alpha=1.05 * model.alpha, beta=1.05 * model.beta)
-    monkeypatch.setattr(motion_checks, "laden_pole", lambda: damped)
-    assert [check.passed for check in motion_checks.checks() if "damping" in check.name] == [False, False]
+    ringing = list(motion_checks.ring_downs(damped))
+    assert [check.passed for check in ringing if "damping" in check.name] == [False, False]
 
 
 def test_energy_check_fails_when_damping_feeds_the_motion() -> None:
@@ -130,14 +128,3 @@ def test_element_checks_fail_with_a_millionth_more_stiffness(monkeypatch: pytest
     monkeypatch.setattr(element_checks, "stiffness_blocks", uneven)
     wrong = [check for check in element_checks.checks() if not check.passed]
     assert sum("patch test" in check.name for check in wrong) == 2
-
-
-@pytest.mark.parametrize("factor", [0.69, 1.45])
-def test_a_first_frequency_beyond_a_standard_deviation_of_measured_trees_fails(factor: float) -> None:
-    one = apricot()
-    check = species_checks.against_nature(one)
-    assert check.passed and check.exact is not None
-    other = replace(one)
-    report = {**one.fast.report, "frequencies_hz": [factor * check.exact]}
-    other.__dict__["fast"] = replace(one.fast, report=report)
-    assert not species_checks.against_nature(other).passed

@@ -1,9 +1,19 @@
 """The checks of a whole tree, and the table of checks."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from galewood.verify.checks import absolute, relative, skipped
 from galewood.verify.run import MARKERS, markdown, written_into
-from galewood.verify.species_checks import against_reference, of_specimen, on_meshes, ringing, wood_mass
+from galewood.verify.species_checks import (
+    against_nature,
+    against_reference,
+    of_specimen,
+    on_meshes,
+    ringing,
+    wood_mass,
+)
 from galewood.verify.specimens import TARGETS
 
 from tests.precompute.apricot import apricot
@@ -22,10 +32,6 @@ def test_the_first_frequency_hardly_depends_on_the_mesh():
 
 def test_a_wrong_tree_fails():
     """The checks can fail: without radius correction, without damping, and with linear elements."""
-    from dataclasses import replace
-
-    import numpy as np
-
     one = apricot()
     thick = replace(one, mesh=replace(one.mesh, radius_ratio=np.ones(len(one.mesh.tets))))
     assert not wood_mass(thick).passed
@@ -36,6 +42,17 @@ def test_a_wrong_tree_fails():
     linear = replace(one)
     linear.__dict__["fast"] = one.model("linear")
     assert not any(check.passed for check in against_reference(linear, 20))
+
+
+@pytest.mark.parametrize("factor", [0.69, 1.45])
+def test_a_first_frequency_beyond_a_standard_deviation_of_measured_trees_fails(factor: float) -> None:
+    one = apricot()
+    check = against_nature(one)
+    assert check.passed and check.exact is not None
+    other = replace(one)
+    report = {**one.fast.report, "frequencies_hz": [factor * check.exact]}
+    other.__dict__["fast"] = replace(one.fast, report=report)
+    assert not against_nature(other).passed
 
 
 def test_the_table_replaces_the_text_between_its_markers():

@@ -11,7 +11,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -149,6 +150,16 @@ def command_line(process: psutil.Process) -> list[str]:
         return process.cmdline()
     except psutil.NoSuchProcess:  # also raised for zombies
         return []
+
+
+@contextmanager
+def fake_service(folder: Path, **environment: str) -> Generator[Server]:
+    """A server with fake builds and mesh import in this folder, for all tests of a module."""
+    (folder / "data").mkdir()
+    settings = {"GALEWOOD_JOB_MODULE": "tests.server.fake_job", **NO_CLUSTER, **environment}
+    server = Server(folder / "data", "tests.server.fake_server", settings).start()
+    yield server
+    server.stop()
 
 
 @pytest.fixture

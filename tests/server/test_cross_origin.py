@@ -13,23 +13,16 @@ import pytest
 import websockets
 from galewood_server.settings import Settings
 
-from tests.server.conftest import NO_CLUSTER, Server
+from tests.server.conftest import Server, fake_service
 
 FRIEND, STRANGER = "https://garden.example", "https://elsewhere.example"
 
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    environment = {
-        "GALEWOOD_JOB_MODULE": "tests.server.fake_job",
-        "GALEWOOD_ALLOWED_ORIGINS": json.dumps([FRIEND]),
-        **NO_CLUSTER,
-    }
-    data_dir = tmp_path_factory.mktemp("origins") / "data"
-    data_dir.mkdir()
-    server = Server(data_dir, "tests.server.fake_server", environment).start()
-    yield server
-    server.stop()
+    origins = json.dumps([FRIEND])
+    with fake_service(tmp_path_factory.mktemp("origins"), GALEWOOD_ALLOWED_ORIGINS=origins) as server:
+        yield server
 
 
 @pytest.fixture

@@ -11,22 +11,14 @@ from typing import Any
 import httpx
 import pytest
 
-from tests.server.conftest import NO_CLUSTER, Server, wait_until
+from tests.server.conftest import Server, fake_service, wait_until
 
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    environment = {
-        "GALEWOOD_JOB_MODULE": "tests.server.fake_job",
-        "GALEWOOD_UPLOAD_BYTES": "100000",
-        **NO_CLUSTER,
-        "GALEWOOD_JOB_ATTEMPTS": "2",
-    }
-    data_dir = tmp_path_factory.mktemp("rest") / "data"
-    data_dir.mkdir()
-    server = Server(data_dir, "tests.server.fake_server", environment).start()
-    yield server
-    server.stop()
+    folder = tmp_path_factory.mktemp("rest")
+    with fake_service(folder, GALEWOOD_UPLOAD_BYTES="100000", GALEWOOD_JOB_ATTEMPTS="2") as server:
+        yield server
 
 
 @pytest.fixture

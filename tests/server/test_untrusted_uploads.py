@@ -15,6 +15,7 @@ import pytest
 
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
 from tests.server.sample_meshes import pole_obj
+from tests.server.test_rest_api import assert_problem
 from tests.server.untrusted_meshes import Case, cases, glb_of_faces
 
 MEGABYTE = 1_000_000
@@ -85,8 +86,8 @@ def _judge(case: Case, answer: httpx.Response) -> str:
     if answer.status_code == 201:
         tree = answer.json()
         return "" if tree["report"] and "/" not in tree["name"] else f"odd: {tree}"
-    problem = answer.json()
-    if answer.status_code not in (400, 413, 415, 422) or not problem["title"] or not problem["hint"]:
+    problem = assert_problem(answer, answer.status_code, answer.json()["code"])
+    if answer.status_code not in (400, 413, 415, 422) or not problem["hint"]:
         return f"unhelpful: {answer.text[:200]}"
     if case.codes and problem["code"] not in case.codes:
         return f"code {problem['code']}"

@@ -14,11 +14,10 @@ from tests.precompute import cylinder_models, hostile_files
 from tests.server.sample_meshes import greedy_ply, nowhere_obj, pole_obj, truncated_glb, zip_file
 
 BOMBS = (
-    "draco, sequential", "draco, edgebreaker", "draco, damaged", "meshopt, count", "instances",
-    "faces of nodes", "joints in a circle", "PNG of 4 × 10⁹ pixels", "KTX2", "zip, ratio", "zip, entries",
-    "zip, encrypted", "zip, climbing", "zip in a zip", "FBX, truncated", "XYZ",
+    "draco, edgebreaker", "meshopt, count", "instances", "PNG of 4 × 10⁹ pixels", "KTX2", "zip, entries",
+    "zip, climbing", "FBX, truncated",
 )  # fmt: skip
-"""Cases of hostile_files that are also uploaded."""
+"""Cases of hostile_files that are also uploaded: one of each reader that decodes or unpacks."""
 
 
 @dataclass(frozen=True)
@@ -139,6 +138,7 @@ def cases() -> list[Case]:
         Case("billions of PLY elements", "a.ply", greedy_ply(), 400, broken),
         Case("billions of STL triangles", "a.stl", stl_of(2, 4_000_000_000), 400, broken),
         Case("not numbers", "a.obj", nowhere_obj(), 422),
+        Case("a web page", "a.obj", b"<!doctype html><title>Tree</title>", 415, ("unsupported-type",)),
         Case("one triangle", "a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 422),
         Case("a plane", "a.obj", flat, 422),
         Case("random triangles", "a.stl", stl_of(400), 422),

@@ -7,7 +7,6 @@ trunk above it; what stands within reach of the trunk stays with the tree.
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import gaussian_filter, median_filter
 
 from galewood.mesh.pieces import Pieces, with_new_pieces
 from galewood.mesh.types import RawPart
@@ -71,6 +70,8 @@ def ground_faces(corners: Floats) -> np.ndarray | None:
 
 def _filled(terrain: Floats) -> Floats:
     """The terrain without gaps and spikes, smoothed."""
+    from scipy.ndimage import gaussian_filter, median_filter  # slow to load, and few files have ground
+
     known = np.isfinite(terrain)
     middle = float(np.median(terrain[known]))
     value = median_filter(np.where(known, terrain, middle), 3)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import isotonic_regression
 
 from galewood.mesh.qsm.cylinders import NO_CYLINDER, Cylinders, foot_on
 from galewood.util import Floats, Int64s
@@ -98,6 +97,8 @@ def diameter_at_breast_height(tree: Cylinders, trunk: Branch) -> float | None:
 
 def _tapering(area: Floats, weight: Floats) -> Floats:
     """Non-increasing areas (k,), of the same sum of area times weight, that differ least from those given."""
+    from scipy.optimize import isotonic_regression  # slow to load, and few files are scans
+
     result = isotonic_regression(area, weights=np.maximum(weight, 1e-9), increasing=False)
     return np.asarray(result.x, dtype=np.float64)
 
