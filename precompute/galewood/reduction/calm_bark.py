@@ -13,13 +13,14 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from galewood.model import Axis, AxisPaths, Feet, WeldedWood, axis_paths
+from galewood.reduction.nodes import JOINTS_PER_LINK
 from galewood.reduction.spread_bends import AxisPoses, Skin, drawn_at, spread
 from galewood.table import unstretched
 from galewood.util import Floats, Ints
 
 CALM = 1.03
 """Length of an edge, relative to rest, from which its vertices are held nearer to each other."""
-ROUNDS = 300
+ROUNDS = 200
 PASSES = 2
 """Times that the places of all vertices are slid at once, between those one by one."""
 SHARES = (0.15, 0.4, 0.8)
@@ -28,7 +29,7 @@ GAIN = 1e-4
 TORN, SMALL = 1.1, 0.06
 """A piece smaller than this, relative to the extent, is held at one place if it is still stretched so."""
 SEED = 20
-TRIES, FEW_EDGES = 6, 1500
+TRIES, FEW_EDGES = 3, 1500
 """A mesh of few edges is tried several times, in other orders: the best is taken."""
 SHORTEST = 1e-6
 """Relative to the extent; shorter edges are not measured."""
@@ -75,7 +76,8 @@ class _Bark:
         kept = length > SHORTEST * float(np.ptp(wood.place_m, axis=0).max())
         self._skin = Skin(wood.place_m, wood.ends[kept], length[kept])
         self._place, self._ends, self._length = self._skin.place_m, self._skin.ends, self._skin.length_m
-        self._child, self._mark = paths.places(feet)
+        self._child, mark = paths.places(feet)
+        self._mark = self._at_joints(self._child, mark)
         count = len(wood.place_m)
         self._now = self._drawn(np.arange(count), self._child, self._mark)
         both = np.concatenate([self._ends, self._ends[:, ::-1]])
@@ -93,10 +95,17 @@ class _Bark:
     def _drawn(self, vertex: Ints, child: Ints, mark: Floats) -> Floats:
         return drawn_at(self._place[vertex], child, mark, self._paths, self._poses)
 
+    def _at_joints(self, child: Ints, mark: Floats) -> Floats:
+        """The nearest places (v,) with joints: short edges feel the difference."""
+        start = self._paths.mark_m[self._paths.parent[child]]
+        step = np.maximum(self._paths.mark_m[child] - start, 1e-300) / JOINTS_PER_LINK
+        return start + step * np.round((mark - start) / step)
+
     def spread(self) -> None:
         """Slide all places around stretched edges at once, if that shortens the longest of them."""
         stretched = np.flatnonzero(self.ratio > CALM)
         child, mark = spread(self._skin, self._child, self._mark, stretched, self._paths, self._poses)
+        mark = self._at_joints(child, mark)
         now = self._drawn(np.arange(len(mark)), child, mark)
         ratio = self._ratios(now)
         if _severity(ratio) < _severity(self.ratio):
@@ -157,7 +166,8 @@ class _Bark:
         outwards = inwards <= 1e-12
         mark = np.where(outwards, first + step, first - np.minimum(step, inwards))
         child = np.where(outwards & together, self._child[other], self._child[vertex])
-        return self._paths.links(child, mark), mark
+        child = self._paths.links(child, mark)
+        return child, self._at_joints(child, mark)
 
     def hold_small_pieces(self) -> None:
         """Hold small pieces at one place that lie across the gap between two branches, such as a cylinder."""

@@ -19,6 +19,8 @@ from galewood.util import Floats, Ints
 
 LONGEST = 1.02
 """Length of a link between nodes, relative to rest, from which it is shortened."""
+MOST_STRETCH = 2.0
+"""Stretch of a link up to which it is taken off the rotation: that of a linear motion at an angle of 60°."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ def node_pose(table: Table, q: npt.ArrayLike, factor: float = 1.0) -> NodePose:
 
 
 def unstretched(rest_m: Floats, parent: Ints, moved_m: Floats) -> tuple[Floats, Floats]:
-    """Displacements (n, 3, …) without what links have in excess, and the stretch (n, …) of each link, at least 1.
+    """Displacements (n, 3, …) without what links have in excess, and the stretch (n, …) of each link, 1 to 2.
 
     ``parent`` (n,) comes before its children and is the point itself, or negative, at a root.
     """
@@ -54,7 +56,7 @@ def unstretched(rest_m: Floats, parent: Ints, moved_m: Floats) -> tuple[Floats, 
     excess = now * np.maximum(1.0 - LONGEST * rest / np.maximum(length, 1e-12), 0.0)[:, None]
     for point in np.flatnonzero(up != own).tolist():
         excess[point] += excess[up[point]]
-    stretch = np.maximum(length / np.maximum(rest, 1e-12), 1.0)
+    stretch = np.clip(length / np.maximum(rest, 1e-12), 1.0, MOST_STRETCH)
     return moved_m - excess, stretch
 
 
