@@ -62,6 +62,8 @@ def _held(table: Table, figures: DrawnFigures, contacts: Contacts, pieces: Ints)
         near = own[distance[own].argmin()]
         ends, share = joint[contacts.bearer_ends[near]], float(contacts.bearer_share[near])
         vertices = contacts.vertices(piece)
+        if (joint[vertices] != joint[vertices[0]]).any():  # a frond along its rib
+            continue
         if ends[0] == ends[1]:
             joint[vertices] = ends[0]
         elif len(added) < room:

@@ -44,12 +44,18 @@ def drawn_poses(axis: Axis, basis: Floats, poses: Floats) -> AxisPoses:
     return AxisPoses(moved, (axis.rotation(basis) @ poses.T) / stretch[:, None])
 
 
-def calmed(wood: WeldedWood, feet: Feet, axis: Axis, poses: AxisPoses) -> Feet:
-    """The feet of welded vertices (w,), held nearer to each other where edges are stretched."""
+def calmed(wood: WeldedWood, feet: Feet, axis: Axis, poses: AxisPoses, still: Ints | None = None) -> Feet:
+    """The feet of welded vertices (w,), held nearer to each other where edges are stretched.
+
+    Some vertices ``still`` (k,) stay where they are held, such as those of a frond that touch the trunk.
+    """
     tries = TRIES if len(wood.ends) < FEW_EDGES else 1
-    found = [_calmed(_Bark(wood, axis_paths(axis), poses, feet), SEED + number) for number in range(tries)]
+    paths, kept = axis_paths(axis), np.zeros(len(wood.place_m), bool)
+    kept[still if still is not None else []] = True
+    found = [_calmed(_Bark(wood, paths, poses, feet, kept), SEED + number) for number in range(tries)]
     best = min(found, key=lambda bark: float(bark.ratio.max(initial=0.0)))
-    best.hold_small_pieces()
+    if still is None or not len(still):
+        best.hold_small_pieces()
     return best.feet(feet.distance_m)
 
 
@@ -70,7 +76,10 @@ def _calmed(bark: _Bark, seed: int) -> _Bark:
 class _Bark:
     """The bark of a primitive in all poses, with the places that hold it."""
 
-    def __init__(self, wood: WeldedWood, paths: AxisPaths, poses: AxisPoses, feet: Feet) -> None:
+    def __init__(
+        self, wood: WeldedWood, paths: AxisPaths, poses: AxisPoses, feet: Feet, still: np.ndarray
+    ) -> None:
+        self._still = still  # (w,)
         self._paths, self._poses = paths, poses
         length = np.linalg.norm(wood.place_m[wood.ends[:, 1]] - wood.place_m[wood.ends[:, 0]], axis=1)
         kept = length > SHORTEST * float(np.ptp(wood.place_m, axis=0).max())
@@ -104,7 +113,9 @@ class _Bark:
     def spread(self) -> None:
         """Slide all places around stretched edges at once, if that shortens the longest of them."""
         stretched = np.flatnonzero(self.ratio > CALM)
-        child, mark = spread(self._skin, self._child, self._mark, stretched, self._paths, self._poses)
+        child, mark = spread(
+            self._skin, self._child, self._mark, stretched, self._still, self._paths, self._poses
+        )
         mark = self._at_joints(child, mark)
         now = self._drawn(np.arange(len(mark)), child, mark)
         ratio = self._ratios(now)
@@ -135,7 +146,7 @@ class _Bark:
         ratio = (apart / self._length[edge][:, None]).max(axis=1)
         after = np.zeros(len(vertex))
         np.maximum.at(after, row, ratio)
-        better = after < worst - GAIN
+        better = (after < worst - GAIN) & ~self._still[vertex]
         self._child[vertex[better]], self._mark[vertex[better]] = child[better], mark[better]
         self._now[vertex[better]] = now[better]
         self.ratio[edge[better[row]]] = ratio[better[row]]

@@ -24,7 +24,7 @@ RINGS = 8
 """Vertices so many edges away from a stretched one slide too."""
 STEPS = 120
 PROBE = 1e-4
-"""Step of the difference quotient, relative to the length of the shortest way that is slid along."""
+"""Step of the difference quotient, relative to the typical length of an edge."""
 
 
 @dataclass(frozen=True)
@@ -66,13 +66,23 @@ class Skin:
 
 
 def spread(
-    skin: Skin, child: Ints, mark_m: Floats, stretched: Ints, paths: AxisPaths, poses: AxisPoses
+    skin: Skin,
+    child: Ints,
+    mark_m: Floats,
+    stretched: Ints,
+    still: np.ndarray,
+    paths: AxisPaths,
+    poses: AxisPoses,
 ) -> tuple[Ints, Floats]:
-    """The places (v,) of the vertices of a skin, slid so that stretched edges (s,) are stretched less."""
-    if not len(stretched):
+    """The places (v,) of the vertices of a skin, slid so that stretched edges (s,) are stretched less.
+
+    Vertices that are ``still`` (v,) keep their places.
+    """
+    around = skin.around(stretched, RINGS)
+    free = around[~still[around]]
+    if not len(free):
         return child, mark_m
-    slide = _Slide(skin, child, mark_m, skin.around(stretched, RINGS), paths, poses)
-    return slide.places()
+    return _Slide(skin, child, mark_m, free, paths, poses).places()
 
 
 class _Slide:

@@ -63,8 +63,8 @@ def unstretched(rest_m: Floats, parent: Ints, moved_m: Floats) -> tuple[Floats, 
 def turned(arm_m: Floats, rotation: Floats) -> Floats:
     """Arms (…, 3) turned by rotation vectors (…, 3).
 
-    The vector is half the curl of the displacement: the sine of the angle while nothing is strained, and its
-    tangent where a linear motion is continued. The sine that is drawn lies between, and never exceeds 1.
+    The vector is half the curl of the displacement over the stretch of the link: the sine of the angle. The sine
+    that is drawn never exceeds 1.
     """
     squared = np.square(rotation).sum(axis=-1, keepdims=True)
     axis = rotation / np.sqrt(np.sqrt(1.0 + squared * squared))
