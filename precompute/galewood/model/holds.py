@@ -30,7 +30,8 @@ SAMPLES, LEAF_SAMPLES = 400, 200
 
 
 TOUCH = 0.005
-"""Vertices of a frond at most this much farther from what bears it than the nearest, relative to the height, stay."""
+"""Vertices of a frond that are at most this much farther from what bears it than the nearest one stay there;
+relative to the height."""
 Improved = Callable[[RenderPrimitive, Feet, Ints], Feet]
 """Better places of the vertices of a primitive, from those given; some vertices (k,) stay where they are."""
 
@@ -38,8 +39,8 @@ Improved = Callable[[RenderPrimitive, Feet, Ints], Feet]
 def holds_of(tree: TreeMesh, axis: Axis, improved: Improved = lambda part, feet, still: feet) -> Feet:
     """The place of every render vertex of a tree on its axis, primitives concatenated.
 
-    ``improved`` may change the places of a wood primitive, and of foliage that is held along branches; what hangs
-    on wood follows it.
+    ``improved`` may change the places of a wood primitive, and of foliage that is held along branches; what
+    hangs on wood follows it.
     """
     bearers = Bearers(axis, tree.height_m / SAMPLES)
     added = tree.added_wood()

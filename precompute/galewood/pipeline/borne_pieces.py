@@ -1,8 +1,8 @@
 """Pieces that hang on the middle of a long edge: they move with that edge and not with the axis beside it.
 
-The bark is drawn straight between its vertices, while the axis bends: a fruit beside the middle of a long cylinder
-would leave it in a far bend. Such a piece gets a node of its own, which moves by the mean of what holds both ends
-of the edge.
+The bark is drawn straight between its vertices, while the axis bends: a fruit beside the middle of a long
+cylinder would leave it in a far bend. Such a piece gets a node of its own, which moves by the mean of what holds
+both ends of the edge.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ SHORTEST = 0.25
 
 
 def with_borne_pieces(table: Table, figures: DrawnFigures, q: Sequence[Floats]) -> Table:
-    """The table in which pieces that left their edges in the farthest of the poses q (T, f) stay with them."""
+    """The table in which pieces that left their edges in the farthest poses of q (T, f) stay with them."""
     poses = figures.far_poses(table, q)
     for number in range(len(figures.contacts)):
         contacts = figures.contacts[number][1]
@@ -89,7 +89,7 @@ def _between(table: Table, ends: Ints, share: float) -> _Held:
 
 
 def _before(table: Table, node: int, rest_m: Floats, least_m: float) -> int:
-    """A node, or one nearer to the root, that is not too near to a place: short links stretch unlike the limb."""
+    """A node, or one nearer to the root, not too near to a place: short links stretch unlike the limb."""
     while np.linalg.norm(table.node_rest_m[node] - rest_m) < least_m and int(table.node_parent[node]) != node:
         node = int(table.node_parent[node])
     return node

@@ -175,7 +175,7 @@ class Contacts:
         return np.linalg.norm(own - _between(place_m, self.bearer_ends, self.bearer_share), axis=1)
 
     def gaps_m(self, rest_m: Floats, now_m: Floats) -> Floats:
-        """(p,) distance by which each piece has moved from or into all that it touches; 0: it touches nothing."""
+        """(p,) distance by which each piece has moved from or into all that it touches."""
         change = np.abs(self.distance_m(now_m) - self.distance_m(rest_m))
         least = np.full(int(self.piece.max()) + 1, np.inf)
         np.minimum.at(least, self.piece, change)

@@ -128,7 +128,9 @@ class _Slide:
         apart = place[:, 1] - place[:, 0]  # (e, k, 3)
         length = np.linalg.norm(apart, axis=2)
         excess = np.maximum(length / self._length[:, None] - FREE, 0.0)
-        pull = (POWER * excess ** (POWER - 1) / (self._length[:, None] * np.maximum(length, 1e-12)))[..., None]
+        pull = (POWER * excess ** (POWER - 1) / (self._length[:, None] * np.maximum(length, 1e-12)))[
+            ..., None
+        ]
         pull = pull * apart
         total = np.zeros(len(mark))
         for side, sign in ((0, -1.0), (1, 1.0)):
