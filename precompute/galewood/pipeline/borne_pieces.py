@@ -1,8 +1,8 @@
 """Pieces that hang on the middle of a long edge: they move with that edge and not with the axis beside it.
 
 The bark is drawn straight between its vertices, while the axis bends: a fruit beside the middle of a long
-cylinder would leave it in a far bend. Such a piece gets a node of its own, which moves by the mean of what holds
-both ends of the edge.
+cylinder would leave it in a far bend. Such a piece gets a node of its own, which moves by the mean of what
+holds both ends of the edge.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Places that hold the bark, moved together so that a bend is shared by all edges around it.
 
-Where a thick limb bends, as above the flare of a trunk, no single vertex can move without stretching its other
-edges. So the places of all vertices around stretched edges are found at once: each slides along the way from the
-root through its branch, and the sum of a power of the excess stretches over all edges and poses is minimised.
+Where a thick limb bends, as above the flare of a trunk, no single vertex can move without stretching its
+other edges. So the places of all vertices around stretched edges are found at once: each slides along the way
+from the root through its branch, and the sum of a power of the excess stretches is minimised.
 """
 
 from __future__ import annotations
@@ -128,10 +128,8 @@ class _Slide:
         apart = place[:, 1] - place[:, 0]  # (e, k, 3)
         length = np.linalg.norm(apart, axis=2)
         excess = np.maximum(length / self._length[:, None] - FREE, 0.0)
-        pull = (POWER * excess ** (POWER - 1) / (self._length[:, None] * np.maximum(length, 1e-12)))[
-            ..., None
-        ]
-        pull = pull * apart
+        pull = POWER * excess ** (POWER - 1) / (self._length[:, None] * np.maximum(length, 1e-12))
+        pull = pull[:, :, None] * apart
         total = np.zeros(len(mark))
         for side, sign in ((0, -1.0), (1, 1.0)):
             own = self._ends[:, side] >= 0

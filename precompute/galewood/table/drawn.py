@@ -2,8 +2,8 @@
 
 A node moves by Σ q · basis. The link from its parent to it is not drawn longer than at rest by more than
 LONGEST: what it has in excess is taken off the node and all that come after it, so that branches bend instead
-of stretching, even where the modes are linear or extrapolated. Its rotation vector is divided by the stretch of
-that link before it was shortened, which is what a linear motion adds to the sine of the angle. A joint lies
+of stretching, even where the modes are linear or extrapolated. Its rotation vector is divided by the stretch
+of that link before it was shortened, which is what a linear motion adds to the sine of the angle. A joint lies
 between two nodes, and a vertex moves with its joint and turns about it.
 """
 
@@ -63,8 +63,8 @@ def unstretched(rest_m: Floats, parent: Ints, moved_m: Floats) -> tuple[Floats, 
 def turned(arm_m: Floats, rotation: Floats) -> Floats:
     """Arms (…, 3) turned by rotation vectors (…, 3).
 
-    The vector is half the curl of the displacement over the stretch of the link: the sine of the angle. The sine
-    that is drawn never exceeds 1.
+    The vector is half the curl of the displacement over the stretch of the link: the sine of the angle. The
+    sine that is drawn never exceeds 1.
     """
     squared = np.square(rotation).sum(axis=-1, keepdims=True)
     axis = rotation / np.sqrt(np.sqrt(1.0 + squared * squared))
