@@ -15,6 +15,7 @@ def drawn(t: dict[str, Any], rest: Any, q: Any) -> Any:
     link = t["nodes.rest_m"] - t["nodes.rest_m"][parent]
     now = link + moved - moved[parent]
     lengths = np.linalg.norm([link, now], axis=2)
+    curl = curl / np.clip(lengths[1] / np.maximum(lengths[0], 1e-12), 1, 2)[:, None]
     excess = now * np.maximum(0.0, 1 - LONGEST * lengths[0] / np.maximum(lengths[1], 1e-12))[:, None]
     for node in range(len(parent)):
         if parent[node] != node:

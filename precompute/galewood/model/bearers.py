@@ -29,6 +29,10 @@ class Bearers:
         self._points.append(points.place_m)
         self._feet.append(_between(points, feet, primitive.kind == "wood"))
 
+    def distance_m(self, points_m: Floats) -> Floats:
+        """(s,) distance of points (s, 3) from the nearest point that bears."""
+        return np.asarray(KDTree(np.concatenate(self._points)).query(points_m)[0], dtype=np.float64)
+
     def nearest(self, points_m: Floats, piece: Ints) -> Feet:
         """For each piece (k,), the place that holds what is nearest to its points (s, 3), with the distance.
 

@@ -76,6 +76,35 @@ class AxisPaths:
             rows.append(rows[-1][rows[-1]])
         return np.array(rows)
 
+    @cached_property
+    def roots(self) -> Ints:
+        """(p,) the root of each point."""
+        root = np.arange(len(self.parent))
+        for point in self._outwards:
+            if self.parent[point] >= 0:
+                root[point] = root[self.parent[point]]
+        return root
+
+    @cached_property
+    def line_ends(self) -> Ints:
+        """(p,) the end of the longest way on from each point."""
+        end, reach = np.arange(len(self.parent)), self.mark_m.copy()
+        for point in self._outwards[::-1]:
+            up = int(self.parent[point])
+            if up >= 0 and reach[point] > reach[up]:
+                end[up], reach[up] = end[point], reach[point]
+        return end
+
+    def on_way(self, end: Ints, mark: Floats) -> Ints:
+        """The links (v,) at a distance (v,) from the root on the ways to some points (v,)."""
+        child = np.asarray(end, dtype=np.int64).copy()
+        up = np.maximum(self.parent, 0)
+        for jump in self._jumps[::-1]:
+            far = jump[child]
+            beyond = (self.mark_m[up[far]] > mark) & (self.parent[far] >= 0)
+            child = np.where(beyond, far, child)
+        return self.links(child, mark)
+
     def meeting(self, one: Ints, other: Ints) -> Ints:
         """(k,) the last point that the ways from the root to two points have in common; −1: other roots."""
         a = np.where(self.hops[one] >= self.hops[other], one, other)

@@ -29,12 +29,18 @@ SAMPLES, LEAF_SAMPLES = 400, 200
 """What bears and what is borne are sampled at these fractions of the height."""
 
 
-def holds_of(
-    tree: TreeMesh, axis: Axis, improved: Callable[[RenderPrimitive, Feet], Feet] = lambda wood, feet: feet
-) -> Feet:
+TOUCH = 0.005
+"""Vertices of a frond that are at most this much farther from what bears it than the nearest one stay there;
+relative to the height."""
+Improved = Callable[[RenderPrimitive, Feet, Ints], Feet]
+"""Better places of the vertices of a primitive, from those given; some vertices (k,) stay where they are."""
+
+
+def holds_of(tree: TreeMesh, axis: Axis, improved: Improved = lambda part, feet, still: feet) -> Feet:
     """The place of every render vertex of a tree on its axis, primitives concatenated.
 
-    ``improved`` may change the places of a wood primitive; what hangs on it follows.
+    ``improved`` may change the places of a wood primitive, and of foliage that is held along branches; what
+    hangs on wood follows it.
     """
     bearers = Bearers(axis, tree.height_m / SAMPLES)
     added = tree.added_wood()
@@ -44,9 +50,9 @@ def holds_of(
     for k in sorted(range(len(tree.primitives)), key=lambda k: KINDS.index(tree.primitives[k].kind)):
         primitive = as_stored(tree.primitives[k])
         if primitive.kind == "wood":
-            found[k] = improved(primitive, bark_feet(primitive, axis))
+            found[k] = improved(primitive, bark_feet(primitive, axis), np.zeros(0, np.int64))
         else:
-            found[k] = _hung(primitive, bearers, axis, tree.height_m)
+            found[k] = _hung(primitive, bearers, axis, tree.height_m, improved)
         if primitive.kind != "leaves" and len(primitive.faces):
             bearers.add(primitive, found[k])
     return joined([found[k] for k in range(len(tree.primitives))])
@@ -60,14 +66,39 @@ def as_stored(primitive: RenderPrimitive) -> RenderPrimitive:
     return replace(primitive, positions_m=primitive.positions_m.astype(np.float32).astype(np.float64))
 
 
-def _hung(primitive: RenderPrimitive, bearers: Bearers, axis: Axis, height_m: float) -> Feet:
+def _hung(
+    primitive: RenderPrimitive, bearers: Bearers, axis: Axis, height_m: float, improved: Improved
+) -> Feet:
     """Every piece at the place of what it touches, or at places along the branches that it surrounds."""
     piece = foliage_pieces(primitive)
     points = edge_points(primitive, height_m / LEAF_SAMPLES)  # a card may be borne by the middle of its edge
     feet = chosen(bearers.nearest(points.place_m, piece[points.ends[:, 0]]), piece)
     if primitive.kind == "twigs":
         return feet
-    return _along_branches(primitive, piece, feet, axis, height_m)
+    held = _along_branches(primitive, piece, feet, axis, height_m)
+    bent = np.flatnonzero((held.child != feet.child) | (held.share != feet.share))
+    if not len(bent):
+        return held
+    apart_m = bearers.distance_m(primitive.positions_m[bent])
+    still = np.flatnonzero(apart_m < feet.distance_m[bent] + TOUCH * height_m)
+    return _improved_part(primitive, held, bent, still, improved)
+
+
+def _improved_part(
+    primitive: RenderPrimitive, feet: Feet, part: Ints, still: Ints, improved: Improved
+) -> Feet:
+    """The feet with those of some vertices (k,) improved, as a mesh of their own, of which some stay."""
+    index = np.full(len(primitive.positions_m), -1, dtype=np.int64)
+    index[part] = np.arange(len(part))
+    faces = index[primitive.faces]
+    faces = faces[(faces >= 0).all(axis=1)]
+    if not len(faces):
+        return feet
+    own = replace(primitive, positions_m=primitive.positions_m[part], faces=faces)
+    found = improved(own, chosen(feet, part), still)
+    child, share, at_m = feet.child.copy(), feet.share.copy(), feet.at_m.copy()
+    child[part], share[part], at_m[part] = found.child, found.share, found.at_m
+    return Feet(child, share, at_m, feet.distance_m)
 
 
 def _along_branches(primitive: RenderPrimitive, piece: Ints, feet: Feet, axis: Axis, height_m: float) -> Feet:

@@ -10,6 +10,7 @@ import numpy as np
 from galewood.fem import FemSettings
 from galewood.modal import ModalTensors
 from galewood.pipeline.bark_holds import with_calm_bark
+from galewood.pipeline.borne_pieces import with_borne_pieces
 from galewood.pipeline.surface import RenderMesh
 from galewood.pipeline.table_settings import TableSettings
 from galewood.reduction import (
@@ -89,6 +90,7 @@ def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
     layer = gust_modes(training.body, training.scheme)
     table = _table(moved, layer, errors, of)
     if of.mesh.figures:
+        table = with_borne_pieces(table, of.mesh.figures, q)
         table.metadata["drawn"] = of.mesh.figures.of(table, q)
     return DefaultPart(table, subspace)
 

@@ -12,11 +12,11 @@ from galewood.model import Feet, chosen, holds_of, welded_wood
 from galewood.pipeline.drawn_figures import HEADINGS, SWAY
 from galewood.pipeline.surface import RenderMesh
 from galewood.reduction import calmed, drawn_poses
-from galewood.util import Floats
+from galewood.util import Floats, Ints
 
 
 def with_calm_bark(mesh: RenderMesh, basis: Floats, q: Sequence[Floats], height_m: float) -> RenderMesh:
-    """The mesh held so that its wood does not stretch much at a sway of a fifth of the height.
+    """The mesh held so that its wood and fronds do not stretch much at a sway of a fifth of the height.
 
     ``basis`` (N, 3, r) are the modes, ``q`` (T, r) the training runs, whose farthest sways are scaled.
     """
@@ -24,11 +24,12 @@ def with_calm_bark(mesh: RenderMesh, basis: Floats, q: Sequence[Floats], height_
         return mesh
     poses = drawn_poses(mesh.axis, basis, _far_poses(mesh, basis, np.concatenate(q), height_m))
 
-    def improved(wood: RenderPrimitive, feet: Feet) -> Feet:
-        if not len(wood.faces):
+    def improved(part: RenderPrimitive, feet: Feet, still: Ints) -> Feet:
+        if not len(part.faces):
             return feet
-        welded = welded_wood(wood)
-        return chosen(calmed(welded, chosen(feet, welded.first), mesh.axis, poses), welded.same)
+        welded = welded_wood(part)
+        kept = np.unique(welded.same[still])
+        return chosen(calmed(welded, chosen(feet, welded.first), mesh.axis, poses, kept), welded.same)
 
     return replace(mesh, feet=holds_of(mesh.figures.tree, mesh.axis, improved))
 

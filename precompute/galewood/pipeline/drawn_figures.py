@@ -43,12 +43,13 @@ class DrawnFigures:
         return self._tree
 
     @cached_property
-    def _rest_m(self) -> Floats:
+    def rest_m(self) -> Floats:
+        """(v, 3) the vertices at rest."""
         return np.concatenate([p.positions_m for p in self._tree.primitives])
 
     @cached_property
     def _edges(self) -> _Edges:
-        return _Edges(self._tree, self._rest_m)
+        return _Edges(self._tree, self.rest_m)
 
     @cached_property
     def _hanging(self) -> _Hanging:
@@ -61,11 +62,25 @@ class DrawnFigures:
         twigs and leaves; ``gap``: distance by which a twig or leaf leaves what it hangs on, over the height.
         """
         worst: dict[str, float] = {"sway": SWAY}
-        for pose in _far_poses(table, q):
-            figures = self.between(self._rest_m, drawn_positions(table, self._rest_m, pose))
+        for pose in self.far_poses(table, q):
+            figures = self.between(self.rest_m, drawn_positions(table, self.rest_m, pose))
             for name, value in figures.items():
                 worst[name] = max(worst.get(name, 0.0), round(value, 5))
         return worst
+
+    @property
+    def contacts(self) -> list[tuple[str, Contacts]]:
+        """What the pieces of each primitive of twigs and leaves hang on, with its kind; twigs first."""
+        return self._hanging.contacts
+
+    def far_poses(self, table: Table, q: Sequence[Floats]) -> list[Floats]:
+        """The poses (r,) in which the figures are taken, for training runs q (T, f)."""
+        return _far_poses(table, q)
+
+    def gaps(self, table: Table, contacts: Contacts, poses: Sequence[Floats]) -> Floats:
+        """(p,) the largest gap of each piece in some poses (r,), over the height."""
+        found = [contacts.gaps_m(self.rest_m, drawn_positions(table, self.rest_m, pose)) for pose in poses]
+        return np.array(found).max(axis=0, initial=0.0) / self._tree.height_m
 
     def between(self, rest_m: Floats, now_m: Floats) -> dict[str, float]:
         """The figures of one pose, from the positions of the vertices (v, 3) at rest and now."""
@@ -87,7 +102,7 @@ def drawn_words(figures: Mapping[str, float]) -> str:
 
 
 def _far_poses(table: Table, q: Sequence[Floats]) -> list[Floats]:
-    """The pose of the farthest sway towards each of several headings, scaled to SWAY."""
+    """The poses (r,) of the farthest sway towards each of several headings, scaled to SWAY."""
     every = np.concatenate(q)
     top = table.node_basis[int(table.node_rest_m[:, 1].argmax()), :, : every.shape[1]].astype(np.float64)
     moved = every @ top.T
@@ -139,7 +154,7 @@ def _edges(faces: Ints) -> Ints:
 
 
 @dataclass(frozen=True)
-class _Contacts:
+class Contacts:
     """Points of pieces beside what may bear them: c pairs of points on edges."""
 
     piece: Ints  # (c,)
@@ -147,18 +162,24 @@ class _Contacts:
     share: Floats  # (c,) share of the second
     bearer_ends: Ints  # (c, 2) the same of the bearer's point
     bearer_share: Floats  # (c,)
+    of_vertex: Ints  # (n,) piece of each vertex of the primitive
+    first: int  # number of its first vertex
+
+    def vertices(self, piece: int) -> Ints:
+        """The vertices of a piece."""
+        return self.first + np.flatnonzero(self.of_vertex == piece)
 
     def distance_m(self, place_m: Floats) -> Floats:
         """(c,) distance of each pair, for vertices at place_m (v, 3)."""
         own = _between(place_m, self.ends, self.share)
         return np.linalg.norm(own - _between(place_m, self.bearer_ends, self.bearer_share), axis=1)
 
-    def gap_m(self, rest_m: Floats, now_m: Floats) -> float:
-        """Largest distance by which a piece has moved from or into all that it touches."""
+    def gaps_m(self, rest_m: Floats, now_m: Floats) -> Floats:
+        """(p,) distance by which each piece has moved from or into all that it touches."""
         change = np.abs(self.distance_m(now_m) - self.distance_m(rest_m))
         least = np.full(int(self.piece.max()) + 1, np.inf)
         np.minimum.at(least, self.piece, change)
-        return float(least[np.isfinite(least)].max())
+        return np.where(np.isfinite(least), least, 0.0)
 
 
 class _Hanging:
@@ -171,20 +192,20 @@ class _Hanging:
     def __init__(self, tree: TreeMesh) -> None:
         starts = np.cumsum([0, *(len(p.positions_m) for p in tree.primitives)])[:-1].tolist()
         parts = [(p, first) for p, first in zip(tree.primitives, starts, strict=True) if len(p.faces)]
-        self._contacts: list[tuple[str, _Contacts]] = []
+        self.contacts: list[tuple[str, Contacts]] = []
         for kind, bearers in (("twigs", ("wood",)), ("leaves", ("wood", "twigs"))):
             own = [part for part in parts if part[0].kind == kind]
             bearing = [part for part in parts if part[0].kind in bearers]
             if own and bearing:
                 bark = _Bark(bearing, tree.height_m, tree.added_wood())
                 contacts = [(kind, bark.contacts(*part)) for part in own]
-                self._contacts += [found for found in contacts if len(found[1].piece)]
+                self.contacts += [found for found in contacts if len(found[1].piece)]
 
     def figures(self, rest_m: Floats, now_m: Floats, height_m: float) -> dict[str, float]:
         """Largest gap of each kind between two positions of the vertices (v, 3), over the height."""
         figures: dict[str, float] = {}
-        for kind, contacts in self._contacts:
-            gap = contacts.gap_m(rest_m, now_m) / height_m
+        for kind, contacts in self.contacts:
+            gap = float(contacts.gaps_m(rest_m, now_m).max()) / height_m
             figures[f"{kind}_gap"] = max(gap, figures.get(f"{kind}_gap", 0.0))
         return figures
 
@@ -202,23 +223,26 @@ class _Bark:
         self._share = np.concatenate([p.share for p in points])
         self._tree = KDTree(np.concatenate([p.place_m for p in points]))
 
-    def contacts(self, primitive: RenderPrimitive, first: int) -> _Contacts:
+    def contacts(self, primitive: RenderPrimitive, first: int) -> Contacts:
         """The pairs of the pieces of a primitive whose vertices begin at ``first``."""
         points = edge_points(primitive, self._height_m / LEAF_SAMPLES)
         count = min(CONTACTS, len(self._ends))
         distance, near = (x.reshape(-1, count) for x in self._tree.query(points.place_m, k=count))
-        piece = foliage_pieces(primitive)[points.ends[:, 0]]
+        of_vertex = foliage_pieces(primitive)
+        piece = of_vertex[points.ends[:, 0]]
         least = np.full(int(piece.max()) + 1, np.inf)
         np.minimum.at(least, piece, distance[:, 0])
         least[self._on_added(points.place_m, piece, least)] = -np.inf
         row, column = np.nonzero(distance <= least[piece][:, None] + TOUCH * self._height_m)
         bearer = near[row, column]
-        return _Contacts(
+        return Contacts(
             piece[row],
             points.ends[row] + first,
             points.share[row],
             self._ends[bearer],
             self._share[bearer],
+            of_vertex,
+            first,
         )
 
     def _on_added(self, place_m: Floats, piece: Ints, drawn_m: Floats) -> np.ndarray:

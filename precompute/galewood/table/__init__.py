@@ -9,6 +9,7 @@ from galewood.table.drawn import (
     joint_rows,
     node_pose,
     turned,
+    unstretched,
     vertex_rows,
 )
 from galewood.table.format import FORMAT, VERSION, Table, decode, encode, with_records, without_gusts
@@ -37,6 +38,7 @@ __all__ = [
     "poses",
     "read_metadata",
     "turned",
+    "unstretched",
     "vertex_rows",
     "with_records",
     "without_gusts",

@@ -3,8 +3,9 @@ web/player/src/trees.
 
 A node moves by Σ q · basis. The link from its parent to it is not drawn longer than at rest by more than
 LONGEST: what it has in excess is taken off the node and all that come after it, so that branches bend instead
-of stretching, even where the modes are linear or extrapolated. A joint lies between two nodes, and a vertex
-moves with its joint and turns about it.
+of stretching, even where the modes are linear or extrapolated. Its rotation vector is divided by the stretch
+of that link before it was shortened, which a linear motion adds to the sine of the angle. A joint lies between
+two nodes, and a vertex moves with its joint and turns about it.
 """
 
 from __future__ import annotations
@@ -15,15 +16,20 @@ import numpy as np
 import numpy.typing as npt
 
 from galewood.table.format import Table
-from galewood.util import Floats
+from galewood.util import Floats, Ints
 
 LONGEST = 1.02
 """Length of a link between nodes, relative to rest, from which it is shortened."""
+MOST_STRETCH = 2.0
+"""Stretch of a link up to which it is taken off the rotation: that of a linear motion at an angle of 60°."""
 
 
 @dataclass(frozen=True)
 class NodePose:
-    """Displacement (n, 3), m, and rotation vectors (n, 3) of the nodes in one pose."""
+    """Displacement (n, 3), m, and rotation vectors (n, 3) of the nodes in one pose.
+
+    The length of a rotation vector is the sine of the angle while it is small (``turned``).
+    """
 
     moved_m: Floats
     turned: Floats
@@ -32,29 +38,34 @@ class NodePose:
 def node_pose(table: Table, q: npt.ArrayLike, factor: float = 1.0) -> NodePose:
     """The nodes at the coordinates q (r,), with all displacements multiplied by ``factor``."""
     wide = factor * np.asarray(q, np.float64)
-    linear = table.node_basis @ wide
-    return NodePose(_unstretched(table, linear), table.node_turn @ wide)
-
-
-def _unstretched(table: Table, moved: Floats) -> Floats:
-    parent = table.node_parent.astype(np.int64)
     rest = table.node_rest_m.astype(np.float64)
-    link = rest - rest[parent]
-    now = link + moved - moved[parent]
-    length = np.linalg.norm(now, axis=1)
-    most = LONGEST * np.linalg.norm(link, axis=1)
-    excess = now * (np.maximum(length - most, 0.0) / np.maximum(length, 1e-12))[:, None]
-    for node in range(len(parent)):
-        if parent[node] != node:
-            excess[node] += excess[parent[node]]
-    return moved - excess
+    moved, stretch = unstretched(rest, table.node_parent.astype(np.int64), table.node_basis @ wide)
+    return NodePose(moved, (table.node_turn @ wide) / stretch[:, None])
+
+
+def unstretched(rest_m: Floats, parent: Ints, moved_m: Floats) -> tuple[Floats, Floats]:
+    """Displacements (n, 3, …) without what links have in excess, and the stretch (n, …) of each link, 1 to 2.
+
+    ``parent`` (n,) comes before its children and is the point itself, or negative, at a root.
+    """
+    own = np.arange(len(parent))
+    up = np.where(parent < 0, own, parent)
+    wide = (..., *([None] * (moved_m.ndim - 2)))
+    link = (rest_m - rest_m[up])[wide]
+    now = link + moved_m - moved_m[up]
+    length, rest = np.linalg.norm(now, axis=1), np.linalg.norm(link, axis=1)
+    excess = now * np.maximum(1.0 - LONGEST * rest / np.maximum(length, 1e-12), 0.0)[:, None]
+    for point in np.flatnonzero(up != own).tolist():
+        excess[point] += excess[up[point]]
+    stretch = np.clip(length / np.maximum(rest, 1e-12), 1.0, MOST_STRETCH)
+    return moved_m - excess, stretch
 
 
 def turned(arm_m: Floats, rotation: Floats) -> Floats:
     """Arms (…, 3) turned by rotation vectors (…, 3).
 
-    The vector is half the curl of the displacement: the sine of the angle while nothing is strained, and its
-    tangent where a linear motion is continued. The sine that is drawn lies between, and never exceeds 1.
+    The vector is half the curl of the displacement over the stretch of the link: the sine of the angle. The
+    sine that is drawn never exceeds 1.
     """
     squared = np.square(rotation).sum(axis=-1, keepdims=True)
     axis = rotation / np.sqrt(np.sqrt(1.0 + squared * squared))

@@ -25,6 +25,8 @@ export interface Jointed {
 
 /** Length of a link between nodes, relative to rest, from which it is shortened. */
 export const LONGEST = 1.02;
+/** Stretch of a link up to which it is taken off the rotation: that of a linear motion at an angle of 60°. */
+export const MOST_STRETCH = 2;
 
 /** Displacements and rotations of the nodes and joints of a tree in one pose. */
 export class NodePose {
@@ -69,10 +71,10 @@ export class NodePose {
     }
   }
 
-  /** Takes what links between nodes have in excess off the nodes and all that come after them. */
+  /** Takes what links between nodes have in excess off the nodes and all that come after them, and off the rotations. */
   private shorten(): void {
     const { parent, rest_m, nodes } = this.of;
-    const { moved, excess } = this;
+    const { moved, turned, excess } = this;
     const now = [0, 0, 0];
     for (let node = 0; node < nodes; node++) {
       const before = parent[node];
@@ -85,10 +87,13 @@ export class NodePose {
         rest += link * link;
       }
       const length = Math.sqrt(squared);
+      const stretch = Math.min(MOST_STRETCH, Math.max(1, length / Math.max(Math.sqrt(rest), 1e-12)));
       const share =
         before === node ? 0 : Math.max(0, 1 - (LONGEST * Math.sqrt(rest)) / Math.max(length, 1e-12));
-      for (let axis = 0; axis < 3; axis++)
+      for (let axis = 0; axis < 3; axis++) {
         excess[3 * node + axis] = share * now[axis] + (before === node ? 0 : excess[3 * before + axis]);
+        turned[3 * node + axis] /= stretch;
+      }
     }
     for (let i = 0; i < moved.length; i++) moved[i] -= excess[i];
   }
@@ -129,7 +134,7 @@ export function poseNow(
   return pose.take(given, first, factor);
 }
 
-/** Turns an arm by a rotation vector, whose length is between the sine and the tangent of the angle. */
+/** Turns an arm by a rotation vector, whose length is about the sine of the angle. */
 export function turn(
   x: number,
   y: number,

@@ -1,8 +1,8 @@
 /**
  * Shader code of pass 1, which has two steps. The first adds up the displacements of the nodes. The second shortens the links
- * between them that have become too long (core/motion/nodePose.ts), and adds the rotations and the wind.
+ * between them that have become too long (core/motion/nodePose.ts), and adds the rotations, without that stretch, and the wind.
  */
-import { LONGEST } from "../../core/motion/nodePose";
+import { LONGEST, MOST_STRETCH } from "../../core/motion/nodePose";
 
 export const COVER = /* glsl */ `
 in vec3 position;
@@ -93,7 +93,10 @@ void main() {
     if (before == node) break;
     vec3 limb = movedAt(tree, before);
     vec3 now = link.xyz + own - limb;
-    excess += now * max(0.0, 1.0 - ${LONGEST} * length(link.xyz) / max(length(now), 1e-9));
+    float rest = length(link.xyz);
+    float stretched = length(now);
+    if (k == 0) curl /= clamp(stretched / max(rest, 1e-9), 1.0, ${MOST_STRETCH.toFixed(1)});
+    excess += now * max(0.0, 1.0 - ${LONGEST} * rest / max(stretched, 1e-9));
     own = limb;
     node = before;
   }

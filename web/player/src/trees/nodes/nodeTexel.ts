@@ -17,8 +17,8 @@ vec3 nodeTurned(uvec4 texel) {
 `;
 
 /**
- * GLSL: turns an arm by a rotation vector. The vector is half the curl of the displacement: the sine of the angle while
- * nothing is strained, and its tangent where a linear motion is continued. The sine that is drawn lies between them.
+ * GLSL: turns an arm by a rotation vector: half the curl of the displacement over the stretch of the link, which is the sine
+ * of the angle. The sine that is drawn never exceeds 1.
  */
 export const TURN_BY = /* glsl */ `
 vec4 turnOf(vec3 curl) {
