@@ -1,4 +1,4 @@
-"""A bend is shared by all edges around it; rotations carry no stretch; pieces stay beside long straight edges."""
+"""Edges around a bend share it; rotations carry no stretch; pieces stay beside long straight edges."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Shared by all routes: schemas, problem details (RFC 9457), pagination, ETags and multipart forms."""
 
-from galewood_server.http.contents import EVENT_STREAM, contents
+from galewood_server.http.content_types import EVENT_STREAM, contents
 from galewood_server.http.errors import (
     Problem,
     ProblemError,
