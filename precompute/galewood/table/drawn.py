@@ -3,8 +3,8 @@
 A node moves by Σ q · basis. The link from its parent to it is not drawn longer than at rest by more than
 LONGEST: what it has in excess is taken off the node and all that come after it, so that branches bend instead
 of stretching, even where the modes are linear or extrapolated. Its rotation vector is divided by the stretch
-of that link before it was shortened, which a linear motion adds to the sine of the angle. A joint lies between
-two nodes, and a vertex moves with its joint and turns about it.
+of that link before it was shortened, which a linear motion adds to the sine of the angle. A joint lies
+between two nodes, and a vertex moves with its joint and turns about it.
 """
 
 from __future__ import annotations
