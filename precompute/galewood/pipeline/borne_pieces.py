@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from galewood.pipeline.drawn_figures import Contacts, DrawnFigures
 from galewood.reduction import MAX_NODES
@@ -100,7 +102,7 @@ def _with_nodes(table: Table, added: list[_Held]) -> Table:
     first, count = len(table.node_rest_m), len(added)
     own = np.arange(first, first + count)
 
-    def longer(rows: np.ndarray, more: Sequence[object]) -> np.ndarray:
+    def longer(rows: npt.NDArray[Any], more: npt.ArrayLike) -> npt.NDArray[Any]:
         return np.concatenate([rows, np.asarray(more, rows.dtype)])
 
     return replace(
@@ -109,7 +111,7 @@ def _with_nodes(table: Table, added: list[_Held]) -> Table:
         node_turn=longer(table.node_turn, [one.turn for one in added]),
         node_rest_m=longer(table.node_rest_m, [one.rest_m for one in added]),
         node_parent=longer(table.node_parent, [one.parent for one in added]),
-        joint_nodes=longer(table.joint_nodes, np.column_stack([own, own])),  # type: ignore[arg-type]
+        joint_nodes=longer(table.joint_nodes, np.column_stack([own, own])),
         joint_share=longer(table.joint_share, [0.0] * count),
         joint_rest_m=longer(table.joint_rest_m, [one.rest_m for one in added]),
     )

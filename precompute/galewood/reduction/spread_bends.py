@@ -82,10 +82,10 @@ def spread(
     free = around[~still[around]]
     if not len(free):
         return child, mark_m
-    return _Slide(skin, child, mark_m, free, paths, poses).places()
+    return Slide(skin, child, mark_m, free, paths, poses).places()
 
 
-class _Slide:
+class Slide:
     """Some vertices of a skin, each free to slide between the root and the end of its branch."""
 
     def __init__(
@@ -99,18 +99,18 @@ class _Slide:
         self._ends, self._length = index[skin.ends[own]], skin.length_m[own]
         self._still = drawn_at(skin.place_m, child, mark_m, paths, poses)[skin.ends[own]]
         self._tip = paths.line_ends[child[free]]
-        self._unit = max(float(np.median(self._length)), 1e-9)
+        self.unit_m = max(float(np.median(self._length)), 1e-9)
 
     def places(self) -> tuple[Ints, Floats]:
         """Minimises the cost from the places given."""
         start = self._mark[self._free]
         root, end = self._paths.mark_m[self._paths.roots[self._tip]], self._paths.mark_m[self._tip]
         found = minimize(
-            self._cost, start / self._unit, jac=True, method="L-BFGS-B",
-            bounds=np.stack([root, end], axis=1) / self._unit, options={"maxiter": STEPS, "maxcor": 20},
+            self.cost, start / self.unit_m, jac=True, method="L-BFGS-B",
+            bounds=np.stack([root, end], axis=1) / self.unit_m, options={"maxiter": STEPS, "maxcor": 20},
         )  # fmt: skip
         child, mark = self._child.copy(), self._mark.copy()
-        mark[self._free] = found.x * self._unit
+        mark[self._free] = found.x * self.unit_m
         child[self._free] = self._paths.on_way(self._tip, mark[self._free])
         return child, mark
 
@@ -118,11 +118,11 @@ class _Slide:
         child = self._paths.on_way(self._tip, mark_m)
         return drawn_at(self._skin.place_m[self._free], child, mark_m, self._paths, self._poses)
 
-    def _cost(self, scaled: Floats) -> tuple[float, Floats]:
+    def cost(self, scaled: Floats) -> tuple[float, Floats]:
         """The cost of places, and its slope (f,)."""
-        mark = scaled * self._unit
+        mark = scaled * self.unit_m
         now = self._drawn(mark)
-        step = PROBE * self._unit
+        step = PROBE * self.unit_m
         slope = (self._drawn(mark + step) - now) / step  # (f, k, 3)
         place = np.where((self._ends >= 0)[:, :, None, None], now[self._ends], self._still)
         apart = place[:, 1] - place[:, 0]  # (e, k, 3)
@@ -135,4 +135,4 @@ class _Slide:
             own = self._ends[:, side] >= 0
             at = self._ends[own, side]
             total += np.bincount(at, sign * (pull[own] * slope[at]).sum(axis=(1, 2)), len(mark))
-        return 1e6 * float((excess**POWER).sum()), 1e6 * self._unit * total
+        return 1e6 * float((excess**POWER).sum()), 1e6 * self.unit_m * total
