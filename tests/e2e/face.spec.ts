@@ -161,8 +161,9 @@ test.describe("on a wide page", () => {
     test.use({ deviceScaleFactor: 0.25, drawn: "always" });
 
     test("tools: view, fly-through, photo, video", async ({ page }) => {
+      test.setTimeout(6 * 60_000);
       await page.setViewportSize({ width: 800, height: 300 });
-      await open(page, "quality=low&trees=3&speed=5");
+      await open(page, "quality=low&trees=2&speed=5&background=0");
       await forest(page);
       const eye = () => page.evaluate(() => window.galewood!.eye);
       const first = await eye();

@@ -21,6 +21,8 @@ interface Notebook {
   metadata: { widgets: Record<string, { state: Record<string, Saved> }> };
 }
 
+test.use({ drawn: "always" });
+
 let folder = "";
 let notebook: Notebook;
 test.beforeAll(() => {

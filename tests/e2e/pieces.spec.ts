@@ -35,42 +35,47 @@ test("pieces can be chosen as wood, leaves or left out, and restored", async ({ 
   await expect(dialog).toHaveCount(0);
 });
 
-test("pieces are painted in the picture, undone and applied", async ({ page }) => {
-  test.setTimeout(5 * 60_000);
-  page.setDefaultTimeout(2 * 60_000);
-  await page.setViewportSize({ width: 900, height: 600 });
-  await open(page, SMALL);
-  const buffer = Buffer.from(branchedTree());
-  await page.setInputFiles("#file", { name: "painted-tree.obj", mimeType: "model/obj", buffer });
-  const dialog = page.getByRole("dialog", { name: /painted-tree/i });
-  await dialog.getByRole("button", { name: "Paint pieces" }).click();
-  const bar = dialog.locator(".own-tree-paint");
-  await expect(bar.getByRole("status")).toContainText("Drag over the tree");
-  const { violations } = await new AxeBuilder({ page }).include("dialog.own-tree").analyze();
-  expect(violations).toEqual([]);
+test.describe("painting", () => {
+  // What is under the brush is read from a drawn picture.
+  test.use({ drawn: "always" });
 
-  await bar.getByRole("radio", { name: "Leaves" }).check();
-  const box = (await dialog.locator("canvas").boundingBox())!;
-  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-  // across the whole crown, through trunk and branches
-  await page.mouse.move(x - box.width / 4, y - box.height / 8);
-  await page.mouse.down();
-  await page.mouse.move(x + box.width / 4, y - box.height / 8, { steps: 3 });
-  await page.mouse.up();
-  await expect(bar.getByRole("status")).toHaveText(/^\d+ pieces? changed/);
-  await page.keyboard.press("Control+z");
-  await expect(bar.getByRole("status")).toHaveText(/^Drag/);
-  await expect(bar.getByRole("button", { name: "Apply" })).toBeDisabled();
-  await bar.getByRole("button", { name: "Redo" }).click();
-  const answer = page.waitForResponse((one) => one.request().method() === "PATCH" && one.ok());
-  await bar.getByRole("button", { name: "Apply" }).click();
-  const { report } = (await (await answer).json()) as { report: { pieces: { ranges?: string[]; kind: string }[] } };
-  const painted = report.pieces.filter(({ ranges }) => ranges !== undefined);
-  expect(painted.length).toBeGreaterThan(0);
-  expect(new Set(painted.map(({ kind }) => kind))).toEqual(new Set(["leaves"]));
-  await expect(dialog.getByText("painted", { exact: false }).first()).toBeVisible();
-  await dialog.getByRole("button", { name: "Discard" }).click();
-  await expect(dialog).toHaveCount(0);
+  test("pieces are painted in the picture, undone and applied", async ({ page }) => {
+    test.setTimeout(5 * 60_000);
+    page.setDefaultTimeout(2 * 60_000);
+    await page.setViewportSize({ width: 900, height: 600 });
+    await open(page, SMALL);
+    const buffer = Buffer.from(branchedTree());
+    await page.setInputFiles("#file", { name: "painted-tree.obj", mimeType: "model/obj", buffer });
+    const dialog = page.getByRole("dialog", { name: /painted-tree/i });
+    await dialog.getByRole("button", { name: "Paint pieces" }).click();
+    const bar = dialog.locator(".own-tree-paint");
+    await expect(bar.getByRole("status")).toContainText("Drag over the tree");
+    const { violations } = await new AxeBuilder({ page }).include("dialog.own-tree").analyze();
+    expect(violations).toEqual([]);
+
+    await bar.getByRole("radio", { name: "Leaves" }).check();
+    const box = (await dialog.locator("canvas").boundingBox())!;
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    // across the whole crown, through trunk and branches
+    await page.mouse.move(x - box.width / 4, y - box.height / 8);
+    await page.mouse.down();
+    await page.mouse.move(x + box.width / 4, y - box.height / 8, { steps: 3 });
+    await page.mouse.up();
+    await expect(bar.getByRole("status")).toHaveText(/^\d+ pieces? changed/);
+    await page.keyboard.press("Control+z");
+    await expect(bar.getByRole("status")).toHaveText(/^Drag/);
+    await expect(bar.getByRole("button", { name: "Apply" })).toBeDisabled();
+    await bar.getByRole("button", { name: "Redo" }).click();
+    const answer = page.waitForResponse((one) => one.request().method() === "PATCH" && one.ok());
+    await bar.getByRole("button", { name: "Apply" }).click();
+    const { report } = (await (await answer).json()) as { report: { pieces: { ranges?: string[]; kind: string }[] } };
+    const painted = report.pieces.filter(({ ranges }) => ranges !== undefined);
+    expect(painted.length).toBeGreaterThan(0);
+    expect(new Set(painted.map(({ kind }) => kind))).toEqual(new Set(["leaves"]));
+    await expect(dialog.getByText("painted", { exact: false }).first()).toBeVisible();
+    await dialog.getByRole("button", { name: "Discard" }).click();
+    await expect(dialog).toHaveCount(0);
+  });
 });
 
 test("all trees of a file become uploads, and can be cancelled", async ({ page, request }) => {

@@ -12,7 +12,7 @@ function treePixels({ data }: Picture): number {
   return count;
 }
 
-/** Waits until trees are drawn, and until they have moved. */
+/** Waits until trees are drawn, and until they have moved. The test must `use` that every frame is `drawn`. */
 export async function swaying(page: Page): Promise<void> {
   await expect.poll(async () => treePixels(await shot(page))).toBeGreaterThan(500);
   // Three times, because the first changes may be those of pictures that are still being loaded.
