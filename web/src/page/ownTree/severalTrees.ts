@@ -119,7 +119,7 @@ export class SeveralTrees {
     for (const entry of order) if (entry.state === "waiting") await this.import(entry);
     this.running = false;
     const [shown] = order; // the others were copied from it
-    if (shown.state === "left" || shown.tree === null) await this.remove(shown);
+    if (shown.state === "left" || !this.isPlanted(shown)) await this.remove(shown);
   }
 
   private async import(entry: Entry): Promise<void> {
@@ -139,8 +139,14 @@ export class SeveralTrees {
       if (this.wasLeft(entry) && !entry.found.taken) await this.remove(entry);
     } catch (error) {
       if (!this.wasLeft(entry)) entry.show("failed", faultWords(error));
+      if (!entry.found.taken && !this.isPlanted(entry)) await this.remove(entry);
       this.tell();
     }
+  }
+
+  /** Whether its computation was started, and its progress is shown with the forest. */
+  private isPlanted({ tree }: Entry): boolean {
+    return tree !== null && this.host.uploads.find(tree.id) !== null;
   }
 
   /** Not the narrowed type: a tree may be cancelled while it is imported. */
