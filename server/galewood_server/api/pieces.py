@@ -7,19 +7,22 @@ from dataclasses import dataclass
 from typing import Any
 
 from fastapi import APIRouter, Response
-from galewood.mesh import pieces_sandboxed
-from galewood.sandbox import Limits
 
-from galewood_server.api.files.artefacts import BINARY
 from galewood_server.api.trees import find_tree
 from galewood_server.api.uploads import given_import_options, read_mesh, store_tree
 from galewood_server.context import Service, ServiceDep
-from galewood_server.http import ProblemError, TreeChanges, TreeOut, Upload, import_options, problems
+from galewood_server.http import (
+    ProblemError,
+    TreeChanges,
+    TreeOut,
+    Upload,
+    contents,
+    import_options,
+    problems,
+)
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
-GLB: dict[int | str, dict[str, Any]] = {
-    200: {"description": "All pieces as a GLB.", "content": {"model/gltf-binary": BINARY}}
-}
+GLB = contents("All pieces.", "model/gltf-binary")
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,9 @@ def _source(service: Service, tree_id: str) -> _Source:
 
 
 def _pieces(service: Service, source: _Source) -> bytes:
+    from galewood.mesh import pieces_sandboxed  # loads the mesh libraries
+    from galewood.sandbox import Limits
+
     settings = service.settings
     limits = Limits(settings.import_memory_bytes, settings.import_cpu_s, settings.import_wall_s)
     upload = source.upload
