@@ -60,8 +60,6 @@ def test_all_pieces_can_be_fetched_to_choose_from(api: httpx.Client) -> None:
         (["1.2-2"], "other"),
     ]
     assert api.post("/api/trees/none/pieces").status_code == 404
-    builtin = next(t["id"] for t in api.get("/api/trees").json()["trees"] if t["builtin"])
-    assert api.post(f"/api/trees/{builtin}/pieces").status_code == 403
 
 
 def test_another_tree_of_a_file_is_imported_without_sending_it_again(api: httpx.Client) -> None:

@@ -282,7 +282,7 @@ export class OwnTreeDialog {
     this.painting?.dispose();
     this.preview.dispose();
     this.dialog.remove();
-    this.started ||= this.several?.keepsShown === true;
+    this.started ||= this.several !== null; // which removes it if it was cancelled
     if (!this.started) await deleteTree(this.tree.id).catch(() => {}); // discarded
     this.settle(this.started);
   }

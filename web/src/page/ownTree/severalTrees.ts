@@ -118,12 +118,8 @@ export class SeveralTrees {
     const order = [...this.entries].sort((a, b) => Number(b.found.taken) - Number(a.found.taken));
     for (const entry of order) if (entry.state === "waiting") await this.import(entry);
     this.running = false;
-    if (order[0].state === "left") await this.remove(order[0]);
-  }
-
-  /** Whether the upload that the dialog was opened for is kept, or still needed: the others are its copies. */
-  get keepsShown(): boolean {
-    return this.running || this.entries.some(({ found, state }) => found.taken && state !== "left");
+    const [shown] = order; // the others were copied from it
+    if (shown.state === "left" || !this.isPlanted(shown)) await this.remove(shown);
   }
 
   private async import(entry: Entry): Promise<void> {
@@ -140,10 +136,17 @@ export class SeveralTrees {
       if (tree.state === "uploaded" || tree.state === "failed")
         await startPrecompute(tree.id, { first_frequency_hz: hertz });
       this.follow(entry, tree);
+      if (this.wasLeft(entry) && !entry.found.taken) await this.remove(entry);
     } catch (error) {
       if (!this.wasLeft(entry)) entry.show("failed", faultWords(error));
+      if (!entry.found.taken && !this.isPlanted(entry)) await this.remove(entry);
       this.tell();
     }
+  }
+
+  /** Whether its computation was started, and its progress is shown with the forest. */
+  private isPlanted({ tree }: Entry): boolean {
+    return tree !== null && this.host.uploads.find(tree.id) !== null;
   }
 
   /** Not the narrowed type: a tree may be cancelled while it is imported. */
@@ -159,7 +162,8 @@ export class SeveralTrees {
 
   private follow(entry: Entry, tree: Tree): void {
     const { uploads } = this.host;
-    if (tree.table_sha256 === null) entry.show("computing", "Computing its motion");
+    if (this.wasLeft(entry)) entry.show("left", "Cancelled");
+    else if (tree.table_sha256 === null) entry.show("computing", "Computing its motion");
     else entry.show("moving", "It moves already");
     this.stops.push(uploads.watch(tree.id, (change) => this.changed(entry, change)));
     uploads.add(tree.id, true);

@@ -23,7 +23,7 @@ export function rowsUnder(picture: RowPicture, from: Place, to: Place, radius: n
     for (let x = Math.max(0, Math.ceil(left)); x <= Math.min(width - 1, right); x++) {
       const at = 4 * ((height - 1 - y) * width + x);
       const row = pixels[at] + 256 * pixels[at + 1] + 65536 * pixels[at + 2] - 1;
-      if (row >= 0 && distance(x, y, from, to) <= radius) found.add(row);
+      if (row >= 0 && !found.has(row) && distance(x, y, from, to) <= radius) found.add(row);
     }
   }
   return found;
