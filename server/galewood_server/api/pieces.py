@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from fastapi import APIRouter, Response
-from galewood.mesh import pieces_sandboxed
-from galewood.sandbox import Limits
 
 from galewood_server.api.trees import find_tree
 from galewood_server.api.uploads import given_import_options, read_mesh, store_tree
@@ -86,6 +84,9 @@ def _source(service: Service, tree_id: str) -> _Source:
 
 
 def _pieces(service: Service, source: _Source) -> bytes:
+    from galewood.mesh import pieces_sandboxed  # loads the mesh libraries
+    from galewood.sandbox import Limits
+
     settings = service.settings
     limits = Limits(settings.import_memory_bytes, settings.import_cpu_s, settings.import_wall_s)
     upload = source.upload
