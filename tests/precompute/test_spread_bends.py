@@ -84,7 +84,8 @@ def test_a_thick_foot_shares_its_bend_better_than_vertices_one_by_one(monkeypatc
     axis, wood, poses = flared()
     welded, skin = welded_wood(wood), skin_of(wood)
     feet = bark_feet(wood, axis)
-    feet = Feet(*(values[welded.first] for values in (feet.child, feet.share, feet.at_m, feet.distance_m)))
+    first = welded.first
+    feet = Feet(feet.child[first], feet.share[first], feet.at_m[first], feet.distance_m[first])
     together = longest(skin, calm_bark.calmed(welded, feet, axis, poses), axis, poses)
     monkeypatch.setattr(calm_bark, "PASSES", 0)
     alone = longest(skin, calm_bark.calmed(welded, feet, axis, poses), axis, poses)
