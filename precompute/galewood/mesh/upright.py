@@ -12,6 +12,9 @@ BASE_SLAB = 0.04  # share of the height regarded as the base
 FOOT = 0.1  # a trunk begins within this share of the height from the bottom
 LOWER, UPPER = (0.06, 0.12, 0.2), (0.65, 0.78, 0.9)  # heights of the wood at which its thickness is compared
 THINNER = 3.0  # ratio of the thicknesses that counts in full
+BOTTOM = 0.12  # share of the height in which ground lies
+ACROSS = 0.7  # ground is at least so wide, relative to everything
+COVERED = 0.4  # least share of the plan that ground covers
 
 
 def base(points: Floats) -> float:
@@ -109,7 +112,8 @@ def section_thickness(corners: Floats, piece: Ints, height: float) -> float:
 def order(pieces: Pieces, score: Floats) -> float:
     """Height of what looks like leaves above what looks like wood, of the whole height; ±0.5."""
     s = pieces.shapes
-    wood, leaf = score > 0, score < 0
+    sheet = _flat_across(pieces)
+    wood, leaf = (score > 0) & ~sheet, (score < 0) & ~sheet
     if not wood.any() or not leaf.any():
         return 0.0
     height = s.centre[:, 1]
@@ -117,21 +121,45 @@ def order(pieces: Pieces, score: Floats) -> float:
     return float(np.clip(above / max(float(s.high[:, 1].max() - s.low[:, 1].min()), 1e-300), -0.5, 0.5))
 
 
+def _flat_across(pieces: Pieces) -> np.ndarray:
+    """Low pieces (k,) as wide as everything: ground, whatever its colour."""
+    s = pieces.shapes
+    size = s.high.max(axis=0) - s.low.min(axis=0)
+    own = s.high - s.low
+    return (own[:, 1] < BOTTOM * size[1]) & (own[:, [0, 2]] > ACROSS * size[[0, 2]]).all(axis=1)
+
+
 def ground(corners: Floats) -> float:
     """1 if wide flat ground lies at the bottom, else 0."""
     centre = corners.mean(axis=1)
     low, extent = float(corners[:, :, 1].min()), max(float(np.ptp(corners[:, :, 1])), 1e-300)
-    there = centre[:, 1] < low + 0.12 * extent
-    normal = np.cross(corners[there, 1] - corners[there, 0], corners[there, 2] - corners[there, 0])
+    there = corners[centre[:, 1] < low + BOTTOM * extent]
+    normal = np.cross(there[:, 1] - there[:, 0], there[:, 2] - there[:, 0])
+    width = np.ptp(corners.reshape(-1, 3), axis=0)[[0, 2]]
+    return float(_level_ground(there, normal, width) or _rough_ground(there, normal, width))
+
+
+def _level_ground(corners: Floats, normal: Floats, width: Floats) -> bool:
+    """Most of the surface (m, 3, 3) is level, spreads over the plan, and not all of it faces down."""
     size = np.linalg.norm(normal, axis=1)
     level = np.abs(normal[:, 1]) > 0.6 * size
-    flat, area = corners[there][level].reshape(-1, 3), float(size[level].sum())
+    flat, area = corners[level].reshape(-1, 3), float(size[level].sum())
     if not len(flat) or area < 0.6 * float(size.sum()):
-        return 0.0
+        return False
     # the side of a crown faces outwards, ground faces the tree
     if float(size[level & (normal[:, 1] > 0)].sum()) < 0.4 * area:
-        return 0.0
-    width = np.ptp(corners.reshape(-1, 3), axis=0)[[0, 2]]
-    across = np.ptp(flat, axis=0)[[0, 2]]
-    covered = area / 2 / max(float(np.prod(width)), 1e-300)
-    return float((across > 0.7 * width).all() and covered > 0.4)
+        return False
+    return _is_wide(flat, width) and area / 2 > COVERED * float(np.prod(width))
+
+
+def _rough_ground(corners: Floats, normal: Floats, width: Floats) -> bool:
+    """The surface faces the tree and covers the plan: Σ n a is the area inside its outline, however rough."""
+    if not len(corners):
+        return False
+    return _is_wide(corners.reshape(-1, 3), width) and float(normal[:, 1].sum()) / 2 > COVERED * float(
+        np.prod(width)
+    )
+
+
+def _is_wide(points: Floats, width: Floats) -> bool:
+    return bool((np.ptp(points, axis=0)[[0, 2]] > ACROSS * width).all())
