@@ -1,10 +1,11 @@
 """The beam frame against closed-form solutions."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from galewood.beams import frame_frequencies, frame_matrices, joined_frame
+from galewood.beams import Frame, frame_frequencies, frame_matrices, joined_frame
 from galewood.verify.beams import pole_frequencies
 from galewood.verify.specimens import read_frame
 from galewood.wood.species import wood_of_species
@@ -63,6 +64,16 @@ def test_links_inside_a_limb_have_no_mass():
     tree = joined_frame(points, radius, np.array([-1, 0, 1, 1, 3]), np.array([0, 0, 0, 1, 1]), 4)
     exact = np.pi * (0.1**2 * 2 + 0.02**2 * 0.9)
     assert tree.volume_m3() == pytest.approx(exact, rel=5e-3)
+
+
+def test_thin_beams_are_as_stiff_as_a_least_radius_and_as_heavy_as_drawn():
+    points, radius = np.array([[0, 0, 0], [0, 1, 0], [0, 2, 0.3]], float), np.array([0.05, 0.001])
+    frame = Frame(points, np.array([[0, 1], [1, 2]]), radius, np.zeros(2, bool), stiff_radius_m=0.01)
+    stout = replace(frame, radius_m=np.array([0.05, 0.01]), stiff_radius_m=0.0)
+    thin = replace(frame, stiff_radius_m=0.0)
+    stiffness, mass = frame_matrices(frame, WOOD)
+    np.testing.assert_array_equal(stiffness.toarray(), frame_matrices(stout, WOOD)[0].toarray())
+    np.testing.assert_array_equal(mass.toarray(), frame_matrices(thin, WOOD)[1].toarray())
 
 
 def test_frequencies_converge_with_smaller_pieces():

@@ -20,6 +20,10 @@ from galewood.util import MeshError
 from galewood.wood import wood_of_species
 from typer.testing import CliRunner
 
+from tests.precompute import labelled_shapes as shapes
+from tests.precompute.labelled_looks import Look, Part
+from tests.precompute.labelled_writers import write_glb
+
 WOOD = wood_of_species("maple")
 
 
@@ -46,6 +50,28 @@ def test_expected_motion_is_that_of_the_beams(tree: TreeMesh) -> None:
     assert 0 < slow["sway_m"] < fast["sway_m"]
     assert fast["share"] == pytest.approx(fast["sway_m"] / tree.height_m)
     assert expected["lively_frequency_hz"] <= expected["first_frequency_hz"]
+
+
+def twiggy(least_m: float) -> TreeMesh:
+    """A trunk with twelve bare twigs that taper to `least_m`, each with a large card at its end."""
+    rise = np.column_stack([np.zeros(9), np.linspace(0, 10, 9), np.zeros(9)])
+    wood, tips = [shapes.tube(rise, np.linspace(0.2, 0.03, 9), 12)], []
+    for k in range(12):
+        foot = np.array([0, 4 + 0.45 * k, 0])
+        tips.append(foot + np.array([1.6 * np.cos(2.4 * k), 0.7, 1.6 * np.sin(2.4 * k)]))
+        radii = np.maximum(np.geomspace(0.02, 1e-5, 6), least_m)
+        wood.append(shapes.tube(np.linspace(foot, tips[-1], 6), radii, 6))
+    cards = shapes.cards(np.random.default_rng(3), np.array(tips), 0.3)
+    brown, green = (Look(factor=(*rgb, 1.0)) for rgb in ((0.2, 0.12, 0.06), (0.1, 0.3, 0.05)))
+    parts = [Part("bark", "wood", shapes.together(*wood), brown), Part("leaves", "leaves", cards, green)]
+    return read_tree(write_glb(parts), "tree.glb")
+
+
+def test_twigs_drawn_to_a_point_do_not_make_a_tree_limp() -> None:
+    """A twig of a micrometre would hang like a thread under its leaves, whatever the trunk is."""
+    drawn, stout = (expected_motion(twiggy(least_m)) for least_m in (1e-5, 0.006))
+    assert drawn is not None and stout is not None
+    assert drawn["first_frequency_hz"] == pytest.approx(stout["first_frequency_hz"], rel=0.2)
 
 
 def test_lengths_are_told_without_exponents() -> None:

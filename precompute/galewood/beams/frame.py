@@ -21,12 +21,17 @@ STIFF = 100.0
 
 @dataclass(frozen=True)
 class Frame:
-    """points_m (n, 3), links (k, 2), radius_m (k,) of each link, hidden (k,): link inside its parent."""
+    """points_m (n, 3), links (k, 2), radius_m (k,) of each link, hidden (k,): link inside its parent.
+
+    Links are as stiff as if their radius were at least ``stiff_radius_m``: drawn twigs taper to a point, and
+    one leaf card stands for many leaves, so that beams as thin as drawn could not carry what hangs on them.
+    """
 
     points_m: Floats
     links: Int64s
     radius_m: Floats
     hidden: NDArray[np.bool_]
+    stiff_radius_m: float = 0.0
 
     @property
     def length_m(self) -> Floats:
@@ -97,6 +102,8 @@ def frame_matrices(tree: Frame, wood: Wood) -> tuple[csc_array, csc_array]:
         rows.append(np.repeat(dofs, 12))
         columns.append(np.tile(dofs, 12))
         k, m = beam_matrices(radius, length, wood)
+        if radius < tree.stiff_radius_m:
+            k, _ = beam_matrices(tree.stiff_radius_m, length, wood)
         stiff.append((turn.T @ k @ turn * (STIFF if hidden else 1.0)).ravel())
         heavy.append((turn.T @ m @ turn * (0.0 if hidden else 1.0)).ravel())
     size = 6 * len(tree.points_m)

@@ -18,9 +18,11 @@ from galewood.mesh import RenderPrimitive, TreeMesh
 from galewood.model.axis import Axis, axis_of_frame
 from galewood.model.bare_tree import without_leaves
 from galewood.model.binding import CROWN_SIZE, foliage_pieces, nearest_of_pieces, piece_size
+from galewood.model.construction import STIFFNESS_FLOOR
 from galewood.model.crown_mass import twig_loads
 from galewood.model.foliage import crown_loads
 from galewood.skeleton import CLAMPED_SHARE, Outline, branch_lines, outline_of
+from galewood.tets import FLOOR
 from galewood.util import Floats, Ints
 from galewood.wood import Wood
 
@@ -76,7 +78,7 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
     Without ``leaves`` they still move, but have neither mass nor wind load.
     """
     outline = outline_of(tree.wood_vertices_m, tree.wood_faces)
-    frame = frame_of(outline)
+    frame = replace(frame_of(outline), stiff_radius_m=_stiff_radius_m(tree.wood_vertices_m))
     feet = [_feet(primitive.positions_m, frame) for primitive in tree.primitives]
     of = {id(primitive): foot for primitive, foot in zip(tree.primitives, feet, strict=True)}
 
@@ -113,6 +115,11 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
 def _on_points(values: Floats) -> Floats:
     """(4n,) values (n,) of the points on the first of their four particles, zero on the others."""
     return np.repeat(values, 4) * np.tile([1.0, 0.0, 0.0, 0.0], len(values))
+
+
+def _stiff_radius_m(vertices_m: Floats) -> float:
+    """Radius of the softest tetrahedra that the mesh of this wood will have: beams agree with them."""
+    return STIFFNESS_FLOOR * FLOOR * float(np.linalg.norm(np.ptp(vertices_m, axis=0)))
 
 
 def frame_of(branches: Outline) -> Frame:

@@ -1,11 +1,12 @@
 """Tetrahedral meshing; in: the wood surface of a TreeMesh; out: a connected TetMesh."""
 
-from galewood.tets.meshing import TetMesh, kept_tetrahedra, tetrahedralise
+from galewood.tets.meshing import FLOOR, TetMesh, kept_tetrahedra, tetrahedralise
 from galewood.tets.quality import FACES_OF_TET, boundary_faces, tet_volumes
 from galewood.tets.radius_ratio import scattered_weights
 
 __all__ = [
     "FACES_OF_TET",
+    "FLOOR",
     "TetMesh",
     "boundary_faces",
     "kept_tetrahedra",
