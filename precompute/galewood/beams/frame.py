@@ -90,77 +90,73 @@ def _lumped(mass_kg: Floats) -> csc_array:
 
 def frame_matrices(tree: Frame, wood: Wood) -> tuple[csc_array, csc_array]:
     """Stiffness and consistent mass (6n, 6n), with three displacements and three rotations per point."""
-    rows: list[Int64s] = []
-    columns: list[Int64s] = []
-    stiff: list[Floats] = []
-    heavy: list[Floats] = []
-    for (a, b), radius, length, hidden in zip(
-        tree.links, tree.radius_m, tree.length_m, tree.hidden, strict=True
-    ):
-        turn = np.kron(np.eye(4), _axes(tree.points_m[b] - tree.points_m[a]))
-        dofs = np.concatenate([6 * a + np.arange(6), 6 * b + np.arange(6)])
-        rows.append(np.repeat(dofs, 12))
-        columns.append(np.tile(dofs, 12))
-        k, m = beam_matrices(radius, length, wood)
-        if radius < tree.stiff_radius_m:
-            k, _ = beam_matrices(tree.stiff_radius_m, length, wood)
-        stiff.append((turn.T @ k @ turn * (STIFF if hidden else 1.0)).ravel())
-        heavy.append((turn.T @ m @ turn * (0.0 if hidden else 1.0)).ravel())
+    dofs = (6 * tree.links[:, :, None] + np.arange(6)).reshape(-1, 12)
+    along = tree.points_m[tree.links[:, 1]] - tree.points_m[tree.links[:, 0]]
+    turn = np.zeros((len(dofs), 12, 12))
+    axes = _axes(along)
+    for k in range(0, 12, 3):
+        turn[:, k : k + 3, k : k + 3] = axes
+    _, mass = beam_matrices(tree.radius_m, tree.length_m, wood)
+    stiffness, _ = beam_matrices(np.maximum(tree.radius_m, tree.stiff_radius_m), tree.length_m, wood)
+    stiffness *= np.where(tree.hidden, STIFF, 1.0)[:, None, None]
+    mass *= np.where(tree.hidden, 0.0, 1.0)[:, None, None]
     size = 6 * len(tree.points_m)
-    where = (np.concatenate(rows), np.concatenate(columns))
+    where = (np.repeat(dofs, 12), np.tile(dofs, 12).ravel())
 
-    def whole(values: list[Floats]) -> csc_array:
-        return csc_array(coo_array((np.concatenate(values), where), shape=(size, size)))
+    def whole(values: Floats) -> csc_array:
+        turned = turn.transpose(0, 2, 1) @ values @ turn
+        return csc_array(coo_array((turned.ravel(), where), shape=(size, size)))
 
-    return whole(stiff), whole(heavy)
+    return whole(stiffness), whole(mass)
 
 
 def _axes(along: Floats) -> Floats:
-    """(3, 3) rows: axis of the beam and two unit vectors across it."""
-    x = along / float(np.linalg.norm(along))
-    y = np.cross(x, np.eye(3)[int(np.argmin(np.abs(x)))])
-    y = y / float(np.linalg.norm(y))
-    return np.array([x, y, np.cross(x, y)], dtype=np.float64)
+    """(k, 3, 3) rows: axis of each beam (k, 3) and two unit vectors across it."""
+    x = along / np.linalg.norm(along, axis=1, keepdims=True)
+    y = np.cross(x, np.eye(3)[np.argmin(np.abs(x), axis=1)])
+    y /= np.linalg.norm(y, axis=1, keepdims=True)
+    return np.stack([x, y, np.cross(x, y)], axis=1)
 
 
-def beam_matrices(radius_m: float, length_m: float, wood: Wood) -> tuple[Floats, Floats]:
-    """Stiffness and consistent mass (12, 12) of a round beam along its first axis.
+def beam_matrices(radius_m: Floats, length_m: Floats, wood: Wood) -> tuple[Floats, Floats]:
+    """Stiffness and consistent mass (k, 12, 12) of round beams (k,), each along its own first axis.
 
     Source: Przemieniecki 1968, "Theory of Matrix Structural Analysis", chapters 5 and 11, without shear and
     without rotary inertia in bending.
     """
-    area = np.pi * radius_m**2
-    moment = np.pi * radius_m**4 / 4
-    k, m = np.zeros((12, 12)), np.zeros((12, 12))
-    weight = wood.density_kg_m3 * area * length_m
-    stretch, twist = [0, 6], [3, 9]
+    radius, length = radius_m[:, None, None], length_m[:, None, None]
+    area = np.pi * radius**2
+    moment = np.pi * radius**4 / 4
+    k, m = np.zeros((2, len(radius_m), 12, 12))
+    weight = wood.density_kg_m3 * area * length
+    stretch, twist = np.array([0, 6]), np.array([3, 9])
     rod, rod_mass = np.array([[1, -1], [-1, 1]]), np.array([[2, 1], [1, 2]]) / 6
-    k[np.ix_(stretch, stretch)] = wood.young_longitudinal_pa * area / length_m * rod
-    m[np.ix_(stretch, stretch)] = weight * rod_mass
-    k[np.ix_(twist, twist)] = wood.shear_longitudinal_pa * 2 * moment / length_m * rod
-    m[np.ix_(twist, twist)] = weight * radius_m**2 / 2 * rod_mass
+    k[:, stretch[:, None], stretch] = wood.young_longitudinal_pa * area / length * rod
+    m[:, stretch[:, None], stretch] = weight * rod_mass
+    k[:, twist[:, None], twist] = wood.shear_longitudinal_pa * 2 * moment / length * rod
+    m[:, twist[:, None], twist] = weight * radius**2 / 2 * rod_mass
     bend, inertia = _bending(length_m)
-    for dofs, sign in (([1, 5, 7, 11], 1.0), ([2, 4, 8, 10], -1.0)):
+    for dofs, sign in ((np.array([1, 5, 7, 11]), 1.0), (np.array([2, 4, 8, 10]), -1.0)):
         signs = np.array([1, sign, 1, sign])
         both = np.outer(signs, signs)
-        k[np.ix_(dofs, dofs)] = wood.young_longitudinal_pa * moment / length_m**3 * both * bend
-        m[np.ix_(dofs, dofs)] = weight / 420 * both * inertia
+        k[:, dofs[:, None], dofs] = wood.young_longitudinal_pa * moment / length**3 * both * bend
+        m[:, dofs[:, None], dofs] = weight / 420 * both * inertia
     return k, m
 
 
-def _bending(length_m: float) -> tuple[Floats, Floats]:
-    """(4, 4) bending stiffness over E I / L³, and consistent mass over m / 420."""
-    s = length_m
+def _bending(length_m: Floats) -> tuple[Floats, Floats]:
+    """(k, 4, 4) bending stiffness over E I / L³, and consistent mass over m / 420."""
+    s, one = length_m, np.ones_like(length_m)
     stiffness = [
-        [12, 6 * s, -12, 6 * s],
+        [12 * one, 6 * s, -12 * one, 6 * s],
         [6 * s, 4 * s * s, -6 * s, 2 * s * s],
-        [-12, -6 * s, 12, -6 * s],
+        [-12 * one, -6 * s, 12 * one, -6 * s],
         [6 * s, 2 * s * s, -6 * s, 4 * s * s],
     ]
     mass = [
-        [156, 22 * s, 54, -13 * s],
+        [156 * one, 22 * s, 54 * one, -13 * s],
         [22 * s, 4 * s * s, 13 * s, -3 * s * s],
-        [54, 13 * s, 156, -22 * s],
+        [54 * one, 13 * s, 156 * one, -22 * s],
         [-13 * s, -3 * s * s, -22 * s, 4 * s * s],
     ]
-    return np.array(stiffness, float), np.array(mass, float)
+    return np.array(stiffness).transpose(2, 0, 1), np.array(mass).transpose(2, 0, 1)
