@@ -10,10 +10,10 @@ from galewood.mesh.importer import read_tree
 from galewood.mesh.joined_parts import joined_parts
 from galewood.mesh.pieces import find_pieces
 from galewood.mesh.types import ImportOptions, RawPart
-from galewood.mesh.upright import section_thickness
+from galewood.mesh.upright import ground, section_thickness
 
 from tests.precompute import tree_meshes as make
-from tests.precompute.labelled_shapes import tube
+from tests.precompute.labelled_shapes import terrain, together, tube
 from tests.precompute.labelled_trees import labelled_file
 
 SEED = 71
@@ -90,3 +90,17 @@ def test_the_section_of_a_tube_has_its_diameter():
     assert section_thickness(corners, piece, 2.5) == pytest.approx(0.9, rel=2e-3)
     assert section_thickness(corners[:, ::-1], piece, 7.5) == pytest.approx(0.7, rel=2e-3)
     assert section_thickness(corners, piece, 11.0) == 0.0
+
+
+def test_rough_ground_shows_the_way_up():
+    """Grass and noise of a scanner make most faces of its ground steep; all together they still face up."""
+    rng = np.random.default_rng(SEED)
+    rough = terrain(rng, 8.0, 0.25, cells=90)
+    stem = tube(np.column_stack([np.zeros(12), np.linspace(0, 9, 12), np.zeros(12)]), np.full(12, 0.2), 9)
+    both = together(rough, stem)
+    corners = both.vertices[both.faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[: len(rough.faces)]
+    assert np.median(np.abs(normal[:, 1]) / np.linalg.norm(normal, axis=1)) < 0.6
+    seen = {axis: ground(corners @ to_y_up(axis).T) for axis in AXES}
+    assert seen == {axis: float(axis == "y") for axis in AXES}
+    assert not any(ground(stem.vertices[stem.faces] @ to_y_up(axis).T) for axis in AXES)
