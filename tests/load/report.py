@@ -21,6 +21,32 @@ class HasProcesses(Protocol):
 
 
 @dataclass
+class FrameTimes:
+    """When one watcher got its frames, also over several sockets."""
+
+    gaps_ms: Counter[int] = field(default_factory=Counter[int])
+    """How often two frames came so many milliseconds after each other."""
+    last_s: float | None = None
+
+    def frame(self) -> None:
+        """A frame has come."""
+        now_s = time.monotonic()
+        if self.last_s is not None:
+            self.gaps_ms[round(1e3 * (now_s - self.last_s))] += 1
+        self.last_s = now_s
+
+
+def gap_percentiles(times: list[FrameTimes], percent: list[float]) -> list[float]:
+    """Percentiles, in ms, of the times between two frames of all watchers."""
+    total = sum((one.gaps_ms for one in times), Counter[int]())
+    if not total:
+        return [np.nan] * len(percent)
+    lengths = np.array(sorted(total))
+    shares = np.cumsum([total[length] for length in lengths]) / total.total()
+    return [float(lengths[np.searchsorted(shares, p / 100 - 1e-12)]) for p in percent]
+
+
+@dataclass
 class Report:
     """Counts of all actors. An outcome is expected or not; only unexpected ones are errors."""
 
@@ -32,6 +58,8 @@ class Report:
     health_ms: list[float] = field(default_factory=list[float])
     waits_s: list[float] = field(default_factory=list[float])
     """How long watchers were without a stream after they had lost it."""
+    frame_times: list[FrameTimes] = field(default_factory=list[FrameTimes])
+    """Of each watcher."""
     all_health_ms: list[float] = field(default_factory=list[float])
     slowest_hz: list[float] = field(default_factory=list[float])
     mean_hz: list[float] = field(default_factory=list[float])
@@ -82,6 +110,8 @@ class Report:
             f"{np.mean(self.mean_hz or [0.0]):.1f}; health ms p50 {np.percentile(health, 50):.1f} "
             f"p99 {np.percentile(health, 99):.1f} worst {max(health):.1f}"
         )
+        typical, late, worst = gap_percentiles(self.frame_times, [50, 99, 100])
+        lines.append(f"ms between two frames of a watcher p50 {typical:.0f} p99 {late:.0f} worst {worst:.0f}")
         if self.waits_s:
             lines.append(f"longest wait of a watcher without stream {max(self.waits_s):.1f} s")
         lines.append(f"unexpected: {dict(self.unexpected) or 'nothing'}")

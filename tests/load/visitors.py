@@ -13,7 +13,7 @@ import numpy as np
 from galewood.wind import Wind
 from galewood_server.stream import Forest, wire
 
-from tests.load.report import Report
+from tests.load.report import FrameTimes, Report
 from tests.load.wire_client import (
     Refused,
     Target,
@@ -45,11 +45,13 @@ def planted(table: str, count: int, seed: int, share: str | None = None) -> Fore
 
 async def watch(target: Choose, report: Report, number: int, trees: int, interval_s: float) -> None:
     """Follow a shared forest, of which ten watchers share one, and connect again if the socket is lost."""
-    share, lost_s = f"load-{number // 10}", None
+    share, lost_s, times = f"load-{number // 10}", None, FrameTimes()
+    report.frame_times.append(times)
     while True:
         here, watcher = target(), None
         try:
             watcher = await open_socket(here, address_of(1, number))
+            watcher.on_frame = times.frame
             watcher.send(replace(planted(here.table, trees, number // 10), share=share))
             with aborted(watcher.writer):
                 async with asyncio.TaskGroup() as tasks:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import struct
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -93,6 +93,7 @@ class Watcher:
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
     frames: int = field(default=0)
+    on_frame: Callable[[], None] = field(default=lambda: None)
 
     async def follow(self) -> None:
         """Read frames until the server closes the socket. Refused with the close code."""
@@ -109,6 +110,7 @@ class Watcher:
                 self.writer.write(masked(payload, 10))
             elif opcode == 2 and payload[3] == FRAME:
                 self.frames += 1
+                self.on_frame()
 
     def send(self, request: wire.Request) -> None:
         """Send a message."""
