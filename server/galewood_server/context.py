@@ -11,6 +11,7 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 from galewood_server.access import MeshImporter
+from galewood_server.peers import ForestOwners
 from galewood_server.settings import Settings
 from galewood_server.storage import Sessions, Stores
 from galewood_server.stream import Forests
@@ -24,6 +25,7 @@ class Service:
     sessions: Sessions
     stores: Stores
     forests: Forests
+    owners: ForestOwners
     server_name: str
     importer: MeshImporter
     loop: asyncio.AbstractEventLoop

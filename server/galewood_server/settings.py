@@ -116,6 +116,8 @@ class Settings(BaseSettings):
     address_trees_per_s: float = Field(default=10_000.0, gt=0)
     shared_forests: int = Field(default=64, ge=0)
     shared_forest_idle_s: float = Field(default=60.0, ge=0)
+    # where other servers with the same database reach this one; unset: there are none
+    peer_url: str | None = None
 
     @field_validator("api_keys", mode="before")
     @classmethod
@@ -128,6 +130,14 @@ class Settings(BaseSettings):
                 "expected SHA-256 hashes in hex, separated by commas; create them with `galewood key`"
             )
         return hashes
+
+    @field_validator("peer_url")
+    @classmethod
+    def _check_peer_url(cls, given: str | None) -> str | None:
+        """An origin, or nothing. ValueError for anything else."""
+        if given and not re.fullmatch(r"https?://[A-Za-z0-9._-]+(:\d{1,5})?", given):
+            raise ValueError('expected the address of this server such as "http://server-a:8000"')
+        return given or None
 
     @field_validator("frame_ancestors")
     @classmethod

@@ -15,11 +15,13 @@ import psutil
 
 from tests.load import attackers, visitors
 from tests.load.report import Report
-from tests.load.servers import Fleet, fleet, victims
+from tests.load.servers import Fleet, Node, fleet, victims
 from tests.load.wire_client import ask
 from tests.server.sample_meshes import pole_obj
 
 SETTLE_S = 5.0
+LONGEST_WAIT_S = 2.0
+"""For the next frame, also if the watcher's server was killed."""
 DISTRIBUTED = "one PostgreSQL, one S3-compatible store, one Dask cluster; kills processes in each interval"
 
 
@@ -34,6 +36,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--one-by-one", action="store_true", help="one kind of attack after the other")
     parser.add_argument("--servers", type=int, default=1)
     parser.add_argument("--distributed", action="store_true", help=DISTRIBUTED)
+    parser.add_argument("--proxy", metavar="CADDY", help="Caddy's program, to be started before the servers")
     parser.add_argument("--seed", type=int, default=1)
     return parser.parse_args()
 
@@ -42,9 +45,7 @@ def actors(fleet: Fleet, report: Report, chosen: argparse.Namespace) -> list[Cor
     """All clients."""
     started: list[Any] = [visitors.probe(fleet.next, report)]
     for number in range(chosen.watchers):
-        share = f"load-{number // 10}"
-        started.append(visitors.watch(lambda share=share: fleet.of(share), report, number, chosen.trees,
-                                      chosen.interval))  # fmt: skip
+        started.append(visitors.watch(fleet.next, report, number, chosen.trees, chosen.interval))
     started += [visitors.listen(fleet.next, report, number) for number in range(chosen.listeners)]
     started.append(visitors.repeatedly(visitors.downloads(fleet.next, report), 1.0))
     upload = visitors.builds if chosen.distributed else visitors.uploads
@@ -64,7 +65,10 @@ def attacks(fleet: Fleet, report: Report, chosen: argparse.Namespace) -> list[tu
 
 
 async def notice_failures(fleet: Fleet) -> None:
-    """What a proxy does: ask every server for its health, and send nobody to one that does not answer."""
+    """What a proxy does: ask every server for its health, and send nobody to one that does not answer.
+
+    A forest is reached through any server, so clients choose without regard to it.
+    """
     while True:
         for node in fleet.nodes:
             target = fleet.target(node)
@@ -78,9 +82,18 @@ async def notice_failures(fleet: Fleet) -> None:
 
 
 async def kill_some(fleet: Fleet, report: Report, every_s: float, dice: random.Random) -> None:
-    """Kill a process of each kind in turn, and start servers again."""
+    """Kill a process of each kind, and start the server again; also remove a server, and add one later."""
+    removed: Node | None = None
     while True:
-        await asyncio.sleep(every_s)
+        await asyncio.sleep(every_s / 2)
+        if removed:
+            removed.start()
+            report.note("added", "server")
+        removed = None if removed or len(fleet.nodes) < 3 else dice.choice(fleet.nodes)
+        if removed and removed.process and removed.process.poll() is None:
+            removed.process.terminate()
+            report.note("removed", "server")
+        await asyncio.sleep(every_s / 2)
         for kind, victim in victims(fleet, dice):
             try:
                 victim.send_signal(signal.SIGKILL)
@@ -89,16 +102,17 @@ async def kill_some(fleet: Fleet, report: Report, every_s: float, dice: random.R
                 continue
         await asyncio.sleep(0.5)
         for node in fleet.nodes:
-            if node.process and node.process.poll() is not None:
+            if node is not removed and node.process and node.process.poll() is not None:
                 node.start()
 
 
 async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
     """Run all clients for the given time."""
-    report, dice = Report(fleet), random.Random(chosen.seed)
+    report, dice = Report(fleet, LONGEST_WAIT_S if chosen.distributed else None), random.Random(chosen.seed)
     tasks = [asyncio.create_task(one) for one in actors(fleet, report, chosen)]
     if chosen.distributed:
-        tasks.append(asyncio.create_task(notice_failures(fleet)))
+        if chosen.proxy is None:
+            tasks.append(asyncio.create_task(notice_failures(fleet)))
         tasks.append(asyncio.create_task(kill_some(fleet, report, chosen.interval, dice)))
     await asyncio.sleep(SETTLE_S)
     parts = attacks(fleet, report, chosen)
@@ -112,6 +126,8 @@ async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
                 if task.done():
                     raise RuntimeError("a client of the load test failed") from task.exception()
         await end(attacking)
+    for times in report.frame_times:
+        times.end()
     if chosen.distributed:
         await visitors.note_jobs(fleet.next, report)
     await end(tasks)
@@ -130,7 +146,7 @@ def main() -> int:
     chosen = options()
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     soft = most if most != resource.RLIM_INFINITY else 1 << 16
-    with fleet(chosen.servers, chosen.distributed) as servers:
+    with fleet(chosen.servers, chosen.distributed, chosen.proxy) as servers:
         resource.setrlimit(resource.RLIMIT_NOFILE, (soft, most))  # for the clients; servers keep theirs
         report = asyncio.run(run(servers, chosen))
         complaints = servers.complaints()

@@ -109,10 +109,11 @@ async def watch_without_reading(target: Choose, report: Report, number: int) -> 
     """A stream of which nothing is read."""
     while True:
         try:
-            watcher = await open_socket(target(), "10.90.0.6")
+            share = f"unread-{number % 4}"
+            watcher = await open_socket(target(), "10.90.0.6", share=share)
             with aborted(watcher.writer):
                 watcher.writer.transport.pause_reading()  # type: ignore[attr-defined]
-                watcher.send(planted(target().table, 500, number, f"unread-{number % 4}"))
+                watcher.send(planted(target().table, 500, number, share))
                 await asyncio.sleep(30)
             report.note("unread stream", "held for 30 s")
         except LOST as error:

@@ -35,6 +35,11 @@ class FrameTimes:
             self.gaps_ms[round(1e3 * (now_s - self.last_s))] += 1
         self.last_s = now_s
 
+    def end(self) -> None:
+        """The run ends: a frame that has not come yet comes now at the earliest."""
+        if self.last_s is not None:
+            self.frame()
+
 
 def gap_percentiles(times: list[FrameTimes], percent: list[float]) -> list[float]:
     """Percentiles, in ms, of the times between two frames of all watchers."""
@@ -51,6 +56,8 @@ class Report:
     """Counts of all actors. An outcome is expected or not; only unexpected ones are errors."""
 
     servers: HasProcesses
+    longest_wait_s: float | None = None
+    """How long a watcher may wait for its next frame; None if that does not matter."""
     outcomes: Counter[str] = field(default_factory=Counter[str])
     unexpected: Counter[str] = field(default_factory=Counter[str])
     rates_hz: list[float] = field(default_factory=list[float])
@@ -119,5 +126,8 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing unexpected happened and the watchers got their frames on average."""
+        """Whether nothing unexpected happened and the watchers got their frames, on average or in time."""
+        if self.longest_wait_s is not None:
+            (worst_ms,) = gap_percentiles(self.frame_times, [100])
+            return not self.unexpected and worst_ms <= 1e3 * self.longest_wait_s
         return not self.unexpected and float(np.mean(self.mean_hz or [0.0])) >= FEWEST_HZ

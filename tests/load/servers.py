@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
+import contextlib
 import itertools
 import os
 import random
@@ -25,6 +25,7 @@ from galewood_server.access.keys import new_key
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores
 
+from tests.load.proxy import proxy
 from tests.load.wire_client import Target
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -33,10 +34,12 @@ STARTED_WITHIN_S = 180.0
 
 
 def free_port() -> int:
-    """A free port of the loopback interface."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """A free port of the loopback interface, below those of connections: a server returns to its own."""
+    while True:
+        port = random.randrange(20_000, 30_000)
+        with socket.socket() as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
 
 
 @dataclass
@@ -52,6 +55,8 @@ class Node:
         """Start the process; `wait` waits for it."""
         self.folder.mkdir(parents=True, exist_ok=True)
         environment = {**self.environment, "GALEWOOD_DATA_DIR": str(self.folder), "PORT": str(self.port)}
+        if "GALEWOOD_DATABASE_URL" in environment:
+            environment["GALEWOOD_PEER_URL"] = f"http://127.0.0.1:{self.port}"
         with (self.folder / "server.log").open("ab") as log:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "galewood_server.cli.main", "serve"],
@@ -94,25 +99,19 @@ class Fleet:
     table: str
     mesh: str
     may_fail: bool
+    proxy_port: int | None = None
     down: set[int] = field(default_factory=set[int])
-    """Ports that do not answer, as a proxy notes them."""
+    """Ports that do not answer, for clients without a proxy."""
 
     def __post_init__(self) -> None:
         self._turns = itertools.count()
 
     def next(self) -> Target:
-        """Any server that answers, one after the other."""
+        """The proxy, or any server that answers, one after the other."""
+        if self.proxy_port is not None:
+            return Target(self.proxy_port, self.key, self.table, self.mesh, self.may_fail)
         up = [node for node in self.nodes if node.port not in self.down] or self.nodes
         return self.target(up[next(self._turns) % len(up)])
-
-    def of(self, name: str) -> Target:
-        """The server of a shared forest: the same for all its clients, another when that one is down."""
-
-        def weight(node: Node) -> bytes:
-            return hashlib.sha256(f"{name} {node.port}".encode()).digest()
-
-        up = [node for node in self.nodes if node.port not in self.down] or self.nodes
-        return self.target(max(up, key=weight))
 
     def target(self, node: Node) -> Target:
         """A server as its clients know it."""
@@ -131,8 +130,11 @@ class Fleet:
 
 
 @contextmanager
-def fleet(count: int, distributed: bool) -> Generator[Fleet]:
-    """Start servers; with `distributed` on one PostgreSQL, one S3-compatible store and one Dask cluster."""
+def fleet(count: int, distributed: bool, proxy_program: str | None = None) -> Generator[Fleet]:
+    """Start servers; with `distributed` on one PostgreSQL, one S3-compatible store and one Dask cluster.
+
+    `proxy_program` is Caddy, to be started in front of them.
+    """
     if not (Settings().page_dir / "index.html").exists():
         raise SystemExit("the page is not built: run `make build`, or set GALEWOOD_PAGE_DIR")
     key, key_hash = new_key()
@@ -156,7 +158,10 @@ def fleet(count: int, distributed: bool) -> Generator[Fleet]:
             node.start()
         for node in nodes:
             node.wait()
-        yield Fleet(nodes, key, table, mesh, distributed)
+        port = free_port() if proxy_program else None
+        if proxy_program and port:
+            stack.enter_context(proxy(proxy_program, folder, port, [node.port for node in nodes]))
+        yield Fleet(nodes, key, table, mesh, distributed, port)
 
 
 def _shared_services(stack: ExitStack, folder: Path) -> dict[str, str]:
@@ -181,7 +186,7 @@ def _shared_services(stack: ExitStack, folder: Path) -> dict[str, str]:
 
 def victims(fleet: Fleet, dice: random.Random) -> list[tuple[str, psutil.Process]]:
     """One process of each kind that may be killed: a server, a job, a worker."""
-    found = [("server", dice.choice(fleet.processes))]
+    found = [("server", dice.choice(fleet.processes))] if fleet.processes else []
     for server in fleet.processes:
         found += [("job", child) for child in server.children() if "job_process" in " ".join(child.cmdline())]
     workers = fleet.nodes[0].environment.get("GALEWOOD_TEST_WORKERS", "")

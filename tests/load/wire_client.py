@@ -117,14 +117,18 @@ class Watcher:
         self.writer.write(masked(wire.encode_request(request)))
 
 
-async def open_socket(target: Target, address: str, hello: str = "load-test") -> Watcher:
-    """A WebSocket after HELLO. Refused with the status if there is none."""
+async def open_socket(
+    target: Target, address: str, hello: str = "load-test", share: str | None = None
+) -> Watcher:
+    """A WebSocket after HELLO; its address may name a shared forest. Refused with the HTTP status."""
     reader, writer = await target.connect(1 << 21)
     headers = {
         "Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
         "Sec-WebSocket-Key": "Z2FsZXdvb2QtYmVuY2gtMQ==",
     }  # fmt: skip
-    writer.write(request_bytes("GET", "/ws/forest", address, headers))
+    writer.write(
+        request_bytes("GET", f"/ws/forest?share={share}" if share else "/ws/forest", address, headers)
+    )
     status, _ = await read_head(reader)
     if status != 101:
         writer.close()

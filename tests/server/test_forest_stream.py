@@ -72,14 +72,14 @@ def forest(mode: Any = "stream", count: int = 30, **changes: Any) -> wire.Forest
 class Client:
     """A WebSocket client of the wire protocol."""
 
-    def __init__(self, server: Server, hello: bool = True, **options: Any) -> None:
+    def __init__(self, server: Server, hello: bool = True, query: str = "", **options: Any) -> None:
         self.state: WindState | None = None
         self.clock: wire.Clock | None = None
         self.shared: wire.Shared | None = None
         self.poses: list[Any] = []
         self.tick: int | None = None
         self.socket: ClientConnection = connect(
-            server.socket_url, max_size=None, compression=None, close_timeout=1, **options
+            server.socket_url + query, max_size=None, compression=None, close_timeout=1, **options
         )
         if hello:
             self.send(wire.Hello("test"))

@@ -15,6 +15,7 @@ from galewood.wind import Wind, WindError, WindState, parse_wind, parse_wind_or_
 from galewood_server.access import rate_limit_key
 from galewood_server.api.connections import limited_connection
 from galewood_server.context import Service, service_of
+from galewood_server.peers import RELAYED, SERVICE_RESTART, PeerLostError, peer_of, relay
 from galewood_server.stream import (
     INVALID_DATA,
     POLICY_VIOLATION,
@@ -42,7 +43,28 @@ async def forest_socket(websocket: WebSocket) -> None:
     service = service_of(websocket)
     async with limited_connection(websocket, service) as accepted:
         if accepted:
-            await Session(websocket, service).run()
+            await _serve(websocket, service)
+
+
+async def _serve(websocket: WebSocket, service: Service) -> None:
+    """Serve a client here, or by the server that holds the shared forest which its address names."""
+    session, share = Session(websocket, service), websocket.query_params.get("share")
+    if share and not wire.is_share(share):  # FOREST will say what is wrong
+        share = None
+    async with service.owners.wanted(share):
+        try:
+            peer = await peer_of(service.owners, share, session.address, RELAYED in websocket.headers)
+        except SessionError as error:
+            await session.refuse(error)
+        except PeerLostError as error:
+            log.info("a client is to come again: %s", error)
+            await websocket.accept()
+            await websocket.close(SERVICE_RESTART, "Come again")
+        else:
+            if peer is None:
+                await session.run()
+            else:
+                await relay(websocket, peer, service.settings.socket_stall_s)
 
 
 class Allowance:
@@ -69,7 +91,7 @@ class Session:
         self._websocket = websocket
         self._service = service
         self._protocol = protocol_of(websocket.scope)
-        self._address = rate_limit_key(websocket.client.host if websocket.client else "")
+        self.address = rate_limit_key(websocket.client.host if websocket.client else "")
         self._subscription: Subscription | None = None
         self._asked = False  # for a forest; in mode "table" there may be none on the server
         self._sending: asyncio.Task[None] | None = None
@@ -92,6 +114,11 @@ class Session:
             await self._close_with_error(_first_error(group))
         finally:
             self._leave()
+
+    async def refuse(self, error: SessionError) -> None:
+        """Accept the socket only to say why it is closed."""
+        await self._websocket.accept()
+        await self._close_with_error(error)
 
     async def _handshake(self) -> None:
         try:
@@ -137,7 +164,7 @@ class Session:
                 wind = _wind(request.wind)
                 if self._subscription:
                     forest = self._subscription.forest
-                    await self._service.forests.change_wind(forest, wind, self._address)
+                    await self._service.forests.change_wind(forest, wind, self.address)
             case wire.Pause():
                 if self._subscription:
                     self._subscription.forest.pause(request.paused)
@@ -166,7 +193,7 @@ class Session:
     async def _subscribe(self, forest: wire.Forest, tasks: asyncio.TaskGroup) -> None:
         """Replace the current subscription or table transfer by the requested one."""
         wind = self._check(forest)
-        await self._service.forests.admit(forest, self._address)
+        await self._service.forests.admit(forest, self.address)
         await asyncio.to_thread(self._check_tables, forest)  # a bucket is asked for each of them
         self._asked = True
         if self._sending:
@@ -178,14 +205,23 @@ class Session:
             before = None
         try:
             if forest.mode == "stream" or forest.share is not None:
-                self._subscription = await self._service.forests.join(
-                    forest, wind, self._protocol, self._address
-                )
+                self._subscription = await self._join(forest, wind)
         finally:
             if before:
                 self._service.forests.leave(before)
         if forest.mode == "table":
             self._sending = tasks.create_task(self._send_tables(forest))
+
+    async def _join(self, forest: wire.Forest, wind: WindState) -> Subscription:
+        owners = self._service.owners
+        async with owners.wanted(forest.share):
+            if await owners.elsewhere(forest.share):
+                raise SessionError(
+                    "elsewhere",
+                    "Another server holds this shared forest",
+                    "Name the forest in the address of the socket: /ws/forest?share=…",
+                )
+            return await self._service.forests.join(forest, wind, self._protocol, self.address)
 
     def _leave(self) -> None:
         if self._subscription:

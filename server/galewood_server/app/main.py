@@ -27,6 +27,7 @@ from galewood_server.context import Service
 from galewood_server.http import install_error_handlers
 from galewood_server.jobs import Supervisor
 from galewood_server.ops import Metrics, Tracing, configure_logging
+from galewood_server.peers import ForestOwners
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores, TableCache, compliance_of, migrate, open_database, records_of
 from galewood_server.stream import Forests, SocketLimits, metered_protocol
@@ -50,6 +51,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
             for work in (
                 Supervisor(service).run(),
                 app.state.feed.run(),
+                service.owners.run(),
                 builtin_trees.queue_outdated_uploads(service),
                 asyncio.to_thread(startup_warnings.log_startup_warnings, settings),
             )
@@ -93,12 +95,16 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
 def _service(settings: Settings, importer: MeshImporter) -> Service:
     stores = Stores(settings.data_dir, settings.store_url)
     sessions = open_database(settings.database)
+    forests = Forests(
+        settings, TableCache(stores), partial(records_of, sessions), partial(compliance_of, sessions)
+    )
     return Service(
         settings=settings,
         sessions=sessions,
         stores=stores,
-        forests=Forests(
-            settings, TableCache(stores), partial(records_of, sessions), partial(compliance_of, sessions)
+        forests=forests,
+        owners=ForestOwners(
+            sessions, settings.peer_url, settings.lease_s, lambda: forests.shares, forests.end_shared
         ),
         server_name=f"galewood {VERSION}",
         importer=importer,

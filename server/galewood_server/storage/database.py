@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from alembic.config import Config
 
 Sessions = sessionmaker[Session]
-HEAD = "0006"
+HEAD = "0007"
 """The newest schema revision, known without loading Alembic; a test compares it with the migrations."""
 
 

@@ -1,4 +1,4 @@
-"""Database tables: trees, jobs and garbage."""
+"""Database tables: trees, jobs, garbage and shared forests."""
 
 from __future__ import annotations
 
@@ -139,3 +139,14 @@ class Garbage(Base):
     kind: Mapped[str] = mapped_column(String(16))
     sha256: Mapped[str] = mapped_column(String(64))
     garbage_since: Mapped[datetime] = mapped_column("retired_at", UtcDateTime, index=True)
+
+
+class SharedForest(Base):
+    """Which server holds a shared forest, until when (peers/forest_leases.py)."""
+
+    __tablename__ = "shared_forests"
+
+    share: Mapped[str] = mapped_column(String(64), primary_key=True)
+    server_url: Mapped[str] = mapped_column(String(255))
+    lease: Mapped[str] = mapped_column(String(64))
+    lease_until: Mapped[datetime] = mapped_column(UtcDateTime)

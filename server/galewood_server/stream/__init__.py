@@ -7,6 +7,7 @@ from galewood_server.stream.frame_meter import SocketLimits
 from galewood_server.stream.session_error import (
     INVALID_DATA,
     POLICY_VIOLATION,
+    TRY_AGAIN_LATER,
     UNSUPPORTED_DATA,
     SessionError,
 )
@@ -19,6 +20,7 @@ __all__ = [
     "FRAME",
     "INVALID_DATA",
     "POLICY_VIOLATION",
+    "TRY_AGAIN_LATER",
     "UNSUPPORTED_DATA",
     "WIRE_VERSION",
     "Failure",

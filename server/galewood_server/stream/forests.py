@@ -79,6 +79,18 @@ class Forests:
         """Number of simulated trees."""
         return sum(worker.tree_count for worker in self._workers)
 
+    @property
+    def shares(self) -> set[str]:
+        """Names of the shared forests."""
+        return set(self._shared)
+
+    def end_shared(self, share: str) -> None:
+        """End a shared forest that another server has taken; its clients are disconnected and come back."""
+        forest = self._shared.get(share)
+        if forest is not None:
+            forest.disconnect_clients()
+            self._end(forest)
+
     async def admit(self, plan: Forest, address: str) -> None:
         """Wait until the work for a forest request may be done. SessionError."""
         await self._rates.take(address, work_of(plan))

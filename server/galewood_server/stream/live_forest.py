@@ -148,8 +148,7 @@ class LiveForest:
     def deliver(self, now_s: float) -> None:
         """Send new values and frames to all clients."""
         if self._failed:
-            for client in self.clients:
-                client.disconnect()
+            self.disconnect_clients()
             return
         if self._clock.wind is not self._sent_wind:
             self._sent_wind = self._clock.wind
@@ -164,6 +163,11 @@ class LiveForest:
                 self._latest.post(Presence(self._told_clients))
         for client in self.clients:
             client.deliver(self._latest, self._history, now_s)
+
+    def disconnect_clients(self) -> None:
+        """Abort the connections of all clients."""
+        for client in self.clients:
+            client.disconnect()
 
     def _send_pulls(self) -> None:
         if self._pulls != self._sent_pulls:

@@ -31,6 +31,7 @@ from galewood_server.stream.wire_forest import (
     decode_shared,
     encode_forest,
     encode_shared,
+    is_share,
 )
 from galewood_server.stream.wire_forest import Forest as Forest
 from galewood_server.stream.wire_forest import Group as Group
@@ -89,6 +90,7 @@ __all__ = [
     "decode_request",
     "encode_reply",
     "encode_request",
+    "is_share",
 ]
 
 HELLO, WIND, PING, PAUSE, RESYNC = 1, 3, 4, 5, 6

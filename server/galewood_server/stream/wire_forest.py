@@ -169,9 +169,14 @@ def _method(options: Header) -> Method:
     return method
 
 
+def is_share(name: str) -> bool:
+    """Whether a text can name a shared forest."""
+    return _SHARE.fullmatch(name) is not None
+
+
 def _share(options: Header) -> str:
     share = text(options, "share")
-    if not _SHARE.fullmatch(share):
+    if not is_share(share):
         raise WireError("share must be 1 to 64 letters, digits, '-' or '_'")
     return share
 

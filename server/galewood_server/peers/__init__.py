@@ -1,0 +1,6 @@
+"""Several servers with one database: which of them holds a shared forest, and how its clients get there."""
+
+from galewood_server.peers.forest_owners import ForestOwners
+from galewood_server.peers.socket_relay import RELAYED, SERVICE_RESTART, PeerLostError, peer_of, relay
+
+__all__ = ["RELAYED", "SERVICE_RESTART", "ForestOwners", "PeerLostError", "peer_of", "relay"]
