@@ -78,6 +78,8 @@ async def notice_failures(fleet: Fleet) -> None:
             except visitors.LOST:
                 status = 0
             (fleet.down.discard if status == 200 else fleet.down.add)(node.port)
+            if status == 200:
+                node.started()
         await asyncio.sleep(0.3)
 
 
@@ -111,8 +113,7 @@ async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
     report, dice = Report(fleet, LONGEST_WAIT_S if chosen.distributed else None), random.Random(chosen.seed)
     tasks = [asyncio.create_task(one) for one in actors(fleet, report, chosen)]
     if chosen.distributed:
-        if chosen.proxy is None:
-            tasks.append(asyncio.create_task(notice_failures(fleet)))
+        tasks.append(asyncio.create_task(notice_failures(fleet)))
         tasks.append(asyncio.create_task(kill_some(fleet, report, chosen.interval, dice)))
     await asyncio.sleep(SETTLE_S)
     parts = attacks(fleet, report, chosen)

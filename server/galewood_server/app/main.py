@@ -30,7 +30,7 @@ from galewood_server.ops import Metrics, Tracing, configure_logging
 from galewood_server.peers import ForestOwners
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores, TableCache, compliance_of, migrate, open_database, records_of
-from galewood_server.stream import Forests, SocketLimits, metered_protocol
+from galewood_server.stream import Forests, SocketLimits, metered_protocol, warm_up
 
 log = logging.getLogger("galewood")
 
@@ -46,6 +46,8 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
         app.state.feed = ChangeFeed(service)
         app.state.metrics.registry.register(ServiceCollector(service))
         await asyncio.to_thread(builtin_trees.register, service)
+        if settings.peer_url:  # clients that lost another server are not to wait for this one's first forest
+            await asyncio.to_thread(_warm_up, settings.species_dir)
         tasks = [
             asyncio.create_task(work)
             for work in (
@@ -112,6 +114,12 @@ def _service(settings: Settings, importer: MeshImporter) -> Service:
         import_slots=asyncio.Semaphore(settings.concurrent_imports),
         upload_slots=asyncio.Semaphore(settings.concurrent_uploads),
     )
+
+
+def _warm_up(species: Path) -> None:
+    table = next(iter(sorted((species / "shipped").glob("*.table"))), None)
+    if table:
+        warm_up(table.read_bytes())
 
 
 def _lock(data_dir: Path) -> TextIO:

@@ -7,14 +7,13 @@ line, to standard input when the cluster runs.
 from __future__ import annotations
 
 import logging
-import os
 import sys
 from collections.abc import Callable
 
 from galewood.util import Cancelled, MeshError
 
 from galewood_server.jobs.build_job import Build, run_build
-from galewood_server.jobs.cluster.dask_cluster import NICENESS, EngineLostError
+from galewood_server.jobs.cluster.dask_cluster import EngineLostError
 from galewood_server.jobs.processes import die_with_parent
 from galewood_server.jobs.progress import JobFailedError, JobLease
 from galewood_server.settings import Settings
@@ -80,10 +79,9 @@ def _kind(sessions: Sessions, job_id: str) -> JobKind:
 
 
 def main(build: Build, analysis: Analysis | None = None) -> None:
-    """Run the job given on the command line at low priority; end with the server. Tests pass `analysis`."""
+    """Run the job given on the command line; end with the server. Tests pass `analysis`."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     address = die_with_parent()
-    os.nice(NICENESS)
     job_id, lease = sys.argv[1:3]
     settings = Settings()
     job_lease = JobLease(open_database(settings.database), job_id, lease)

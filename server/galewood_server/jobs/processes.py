@@ -14,6 +14,8 @@ from typing import NoReturn
 import psutil
 from galewood.threads import SINGLE_THREADED
 
+NICENESS = 10
+"""Of child processes, so that streams go on beside them; from the start, because imports take seconds."""
 LOWER = 5
 """By how much `lower_priority` lowers it."""
 SEARCHES = 10
@@ -99,13 +101,15 @@ def send_line(process: asyncio.subprocess.Process, text: str) -> None:
 async def start_module(
     module: str, *arguments: str, environment: dict[str, str], listen: bool = False
 ) -> asyncio.subprocess.Process:
-    """Start `python -m module` in a new session, so that Ctrl-C reaches only the server.
+    """Start `python -m module` at low priority in a new session, so that Ctrl-C reaches only the server.
 
     Its standard output is piped if `listen`, otherwise discarded; standard error is inherited. A process that
     starts while the caller is cancelled is ended again.
     """
     starting = asyncio.ensure_future(
         asyncio.create_subprocess_exec(
+            "nice",
+            f"-n{NICENESS}",
             sys.executable,
             "-m",
             module,

@@ -12,6 +12,7 @@ from galewood_server.stream.session_error import (
     SessionError,
 )
 from galewood_server.stream.socket_protocol import SocketProtocol, metered_protocol, protocol_of
+from galewood_server.stream.warming import warm_up
 from galewood_server.stream.wire import Failure, Hello, Reply, decode_reply, encode_request
 from galewood_server.stream.wire_forest import Forest, Method
 from galewood_server.stream.wire_frame import FRAME
@@ -40,5 +41,6 @@ __all__ = [
     "pack_msgpack",
     "protocol_of",
     "unpack_msgpack",
+    "warm_up",
     "wire",
 ]

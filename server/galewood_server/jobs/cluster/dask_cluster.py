@@ -21,7 +21,6 @@ from galewood_server.jobs.processes import die_with_parent
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-NICENESS = 10  # lower priority than the server process that streams
 
 
 class EngineLostError(Exception):
@@ -73,7 +72,6 @@ def main() -> None:
     parser.add_argument("--workers", type=int, required=True)
     parser.add_argument("--folder", required=True)
     options = parser.parse_args()
-    os.nice(NICENESS)
     os.environ.update(SINGLE_THREADED)
     import distributed
 
