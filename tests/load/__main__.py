@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import contextlib
 import random
 import resource
 import signal
@@ -83,11 +84,14 @@ async def notice_failures(fleet: Fleet) -> None:
         await asyncio.sleep(0.3)
 
 
-async def kill_some(fleet: Fleet, report: Report, every_s: float, dice: random.Random) -> None:
-    """Kill a process of each kind, and start the server again; also remove a server, and add one later."""
+async def disturb(fleet: Fleet, report: Report, every_s: float, dice: random.Random) -> None:
+    """In each interval, remove a server or add it again, and kill a server, the jobs, and the workers.
+
+    One after the other: they have machines of their own elsewhere, and share two cores here.
+    """
     removed: Node | None = None
     while True:
-        await asyncio.sleep(every_s / 2)
+        await asyncio.sleep(every_s / 4)
         if removed:
             removed.start()
             report.note("added", "server")
@@ -95,17 +99,25 @@ async def kill_some(fleet: Fleet, report: Report, every_s: float, dice: random.R
         if removed and removed.process and removed.process.poll() is None:
             removed.process.terminate()
             report.note("removed", "server")
-        await asyncio.sleep(every_s / 2)
-        for kind, victim in victims(fleet, dice):
-            try:
-                victim.send_signal(signal.SIGKILL)
-                report.note("killed", kind)
-            except psutil.NoSuchProcess:
-                continue
-        await asyncio.sleep(0.5)
-        for node in fleet.nodes:
-            if node is not removed and node.process and node.process.poll() is not None:
-                node.start()
+        for kind in ("server", "job", "worker"):
+            await asyncio.sleep(every_s / 4)
+            with contextlib.suppress(psutil.NoSuchProcess):  # it has just ended by itself
+                kill(victims(fleet, kind, dice), kind, report)
+            if kind == "server":
+                await asyncio.sleep(0.5)
+                for node in fleet.nodes:
+                    if node is not removed and node.process and node.process.poll() is not None:
+                        node.start()
+
+
+def kill(processes: list[psutil.Process], kind: str, report: Report) -> None:
+    """Kill processes that may have ended already."""
+    for process in processes:
+        try:
+            process.send_signal(signal.SIGKILL)
+            report.note("killed", kind)
+        except psutil.NoSuchProcess:
+            continue
 
 
 async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
@@ -114,7 +126,7 @@ async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
     tasks = [asyncio.create_task(one) for one in actors(fleet, report, chosen)]
     if chosen.distributed:
         tasks.append(asyncio.create_task(notice_failures(fleet)))
-        tasks.append(asyncio.create_task(kill_some(fleet, report, chosen.interval, dice)))
+        tasks.append(asyncio.create_task(disturb(fleet, report, chosen.interval, dice)))
     await asyncio.sleep(SETTLE_S)
     parts = attacks(fleet, report, chosen)
     for name, starts in parts:

@@ -193,13 +193,12 @@ def _shared_services(stack: ExitStack, folder: Path) -> dict[str, str]:
     }
 
 
-def victims(fleet: Fleet, dice: random.Random) -> list[tuple[str, psutil.Process]]:
-    """One process of each kind that may be killed: a server, a job, a worker."""
-    found = [("server", dice.choice(fleet.processes))] if fleet.processes else []
-    for server in fleet.processes:
-        found += [("job", child) for child in server.children() if "job_process" in " ".join(child.cmdline())]
-    workers = fleet.nodes[0].environment.get("GALEWOOD_TEST_WORKERS", "")
-    for pid in filter(None, workers.split(",")):
-        nanny = psutil.Process(int(pid))
-        found += [("worker", child) for child in nanny.children()[-1:]]
-    return found
+def victims(fleet: Fleet, kind: str, dice: random.Random) -> list[psutil.Process]:
+    """The processes of a kind that may be killed: one server, all jobs, or all workers of the cluster."""
+    if kind == "server":
+        return [dice.choice(fleet.processes)] if fleet.processes else []
+    if kind == "job":
+        children = [child for server in fleet.processes for child in server.children()]
+        return [child for child in children if "job_process" in " ".join(child.cmdline())]
+    nannies = filter(None, fleet.nodes[0].environment.get("GALEWOOD_TEST_WORKERS", "").split(","))
+    return [child for nanny in nannies for child in psutil.Process(int(nanny)).children()[-1:]]

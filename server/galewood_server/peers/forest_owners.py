@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections import Counter
 from collections.abc import AsyncGenerator, Callable, Collection
 from contextlib import asynccontextmanager
@@ -16,6 +17,8 @@ from galewood_server.stream import TRY_AGAIN_LATER, SessionError
 
 log = logging.getLogger("galewood.stream")
 RENEWALS_PER_LEASE = 5
+REMEMBERED_S = 0.5
+"""For how long the lease of another server is not looked up again: clients come together when one dies."""
 
 
 class ForestOwners:
@@ -36,6 +39,8 @@ class ForestOwners:
         """Tokens by forest."""
         self._wanted: Counter[str] = Counter()
         """Clients that are about to join, or have joined, by forest."""
+        self._others: dict[str, tuple[Lease, float]] = {}
+        """Leases of other servers by forest, and when they were looked up."""
         self._lock = asyncio.Lock()
 
     @asynccontextmanager
@@ -63,6 +68,9 @@ class ForestOwners:
         async with self._lock:  # of several clients that come at once, one claims
             if share in self._held:
                 return None
+            remembered = self._remembered(share)
+            if remembered and remembered.token != lost:
+                return remembered
             try:
                 lease = await asyncio.to_thread(self._claim, share, self._url, lost)
             except (SQLAlchemyError, RuntimeError) as error:
@@ -74,6 +82,7 @@ class ForestOwners:
                     TRY_AGAIN_LATER,
                 ) from None
             if not lease.mine:
+                self._others[share] = (lease, time.monotonic())
                 return lease
             self._held[share] = lease.token
             return None
@@ -92,6 +101,14 @@ class ForestOwners:
         finally:
             held, self._held = self._held, {}
             self._release(held)
+
+    def _remembered(self, share: str) -> Lease | None:
+        """The lease of another server, if it was looked up a moment ago."""
+        now_s = time.monotonic()
+        self._others = {
+            name: known for name, known in self._others.items() if now_s - known[1] < REMEMBERED_S
+        }
+        return self._others[share][0] if share in self._others else None
 
     async def _renew(self) -> None:
         unused = {
