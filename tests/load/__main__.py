@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
+import os
 import random
 import resource
 import signal
@@ -110,6 +111,17 @@ async def disturb(fleet: Fleet, report: Report, every_s: float, dice: random.Ran
                         node.start()
 
 
+async def put_jobs_last(every_s: float = 1.0) -> None:
+    """Let jobs have what the servers leave: ten servers on one machine have ten jobs, elsewhere one each."""
+    while True:
+        for process in psutil.process_iter(["cmdline"]):
+            with contextlib.suppress(psutil.Error, OSError):
+                if "job_process" in " ".join(process.info["cmdline"] or ()):
+                    for one in (process, *process.children(recursive=True)):
+                        os.sched_setscheduler(one.pid, os.SCHED_IDLE, os.sched_param(0))
+        await asyncio.sleep(every_s)
+
+
 def kill(processes: list[psutil.Process], kind: str, report: Report) -> None:
     """Kill processes that may have ended already."""
     for process in processes:
@@ -126,6 +138,7 @@ async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
     tasks = [asyncio.create_task(one) for one in actors(fleet, report, chosen)]
     if chosen.distributed:
         tasks.append(asyncio.create_task(notice_failures(fleet)))
+        tasks.append(asyncio.create_task(put_jobs_last()))
         tasks.append(asyncio.create_task(disturb(fleet, report, chosen.interval, dice)))
     await asyncio.sleep(SETTLE_S)
     parts = attacks(fleet, report, chosen)
@@ -157,6 +170,7 @@ async def end(tasks: list[asyncio.Task[Any]]) -> None:
 def main() -> int:
     """Run the load test; 1 if anything unexpected happened or the streams were too slow."""
     chosen = options()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that all that was started ends too
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     soft = most if most != resource.RLIM_INFINITY else 1 << 16
     with fleet(chosen.servers, chosen.distributed, chosen.proxy) as servers:

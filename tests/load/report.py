@@ -91,7 +91,8 @@ class Report:
             f"{time.monotonic() - self.began_s:6.0f} s  frames/s mean {np.mean(rates):5.1f} slowest "
             f"{min(rates):5.1f} ({len(self.rates_hz)})  health ms p50 {np.percentile(health, 50):6.1f} "
             f"p99 {np.percentile(health, 99):7.1f}  "
-            f"longest wait ms {gap_percentiles(self.frame_times, [100])[0]:.0f}  memory MB {memory:6.0f}  descriptors {files:4d}  "
+            f"longest wait ms {gap_percentiles(self.frame_times, [100])[0]:.0f}  memory MB {memory:6.0f}  "
+            f"descriptors {files:4d}  "
             f"CPU s {cpu_s:6.0f}  errors {sum(self.unexpected.values())}  {psutil.getloadavg()[0]:.1f} load"
         )
         self.rates_hz, self.health_ms = [], []
