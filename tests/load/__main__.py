@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
+import itertools
 import os
 import random
 import resource
@@ -17,11 +18,12 @@ import psutil
 
 from tests.load import attackers, visitors
 from tests.load.report import Report
-from tests.load.servers import Fleet, Node, fleet, victims
+from tests.load.servers import Fleet, Node, fleet, victims, worker_pids
 from tests.load.wire_client import ask
 from tests.server.sample_meshes import pole_obj
 
 SETTLE_S = 5.0
+BUILD_EVERY_S = 240.0
 LONGEST_WAIT_S = 2.0
 """For the next frame, also if the watcher's server was killed."""
 DISTRIBUTED = "one PostgreSQL, one S3-compatible store, one Dask cluster; kills processes in each interval"
@@ -52,7 +54,7 @@ def actors(fleet: Fleet, report: Report, chosen: argparse.Namespace) -> list[Cor
     started.append(visitors.repeatedly(visitors.downloads(fleet.next, report), 1.0))
     upload = visitors.builds if chosen.distributed else visitors.uploads
     work = upload(fleet.next, report, lambda k: pole_obj(2.0 + k / 1000))
-    started.append(visitors.repeatedly(work, 60.0 if chosen.distributed else 15.0))
+    started.append(visitors.repeatedly(work, BUILD_EVERY_S if chosen.distributed else 15.0))
     return started
 
 
@@ -86,12 +88,12 @@ async def notice_failures(fleet: Fleet) -> None:
 
 
 async def disturb(fleet: Fleet, report: Report, every_s: float, dice: random.Random) -> None:
-    """In each interval, remove a server or add it again, and kill a server, the jobs, and the workers.
+    """In each interval, remove a server or add it again, and kill a server; at times the jobs or the workers.
 
     One after the other: they have machines of their own elsewhere, and share two cores here.
     """
     removed: Node | None = None
-    while True:
+    for number in itertools.count():
         await asyncio.sleep(every_s / 4)
         if removed:
             removed.start()
@@ -100,7 +102,8 @@ async def disturb(fleet: Fleet, report: Report, every_s: float, dice: random.Ran
         if removed and removed.process and removed.process.poll() is None:
             removed.process.terminate()
             report.note("removed", "server")
-        for kind in ("server", "job", "worker"):
+        others = {1: ("job",), 3: ("worker",)}.get(number % 4, ())  # so that builds end
+        for kind in ("server", *others):
             await asyncio.sleep(every_s / 4)
             with contextlib.suppress(psutil.NoSuchProcess):  # it has just ended by itself
                 kill(victims(fleet, kind, dice), kind, report)
@@ -109,16 +112,23 @@ async def disturb(fleet: Fleet, report: Report, every_s: float, dice: random.Ran
                 for node in fleet.nodes:
                     if node is not removed and node.process and node.process.poll() is not None:
                         node.start()
+        await asyncio.sleep(every_s / 2 if not others else every_s / 4)
 
 
-async def put_jobs_last(every_s: float = 1.0) -> None:
-    """Let jobs have what the servers leave: ten servers on one machine have ten jobs, elsewhere one each."""
+async def put_jobs_last(fleet: Fleet, every_s: float = 1.0) -> None:
+    """Let jobs and workers have what the servers leave on one core; elsewhere they have their own machines."""
+    last = {max(os.sched_getaffinity(0))}
     while True:
+        for pid in worker_pids(fleet):
+            for one in (psutil.Process(pid), *psutil.Process(pid).children(recursive=True)):
+                with contextlib.suppress(psutil.Error, OSError):
+                    os.sched_setaffinity(one.pid, last)
         for process in psutil.process_iter(["cmdline"]):
             with contextlib.suppress(psutil.Error, OSError):
                 if "job_process" in " ".join(process.info["cmdline"] or ()):
                     for one in (process, *process.children(recursive=True)):
                         os.sched_setscheduler(one.pid, os.SCHED_IDLE, os.sched_param(0))
+                        os.sched_setaffinity(one.pid, last)
         await asyncio.sleep(every_s)
 
 
@@ -138,7 +148,7 @@ async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
     tasks = [asyncio.create_task(one) for one in actors(fleet, report, chosen)]
     if chosen.distributed:
         tasks.append(asyncio.create_task(notice_failures(fleet)))
-        tasks.append(asyncio.create_task(put_jobs_last()))
+        tasks.append(asyncio.create_task(put_jobs_last(fleet)))
         tasks.append(asyncio.create_task(disturb(fleet, report, chosen.interval, dice)))
     await asyncio.sleep(SETTLE_S)
     parts = attacks(fleet, report, chosen)

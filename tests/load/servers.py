@@ -200,5 +200,10 @@ def victims(fleet: Fleet, kind: str, dice: random.Random) -> list[psutil.Process
     if kind == "job":
         children = [child for server in fleet.processes for child in server.children()]
         return [child for child in children if "job_process" in " ".join(child.cmdline())]
-    nannies = filter(None, fleet.nodes[0].environment.get("GALEWOOD_TEST_WORKERS", "").split(","))
-    return [child for nanny in nannies for child in psutil.Process(int(nanny)).children()[-1:]]
+    return [child for nanny in worker_pids(fleet) for child in psutil.Process(nanny).children()[-1:]]
+
+
+def worker_pids(fleet: Fleet) -> list[int]:
+    """The processes that start the workers of the cluster again."""
+    pids = fleet.nodes[0].environment.get("GALEWOOD_TEST_WORKERS", "").split(",")
+    return [int(pid) for pid in pids if pid]
