@@ -116,7 +116,7 @@ async def disturb(fleet: Fleet, report: Report, every_s: float, dice: random.Ran
 
 
 async def put_jobs_last(fleet: Fleet, every_s: float = 1.0) -> None:
-    """Let jobs and workers have what the servers leave on one core; elsewhere they have their own machines."""
+    """Let jobs and workers have what the servers leave on one core; elsewhere they have other machines."""
     last = {max(os.sched_getaffinity(0))}
     while True:
         for pid in worker_pids(fleet):

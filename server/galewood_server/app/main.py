@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import fcntl
+import hashlib
 import logging
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
@@ -47,7 +48,8 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
         app.state.metrics.registry.register(ServiceCollector(service))
         await asyncio.to_thread(builtin_trees.register, service)
         if settings.peer_url:  # clients that lost another server are not to wait for this one's first forest
-            await asyncio.to_thread(_warm_up, settings.species_dir)
+            await asyncio.to_thread(_warm_up, service)
+            await service.owners.rehearse()
         tasks = [
             asyncio.create_task(work)
             for work in (
@@ -116,10 +118,12 @@ def _service(settings: Settings, importer: MeshImporter) -> Service:
     )
 
 
-def _warm_up(species: Path) -> None:
-    table = next(iter(sorted((species / "shipped").glob("*.table"))), None)
-    if table:
-        warm_up(table.read_bytes())
+def _warm_up(service: Service) -> None:
+    """Do once what the first client of a streamed forest would wait for."""
+    for file in sorted((service.settings.species_dir / "shipped").glob("*.table"))[:1]:
+        table = file.read_bytes()
+        warm_up(table)
+        service.stores.tables.has(hashlib.sha256(table).hexdigest())  # connects to the bucket
 
 
 def _lock(data_dir: Path) -> TextIO:

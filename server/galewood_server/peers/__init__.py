@@ -1,6 +1,7 @@
 """Several servers with one database: which of them holds a shared forest, and how its clients get there."""
 
 from galewood_server.peers.forest_owners import ForestOwners
-from galewood_server.peers.socket_relay import RELAYED, SERVICE_RESTART, PeerLostError, peer_of, relay
+from galewood_server.peers.peer_search import peer_of
+from galewood_server.peers.socket_relay import RELAYED, SERVICE_RESTART, PeerLostError, relay
 
 __all__ = ["RELAYED", "SERVICE_RESTART", "ForestOwners", "PeerLostError", "peer_of", "relay"]

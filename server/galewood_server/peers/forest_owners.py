@@ -12,7 +12,8 @@ from contextlib import asynccontextmanager
 from sqlalchemy.exc import SQLAlchemyError
 
 from galewood_server.peers.forest_leases import Lease, claim_forest, release_forest, renew_forest
-from galewood_server.storage import Sessions
+from galewood_server.peers.socket_relay import PeerLostError, open_peer
+from galewood_server.storage import Sessions, new_id
 from galewood_server.stream import TRY_AGAIN_LATER, SessionError
 
 log = logging.getLogger("galewood.stream")
@@ -86,6 +87,19 @@ class ForestOwners:
                 return lease
             self._held[share] = lease.token
             return None
+
+    async def rehearse(self) -> None:
+        """Do what a client will wait for, once: connections and modules are then ready."""
+        if self._url is None:
+            return
+        share = f"rehearsal-{new_id()}"
+        try:
+            async with self.wanted(share):
+                await self.elsewhere(share)
+            self._release({share: self._held.pop(share)})
+            await open_peer(self._url, share, "")  # nobody listens yet
+        except (SessionError, PeerLostError):
+            pass
 
     async def run(self) -> None:
         """Renew the leases in use and release the others, until cancelled; then release all."""

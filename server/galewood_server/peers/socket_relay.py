@@ -11,7 +11,6 @@ from fastapi import WebSocket
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
-from galewood_server.peers.forest_owners import ForestOwners
 from galewood_server.stream import TRY_AGAIN_LATER, SessionError, protocol_of
 
 log = logging.getLogger("galewood.stream")
@@ -19,8 +18,6 @@ RELAYED = "Galewood-Relayed"
 """Header of a relayed request: its server does not pass it on again."""
 ANSWER_S = 1.5
 """A server that does not answer for so long is taken for dead."""
-TAKEN_FOR_DEAD = 2
-"""How many servers one after the other, before the client has to try again."""
 QUEUED_MESSAGES = 4
 KERNEL_BYTES = 256 * 1024  # what waits here, the other server takes for received
 SERVICE_RESTART, ABNORMAL = 1012, 1006
@@ -28,27 +25,6 @@ SERVICE_RESTART, ABNORMAL = 1012, 1006
 
 class PeerLostError(Exception):
     """The server that holds a forest was not reached; another attempt of the client may succeed."""
-
-
-async def peer_of(
-    owners: ForestOwners, share: str | None, address: str, relayed: bool
-) -> ClientConnection | None:
-    """A socket to the server that holds a forest; None if it is this one. PeerLostError, SessionError.
-
-    If that server does not answer, this one takes the forest. Call it within `owners.wanted`.
-    """
-    lease, attempts = await owners.elsewhere(share), 0
-    while lease is not None and share is not None:
-        if relayed or attempts == TAKEN_FOR_DEAD:
-            raise PeerLostError(f"the shared forest {share} has moved to {lease.server_url}")
-        try:
-            return await open_peer(lease.server_url, share, address)
-        except PeerLostError as error:
-            log.warning(
-                "%s does not answer (%s): taking the shared forest %s", lease.server_url, error, share
-            )
-        lease, attempts = await owners.elsewhere(share, lost=lease.token), attempts + 1
-    return None
 
 
 async def open_peer(server_url: str, share: str, address: str) -> ClientConnection:
