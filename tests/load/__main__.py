@@ -87,6 +87,18 @@ async def notice_failures(fleet: Fleet) -> None:
         await asyncio.sleep(0.3)
 
 
+async def notice_started(fleet: Fleet) -> None:
+    """Give servers that were started again the priority of the others."""
+    while True:
+        for node in fleet.nodes:
+            if node.starting and node.process and node.process.poll() is None:
+                with contextlib.suppress(*visitors.LOST):
+                    async with asyncio.timeout(2):
+                        await ask(fleet.target(node), "GET", "/api/health", "10.99.0.1")
+                    node.started()
+        await asyncio.sleep(0.5)
+
+
 async def disturb(fleet: Fleet, report: Report, every_s: float, dice: random.Random) -> None:
     """In each interval, remove a server or add it again, and kill a server; at times the jobs or the workers.
 
@@ -118,17 +130,17 @@ async def disturb(fleet: Fleet, report: Report, every_s: float, dice: random.Ran
 async def put_jobs_last(fleet: Fleet, every_s: float = 1.0) -> None:
     """Let jobs and workers have what the servers leave on one core; elsewhere they have other machines."""
     last = {max(os.sched_getaffinity(0))}
+    for pid in worker_pids(fleet):  # inherited by the workers that it starts again
+        for process in (psutil.Process(pid), *psutil.Process(pid).children(recursive=True)):
+            os.sched_setaffinity(process.pid, last)
+    seen = set[int]()
     while True:
-        for pid in worker_pids(fleet):
-            for one in (psutil.Process(pid), *psutil.Process(pid).children(recursive=True)):
-                with contextlib.suppress(psutil.Error, OSError):
-                    os.sched_setaffinity(one.pid, last)
-        for process in psutil.process_iter(["cmdline"]):
+        for pid in set(psutil.pids()) - seen:
+            seen.add(pid)
             with contextlib.suppress(psutil.Error, OSError):
-                if "job_process" in " ".join(process.info["cmdline"] or ()):
-                    for one in (process, *process.children(recursive=True)):
-                        os.sched_setscheduler(one.pid, os.SCHED_IDLE, os.sched_param(0))
-                        os.sched_setaffinity(one.pid, last)
+                if "job_process" in " ".join(psutil.Process(pid).cmdline()):
+                    os.sched_setscheduler(pid, os.SCHED_IDLE, os.sched_param(0))
+                    os.sched_setaffinity(pid, last)
         await asyncio.sleep(every_s)
 
 
@@ -147,7 +159,7 @@ async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
     report, dice = Report(fleet, LONGEST_WAIT_S if chosen.distributed else None), random.Random(chosen.seed)
     tasks = [asyncio.create_task(one) for one in actors(fleet, report, chosen)]
     if chosen.distributed:
-        tasks.append(asyncio.create_task(notice_failures(fleet)))
+        tasks.append(asyncio.create_task((notice_started if chosen.proxy else notice_failures)(fleet)))
         tasks.append(asyncio.create_task(put_jobs_last(fleet)))
         tasks.append(asyncio.create_task(disturb(fleet, report, chosen.interval, dice)))
     await asyncio.sleep(SETTLE_S)

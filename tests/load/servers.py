@@ -52,6 +52,7 @@ class Node:
     environment: dict[str, str]
     port: int = field(default_factory=free_port)
     process: subprocess.Popen[bytes] | None = None
+    starting: bool = False
 
     def start(self) -> None:
         """Start the process; `wait` waits for it."""
@@ -65,11 +66,13 @@ class Node:
                 env=environment, cwd=REPOSITORY, stdout=log, stderr=log,
             )  # fmt: skip
         psutil.Process(self.process.pid).nice(STARTING_NICENESS)
+        self.starting = True
 
     def started(self) -> None:
         """The server answers: give it the priority of the others."""
-        if self.process and self.process.poll() is None and os.geteuid() == 0:
+        if self.starting and self.process and self.process.poll() is None and os.geteuid() == 0:
             psutil.Process(self.process.pid).nice(0)
+        self.starting = False
 
     @property
     def ready(self) -> bool:
