@@ -18,7 +18,7 @@ import psutil
 
 from tests.load import attackers, visitors
 from tests.load.report import Report
-from tests.load.servers import Fleet, Node, fleet, victims, worker_pids
+from tests.load.servers import Fleet, Node, fleet, victims
 from tests.load.wire_client import ask
 from tests.server.sample_meshes import pole_obj
 
@@ -127,12 +127,11 @@ async def disturb(fleet: Fleet, report: Report, every_s: float, dice: random.Ran
         await asyncio.sleep(every_s / 2 if not others else every_s / 4)
 
 
-async def put_jobs_last(fleet: Fleet, every_s: float = 1.0) -> None:
-    """Let jobs and workers have what the servers leave on one core; elsewhere they have other machines."""
-    last = {max(os.sched_getaffinity(0))}
-    for pid in worker_pids(fleet):  # inherited by the workers that it starts again
-        for process in (psutil.Process(pid), *psutil.Process(pid).children(recursive=True)):
-            os.sched_setaffinity(process.pid, last)
+async def put_jobs_last(every_s: float = 1.0) -> None:
+    """Let jobs have what the servers leave, as `scripts/test-distributed` does with workers.
+
+    Ten servers on one machine have ten jobs; elsewhere these have other machines.
+    """
     seen = set[int]()
     while True:
         for pid in set(psutil.pids()) - seen:
@@ -140,7 +139,6 @@ async def put_jobs_last(fleet: Fleet, every_s: float = 1.0) -> None:
             with contextlib.suppress(psutil.Error, OSError):
                 if "job_process" in " ".join(psutil.Process(pid).cmdline()):
                     os.sched_setscheduler(pid, os.SCHED_IDLE, os.sched_param(0))
-                    os.sched_setaffinity(pid, last)
         await asyncio.sleep(every_s)
 
 
@@ -160,7 +158,7 @@ async def run(fleet: Fleet, chosen: argparse.Namespace) -> Report:
     tasks = [asyncio.create_task(one) for one in actors(fleet, report, chosen)]
     if chosen.distributed:
         tasks.append(asyncio.create_task((notice_started if chosen.proxy else notice_failures)(fleet)))
-        tasks.append(asyncio.create_task(put_jobs_last(fleet)))
+        tasks.append(asyncio.create_task(put_jobs_last()))
         tasks.append(asyncio.create_task(disturb(fleet, report, chosen.interval, dice)))
     await asyncio.sleep(SETTLE_S)
     parts = attacks(fleet, report, chosen)
