@@ -238,7 +238,7 @@ class Session:
 
     def _check_tables(self, forest: wire.Forest) -> None:
         for sha256 in dict.fromkeys(group.table for group in forest.groups):
-            if not self._service.stores.tables.has(sha256):
+            if not (self._service.forests.has_table(sha256) or self._service.stores.tables.has(sha256)):
                 raise SessionError(
                     "no-such-table", f"There is no table {sha256[:12]}…", "Reload the list of trees."
                 )

@@ -8,11 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import timedelta
 
-from sqlalchemy import delete, update
-from sqlalchemy.exc import IntegrityError
+from sqlalchemy import delete, or_, select, update
 from sqlalchemy.orm import Session
 
-from galewood_server.storage import SharedForest, database_now, new_id
+from galewood_server.storage import SharedForest, database_now, insert_for, new_id, now_in
 
 ATTEMPTS = 5
 """How often a claim is repeated if another server changes the same row."""
@@ -33,29 +32,35 @@ def claim_forest(
     """Claim a forest for the server at `server_url`, which does not hold it, or return another's valid lease.
 
     `lost` is the token of a lease whose server does not answer: it counts as expired. Commits.
+    One statement, because many clients may wait for it: they all come when a server dies.
     RuntimeError if other servers change the row again and again.
     """
     for _ in range(ATTEMPTS):
-        now, token = database_now(session), new_id()
-        row = session.get(SharedForest, share, populate_existing=True)
-        values = {"server_url": server_url, "lease": token, "lease_until": now + timedelta(seconds=lease_s)}
-        if row is None:
-            try:
-                session.add(SharedForest(share=share, **values))
-                session.commit()
-                return Lease(server_url, token, mine=True)
-            except IntegrityError:  # another server was faster
-                session.rollback()
-                continue
-        if row.server_url != server_url and row.lease_until >= now and row.lease != lost:
-            return Lease(row.server_url, row.lease, mine=False)
-        condition = (SharedForest.share == share, SharedForest.lease == row.lease)
-        taken = session.scalar(
-            update(SharedForest).where(*condition).values(**values).returning(SharedForest.share)
+        session.connection(execution_options={"isolation_level": "AUTOCOMMIT"})
+        now, token = now_in(session), new_id()
+        until = now + timedelta(seconds=lease_s)
+        values = {"server_url": server_url, "lease": token, "lease_until": until}
+        free = or_(
+            SharedForest.lease_until < now,
+            SharedForest.server_url == server_url,
+            SharedForest.lease == lost,
         )
-        session.commit()
-        if taken is not None:
+        statement = (
+            insert_for(session)(SharedForest)
+            .values(share=share, **values)
+            .on_conflict_do_update(index_elements=[SharedForest.share], set_=values, where=free)
+            .returning(SharedForest.lease)
+        )
+        claimed = session.scalar(statement) is not None
+        if claimed:
+            session.commit()
             return Lease(server_url, token, mine=True)
+        holder = session.execute(
+            select(SharedForest.server_url, SharedForest.lease).where(SharedForest.share == share)
+        ).first()
+        session.commit()
+        if holder:  # otherwise it was released just now
+            return Lease(holder.server_url, holder.lease, mine=False)
     raise RuntimeError(f"the shared forest {share!r} changes its server again and again")
 
 

@@ -8,6 +8,7 @@ import time
 from collections import Counter
 from collections.abc import AsyncGenerator, Callable, Collection
 from contextlib import asynccontextmanager
+from weakref import WeakValueDictionary
 
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -42,7 +43,8 @@ class ForestOwners:
         """Clients that are about to join, or have joined, by forest."""
         self._others: dict[str, tuple[Lease, float]] = {}
         """Leases of other servers by forest, and when they were looked up."""
-        self._lock = asyncio.Lock()
+        self._locks = WeakValueDictionary[str, asyncio.Lock]()
+        """By forest: of several clients that come at once, one claims it."""
 
     @asynccontextmanager
     async def wanted(self, share: str | None) -> AsyncGenerator[None]:
@@ -66,7 +68,8 @@ class ForestOwners:
         """
         if share is None or self._url is None or share in self._held:
             return None
-        async with self._lock:  # of several clients that come at once, one claims
+        lock = self._locks.setdefault(share, asyncio.Lock())
+        async with lock:
             if share in self._held:
                 return None
             remembered = self._remembered(share)

@@ -4,8 +4,10 @@ from galewood_server.storage.database import (
     Sessions,
     database_now,
     engine_of,
+    insert_for,
     migrate,
     migration_config,
+    now_in,
     open_database,
 )
 from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file, preferred_coding
@@ -69,6 +71,7 @@ __all__ = [
     "file_age_s",
     "forget_analysis_folders",
     "forget_old_analyses",
+    "insert_for",
     "is_hash",
     "list_keys",
     "mark_garbage",
@@ -77,6 +80,7 @@ __all__ = [
     "migration_config",
     "new_id",
     "no_table",
+    "now_in",
     "open_bucket",
     "open_database",
     "preferred_coding",

@@ -20,6 +20,11 @@ class TableCache:
         self._compliances: OrderedDict[str, Compliance] = OrderedDict()
         self._lock = threading.Lock()
 
+    def has(self, sha256: str) -> bool:
+        """Whether a table is in memory."""
+        with self._lock:
+            return sha256 in self._tables
+
     def take(self, sha256: str, records_sha256: str | None = None) -> Table:
         """A table by its hash, with the records of the given file unless it holds them itself.
 

@@ -91,6 +91,10 @@ class Forests:
             forest.disconnect_clients()
             self._end(forest)
 
+    def has_table(self, sha256: str) -> bool:
+        """Whether a table is in memory, so that no store need be asked for it."""
+        return self._table_cache.has(sha256)
+
     async def admit(self, plan: Forest, address: str) -> None:
         """Wait until the work for a forest request may be done. SessionError."""
         await self._rates.take(address, work_of(plan))
