@@ -6,7 +6,6 @@ import argparse
 import asyncio
 import contextlib
 import itertools
-import os
 import random
 import resource
 import signal
@@ -17,13 +16,14 @@ from typing import Any
 import psutil
 
 from tests.load import attackers, visitors
+from tests.load.priorities import set_idle
 from tests.load.report import Report
 from tests.load.servers import Fleet, Node, fleet, victims
 from tests.load.wire_client import ask
 from tests.server.sample_meshes import pole_obj
 
 SETTLE_S = 5.0
-BUILD_EVERY_S = 240.0
+BETWEEN_BUILDS_S = 60.0
 LONGEST_WAIT_S = 2.0
 """For the next frame, also if the watcher's server was killed."""
 DISTRIBUTED = "one PostgreSQL, one S3-compatible store, one Dask cluster; kills processes in each interval"
@@ -54,7 +54,7 @@ def actors(fleet: Fleet, report: Report, chosen: argparse.Namespace) -> list[Cor
     started.append(visitors.repeatedly(visitors.downloads(fleet.next, report), 1.0))
     upload = visitors.builds if chosen.distributed else visitors.uploads
     work = upload(fleet.next, report, lambda k: pole_obj(2.0 + k / 1000))
-    started.append(visitors.repeatedly(work, BUILD_EVERY_S if chosen.distributed else 15.0))
+    started.append(visitors.repeatedly(work, BETWEEN_BUILDS_S if chosen.distributed else 15.0))
     return started
 
 
@@ -138,7 +138,7 @@ async def put_jobs_last(every_s: float = 1.0) -> None:
             seen.add(pid)
             with contextlib.suppress(psutil.Error, OSError):
                 if "job_process" in " ".join(psutil.Process(pid).cmdline()):
-                    os.sched_setscheduler(pid, os.SCHED_IDLE, os.sched_param(0))
+                    set_idle(pid)
         await asyncio.sleep(every_s)
 
 

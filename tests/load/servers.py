@@ -25,6 +25,7 @@ from galewood_server.access.keys import new_key
 from galewood_server.settings import Settings
 from galewood_server.storage import Stores
 
+from tests.load.priorities import set_niceness
 from tests.load.proxy import proxy
 from tests.load.wire_client import Target
 
@@ -65,13 +66,13 @@ class Node:
                 [sys.executable, "-m", "galewood_server.cli.main", "serve"],
                 env=environment, cwd=REPOSITORY, stdout=log, stderr=log,
             )  # fmt: skip
-        psutil.Process(self.process.pid).nice(STARTING_NICENESS)
+        os.setpriority(os.PRIO_PROCESS, self.process.pid, STARTING_NICENESS)  # threads inherit it
         self.starting = True
 
     def started(self) -> None:
         """The server answers: give it the priority of the others."""
-        if self.starting and self.process and self.process.poll() is None and os.geteuid() == 0:
-            psutil.Process(self.process.pid).nice(0)
+        if self.starting and self.process and self.process.poll() is None and STARTING_NICENESS:
+            set_niceness(self.process.pid, 0)
         self.starting = False
 
     @property

@@ -140,7 +140,7 @@ def uploads(target: Choose, report: Report, mesh: Callable[[int], bytes]) -> Cal
 
 
 def builds(target: Choose, report: Report, mesh: Callable[[int], bytes]) -> Callable[[int], Awaitable[None]]:
-    """Upload a mesh whose table is computed."""
+    """Upload a mesh whose table is computed, and wait until it is."""
 
     async def build(number: int) -> None:
         here = target()
@@ -150,8 +150,19 @@ def builds(target: Choose, report: Report, mesh: Callable[[int], bytes]) -> Call
             report.note("upload to build", status, expected=answered(here, status, 200, 201))
         except LOST as error:
             report.note("upload to build", repr(error)[:60], expected=here.may_fail)
+        while await _building(target()):
+            await asyncio.sleep(5)
 
     return build
+
+
+async def _building(here: Target) -> bool:
+    """Whether a build waits or runs, or a server does not say."""
+    try:
+        status, answer = await ask(here, "GET", "/api/jobs?limit=500", address_of(6, 2))
+    except LOST:
+        return True
+    return status != 200 or any(job["state"] in ("queued", "running") for job in json.loads(answer)["jobs"])
 
 
 async def note_jobs(target: Choose, report: Report) -> None:
