@@ -51,6 +51,11 @@ def gap_percentiles(times: list[FrameTimes], percent: list[float]) -> list[float
     return [float(lengths[np.searchsorted(shares, p / 100 - 1e-12)]) for p in percent]
 
 
+def frame_count(times: list[FrameTimes], longer_than_s: float = 0.0) -> int:
+    """How many frames came more than so many seconds after the one before."""
+    return sum(n for one in times for gap_ms, n in one.gaps_ms.items() if gap_ms > 1e3 * longer_than_s)
+
+
 @dataclass
 class Report:
     """Counts of all actors. An outcome is expected or not; only unexpected ones are errors."""
@@ -121,6 +126,10 @@ class Report:
         )
         typical, late, worst = gap_percentiles(self.frame_times, [50, 99, 100])
         lines.append(f"ms between two frames of a watcher p50 {typical:.0f} p99 {late:.0f} worst {worst:.0f}")
+        lines.append(
+            f"frames {frame_count(self.frame_times)}, of which after more than "
+            + ", ".join(f"{s:.1f} s {frame_count(self.frame_times, s)}" for s in (0.5, 1.0, 1.5, 2.0, 3.0))
+        )
         if self.waits_s:
             lines.append(f"longest wait of a watcher without stream {max(self.waits_s):.1f} s")
         lines.append(f"unexpected: {dict(self.unexpected) or 'nothing'}")

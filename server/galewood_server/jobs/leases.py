@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection
-from datetime import datetime, timedelta
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +48,13 @@ def claim(session: Session, owner: str, kinds: Collection[JobKind], lease_s: flo
     return (job_id, str(values["lease"])) if session.scalar(statement) else None
 
 
-def _claimable(now: datetime) -> ColumnElement[bool]:
+def claimable_kinds(session: Session) -> set[JobKind]:
+    """The kinds of the jobs that could be claimed."""
+    session.connection(execution_options={"isolation_level": "AUTOCOMMIT"})
+    return set(session.scalars(select(Job.kind).where(_claimable(database_now(session))).distinct()))
+
+
+def _claimable(now: Any) -> ColumnElement[bool]:
     expired = or_(Job.lease_until.is_(None), Job.lease_until < now)
     return or_(Job.state == "queued", and_(Job.state == "running", expired))
 

@@ -120,8 +120,12 @@ class Supervisor:
     async def _start_jobs(self) -> None:
         """Start queued jobs. Database errors are logged; the next poll tries again."""
         try:
-            for queue in QUEUES:
-                await self._start_waiting(queue)
+            waiting = await asyncio.to_thread(
+                self._claimable_kinds
+            )  # one query for all queues: there are many polls
+            for queue, kinds in QUEUES.items():
+                if not waiting.isdisjoint(kinds):
+                    await self._start_waiting(queue)
         except SQLAlchemyError:
             log.exception("the job queue could not be read")
 
@@ -167,6 +171,10 @@ class Supervisor:
             if claim is None:
                 return
             self._running[claim] = asyncio.create_task(self._run_claim(claim))
+
+    def _claimable_kinds(self) -> set[JobKind]:
+        with self._service.sessions() as session:
+            return leases.claimable_kinds(session)
 
     def _claim(self, queue: str) -> Claim | None:
         with self._service.sessions.begin() as session:

@@ -11,7 +11,7 @@ from datetime import timedelta
 from sqlalchemy import delete, or_, select, update
 from sqlalchemy.orm import Session
 
-from galewood_server.storage import SharedForest, database_now, insert_for, new_id, now_in
+from galewood_server.storage import SharedForest, database_now, insert_for, new_id
 
 ATTEMPTS = 5
 """How often a claim is repeated if another server changes the same row."""
@@ -37,7 +37,7 @@ def claim_forest(
     """
     for _ in range(ATTEMPTS):
         session.connection(execution_options={"isolation_level": "AUTOCOMMIT"})
-        now, token = now_in(session), new_id()
+        now, token = database_now(session), new_id()
         until = now + timedelta(seconds=lease_s)
         values = {"server_url": server_url, "lease": token, "lease_until": until}
         free = or_(

@@ -7,7 +7,6 @@ from galewood_server.storage.database import (
     insert_for,
     migrate,
     migration_config,
-    now_in,
     open_database,
 )
 from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file, preferred_coding
@@ -80,7 +79,6 @@ __all__ = [
     "migration_config",
     "new_id",
     "no_table",
-    "now_in",
     "open_bucket",
     "open_database",
     "preferred_coding",

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import fcntl
-from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Engine, create_engine, event, func, select, text
+from sqlalchemy import Engine, create_engine, event, func, text
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session, sessionmaker
@@ -91,18 +90,18 @@ def engine_of(sessions: Sessions) -> Engine:
     return bind
 
 
-def database_now(session: Session) -> datetime:
-    """The current time by PostgreSQL's clock, which servers share, or by this machine's for SQLite."""
-    if session.get_bind().dialect.name == "postgresql":
-        return session.scalars(select(func.clock_timestamp())).one()
-    return utc_now()
+def database_now(session: Session) -> Any:
+    """The current time by PostgreSQL's clock, which servers share, or by this machine's for SQLite.
 
-
-def now_in(session: Session) -> Any:
-    """The current time as `database_now`, for use within a statement: it costs no query of its own."""
-    return func.clock_timestamp() if session.get_bind().dialect.name == "postgresql" else utc_now()
+    For use in a statement, so that it costs no query of its own.
+    """
+    return func.clock_timestamp() if _on_postgresql(session) else utc_now()
 
 
 def insert_for(session: Session) -> Any:
     """The INSERT of the database's dialect, which knows ON CONFLICT."""
-    return postgresql.insert if session.get_bind().dialect.name == "postgresql" else sqlite.insert
+    return postgresql.insert if _on_postgresql(session) else sqlite.insert
+
+
+def _on_postgresql(session: Session) -> bool:
+    return session.get_bind().dialect.name == "postgresql"
