@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 from numpy.testing import assert_array_equal
 
+from tests.load.priorities import set_niceness
 from tests.load.proxy import configuration
-from tests.load.report import FrameTimes, gap_percentiles
+from tests.load.report import FrameTimes, frame_count, gap_percentiles
 
 
 def test_percentiles_of_a_histogram_are_those_of_its_values() -> None:
@@ -19,6 +24,26 @@ def test_percentiles_of_a_histogram_are_those_of_its_values() -> None:
     expected = np.percentile(np.concatenate(gaps), percent, method="inverted_cdf")
     assert_array_equal(gap_percentiles(times, percent), expected)
     assert np.isnan(gap_percentiles([], [50.0])).all()
+
+
+def test_late_frames_are_counted() -> None:
+    times = [FrameTimes(Counter({33: 100, 700: 2})), FrameTimes(Counter({2500: 1}))]
+    assert [frame_count(times, longer_than_s) for longer_than_s in (0.0, 0.5, 2.0, 3.0)] == [103, 3, 1, 0]
+
+
+def test_a_priority_is_that_of_all_threads() -> None:
+    ready = "import threading, time; [threading.Thread(target=time.sleep, args=(60,)).start() for _ in '12']"
+    command = [sys.executable, "-c", f"{ready}; print(flush=True)"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as child:
+        try:
+            assert child.stdout
+            child.stdout.readline()
+            set_niceness(child.pid, 7)
+            threads = [int(one.name) for one in Path(f"/proc/{child.pid}/task").iterdir()]
+            assert [os.getpriority(os.PRIO_PROCESS, thread) for thread in threads] == [7, 7, 7]
+        finally:
+            child.kill()
+    set_niceness(child.pid, 7)  # it has ended
 
 
 def test_a_watcher_that_gets_no_frame_again_waits_until_the_end() -> None:

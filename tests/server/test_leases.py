@@ -10,7 +10,7 @@ from typing import Any
 import httpx
 import psutil
 import pytest
-from galewood_server.jobs.leases import claim, renew, requeue_running
+from galewood_server.jobs.leases import claim, claimable_kinds, renew, requeue_running
 from galewood_server.storage.database import migrate, open_database
 from galewood_server.storage.models import Job, Tree
 
@@ -110,11 +110,18 @@ def test_a_job_is_claimed_once_and_a_lost_lease_writes_nothing(tmp_path: Path) -
     sessions = open_database(url)
     with sessions.begin() as session:
         session.add(Tree(id="t", name="t", filename="t.obj", source_sha256="0" * 64, jobs=[Job(id="j")]))
+    with sessions() as session:
+        assert claimable_kinds(session) == {"build"}
     with sessions.begin() as session:
         won = claim(session, "one", ("build",), 60)
         assert won and won[0] == "j"
         assert claim(session, "two", ("build",), 60) is None
+    with sessions() as session:
+        assert not claimable_kinds(session)
+    with sessions.begin() as session:
         assert renew(session, *won, 0)
+    with sessions() as session:
+        assert claimable_kinds(session) == {"build"}, "its lease has expired"
     with sessions.begin() as session:
         taken = claim(session, "two", ("build",), 60)
         assert taken and taken[0] == "j" and taken[1] != won[1]

@@ -28,6 +28,7 @@ from tests.server.test_shared_forest import frames_until, joining
 
 A, B = "http://a:1", "http://b:1"
 STALL_S = 1.5
+STORM = Wind(12.0, 300.0, 0.8, model="perlin", length_scale_m=15.0)
 
 
 @pytest.fixture
@@ -140,7 +141,6 @@ def watching(server: Server, share: str, **options: Any) -> Client:
 
 def test_a_forest_is_reached_through_any_server(peers: Peers) -> None:
     one, two = peers.servers
-    new = Wind(12.0, 300.0, 0.8, model="perlin", length_scale_m=15.0)
     with watching(one, "grove") as first, watching(two, "grove") as second:
         first.send(forest(share="grove"))
         frames_until(first, lambda frame: frame.tick >= 10)
@@ -148,9 +148,9 @@ def test_a_forest_is_reached_through_any_server(peers: Peers) -> None:
         second.send(joining("grove"))
         mine = frames_until(second, lambda frame: frame.tick >= 40)
         assert mine[0][0].key and mine[0][0].tick >= 10, "the forest that is running, not another"
-        second.send(wire.WindChange(new.document()))
-        frames_until(first, lambda frame: first.state is not None and first.state.wind == new)
-        frames_until(second, lambda frame: second.state is not None and second.state.wind == new)
+        second.send(wire.WindChange(STORM.document()))
+        frames_until(first, lambda frame: first.state is not None and first.state.wind == STORM)
+        frames_until(second, lambda frame: second.state is not None and second.state.wind == STORM)
         assert first.state == second.state
         second.send(wire.Ping(5.0))
         while not isinstance(second.receive(), wire.Pong):
@@ -172,9 +172,10 @@ def test_its_clients_come_back_by_another_server_when_one_is_killed_stopped_or_f
                     relayed.receive()
             assert closed.value.rcvd and closed.value.rcvd.code == 1012
     with watching(two, "grove") as client:  # at once, long before the lease expires
-        client.send(forest(share="grove"))
+        client.send(forest(share="grove", wind=STORM.document()))
         frames_until(client, lambda frame: frame.tick >= 3)
         assert peers.holder("grove") == two.url
+        assert client.state and client.state.wind == STORM, "clients bring the wind that they have seen"
         one.start()
         with watching(one, "grove") as relayed:
             relayed.send(joining("grove"))
