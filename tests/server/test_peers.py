@@ -137,7 +137,8 @@ def peers(tmp_path: Path) -> Iterator[Peers]:
 
 def watching(server: Server, share: str, **options: Any) -> Client:
     """A client that reads all the time, also while the test waits for a server to start."""
-    return Client(server, query=f"?share={share}", **{"max_queue": None, **options})
+    options.setdefault("max_queue", None)
+    return Client(server, query=f"?share={share}", **options)
 
 
 def test_a_forest_is_reached_through_any_server(peers: Peers) -> None:
