@@ -1,9 +1,9 @@
-# syntax=docker/dockerfile:1
+# syntax=docker/dockerfile:1@sha256:87999aa3d42bdc6bea60565083ee17e86d1f3339802f543c0d03998580f9cb89
 # The page is built with Node and packed into the wheel; the last stage installs that wheel beside the locked
 # packages, and holds neither npm nor a compiler nor the sources.
 # One image serves as server, scheduler and worker.
 
-FROM node:24-bookworm-slim AS page
+FROM node:24-bookworm-slim@sha256:6f7b03f7c2c8e2e784dcf9295400527b9b1270fd37b7e9a7285cf83b6951452d AS page
 WORKDIR /app/web
 COPY web/package.json web/package-lock.json ./
 COPY web/player/package.json player/package.json
@@ -11,7 +11,7 @@ RUN npm ci --no-audit --no-fund
 COPY web ./
 RUN npm run build && npm run build:player
 
-FROM python:3.11-slim-bookworm AS wheel
+FROM python:3.11-slim-bookworm@sha256:a36c24f9cbdf4fd0f52d67f0823eeac19c2028c637cecc392d97f980d4fec56b AS wheel
 ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
 WORKDIR /app
 COPY requirements/build.txt requirements/build.txt
@@ -24,7 +24,7 @@ COPY --from=page /app/web/dist web/dist
 COPY --from=page /app/web/player/dist/notebook web/player/dist/notebook
 RUN pip wheel --no-deps --no-build-isolation --wheel-dir /wheel .
 
-FROM python:3.11-slim-bookworm
+FROM python:3.11-slim-bookworm@sha256:a36c24f9cbdf4fd0f52d67f0823eeac19c2028c637cecc392d97f980d4fec56b
 ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
 # libraries that VTK (used by pytetwild through pyvista) and OpenMP need
 # hadolint ignore=DL3008
