@@ -89,6 +89,8 @@ class Settings(BaseSettings):
     trusted_proxies: str = "127.0.0.1"
     reads_per_minute: int = Field(default=6000, ge=0)
     writes_per_minute: int = Field(default=120, ge=0)
+    connections: int = Field(default=4096, ge=1)
+    requests_per_address: int = Field(default=256, ge=1)
     header_s: float = Field(default=10.0, gt=0)
     write_stall_s: float = Field(default=60.0, gt=0)
     body_stall_s: float = Field(default=10.0, gt=0)

@@ -4,6 +4,7 @@ from galewood_server.access.face_count import check_face_count
 from galewood_server.access.import_limits import MeshImporter, limited_importer
 from galewood_server.access.keys import READ_ONLY_POSTS, WRITE_METHODS, new_key
 from galewood_server.access.middleware import AccessControl
+from galewood_server.access.open_connections import OpenConnections, affordable, counted
 from galewood_server.access.origins import origin_allowed
 from galewood_server.access.quota import check_quota, count_stored, stored_bytes
 from galewood_server.access.rates import rate_limit_key
@@ -13,9 +14,12 @@ __all__ = [
     "WRITE_METHODS",
     "AccessControl",
     "MeshImporter",
+    "OpenConnections",
+    "affordable",
     "check_face_count",
     "check_quota",
     "count_stored",
+    "counted",
     "limited_importer",
     "new_key",
     "origin_allowed",

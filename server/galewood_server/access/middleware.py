@@ -5,13 +5,15 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
+from contextlib import AbstractContextManager, nullcontext
 
 from fastapi import HTTPException
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from galewood_server.access.keys import check_writer, is_write
-from galewood_server.access.rates import RateLimits
+from galewood_server.access.open_connections import ADDRESS_SHARE, affordable, counted
+from galewood_server.access.rates import RateLimits, rate_limit_key
 from galewood_server.http import ProblemError, problem_from
 from galewood_server.ops import Metrics
 from galewood_server.settings import Settings
@@ -29,6 +31,7 @@ class AccessControl:
         self._settings = settings
         self._metrics = metrics
         self._rates = RateLimits(settings)
+        self._in_progress: dict[str, int] = {}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on or answer it with a problem."""
@@ -52,7 +55,8 @@ class AccessControl:
         try:
             await self._check_access(scope)
             check_text(scope)
-            await self._app(scope, self._rate_limited(scope, receive), send_response)
+            with self._in_progress_of(scope):
+                await self._app(scope, self._rate_limited(scope, receive), send_response)
         except Exception as error:
             if started:
                 raise
@@ -69,11 +73,29 @@ class AccessControl:
         else:
             await self._app(scope, receive, send)
 
+    def _in_progress_of(self, scope: Scope) -> AbstractContextManager[None]:
+        """Count a request of an address while it is in progress. ProblemError 429 if it has too many."""
+        address = rate_limit_key(_client(scope))
+        most = affordable(self._settings.requests_per_address, ADDRESS_SHARE)
+        if scope["path"].startswith(EXEMPT_PATHS):
+            return nullcontext()
+        if self._in_progress.get(address, 0) >= most:
+            self._metrics.refused.labels("too-many-open-requests").inc()
+            raise ProblemError(
+                429,
+                "too-many-open-requests",
+                "Too many requests of this address are in progress",
+                detail=f"The limit is {most} at a time.",
+                hint="Wait until some of them are answered.",
+                headers={"Retry-After": "5"},
+            )
+        return counted(self._in_progress, address)
+
     async def _check_access(self, scope: Scope) -> None:
         if scope["path"].startswith(EXEMPT_PATHS):
             return
         try:
-            await self._check(scope, (scope.get("client") or ("",))[0])
+            await self._check(scope, _client(scope))
         except ProblemError as error:
             self._metrics.refused.labels(error.problem.code).inc()
             raise
@@ -109,6 +131,11 @@ class AccessControl:
             return message
 
         return receive_piece
+
+
+def _client(scope: Scope) -> str:
+    """The client's address; empty if it is unknown."""
+    return str((scope.get("client") or ("",))[0])
 
 
 def is_plain_413(message: Message) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import logging
 import re
 import time
 
@@ -13,6 +14,7 @@ from limits.aio.strategies import SlidingWindowCounterRateLimiter
 from galewood_server.http import ProblemError
 from galewood_server.settings import Settings
 
+log = logging.getLogger("galewood.access")
 WRONG_KEYS_PER_MINUTE = 20
 UNKNOWN = "unknown"
 _WITH_PORT = re.compile(r"([0-9.]+):[0-9]{1,5}|\[([^\]]+)\](?::[0-9]{1,5})?")
@@ -46,6 +48,7 @@ class RateLimits:
         item = self._items[kind]
         window = await self._limiter.get_window_stats(item, kind, rate_limit_key(address))
         wait_s = max(1, round(window.reset_time - time.time()))
+        log.warning("refused requests of %s: more than %d per minute (%s)", address, item.amount, kind)
         raise ProblemError(
             429,
             "too-many-requests",

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import resource
-from collections.abc import AsyncGenerator, Generator
-from contextlib import asynccontextmanager, contextmanager
+from collections.abc import AsyncGenerator
+from contextlib import asynccontextmanager
 
 from fastapi import WebSocket
 
-from galewood_server.access import origin_allowed, rate_limit_key
+from galewood_server.access import affordable, counted, origin_allowed, rate_limit_key
 from galewood_server.context import Service
 from galewood_server.http import Problem
 
-RESERVED_DESCRIPTORS = 64  # for the database, files and libraries
-# of the other descriptors; the rest is for requests
 SOCKET_SHARE, EVENT_SHARE = 0.5, 0.25
+"""Of the file descriptors; the rest is for requests."""
 
 
 @asynccontextmanager
@@ -28,26 +26,6 @@ async def limited_connection(websocket: WebSocket, service: Service) -> AsyncGen
         return
     with counted(service.socket_addresses, address):
         yield True
-
-
-@contextmanager
-def counted(counts: dict[str, int], address: str) -> Generator[None]:
-    """Count an open connection of an address while the block runs."""
-    counts[address] = counts.get(address, 0) + 1
-    try:
-        yield
-    finally:
-        counts[address] -= 1
-        if not counts[address]:
-            del counts[address]
-
-
-def affordable(ceiling: int, share: float) -> int:
-    """A ceiling of open connections, lowered to a share of the process's file descriptors (RLIMIT_NOFILE)."""
-    descriptors, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-    if descriptors == resource.RLIM_INFINITY:
-        return ceiling
-    return max(1, min(ceiling, int((descriptors - RESERVED_DESCRIPTORS) * share)))
 
 
 def streams_exceeded(service: Service, address: str) -> Problem | None:

@@ -17,8 +17,8 @@ from sse_starlette import EventSourceResponse, ServerSentEvent
 from starlette.requests import HTTPConnection
 from starlette.types import Receive, Scope, Send
 
-from galewood_server.access import rate_limit_key
-from galewood_server.api.connections import counted, streams_exceeded
+from galewood_server.access import counted, rate_limit_key
+from galewood_server.api.connections import streams_exceeded
 from galewood_server.api.trees import job_out, tree_out
 from galewood_server.context import Service, ServiceDep, service_of
 from galewood_server.http import EVENT_STREAM, Change, JobOut, ProblemError

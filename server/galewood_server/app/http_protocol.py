@@ -1,13 +1,21 @@
-"""uvicorn's HTTP protocol with time limits for a request's headers and for a client that reads nothing."""
+"""uvicorn's HTTP protocol with time limits for a request's headers and for a client that reads nothing, and
+with a ceiling of open connections.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import logging
+import socket
+from collections.abc import Mapping
+from http import HTTPStatus
 from typing import Any
 
+import h11
+import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from galewood_server.access import OpenConnections
 from galewood_server.http import Problem
 
 log = logging.getLogger("galewood")
@@ -18,11 +26,36 @@ STOPPING = Problem(
     detail="The request was not finished in time.",
     hint="Try again in a minute.",
 )
+FULL = Problem(
+    status=503,
+    code="too-many-connections",
+    title="Too many open connections",
+    detail="The server has reached its limit of connections with requests in progress.",
+    hint="Try again in some seconds.",
+)
+ACCEPTED_AT_ONCE, BACKLOG = 16, 2048
 
 
-def protocol_with_limit(header_s: float, write_stall_s: float) -> type[H11Protocol]:
+class Server(uvicorn.Server):
+    """Accepts few connections at a time, so that they are counted before descriptors run out.
+
+    asyncio accepts as many connections in a row as the backlog has places. More of them wait in the kernel.
+    """
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Listen, with a backlog in the kernel that is longer than what is accepted at once."""
+        await super().startup(sockets)
+        for listener in (one for server in self.servers for one in server.sockets):
+            with listener.dup() as same:
+                same.listen(BACKLOG)
+
+
+def protocol_with_limits(
+    header_s: float, write_stall_s: float, connections: OpenConnections
+) -> type[H11Protocol]:
     """A protocol class that closes connections whose request headers are incomplete after `header_s` seconds,
-    and those whose client has not made room for more of a response for `write_stall_s` seconds.
+    those whose client has not made room for more of a response for `write_stall_s` seconds, and those for
+    which there is no room among `connections`.
 
     uvicorn limits only the time between requests: headers sent one byte per minute, or a response that is
     never read, would hold a connection and its file forever.
@@ -56,17 +89,41 @@ def protocol_with_limit(header_s: float, write_stall_s: float) -> type[H11Protoc
 
         def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
             super().connection_made(transport)
-            self._start_timer()
+            if connections.admit(self, self._address, transport.get_extra_info("socket").fileno()):
+                self._start_timer()
+            else:
+                transport.write(raw_response(FULL, {"Retry-After": "5"}))
+                transport.close()
 
         def data_received(self, data: bytes) -> None:
             if self._head_timer is None and not self._is_busy():
                 self._start_timer()
             super().data_received(data)
-            if self._is_busy() and self._head_timer:
-                self._head_timer.cancel()
-                self._head_timer = None
+            if self._is_busy():
+                connections.works(self)
+                if self._head_timer:
+                    self._head_timer.cancel()
+                    self._head_timer = None
+
+        def on_response_complete(self) -> None:
+            connections.waits(self, self._address)
+            super().on_response_complete()
+            if self._is_busy():  # with a request that was sent before this one was answered
+                connections.works(self)
+
+        def handle_websocket_upgrade(self, event: h11.Request) -> None:
+            connections.closed(self)
+            super().handle_websocket_upgrade(event)
+
+        def close_waiting(self) -> None:
+            self.transport.close()
+
+        @property
+        def _address(self) -> str:
+            return self.client[0] if self.client else ""
 
         def connection_lost(self, exc: Exception | None) -> None:
+            connections.closed(self)
             for timer in (self._head_timer, self._write_timer):
                 if timer:
                     timer.cancel()
@@ -96,3 +153,11 @@ def protocol_with_limit(header_s: float, write_stall_s: float) -> type[H11Protoc
                 self.transport.close()
 
     return LimitedProtocol
+
+
+def raw_response(problem: Problem, headers: Mapping[str, str]) -> bytes:
+    """A problem as bytes, for a connection on which no request was read."""
+    response = problem.response({**headers, "Connection": "close"})
+    lines = [f"HTTP/1.1 {problem.status} {HTTPStatus(problem.status).phrase}".encode()]
+    lines += [name + b": " + value for name, value in response.raw_headers]
+    return b"\r\n".join([*lines, b"", bytes(response.body)])

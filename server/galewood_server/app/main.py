@@ -6,8 +6,9 @@ import asyncio
 import fcntl
 import hashlib
 import logging
+import sys
 from collections.abc import AsyncGenerator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TextIO
@@ -15,13 +16,13 @@ from typing import TextIO
 import uvicorn
 from fastapi import FastAPI
 
-from galewood_server.access import AccessControl, MeshImporter, limited_importer
+from galewood_server.access import AccessControl, MeshImporter, OpenConnections, limited_importer
 from galewood_server.api import ROUTERS, VERSION, ChangeFeed, ServiceCollector
 from galewood_server.app import builtin_trees, docs_page, startup_warnings
 from galewood_server.app.compression import CompressedJson
 from galewood_server.app.cross_origin import allow_cross_origin
 from galewood_server.app.headers import SecurityHeaders
-from galewood_server.app.http_protocol import protocol_with_limit
+from galewood_server.app.http_protocol import ACCEPTED_AT_ONCE, Server, protocol_with_limits
 from galewood_server.app.openapi import describe
 from galewood_server.app.page import Page
 from galewood_server.context import Service
@@ -34,6 +35,8 @@ from galewood_server.storage import Stores, TableCache, compliance_of, migrate, 
 from galewood_server.stream import Forests, SocketLimits, metered_protocol, warm_up
 
 log = logging.getLogger("galewood")
+NOT_STARTED = 3
+"""Exit status of a server that could not start, as of uvicorn."""
 
 
 def create_app(settings: Settings, importer: MeshImporter | None = None) -> FastAPI:
@@ -143,11 +146,14 @@ def _lock(data_dir: Path) -> TextIO:
 def run(app: FastAPI, settings: Settings) -> None:
     """Serve until interrupted, then finish open requests."""
     configure_logging(settings)
-    uvicorn.run(
+    config = uvicorn.Config(
         app,
         host=settings.host,
         port=settings.port,
-        http=protocol_with_limit(settings.header_s, settings.write_stall_s),
+        backlog=ACCEPTED_AT_ONCE,
+        http=protocol_with_limits(
+            settings.header_s, settings.write_stall_s, OpenConnections(settings.connections)
+        ),
         ws=metered_protocol(
             SocketLimits(
                 settings.socket_frames_per_s, settings.socket_bytes_per_s, settings.socket_message_bytes
@@ -161,3 +167,8 @@ def run(app: FastAPI, settings: Settings) -> None:
         server_header=False,
         access_log=False,
     )
+    server = Server(config)
+    with suppress(KeyboardInterrupt):
+        server.run()
+    if not server.started:
+        sys.exit(NOT_STARTED)

@@ -159,10 +159,21 @@ def is_disk_full(error: BaseException | None) -> bool:
     return getattr(error, "sqlstate", "") == "53100" or getattr(error, "sqlite_errorcode", 0) == SQLITE_FULL
 
 
+NO_DESCRIPTORS = Problem(
+    status=503,
+    code="server-busy",
+    title="The server has too many open files",
+    detail="Nothing was changed.",
+    hint="Try again in some seconds.",
+)
+
+
 def problem_from(error: Exception) -> Problem:
     """The problem for an exception, by the first matching type in PROBLEMS_BY_TYPE."""
     if is_disk_full(error):
         return DISK_FULL
+    if isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE):
+        return NO_DESCRIPTORS
     return next(make(error) for kind, make in PROBLEMS_BY_TYPE.items() if isinstance(error, kind))
 
 

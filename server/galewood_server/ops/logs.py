@@ -8,6 +8,8 @@ import sys
 import structlog
 from structlog.typing import Processor
 
+from galewood_server.ops.throttle import Throttle
+from galewood_server.ops.tracing import REQUESTS
 from galewood_server.settings import Settings
 
 COMMON: list[Processor] = [
@@ -29,6 +31,7 @@ def configure_logging(settings: Settings) -> None:
             processors=[structlog.stdlib.ProcessorFormatter.remove_processors_meta, *_rendering(settings)],
         )
     )
+    handler.addFilter(Throttle(unlimited=REQUESTS))
     root = logging.getLogger()
     root.handlers[:] = [handler]
     root.setLevel(settings.log_level)

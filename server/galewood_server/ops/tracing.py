@@ -6,6 +6,7 @@ import logging
 import re
 import secrets
 import time
+from http import HTTPStatus
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -13,7 +14,8 @@ from structlog.contextvars import bound_contextvars
 
 from galewood_server.ops.metrics import Metrics
 
-log = logging.getLogger("galewood.requests")
+REQUESTS = "galewood.requests"
+log = logging.getLogger(REQUESTS)
 HEADER = "x-request-id"
 _VALID_ID = re.compile(r"[A-Za-z0-9._:-]{1,128}")
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
@@ -59,7 +61,9 @@ class Tracing:
         """Log and count a request. Status 499: the client disconnected before the response."""
         self._metrics.request(method_of(scope), route_of(scope), status, seconds)
         client = scope.get("client") or ("",)
-        level = logging.DEBUG if scope["path"].startswith(QUIET) else logging.INFO
+        # refusals of one address have no end: they are counted, and access control names the address
+        quiet = status == HTTPStatus.TOO_MANY_REQUESTS or scope["path"].startswith(QUIET)
+        level = logging.DEBUG if quiet else logging.INFO
         fields = {
             "method": scope["method"][:20],
             "path": scope["path"][:200],
