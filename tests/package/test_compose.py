@@ -78,6 +78,17 @@ def test_every_mount_exists(name: str) -> None:
     assert targets.issuperset(scripts)
 
 
+def test_volumes_that_are_given_to_a_user_hold_nothing_of_the_image() -> None:
+    """Docker copies folders of an image into a fresh volume as it creates the container: before `prepare`."""
+    given = {source: target for source, target, _ in mounts(SERVICES["prepare"])}
+    command = " ".join(SERVICES["prepare"]["command"])
+    assert all(target in command for target in given.values())
+    users = [name for name in SERVICES if name != "prepare"]
+    found = [mount for name in users for mount in mounts(SERVICES[name]) if mount[0] in given]
+    assert {source for source, _, _ in found} == set(given)
+    assert all(options == "nocopy" for _, _, options in found)
+
+
 def test_dependencies_exist_and_can_be_met() -> None:
     for name, service in SERVICES.items():
         for other, condition in service.get("depends_on", {}).items():

@@ -7,9 +7,12 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from email.message import Message
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
+from typing import Any
+from urllib.error import HTTPError
 
 import pytest
 
@@ -114,6 +117,27 @@ def test_the_smoke_test_builds_a_tree(server: Server, monkeypatch: pytest.Monkey
     with server.client() as api:
         (tree,) = api.get("/api/trees").json()["trees"]
     assert tree["state"] == "ready"
+
+
+def test_the_smoke_test_waits_until_the_tree_can_be_deleted(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tree is ready before its job ends; until then DELETE is answered with 409."""
+    smoke, refusals = script("compose-smoke"), {"/metrics": [404] * 9, "DELETE": [409, 409]}
+    monkeypatch.setattr(smoke, "SITE", server.url)
+    monkeypatch.setattr(smoke.time, "sleep", lambda seconds: None)
+    fetch = smoke.Site.fetch
+
+    def fetch_behind_a_proxy(site: Any, method: str, path: str, *rest: Any) -> bytes:
+        for status in (refusals.get(path) or refusals.get(method) or [])[:1]:
+            (refusals.get(path) or refusals[method]).pop()
+            raise HTTPError(path, status, "", Message(), None)
+        return fetch(site, method, path, *rest)
+
+    monkeypatch.setattr(smoke.Site, "fetch", fetch_behind_a_proxy)
+    smoke.check(smoke.Site("any"), 60)
+    with server.client() as api:
+        assert api.get("/api/trees").json()["trees"] == [] and not refusals["DELETE"]
 
 
 def test_the_smoke_test_builds_a_closed_pole() -> None:

@@ -2,21 +2,52 @@
 
 from __future__ import annotations
 
+import json
 import signal
+import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import httpx
 import psutil
 import pytest
+from galewood_server.app import builtin_trees
+from galewood_server.context import Service
 from galewood_server.jobs.leases import claim, claimable_kinds, renew, requeue_running
+from galewood_server.settings import Settings
+from galewood_server.storage import Stores
 from galewood_server.storage.database import migrate, open_database
 from galewood_server.storage.models import Job, Tree
+from sqlalchemy import select
 
 from tests.server.conftest import NO_CLUSTER, Server, command_line, shared_services, wait_until
 from tests.server.fake_job import STEPS
 from tests.server.test_jobs import begin, state
+
+
+def test_servers_that_start_together_register_each_tree_once(tmp_path: Path) -> None:
+    url = shared_services(tmp_path).get("GALEWOOD_DATABASE_URL", f"sqlite:///{tmp_path / 'shared.sqlite'}")
+    migrate(url)
+    (tmp_path / "pole.obj").write_text("v 0 0 0")
+    entry = {"id": "pole", "name": "Pole", "file": "pole.obj", "species": "maple", "height_m": 3.0}
+    (tmp_path / "species.json").write_text(json.dumps([entry]))
+    start = threading.Barrier(6)
+
+    def register(number: int) -> None:
+        settings, sessions = Settings(species_dir=tmp_path), open_database(url)
+        stores = Stores(tmp_path / f"data-{number}", None)
+        start.wait(60)
+        service = SimpleNamespace(settings=settings, stores=stores, sessions=sessions)
+        builtin_trees.register(cast(Service, service))
+
+    with ThreadPoolExecutor(6) as threads:
+        list(threads.map(register, range(6)))  # raises what a thread has raised
+    with open_database(url)() as session:
+        assert [tree.id for tree in session.scalars(select(Tree))] == ["pole"]
+        assert len(session.scalars(select(Job)).all()) == 1
 
 
 class Pair:

@@ -7,7 +7,7 @@ import errno
 import logging
 import resource
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 
 import httpx
 import pytest
@@ -23,7 +23,7 @@ HEALTH = b"GET /api/health HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
 
 @contextlib.contextmanager
-def links(server: Server, count: int, sent: bytes) -> Iterator[list[socket.socket]]:
+def links(server: Server, count: int, sent: bytes) -> Generator[list[socket.socket]]:
     """Connections on each of which the same was sent."""
     with contextlib.ExitStack() as stack:
         opened: list[socket.socket] = []

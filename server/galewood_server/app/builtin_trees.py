@@ -14,9 +14,11 @@ from sqlalchemy.orm import Session
 from galewood_server.app import shipped_trees
 from galewood_server.context import Service
 from galewood_server.jobs import fingerprint, queue_job
-from galewood_server.storage import ACTIVE, Form, Tree
+from galewood_server.storage import ACTIVE, Form, Tree, one_at_a_time
 
 log = logging.getLogger("galewood.builtin_trees")
+REGISTRATION = 0x67616C66
+"""Key of the transactions that register a tree, beside that of the migrations."""
 
 
 class BuiltinTree(BaseModel):
@@ -82,6 +84,7 @@ def _register(service: Service, entry: BuiltinTree) -> None:
     source = (service.settings.species_dir / entry.file).read_bytes()
     source_sha256 = service.stores.sources.put(source)
     with service.sessions.begin() as session:
+        one_at_a_time(session, REGISTRATION)  # of servers that start together, one adds the tree
         tree = _upsert(session, entry, source_sha256)
         current = fingerprint(source_sha256, tree.options, {})
         complete = tree.fingerprint == current and tree.table_sha256

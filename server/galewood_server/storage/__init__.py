@@ -7,6 +7,7 @@ from galewood_server.storage.database import (
     insert_for,
     migrate,
     migration_config,
+    one_at_a_time,
     open_database,
 )
 from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file, preferred_coding
@@ -79,6 +80,7 @@ __all__ = [
     "migration_config",
     "new_id",
     "no_table",
+    "one_at_a_time",
     "open_bucket",
     "open_database",
     "preferred_coding",

@@ -6,7 +6,7 @@ import fcntl
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Engine, create_engine, event, func, text
+from sqlalchemy import Engine, create_engine, event, func, select, text
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session, sessionmaker
@@ -101,6 +101,15 @@ def database_now(session: Session) -> Any:
 def insert_for(session: Session) -> Any:
     """The INSERT of the database's dialect, which knows ON CONFLICT."""
     return postgresql.insert if _on_postgresql(session) else sqlite.insert
+
+
+def one_at_a_time(session: Session, key: int) -> None:
+    """Wait until no other transaction holds this key (SQLite: none writes), also of other servers.
+
+    Call it first in a transaction, which then holds the key until it ends.
+    """
+    lock = select(func.pg_advisory_xact_lock(key))
+    session.execute(lock if _on_postgresql(session) else text("BEGIN IMMEDIATE"))
 
 
 def _on_postgresql(session: Session) -> bool:
