@@ -24,7 +24,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-web test-e2e browser bench format species golden clean
+.PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-containers test-web test-e2e browser bench format species golden clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -109,6 +109,9 @@ test-wheel: $(VENV)/.dev wheel ## what is declared, and the wheel installed far 
 
 test-distributed: $(VENV)/.dev ## the service on PostgreSQL, an S3-compatible store and a Dask cluster elsewhere
 	$(BIN)/python scripts/test-distributed
+
+test-containers: ## start the containers and build a tree through the proxy; needs Docker with Compose
+	scripts/compose-smoke
 
 test-web: web/node_modules/.stamp web/player/dist/core.js ## the TypeScript unit tests
 	cd web && npm test --silent
