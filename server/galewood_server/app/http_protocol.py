@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
 
-import h11
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -111,7 +110,7 @@ def protocol_with_limits(
             if self._is_busy():  # with a request that was sent before this one was answered
                 connections.works(self)
 
-        def handle_websocket_upgrade(self, event: h11.Request) -> None:
+        def handle_websocket_upgrade(self, event: Any) -> None:
             connections.closed(self)
             super().handle_websocket_upgrade(event)
 
