@@ -75,10 +75,10 @@ class AccessControl:
 
     def _in_progress_of(self, scope: Scope) -> AbstractContextManager[None]:
         """Count a request of an address while it is in progress. ProblemError 429 if it has too many."""
-        address = rate_limit_key(_client(scope))
-        most = affordable(self._settings.requests_per_address, ADDRESS_SHARE)
         if scope["path"].startswith(EXEMPT_PATHS):
             return nullcontext()
+        address = rate_limit_key(_client(scope))
+        most = affordable(self._settings.requests_per_address, ADDRESS_SHARE)
         if self._in_progress.get(address, 0) >= most:
             self._metrics.refused.labels("too-many-open-requests").inc()
             raise ProblemError(

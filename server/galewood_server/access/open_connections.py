@@ -57,8 +57,8 @@ class OpenConnections:
     """All open HTTP connections, and of these the ones that wait for a request, the longest first.
 
     If there are too many, the one that has waited longest makes room: of the same address if that has any, so
-    that an address which opens many takes its own place first. Idle connections of browsers are opened again
-    when they are needed, and a request head that arrives slowly is none of a browser.
+    that an address which opens many loses its own first. Browsers open an idle connection again when needed
+    and never send a request head slowly.
     """
 
     def __init__(self, ceiling: int) -> None:
