@@ -181,7 +181,7 @@ def test_a_flood_of_forests_ends_with_a_reason(start_server: Callable[..., Serve
     server = start_server(GALEWOOD_ADDRESS_TREES="1000", GALEWOOD_ADDRESS_TREES_PER_S="300")
     large = forest(count=900)
     with Client(server) as client:
-        for _ in range(2):  # the new forest takes the place of the old one; then others wait for less than 3 s
+        for _ in range(2):  # the new forest takes the place of the old one, and the next waits below 3 s
             client.send(forest(count=600))
             next(client.frames())
         with Client(server) as other:
