@@ -48,9 +48,7 @@ def test_the_connection_that_has_waited_longest_makes_room(start_server: Start) 
     server = start_server(GALEWOOD_CONNECTIONS="4", GALEWOOD_HEADER_S="600")
     wait_until(lambda: server.log().count("Uvicorn running"))
     with links(server, 4, HALF_A_HEAD) as waiting:
-        waiting[0].sendall(
-            b"Connection: keep-alive\r\n\r\n"
-        )  # it works, and then waits again: not the longest
+        waiting[0].sendall(b"Connection: keep-alive\r\n\r\n")  # once answered, it has waited the shortest
         assert waiting[0].recv(12).endswith(b"200")
         with links(server, 1, HEALTH) as (late,):
             assert late.recv(12).endswith(b"200")
