@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import lru_cache
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from galewood.fem import Simulator, load_model
-from galewood.util import Floats, write_arrays
+from galewood.util import Floats, WorkerPool, write_arrays
 
 REFERENCE_VERSION = 2
 """Part of every cache key: increase it when a change of the simulation or this file changes the result."""
@@ -75,14 +74,11 @@ def run_references(
 def _run_in_processes(
     missing: Sequence[tuple[ReferenceTask, Path]], done: Callable[[int], None], workers: int
 ) -> None:
-    with ProcessPoolExecutor(min(workers, len(missing)), mp_context=get_context("spawn")) as pool:
-        futures = [pool.submit(run_reference, task, path) for task, path in missing]
-        try:
-            for count, future in enumerate(as_completed(futures), 1):
-                future.result()
-                done(count)
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+    with WorkerPool(min(workers, len(missing))) as pool:
+        futures = [pool.start(run_reference, task, path) for task, path in missing]
+        for count, future in enumerate(as_completed(futures), 1):
+            future.result()
+            done(count)
 
 
 def run_reference(task: ReferenceTask, path: Path) -> None:

@@ -1,9 +1,9 @@
 """Functions run in a child process with limits on memory and CPU time, so that a bad mesh cannot crash the
 caller. A wall-time limit stops children that hang; it is so long that a busy machine does not reach it.
 
-Arguments and results are passed as arrays in .npz files (no pickles). The child's current directory is a
-temporary folder, the only one it may write to, and it has no network access (on platforms where
-confinement.py supports this).
+It also ends with the caller, whatever ends that. Arguments and results are passed as arrays in .npz files (no
+pickles). The child's current directory is a temporary folder, the only one it may write to, and it has no
+network access (on platforms where confinement.py supports this).
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,27 +23,33 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from galewood.util import MeshError
+from galewood.util import GuardedProcess, MeshError
 
 Arrays = dict[str, NDArray[Any]]
 KEPT_ENVIRONMENT = ("PATH", "LANG", "LD_LIBRARY_PATH", "NUMBA_CACHE_DIR", "VIRTUAL_ENV", "SYSTEMROOT")
 THREAD_COUNT_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 REFUSED = 3  # exit code if the function raised a MeshError
 OUT_OF_MEMORY = 4
+TIMED_OUT, TOO_MUCH_WRITTEN = -signal.SIGALRM, -signal.SIGXFSZ
+FOLDER_CHECK_S = 0.5
+"""Time between two looks at the size of the child's folder, s."""
+FILE_OVERHEAD_BYTES = 4096
+"""What a file counts beside its size, so that many empty files count too."""
 WALL_S_PER_CPU_S = 10.0  # a child gets at least a tenth of a processor on any machine that is of use
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Resource limits of a child: address space (bytes), CPU time of all threads (s), wall time (s).
+    """Limits of a child: address space (bytes), CPU time (s) of all threads, wall time (s), files (bytes).
 
-    Imported libraries alone take about 1.5 GB of address space. Without a wall time the child has
-    WALL_S_PER_CPU_S times its CPU time.
+    They are limits of all that the child does, because it cannot start processes. Imported libraries alone
+    take about 1.5 GB of address space. Without a wall time the child has WALL_S_PER_CPU_S times its CPU time.
     """
 
     memory_bytes: int = 4 << 30
     cpu_s: int = 120
     wall_s: float | None = None
+    folder_bytes: int = 4 << 30
 
     @property
     def patience_s(self) -> float:
@@ -57,7 +65,7 @@ def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) ->
     """
     with tempfile.TemporaryDirectory(prefix="galewood-") as folder:
         np.savez(Path(folder, "in.npz"), allow_pickle=False, **arguments)
-        code, stderr = _wait(_start(target, Path(folder), limits), limits, Path(folder, "stderr"))
+        code, stderr = _run(target, Path(folder), limits)
         if code == 0:
             with np.load(Path(folder, "out.npz"), allow_pickle=False) as result:
                 return {name: result[name] for name in result.files}
@@ -66,7 +74,8 @@ def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) ->
         raise _failure(code, stderr, limits, what)
 
 
-def _start(target: str, folder: Path, limits: Limits) -> subprocess.Popen[bytes]:
+def _run(target: str, folder: Path, limits: Limits) -> tuple[int, str]:
+    """Run the child in its folder; returns its exit code and the end of what it wrote to standard error."""
     environment = {k: os.environ[k] for k in KEPT_ENVIRONMENT if k in os.environ}
     environment |= dict.fromkeys(THREAD_COUNT_VARIABLES, "1")
     environment |= {
@@ -74,7 +83,7 @@ def _start(target: str, folder: Path, limits: Limits) -> subprocess.Popen[bytes]
         "HOME": str(folder),
         "PYTHONDONTWRITEBYTECODE": "1",
     }
-    command = [
+    program = [
         sys.executable,
         "-m",
         "galewood.sandbox.child",
@@ -82,23 +91,35 @@ def _start(target: str, folder: Path, limits: Limits) -> subprocess.Popen[bytes]
         str(limits.memory_bytes),
         str(limits.cpu_s),
     ]
-    with Path(folder, "stderr").open("wb") as stderr:
-        return subprocess.Popen(
-            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL, stderr=stderr, start_new_session=True,
-        )  # fmt: skip
-
-
-def _wait(child: subprocess.Popen[bytes], limits: Limits, stderr: Path) -> tuple[int, str]:
-    try:
-        code = child.wait(timeout=limits.patience_s)
-    except subprocess.TimeoutExpired:
-        code = -signal.SIGALRM
-    finally:
-        if child.poll() is None:
-            child.kill()
-            child.wait()
+    stderr = Path(folder, "stderr")
+    with (
+        stderr.open("wb") as errors,
+        GuardedProcess(program, cwd=folder, environment=environment, errors=errors) as child,
+    ):
+        code = _wait(child, folder, limits)
     return code, stderr.read_text(errors="replace")[-4000:]
+
+
+def _wait(child: GuardedProcess, folder: Path, limits: Limits) -> int:
+    """The exit code of the child, or TIMED_OUT or TOO_MUCH_WRITTEN."""
+    end_s = time.monotonic() + limits.patience_s
+    while time.monotonic() < end_s:
+        try:
+            return child.wait(min(FOLDER_CHECK_S, max(end_s - time.monotonic(), 0.0)))
+        except subprocess.TimeoutExpired:
+            if _written_bytes(folder) > limits.folder_bytes:
+                return TOO_MUCH_WRITTEN
+    return TIMED_OUT
+
+
+def _written_bytes(folder: Path) -> int:
+    """Size of all files below a folder, and FILE_OVERHEAD_BYTES for each one."""
+    total = 0
+    for parent, _, names in os.walk(folder):
+        for name in names:
+            with suppress(OSError):  # it was removed meanwhile
+                total += os.lstat(Path(parent, name)).st_size + FILE_OVERHEAD_BYTES
+    return total
 
 
 def _failure(code: int, stderr: str, limits: Limits, what: str) -> MeshError:
@@ -110,11 +131,18 @@ def _failure(code: int, stderr: str, limits: Limits, what: str) -> MeshError:
             f"{what} needed more than {megabytes} MB of memory.",
             "Reduce the number of faces and try again.",
         )
-    if code == -signal.SIGALRM:
+    if code == TIMED_OUT:
         return MeshError(
             "timed-out",
             "unsuitable",
             f"{what} took longer than {limits.patience_s:g} s.",
+            "Reduce the number of faces and try again.",
+        )
+    if code == TOO_MUCH_WRITTEN:
+        return MeshError(
+            "too-much-written",
+            "unsuitable",
+            f"{what} wrote more than {limits.folder_bytes >> 20} MB of temporary files.",
             "Reduce the number of faces and try again.",
         )
     if code == -signal.SIGXCPU:

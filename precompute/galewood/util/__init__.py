@@ -5,6 +5,7 @@ from galewood.util.atomic_file import write_arrays, write_whole
 from galewood.util.cancelled import Cancelled
 from galewood.util.delimited import Row, decoded, delimiter_of, number_of, rows_of
 from galewood.util.errors import MeshError, Reason
+from galewood.util.guarded_process import GuardedProcess, Lifeline
 from galewood.util.lazy import lazily
 from galewood.util.process_usage import PeakMemory, cpu_seconds
 from galewood.util.worker_pool import WorkerPool, usable_cores
@@ -13,9 +14,11 @@ __all__ = [
     "Array",
     "Cancelled",
     "Floats",
+    "GuardedProcess",
     "Int32s",
     "Int64s",
     "Ints",
+    "Lifeline",
     "MeshError",
     "PeakMemory",
     "Reason",

@@ -1,8 +1,10 @@
 """A pool of worker processes that simulate, render and compare while a build runs.
 
-Workers are spawned rather than forked, because the parent may hold threads and compiled code that do not
-survive a fork. No worker outlives its parent, even if the parent is killed: each worker holds the read end of
-a pipe and exits when the write end is closed.
+loky starts the workers: they are new programs rather than forks, because the parent may hold threads and
+compiled code that do not survive a fork, and they do not import the parent's main module, so that a build can
+be started from a script without a ``__main__`` guard, from ``python -c`` and from a notebook. No worker
+outlives its parent, even if the parent is killed: each worker holds the read end of a pipe and exits when the
+write end is closed.
 """
 
 from __future__ import annotations
@@ -11,9 +13,8 @@ import os
 import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from importlib import import_module
-from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from types import TracebackType
 from typing import ParamSpec, Self, TypeVar
@@ -22,29 +23,43 @@ Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 WARM_UP_S = 0.3
 """How long a warm-up task occupies its worker, s, so that the next one goes to another process."""
+WORKER_ENVIRONMENT = {"LOKY_MAX_MEMORY_LEAK_SIZE": str(1 << 50)}
+"""loky replaces workers that have grown by 300 MB; a model of that size is no leak."""
 
 
 class WorkerPool:
     """A fixed number of worker processes, started immediately.
 
-    Leaving the ``with`` block shuts them down; after an exception, running tasks are aborted.
+    Leaving the ``with`` block cancels what has not begun, waits for running tasks and shuts the workers down;
+    after an exception, running tasks are aborted.
     """
 
     def __init__(self, count: int | None = None, *, warm: Sequence[str] = ()) -> None:
         """Start ``count`` workers (default: one per usable core); ``warm`` names modules that each one
         imports.
         """
-        context, count = get_context("spawn"), count or usable_cores()
+        from loky import (
+            ProcessPoolExecutor,
+        )  # here, because programs that only import this package need no pool
+        from loky.backend import get_context
+
+        context, count = get_context("loky"), count or usable_cores()
         end, self._lifeline = context.Pipe(duplex=False)
-        self._pool = ProcessPoolExecutor(count, mp_context=context, initializer=_initialise, initargs=(end,))
+        self._pool = ProcessPoolExecutor(
+            count, context=context, initializer=_initialise, initargs=(end,), env=WORKER_ENVIRONMENT
+        )
+        self._futures: list[Future[object]] = []
         for _ in range(count if warm else 0):
-            self._pool.submit(_warm_up, tuple(warm))
+            self.start(_warm_up, tuple(warm))
 
     def start(
         self, work: Callable[Arguments, Result], *args: Arguments.args, **kwargs: Arguments.kwargs
     ) -> Future[Result]:
-        """Queue a call of a module-level function in a worker and return its future."""
-        return self._pool.submit(work, *args, **kwargs)
+        """Queue a call of a function in a worker and return its future."""
+        future: Future[Result] = self._pool.submit(work, *args, **kwargs)
+        self._futures = [one for one in self._futures if not one.done()]
+        self._futures.append(future)  # pyright: ignore[reportArgumentType]  # only cancelled
+        return future
 
     def __enter__(self) -> Self:
         return self
@@ -52,9 +67,11 @@ class WorkerPool:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        for future in self._futures:
+            future.cancel()
         if kind is not None:
             self._lifeline.close()
-        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._pool.shutdown(wait=True, kill_workers=kind is not None)
         self._lifeline.close()
 
 

@@ -1,0 +1,79 @@
+"""Starts child processes that end with this process, whatever ends it, and with them all that they started.
+
+This is the one way in which the library and the service start programs; see guard.py for how it is done.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Self
+
+GUARD = Path(__file__).with_name("guard.py")
+
+
+class Lifeline:
+    """The pipe whose end tells a guard to end its descendants: `read_end` is for the guard alone.
+
+    Closed when nothing refers to it any more, when it is told so, and by the kernel when this process ends.
+    """
+
+    def __init__(self) -> None:
+        self.read_end, self._write_end = os.pipe()
+
+    def command(self, program: Sequence[str], niceness: int = 0) -> list[str]:
+        """The command of a guard that runs `program`; it must inherit `read_end` (`pass_fds`)."""
+        return [sys.executable, "-IS", str(GUARD), str(self.read_end), str(niceness), *program]
+
+    def started(self) -> None:
+        """Close the guard's end in this process."""
+        if self.read_end >= 0:
+            os.close(self.read_end)
+            self.read_end = -1
+
+    def close(self) -> None:
+        """Let the guard end its descendants."""
+        self.started()
+        if self._write_end >= 0:
+            os.close(self._write_end)
+            self._write_end = -1
+
+    def __del__(self) -> None:
+        self.close()
+
+
+class GuardedProcess:
+    """A program and its descendants, which end with the ``with`` block."""
+
+    def __init__(
+        self, program: Sequence[str], *, cwd: Path, environment: Mapping[str, str], errors: IO[bytes]
+    ) -> None:
+        """Start a program in a new session, without input; standard error goes to a file."""
+        self._lifeline = Lifeline()
+        try:
+            self._guard = subprocess.Popen(
+                self._lifeline.command(program), cwd=cwd, env=environment, stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True,
+                pass_fds=(self._lifeline.read_end,),
+            )  # fmt: skip
+        except BaseException:
+            self._lifeline.close()
+            raise
+        self._lifeline.started()
+
+    def wait(self, timeout_s: float) -> int:
+        """The exit code, or minus the number of the signal that ended it. subprocess.TimeoutExpired."""
+        return self._guard.wait(timeout_s)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._lifeline.close()
+        self._guard.wait()
