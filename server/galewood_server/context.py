@@ -10,7 +10,7 @@ from typing import Annotated, cast
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
-from galewood_server.access import MeshImporter
+from galewood_server.access import FilesOnDemand, MeshImporter, Turns
 from galewood_server.peers import ForestOwners
 from galewood_server.settings import Settings
 from galewood_server.storage import Sessions, Stores
@@ -29,15 +29,15 @@ class Service:
     server_name: str
     importer: MeshImporter
     loop: asyncio.AbstractEventLoop
-    import_slots: asyncio.Semaphore
+    imports: Turns
     upload_slots: asyncio.Semaphore
     # held while a file and the database row that references it are added or removed together
     files_lock: threading.Lock = field(default_factory=threading.Lock)
     # set when a job is queued or cancelled, so that the supervisor reacts before its next poll
     jobs_changed: asyncio.Event = field(default_factory=asyncio.Event)
-    # exports take seconds of a processor, so they are made one at a time
-    export_slots: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
-    exports_waiting: int = 0
+    # both take seconds of a processor; an export keeps no picture waiting, and neither of them an upload
+    exports: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("exports", 8, 4))
+    pictures: FilesOnDemand = field(default_factory=lambda: FilesOnDemand("pictures", 128, 32))
     # open connections by address
     socket_addresses: dict[str, int] = field(default_factory=dict[str, int])
     event_addresses: dict[str, int] = field(default_factory=dict[str, int])

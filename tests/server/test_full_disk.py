@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import errno
 from pathlib import Path
-from typing import Any
 
 import anyio
-import httpx
 import pytest
-from galewood_server.app.main import create_app
-from galewood_server.settings import Settings
 from galewood_server.storage import FileStore
 
-from tests.server.conftest import empty_database
-from tests.server.fake_server import fake_importer
+from tests.server.in_process import application
 
 
 def no_space(*_: object) -> str:
@@ -22,20 +17,8 @@ def no_space(*_: object) -> str:
 
 
 def test_patch_and_upload_on_a_full_disk_are_507(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "galewood.sqlite").write_bytes(empty_database())
-    given: dict[str, Any] = {
-        "data_dir": tmp_path,
-        "builtin_trees": False,
-        "scheduler_url": "tcp://127.0.0.1:9",
-    }
-    app = create_app(Settings(**given), fake_importer)
-
     async def run() -> None:
-        transport = httpx.ASGITransport(app, client=("127.0.0.1", 5))
-        async with (
-            app.router.lifespan_context(app),
-            httpx.AsyncClient(transport=transport, base_url="http://localhost:8000") as api,
-        ):
+        async with application(tmp_path) as (_, api):
             tree = (await api.post("/api/trees", files={"file": ("a.obj", b"a tree")})).json()
             path = f"/api/trees/{tree['id']}"
             monkeypatch.setattr(FileStore, "put", no_space)

@@ -5,11 +5,18 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import anyio
 import numpy as np
 import pytest
 
 from tests.server.conftest import NO_CLUSTER, REPOSITORY, Server
+from tests.server.fake_server import fake_importer
+from tests.server.in_process import application
+
+if TYPE_CHECKING:
+    from galewood.mesh import ImportOptions
 
 SPECIES = REPOSITORY / "assets" / "species"
 NAME = "apricot"
@@ -60,3 +67,21 @@ def check(server: Server, species: Path) -> None:
         missing = api.get(address)
         assert (missing.status_code, missing.json()["code"]) == (404, "no-structure")
         assert api.get("/api/trees/none/structure").status_code == 404
+
+
+def test_the_structure_of_an_upload_that_is_not_built_costs_nothing(tmp_path: Path) -> None:
+    imported: list[str] = []
+
+    def importer(data: bytes, filename: str, options: ImportOptions) -> Any:
+        imported.append(filename)
+        return fake_importer(data, filename, options)
+
+    async def run() -> None:
+        async with application(tmp_path, importer) as (_, api):
+            tree = (await api.post("/api/trees", files={"file": ("a.obj", b"a tree")})).json()
+            for _ in range(3):
+                answer = await api.get(f"/api/trees/{tree['id']}/structure")
+                assert (answer.status_code, answer.json()["code"]) == (404, "no-structure")
+            assert imported == ["a.obj"]
+
+    anyio.run(run)

@@ -8,13 +8,16 @@ from galewood_server.access.open_connections import OpenConnections, affordable,
 from galewood_server.access.origins import origin_allowed
 from galewood_server.access.quota import check_quota, count_stored, stored_bytes
 from galewood_server.access.rates import rate_limit_key
+from galewood_server.access.turns import FilesOnDemand, Turns
 
 __all__ = [
     "READ_ONLY_POSTS",
     "WRITE_METHODS",
     "AccessControl",
+    "FilesOnDemand",
     "MeshImporter",
     "OpenConnections",
+    "Turns",
     "affordable",
     "check_face_count",
     "check_quota",

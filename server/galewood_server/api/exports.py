@@ -6,6 +6,7 @@ import asyncio
 import hashlib
 import json
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -23,7 +24,6 @@ from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matc
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 KEPT = 32
 """Exports kept on disk; the oldest are removed."""
-MOST_WAITING = 4
 ZIP = contents("The files of the export.", "application/zip")
 
 
@@ -78,8 +78,8 @@ async def get_export(
     if etag_matches(request.headers.get("if-none-match", ""), headers["ETag"]):
         return Response(status_code=304, headers=headers)
     target = service.settings.cache_dir / "exports" / f"{key}.zip"
-    if not target.is_file():
-        await _make(service, source, kind, options, target)
+    make = partial(_export, service, source, kind, options, target)
+    await service.exports.have(target, request, make)
     return FileResponse(target, media_type="application/zip", filename=name, headers=headers)
 
 
@@ -107,20 +107,6 @@ def _source(service: Service, tree_id: str) -> _Source:
 def _key(source: _Source, kind: str, options: ExportOptions) -> str:
     parts = [REVISION, source.table_sha256, source.mesh_sha256, source.name, kind, options.document()]
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
-
-
-async def _make(service: Service, source: _Source, kind: str, options: ExportOptions, target: Path) -> None:
-    """Make an export in a child process, one at a time. MeshError; ProblemError 503 if too many wait."""
-    if service.exports_waiting >= MOST_WAITING:
-        hint, headers = "Try again shortly.", {"Retry-After": "20"}
-        raise ProblemError(503, "busy", "Too many exports are being made", hint=hint, headers=headers)
-    service.exports_waiting += 1
-    try:
-        async with service.export_slots:
-            if not target.is_file():  # somebody else may have asked for the same one
-                await asyncio.to_thread(_export, service, source, kind, options, target)
-    finally:
-        service.exports_waiting -= 1
 
 
 def _export(service: Service, source: _Source, kind: str, options: ExportOptions, target: Path) -> None:

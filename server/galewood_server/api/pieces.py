@@ -37,13 +37,13 @@ class _Source:
     "/{tree_id}/pieces",
     response_class=Response,
     max_body_size=1024,
-    responses={**GLB, **problems(403, 404, 413, 422)},
+    responses={**GLB, **problems(403, 404, 413, 422, 503)},
 )
 async def read_pieces(tree_id: str, service: ServiceDep) -> Response:
     """All pieces of an upload's tree, also those that are left out, to choose from: a GLB with the attribute
     `_PIECE` (docs/how-to/pieces.md). A POST, because it reads the file again."""
     source = await asyncio.to_thread(_source, service, tree_id)
-    async with service.import_slots:
+    async with service.imports.taken():
         glb = await asyncio.to_thread(_pieces, service, source)
     return Response(glb, media_type="model/gltf-binary", headers={"Cache-Control": "no-store"})
 
@@ -54,7 +54,7 @@ async def read_pieces(tree_id: str, service: ServiceDep) -> Response:
     max_body_size=64 * 1024,
     responses={
         200: {"model": TreeOut, "description": "There is such a tree already."},
-        **problems(400, 403, 404, 413, 422, 507),
+        **problems(400, 403, 404, 413, 422, 503, 507),
     },
 )
 async def copy_tree(tree_id: str, body: TreeChanges, service: ServiceDep, response: Response) -> TreeOut:

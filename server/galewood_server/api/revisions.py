@@ -30,7 +30,7 @@ class Revision:
     glb: bytes
 
 
-@router.patch("/{tree_id}", max_body_size=64 * 1024, responses=problems(400, 403, 404, 409, 413, 507))
+@router.patch("/{tree_id}", max_body_size=64 * 1024, responses=problems(400, 403, 404, 409, 413, 503, 507))
 async def change_tree(tree_id: str, body: TreeChanges, service: ServiceDep) -> TreeOut:
     """Rename an upload or import its mesh again with other options, which updates its report and preview.
     A field that is null is determined by mesh import again; a missing field is unchanged. Once there is a

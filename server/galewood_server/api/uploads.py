@@ -71,8 +71,11 @@ async def upload_tree(
 async def read_mesh(
     service: Service, data: bytes, filename: str, options: dict[str, Any]
 ) -> tuple[TreeMesh, bytes]:
-    """Import a mesh in a sandboxed process; the number of concurrent imports is limited. MeshError."""
-    async with service.import_slots:
+    """Import a mesh in a sandboxed process; few at once.
+
+    MeshError; ProblemError 503 if too many wait.
+    """
+    async with service.imports.taken():
         return await asyncio.to_thread(service.importer, data, filename, import_options(options))
 
 

@@ -16,7 +16,7 @@ from typing import TextIO
 import uvicorn
 from fastapi import FastAPI
 
-from galewood_server.access import AccessControl, MeshImporter, OpenConnections, limited_importer
+from galewood_server.access import AccessControl, MeshImporter, OpenConnections, Turns, limited_importer
 from galewood_server.api import ROUTERS, VERSION, ChangeFeed, ServiceCollector
 from galewood_server.app import builtin_trees, docs_page, startup_warnings
 from galewood_server.app.compression import CompressedJson
@@ -116,7 +116,7 @@ def _service(settings: Settings, importer: MeshImporter) -> Service:
         server_name=f"galewood {VERSION}",
         importer=importer,
         loop=asyncio.get_running_loop(),
-        import_slots=asyncio.Semaphore(settings.concurrent_imports),
+        imports=Turns("imports", settings.concurrent_imports, settings.concurrent_uploads),
         upload_slots=asyncio.Semaphore(settings.concurrent_uploads),
     )
 

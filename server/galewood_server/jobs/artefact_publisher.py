@@ -48,8 +48,8 @@ class ArtefactPublisher:
     def _publish(self, name: str, content: bytes) -> None:
         if name.endswith(PICTURE):
             self._publish_picture(name, content)
-        elif name.startswith(TETS) and self._transfer:
-            self._transfer.store_tetrahedra(name, content)
+        elif name.startswith(TETS):
+            self._publish_tetrahedra(name, content)
         elif name == MESH:
             self._publish_mesh(content)
         elif name in (BEAMS, FIRST, EARLY):
@@ -61,6 +61,14 @@ class ArtefactPublisher:
             sha256 = store_referenced(session, self._stores, "pictures", picture)
             job = session.get_one(Job, self._job_lease.job_id)
             job.pictures = {**job.pictures, name: sha256}
+
+    def _publish_tetrahedra(self, name: str, content: bytes) -> None:
+        """Tell which file of the cache holds the tetrahedra; servers that take over the job need a copy."""
+        if self._transfer:
+            self._transfer.store_tetrahedra(name, content)
+        with self._job_lease.sessions.begin() as session:
+            self._job_lease.check(session)
+            session.get_one(Job, self._job_lease.job_id).result = {"tetrahedra": name}
 
     def _publish_mesh(self, mesh: bytes) -> None:
         """Set the mesh of a tree without a table; a tree with a table keeps the mesh of that table."""

@@ -27,6 +27,15 @@ def new_id() -> str:
     return secrets.token_hex(8)
 
 
+def tree_state(table_sha256: object, preliminary: object, job_state: object) -> TreeState:
+    """The state of a tree with this table and this state of its newest build job; None: there is none."""
+    if table_sha256:
+        return "preliminary" if preliminary else "ready"
+    if job_state in ACTIVE:
+        return "building"
+    return "failed" if job_state == "failed" else "uploaded"
+
+
 class UtcDateTime(TypeDecorator[datetime]):
     """Aware UTC datetimes, also on databases that do not store time zones (SQLite)."""
 
@@ -79,7 +88,10 @@ class Tree(Base):
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
     jobs: Mapped[list[Job]] = relationship(
-        back_populates="tree", cascade="all, delete-orphan", order_by="Job.created_at", lazy="selectin"
+        back_populates="tree",
+        cascade="all, delete-orphan",
+        order_by="(Job.created_at, Job.id)",
+        lazy="selectin",
     )
 
     @property
@@ -90,11 +102,8 @@ class Tree(Base):
     @property
     def state(self) -> TreeState:
         """Derived from the table and the newest build job."""
-        if self.table_sha256:
-            return "preliminary" if self.preliminary else "ready"
-        if self.job and self.job.state in ACTIVE:
-            return "building"
-        return "failed" if self.job and self.job.state == "failed" else "uploaded"
+        job = self.job
+        return tree_state(self.table_sha256, self.preliminary, job.state if job else None)
 
 
 class Job(Base):
@@ -118,7 +127,7 @@ class Job(Base):
     samples_total: Mapped[int | None] = mapped_column(Integer)
     # name → SHA-256 of preview images and plots
     pictures: Mapped[dict[str, str]] = mapped_column(JSON, default=dict)
-    # main figures of an analysis, and the hash of its result file
+    # main figures of an analysis, and the hash of its result file; of a build, the file of its `tetrahedra`
     result: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     result_sha256: Mapped[str | None] = mapped_column(String(64))
     # owning server, lease token and expiry (jobs/leases.py)

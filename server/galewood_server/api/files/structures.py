@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
-import json
-from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from pathlib import Path, PurePath
+from zipfile import BadZipFile
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
@@ -15,17 +13,11 @@ from galewood.util import write_whole
 from pydantic import BaseModel
 
 from galewood_server.api.trees import find_tree
-from galewood_server.api.uploads import read_mesh
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import NOT_MODIFIED, ProblemError, etag_matches, problems
-
-if TYPE_CHECKING:
-    from galewood.mesh import TreeMesh
+from galewood_server.jobs import AFTER_TABLE
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
-TARGET_TETS = 5500
-"""Of a build without other settings (galewood.pipeline.BuildOptions)."""
-DIGITS = 4  # of lengths in m
 
 
 class SkeletonOut(BaseModel):
@@ -44,68 +36,49 @@ class StructureOut(BaseModel):
     skeleton: SkeletonOut
 
 
-@dataclass(frozen=True)
-class _Source:
-    """The mesh from which a tree was built."""
-
-    sha256: str
-    filename: str
-    options: dict[str, Any]
-    target_tets: int
-
-    @property
-    def key(self) -> str:
-        parts = json.dumps([self.sha256, self.options, self.target_tets], sort_keys=True)
-        return hashlib.sha256(parts.encode()).hexdigest()
-
-
 @router.get(
     "/{tree_id}/structure",
     response_model=StructureOut,
-    responses={**NOT_MODIFIED, **problems(404)},
+    responses={**NOT_MODIFIED, **problems(404, 503)},
 )
 async def get_structure(tree_id: str, request: Request, service: ServiceDep) -> Response:
     """The tetrahedra of the wood and its branch skeleton, as they were simulated; they move by the
     displacement of the table's nodes. 404 `no-structure` before the wood is meshed, or if this server has not
     kept the tetrahedra."""
-    source = await asyncio.to_thread(_source, service, tree_id)
-    headers = {"ETag": f'"{source.key[:32]}"', "Cache-Control": "no-cache"}
-    target = service.settings.cache_dir / "structures" / f"{source.key}.json"
+    name = await asyncio.to_thread(_tetrahedra, service, tree_id)
+    headers = {"ETag": f'"{name}"', "Cache-Control": "no-cache"}
+    target = service.settings.cache_dir / "structures" / f"{name}.json"
     if etag_matches(request.headers.get("if-none-match", ""), headers["ETag"]) and target.is_file():
         return Response(status_code=304, headers=headers)
-    if not target.is_file():
-        data = await asyncio.to_thread(service.stores.sources.get, source.sha256)
-        mesh, _ = await read_mesh(service, data, source.filename, source.options)
-        kept = service.settings.cache_dir / "tets"
-        await asyncio.to_thread(_extract, mesh, source.target_tets, kept, target)
+    kept = service.settings.cache_dir / "tets" / f"{name}.npz"
+    await service.pictures.have(target, request, partial(_extract, kept, target))
     return FileResponse(target, media_type="application/json", headers=headers)
 
 
-def _source(service: Service, tree_id: str) -> _Source:
+def _tetrahedra(service: Service, tree_id: str) -> str:
+    """The name, without its ending, of the file of the tetrahedra of a tree. ProblemError 404."""
     with service.sessions() as session:
         tree = find_tree(session, tree_id)
-        built = [job.settings for job in tree.jobs if job.kind == "build" and job.state == "done"]
-        target = int(built[-1].get("target_tets") or TARGET_TETS) if built else TARGET_TETS
-        return _Source(tree.source_sha256, tree.filename, dict(tree.options), target)
+        meshed = [job for job in tree.jobs if job.kind == "build" and job.result]
+        complete = [job for job in meshed if job.state == "done" or job.stage in AFTER_TABLE]
+        # until a build has replaced a complete table, its tetrahedra are not those of the tree
+        chosen = complete if tree.state == "ready" else meshed
+        if not chosen:
+            raise _no_structure()
+        return PurePath(str((chosen[-1].result or {})["tetrahedra"])).stem
 
 
-def _extract(mesh: TreeMesh, target_tets: int, kept: Path, target: Path) -> None:
-    """Write the structure of a tree. ProblemError 404 if its tetrahedra are not here."""
+def _extract(kept: Path, target: Path) -> None:
+    """Write the structure of a tree. ProblemError 404 if its tetrahedra are not here; MeshError."""
     from galewood.skeleton import structure_limited  # loads the meshing packages
-    from galewood.tets import kept_tetrahedra
 
     try:
-        found = structure_limited(kept_tetrahedra(mesh, target_tets, kept))
-    except (FileNotFoundError, KeyError, ValueError):
-        raise ProblemError(
-            404, "no-structure", "The tetrahedra of this tree are not available", hint="Build the tree again."
-        ) from None
-    skeleton = {name: found[name].tolist() for name in ("parent",)} | {
-        name: found[name].round(DIGITS).tolist() for name in ("points_m", "radius_m")
-    }
-    structure = {
-        "vertices_m": found["vertices_m"].round(DIGITS).tolist(),
-        "tets": found["tets"].tolist(),
-        "skeleton": skeleton,
-    }
-    write_whole(target, json.dumps(structure, separators=(",", ":")).encode())
+        write_whole(target, structure_limited(kept))
+    except (FileNotFoundError, KeyError, ValueError, BadZipFile):
+        raise _no_structure() from None
+
+
+def _no_structure() -> ProblemError:
+    return ProblemError(
+        404, "no-structure", "The tetrahedra of this tree are not available", hint="Build the tree again."
+    )

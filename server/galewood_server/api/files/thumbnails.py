@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from functools import partial
+from pathlib import Path
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
@@ -18,7 +20,9 @@ PNG = contents("256 × 256 pixels.", "image/png")
 
 
 @router.get(
-    "/{tree_id}/thumbnail", response_class=FileResponse, responses={**PNG, **NOT_MODIFIED, **problems(404)}
+    "/{tree_id}/thumbnail",
+    response_class=FileResponse,
+    responses={**PNG, **NOT_MODIFIED, **problems(404, 503)},
 )
 async def get_thumbnail(tree_id: str, request: Request, service: ServiceDep) -> Response:
     """Front view of the tree on a transparent background. It changes with the tree's mesh."""
@@ -28,10 +32,7 @@ async def get_thumbnail(tree_id: str, request: Request, service: ServiceDep) -> 
     if etag_matches(request.headers.get("if-none-match", ""), etag):
         return Response(status_code=304, headers=headers)
     target = service.settings.cache_dir / "thumbnails" / f"{sha256}.png"
-    if not target.is_file():
-        async with service.import_slots:
-            picture = await asyncio.to_thread(_draw, service, sha256)
-        await asyncio.to_thread(write_whole, target, picture)
+    await service.pictures.have(target, request, partial(_draw, service, sha256, target))
     return FileResponse(target, media_type="image/png", headers=headers)
 
 
@@ -45,7 +46,7 @@ def _mesh_of(service: Service, tree_id: str) -> str:
     return sha256
 
 
-def _draw(service: Service, sha256: str) -> bytes:
+def _draw(service: Service, sha256: str, target: Path) -> None:
     from galewood.pictures import draw_limited
 
-    return draw_limited(service.stores.meshes.get(sha256))
+    write_whole(target, draw_limited(service.stores.meshes.get(sha256)))
