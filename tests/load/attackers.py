@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import Callable, Coroutine
 from typing import Any
 
 from galewood_server.cli.bench_client import masked
 
 from tests.load.report import Report
-from tests.load.visitors import LOST, Choose, planted
+from tests.load.visitors import LOST, Choose, planted, post_mesh
 from tests.load.wire_client import Refused, aborted, ask, open_socket, read_head, request_bytes
+from tests.server.sample_meshes import pole_obj
 
+FACES = b"v 0 0 0\n" + b"f \n" * ((64 * 1024 * 1024 - 200) // 3)
+"""An OBJ file as large as an upload may be."""
 PINGS = masked(b"", 9) * 2000
 LARGEST = 20_000
 
@@ -121,6 +125,38 @@ async def watch_without_reading(target: Choose, report: Report, number: int) -> 
         await asyncio.sleep(2)
 
 
+async def read_structures(target: Choose, report: Report, number: int, uploaded: dict[int, str]) -> None:
+    """The structure of an upload that is not built, again and again; reading it needs no key.
+
+    `uploaded` keeps the trees by the ports of their servers, for all attackers.
+    """
+    while True:
+        here, address = target(), f"10.90.1.{number % 250}"
+        try:
+            if here.port not in uploaded:
+                status, answer = await post_mesh(here, "/api/trees", address, pole_obj(9.0))
+                report.note("upload to be read", status, expected=refused_well(status))
+                if status in (200, 201):
+                    uploaded[here.port] = json.loads(answer)["id"]
+            else:
+                status, _ = await ask(here, "GET", f"/api/trees/{uploaded[here.port]}/structure", address)
+                report.note("structure", status, expected=refused_well(status))
+        except LOST as error:
+            report.note("structure", repr(error)[:40])
+        await asyncio.sleep(0.01)
+
+
+async def upload_faces(target: Choose, report: Report) -> None:
+    """The largest upload that is allowed, with a key: nothing but lines of faces."""
+    while True:
+        try:
+            status, _ = await post_mesh(target(), "/api/trees", "10.90.0.7", FACES)
+            report.note("upload of faces", status, expected=refused_well(status))
+        except LOST as error:
+            report.note("upload of faces", repr(error)[:40])
+        await asyncio.sleep(1)
+
+
 def _outcome(group: BaseExceptionGroup[BaseException]) -> str:
     refused = [error for error in group.exceptions if isinstance(error, Refused)]
     return str(refused[0]) if refused else "cut"
@@ -131,11 +167,14 @@ Start = Callable[[], Coroutine[Any, Any, None]]
 
 def all_attacks(target: Choose, report: Report) -> dict[str, list[Start]]:
     """Every attack by its name, as functions that start its clients."""
+    uploaded: dict[int, str] = {}
     return {
         "flood of requests": [lambda: flood_requests(target, report)] * 2,
         "flood of pings": [lambda: flood_pings(target, report)],
         "flood of forests": [lambda n=n: flood_forests(target, report, n) for n in range(4)],
         "event streams": [lambda n=n: listen_too_often(target, report, n) for n in range(1000)],
         "unread downloads": [lambda: never_read(target, report)] * 130,
+        "structures": [lambda n=n: read_structures(target, report, n, uploaded) for n in range(10)],
+        "uploads of faces": [lambda: upload_faces(target, report)],
         "unread streams": [lambda n=n: watch_without_reading(target, report, n) for n in range(8)],
     }

@@ -127,7 +127,7 @@ def uploads(target: Choose, report: Report, mesh: Callable[[int], bytes]) -> Cal
     async def upload(number: int) -> None:
         here, where = target(), address_of(4, number % 5000)
         try:
-            status, answer = await _post(here, "/api/trees", where, mesh(number))
+            status, answer = await post_mesh(here, "/api/trees", where, mesh(number))
             report.note("upload", status, expected=answered(here, status, 200, 201))
             if status == 201:
                 tree, key = json.loads(answer)["id"], {"Authorization": f"Bearer {here.key}"}
@@ -146,7 +146,7 @@ def builds(target: Choose, report: Report, mesh: Callable[[int], bytes]) -> Call
         here = target()
         try:
             where = address_of(4, number % 5000)
-            status, _ = await _post(here, "/api/trees?build=true", where, mesh(number))
+            status, _ = await post_mesh(here, "/api/trees?build=true", where, mesh(number))
             report.note("upload to build", status, expected=answered(here, status, 200, 201))
         except LOST as error:
             report.note("upload to build", repr(error)[:60], expected=here.may_fail)
@@ -173,7 +173,8 @@ async def note_jobs(target: Choose, report: Report) -> None:
         report.note("job", job["state"], expected=job["state"] != "failed")
 
 
-async def _post(here: Target, path: str, address: str, mesh: bytes) -> tuple[int, bytes]:
+async def post_mesh(here: Target, path: str, address: str, mesh: bytes) -> tuple[int, bytes]:
+    """Upload a mesh with the key: status and body."""
     headers = {
         "Authorization": f"Bearer {here.key}",
         "Content-Type": "multipart/form-data; boundary=x",

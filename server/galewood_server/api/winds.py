@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from typing import Any
 
@@ -32,7 +33,8 @@ async def validate(request: Request) -> WindOut:
 
     422 `bad-wind` names the path of the invalid field and the allowed values.
     """
-    return WindOut(wind=parse_wind(_json(await _body(request))).document())
+    body = await _body(request)
+    return await asyncio.to_thread(lambda: WindOut(wind=parse_wind(_json(body)).document()))
 
 
 async def _body(request: Request) -> bytes:

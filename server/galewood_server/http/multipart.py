@@ -9,6 +9,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from fastapi import Request
+from python_multipart.multipart import parse_options_header
 from starlette.datastructures import FormData, UploadFile
 from starlette.formparsers import MultiPartParser
 
@@ -16,6 +17,7 @@ from galewood_server.http.errors import ProblemError
 
 FORM_OVERHEAD_BYTES = 64 * 1024  # boundaries, part headers and the text fields
 DRAIN_S = 2.0
+MOST_FIELDS = 16
 FIELDS = (
     "species", "height_m", "name", "up_axis", "wood_materials", "leaves", "drop", "tree", "dbh_cm",
     "min_radius_mm", "bare", "complete",
@@ -102,8 +104,8 @@ async def read_upload(request: Request, limit_bytes: int) -> Upload:
             "The upload is not a multipart form",
             hint="Send multipart/form-data with a part named 'file'.",
         )
-    parser = MultiPartParser(request.headers, _limited(request, limit_bytes), max_files=1, max_fields=16)
-    form = await parser.parse()
+    body = _few_parts(_limited(request, limit_bytes), _delimiter(request))
+    form = await MultiPartParser(request.headers, body, max_files=1, max_fields=MOST_FIELDS).parse()
     try:
         return await _upload_of(form, limit_bytes)
     finally:
@@ -150,6 +152,37 @@ async def _limited(request: Request, limit_bytes: int) -> AsyncGenerator[bytes, 
             await _drain(stream)
             raise _too_large(limit_bytes)
         yield chunk
+
+
+def _delimiter(request: Request) -> bytes:
+    """What separates the parts of the form. ProblemError 400."""
+    _, parameters = parse_options_header(request.headers["content-type"])
+    boundary = parameters.get(b"boundary")
+    if not boundary:
+        raise _broken_form("Its Content-Type has no boundary.")
+    return b"\r\n--" + boundary
+
+
+async def _few_parts(chunks: AsyncGenerator[bytes, None], delimiter: bytes) -> AsyncGenerator[bytes, None]:
+    """The chunks of a body. ProblemError 400 for more delimiters than a form has.
+
+    The parser looks at each of them step by step, on the event loop: 64 MB of delimiters would take seconds.
+    """
+    found, rest = 0, b"\r\n"  # the first delimiter is at the beginning of a line that none precedes
+    async for chunk in chunks:
+        piece = rest + chunk
+        found += piece.count(delimiter)
+        if found > MOST_FIELDS + 2:  # the file, and the end
+            await _drain(chunks)
+            raise _broken_form("It has too many parts, or the file contains the boundary.")
+        # a delimiter that is complete here does not begin in the rest
+        rest = piece[max(0, len(piece) - len(delimiter) + 1) :]
+        yield chunk
+
+
+def _broken_form(detail: str) -> ProblemError:
+    title, hint = "The form could not be read", "Send multipart/form-data with one part named 'file'."
+    return ProblemError(400, "broken-form", title, detail=detail, hint=hint)
 
 
 async def _drain(stream: AsyncGenerator[bytes, None]) -> None:
