@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import gzip
 from pathlib import Path
+from urllib.parse import unquote
 
+import anyio
 import httpx
 import pytest
 from fastapi import FastAPI
 from galewood_server.app.headers import policy_of
+from galewood_server.app.main import create_app
 from galewood_server.app.page import Page
 from galewood_server.settings import Settings
 from pydantic import ValidationError
+from starlette.datastructures import Headers
+from starlette.types import Message, Scope
 
 from tests.server.test_access_control import ask
 
@@ -82,3 +87,52 @@ def test_only_configured_sites_may_frame_the_page() -> None:
     for wrong in ("https://a.example; script-src *", "blog.example", "'unsafe-inline'"):
         with pytest.raises(ValidationError):
             Settings(frame_ancestors=[wrong])
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> FastAPI:
+    """The assembled application, with a page that has folders."""
+    folder = tmp_path_factory.mktemp("page")
+    for part in (folder, folder / "guide"):
+        part.mkdir(exist_ok=True)
+        (part / "index.html").write_text("<!doctype html><title>Galewood</title>")
+    return create_app(Settings(page_dir=folder, data_dir=folder / "data", api_keys=["0" * 64]))
+
+
+OUTSIDE = (
+    "//{}/..", "//{}/%2e%2e", "//{}/.", "///{}", "///{}/..", "////{}/%2e%2e", "/\\{}", "/\\{}/..",
+    "/%5c{}/..", "/%5c%5c{}", "/.//{}", "/.//{}/..", "/./{}/..", "/%2f{}/..", "/%2f%2f{}/%2e%2e",
+    "/x/..//{}/..", "//{}", "//{}/guide/..", "//{}/../guide", "//{}/", "/guide", "//guide", "/guide/..",
+    "/guide/.", "/docs/files", "//{}/docs/files", "/docs/", "//docs", "/api/trees/", "//{}/api/trees/",
+    "/api/trees//", "/;@{}/..", "/api/trees/%2f{}/..", "/%09/{}/..", "/http://{}/..", "http://{}/..",
+    "http://{}/guide", "http://{}", "{}", "{}/..", "/..//{}", "/%2e%2e/%2e%2e//{}/..",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("path", OUTSIDE)
+@pytest.mark.parametrize("method", ["GET", "HEAD"])
+def test_no_redirect_leaves_the_server(whole: FastAPI, method: str, path: str) -> None:
+    """Neither to a host in the path nor to that of the Host header, which somebody else may have chosen."""
+    target = path.format("evil.example")
+    scope: Scope = {
+        "type": "http", "asgi": {"version": "3.0"}, "http_version": "1.1", "method": method, "scheme": "http",
+        "path": unquote(target), "raw_path": target.encode(), "query_string": b"", "root_path": "",
+        "headers": [(b"host", b"evil.example")], "client": ("127.0.0.1", 5), "server": ("127.0.0.1", 80),
+    }  # fmt: skip
+    sent: list[Message] = []
+
+    async def receive() -> Message:
+        return {"type": "http.request", "body": b"", "more_body": False}
+
+    async def send(message: Message) -> None:
+        sent.append(message)
+
+    anyio.run(whole, scope, receive, send)
+    assert sent[0]["status"] == 404 or not path.startswith(("//", "http"))
+    assert not 300 <= sent[0]["status"] < 400
+    assert "location" not in Headers(raw=sent[0]["headers"])
+
+
+def test_the_page_has_one_address(app: FastAPI) -> None:
+    expected = {"/": 200, "/index.html": 200, "/?trees=5": 200, "/none": 404}
+    assert {path: ask(app, "GET", path).status_code for path in expected} == expected

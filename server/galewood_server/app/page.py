@@ -8,6 +8,7 @@ from pathlib import Path
 
 from fastapi.responses import FileResponse, HTMLResponse, Response
 from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
 from starlette.staticfiles import NotModifiedResponse, StaticFiles
 from starlette.types import Receive, Scope, Send
 
@@ -26,18 +27,29 @@ SUFFIXES = {"br": ".br", "gzip": ".gz"}
 
 
 class Page(StaticFiles):
-    """Static files, looked up on each request, so that a page built later needs no restart."""
+    """Static files, looked up on each request, so that a page built later needs no restart.
+
+    Each has one address and nothing is redirected: Starlette's redirects to folders (`html=True`) repeat the
+    host and the path that the client sent, so both could lead elsewhere.
+    """
 
     def __init__(self, folder: Path) -> None:
-        super().__init__(directory=folder, html=True, check_dir=False)
+        super().__init__(directory=folder, check_dir=False)
         self._folder = folder
 
     async def check_config(self) -> None:
         """Skip the check: a missing folder is handled by `get_response`."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
-        """A file of the page. Files with a hash in their name are immutable, others are revalidated."""
-        if path in (".", "index.html") and not (self._folder / "index.html").is_file():
+        """A file of the page; HTTPException 404 if there is none.
+
+        Files with a hash in their name are immutable, others are revalidated.
+        """
+        if "//" in scope["path"]:
+            raise HTTPException(404)
+        if scope["path"] == "/":
+            path = "index.html"
+        if path == "index.html" and not (self._folder / "index.html").is_file():
             return HTMLResponse(NOT_BUILT, 503, HEADERS)
         response = await super().get_response(path, scope)
         response.headers["Cache-Control"] = IMMUTABLE if path.startswith("assets/") else "no-cache"
