@@ -176,7 +176,7 @@ CASES: list[tuple[str, Callable[[], bytes], str, str]] = [  # name, file, reason
     ("accessor", lambda: instanced(10**12), "too-large", "too-many-instances"),
     ("instances", lambda: instanced(10**6), "too-large", "too-many-instances"),
     ("faces of instances", lambda: instanced(90_000), "too-large", "too-many-faces"),
-    ("nodes", lambda: many_nodes(10**6), "unsuitable", "nodes-too-deep"),
+    ("nodes", lambda: many_nodes(10**6), "unsuitable", "too-many-nodes"),
     ("faces of nodes", lambda: many_nodes(50_000), "too-large", "too-many-faces"),
     ("joints in a circle", lambda: skinned([1], {1: [2], 2: [1]}), "unsuitable", "skin-cycle"),
     ("a joint of itself", lambda: skinned([1], {1: [1]}), "unsuitable", "skin-cycle"),

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from galewood.inventory.errors import InventoryError
-from galewood.util import Row
+from galewood.util import Row, shown_text
 
 
 def rows_of_geojson(text: str) -> list[Row]:
@@ -29,7 +29,7 @@ def rows_of_geojson(text: str) -> list[Row]:
     # names of places among the properties must not come before the geometry
     kept = [name for name in names if name.lower() not in ("x", "y", "lon", "lat")]
     places = ("x", "y") if _is_projected(document) else ("lon", "lat")
-    rows = [Row(0, (*places, *kept))]
+    rows = [Row(0, (*places, *map(shown_text, kept)))]
     for number, feature in enumerate(listed, 1):
         properties = _mapping(feature.get("properties"))
         rows.append(Row(number, (*_point(feature), *(_text(properties.get(name)) for name in kept))))
@@ -58,9 +58,9 @@ def _point(feature: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def _text(value: object) -> str:
-    """A value as the text of a cell; numbers without an exponent where they have none."""
+    """A value as the clean text of a cell; numbers without an exponent where they have none."""
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         return ""
     if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
         return str(int(value))
-    return str(value).strip()
+    return shown_text(str(value).strip())

@@ -18,7 +18,7 @@ from galewood.mesh.companions import Source, base_name
 from galewood.mesh.limits import Budget
 from galewood.mesh.textures import cut_out_by_alpha, drawable
 from galewood.mesh.types import Material, RawPart
-from galewood.util import Floats, MeshError
+from galewood.util import Floats, MeshError, shown_text
 
 Json = dict[str, Any]
 NAMES = {"fbx": "FBX", "dae": "COLLADA", "3ds": "3DS"}
@@ -72,7 +72,7 @@ def _part(mesh: Any, materials: list[Material]) -> RawPart:
     colours = [
         np.asarray(rows, dtype=np.float64).reshape(mesh.num_vertices, -1) for rows in mesh.colors or []
     ]
-    names = (str(material.json.get("name", "")), str(mesh.name))
+    names = (material.json.get("name", ""), shown_text(str(mesh.name)))
     return RawPart(
         labels=tuple(dict.fromkeys(name for name in names if name)),
         positions=np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3),
@@ -96,7 +96,7 @@ def _uv(mesh: Any) -> Floats | None:
 
 
 def _material(raw: Json, source: Source) -> Material:
-    name = str(raw.get("NAME", ""))
+    name = shown_text(str(raw.get("NAME", "")))
     colour = np.array(raw.get("COLOR_DIFFUSE", (1.0, 1.0, 1.0)), dtype=np.float64)[:3]
     pbr: Json = {"metallicFactor": 0.0, "roughnessFactor": 1.0}
     pbr["baseColorFactor"] = [*linear_from_srgb(colour).tolist(), 1.0]
@@ -128,6 +128,6 @@ def _take_texture(material: Material, is_diffuse: bool, file: str, source: Sourc
         return
     image = drawable(content, base_name(file)[:80], source)
     if image is not None:
-        material.images[file] = image
-        pbr |= {"baseColorTexture": {"index": file}, "baseColorFactor": [1.0, 1.0, 1.0, 1.0]}
-        cut_out_by_alpha(material, file)
+        material.images["base"] = image
+        pbr |= {"baseColorTexture": {"index": "base"}, "baseColorFactor": [1.0, 1.0, 1.0, 1.0]}
+        cut_out_by_alpha(material, "base")

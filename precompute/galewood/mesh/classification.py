@@ -15,7 +15,7 @@ from galewood.mesh.other_objects import Others, find_around, find_ground, find_n
 from galewood.mesh.painted import painted_kinds, with_painted
 from galewood.mesh.piece_choices import Choices, read_choices
 from galewood.mesh.piece_evidence import PRIOR, SURE, Evidence, Mask, add_position, is_sheet, own_evidence
-from galewood.mesh.piece_groups import Group, group_pieces
+from galewood.mesh.piece_groups import Group, GroupKind, group_pieces
 from galewood.mesh.piece_names import named_kind, own_kind
 from galewood.mesh.pieces import Pieces, find_pieces
 from galewood.mesh.repair import Surface, weld
@@ -213,12 +213,15 @@ def _chosen(found: _Found, parts: list[RawPart], options: ImportOptions) -> Clas
     for index, group in enumerate(groups):
         group_of_piece[group.pieces] = index
     group_of_face: list[Ints] = [group_of_piece[of_face] for of_face in pieces.of_face]
+    members: dict[tuple[int, GroupKind], list[Group]] = {}
+    for group in groups:
+        members.setdefault((group.part, group.kind), []).append(group)
     result: list[ClassifiedPart] = []
     for index, part in enumerate(parts):
         vertex_groups = np.full(len(part.positions), -1, dtype=np.int32)
         vertex_groups[part.faces] = group_of_face[index][:, None]
         for kind in KINDS:
-            mine = [g for g in groups if g.part == index and g.kind == kind]
+            mine = members.get((index, kind))
             if mine:
                 taken = np.zeros(len(pieces), dtype=bool)
                 taken[np.concatenate([g.pieces for g in mine])] = True

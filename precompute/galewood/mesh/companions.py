@@ -11,6 +11,10 @@ from dataclasses import dataclass, field
 from typing import Protocol
 from urllib.parse import unquote
 
+from galewood.util import shown_message
+
+MOST_WARNINGS = 50
+
 
 class Companions(Protocol):
     """Files beside a mesh, found by the name that the mesh uses for them."""
@@ -36,9 +40,12 @@ class Source:
     warnings: list[str] = field(default_factory=list[str])
 
     def warn(self, text: str) -> None:
-        """Add a warning once."""
-        if text not in self.warnings:
-            self.warnings.append(text)
+        """Add a warning once; it may quote the file."""
+        message = shown_message(text)
+        if message not in self.warnings and len(self.warnings) < MOST_WARNINGS:
+            self.warnings.append(message)
+            if len(self.warnings) == MOST_WARNINGS:
+                self.warnings.append("There are more warnings of this kind than are listed.")
 
 
 def local_name(name: str, folder: str = "") -> str | None:

@@ -29,6 +29,7 @@ ZIP = b"PK\x03\x04"
 EMPTY_ZIP = b"PK\x05\x06"
 FBX = (b"Kaydara FBX", b"; FBX")
 THREE_DS = b"MM"
+NAMES = {"gltf": "glTF", "treeqsm": "a MATLAB file", "csv": "a table of cylinders"}
 
 
 @dataclass(frozen=True)
@@ -74,11 +75,32 @@ def check_size(data: bytes) -> None:
 
 
 def _read_model(data: bytes, filename: str, options: ImportOptions, source: Source) -> FileContent:
+    """The content; whatever fails unexpectedly while bytes of unknown origin are parsed is their fault."""
     kind = detect_format(data, filename)
+    try:
+        return _content(data, kind, options, source)
+    except (MeshError, MemoryError):
+        raise
+    except Exception as error:
+        raise _damaged(kind, error) from error
+
+
+def _content(data: bytes, kind: str, options: ImportOptions, source: Source) -> FileContent:
     if kind == "treeqsm" or kind == "csv":
         scanned = qsm.read_qsm(data, kind, options)
         return FileContent(kind, scanned.parts, scanned.report, source.warnings + scanned.warnings)
     return FileContent(kind, READERS[kind](data, source), warnings=source.warnings)
+
+
+def _damaged(kind: str, error: Exception) -> MeshError:
+    """The error for a file on which a reader fails in a way that it does not know itself."""
+    what = "nested too deep" if isinstance(error, RecursionError) else "damaged or malformed"
+    return MeshError(
+        "malformed-file",
+        "malformed",
+        f"The file cannot be read as {NAMES.get(kind, kind.upper())}: it is {what}.",
+        "Open it in Blender or another modelling program and export it as GLB (glTF Binary).",
+    )
 
 
 def detect_format(data: bytes, filename: str) -> str:

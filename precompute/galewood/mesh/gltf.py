@@ -23,6 +23,7 @@ from galewood.mesh.gltf_primitive import (
     PrimitiveReader,
 )
 from galewood.mesh.gltf_scene import placed_meshes
+from galewood.mesh.gltf_schema import checked_document
 from galewood.mesh.gltf_skins import Skins
 from galewood.mesh.types import RawPart
 
@@ -79,14 +80,15 @@ def _chunks(data: bytes) -> tuple[Json, bytes | None]:
     return document, binary
 
 
-def _parts(document: Json, binary: bytes | None, source: Source) -> list[RawPart]:
+def _parts(raw: Json, binary: bytes | None, source: Source) -> list[RawPart]:
+    document = checked_document(raw)
     try:
         check_required(document)
         warn_of_unused(document, source)
         return _scene_parts(GltfDocument(document, binary, source))
-    except (KeyError, IndexError, TypeError, AttributeError, ValueError, OverflowError) as error:
+    except (KeyError, IndexError) as error:
         raise broken(
-            "gltf-structure", f"The glTF refers to an element that does not exist ({error})."
+            "gltf-structure", f"The glTF refers to an element that does not exist: {error}."
         ) from error
 
 

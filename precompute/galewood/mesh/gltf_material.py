@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import copy
-import io
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from PIL import Image
 
+from galewood.mesh.bounded_image import IMAGE_ERRORS, open_image
 from galewood.mesh.limits import MAX_PIXELS
 from galewood.mesh.types import Material
 
@@ -94,9 +94,9 @@ def base_image(material: Material | None) -> Image.Image | None:
     if info is None or info["index"] not in material.images:
         return None
     try:
-        image = Image.open(io.BytesIO(material.images[info["index"]][0]))
+        image = open_image(material.images[info["index"]][0])
         return None if image.width * image.height > MAX_PIXELS else image
-    except (OSError, ValueError, Image.DecompressionBombError):
+    except IMAGE_ERRORS:
         return None
 
 
@@ -108,7 +108,7 @@ def alpha_coverage(material: Material | None) -> float:
     cutoff = float(material.json.get("alphaCutoff", 0.5))
     try:
         alpha = np.asarray(image.convert("RGBA").resize((256, 256)))[:, :, 3]
-    except (OSError, ValueError):
+    except IMAGE_ERRORS:
         return 1.0
     return float((alpha >= cutoff * 255).mean())
 

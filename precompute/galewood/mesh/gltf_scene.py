@@ -11,7 +11,7 @@ from galewood.util import Floats, MeshError
 
 Json = dict[str, Any]
 MAX_DEPTH = 256
-MAX_VISITS = 100_000
+MAX_NODES = 100_000
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Placed:
 
 
 def placed_meshes(document: Json) -> list[Placed]:
-    """All meshes of the default scene."""
+    """All meshes of the default scene. MeshError if the nodes are no tree, too many or nested too deep."""
     nodes: list[Json] = document.get("nodes", [])
     found: list[Placed] = []
     for index, world in _walk(nodes, _roots(document, nodes)):
@@ -38,36 +38,40 @@ def placed_meshes(document: Json) -> list[Placed]:
 
 
 def world_matrices(document: Json) -> dict[int, Floats]:
-    """World matrix (4, 4) of every node, in the default scene or not; nodes in a cycle have none."""
+    """World matrix (4, 4) of every node, in the default scene or not; those in a cycle have none."""
     nodes: list[Json] = document.get("nodes", [])
     return dict(_walk(nodes, _parentless(nodes)))
 
 
 def _walk(nodes: list[Json], roots: list[int]) -> list[tuple[int, Floats]]:
+    """The nodes below the roots with their world matrices, each once: the cost is linear in their number."""
+    if len(nodes) > MAX_NODES:
+        raise _unsuitable("too-many-nodes", f"The glTF has more than {MAX_NODES} nodes.")
+    local = _local_matrices(nodes)
     found: list[tuple[int, Floats]] = []
-    if len(roots) > MAX_VISITS:
-        raise _too_deep()
+    met = np.zeros(len(nodes), dtype=bool)
     stack = [(index, np.eye(4), 0) for index in reversed(roots)]
     while stack:
         index, parent, depth = stack.pop()
-        if depth > MAX_DEPTH or len(found) > MAX_VISITS:
-            raise _too_deep()
-        if index < 0:
+        if index >= len(nodes):
             raise IndexError(f"node {index}")
-        node = nodes[index]
-        world = parent @ _local(node)
+        if met[index]:  # the specification demands a tree, section 3.5.1; copies of copies grow exponentially
+            raise _unsuitable(
+                "nodes-no-tree", "The nodes of the glTF form a cycle, or one has several parents."
+            )
+        if depth > MAX_DEPTH:
+            raise _unsuitable(
+                "nodes-too-deep", f"The nodes of the glTF are nested deeper than {MAX_DEPTH} levels."
+            )
+        met[index] = True
+        world = parent @ local[index]
         found.append((index, world))
-        stack.extend((child, world, depth + 1) for child in reversed(node.get("children", [])))
+        stack.extend((child, world, depth + 1) for child in reversed(nodes[index].get("children", [])))
     return found
 
 
-def _too_deep() -> MeshError:
-    return MeshError(
-        "nodes-too-deep", "unsuitable",
-        f"The glTF has more than {MAX_VISITS} nodes, or they are nested deeper than {MAX_DEPTH} levels or "
-        "form a cycle.",
-        "Apply the transforms and export a single mesh.",
-    )  # fmt: skip
+def _unsuitable(code: str, title: str) -> MeshError:
+    return MeshError(code, "unsuitable", title, "Apply the transforms and export a single mesh.")
 
 
 def _roots(document: Json, nodes: list[Json]) -> list[int]:
@@ -82,14 +86,21 @@ def _parentless(nodes: list[Json]) -> list[int]:
     return [i for i in range(len(nodes)) if i not in children]
 
 
-def _local(node: Json) -> Floats:
-    if "matrix" in node:
-        return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
-    return composed(
-        np.array(node.get("translation", (0, 0, 0)), dtype=np.float64)[None],
-        np.array(node.get("rotation", (0, 0, 0, 1)), dtype=np.float64)[None],
-        np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)[None],
-    )[0]
+def _local_matrices(nodes: list[Json]) -> Floats:
+    """The matrix (n, 4, 4) of each node relative to its parent."""
+    translation, rotation, scale = (
+        np.array([node.get(key, default) for node in nodes], dtype=np.float64).reshape(-1, len(default))
+        for key, default in (
+            ("translation", (0.0, 0.0, 0.0)),
+            ("rotation", (0.0, 0.0, 0.0, 1.0)),
+            ("scale", (1.0, 1.0, 1.0)),
+        )
+    )
+    matrices = composed(translation, rotation, scale)
+    for index, node in enumerate(nodes):
+        if "matrix" in node:
+            matrices[index] = np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
+    return matrices
 
 
 def composed(translation: Floats, quaternion: Floats, scale: Floats) -> Floats:

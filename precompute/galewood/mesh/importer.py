@@ -26,7 +26,7 @@ from galewood.mesh.species_names import guess_species
 from galewood.mesh.surface import solid_wood
 from galewood.mesh.types import KINDS, ImportOptions, Material, RawPart, RenderPrimitive, TreeMesh
 from galewood.mesh.unit import choose_scale
-from galewood.util import Floats, Ints, MeshError
+from galewood.util import Floats, Ints, MeshError, shown_text
 
 __all__ = [
     "ImportOptions",
@@ -71,7 +71,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     if unit.value not in ("m", "given"):
         warnings.append(f"The unit is assumed: {unit.reason}.")
     report: dict[str, Any] = {
-        "file": {"name": filename[:200], "format": file_format, "bytes": len(data)},
+        "file": {"name": shown_text(filename), "format": file_format, "bytes": len(data)},
         "up_axis": {
             "value": up.value,
             "reason": up.reason,

@@ -2,31 +2,55 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from hashlib import sha256
+from typing import Any
 
 import numpy as np
 
-from galewood.mesh.types import RawPart
-from galewood.util import Floats
+from galewood.mesh.gltf_material import pack_material
+from galewood.mesh.types import Material, RawPart
+from galewood.util import Floats, MeshError
 
 EXTRAS = ("normals", "uv", "colours")
+MAX_PARTS = 10_000  # each costs about a millisecond
 
 
 def joined_parts(parts: list[RawPart]) -> list[RawPart]:
-    """Parts with the same labels, material and attributes as one each, in the order of their first ones."""
-    groups: list[list[RawPart]] = []
-    for part in parts:
-        same = next((group for group in groups if _belong_together(group[0], part)), None)
-        if same is None:
-            groups.append([part])
-        else:
-            same.append(part)
-    return [_joined(group) for group in groups]
+    """Parts with the same labels, material and attributes as one each, in the order of their first ones.
+
+    Raises MeshError if they are more than MAX_PARTS.
+    """
+    materials = _numbered([part.material for part in parts])
+    groups: dict[Any, list[RawPart]] = {}
+    for part, material in zip(parts, materials, strict=True):
+        attributes = tuple(getattr(part, name) is None for name in EXTRAS)
+        groups.setdefault((part.labels, material, attributes), []).append(part)
+    if len(groups) > MAX_PARTS:
+        raise MeshError(
+            "too-many-parts",
+            "too-large",
+            f"The file has {len(groups)} parts of different names or materials; the limit is {MAX_PARTS}.",
+            "Join the objects of the tree (in Blender: Object > Join) and export it again.",
+        )
+    return [_joined(group) for group in groups.values()]
 
 
-def _belong_together(a: RawPart, b: RawPart) -> bool:
-    alike = all((getattr(a, name) is None) == (getattr(b, name) is None) for name in EXTRAS)
-    return alike and a.labels == b.labels and a.material == b.material
+def _numbered(materials: list[Material | None]) -> list[int]:
+    """A number for each material, the same for equal ones; each is serialised once, so the cost is linear."""
+    number_of: dict[str, int] = {}
+    known: dict[int, int] = {}
+    for material in materials:
+        if id(material) not in known:
+            known[id(material)] = number_of.setdefault(_fingerprint(material), len(number_of))
+    return [known[id(material)] for material in materials]
+
+
+def _fingerprint(material: Material | None) -> str:
+    head, images = pack_material(material)
+    digests = {key: sha256(content).hexdigest() for key, content in images.items()}
+    return json.dumps([head, digests], sort_keys=True)
 
 
 def _joined(parts: list[RawPart]) -> RawPart:

@@ -14,6 +14,7 @@ from galewood.mesh.colours import linear_from_srgb
 from galewood.mesh.companions import Source, base_name
 from galewood.mesh.textures import cut_out_by_alpha, drawable, with_alpha
 from galewood.mesh.types import Material
+from galewood.util import shown_text
 
 Json = dict[str, Any]
 MAX_LIBRARIES = 20
@@ -55,7 +56,7 @@ def _parse(text: str, entries: dict[str, _Entry]) -> None:
         if words[0].lower() == "newmtl":
             if len(entries) >= MAX_MATERIALS:
                 return
-            entry = entries.setdefault(" ".join(words[1:]), _Entry())
+            entry = entries.setdefault(shown_text(" ".join(words[1:])), _Entry())
             continue
         try:
             _take(entry, words[0].lower(), words[1:])

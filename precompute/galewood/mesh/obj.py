@@ -16,7 +16,7 @@ from galewood.mesh.companions import Source
 from galewood.mesh.limits import check_faces
 from galewood.mesh.mtl import read_libraries
 from galewood.mesh.types import Material, RawPart
-from galewood.util import Floats, MeshError
+from galewood.util import Floats, MeshError, shown_text
 
 MISSING = 0  # OBJ indices start at 1; 0 means absent
 Corner = tuple[int, int, int]
@@ -41,6 +41,7 @@ class _Obj:
 
 def read_obj(data: bytes, source: Source) -> list[RawPart]:
     """Parts of an OBJ file, one per (usemtl, g, o). Raises MeshError on lines that cannot be parsed."""
+    check_faces(data.count(b"\nf ") + data.count(b"\nf\t"))  # before there is an object for each line
     obj = _Obj()
     for number, line in _lines(_decoded(data)):
         try:
@@ -92,7 +93,7 @@ def _take(obj: _Obj, words: list[str], source: Source) -> None:
         case "f":
             _take_face(obj, words[1:])
         case "o" | "g" | "usemtl":
-            obj.names[words[0]] = " ".join(words[1:])
+            obj.names[words[0]] = shown_text(" ".join(words[1:]))
             obj.current = None
         case "mtllib":
             obj.libraries.append(" ".join(words[1:]))

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from galewood.mesh.bounded_image import IMAGE_ERRORS
 from galewood.mesh.gltf_material import base_image
 from galewood.mesh.types import Material, RawPart
 from galewood.util import Floats
@@ -94,7 +95,7 @@ def _pixels(material: Material | None) -> NDArray[np.uint8] | None:
         factor = max(1, max(image.size) // LARGEST_SIDE)
         rgba = image.convert("RGBA")
         return np.asarray(rgba.reduce(factor) if factor > 1 else rgba)
-    except (OSError, ValueError, SyntaxError):
+    except IMAGE_ERRORS:
         return None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -89,7 +90,7 @@ def _checked_counts(header: str, body_bytes: int) -> dict[str, int]:
 
 
 def _count(words: list[str]) -> int:
-    if len(words) != 3 or not words[2].isdigit():
+    if len(words) != 3 or not re.fullmatch(r"[0-9]{1,18}", words[2]):
         raise MeshError(
             "ply-syntax",
             "malformed",

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from galewood.mesh.bounded_image import IMAGE_ERRORS, open_image
 from galewood.mesh.companions import Source
 from galewood.mesh.limits import MAX_PIXELS
 from galewood.mesh.types import Material
@@ -33,14 +34,14 @@ def drawable(content: bytes, name: str, source: Source) -> Encoded | None:
     try:
         if content.startswith(KTX2):
             return _png(_reduced(_ktx2(content, name), name, source))
-        image = Image.open(io.BytesIO(content))
+        image = open_image(content)
         _check_pixels(image.width, image.height, name)
         if image.format in KEPT and max(image.size) <= MAX_SIDE:
             return content, KEPT[image.format]
         return _png(_reduced(image, name, source))
     except Image.DecompressionBombError as error:
         raise _too_large(name) from error
-    except (OSError, ValueError, SyntaxError, struct.error, ImportError) as error:
+    except (*IMAGE_ERRORS, ImportError) as error:
         source.warn(f"The texture {name!r} cannot be read ({_why(content, error)}); it is not drawn.")
         return None
 
@@ -50,22 +51,26 @@ def with_alpha(colour: bytes | None, mask: bytes, name: str, source: Source) -> 
     shown = drawable(mask, name, source)
     if shown is None:
         return None
-    alpha = Image.open(io.BytesIO(shown[0]))
-    alpha = alpha.getchannel("A") if "A" in alpha.getbands() else alpha.convert("L")
-    base = Image.new("RGB", alpha.size, "white") if colour is None else Image.open(io.BytesIO(colour))
-    base = base.convert("RGB")
-    base.putalpha(alpha.resize(base.size))
-    return _png(base)
+    try:
+        alpha = open_image(shown[0])
+        alpha = alpha.getchannel("A") if "A" in alpha.getbands() else alpha.convert("L")
+        base = Image.new("RGB", alpha.size, "white") if colour is None else open_image(colour)
+        base = base.convert("RGB")
+        base.putalpha(alpha.resize(base.size))
+        return _png(base)
+    except IMAGE_ERRORS as error:
+        source.warn(f"The texture {name!r} cannot be read ({_why(mask, error)}); it is not drawn.")
+        return None
 
 
 def has_transparency(content: bytes) -> bool:
     """Whether an image has an alpha channel of which at least a hundredth is transparent."""
-    image = Image.open(io.BytesIO(content))
-    if "A" not in image.getbands() and "transparency" not in image.info:
-        return False
     try:
+        image = open_image(content)
+        if "A" not in image.getbands() and "transparency" not in image.info:
+            return False
         alpha = np.asarray(image.convert("RGBA").getchannel("A").resize((128, 128)))
-    except (OSError, ValueError):
+    except IMAGE_ERRORS:
         return False
     return float((alpha < 128).mean()) > 0.01
 

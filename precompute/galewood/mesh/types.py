@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from galewood.util import Floats, Ints
+from galewood.util import Floats, Ints, shown_text
 
 Kind = Literal["wood", "twigs", "leaves"]
 """Wood is meshed. Twigs are wood too thin to be meshed: they are drawn, and hang on it with their mass."""
@@ -35,6 +35,13 @@ class ImportOptions:
     drop: tuple[str, ...] | None = None  # names or ids of pieces that are left out
     tree: int | None = None  # which tree of a file with several, from 1; None: the largest
     complete: bool | None = None  # whether missing wood is added; None: where the foliage needs it
+
+    def __post_init__(self) -> None:
+        """Names are cleaned as those of the file are, so that they still mean the same parts."""
+        for field_name in ("wood", "leaves", "drop"):
+            names: tuple[str, ...] | None = getattr(self, field_name)
+            if names is not None:
+                object.__setattr__(self, field_name, tuple(map(shown_text, names)))
 
 
 @dataclass(frozen=True)

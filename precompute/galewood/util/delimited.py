@@ -12,6 +12,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from galewood.util.shown_text import shown_text
+
 DELIMITERS = ("\t", ";", ",")
 LOOKED_AT = 50
 """Lines from which the delimiter is found."""
@@ -25,7 +27,7 @@ _NUMBER = re.compile(r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?")
 
 @dataclass(frozen=True)
 class Row:
-    """The cells of one row, without blanks around them, and the line of the file where it begins."""
+    """The clean cells of one row, without blanks around them, and the line of the file where it begins."""
 
     line: int
     cells: tuple[str, ...]
@@ -68,7 +70,7 @@ def rows_of(text: str) -> Iterator[Row]:
     line = 1
     try:
         for cells in reader:
-            row = Row(line, tuple(cell.strip() for cell in cells))
+            row = Row(line, tuple(shown_text(cell.strip()) for cell in cells))
             line = reader.line_num + 1
             if any(row.cells):
                 yield row

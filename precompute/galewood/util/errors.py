@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from galewood.util.shown_text import shown_message
+
 Reason = Literal["malformed", "too-large", "unsupported", "unsuitable"]
 """Why a mesh is rejected.
 
@@ -15,12 +17,13 @@ Reason = Literal["malformed", "too-large", "unsupported", "unsuitable"]
 class MeshError(Exception):
     """A mesh that cannot be processed: ``title`` says what is wrong, ``hint`` what the user can do about it.
 
-    ``code`` is a stable kebab-case identifier for programs; ``reason`` is the kind of problem.
+    ``code`` is a stable kebab-case identifier for programs; ``reason`` is the kind of problem. Both texts may
+    quote the file: they are made fit to be shown.
     """
 
     def __init__(self, code: str, reason: Reason, title: str, hint: str = "") -> None:
-        super().__init__(f"{title} {hint}".strip())
         self.code = code
         self.reason: Reason = reason
-        self.title = title
-        self.hint = hint
+        self.title = shown_message(title)
+        self.hint = shown_message(hint)
+        super().__init__(f"{self.title} {self.hint}".strip())

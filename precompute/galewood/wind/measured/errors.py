@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from galewood.util import shown_message
+
 
 class MeasurementError(ValueError):
     """A file that is no usable measurement: what is wrong, where, and what to do."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(shown_message(message))
 
 
 def at(line: int, column: str, what: str) -> MeasurementError:
