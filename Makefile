@@ -24,7 +24,7 @@ WEB_SOURCES := $(shell find web/src web/public web/player/src -type f 2>/dev/nul
 
 PLAYER_SOURCES := $(shell find web/player/src web/player/*.mjs web/player/*.json -type f 2>/dev/null)
 
-.PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-containers test-web test-e2e browser bench format species golden clean
+.PHONY: help run build player wheel test test-fast test-python-fast check docs test-python test-species test-wheel test-distributed test-containers test-web test-e2e browser bench format species golden audit clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -150,6 +150,16 @@ golden: $(VENV)/.dev ## write the golden files again
 	$(BIN)/python -m tests.golden.make_walks
 	$(BIN)/python -m tests.golden.make_wind
 	$(BIN)/python -m tests.golden.make_wire
+
+audit: build/audit/.made ## look the locked packages up in the databases of known advisories (needs the registries)
+	PATH="$(CURDIR)/build/audit/bin:$$PATH" python scripts/audit
+
+# its packages are not the project's, and stay apart from them
+build/audit/.made: requirements/audit.txt
+	@rm -rf build/audit
+	@$(PYTHON) -m venv build/audit
+	@build/audit/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r $<
+	@touch $@
 
 clean: ## remove what the targets above made (not the data directory)
 	rm -rf build dist web/dist web/player/dist web/node_modules $(VENV) *.egg-info .pytest_cache .ruff_cache tests/e2e/results tests/e2e/report
