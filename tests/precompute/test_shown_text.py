@@ -5,7 +5,9 @@ import unicodedata
 
 import numpy as np
 import pytest
+from galewood.inventory import read_inventory
 from galewood.util import MeshError, decoded, rows_of, shown_text
+from galewood.wind import read_measurement
 
 UNFIT = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
@@ -66,3 +68,41 @@ def test_an_error_that_quotes_a_file_can_be_encoded():
 def test_cells_of_tables_are_clean():
     rows = list(rows_of(decoded("time;sp\u202eeed\x07\n1;2\n".encode())))
     assert rows[0].cells == ("time", "sp<U+202E>eed<U+0007>")
+
+
+def all_texts(value: object) -> str:
+    """All the text of a report, as it is sent."""
+    return json.dumps(value, ensure_ascii=False)
+
+
+@pytest.mark.parametrize("name", ["ei\ud800che", "ei\u202eche", "ei\u200bche\0", "e" * 100_000])
+def test_inventories_and_measurements_with_nasty_names_can_be_sent(name):
+    table = f"x;y;height (m);species {name} (m);species\n0;0;9;a;{name}\n3;4;9;a;{name}\n"
+    feature = {
+        "type": "Feature",
+        "geometry": {"type": "Point", "coordinates": [11.5, 48.1]},
+        "properties": {"species": name, f"height {name}": 1, "height": 9, name: name},
+    }
+    for data in (
+        table.encode("utf-8", "surrogatepass"),
+        json.dumps({"type": "FeatureCollection", "features": [feature] * 2}).encode(),
+    ):
+        inventory = read_inventory(data)
+        stems = [stem.species for stem in inventory.stems]
+        sent = all_texts([inventory.report.document(), stems])
+        assert sent.encode() and len(sent) < 5000
+        assert not UNFIT & {unicodedata.category(char) for text in stems for char in text}
+    wind = f"time (s);speed {name} (m/s)\n" + "".join(f"{k};{5 + k % 3}\n" for k in range(40))
+    sent = all_texts(read_measurement(wind.encode("utf-8", "surrogatepass")).report.document())
+    assert sent.encode() and len(sent) < 5000
+    assert not UNFIT & {unicodedata.category(char) for char in sent}
+
+
+def test_errors_of_tables_quote_clean_text():
+    for read, data in (
+        (read_inventory, "x;y;height\nzero\u202e;0;9\n"),
+        (read_measurement, "time (s);speed\u202e (m/s)\n0;1\n1;fast\u202e\x07\n"),
+    ):
+        with pytest.raises(ValueError, match="line") as caught:
+            read(data.encode())
+        assert not UNFIT & {unicodedata.category(char) for char in str(caught.value)}
