@@ -22,10 +22,9 @@ SPECIES = REPOSITORY / "assets" / "species"
 NAME = "apricot"
 
 
-@pytest.fixture
-def species(tmp_path: Path) -> Path:
+def species_folder(parent: Path) -> Path:
     """A folder with one built-in tree and what is shipped of it."""
-    folder = tmp_path / "species"
+    folder = parent / "species"
     (folder / "shipped").mkdir(parents=True)
     entries = [e for e in json.loads((SPECIES / "species.json").read_bytes()) if e["id"] == NAME]
     (folder / "species.json").write_text(json.dumps(entries))
@@ -35,7 +34,8 @@ def species(tmp_path: Path) -> Path:
     return folder
 
 
-def test_the_structure_is_that_of_the_build(tmp_path: Path, species: Path) -> None:
+def test_the_structure_is_that_of_the_build(tmp_path: Path) -> None:
+    species = species_folder(tmp_path)
     environment = {"GALEWOOD_BUILTIN_SPECIES": "true", "GALEWOOD_SPECIES_DIR": str(species)}
     data_dir = tmp_path / "data"
     data_dir.mkdir()

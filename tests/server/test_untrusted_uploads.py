@@ -7,7 +7,6 @@ import socket
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import httpx
 import psutil
@@ -16,7 +15,7 @@ import pytest
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
 from tests.server.sample_meshes import pole_obj
 from tests.server.test_rest_api import assert_problem
-from tests.server.untrusted_meshes import Case, cases, glb_of_faces
+from tests.server.untrusted_meshes import Case, cases
 
 MEGABYTE = 1_000_000
 LIMIT_BYTES = 40 * MEGABYTE
@@ -210,18 +209,3 @@ def _full(api: httpx.Client) -> bool:
     text = api.get("/metrics").text
     line = next(line for line in text.splitlines() if line.startswith("galewood_stored_bytes "))
     return float(line.split()[1]) > 100 * MEGABYTE
-
-
-def test_declared_faces_are_counted_from_the_header() -> None:
-    from galewood_server.access.face_count import face_count
-
-    from tests.server.untrusted_meshes import stl_of
-
-    assert face_count(glb_of_faces(1234)) == 1234
-    assert face_count(stl_of(77)) == 77
-    assert face_count(pole_obj(rings=4, sides=8)) == 3 * 8 + 2
-    assert face_count(b"ply\nformat ascii 1.0\nelement vertex 3\nelement face 9\nend_header\n") == 9
-    species = Path(__file__).parents[2] / "assets" / "species" / "poplar.glb"
-    assert face_count(species.read_bytes()) > 1000
-    for rubbish in (b"", b"glTF", b"ply", b"glTF" + bytes(40), b"glTF" + bytes(8) + b"\xff" * 40):
-        assert face_count(rubbish) == 0

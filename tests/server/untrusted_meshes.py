@@ -148,6 +148,13 @@ def cases() -> list[Case]:
         Case("a buffer on a host", "a.gltf", reaching_gltf("http://127.0.0.1:1/x.bin"), 400),
         Case("deep nodes", "a.gltf", deep_gltf(), 422),
         Case("deep JSON", "a.gltf", b'{"a":' * 100_000, 400),
+        Case(
+            "2 million lines of faces",
+            "a.obj",
+            b"v 0 0 0\n" + b"f 1 1 1\n" * 2_000_000,
+            413,
+            ("too-many-faces",),
+        ),
         Case("3 million faces", "a.glb", glb_of_faces(3_000_000), 413, ("too-many-faces",)),
         Case("two trees", "a.obj", pole + moved(pole, 6.0, vertices), 0),
         Case("a name that climbs", "../../../etc/cron.d/x.obj", pole, 201),

@@ -5,16 +5,17 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import json
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request, Response
 from pydantic import ValidationError
 from sqlalchemy import select
-from sqlalchemy.exc import IntegrityError
+from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
-from galewood_server.access import check_face_count, check_quota, count_stored
-from galewood_server.api.trees import tree_out
+from galewood_server.access import check_quota, count_stored
+from galewood_server.api.trees import remove_unshared, tree_out
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import (
     IMPORT_FIELDS,
@@ -58,7 +59,6 @@ async def upload_tree(
     fields = _fields(upload)
     tree = await asyncio.to_thread(_find, service, upload, fields)
     if tree is None:
-        check_face_count(upload.data, service.settings.upload_faces)
         mesh, glb = await read_mesh(service, upload.data, upload.filename, given_import_options(fields))
         tree, new = await asyncio.to_thread(store_tree, service, upload, fields, mesh, glb)
     else:
@@ -152,7 +152,18 @@ def _store_both(
     count_stored(service.settings, len(upload.data) + len(glb))
     with service.sessions() as session:
         ids = (_tree_id(tree.source_sha256, tree.options), new_id())
-        return _insert(session, tree, ids)
+        try:
+            return _insert(session, tree, ids)
+        except Exception:
+            _remove_files(session, service, tree)
+            raise
+
+
+def _remove_files(session: Session, service: Service, tree: Tree) -> None:
+    """Remove the files of a tree that could not be stored."""
+    with suppress(SQLAlchemyError), session.begin():
+        remove_unshared(session, service.stores.sources, (Tree.source_sha256,), tree.source_sha256)
+        remove_unshared(session, service.stores.meshes, (Tree.mesh_sha256,), tree.mesh_sha256)
 
 
 def _insert(session: Session, tree: Tree, ids: tuple[str, ...]) -> tuple[TreeOut, bool]:

@@ -9,6 +9,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from fastapi import Request
+from galewood.util import shown_text
 from python_multipart.multipart import parse_options_header
 from starlette.datastructures import FormData, UploadFile
 from starlette.formparsers import MultiPartParser
@@ -105,7 +106,10 @@ async def read_upload(request: Request, limit_bytes: int) -> Upload:
             hint="Send multipart/form-data with a part named 'file'.",
         )
     body = _few_parts(_limited(request, limit_bytes), _delimiter(request))
-    form = await MultiPartParser(request.headers, body, max_files=1, max_fields=MOST_FIELDS).parse()
+    parser = MultiPartParser(
+        request.headers, body, max_files=1, max_fields=MOST_FIELDS, max_part_size=FORM_OVERHEAD_BYTES
+    )
+    form = await parser.parse()
     try:
         return await _upload_of(form, limit_bytes)
     finally:
@@ -132,9 +136,9 @@ async def _upload_of(form: FormData, limit_bytes: int) -> Upload:
 
 
 def bare_name(filename: str) -> str:
-    """The base name of a client's file name, limited to printable characters; only for display."""
+    """The base name of a client's file name, fit to be shown; only for display."""
     last = PurePosixPath(filename.replace("\\", "/")).name
-    return "".join(char for char in last if char.isprintable())[-120:] or "mesh"
+    return shown_text(last[-120:]) or "mesh"
 
 
 async def _limited(request: Request, limit_bytes: int) -> AsyncGenerator[bytes, None]:
