@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from ipaddress import ip_network
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -78,7 +79,6 @@ class Settings(BaseSettings):
         default=2, ge=1, le=64, validation_alias=_renamed("concurrent_imports", "concurrent_intakes")
     )
 
-    upload_faces: int = Field(default=1_500_000, ge=1000)
     concurrent_uploads: int = Field(default=16, ge=1, le=1024)
     stored_bytes: int = Field(default=20 * 1024 * MEBIBYTE, ge=0)
     free_bytes: int = Field(default=512 * MEBIBYTE, ge=0)
@@ -86,7 +86,7 @@ class Settings(BaseSettings):
     # SHA-256 hashes (hex, comma-separated) of the keys with write access; empty: only local clients may write
     api_keys: Annotated[list[str], NoDecode] = Field(default_factory=list)
     local_writes: bool = True
-    trusted_proxies: str = "127.0.0.1"
+    trusted_proxies: str = ""
     reads_per_minute: int = Field(default=6000, ge=0)
     writes_per_minute: int = Field(default=120, ge=0)
     connections: int = Field(default=4096, ge=1)
@@ -132,6 +132,17 @@ class Settings(BaseSettings):
                 "expected SHA-256 hashes in hex, separated by commas; create them with `galewood key`"
             )
         return hashes
+
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _check_proxies(cls, given: str) -> str:
+        """Addresses and networks, separated by commas, or "*" for all. ValueError for anything else."""
+        for one in given.split(",") if given and given != "*" else ():
+            try:
+                ip_network(one.strip())
+            except ValueError:
+                raise ValueError("expected IP addresses or networks, separated by commas") from None
+        return given
 
     @field_validator("peer_url")
     @classmethod

@@ -6,6 +6,7 @@ import errno
 import re
 import sqlite3
 from collections.abc import AsyncIterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +23,11 @@ from galewood_server.http.multipart import FORM_OVERHEAD_BYTES
 from galewood_server.ops.metrics import Metrics
 from galewood_server.ops.tracing import Tracing
 from galewood_server.settings import Settings
+from galewood_server.storage import Tree, migrate, open_database
 from pydantic import AliasChoices
+from sqlalchemy import delete, text
 from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from starlette.types import Message, Receive, Scope, Send
 from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
@@ -116,10 +120,9 @@ def test_local_writes_can_be_switched_off() -> None:
 def test_dns_rebinding_has_no_write_access(host: str) -> None:
     """DNS rebinding: the page's origin and the host agree, and the connection is local."""
     headers = {"Origin": f"http://{host}:8000"}
-    assert code_of(ask(application(), "POST", "/api/thing", host=host, headers=headers)) == (
-        403,
-        "local-only",
-    )
+    for given in ({}, {"allowed_origins": [f"http://{host}:8000"]}):
+        answer = ask(application(**given), "POST", "/api/thing", host=host, headers=headers)
+        assert code_of(answer) == ((403, "local-only") if given else (421, "unknown-host"))
 
 
 def test_foreign_origins_have_no_write_access() -> None:
@@ -148,14 +151,15 @@ def test_keys_in_the_environment_must_be_hashes(monkeypatch: pytest.MonkeyPatch)
         Settings()
 
 
-def test_guessing_keys_is_rate_limited_per_address() -> None:
+def test_guessing_keys_is_rate_limited_but_the_right_key_is_never_refused() -> None:
+    """Several clients may share an address (NAT)."""
     key, sha256 = new_key()
     app = application(api_keys=[sha256])
-    wrong = {"Authorization": "Bearer wrong"}
+    wrong, right = {"Authorization": "Bearer wrong"}, {"Authorization": f"Bearer {key}"}
     statuses = [ask(app, "POST", "/api/thing", client=FAR, headers=wrong).status_code for _ in range(25)]
     assert set(statuses) == {401, 429} and statuses == sorted(statuses)
-    bearer = {"Authorization": f"Bearer {key}"}
-    assert ask(app, "POST", "/api/thing", headers=bearer).status_code == 200
+    for client in (FAR, LOCAL):
+        assert ask(app, "POST", "/api/thing", client=client, headers=right).status_code == 200
 
 
 @pytest.mark.parametrize(("method", "setting"), [("GET", "reads_per_minute"), ("POST", "writes_per_minute")])
@@ -183,6 +187,16 @@ def test_addresses_with_ports_and_mapped_ones_are_the_same(port: str) -> None:
     assert rate_limit_key("fe80::1%a") == rate_limit_key("fe80::1%b")
 
 
+def test_proxies_are_trusted_only_where_they_are_named() -> None:
+    """Otherwise each local process, or a page in a local browser, is a new client whenever it likes."""
+    assert not Settings().trusted_proxies
+    for wrong in ("proxy.example", "127.0.0.1/33", "127.0.0.1;127.0.0.2", "1.2.3.4/8"):
+        with pytest.raises(ValueError, match="addresses or networks"):
+            Settings(trusted_proxies=wrong)
+    assert Settings(trusted_proxies="127.0.0.1, 10.0.0.0/8,2001:db8::/32").trusted_proxies
+    assert Settings(trusted_proxies="*").trusted_proxies == "*"
+
+
 def test_junk_instead_of_an_address_has_one_limit() -> None:
     inner: Any = application(reads_per_minute=3)
     app = ProxyHeadersMiddleware(inner, trusted_hosts="127.0.0.1")
@@ -191,10 +205,12 @@ def test_junk_instead_of_an_address_has_one_limit() -> None:
     assert [answer.status_code for answer in answers] == [200] * 3 + [429] * 4
 
 
-class DiskFullError(Exception):
-    """What psycopg raises as DiskFull."""
+class PostgresqlError(Exception):
+    """An error as psycopg raises it; without a state, there was no connection."""
 
-    sqlstate = "53100"
+    def __init__(self, sqlstate: str | None) -> None:
+        super().__init__(f"state {sqlstate}")
+        self.sqlstate = sqlstate
 
 
 def sqlite_full() -> Exception:
@@ -210,18 +226,24 @@ def sqlite_full() -> Exception:
 
 
 @pytest.mark.parametrize(
-    ("error", "status"),
+    ("error", "status", "code"),
     [
-        (OSError(errno.ENOSPC, "No space left on device"), 507),
-        (OSError(errno.EDQUOT, "Disk quota exceeded"), 507),
-        (OSError(errno.EACCES, "Permission denied"), 500),
-        (OperationalError("UPDATE", {}, DiskFullError()), 507),
-        (OperationalError("UPDATE", {}, sqlite_full()), 507),
-        (OperationalError("UPDATE", {}, sqlite3.OperationalError("database is locked")), 500),
+        (OSError(errno.ENOSPC, "No space left on device"), 507, "disk-full"),
+        (OSError(errno.EDQUOT, "Disk quota exceeded"), 507, "disk-full"),
+        (OSError(errno.EACCES, "Permission denied"), 500, "internal-error"),
+        (OperationalError("UPDATE", {}, PostgresqlError("53100")), 507, "disk-full"),
+        (OperationalError("UPDATE", {}, sqlite_full()), 507, "disk-full"),
+        (OperationalError("UPDATE", {}, sqlite3.OperationalError("no such column")), 500, "internal-error"),
+        (OperationalError("UPDATE", {}, PostgresqlError("55P03")), 503, "database-busy"),
+        (OperationalError("UPDATE", {}, PostgresqlError("40001")), 503, "database-busy"),
+        (OperationalError("UPDATE", {}, PostgresqlError("57P01")), 503, "database-busy"),
+        (OperationalError("UPDATE", {}, PostgresqlError("08006")), 503, "database-busy"),
+        (OperationalError("UPDATE", {}, PostgresqlError(None)), 503, "database-busy"),
+        (OperationalError("UPDATE", {}, PostgresqlError("42703")), 500, "internal-error"),
+        (PoolTimeoutError("all connections are in use"), 503, "database-busy"),
     ],
-    ids=["file system", "quota", "permission", "PostgreSQL", "SQLite", "locked"],
 )
-def test_a_full_disk_is_507(error: Exception, status: int) -> None:
+def test_failures_of_disk_and_database_have_a_problem(error: Exception, status: int, code: str) -> None:
     app = application()
 
     @app.patch("/api/full")
@@ -229,7 +251,31 @@ def test_a_full_disk_is_507(error: Exception, status: int) -> None:
         raise error
 
     answer = ask(app, "PATCH", "/api/full")
-    assert code_of(answer) == (status, "disk-full" if status == 507 else "internal-error")
+    assert code_of(answer) == (status, code)
+    assert ("retry-after" in answer.headers) is (status == 503)
+
+
+def test_a_locked_database_is_503_and_logs_no_traceback(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Another program, such as a backup, may hold SQLite's lock for longer than a request waits."""
+    url, app = f"sqlite:///{tmp_path / 'locked.sqlite'}", application()
+    migrate(url)
+    sessions = open_database(url)
+
+    @app.patch("/api/locked")
+    def write() -> None:
+        with sessions.begin() as session:
+            session.execute(text("PRAGMA busy_timeout = 0"))
+            session.execute(delete(Tree))
+
+    with closing(sqlite3.connect(tmp_path / "locked.sqlite", isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        answer = ask(app, "PATCH", "/api/locked")
+        assert code_of(answer) == (503, "database-busy") and int(answer.headers["retry-after"]) > 0
+        other.execute("ROLLBACK")
+    assert "database is locked" in caplog.text and "Traceback" not in caplog.text
+    assert ask(app, "PATCH", "/api/locked").status_code == 200
 
 
 @pytest.mark.parametrize("length", [True, False])
@@ -360,10 +406,23 @@ def test_every_path_has_a_rate_limit(path: str, method: str) -> None:
     assert ask(app, "GET", path, client=FAR).status_code != 429
 
 
-def test_monitoring_has_no_rate_limit() -> None:
+@pytest.mark.parametrize("path", ["/api/health", "/api/health/ready", "/healthz"])
+def test_health_checks_have_a_generous_limit_of_their_own(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
     app = application(reads_per_minute=1)
-    for path in ("/api/health", "/api/health/ready", "/healthz"):
-        assert all(ask(app, "GET", path).status_code == 404 for _ in range(3))
+    ask(app, "GET", "/api/thing")
+    every_second = [ask(app, "GET", path).status_code for _ in range(60)]
+    assert set(every_second) == {404}, "checks do not count as reads"
+    monkeypatch.setattr("galewood_server.access.rates.HEALTH_CHECKS_PER_MINUTE", 5)
+    app = application()
+    assert code_of([ask(app, "GET", path) for _ in range(12)][-1]) == (429, "too-many-requests")
+    assert ask(app, "GET", path, client=FAR).status_code == 404
+    assert ask(app, "GET", "/api/thing").status_code == 200
+
+
+def test_only_the_health_checks_are_exempt_from_the_limit_of_reads() -> None:
+    app = application(reads_per_minute=1)
+    answers = [ask(app, "GET", path).status_code for path in ("/api/healthy", "/healthz/x", "/api/health/")]
+    assert 429 in answers
 
 
 def test_opening_sockets_has_a_rate_limit() -> None:

@@ -76,7 +76,7 @@ def _answers(server: Server) -> bool:
 
 
 def test_one_address_has_a_ceiling_of_requests_in_progress(start_server: Start) -> None:
-    server = start_server(GALEWOOD_REQUESTS_PER_ADDRESS="2")
+    server = start_server(GALEWOOD_REQUESTS_PER_ADDRESS="2", GALEWOOD_TRUSTED_PROXIES="127.0.0.1")
     far, near = {"X-Forwarded-For": "10.1.1.1"}, {"X-Forwarded-For": "10.2.2.2"}
     with httpx.Client(base_url=server.url, timeout=30) as client, contextlib.ExitStack() as stack:
         for _ in range(2):
@@ -88,6 +88,17 @@ def test_one_address_has_a_ceiling_of_requests_in_progress(start_server: Start) 
         assert client.get("/api/trees", headers=near).status_code == 200
         assert client.get("/api/health", headers=far).status_code == 200
     wait_until(lambda: httpx.get(f"{server.url}/api/trees", headers=far).status_code == 200)
+
+
+def test_a_local_client_does_not_choose_its_address(start_server: Start) -> None:
+    server = start_server(GALEWOOD_READS_PER_MINUTE="20")
+    with httpx.Client(base_url=server.url, timeout=30) as client:
+        # two windows, because a new one may begin in between
+        statuses = [
+            client.get("/api/trees", headers={"X-Forwarded-For": f"10.0.0.{k}"}).status_code
+            for k in range(60)
+        ]
+    assert 429 in statuses
 
 
 class Link:

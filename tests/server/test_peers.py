@@ -103,6 +103,7 @@ class Peers:
         shared = {
             "GALEWOOD_DATABASE_URL": database,
             "GALEWOOD_LEASE_S": "2",
+            "GALEWOOD_TRUSTED_PROXIES": "127.0.0.1",
             "GALEWOOD_SHARED_FOREST_IDLE_S": "1",
         }
         shared |= {"GALEWOOD_SOCKET_STALL_S": str(STALL_S), **NO_CLUSTER}

@@ -1,11 +1,10 @@
 """Access control: keys, origins, rate and connection limits, quotas, limits on mesh import."""
 
-from galewood_server.access.face_count import check_face_count
 from galewood_server.access.import_limits import MeshImporter, limited_importer
 from galewood_server.access.keys import READ_ONLY_POSTS, WRITE_METHODS, new_key
 from galewood_server.access.middleware import AccessControl
 from galewood_server.access.open_connections import OpenConnections, affordable, counted
-from galewood_server.access.origins import origin_allowed
+from galewood_server.access.origins import is_loopback
 from galewood_server.access.quota import check_quota, count_stored, stored_bytes
 from galewood_server.access.rates import rate_limit_key
 from galewood_server.access.turns import FilesOnDemand, Turns
@@ -19,13 +18,12 @@ __all__ = [
     "OpenConnections",
     "Turns",
     "affordable",
-    "check_face_count",
     "check_quota",
     "count_stored",
     "counted",
+    "is_loopback",
     "limited_importer",
     "new_key",
-    "origin_allowed",
     "rate_limit_key",
     "stored_bytes",
 ]

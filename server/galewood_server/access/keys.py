@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import hmac
-import ipaddress
 import secrets
 
 from starlette.datastructures import Headers
 from starlette.types import Scope
 
-from galewood_server.access.origins import origin_allowed
+from galewood_server.access.origins import check_origin, host_name, is_loopback
 from galewood_server.http import ProblemError
 from galewood_server.settings import Settings
 
@@ -45,14 +44,7 @@ def is_write(scope: Scope) -> bool:
 def check_writer(scope: Scope, settings: Settings) -> None:
     """Raise ProblemError 401 or 403 unless the request has write access."""
     headers = Headers(scope=scope)
-    if not origin_allowed(headers.get("origin"), headers.get("host"), settings.allowed_origins):
-        raise ProblemError(
-            403,
-            "foreign-origin",
-            "Write access from other websites is not allowed",
-            detail="The Origin header does not match this server.",
-            hint="Add the origin to GALEWOOD_ALLOWED_ORIGINS.",
-        )
+    check_origin(headers, settings)
     if settings.api_keys:
         _check_key(headers, settings.api_keys)
     elif not settings.local_writes or not _is_local(scope, headers):
@@ -87,23 +79,8 @@ def _is_local(scope: Scope, headers: Headers) -> bool:
     HTTP/1.0, which no browser does.
     """
     client = scope.get("client")
-    if client is None or not _is_loopback(client[0]) or scope.get("http_version") == "1.0":
+    if client is None or not is_loopback(client[0]) or scope.get("http_version") == "1.0":
         return False
     if any(name in FORWARDED or name.startswith("x-forwarded-") for name in headers):
         return False
-    return _is_loopback(_host_name(headers.get("host", "")))
-
-
-def _host_name(host: str) -> str:
-    return host[1 : host.find("]")] if host.startswith("[") else host.rsplit(":", 1)[0]
-
-
-def _is_loopback(name: str) -> bool:
-    if name == "localhost" or name.endswith(".localhost"):
-        return True
-    try:
-        address = ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    mapped = getattr(address, "ipv4_mapped", None)
-    return (mapped or address).is_loopback
+    return is_loopback(host_name(headers.get("host", "")) or "")

@@ -1,4 +1,4 @@
-"""Access control middleware: rate limits, API keys and a minimum rate for request bodies."""
+"""Access control middleware: host names, rate limits, API keys and a minimum rate for request bodies."""
 
 from __future__ import annotations
 
@@ -6,20 +6,24 @@ import asyncio
 import logging
 import time
 from contextlib import AbstractContextManager, nullcontext
+from http import HTTPStatus
 
 from fastapi import HTTPException
 from starlette.datastructures import Headers
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from galewood_server.access.keys import check_writer, is_write
 from galewood_server.access.open_connections import ADDRESS_SHARE, affordable, counted
+from galewood_server.access.origins import check_host, check_origin
 from galewood_server.access.rates import RateLimits, rate_limit_key
-from galewood_server.http import ProblemError, problem_from
+from galewood_server.http import Problem, ProblemError, problem_from
 from galewood_server.ops import Metrics
 from galewood_server.settings import Settings
 
 log = logging.getLogger("galewood.errors")
-EXEMPT_PATHS = ("/api/health", "/healthz")  # monitoring must always succeed
+HEALTH_CHECKS = frozenset({"/api/health", "/api/health/ready", "/healthz"})
+"""Monitoring succeeds also while other requests of its address are refused: it has a limit of its own."""
 GRACE_S = 10.0
 
 
@@ -42,9 +46,12 @@ class AccessControl:
             await self._app(scope, receive, send)
             return
         started = replaced = False
+        body = _Body(scope, receive, self._settings)
 
         async def send_response(message: Message) -> None:
             nonlocal started, replaced
+            if body.abandoned:  # nobody is there to read an answer; without one, the request counts as 499
+                return
             if message["type"] == "http.response.start" and is_plain_413(message):
                 started = replaced = True
                 await problem_from(HTTPException(413)).response()(scope, receive, send)
@@ -56,13 +63,16 @@ class AccessControl:
             await self._check_access(scope)
             check_text(scope)
             with self._in_progress_of(scope):
-                await self._app(scope, self._rate_limited(scope, receive), send_response)
+                await self._app(scope, body.receive, send_response)
         except Exception as error:
+            if body.abandoned and isinstance(error, ClientDisconnect):
+                return
             if started:
                 raise
+            problem = problem_from(error)
             if not isinstance(error, ProblemError):
-                log.exception("%s %s failed", scope["method"], scope["path"])
-            await problem_from(error).response(getattr(error, "headers", None))(scope, receive, send)
+                log_failure(scope, problem, error)
+            await problem.response(getattr(error, "headers", None))(scope, receive, send)
 
     async def _open_socket(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a WebSocket on. Opening one counts as a read: it costs more than most requests."""
@@ -75,7 +85,7 @@ class AccessControl:
 
     def _in_progress_of(self, scope: Scope) -> AbstractContextManager[None]:
         """Count a request of an address while it is in progress. ProblemError 429 if it has too many."""
-        if scope["path"].startswith(EXEMPT_PATHS):
+        if scope["path"] in HEALTH_CHECKS:
             return nullcontext()
         address = rate_limit_key(_client(scope))
         most = affordable(self._settings.requests_per_address, ADDRESS_SHARE)
@@ -92,8 +102,6 @@ class AccessControl:
         return counted(self._in_progress, address)
 
     async def _check_access(self, scope: Scope) -> None:
-        if scope["path"].startswith(EXEMPT_PATHS):
-            return
         try:
             await self._check(scope, _client(scope))
         except ProblemError as error:
@@ -101,36 +109,28 @@ class AccessControl:
             raise
 
     async def _check(self, scope: Scope, address: str) -> None:
+        headers = Headers(scope=scope)
+        check_host(headers, self._settings)
+        if scope["type"] == "websocket":
+            check_origin(headers, self._settings)
         if not is_write(scope):
-            await self._rates.count("read", address)
+            await self._rates.count("health" if scope["path"] in HEALTH_CHECKS else "read", address)
             return
-        await self._rates.check("wrong-key", address)
         try:
             check_writer(scope, self._settings)
         except ProblemError as error:
-            if error.problem.status == 401:
+            if error.problem.status == 401:  # only failures count: others at this address may have the key
                 await self._rates.count("wrong-key", address)
             raise
         await self._rates.count("write", address)
 
-    def _rate_limited(self, scope: Scope, receive: Receive) -> Receive:
-        """Wrap `receive` so that a stalled or too slow request body ends the request (slow-loris attack)."""
-        if scope["method"] in ("GET", "HEAD"):
-            return receive
-        monitor = BodyRateMonitor(self._settings)
 
-        async def receive_piece() -> Message:
-            if monitor.complete:
-                return await receive()
-            try:
-                async with asyncio.timeout(self._settings.body_stall_s):
-                    message = await receive()
-            except TimeoutError:
-                raise body_too_slow() from None
-            monitor.add(message)
-            return message
-
-        return receive_piece
+def log_failure(scope: Scope, problem: Problem, error: Exception) -> None:
+    """Log an error: with its traceback if it is unexpected, otherwise with the kind of problem it is."""
+    if problem.status == HTTPStatus.INTERNAL_SERVER_ERROR:
+        log.error("%s %s failed", scope["method"], scope["path"], exc_info=error)
+    else:
+        log.warning("%s %s failed: %s (%s)", scope["method"], scope["path"], problem.title, error)
 
 
 def _client(scope: Scope) -> str:
@@ -154,6 +154,30 @@ def check_text(scope: Scope) -> None:
             detail="The address contains a NUL character (%00).",
             hint="See /docs for the fields and their allowed values.",
         )
+
+
+class _Body:
+    """The body of a request as it arrives. A stalled or too slow one ends the request (slow-loris attack)."""
+
+    def __init__(self, scope: Scope, receive: Receive, settings: Settings) -> None:
+        self._receive = receive
+        self._stall_s = settings.body_stall_s
+        self._monitor = None if scope["method"] in ("GET", "HEAD") else BodyRateMonitor(settings)
+        self.abandoned = False
+        """Whether the client has left before the body was complete."""
+
+    async def receive(self) -> Message:
+        """The next part of the body, or what comes after it. HTTPException 408."""
+        if self._monitor is None or self._monitor.complete:
+            return await self._receive()
+        try:
+            async with asyncio.timeout(self._stall_s):
+                message = await self._receive()
+        except TimeoutError:
+            raise body_too_slow() from None
+        self.abandoned = message["type"] == "http.disconnect"
+        self._monitor.add(message)
+        return message
 
 
 class BodyRateMonitor:

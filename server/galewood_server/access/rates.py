@@ -15,18 +15,19 @@ from galewood_server.http import ProblemError
 from galewood_server.settings import Settings
 
 log = logging.getLogger("galewood.access")
-WRONG_KEYS_PER_MINUTE = 20
+WRONG_KEYS_PER_MINUTE, HEALTH_CHECKS_PER_MINUTE = 20, 600
 UNKNOWN = "unknown"
 _WITH_PORT = re.compile(r"([0-9.]+):[0-9]{1,5}|\[([^\]]+)\](?::[0-9]{1,5})?")
 
 
 class RateLimits:
-    """Limits reads, writes and attempts with invalid keys per address."""
+    """Limits reads, health checks, writes and attempts with invalid keys per address."""
 
     def __init__(self, settings: Settings) -> None:
         self._limiter = SlidingWindowCounterRateLimiter(MemoryStorage())
         per_minute = {
             "read": settings.reads_per_minute,
+            "health": HEALTH_CHECKS_PER_MINUTE if settings.reads_per_minute else 0,
             "write": settings.writes_per_minute,
             "wrong-key": WRONG_KEYS_PER_MINUTE,
         }
@@ -36,12 +37,6 @@ class RateLimits:
         """Count a request. ProblemError 429 with Retry-After if the limit is exceeded."""
         item = self._items.get(kind)
         if item and not await self._limiter.hit(item, kind, rate_limit_key(address)):
-            await self._raise_limited(kind, address)
-
-    async def check(self, kind: str, address: str) -> None:
-        """Like `count`, but without counting the request."""
-        item = self._items.get(kind)
-        if item and not await self._limiter.test(item, kind, rate_limit_key(address)):
             await self._raise_limited(kind, address)
 
     async def _raise_limited(self, kind: str, address: str) -> None:

@@ -1,4 +1,4 @@
-"""Limits of sockets and event streams: allowed origins, connections per address and in total."""
+"""Limits of sockets and event streams: connections per address and in total."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 
 from fastapi import WebSocket
 
-from galewood_server.access import affordable, counted, origin_allowed, rate_limit_key
+from galewood_server.access import affordable, counted, rate_limit_key
 from galewood_server.context import Service
 from galewood_server.http import Problem
 
@@ -45,16 +45,6 @@ def streams_exceeded(service: Service, address: str) -> Problem | None:
 
 def _limit_exceeded(websocket: WebSocket, service: Service, address: str) -> Problem | None:
     settings = service.settings
-    if not origin_allowed(
-        websocket.headers.get("origin"), websocket.headers.get("host"), settings.allowed_origins
-    ):
-        return Problem(
-            status=403,
-            code="foreign-origin",
-            title="Connections from other websites are not allowed",
-            detail="The Origin header does not match this server.",
-            hint="Add the origin to GALEWOOD_ALLOWED_ORIGINS.",
-        )
     open_sockets = service.socket_addresses.get(address, 0)
     full = service.sockets >= affordable(settings.socket_connections, SOCKET_SHARE)
     if full or open_sockets >= settings.socket_connections_per_address:

@@ -7,7 +7,6 @@ from __future__ import annotations
 import asyncio
 import logging
 import socket
-from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
 
@@ -31,6 +30,7 @@ FULL = Problem(
     title="Too many open connections",
     detail="The server has reached its limit of connections with requests in progress.",
     hint="Try again in some seconds.",
+    retry_after_s=5,
 )
 ACCEPTED_AT_ONCE, BACKLOG = 16, 2048
 
@@ -91,7 +91,7 @@ def protocol_with_limits(
             if connections.admit(self, self._address, transport.get_extra_info("socket").fileno()):
                 self._start_timer()
             else:
-                transport.write(raw_response(FULL, {"Retry-After": "5"}))
+                transport.write(raw_response(FULL))
                 transport.close()
 
         def data_received(self, data: bytes) -> None:
@@ -154,9 +154,9 @@ def protocol_with_limits(
     return LimitedProtocol
 
 
-def raw_response(problem: Problem, headers: Mapping[str, str]) -> bytes:
+def raw_response(problem: Problem) -> bytes:
     """A problem as bytes, for a connection on which no request was read."""
-    response = problem.response({**headers, "Connection": "close"})
+    response = problem.response({"Connection": "close"})
     lines = [f"HTTP/1.1 {problem.status} {HTTPStatus(problem.status).phrase}".encode()]
     lines += [name + b": " + value for name, value in response.raw_headers]
     return b"\r\n".join([*lines, b"", bytes(response.body)])

@@ -31,7 +31,15 @@ from galewood_server.jobs import Supervisor
 from galewood_server.ops import Metrics, Tracing, configure_logging
 from galewood_server.peers import ForestOwners
 from galewood_server.settings import Settings
-from galewood_server.storage import Stores, TableCache, compliance_of, migrate, open_database, records_of
+from galewood_server.storage import (
+    StartError,
+    Stores,
+    TableCache,
+    compliance_of,
+    migrate,
+    open_database,
+    records_of,
+)
 from galewood_server.stream import Forests, SocketLimits, metered_protocol, warm_up
 
 log = logging.getLogger("galewood")
@@ -81,6 +89,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
     )
     app.state.metrics = metrics = Metrics(VERSION)
     install_error_handlers(app, [route for router in ROUTERS for route in router.routes])
+        redirect_slashes=False,
     for router in ROUTERS:
         app.include_router(router)
     describe(app)
@@ -130,26 +139,31 @@ def _warm_up(service: Service) -> None:
 
 
 def _lock(data_dir: Path) -> TextIO:
-    """Lock the data folder. RuntimeError if another server uses it."""
+    """Lock the data folder. StartError if another server uses it."""
     data_dir.mkdir(parents=True, exist_ok=True)
     handle = (data_dir / ".lock").open("w")
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
         handle.close()
-        raise RuntimeError(
-            f"another server is using {data_dir}; set GALEWOOD_DATA_DIR to a different folder"
+        raise StartError(
+            f"Another server is using {data_dir}: set GALEWOOD_DATA_DIR to a different folder."
         ) from None
     return handle
 
 
 def run(app: FastAPI, settings: Settings) -> None:
-    """Serve until interrupted, then finish open requests."""
+    """Serve until interrupted, then finish open requests. Exits with NOT_STARTED if the start fails."""
     configure_logging(settings)
     config = uvicorn.Config(
-        app,
+        with_clear_failures(app, settings),
         host=settings.host,
         port=settings.port,
+    try:
+        check_address(settings.host, settings.port)
+    except StartError as error:
+        log.error("%s", error)
+        sys.exit(NOT_STARTED)
         backlog=ACCEPTED_AT_ONCE,
         http=protocol_with_limits(
             settings.header_s, settings.write_stall_s, OpenConnections(settings.connections)

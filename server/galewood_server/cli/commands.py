@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 from galewood.cli import JsonOut, app, console, write_figures
 
-from galewood_server.cli.extras import needs_extras
+from galewood_server.cli.extras import needs_extras, read_settings
 from galewood_server.cli.forest import report_inventory
 from galewood_server.cli.operations import doctor, key, upload
 
@@ -30,9 +30,8 @@ def serve(
     os.environ.update({name: str(value) for name, value in given.items() if value is not None})
     with needs_extras():
         from galewood_server.app import create_app, run
-        from galewood_server.settings import Settings
 
-        settings = Settings()
+        settings = read_settings()
         if settings.database.startswith("postgres"):
             import_module("psycopg")  # SQLAlchemy would look for its driver only once the server runs
     run(create_app(settings), settings)

@@ -22,17 +22,20 @@ from galewood_server.storage import (
     FILE_COLUMNS,
     PREFERRED,
     STORE_NAMES,
+    DamagedFileError,
     FileStore,
     Garbage,
     Job,
     Sessions,
     Stores,
     Tree,
+    check_revision,
     engine_of,
     file_age_s,
     migration_config,
     open_database,
     referenced_files,
+    start_failure,
 )
 
 YOUNG_S = 3600.0  # a young unreferenced file may belong to a running upload or build
@@ -80,8 +83,11 @@ def _database(settings: Settings) -> Iterator[Finding]:
     try:
         with engine.connect() as connection:
             current = MigrationContext.configure(connection).get_current_revision()
+        check_revision(current)
     except Exception as error:  # every driver error is reported as a finding
-        yield Finding("database", f"cannot be opened ({type(error).__name__})")
+        yield Finding(
+            "database", start_failure(error, settings) or f"cannot be opened ({type(error).__name__})"
+        )
         return
     finally:
         engine.dispose()
@@ -190,7 +196,7 @@ def _versions(session: Session, stores: Stores) -> Iterator[Finding]:
         if stores.tables.has(tree.table_sha256 or ""):
             try:
                 version = read_metadata(stores.tables.get(tree.table_sha256 or "")).get("version")
-            except TableError as error:
+            except (TableError, DamagedFileError) as error:
                 yield Finding("version", f"the table of {tree.name!r} is unreadable: {error}")
                 continue
             if version != VERSION:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from galewood.cli import JsonOut, console, progress_bar, progress_reporter, write_figures
 
-from galewood_server.cli.extras import needs_extras
+from galewood_server.cli.extras import end_with, needs_extras, read_settings
 
 
 def upload(
@@ -85,9 +85,16 @@ def doctor(
     """Check the file stores against the database. Exit status 1 if there are faults, otherwise 0."""
     with needs_extras():
         from galewood_server.cli.doctor import run_checks
-        from galewood_server.settings import Settings
+        from galewood_server.storage import start_failure
 
-    findings = run_checks(Settings(), repair=repair)
+    settings = read_settings()
+    try:
+        findings = run_checks(settings, repair=repair)
+    except Exception as error:
+        sentence = start_failure(error, settings)
+        if sentence is None:
+            raise
+        end_with(sentence)
     for one in findings:
         mark = "repaired" if one.repaired else "FAULT" if one.is_fault else "note"
         console.print(f"{mark:>8}  {one.kind}: {one.what}", highlight=False, markup=False, soft_wrap=True)

@@ -7,7 +7,6 @@ import logging
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
-from sqlite3 import SQLITE_FULL
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -15,12 +14,12 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response
 from galewood.util import MeshError, Reason
 from galewood.wind import WindError
-from sqlalchemy.exc import DBAPIError
 from starlette.exceptions import HTTPException
 from starlette.formparsers import MultiPartException
 from starlette.routing import BaseRoute
 
 from galewood_server.http.methods import allowed_methods
+from galewood_server.storage import is_database_busy, is_disk_full
 
 log = logging.getLogger("galewood.errors")
 
@@ -34,6 +33,7 @@ class Problem:
     title: str
     detail: str
     hint: str
+    retry_after_s: int | None = None
 
     def response(self, headers: Mapping[str, str] | None = None) -> JSONResponse:
         """The response with media type application/problem+json."""
@@ -45,7 +45,10 @@ class Problem:
             "hint": self.hint,
             "code": self.code,
         }
-        return JSONResponse(body, self.status, headers, media_type="application/problem+json")
+        response = JSONResponse(body, self.status, headers, media_type="application/problem+json")
+        if self.retry_after_s is not None:
+            response.headers.setdefault("Retry-After", str(self.retry_after_s))
+        return response
 
 
 class ProblemError(Exception):
@@ -150,15 +153,6 @@ DISK_FULL = Problem(
 )
 
 
-def is_disk_full(error: BaseException | None) -> bool:
-    """Whether a file system (ENOSPC, EDQUOT), SQLite or PostgreSQL (disk_full, 53100) had no space left."""
-    if isinstance(error, OSError):
-        return error.errno in (errno.ENOSPC, errno.EDQUOT)
-    if isinstance(error, DBAPIError):
-        return is_disk_full(error.orig)
-    return getattr(error, "sqlstate", "") == "53100" or getattr(error, "sqlite_errorcode", 0) == SQLITE_FULL
-
-
 NO_DESCRIPTORS = Problem(
     status=503,
     code="server-busy",
@@ -187,5 +181,16 @@ def install_error_handlers(app: FastAPI, routes: Sequence[BaseRoute] = ()) -> No
         return problem_from(error).response(headers)
 
     handler: Callable[[Request, Exception], Awaitable[Response]] = answer
+    retry_after_s=5,
+)
+DATABASE_BUSY = Problem(
+    status=503,
+    code="database-busy",
+    title="The database is busy",
+    detail="It is locked, overloaded or not reachable. Nothing was changed.",
+    hint="Try again in some seconds.",
+    retry_after_s=5,
     for kind in PROBLEMS_BY_TYPE:
         app.add_exception_handler(kind, handler)
+    if is_database_busy(error):
+        return DATABASE_BUSY

@@ -2,6 +2,7 @@
 
 from galewood_server.storage.database import (
     Sessions,
+    check_revision,
     database_now,
     engine_of,
     insert_for,
@@ -11,6 +12,7 @@ from galewood_server.storage.database import (
     open_database,
 )
 from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file, preferred_coding
+from galewood_server.storage.failures import StartError, is_database_busy, is_disk_full, start_failure
 from galewood_server.storage.files import FileStore, file_age_s, is_hash
 from galewood_server.storage.garbage import (
     ANALYSIS_INPUTS,
@@ -70,10 +72,12 @@ __all__ = [
     "fetch",
     "file_age_s",
     "forget_analysis_folders",
+    "StartError",
     "forget_old_analyses",
     "insert_for",
     "is_hash",
     "list_keys",
+    "check_revision",
     "mark_garbage",
     "mark_tree_files",
     "migrate",
@@ -85,9 +89,12 @@ __all__ = [
     "open_database",
     "preferred_coding",
     "records_of",
+    "is_database_busy",
+    "is_disk_full",
     "referenced_files",
     "replace_files",
     "store_referenced",
     "stored",
     "utc_now",
 ]
+    "start_failure",

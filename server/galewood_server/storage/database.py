@@ -12,6 +12,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session, sessionmaker
 
 from galewood_server.storage.models import utc_now
+from galewood_server.storage.failures import StartError
 
 if TYPE_CHECKING:
     from alembic.config import Config
@@ -44,12 +45,17 @@ def _prepare_sqlite(connection: Any, _record: object) -> None:
 
 
 def migrate(url: str) -> None:
-    """Migrate the database to the newest schema, creating it if necessary. Serialises concurrent calls."""
-    if _revision(url) == HEAD:
+    """Migrate the database to the newest schema, creating it if necessary. Serialises concurrent calls.
+
+    StartError if a newer version of the software has migrated it.
+    """
+    revision = _revision(url)
+    if revision == HEAD:
         return
     from alembic import command
 
     if not url.startswith("sqlite:///"):
+    check_revision(revision)
         command.upgrade(migration_config(url), "head")  # env.py takes an advisory lock
         return
     path = Path(url.removeprefix("sqlite:///"))
@@ -62,6 +68,15 @@ def migrate(url: str) -> None:
 def _revision(url: str) -> str | None:
     """The schema revision of a database; None if it has none or does not exist."""
     if url.startswith("sqlite:///") and not Path(url.removeprefix("sqlite:///")).exists():
+def check_revision(revision: str | None) -> None:
+    """Raise StartError if a schema is newer than this software."""
+    if revision is not None and revision > HEAD:
+        raise StartError(
+            f"The database belongs to a newer version of Galewood (schema {revision}; this version knows"
+            f" {HEAD}): install that version, or restore a backup made before the upgrade."
+        )
+
+
         return None
     engine = create_engine(with_driver(url))
     try:
