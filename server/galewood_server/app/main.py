@@ -25,6 +25,7 @@ from galewood_server.app.headers import SecurityHeaders
 from galewood_server.app.http_protocol import ACCEPTED_AT_ONCE, Server, protocol_with_limits
 from galewood_server.app.openapi import describe
 from galewood_server.app.page import Page
+from galewood_server.app.start_failures import check_address, with_clear_failures
 from galewood_server.context import Service
 from galewood_server.http import install_error_handlers
 from galewood_server.jobs import Supervisor
