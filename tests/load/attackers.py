@@ -128,17 +128,17 @@ async def watch_without_reading(target: Choose, report: Report, number: int) -> 
 async def read_structures(target: Choose, report: Report, number: int, uploaded: dict[int, str]) -> None:
     """The structure of an upload that is not built, again and again; reading it needs no key.
 
-    `uploaded` keeps the trees by the ports of their servers, for all attackers.
+    The first attacker uploads a tree to each server, and `uploaded` tells the others: its ids by their ports.
     """
     while True:
         here, address = target(), f"10.90.1.{number % 250}"
         try:
-            if here.port not in uploaded:
+            if here.port not in uploaded and number == 0:
                 status, answer = await post_mesh(here, "/api/trees", address, pole_obj(9.0))
                 report.note("upload to be read", status, expected=refused_well(status))
                 if status in (200, 201):
                     uploaded[here.port] = json.loads(answer)["id"]
-            else:
+            elif here.port in uploaded:
                 status, _ = await ask(here, "GET", f"/api/trees/{uploaded[here.port]}/structure", address)
                 report.note("structure", status, expected=refused_well(status))
         except LOST as error:
