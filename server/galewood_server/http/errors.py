@@ -159,6 +159,15 @@ NO_DESCRIPTORS = Problem(
     title="The server has too many open files",
     detail="Nothing was changed.",
     hint="Try again in some seconds.",
+    retry_after_s=5,
+)
+DATABASE_BUSY = Problem(
+    status=503,
+    code="database-busy",
+    title="The database is busy",
+    detail="It is locked, overloaded or not reachable. Nothing was changed.",
+    hint="Try again in some seconds.",
+    retry_after_s=5,
 )
 
 
@@ -166,6 +175,8 @@ def problem_from(error: Exception) -> Problem:
     """The problem for an exception, by the first matching type in PROBLEMS_BY_TYPE."""
     if is_disk_full(error):
         return DISK_FULL
+    if is_database_busy(error):
+        return DATABASE_BUSY
     if isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE):
         return NO_DESCRIPTORS
     return next(make(error) for kind, make in PROBLEMS_BY_TYPE.items() if isinstance(error, kind))
@@ -181,16 +192,5 @@ def install_error_handlers(app: FastAPI, routes: Sequence[BaseRoute] = ()) -> No
         return problem_from(error).response(headers)
 
     handler: Callable[[Request, Exception], Awaitable[Response]] = answer
-    retry_after_s=5,
-)
-DATABASE_BUSY = Problem(
-    status=503,
-    code="database-busy",
-    title="The database is busy",
-    detail="It is locked, overloaded or not reachable. Nothing was changed.",
-    hint="Try again in some seconds.",
-    retry_after_s=5,
     for kind in PROBLEMS_BY_TYPE:
         app.add_exception_handler(kind, handler)
-    if is_database_busy(error):
-        return DATABASE_BUSY

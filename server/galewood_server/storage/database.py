@@ -11,8 +11,8 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session, sessionmaker
 
-from galewood_server.storage.models import utc_now
 from galewood_server.storage.failures import StartError
+from galewood_server.storage.models import utc_now
 
 if TYPE_CHECKING:
     from alembic.config import Config
@@ -52,10 +52,10 @@ def migrate(url: str) -> None:
     revision = _revision(url)
     if revision == HEAD:
         return
+    check_revision(revision)
     from alembic import command
 
     if not url.startswith("sqlite:///"):
-    check_revision(revision)
         command.upgrade(migration_config(url), "head")  # env.py takes an advisory lock
         return
     path = Path(url.removeprefix("sqlite:///"))
@@ -65,9 +65,6 @@ def migrate(url: str) -> None:
         command.upgrade(migration_config(url), "head")
 
 
-def _revision(url: str) -> str | None:
-    """The schema revision of a database; None if it has none or does not exist."""
-    if url.startswith("sqlite:///") and not Path(url.removeprefix("sqlite:///")).exists():
 def check_revision(revision: str | None) -> None:
     """Raise StartError if a schema is newer than this software."""
     if revision is not None and revision > HEAD:
@@ -77,6 +74,9 @@ def check_revision(revision: str | None) -> None:
         )
 
 
+def _revision(url: str) -> str | None:
+    """The schema revision of a database; None if it has none or does not exist."""
+    if url.startswith("sqlite:///") and not Path(url.removeprefix("sqlite:///")).exists():
         return None
     engine = create_engine(with_driver(url))
     try:
