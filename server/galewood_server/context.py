@@ -62,4 +62,8 @@ def service_of(connection: HTTPConnection) -> Service:
     return cast(Service, connection.app.state.service)
 
 
-ServiceDep = Annotated[Service, Depends(service_of)]
+async def _service_of(connection: HTTPConnection) -> Service:
+    return service_of(connection)  # not in a thread, as FastAPI calls functions that are not asynchronous
+
+
+ServiceDep = Annotated[Service, Depends(_service_of)]

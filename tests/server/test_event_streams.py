@@ -16,7 +16,7 @@ import httpx
 import pytest
 from galewood_server.api import events
 from galewood_server.context import Service
-from galewood_server.http import Change
+from galewood_server.http import TreeSummary
 from galewood_server.settings import Settings
 from galewood_server.storage import Tree, open_database
 from sqlalchemy import event as database_event
@@ -95,16 +95,16 @@ def test_listeners_share_one_query_and_one_serialised_state(
 ) -> None:
     service = service_with_trees(tmp_path)
     queries, serialised = [0], [0]
-    dump = Change.model_dump_json
+    dump = TreeSummary.model_dump_json
 
-    def counted_dump(change: Change, **given: Any) -> str:
+    def counted_dump(tree: TreeSummary, **given: Any) -> str:
         serialised[0] += 1
-        return dump(change, **given)
+        return dump(tree, **given)
 
     def counted_query(*_: object) -> None:
         queries[0] += 1
 
-    monkeypatch.setattr(Change, "model_dump_json", counted_dump)
+    monkeypatch.setattr(TreeSummary, "model_dump_json", counted_dump)
     monkeypatch.setattr(events, "POLL_S", 60.0)  # one poll, however slow the machine
     database_event.listen(service.sessions.kw["bind"], "before_cursor_execute", counted_query)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import socket
 import sqlite3
 from collections.abc import Callable
@@ -112,3 +113,31 @@ def test_a_damaged_file_is_never_served(start_server: Start) -> None:
         assert torn.status_code == 500
         assert torn.json()["code"] == "damaged-mesh"
         assert "immutable" not in torn.headers.get("cache-control", "")
+
+
+def test_a_damaged_file_is_a_problem_of_every_route_and_a_build_replaces_it(start_server: Start) -> None:
+    server = start_server(**NO_CLUSTER)
+    with server.client() as api:
+        tree = api.post("/api/trees?build=true", files={"file": ("ash.obj", b"an ash")}).json()
+        path = f"/api/trees/{tree['id']}"
+        wait_until(lambda: api.get(f"/api/jobs/{tree['job_id']}").json()["state"] == "done")
+        built = api.get(path).json()
+        table = f"/api/tables/{built['table_sha256']}"
+        whole = api.get(table).content
+        for name in (built["table_sha256"], hashlib.sha256(b"an ash").hexdigest()):
+            [stored] = [one for one in server.data_dir.glob(f"*/*/{name}") if "cache" not in str(one)]
+            stored.write_bytes(b"\0" * 40)
+        for address in (table, f"{table}/metadata", f"{path}/exports/vat"):
+            answer = api.get(address)
+            assert (answer.status_code, answer.json()["code"]) == (500, "damaged-table"), address
+            assert "Compute the tree again" in answer.json()["hint"]
+        for answer in (api.post(f"{path}/pieces"), api.post(f"{path}/copies", json={"name": "copy"})):
+            assert (answer.status_code, answer.json()["code"]) == (500, "damaged-uploaded-file")
+            assert "Upload it again" in answer.json()["hint"]
+        again = api.post("/api/trees", files={"file": ("ash.obj", b"an ash")})
+        assert again.status_code == 200  # the same tree, whose file is whole again
+        assert api.post(f"{path}/copies", json={"name": "copy", "height_m": 3}).status_code == 201
+        job = api.post("/api/jobs", json={"tree_id": tree["id"]})
+        assert job.status_code == 202  # not "it exists already"
+        wait_until(lambda: api.get(f"/api/jobs/{job.json()['id']}").json()["state"] == "done")
+        assert api.get(table).content == whole

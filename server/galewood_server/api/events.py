@@ -5,33 +5,45 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import AsyncGenerator, AsyncIterator, Callable, Generator, Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Protocol, TypeVar
 
 from fastapi import APIRouter, Request
-from sqlalchemy import func, select
+from sqlalchemy import func, select, type_coerce
+from sqlalchemy.types import NullType
 from sse_starlette import EventSourceResponse, ServerSentEvent
 from starlette.requests import HTTPConnection
 from starlette.types import Receive, Scope, Send
 
 from galewood_server.access import counted, rate_limit_key
 from galewood_server.api.connections import streams_exceeded
-from galewood_server.api.trees import job_out, tree_out
+from galewood_server.api.jobs import job_json
+from galewood_server.api.trees import tree_json
 from galewood_server.context import Service, ServiceDep, service_of
-from galewood_server.http import EVENT_STREAM, Change, JobOut, ProblemError
+from galewood_server.http import EVENT_STREAM, JobOut, ProblemError
 from galewood_server.jobs import find_job
-from galewood_server.storage import ACTIVE, Job, JobState, Tree
+from galewood_server.storage import (
+    ACTIVE,
+    TREE_FIELDS,
+    Job,
+    JobState,
+    RawRow,
+    Tree,
+    job_rows,
+    tree_rows,
+    unconverted,
+)
 
 router = APIRouter(prefix="/api", tags=["events"])
 POLL_S = 0.3
 SEND_TIMEOUT_S = 20.0
+JOB_ID = TREE_FIELDS.index("job_id")
 PIECE_BYTES = 64 * 1024  # of the snapshot, so that a slow listener holds no copy of all of it
 
-Stamp = tuple[datetime, int, datetime | None]
-"""Last change of a tree, its number of jobs, and the last change of its jobs."""
+Stamp = tuple[object, int, object]
+"""Last change of a tree, its number of jobs, and the last change of its jobs, as the database holds them."""
 
 
 class JobView(Protocol):
@@ -119,9 +131,9 @@ class ChangeFeed:
             if time.monotonic() - self._polled_s < POLL_S / 2:
                 return
             began_s = time.monotonic()
-            stamps, changes = await asyncio.to_thread(self._query)
+            stamps, changed = await asyncio.to_thread(self._query)
             self._polled_s = began_s
-            self._publish(stamps, changes)
+            self._publish(stamps, changed)
 
     @property
     def snapshot(self) -> bytes:
@@ -131,10 +143,11 @@ class ChangeFeed:
             self._snapshot = b"".join(one.data for one in known)
         return self._snapshot
 
-    def _query(self) -> tuple[dict[str, Stamp], list[Change]]:
-        """The stamps of all trees, and those that changed since the last poll."""
+    def _query(self) -> tuple[dict[str, Stamp], dict[str, Known]]:
+        """The stamps of all trees, and the state of those that changed since the last poll."""
+        job_changed = func.max(type_coerce(Job.updated_at, NullType()))
         newest = (
-            select(Tree.id, Tree.updated_at, func.count(Job.id), func.max(Job.updated_at))
+            select(Tree.id, unconverted(Tree.updated_at), func.count(Job.id), job_changed)
             .outerjoin(Job)
             .group_by(Tree.id)
         )
@@ -145,22 +158,20 @@ class ChangeFeed:
                 for key, stamp in stamps.items()
                 if key not in self._known or self._known[key].stamp != stamp
             ]
-            trees: Sequence[Tree] = ()
-            if changed:
-                trees = session.scalars(select(Tree).where(Tree.id.in_(changed))).all()
-            return stamps, [Change(tree=tree_out(tree), job=job_out(tree)) for tree in trees]
+            if not changed:
+                return stamps, {}
+            trees = [tuple(row) for row in session.execute(tree_rows().where(Tree.id.in_(changed)))]
+            names = [row[JOB_ID] for row in trees if row[JOB_ID] is not None]
+            jobs = {row[0]: tuple(row) for row in session.execute(job_rows().where(Job.id.in_(names)))}
+        return stamps, {row[0]: Known(stamps[row[0]], row, jobs.get(row[JOB_ID])) for row in trees}
 
-    def _publish(self, stamps: dict[str, Stamp], changes: Sequence[Change]) -> None:
+    def _publish(self, stamps: Mapping[str, Stamp], changed: Mapping[str, Known]) -> None:
         events: list[Event] = []
         for key in [key for key in self._known if key not in stamps]:
-            last = self._known.pop(key).change
-            events.append(_event(Change(tree=last.tree, job=last.job, deleted=True), visible=True))
-        for change in changes:
-            before = self._known.get(change.tree.id)
-            # a comparison or evaluation changes the stamp of its tree but not this event
-            event = _event(change, visible=before is None or before.change != change)
-            self._known[change.tree.id] = Known(stamps[change.tree.id], change, event.data)
-            events.append(event)
+            events += _events_of(self._known.pop(key), None)
+        for key, now in changed.items():
+            events += _events_of(self._known.get(key), now)
+            self._known[key] = now
         if any(event.visible for event in events):
             self._snapshot = None
         for event in events:
@@ -168,22 +179,39 @@ class ChangeFeed:
                 buffer.put(event)
 
 
-@dataclass(frozen=True)
 class Known:
-    """The last published state of a tree."""
+    """A tree with its newest build job at the last poll."""
 
-    stamp: Stamp
-    change: Change
-    data: bytes
+    def __init__(self, stamp: Stamp, tree: RawRow, job: RawRow | None) -> None:
+        self.stamp, self.tree = stamp, tree
+        self._tree_json = tree_json(tree)
+        self._job_json = (job_json(job) if job else None) or b"null"
+        self.data = self.event(deleted=False)
 
     @property
-    def order(self) -> tuple[bool, datetime]:
+    def order(self) -> tuple[bool, str, str]:
         """Sort key: built-in trees first, then by age."""
-        return not self.change.tree.builtin, self.change.tree.created_at
+        found = dict(zip(TREE_FIELDS, self.tree, strict=True))
+        return not found["builtin"], str(found["created_at"]), found["id"]
+
+    def event(self, *, deleted: bool) -> bytes:
+        """The event of this state; empty if the tree is damaged and left out."""
+        if self._tree_json is None:
+            return b""
+        end = b"true" if deleted else b"false"
+        body = b'{"tree":%b,"job":%b,"deleted":%b}' % (self._tree_json, self._job_json, end)
+        return ServerSentEvent(body.decode()).encode()
 
 
-def _event(change: Change, *, visible: bool) -> Event:
-    return Event(change.tree.id, ServerSentEvent(change.model_dump_json()).encode(), visible)
+def _events_of(before: Known | None, now: Known | None) -> list[Event]:
+    """The event that follows from a change; none for a tree that was and is left out."""
+    known = now or before
+    assert known is not None
+    tree_id = known.tree[0]
+    if now is not None and now.data:
+        # a comparison or evaluation changes the stamp of its tree but not this event
+        return [Event(tree_id, now.data, before is None or before.data != now.data)]
+    return [Event(tree_id, before.event(deleted=True), True)] if before is not None and before.data else []
 
 
 def feed_of(connection: HTTPConnection) -> ChangeFeed:
@@ -195,7 +223,8 @@ def feed_of(connection: HTTPConnection) -> ChangeFeed:
 
 @router.get("/events", response_class=EventSourceResponse, responses=EVENT_STREAM)
 async def all_events(request: Request) -> EventSourceResponse:
-    """The current state of all trees, then every change: {"tree": Tree, "job": Job|null, "deleted": bool}."""
+    """The current state of all trees, then every change: {"tree": Tree, "job": Job|null, "deleted": bool}.
+    The tree is as in the list, without its report; the job is its newest build job."""
     service = service_of(request)
     return stream(service, all_changes(feed_of(request)))
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from datetime import datetime
+from functools import lru_cache
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from sqlalchemy import func, select
 
-from galewood_server.api.trees import find_tree
+from galewood_server.api.trees import KEPT_ROWS, find_tree, job_out
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import (
     NOT_MODIFIED,
@@ -16,18 +17,29 @@ from galewood_server.http import (
     JobOut,
     JobRequest,
     PageQuery,
+    cursor_of_time,
     cursor_time,
+    damaged,
     decode_cursor,
-    encode_cursor,
-    json_with_etag,
+    not_found,
+    paged,
     problems,
+    read_page,
+    row_as_json,
     rows_after,
 )
 from galewood_server.jobs import AFTER_TABLE, find_job, fingerprint, queue_job, request_cancel
-from galewood_server.storage import Job, JobState, Tree
+from galewood_server.storage import JOB_FIELDS, Job, JobState, RawRow, Tree, job_rows
 
 router = APIRouter(prefix="/api/jobs", tags=["jobs"])
 ORDER = (Job.created_at, Job.id)
+LIST = paged(job_rows().order_by(*(column.desc() for column in ORDER)))
+
+
+@lru_cache(maxsize=KEPT_ROWS)
+def job_json(row: RawRow) -> bytes | None:
+    """A row of `job_rows` as JSON; None, with its id in the log, if it is damaged. Serialised once."""
+    return row_as_json("job", JobOut, dict(zip(JOB_FIELDS, row, strict=True)))
 
 
 class JobQuery(PageQuery):
@@ -40,19 +52,20 @@ class JobQuery(PageQuery):
 @router.get("", response_model=JobList, responses=NOT_MODIFIED)
 def list_jobs(request: Request, service: ServiceDep, query: Annotated[JobQuery, Query()]) -> Response:
     """A page of the build jobs, newest first."""
-    conditions = [Job.kind == "build"]
-    conditions += [Job.state == query.state] if query.state else []
+    conditions = [Job.state == query.state] if query.state else []
     conditions += [Job.tree_id == query.tree_id] if query.tree_id else []
+    count = select(func.count(Job.id)).where(Job.kind == "build", *conditions)
+    if query.after:
+        conditions.append(rows_after(ORDER, _sort_key(query.after), descending=True))
     with service.sessions() as session:
-        total = session.scalar(select(func.count(Job.id)).where(*conditions)) or 0
-        if query.after:
-            conditions.append(rows_after(ORDER, _sort_key(query.after), descending=True))
-        statement = select(Job).where(*conditions).order_by(*(column.desc() for column in ORDER))
-        jobs = session.scalars(statement.limit(query.limit + 1)).all()
-        last = jobs[query.limit - 1] if len(jobs) > query.limit else None
-        page = [JobOut.model_validate(job) for job in jobs[: query.limit]]
-    cursor = encode_cursor([last.created_at.isoformat(), last.id]) if last else None
-    return json_with_etag(request, JobList(jobs=page, total=total, next=cursor))
+        page = read_page(session, LIST.where(*conditions), query.limit, job_json)
+        total = session.scalar(count) or 0
+    return page.response(request, "jobs", total, _cursor_parts)
+
+
+def _cursor_parts(row: RawRow) -> list[str]:
+    found = dict(zip(JOB_FIELDS, row, strict=True))
+    return [cursor_of_time(found["created_at"]), found["id"]]
 
 
 def _sort_key(cursor: str) -> tuple[datetime, str]:
@@ -85,13 +98,13 @@ def start_build(service: Service, tree_id: str, settings: dict[str, Any]) -> tup
     """
     with service.sessions.begin() as session:
         tree = find_tree(session, tree_id)
-        existing = _existing_build(tree, settings)
-        out = JobOut.model_validate(existing or queue_job(session, tree, settings))
+        existing = _existing_build(service, tree, settings)
+        out = job_out(existing or queue_job(session, tree, settings))
     service.wake_supervisor()
     return out, existing is None
 
 
-def _existing_build(tree: Tree, settings: dict[str, Any]) -> Job | None:
+def _existing_build(service: Service, tree: Tree, settings: dict[str, Any]) -> Job | None:
     """The job that computed the current table, if a new build would give the same table.
 
     It may still be computing the paper's records or the bare table.
@@ -102,7 +115,15 @@ def _existing_build(tree: Tree, settings: dict[str, Any]) -> Job | None:
     if job.state != "done" and not (job.state == "running" and job.stage in AFTER_TABLE):
         return None
     unchanged = tree.fingerprint == fingerprint(tree.source_sha256, tree.options, settings)
-    return job if unchanged else None
+    return job if unchanged and _is_intact(service, tree.table_sha256 or "") else None
+
+
+def _is_intact(service: Service, table_sha256: str) -> bool:
+    """Whether a table's file is there and not damaged: a build replaces it otherwise."""
+    try:
+        return service.stores.tables.is_intact(table_sha256)
+    except OSError:
+        return False
 
 
 @router.post("/{job_id}/retry", status_code=202, responses={**STARTED})
@@ -117,11 +138,17 @@ def retry_job(job_id: str, service: ServiceDep, response: Response) -> JobOut:
     return out
 
 
-@router.get("/{job_id}")
-def get_job(job_id: str, service: ServiceDep) -> JobOut:
+@router.get("/{job_id}", response_model=JobOut)
+def get_job(job_id: str, service: ServiceDep) -> Response:
     """The current state of a job."""
     with service.sessions() as session:
-        return JobOut.model_validate(find_job(session, job_id))
+        row = session.execute(job_rows().where(Job.id == job_id)).one_or_none()
+    if row is None:
+        raise not_found("job", job_id)
+    body = job_json(tuple(row))
+    if body is None:
+        raise damaged("job", job_id, "Delete its tree, then upload its file again.")
+    return Response(body, media_type="application/json")
 
 
 @router.post("/{job_id}/cancel")
@@ -130,6 +157,6 @@ def cancel_job(job_id: str, service: ServiceDep) -> JobOut:
     with service.sessions.begin() as session:
         job = find_job(session, job_id)
         request_cancel(session, job)
-        out = JobOut.model_validate(job)
+        out = job_out(job)
     service.wake_supervisor()
     return out

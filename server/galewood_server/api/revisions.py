@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -78,16 +79,18 @@ def _source(service: Service, tree_id: str) -> tuple[bytes, str]:
 def _write(service: Service, tree_id: str, name: str | None, revision: Revision | None) -> TreeOut:
     with service.files_lock, service.sessions.begin() as session:
         tree = find_tree(session, tree_id)
+        before = None
         if name:
             tree.name = name
         if revision:
             _check_unbuilt(tree)
-            before = tree.mesh_sha256
             tree.options, tree.report = revision.options, revision.mesh.report
             tree.species, tree.height_m = revision.mesh.species, revision.mesh.height_m
-            tree.mesh_sha256 = service.stores.meshes.put(revision.glb)
-            count_stored(service.settings, len(revision.glb))
-            session.flush()
-            remove_unshared(session, service.stores.meshes, (Tree.mesh_sha256,), before)
+            before, tree.mesh_sha256 = tree.mesh_sha256, hashlib.sha256(revision.glb).hexdigest()
         session.flush()
-        return tree_out(tree)
+        out = tree_out(tree)  # before the file is stored: refused if it cannot be serialised
+        if revision:
+            service.stores.meshes.put(revision.glb)
+            count_stored(service.settings, len(revision.glb))
+            remove_unshared(session, service.stores.meshes, (Tree.mesh_sha256,), before)
+        return out

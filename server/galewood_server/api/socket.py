@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import logging
 import time
 from collections.abc import Mapping
@@ -16,6 +15,7 @@ from galewood_server.access import rate_limit_key
 from galewood_server.api.connections import limited_connection
 from galewood_server.context import Service, service_of
 from galewood_server.peers import RELAYED, SERVICE_RESTART, PeerLostError, peer_of, relay
+from galewood_server.storage import DamagedFileError
 from galewood_server.stream import (
     INVALID_DATA,
     POLICY_VIOLATION,
@@ -250,13 +250,11 @@ class Session:
 
     def _read_table(self, sha256: str) -> bytes:
         try:
-            data = self._service.stores.tables.get(sha256)
+            return self._service.stores.tables.get(sha256)
         except FileNotFoundError:
             raise SessionError("no-such-table", "A table of this forest no longer exists") from None
-        if hashlib.sha256(data).hexdigest() != sha256:
-            log.error("the stored table %s is damaged", sha256)
-            raise SessionError("no-such-table", "A table of this forest cannot be used")
-        return data
+        except DamagedFileError:
+            raise SessionError("no-such-table", "A table of this forest cannot be used") from None
 
     async def _send_table(self, sha256: str, data: bytes, start: int) -> None:
         """Send a table from byte `start` to its end; at least one, possibly empty, chunk."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from datetime import datetime
+from functools import lru_cache
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
-from sqlalchemy import case, func, or_, select
+from sqlalchemy import bindparam, case, delete, func, or_, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from galewood_server.context import Service, ServiceDep
@@ -19,50 +20,90 @@ from galewood_server.http import (
     ProblemError,
     TreeList,
     TreeOut,
+    TreeSummary,
+    answerable,
+    body_with_etag,
+    cursor_of_time,
     cursor_time,
+    damaged,
     decode_cursor,
-    encode_cursor,
     invalid_cursor,
-    json_with_etag,
     not_found,
+    paged,
     problems,
+    read_page,
+    row_as_json,
     rows_after,
 )
 from galewood_server.jobs import queue_job
-from galewood_server.storage import ACTIVE, FileStore, Tree, mark_tree_files
+from galewood_server.storage import (
+    ACTIVE,
+    TREE_FIELDS,
+    FileStore,
+    Job,
+    RawRow,
+    Tree,
+    mark_tree_files,
+    tree_rows,
+    tree_state,
+    unconverted,
+)
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
 ORDER = (case((Tree.builtin, 0), else_=1), Tree.created_at, Tree.id)
+COUNT = select(func.count(Tree.id))
+LIST = paged(tree_rows().order_by(*ORDER))
+ONE = tree_rows(Tree.report).where(Tree.id == bindparam("id"))
+KEPT_ROWS, KEPT_REPORTS = 4096, 16
+DELETE_IT = "Delete it (DELETE /api/trees/{id}), which also deletes its jobs, then upload its file again."
 
 
 def tree_out(tree: Tree) -> TreeOut:
-    """The response model of a tree."""
+    """The response model of a tree. ProblemError 500 if it cannot be serialised: nothing is then stored."""
     job = tree.job
     fields = {name: getattr(tree, name) for name in TreeOut.model_fields if name != "job_id"}
-    return TreeOut(**fields, job_id=job.id if job else None)
+    return answerable(TreeOut(**fields, job_id=job.id if job else None))
 
 
-def job_out(tree: Tree) -> JobOut | None:
-    """The newest build job of a tree."""
-    return JobOut.model_validate(tree.job) if tree.job else None
+def job_out(job: Job) -> JobOut:
+    """The response model of a build job. ProblemError 500 like `tree_out`."""
+    return answerable(JobOut.model_validate(job))
+
+
+@lru_cache(maxsize=KEPT_ROWS)
+def tree_json(row: RawRow) -> bytes | None:
+    """The summary of a row of `tree_rows` as JSON; None, with its id in the log, if it is damaged.
+
+    What was serialised once is found by the row itself, so that it is always that of the present row.
+    """
+    return row_as_json("tree", TreeSummary, _fields(row))
+
+
+@lru_cache(maxsize=KEPT_REPORTS)
+def _whole_tree_json(row: RawRow) -> bytes | None:
+    *summary, report = row
+    return row_as_json("tree", TreeOut, {**_fields(tuple(summary)), "report": report})
+
+
+def _fields(row: RawRow) -> dict[str, Any]:
+    found = dict(zip(TREE_FIELDS, row, strict=True))
+    state = tree_state(found["table_sha256"], found["preliminary"], found["job_state"])
+    return {**found, "state": state}
 
 
 @router.get("", response_model=TreeList, responses=NOT_MODIFIED)
 def list_trees(request: Request, service: ServiceDep, query: PageParams) -> Response:
-    """A page of the trees: built-in trees first, then uploads by age."""
+    """A page of the trees, without their reports: built-in trees first, then uploads by age."""
+    rows = LIST.where(rows_after(ORDER, _sort_key(query.after))) if query.after else LIST
     with service.sessions() as session:
-        rows = select(Tree).order_by(*ORDER).limit(query.limit + 1)
-        if query.after:
-            rows = rows.where(rows_after(ORDER, _sort_key(query.after)))
-        trees = session.scalars(rows).all()
-        total = session.scalar(select(func.count(Tree.id))) or 0
-        cursor = encode_cursor(_cursor_parts(trees[query.limit - 1])) if len(trees) > query.limit else None
-        page = TreeList(trees=[tree_out(tree) for tree in trees[: query.limit]], total=total, next=cursor)
-    return json_with_etag(request, page)
+        page = read_page(session, rows, query.limit, tree_json)
+        total = session.scalar(COUNT) or 0
+    return page.response(request, "trees", total, _cursor_parts)
 
 
-def _cursor_parts(tree: Tree) -> list[str]:
-    return [str(int(not tree.builtin)), tree.created_at.isoformat(), tree.id]
+def _cursor_parts(row: RawRow) -> list[str]:
+    found = dict(zip(TREE_FIELDS, row, strict=True))
+    return [str(int(not found["builtin"])), cursor_of_time(found["created_at"]), found["id"]]
 
 
 def _sort_key(cursor: str) -> tuple[int, datetime, str]:
@@ -72,11 +113,17 @@ def _sort_key(cursor: str) -> tuple[int, datetime, str]:
     return int(uploaded), cursor_time(created_at), tree_id
 
 
-@router.get("/{tree_id}", response_model=TreeOut, responses={**NOT_MODIFIED, **problems(404)})
+@router.get("/{tree_id}", response_model=TreeOut, responses={**NOT_MODIFIED, **problems(404, 500)})
 def get_tree(tree_id: str, request: Request, service: ServiceDep) -> Response:
-    """A tree with its mesh import report."""
+    """A tree with its report. 500 `damaged-tree` if its record cannot be read; it can still be deleted."""
     with service.sessions() as session:
-        return json_with_etag(request, tree_out(find_tree(session, tree_id)))
+        row = session.execute(ONE, {"id": tree_id}).one_or_none()
+    if row is None:
+        raise not_found("tree", tree_id)
+    body = _whole_tree_json(tuple(row))
+    if body is None:
+        raise damaged("tree", tree_id, DELETE_IT)
+    return body_with_etag(request, body)
 
 
 @router.post(
@@ -88,7 +135,7 @@ def precompute_tree(
     """Queue the computation of a tree's table."""
     settings = (body or PrecomputeRequest()).settings.model_dump(exclude_none=True)
     with service.sessions.begin() as session:
-        out = JobOut.model_validate(queue_job(session, find_tree(session, tree_id), settings))
+        out = job_out(queue_job(session, find_tree(session, tree_id), settings))
     response.headers["Location"] = f"/api/jobs/{out.id}"
     service.wake_supervisor()
     return out
@@ -98,31 +145,36 @@ def precompute_tree(
 def delete_tree(tree_id: str, service: ServiceDep) -> Response:
     """Delete an uploaded tree with its jobs and the files that no other tree uses."""
     with service.files_lock, service.sessions.begin() as session:
-        tree = find_tree(session, tree_id)
-        if tree.builtin:
+        # a damaged tree is deleted like any other: its row is not converted to an object
+        builtin = session.execute(select(unconverted(Tree.builtin)).where(Tree.id == tree_id)).one_or_none()
+        if builtin is None:
+            raise not_found("tree", tree_id)
+        if builtin[0]:
             raise ProblemError(
                 403, "builtin-tree", "Built-in trees cannot be deleted", hint="Only uploads can be deleted."
             )
-        if any(job.state in ACTIVE for job in tree.jobs):
+        active = select(Job.id).where(Job.tree_id == tree_id, Job.state.in_(ACTIVE))
+        if session.execute(active).first():
             raise ProblemError(
                 409, "still-building", "This tree is being computed", hint="Cancel its job first."
             )
-        mark_tree_files(session, tree)
-        session.delete(tree)
-        session.flush()
-        _remove_files(session, service, tree)
+        files = mark_tree_files(session, tree_id)
+        session.execute(delete(Tree).where(Tree.id == tree_id))  # with its jobs, by the foreign key
+        _remove_files(session, service, files)
     return Response(status_code=204)
 
 
-def _remove_files(session: Session, service: Service, tree: Tree) -> None:
-    remove_unshared(session, service.stores.sources, (Tree.source_sha256,), tree.source_sha256)
-    remove_unshared(session, service.stores.meshes, (Tree.mesh_sha256,), tree.mesh_sha256)
+def _remove_files(session: Session, service: Service, files: dict[str, str]) -> None:
     tables = (Tree.table_sha256, Tree.bare_table_sha256)
-    for sha256 in (tree.table_sha256, tree.bare_table_sha256):
-        remove_unshared(session, service.stores.tables, tables, sha256)
-    remove_unshared(session, service.stores.records, (Tree.records_sha256,), tree.records_sha256)
-    compliances = (Tree.compliance_sha256,)
-    remove_unshared(session, service.stores.compliances, compliances, tree.compliance_sha256)
+    for store, name, columns in (
+        (service.stores.sources, "source_sha256", (Tree.source_sha256,)),
+        (service.stores.meshes, "mesh_sha256", (Tree.mesh_sha256,)),
+        (service.stores.tables, "table_sha256", tables),
+        (service.stores.tables, "bare_table_sha256", tables),
+        (service.stores.records, "records_sha256", (Tree.records_sha256,)),
+        (service.stores.compliances, "compliance_sha256", (Tree.compliance_sha256,)),
+    ):
+        remove_unshared(session, store, columns, files.get(name))
 
 
 def remove_unshared(
@@ -135,8 +187,11 @@ def remove_unshared(
 
 
 def find_tree(session: Session, tree_id: str) -> Tree:
-    """A tree by its id. ProblemError 404."""
-    tree = session.get(Tree, tree_id)
+    """A tree by its id. ProblemError 404, or 500 if its row or a job's cannot be read."""
+    try:
+        tree = session.get(Tree, tree_id)
+    except (ValueError, TypeError) as error:  # of a stored time or JSON document
+        raise damaged("tree", tree_id, DELETE_IT) from error
     if tree is None:
         raise not_found("tree", tree_id)
     return tree

@@ -118,7 +118,10 @@ def given_import_options(fields: TreeChanges) -> dict[str, Any]:
 def _find(service: Service, upload: Upload, fields: TreeChanges) -> TreeOut | None:
     with service.sessions() as session:
         tree = _find_same(session, hashlib.sha256(upload.data).hexdigest(), given_import_options(fields))
-        return tree_out(tree) if tree else None
+        if tree is None:
+            return None
+        service.stores.sources.put(upload.data)  # written only if the stored file is damaged or lost
+        return tree_out(tree)
 
 
 def _find_same(session: Session, source_sha256: str, options: dict[str, Any]) -> Tree | None:

@@ -6,8 +6,8 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.middleware.gzip import GZipMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-LEAST_BYTES = 1000
-LEVEL = 5
+from galewood_server.http import COMPRESSED_BYTES, GZIP_LEVEL
+
 FILES = ("/api/tables/", "/api/records/", "/api/compliances/", "/api/meshes/")
 """Paths of files, which are served in ranges or compressed already."""
 
@@ -17,7 +17,7 @@ class CompressedJson:
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
-        self._compressing = GZipMiddleware(WeakTags(app), LEAST_BYTES, LEVEL)
+        self._compressing = GZipMiddleware(WeakTags(app), COMPRESSED_BYTES, GZIP_LEVEL)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, compressing its response if it is JSON of the API."""

@@ -19,7 +19,7 @@ from starlette.formparsers import MultiPartException
 from starlette.routing import BaseRoute
 
 from galewood_server.http.methods import allowed_methods
-from galewood_server.storage import is_database_busy, is_disk_full
+from galewood_server.storage import DamagedFileError, is_database_busy, is_disk_full
 
 log = logging.getLogger("galewood.errors")
 
@@ -123,6 +123,27 @@ def _from_multipart(error: MultiPartException) -> Problem:
     )
 
 
+WHAT_IS_STORED = {
+    "sources": "uploaded file",
+    "meshes": "mesh",
+    "tables": "table",
+    "records": "records",
+    "compliances": "compliance",
+}
+
+
+def _from_damaged_file(error: DamagedFileError) -> Problem:
+    what = WHAT_IS_STORED.get(error.kind, "file")
+    again = "Upload it again" if error.kind == "sources" else "Compute the tree again"
+    return Problem(
+        status=500,
+        code=f"damaged-{what.replace(' ', '-')}",
+        title=f"The stored {what} is damaged",
+        detail="The content of the file does not match its hash.",
+        hint=f"{again}, or ask the operator to restore the file from a backup.",
+    )
+
+
 def _from_anything(_error: Exception) -> Problem:
     return Problem(
         status=500,
@@ -140,6 +161,7 @@ PROBLEMS_BY_TYPE: Mapping[type[Exception], Callable[[Any], Problem]] = {
     RequestValidationError: _from_validation,
     MultiPartException: _from_multipart,
     HTTPException: _from_http,
+    DamagedFileError: _from_damaged_file,
     Exception: _from_anything,
 }
 

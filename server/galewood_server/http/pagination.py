@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Annotated, Any, cast
 
-from fastapi import Query
-from pydantic import BaseModel
-from sqlalchemy import ColumnElement, and_, or_
+from fastapi import Query, Request, Response
+from pydantic import BaseModel, TypeAdapter
+from sqlalchemy import ColumnElement, Select, and_, bindparam, or_
+from sqlalchemy.orm import Session
 
 from galewood_server.http.errors import ProblemError
+from galewood_server.http.etags import body_with_etag
+from galewood_server.http.schemas import StoredTime
 from galewood_server.http.texts import is_storable
+from galewood_server.storage import RawRow
 
 MAX_PAGE_LENGTH = 500
 
@@ -26,6 +31,56 @@ class PageQuery(BaseModel):
 
 
 PageParams = Annotated[PageQuery, Query()]
+_TIME = TypeAdapter[datetime](StoredTime)
+
+
+@dataclass(frozen=True)
+class Page:
+    """The rows of a page as JSON, and the ids of damaged rows between them, which are left out."""
+
+    rows: list[bytes]
+    damaged: list[str]
+    last: RawRow | None
+    """The last row, if more follow."""
+
+    def response(
+        self, request: Request, name: str, total: int, sort_key: Callable[[RawRow], list[str]]
+    ) -> Response:
+        """The page as JSON with an ETag, its rows under this name."""
+        cursor = encode_cursor(sort_key(self.last)) if self.last else None
+        rest = json.dumps({"total": total, "next": cursor, "damaged": self.damaged}).encode()
+        return body_with_etag(request, b'{"%b":[%b],%b' % (name.encode(), b",".join(self.rows), rest[1:]))
+
+
+def paged(rows: Select[Any]) -> Select[Any]:
+    """A query of which `read_page` reads a part."""
+    return rows.limit(bindparam("limit")).offset(bindparam("offset"))
+
+
+def read_page(
+    session: Session, query: Select[Any], limit: int, as_json: Callable[[RawRow], bytes | None]
+) -> Page:
+    """Up to `limit` readable rows of a `paged` query; the first column of each is its id.
+
+    `as_json` returns None for a damaged row. Damaged rows do not count, so that a page ends with a row whose
+    sort key is readable.
+    """
+    kept: list[tuple[RawRow, bytes]] = []
+    damaged: list[str] = []
+    offset, missing = 0, limit + 1
+    connection = session.connection()  # half of the cost of the session, which would look for objects
+    while missing:
+        found = connection.execute(query, {"limit": missing, "offset": offset}).all()
+        for row in map(tuple, found):
+            data = as_json(row)
+            if data is None:
+                damaged.append(str(row[0]))
+            else:
+                kept.append((row, data))
+        offset += len(found)
+        missing = limit + 1 - len(kept) if len(found) == missing else 0
+    last = kept[limit - 1][0] if len(kept) > limit else None
+    return Page([data for _, data in kept[:limit]], damaged, last)
 
 
 def encode_cursor(values: Sequence[str]) -> str:
@@ -44,6 +99,11 @@ def decode_cursor(cursor: str, count: int) -> list[str]:
         if len(texts) == count == len(cast(list[object], parts)) and all(map(is_storable, texts)):
             return texts
     raise invalid_cursor()
+
+
+def cursor_of_time(stored: object) -> str:
+    """The part of a cursor for a time as the database holds it."""
+    return _TIME.validate_python(stored).isoformat()
 
 
 def cursor_time(text: str) -> datetime:

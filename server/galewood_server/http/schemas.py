@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
-from datetime import datetime
+import json
+from datetime import UTC, datetime
 from typing import Annotated, Any
 
 from galewood.options import BuildRequest, ImportRequest
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
-from galewood_server.http.texts import StorableText
+from galewood_server.http.texts import AS_SHOWN, StorableText
 from galewood_server.storage import Form, JobState, TreeState
 
-TreeName = Annotated[StorableText, StringConstraints(strip_whitespace=True, min_length=1, max_length=200)]
+TreeName = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=200), AS_SHOWN]
+
+
+def _as_utc(time: datetime) -> datetime:
+    return time.replace(tzinfo=UTC) if time.tzinfo is None else time.astimezone(UTC)
+
+
+def _from_text(value: object) -> object:
+    return json.loads(value) if isinstance(value, str) else value
+
+
+StoredTime = Annotated[datetime, AfterValidator(_as_utc)]
+"""A time in UTC, also as SQLite holds it, without a zone."""
+from_stored_json = BeforeValidator(_from_text)
+"""Reads a JSON column, also as its text."""
 
 
 class JobOut(BaseModel):
@@ -31,22 +46,22 @@ class JobOut(BaseModel):
     seconds_left: float | None
     samples_done: int | None = None
     samples_total: int | None = None
-    pictures: dict[str, str] = Field(default_factory=dict)
+    pictures: Annotated[dict[str, str], from_stored_json] = Field(default_factory=dict)
     error: str | None
-    created_at: datetime
-    updated_at: datetime
+    created_at: StoredTime
+    updated_at: StoredTime
 
 
-class TreeOut(BaseModel):
-    """A tree: `state` is `ready` once it has a complete table; `job_id` is its newest build job.
+class TreeSummary(BaseModel):
+    """A tree without its report: `state` is `ready` once it has a complete table; `job_id` is its newest
+    build job.
 
     `records_sha256` is null until the records of the paper's state search are computed, and for tables of
     older versions, which contain them. `bare_table_sha256` is the table of the same mesh without its leaves,
     for the winter; null: there is none. `form`: grown in the open, or slender between other trees; a built-in
     species may have one tree of each form. `compliance_sha256` is needed only to pull the tree at a point.
+    `updated_at` changes with every change of the tree, also of its report.
     """
-
-    model_config = ConfigDict(from_attributes=True)
 
     id: str
     name: str
@@ -61,24 +76,35 @@ class TreeOut(BaseModel):
     compliance_sha256: str | None = None
     mesh_sha256: str | None
     job_id: str | None
-    report: dict[str, Any]
-    created_at: datetime
+    created_at: StoredTime
+    updated_at: StoredTime
 
 
-class TreeList(BaseModel):
-    """A page of the trees: built-in trees first, then by age. `next` is the cursor of the next page."""
+class TreeOut(TreeSummary):
+    """A tree with its report: that of its mesh import and, once it is built, of its build."""
 
-    trees: list[TreeOut]
+    report: Annotated[dict[str, Any], from_stored_json]
+
+
+class PageOut(BaseModel):
+    """A page of a list. `next` is the cursor of the next page. `damaged`: ids of records that cannot be read
+    and are left out; `total` counts them."""
+
     total: int
     next: str | None
+    damaged: list[str]
 
 
-class JobList(BaseModel):
-    """A page of the jobs, newest first. `next` is the cursor of the next page."""
+class TreeList(PageOut):
+    """A page of the trees: built-in trees first, then by age."""
+
+    trees: list[TreeSummary]
+
+
+class JobList(PageOut):
+    """A page of the jobs, newest first."""
 
     jobs: list[JobOut]
-    total: int
-    next: str | None
 
 
 class TableOut(BaseModel):
@@ -96,12 +122,10 @@ class TableOut(BaseModel):
     mesh_sha256: str | None
 
 
-class TableList(BaseModel):
-    """A page of the current tables. `next` is the cursor of the next page."""
+class TableList(PageOut):
+    """A page of the current tables."""
 
     tables: list[TableOut]
-    total: int
-    next: str | None
 
 
 class WoodSpeciesOut(BaseModel):
@@ -120,14 +144,6 @@ class WoodSpeciesList(BaseModel):
     """All wood species."""
 
     species: list[WoodSpeciesOut]
-
-
-class Change(BaseModel):
-    """An event of /api/events: a tree with its newest build job; `deleted` if the tree was removed."""
-
-    tree: TreeOut
-    job: JobOut | None
-    deleted: bool = False
 
 
 class ImportFields(ImportRequest):

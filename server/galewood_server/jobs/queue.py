@@ -72,10 +72,16 @@ def request_cancel(session: Session, job: Job) -> None:
 
 
 def find_job(session: Session, job_id: str, kind: JobKind = "build") -> Job:
-    """A job by its id and kind. ProblemError 404."""
-    job = session.scalars(select(Job).where(Job.id == job_id, Job.kind == kind)).one_or_none()
+    """A job by its id and kind. ProblemError 404, or 500 if its row cannot be read."""
+    what = "job" if kind == "build" else kind
+    try:
+        job = session.scalars(select(Job).where(Job.id == job_id, Job.kind == kind)).one_or_none()
+    except (ValueError, TypeError) as error:  # of a stored time or JSON document
+        from galewood_server.http import damaged
+
+        raise damaged(what, job_id, "Delete its tree, then upload its file again.") from error
     if job is None:
         from galewood_server.http import not_found
 
-        raise not_found("job" if kind == "build" else kind, job_id)
+        raise not_found(what, job_id)
     return job

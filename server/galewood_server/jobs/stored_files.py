@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 from pathlib import Path
 
 from galewood_server.jobs.progress import JobFailedError
-from galewood_server.storage import Stores
+from galewood_server.storage import DamagedFileError, Stores
 
 WHAT = {
     "sources": "uploaded file",
@@ -21,12 +20,11 @@ RESTORE = "restore it from a backup (`galewood doctor` lists what is missing)"
 def stored_bytes(stores: Stores, kind: str, sha256: str, filename: str = "") -> bytes:
     """The content of a stored file. JobFailedError if it is lost or damaged."""
     try:
-        data = stores.named(kind).get(sha256)
+        return stores.named(kind).get(sha256)
     except FileNotFoundError as error:
         raise _lost(kind, sha256, filename, "is lost") from error
-    if hashlib.sha256(data).hexdigest() != sha256:
-        raise _lost(kind, sha256, filename, "is damaged")
-    return data
+    except DamagedFileError as error:
+        raise _lost(kind, sha256, filename, "is damaged") from error
 
 
 def stored_path(stores: Stores, kind: str, sha256: str) -> Path:

@@ -13,7 +13,7 @@ from galewood_server.storage.database import (
 )
 from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file, preferred_coding
 from galewood_server.storage.failures import StartError, is_database_busy, is_disk_full, start_failure
-from galewood_server.storage.files import FileStore, file_age_s, is_hash
+from galewood_server.storage.files import DamagedFileError, FileStore, file_age_s, is_hash
 from galewood_server.storage.garbage import (
     ANALYSIS_INPUTS,
     FILE_COLUMNS,
@@ -38,9 +38,18 @@ from galewood_server.storage.models import (
     Tree,
     TreeState,
     new_id,
+    tree_state,
     utc_now,
 )
 from galewood_server.storage.object_store import fetch, list_keys, open_bucket, stored
+from galewood_server.storage.raw_rows import (
+    JOB_FIELDS,
+    TREE_FIELDS,
+    RawRow,
+    job_rows,
+    tree_rows,
+    unconverted,
+)
 from galewood_server.storage.records import compliance_of, records_of
 from galewood_server.storage.stores import STORE_NAMES, Stores
 from galewood_server.storage.table_cache import TableCache
@@ -49,14 +58,18 @@ __all__ = [
     "ACTIVE",
     "ANALYSIS_INPUTS",
     "FILE_COLUMNS",
+    "JOB_FIELDS",
     "PREFERRED",
     "STORE_NAMES",
+    "TREE_FIELDS",
+    "DamagedFileError",
     "FileStore",
     "Form",
     "Garbage",
     "Job",
     "JobKind",
     "JobState",
+    "RawRow",
     "Sessions",
     "SharedForest",
     "StartError",
@@ -79,6 +92,7 @@ __all__ = [
     "is_database_busy",
     "is_disk_full",
     "is_hash",
+    "job_rows",
     "list_keys",
     "mark_garbage",
     "mark_tree_files",
@@ -96,5 +110,8 @@ __all__ = [
     "start_failure",
     "store_referenced",
     "stored",
+    "tree_rows",
+    "tree_state",
+    "unconverted",
     "utc_now",
 ]

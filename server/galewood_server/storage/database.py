@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +40,8 @@ def with_driver(url: str) -> str:
 
 
 def _prepare_sqlite(connection: Any, _record: object) -> None:
+    # text that is not UTF-8 spoils its own row only, which is then not serialisable
+    connection.text_factory = partial(str, encoding="utf-8", errors="surrogateescape")
     # WAL allows job processes to write while the server reads; busy_timeout avoids "database is locked"
     for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON", "busy_timeout=10000"):
         connection.execute(f"PRAGMA {pragma}")

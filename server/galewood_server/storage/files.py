@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 import re
 import time
 from collections.abc import Iterator
@@ -10,12 +11,22 @@ from pathlib import Path
 
 from galewood.util import write_whole
 
+log = logging.getLogger("galewood.files")
 _HASH = re.compile(r"[0-9a-f]{64}")
 
 
 def is_hash(name: str) -> bool:
     """Whether a name is a SHA-256 in lower-case hex and therefore a safe file name."""
     return _HASH.fullmatch(name) is not None
+
+
+class DamagedFileError(OSError):
+    """The content of a stored file does not match its hash."""
+
+    def __init__(self, kind: str, sha256: str) -> None:
+        """`kind`: the name of its store."""
+        super().__init__(f"the stored file {kind}/{sha256} is damaged: its content does not match its hash")
+        self.kind = kind
 
 
 class FileStore:
@@ -41,16 +52,26 @@ class FileStore:
         return self.path(sha256).stat().st_size if self.has(sha256) else None
 
     def put(self, data: bytes) -> str:
-        """Store bytes and return their SHA-256. Existing files are not written again."""
+        """Store bytes and return their SHA-256. Existing files are not written again, unless damaged."""
         sha256 = hashlib.sha256(data).hexdigest()
         target = self.path(sha256)
-        if not target.is_file():
+        if not target.is_file() or not self.is_intact(sha256):
             write_whole(target, data)
         return sha256
 
     def get(self, sha256: str) -> bytes:
-        """The stored bytes. FileNotFoundError."""
+        """The stored bytes. FileNotFoundError, DamagedFileError."""
+        self.check(sha256)
         return self.path(sha256).read_bytes()
+
+    def check(self, sha256: str) -> None:
+        """Raise DamagedFileError, and log it, if a stored file's content does not match its name.
+
+        FileNotFoundError.
+        """
+        if not self.is_intact(sha256):
+            log.error("the stored file %s/%s is damaged", self.root.name, sha256)
+            raise DamagedFileError(self.root.name, sha256)
 
     def is_intact(self, sha256: str) -> bool:
         """Whether a stored file's content matches its name. It is read again only after it has changed."""
@@ -66,8 +87,8 @@ class FileStore:
         return intact
 
     def get_from_origin(self, sha256: str) -> bytes:
-        """Like `get`, but bypassing local copies. FileNotFoundError."""
-        return self.get(sha256)
+        """The stored bytes, damaged or not, bypassing local copies. FileNotFoundError."""
+        return self.path(sha256).read_bytes()
 
     def age_s(self, sha256: str) -> float:
         """Seconds since the file was stored; 0 if it does not exist."""

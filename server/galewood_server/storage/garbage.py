@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import timedelta
 from pathlib import Path
 
@@ -12,7 +13,9 @@ from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from galewood_server.storage.database import Sessions, database_now
+from galewood_server.storage.files import is_hash
 from galewood_server.storage.models import ACTIVE, Garbage, Job, JobKind, Tree
+from galewood_server.storage.raw_rows import unconverted
 from galewood_server.storage.stores import Stores
 
 FILE_COLUMNS = {
@@ -60,25 +63,46 @@ def replace_files(session: Session, tree: Tree, files: Mapping[str, str | None])
             setattr(tree, field, files[field])
 
 
-def mark_tree_files(session: Session, tree: Tree) -> None:
-    """Mark the files of a tree that is about to be deleted, and those of its jobs."""
-    for field, kind in FILE_COLUMNS.items():
-        mark_garbage(session, kind, getattr(tree, field))
-    for job in tree.jobs:
-        _mark_job_files(session, job)
+def mark_tree_files(session: Session, tree_id: str) -> dict[str, str]:
+    """Mark the files of a tree that is about to be deleted, and those of its jobs.
+
+    Returns the tree's: column -> hash. Damaged values are skipped, so that a damaged tree can be deleted.
+    """
+    columns = [unconverted(getattr(Tree, field)) for field in FILE_COLUMNS]
+    row = session.execute(select(*columns).where(Tree.id == tree_id)).one()
+    files = {field: name for field, name in zip(FILE_COLUMNS, row, strict=True) if _is_name(name)}
+    for field, name in files.items():
+        mark_garbage(session, FILE_COLUMNS[field], name)
+    jobs = select(Job.result_sha256, unconverted(Job.pictures)).where(Job.tree_id == tree_id)
+    for result, pictures in session.execute(jobs).tuples().all():
+        _mark_files(session, result, picture_hashes(pictures))
+    return files
+
+
+def _is_name(value: object) -> bool:
+    return isinstance(value, str) and is_hash(value)
+
+
+def picture_hashes(stored: object) -> set[str]:
+    """The hashes in a job's `pictures` as they are stored; none if these are damaged."""
+    try:
+        return set(filter(_is_name, json.loads(str(stored)).values()))
+    except (ValueError, AttributeError):
+        return set()
 
 
 def forget_old_analyses(session: Session, tree: Tree, kind: JobKind) -> None:
     """Delete all but the newest KEPT_ANALYSES ended analyses of a kind."""
     ended = [job for job in tree.jobs if job.kind == kind and job.state not in ACTIVE]
     for job in ended[:-KEPT_ANALYSES]:
-        _mark_job_files(session, job)
+        _mark_files(session, job.result_sha256, job.pictures.values())
         tree.jobs.remove(job)
 
 
-def _mark_job_files(session: Session, job: Job) -> None:
-    mark_garbage(session, "results", job.result_sha256)
-    for sha256 in job.pictures.values():
+def _mark_files(session: Session, result: object, pictures: Iterable[str]) -> None:
+    if isinstance(result, str):
+        mark_garbage(session, "results", result)
+    for sha256 in pictures:
         mark_garbage(session, "pictures", sha256)
 
 
@@ -88,8 +112,8 @@ def referenced_files(session: Session) -> dict[str, set[str]]:
     for field, kind in FILE_COLUMNS.items():
         names[kind] |= set(filter(None, session.scalars(select(getattr(Tree, field)))))
     names["results"] |= set(filter(None, session.scalars(select(Job.result_sha256))))
-    for pictures in session.scalars(select(Job.pictures)):
-        names["pictures"] |= set(pictures.values())
+    for pictures in session.scalars(select(unconverted(Job.pictures))):
+        names["pictures"] |= picture_hashes(pictures)
     return names
 
 

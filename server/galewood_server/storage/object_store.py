@@ -92,7 +92,7 @@ class BucketStore(FileStore):
     def get_from_origin(self, sha256: str) -> bytes:
         """The bytes in the bucket; replaces the local copy. FileNotFoundError."""
         super().path(sha256).unlink(missing_ok=True)
-        return self.get(sha256)
+        return super().get_from_origin(sha256)
 
     def age_s(self, sha256: str) -> float:
         """Seconds since the file was stored; 0 if it does not exist."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from galewood.table import TableError
 
 from galewood_server.settings import Settings
-from galewood_server.storage import TableCache
+from galewood_server.storage import DamagedFileError, TableCache
 from galewood_server.stream.client_buffer import ClientBuffer, FrameSink
 from galewood_server.stream.live_forest import LiveForest
 from galewood_server.stream.session_error import TRY_AGAIN_LATER, SessionError
@@ -188,7 +188,7 @@ class Forests:
         sha256 = self._compliance_of(table_sha256)
         try:
             return self._table_cache.take_compliance(sha256) if sha256 else None
-        except (FileNotFoundError, TableError) as error:
+        except (FileNotFoundError, DamagedFileError, TableError) as error:
             log.warning("a compliance file is missing or unreadable: %s", error)
             return None
 
@@ -197,7 +197,7 @@ class Forests:
             if plan.method == "paper":
                 return [self._with_records(group.table) for group in plan.groups]
             return [self._table_cache.take(group.table) for group in plan.groups]
-        except (FileNotFoundError, TableError) as error:
+        except (FileNotFoundError, DamagedFileError, TableError) as error:
             log.warning("a table is missing or unreadable: %s", error)
             raise SessionError("no-such-table", "A table of this forest is missing or unreadable") from None
 

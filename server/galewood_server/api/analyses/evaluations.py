@@ -20,7 +20,7 @@ from galewood_server.api.analyses.common import (
 from galewood_server.api.events import feed_of, follow_job, stream
 from galewood_server.api.trees import find_tree
 from galewood_server.context import ServiceDep
-from galewood_server.http import EVENT_STREAM, NOT_MODIFIED, contents, problems
+from galewood_server.http import EVENT_STREAM, NOT_MODIFIED, answerable, contents, problems
 from galewood_server.jobs import PLOT, add_job, find_job, request_cancel
 from galewood_server.storage import ACTIVE, Job, Tree, forget_old_analyses
 
@@ -99,7 +99,7 @@ def evaluate_tree(
             check_queue_length(session, "evaluation")
             forget_old_analyses(session, tree, "evaluation")
             job = add_job(session, tree, "evaluation", settings)
-        out = evaluation_out(job)
+        out = answerable(evaluation_out(job))
     response.headers["Location"] = f"/api/evaluations/{out.id}"
     service.wake_supervisor()
     return out
@@ -139,7 +139,7 @@ def cancel_evaluation(evaluation_id: str, service: ServiceDep) -> EvaluationOut:
     with service.sessions.begin() as session:
         job = find_job(session, evaluation_id, "evaluation")
         request_cancel(session, job)
-        out = evaluation_out(job)
+        out = answerable(evaluation_out(job))
     service.wake_supervisor()
     return out
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import re
 from typing import Any
 
@@ -13,7 +12,6 @@ from galewood_server.context import Service, ServiceDep
 from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matches, not_found, problems
 from galewood_server.storage import PREFERRED, FileStore, coding_of, encoded_file
 
-log = logging.getLogger("galewood.files")
 router = APIRouter(prefix="/api", tags=["artefacts"])
 IMMUTABLE = "public, max-age=31536000, immutable"
 _RANGE = re.compile(r"bytes=\s*(\d+-\d*|-\d+)(\s*,\s*(\d+-\d*|-\d+)){0,15}\s*")
@@ -59,19 +57,6 @@ def get_mesh(sha256: str, request: Request, service: ServiceDep) -> Response:
     return _file(request, service, service.stores.meshes, "mesh", sha256, "model/gltf-binary")
 
 
-def _check_intact(store: FileStore, kind: str, sha256: str) -> None:
-    """ProblemError 500 for a file that its disk has damaged: it must not be cached as immutable."""
-    if not store.is_intact(sha256):
-        log.error("the stored %s %s is damaged: its content does not match its name", kind, sha256)
-        raise ProblemError(
-            500,
-            f"damaged-{kind}",
-            f"The stored {kind} is damaged",
-            detail="The content of the file does not match its hash.",
-            hint="The operator can restore it from a backup, or delete it and compute the tree again.",
-        )
-
-
 def _byte_ranges(request: Request) -> str | None:
     """The Range header; None without one, or with an unknown unit, which is ignored (RFC 9110, 14.2)."""
     ranges = request.headers.get("range")
@@ -106,7 +91,7 @@ def _file(
 ) -> Response:
     if not store.has(sha256):
         raise not_found(kind, sha256)
-    _check_intact(store, kind, sha256)
+    store.check(sha256)  # a damaged file must not be cached as immutable
     ranges = _byte_ranges(request)
     if ranges is None:
         _drop_range(request)

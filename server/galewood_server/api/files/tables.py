@@ -3,33 +3,58 @@
 from __future__ import annotations
 
 from datetime import datetime
+from functools import lru_cache
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
 from galewood.table import TableError, read_metadata
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 from sqlalchemy import func, select
 
-from galewood_server.context import Service, ServiceDep
+from galewood_server.context import ServiceDep
 from galewood_server.http import (
     NOT_MODIFIED,
     PageParams,
     ProblemError,
+    StoredTime,
     TableList,
     TableOut,
+    cursor_of_time,
     cursor_time,
     decode_cursor,
-    encode_cursor,
     json_with_etag,
     not_found,
+    paged,
     problems,
+    read_page,
+    row_as_json,
     rows_after,
 )
-from galewood_server.storage import Tree
+from galewood_server.storage import RawRow, Tree, is_hash, unconverted
 
 router = APIRouter(prefix="/api/tables", tags=["tables"])
 ORDER = (Tree.created_at, Tree.id)
-OWN_FIELDS = ("name", "species", "height_m", "mesh_sha256", "records_sha256", "bare_table_sha256")
+FIELDS = (
+    "id",
+    "table_sha256",
+    "name",
+    "species",
+    "height_m",
+    "mesh_sha256",
+    "records_sha256",
+    "bare_table_sha256",
+    "created_at",
+)
+HAS_TABLE = Tree.table_sha256.is_not(None)
+COUNT = select(func.count(Tree.id)).where(HAS_TABLE)
+LIST = paged(select(*(unconverted(getattr(Tree, name)) for name in FIELDS)).where(HAS_TABLE).order_by(*ORDER))
+KEPT_ROWS = 1024
+
+
+class _TableRow(TableOut):
+    """With the time by which the list is ordered: a row whose time is unreadable is damaged."""
+
+    created_at: StoredTime = Field(exclude=True)
 
 
 class TableMetadata(BaseModel):
@@ -42,30 +67,34 @@ class TableMetadata(BaseModel):
 @router.get("", response_model=TableList, responses=NOT_MODIFIED)
 def list_tables(request: Request, service: ServiceDep, query: PageParams) -> Response:
     """A page of the trees' current tables, ordered by the age of the tree."""
-    rows = select(Tree).where(Tree.table_sha256.is_not(None)).order_by(*ORDER).limit(query.limit + 1)
-    if query.after:
-        rows = rows.where(rows_after(ORDER, _sort_key(query.after)))
+    rows = LIST.where(rows_after(ORDER, _sort_key(query.after))) if query.after else LIST
+    stored_bytes = service.stores.tables.size
+
+    def as_json(row: RawRow) -> bytes | None:
+        return _table_json(row, stored_bytes(row[1]) if is_hash(str(row[1])) else None)
+
     with service.sessions() as session:
-        trees = session.scalars(rows).all()
-        total = session.scalar(select(func.count(Tree.id)).where(Tree.table_sha256.is_not(None))) or 0
-    last = trees[query.limit - 1] if len(trees) > query.limit else None
-    cursor = encode_cursor([last.created_at.isoformat(), last.id]) if last else None
-    tables = [out for tree in trees[: query.limit] if (out := _out(service, tree))]
-    return json_with_etag(request, TableList(tables=tables, total=total, next=cursor))
+        page = read_page(session, rows, query.limit, as_json)
+        total = session.scalar(COUNT) or 0
+    return page.response(request, "tables", total, _cursor_parts)
+
+
+@lru_cache(maxsize=KEPT_ROWS)
+def _table_json(row: RawRow, size_bytes: int | None) -> bytes | None:
+    """A table as JSON; None, with the id of its tree in the log, if the row is damaged or has no file."""
+    found = dict(zip(FIELDS, row, strict=True))
+    own = {"sha256": found["table_sha256"], "size_bytes": size_bytes, "tree_id": found["id"]}
+    return row_as_json("tree", _TableRow, {**found, **own})
+
+
+def _cursor_parts(row: RawRow) -> list[str]:
+    found = dict(zip(FIELDS, row, strict=True))
+    return [cursor_of_time(found["created_at"]), found["id"]]
 
 
 def _sort_key(cursor: str) -> tuple[datetime, str]:
     created_at, tree_id = decode_cursor(cursor, 2)
     return cursor_time(created_at), tree_id
-
-
-def _out(service: Service, tree: Tree) -> TableOut | None:
-    """None if the file is missing, which `galewood doctor` reports."""
-    size = service.stores.tables.size(tree.table_sha256 or "")
-    if size is None:
-        return None
-    fields = {name: getattr(tree, name) for name in OWN_FIELDS}
-    return TableOut(sha256=tree.table_sha256 or "", size_bytes=size, tree_id=tree.id, **fields)
 
 
 @router.get(

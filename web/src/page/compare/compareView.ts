@@ -5,6 +5,7 @@ import type { Method } from "galewood/motion";
 import type { TreeModel } from "galewood/trees";
 import type { WindState } from "galewood/wind";
 import { Problem, type Tree } from "../server/api";
+import { reportOf } from "../server/reports";
 import { make } from "../ui/dom";
 import { stiffnessInWords } from "../ui/physics";
 import { displayName } from "../ui/words";
@@ -161,7 +162,12 @@ export class CompareView {
     this.verdict.textContent = "";
     this.scene.setTree(chosen.model, chosen.motion);
     this.foliage = chosen.motion.foliage;
-    this.stiffness = stiffnessInWords(chosen.tree.report);
+    this.stiffness = "";
+    void reportOf(chosen.tree).then((report) => {
+      if (running.signal.aborted) return;
+      this.stiffness = stiffnessInWords(report);
+      this.showVerdict();
+    });
     this.progress(0, "Requesting the reference solution");
     const frames = Math.round(SECONDS * 30);
     const asked = { treeId: chosen.tree.id, wind: wind.state, start_s: wind.time_s, frames, ...chosen.place };

@@ -8,8 +8,8 @@ import {
   fetchMesh,
   knownSpecies,
   Problem,
+  type ReportedTree,
   startPrecompute,
-  type Tree,
 } from "../server/api";
 import { make } from "../ui/dom";
 import { displayName } from "../ui/words";
@@ -60,7 +60,7 @@ export class OwnTreeDialog {
   private last_ms = 0;
 
   constructor(
-    private tree: Tree,
+    private tree: ReportedTree,
     private readonly uploads: OwnUploads,
   ) {
     this.title.id = "own-tree-heading";

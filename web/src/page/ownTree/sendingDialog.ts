@@ -1,6 +1,6 @@
 /** Shows a file on its way to the server, with the remaining time; closing the dialog ends the upload. */
 import "./ownTree.css";
-import { type Tree, uploadTree } from "../server/api";
+import { type ReportedTree, uploadTree } from "../server/api";
 import { make } from "../ui/dom";
 import { ProgressBar } from "../ui/progressBar";
 import { timeLeft } from "../ui/words";
@@ -18,7 +18,7 @@ export function sendingWords(share: number, spent_s: number): string {
 }
 
 /** Uploads a file; null if the visitor ended it. Throws a Problem. */
-export async function sendFile(file: File): Promise<Tree | null> {
+export async function sendFile(file: File): Promise<ReportedTree | null> {
   const life = new AbortController();
   const bar = new ProgressBar(`Sending ${file.name}`);
   const line = make("p", "Sending the file", "own-tree-message");

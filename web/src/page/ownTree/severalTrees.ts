@@ -6,6 +6,7 @@ import {
   deleteTree,
   isActive,
   Problem,
+  type ReportedTree,
   startPrecompute,
   type Tree,
   type TreeChange,
@@ -154,7 +155,7 @@ export class SeveralTrees {
     return entry.state === "left";
   }
 
-  private treeOf({ found, name }: Entry): Promise<Tree> {
+  private treeOf({ found, name }: Entry): Promise<ReportedTree> {
     const { tree, assumed } = this.host;
     if (found.taken) return changeAssumptions(tree.id, { name });
     return copyTree(tree.id, { name, tree: found.number, height_m: heightOf(assumed, found) });

@@ -24,8 +24,14 @@ export interface Tree {
   compliance_sha256?: string | null;
   mesh_sha256: string | null;
   job_id: string | null;
-  report: Record<string, unknown> | null;
   created_at: string;
+  /** Changes with every change of the tree, also of its report. */
+  updated_at: string;
+}
+
+/** A tree with the report of its import and its build, as one is asked for; lists and events have none. */
+export interface ReportedTree extends Tree {
+  report: Record<string, unknown> | null;
 }
 
 export interface Job {
@@ -122,12 +128,16 @@ export async function fetchApi(
  * Uploads a mesh. The server imports it immediately and rejects files that are not usable as a tree. Throws an
  * AbortError once `sending` was ended.
  */
-export async function uploadTree(file: File, sending: Sending): Promise<Tree> {
+export async function uploadTree(file: File, sending: Sending): Promise<ReportedTree> {
   const form = new FormData();
   form.append("file", file, file.name);
   const init = { method: "POST", body: form };
   const response = await fetchApi("api/trees", init, (to, given) => sendBody(to, given, sending));
-  return (await response.json()) as Tree;
+  return (await response.json()) as ReportedTree;
+}
+
+export async function fetchTree(id: string): Promise<ReportedTree> {
+  return (await (await fetchApi(`api/trees/${encodeURIComponent(id)}`)).json()) as ReportedTree;
 }
 
 /** What can be chosen about a computation; null: the default. */
@@ -164,13 +174,13 @@ export interface Assumptions {
 }
 
 /** Imports the mesh again with these corrections. */
-export async function changeAssumptions(treeId: string, assumptions: Assumptions): Promise<Tree> {
+export async function changeAssumptions(treeId: string, assumptions: Assumptions): Promise<ReportedTree> {
   const init = {
     method: "PATCH",
     headers: { "content-type": "application/json" },
     body: JSON.stringify(assumptions),
   };
-  return (await (await fetchApi(`api/trees/${encodeURIComponent(treeId)}`, init)).json()) as Tree;
+  return (await (await fetchApi(`api/trees/${encodeURIComponent(treeId)}`, init)).json()) as ReportedTree;
 }
 
 /** All pieces of an upload's tree as a GLB, also those that are left out. */
@@ -183,13 +193,15 @@ export async function fetchPieces(treeId: string): Promise<ArrayBuffer> {
 export async function copyTree(
   treeId: string,
   changes: Assumptions & { readonly name: string },
-): Promise<Tree> {
+): Promise<ReportedTree> {
   const init = {
     method: "POST",
     headers: { "content-type": "application/json" },
     body: JSON.stringify(changes),
   };
-  return (await (await fetchApi(`api/trees/${encodeURIComponent(treeId)}/copies`, init)).json()) as Tree;
+  return (await (
+    await fetchApi(`api/trees/${encodeURIComponent(treeId)}/copies`, init)
+  ).json()) as ReportedTree;
 }
 
 export async function deleteTree(treeId: string): Promise<void> {

@@ -1,5 +1,5 @@
 /** Physical properties of a tree, taken from its build report, as rows of a card. Pure. */
-import type { Tree } from "../server/api";
+import type { ReportedTree } from "../server/api";
 
 export interface Fact {
   readonly name: string;
@@ -31,7 +31,7 @@ export function timeInWords(seconds: number): string {
 }
 
 /** The facts that the build report contains; missing values are omitted. */
-export function factsOf(tree: Pick<Tree, "height_m" | "report">, tableBytes: number | null): Fact[] {
+export function factsOf(tree: Pick<ReportedTree, "height_m" | "report">, tableBytes: number | null): Fact[] {
   const { report } = tree;
   const of = (...path: (string | number)[]) => numberAt(report, ...path);
   const facts: (Fact | null)[] = [

@@ -1,21 +1,27 @@
 /** A dialog with one card per tree of the forest that lists its physical properties. */
 import { paperStateOf, stateWords } from "../paper/paperState";
 import type { KnownTree } from "../server/catalogue";
+import { reportOf } from "../server/reports";
 import { make } from "./dom";
-import { factsOf } from "./physics";
+import { type Fact, factsOf } from "./physics";
 import { displayName } from "./words";
+
+function factRow({ name, value, meaning }: Fact): HTMLElement {
+  const row = make("div");
+  const term = make("dt", name);
+  term.append(make("small", meaning));
+  row.append(term, make("dd", value));
+  return row;
+}
 
 function card(known: KnownTree): HTMLElement {
   const { tree, motion } = known;
   const root = make("article", "", "physics-card");
   const list = make("dl");
-  for (const { name, value, meaning } of factsOf(tree, motion?.bytes ?? null)) {
-    const row = make("div");
-    const term = make("dt", name);
-    term.append(make("small", meaning));
-    row.append(term, make("dd", value));
-    list.append(row);
-  }
+  void reportOf(tree).then((report) => {
+    const facts = factsOf({ height_m: tree.height_m, report }, motion?.bytes ?? null);
+    list.replaceChildren(...facts.map(factRow));
+  });
   const state = stateWords(known, paperStateOf(known, false));
   root.append(make("h3", displayName(tree)), make("p", state, "physics-state"), list);
   return root;

@@ -2,6 +2,7 @@
 import { onlyExtrasLeft, type PaperState, stateWords } from "../paper/paperState";
 import { jobPictures, pictureUrl, type Tree } from "../server/api";
 import type { KnownTree } from "../server/catalogue";
+import { reportOf } from "../server/reports";
 import type { Planted } from "../settings/planted";
 import type { PickedFigures } from "../treePicker";
 import { element, make } from "./dom";
@@ -50,6 +51,9 @@ export class PickedCard {
   private readonly follow = make("button", "Follow");
   private readonly planted: PlantedChoice;
   private shownId = "";
+  /** The state of the tree whose report was asked for, and the last report that has arrived. */
+  private reportedAt = "";
+  private report: unknown = null;
   private jobId = "";
 
   /** `overlays` is the menu of what to draw on the tree. */
@@ -100,10 +104,12 @@ export class PickedCard {
     if (this.shownId !== tree.id) {
       this.shownId = tree.id;
       this.heading.textContent = displayName(tree);
+      this.reportedAt = "";
+      this.report = null;
       void this.showPictures(tree);
     }
     const figured = figuresInWords(figures, Boolean(tree.table_sha256));
-    const stiffness = chosenStiffness(tree.report);
+    const stiffness = chosenStiffness(this.reportFor(tree));
     if (stiffness) figured.push(["Stiffness", `× ${Number(stiffness.factor.toPrecision(2))} of its wood`]);
     const rows = figured.map(([name, value]) => {
       const row = make("div");
@@ -114,6 +120,18 @@ export class PickedCard {
     this.planted.root.hidden = tree.builtin;
     this.planted.show(this.tools.planted(tree.id));
     this.showState(known, paper);
+  }
+
+  /** The report of the shown tree; until it arrives, that before its last change, or null. */
+  private reportFor(tree: Tree): unknown {
+    const { updated_at } = tree;
+    if (this.reportedAt !== updated_at) {
+      this.reportedAt = updated_at;
+      void reportOf(tree).then((report) => {
+        if (this.shownId === tree.id && this.reportedAt === updated_at) this.report = report;
+      });
+    }
+    return this.report;
   }
 
   private showState(known: KnownTree, paper: PaperState): void {
