@@ -86,11 +86,11 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
         lifespan=lifespan,
         docs_url=None,
         redoc_url=None,
+        redirect_slashes=False,
         generate_unique_id_function=lambda route: route.name,  # generated clients name their functions so
     )
     app.state.metrics = metrics = Metrics(VERSION)
     install_error_handlers(app, [route for router in ROUTERS for route in router.routes])
-        redirect_slashes=False,
     for router in ROUTERS:
         app.include_router(router)
     describe(app)
@@ -156,15 +156,15 @@ def _lock(data_dir: Path) -> TextIO:
 def run(app: FastAPI, settings: Settings) -> None:
     """Serve until interrupted, then finish open requests. Exits with NOT_STARTED if the start fails."""
     configure_logging(settings)
-    config = uvicorn.Config(
-        with_clear_failures(app, settings),
-        host=settings.host,
-        port=settings.port,
     try:
         check_address(settings.host, settings.port)
     except StartError as error:
         log.error("%s", error)
         sys.exit(NOT_STARTED)
+    config = uvicorn.Config(
+        with_clear_failures(app, settings),
+        host=settings.host,
+        port=settings.port,
         backlog=ACCEPTED_AT_ONCE,
         http=protocol_with_limits(
             settings.header_s, settings.write_stall_s, OpenConnections(settings.connections)
