@@ -22,6 +22,7 @@ import httpx
 import psutil
 import psycopg
 import pytest
+from galewood.util.guarded_process import GUARD
 from galewood_server.storage.database import migrate
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -98,6 +99,16 @@ class Server:
         }
 
     def start(self, *arguments: str) -> Server:
+        self.launch(*arguments)
+        try:
+            wait_until(self._answers, 300)
+        except AssertionError:
+            self.stop()
+            raise
+        return self
+
+    def launch(self, *arguments: str) -> None:
+        """Start the process without waiting for an answer."""
         database = self.data_dir / "galewood.sqlite"
         if "fake" in self.module and not database.exists():  # the real one makes its own
             database.write_bytes(empty_database())
@@ -106,12 +117,6 @@ class Server:
                 [sys.executable, "-m", self.module, *arguments],
                 env=self.variables(), cwd=REPOSITORY, stdout=log, stderr=log,
             )  # fmt: skip
-        try:
-            wait_until(self._answers, 300)
-        except AssertionError:
-            self.stop()
-            raise
-        return self
 
     def _answers(self) -> bool:
         assert self.process and self.process.poll() is None, self.log()
@@ -132,6 +137,21 @@ class Server:
         assert self.process
         return psutil.Process(self.process.pid).children(recursive=True)
 
+    def descendants(self) -> list[psutil.Process]:
+        """All processes that were started by this server, found by their settings and folder.
+
+        Unlike `family`, it finds those whose parent has gone.
+        """
+        found: list[psutil.Process] = []
+        for process in psutil.process_iter():
+            try:
+                settings, folder = process.environ().get("GALEWOOD_DATA_DIR", ""), process.cwd()
+                if str(self.data_dir) in (settings, *map(str, Path(folder).parents)):
+                    found.append(process)
+            except (psutil.Error, OSError):  # it has ended
+                continue
+        return [one for one in found if one.status() != psutil.STATUS_ZOMBIE]
+
     def stop(self, how: signal.Signals = signal.SIGTERM) -> None:
         if self.process and self.process.poll() is None:
             self.process.send_signal(how)
@@ -145,11 +165,12 @@ class Server:
 
 
 def command_line(process: psutil.Process) -> list[str]:
-    """The command line of a process; empty if it has ended."""
+    """The command line of a process; empty if it has ended, and for guards, which name their program's."""
     try:
-        return process.cmdline()
+        words = process.cmdline()
     except psutil.NoSuchProcess:  # also raised for zombies
         return []
+    return [] if str(GUARD) in words else words
 
 
 @contextmanager

@@ -82,7 +82,7 @@ def test_a_graceful_stop_leaves_no_process(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="1")
     with server.client() as api:
         running(api, begin(api))
-        family = wait_until(lambda: len(found := server.family()) >= 3 and found)  # job, cluster, a worker
+        family = wait_until(lambda: len(found := server.family()) >= 5 and found)  # job, cluster, their guards, a worker
     server.stop()
     assert gone(family)
     assert "Traceback" not in server.log()
@@ -92,7 +92,7 @@ def test_a_stop_while_the_cluster_starts_leaves_no_process(start_server: StartSe
     server = start_server(FAKE_STEP_S="1")
     with server.client() as api:
         begin(api)
-        family = wait_until(lambda: len(found := server.family()) >= 2 and found)  # job, cluster
+        family = wait_until(lambda: len(found := server.family()) >= 4 and found)  # job, cluster, their guards
     server.stop()
     assert gone(family)
     assert "Traceback" not in server.log()
@@ -162,7 +162,7 @@ def test_a_second_server_on_the_same_folder_does_not_start(start_server: StartSe
     try:
         other.start()
     except AssertionError as error:
-        assert "another server is using" in str(error)
+        assert "Another server is using" in str(error)
     else:
         other.stop()
         raise AssertionError("the second server started")

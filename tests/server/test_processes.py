@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import subprocess
-import sys
-from pathlib import Path
 from typing import Any
 
 import psutil
 import pytest
-from galewood_server.jobs.processes import kill_tree, start_module
+from galewood_server.jobs import processes
+from galewood_server.jobs.processes import start_module
 
 from tests.server.conftest import wait_until
 
@@ -44,45 +42,28 @@ def test_a_process_that_starts_while_its_caller_is_cancelled_is_ended(
     assert not [process for process in children() if process.pid not in before]
 
 
-STARTING = """
-import subprocess, sys, time
-{first}
-# like a process that multiprocessing spawns: it reads from its parent what it is to do
-child = [sys.executable, "-ISc", "import sys; sys.stdin.read(1) or sys.exit('the parent has gone')"]
-children = [subprocess.Popen(child, stdin=subprocess.PIPE) for _ in range(12)]
-print("started", flush=True)
-{last}
-"""
+def test_a_frozen_guard_is_killed_with_its_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(processes, "FROZEN_S", 0.1)
+
+    async def stopped_while_frozen() -> list[psutil.Process]:
+        process = await start_module("pdb", environment={})
+        guard = psutil.Process(process.pid)
+        family = await asyncio.to_thread(wait_until, guard.children)
+        guard.suspend()
+        await process.stop()
+        return family
+
+    family = asyncio.run(stopped_while_frozen())
+    psutil.wait_procs(family, 60)
+    assert not any(one.is_running() for one in family)
 
 
-def starting_children(log: Path, first: str, last: str) -> subprocess.Popen[bytes]:
-    """A process whose children all wait for what they are to do; it and they write errors to `log`."""
-    with log.open("wb") as errors:
-        process = subprocess.Popen(
-            [sys.executable, "-c", STARTING.format(first=first, last=last)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=errors,
-        )
-    assert process.stdout and process.stdout.readline() == b"started\n"
-    return process
+def test_lines_reach_the_program() -> None:
+    async def talk() -> bytes:
+        process = await start_module("code", "-q", environment={}, listen=True)
+        process.send_line("print(6 * 7)")
+        line = await process.read_line()
+        await process.stop()
+        return line
 
-
-def test_children_that_are_starting_are_killed_without_a_word(tmp_path: Path) -> None:
-    process = starting_children(tmp_path / "log", "", "time.sleep(600)")
-    family = psutil.Process(process.pid).children()
-    assert len(family) == 12
-    kill_tree(process.pid)
-    process.communicate()
-    wait_until(lambda: not any(one.is_running() for one in family))
-    assert (tmp_path / "log").read_text() == ""
-
-
-def test_a_process_ends_with_its_parent_while_its_children_start(tmp_path: Path) -> None:
-    first = "from galewood_server.jobs.processes import die_with_parent; die_with_parent()"
-    more = "while not time.sleep(0.02): children.append(subprocess.Popen(child, stdin=subprocess.PIPE))"
-    process = starting_children(tmp_path / "log", first, more)
-    family = psutil.Process(process.pid).children()
-    process.communicate()  # closes its standard input and waits
-    wait_until(lambda: not any(one.is_running() for one in family))
-    assert (tmp_path / "log").read_text() == ""
+    assert asyncio.run(talk()) == b">>> 42\n"

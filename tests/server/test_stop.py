@@ -1,15 +1,26 @@
-"""A graceful stop while requests are open."""
+"""The end of a server: graceful while requests are open, or by a kill, at any moment."""
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
+import random
 import signal
 import socket
+import time
 from collections.abc import Callable
+from pathlib import Path
 
+import httpx
+import pytest
 from galewood_server.storage import Stores
 
 from tests.server.conftest import NO_CLUSTER, Server, wait_until
+from tests.server.test_jobs import begin
+
+STOPS = int(os.environ.get("GALEWOOD_TEST_STOPS", "9"))
+"""How many servers are stopped at random moments."""
 
 UPLOAD = (
     "POST /api/trees HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n"
@@ -43,3 +54,48 @@ def test_open_requests_are_broken_off_without_a_traceback(start_server: Callable
     assert server.log().count("was broken off") >= 2
     for one in (upload, *others):
         one.close()
+
+
+def test_an_import_ends_with_a_killed_server_and_its_folder_with_the_next_start(
+    start_server: Callable[..., Server],
+) -> None:
+    server = start_server("tests.server.hanging_server", **NO_CLUSTER)
+    folders = server.data_dir / "tmp"
+    body = '--x\r\nContent-Disposition: form-data; name="file"; filename="a.obj"\r\n\r\nv 0\r\n--x--\r\n'
+    head = UPLOAD.partition("\r\n\r\n")[0].replace("100000", str(len(body)))
+    upload = asked(server, f"{head}\r\n\r\n{body}")
+    wait_until(lambda: any(folders.rglob("in.npz")), 120)
+    wait_until(
+        lambda: any("galewood.sandbox.child" in word for one in server.family() for word in one.cmdline())
+    )
+    server.kill()
+    wait_until(lambda: not server.descendants(), 120)
+    assert any(folders.rglob("in.npz")), "what the killed server could not remove"
+    start_server("tests.server.hanging_server", **NO_CLUSTER)
+    assert not any(folders.iterdir())
+    upload.close()
+
+
+@pytest.mark.timeout(120 + 30 * STOPS)
+def test_a_server_stopped_at_random_moments_leaves_no_process(tmp_path: Path) -> None:
+    seed = int(os.environ.get("GALEWOOD_TEST_SEED", random.randrange(1 << 32)))
+    print(f"seed {seed}")
+    dice = random.Random(seed)
+    for number in range(STOPS):
+        folder = tmp_path / str(number)
+        (folder / "data").mkdir(parents=True)
+        fakes = {"GALEWOOD_JOB_MODULE": "tests.server.fake_job", "FAKE_STEP_S": "1"}
+        server = Server(folder / "data", "tests.server.fake_server", fakes)
+        how = dice.choice([signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
+        if number % 3 == 0:  # while it starts
+            server.launch()
+        else:  # while a job and the cluster start
+            server.start()
+            with server.client() as api, contextlib.suppress(httpx.HTTPError):
+                begin(api)
+        time.sleep(dice.uniform(0.0, 4.0))  # no condition: a random moment
+        server.stop(how)
+        if how == signal.SIGKILL:  # nobody waits for its children
+            wait_until(lambda server=server: not server.descendants(), 120)
+        assert not server.descendants(), (number, how)
+        assert "Traceback" not in server.log(), server.log()

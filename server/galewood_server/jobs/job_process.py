@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import logging
 import sys
+import threading
 from collections.abc import Callable
+from functools import cache
 
 from galewood.util import Cancelled, MeshError
 
 from galewood_server.jobs.build_job import Build, run_build
 from galewood_server.jobs.cluster.dask_cluster import EngineLostError
-from galewood_server.jobs.processes import die_with_parent
 from galewood_server.jobs.progress import JobFailedError, JobLease
 from galewood_server.settings import Settings
 from galewood_server.storage import Job, JobKind, Sessions, Stores, open_database
@@ -78,14 +79,30 @@ def _kind(sessions: Sessions, job_id: str) -> JobKind:
         return job.kind
 
 
+def _address_of_cluster() -> Callable[[], str]:
+    """A function that waits for the line on standard input. It raises EngineLostError if there is none."""
+    reading = threading.Lock()
+
+    @cache
+    def line() -> str:
+        return sys.stdin.readline().strip()
+
+    def address() -> str:
+        with reading:
+            if not line():
+                raise EngineLostError("the server sent no address of a cluster")
+            return line()
+
+    return address
+
+
 def main(build: Build, analysis: Analysis | None = None) -> None:
-    """Run the job given on the command line; end with the server. Tests pass `analysis`."""
+    """Run the job given on the command line. Tests pass `analysis`."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
-    address = die_with_parent()
     job_id, lease = sys.argv[1:3]
     settings = Settings()
     job_lease = JobLease(open_database(settings.database), job_id, lease)
-    run_job(job_lease, address.result, settings, build, analysis)
+    run_job(job_lease, _address_of_cluster(), settings, build, analysis)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from galewood_server.context import Service
 from galewood_server.jobs import leases
 from galewood_server.jobs.cluster.embedded import Cluster, ClusterError, Handover
-from galewood_server.jobs.processes import start_module, stop
+from galewood_server.jobs.processes import ChildProcess, start_module
 from galewood_server.jobs.queue import AFTER_TABLE, end_job
 from galewood_server.storage import Job, JobKind, collect_garbage, forget_analysis_folders
 
@@ -219,7 +219,7 @@ class Supervisor:
             await asyncio.to_thread(self._record_exit, claim, str(error))
             return
         finally:
-            await stop(process)
+            await process.stop()
             if handover:
                 await handover.close()
         code = process.returncode
@@ -228,7 +228,7 @@ class Supervisor:
 
     async def _wait_for_end(
         self,
-        process: asyncio.subprocess.Process,
+        process: ChildProcess,
         claim: Claim,
         renewal: asyncio.Task[None],
         handover: Handover | None,

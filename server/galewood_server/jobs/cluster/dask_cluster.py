@@ -17,8 +17,6 @@ from typing import Any, TypeVar, cast
 
 from galewood.threads import SINGLE_THREADED
 
-from galewood_server.jobs.processes import die_with_parent
-
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -89,7 +87,6 @@ def main() -> None:
     ) as cluster:
         print(json.dumps({"address": cluster.scheduler_address}), flush=True)
         os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
-        die_with_parent()
         sys.stdin.read()
 
 

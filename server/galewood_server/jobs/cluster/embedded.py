@@ -6,11 +6,10 @@ import asyncio
 import json
 import time
 
-from galewood_server.jobs.processes import send_line, start_module, stop
+from galewood_server.jobs.processes import ChildProcess, start_module
 from galewood_server.settings import Settings
 
 START_S = 90.0
-CLOSE_S = 3.0
 
 
 class ClusterError(Exception):
@@ -22,7 +21,7 @@ class Cluster:
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
-        self._process: asyncio.subprocess.Process | None = None
+        self._process: ChildProcess | None = None
         self._address = ""
         self._starting = asyncio.Lock()
         self._used_s = time.monotonic()
@@ -53,13 +52,12 @@ class Cluster:
         process = await start_module(
             "galewood_server.jobs.cluster.dask_cluster", *arguments, environment=environment, listen=True
         )
-        assert process.stdout
         try:
             async with asyncio.timeout(START_S):
-                line = await process.stdout.readline()
+                line = await process.read_line()
             self._address = str(json.loads(line)["address"])
         except BaseException as error:  # including the end of the server meanwhile
-            await stop(process)
+            await process.stop()
             if isinstance(error, (TimeoutError, ValueError, KeyError)):
                 raise ClusterError("the simulation workers could not be started") from error
             raise
@@ -80,14 +78,14 @@ class Cluster:
     async def close(self) -> None:
         """End the embedded cluster."""
         if self._process:
-            await stop(self._process, CLOSE_S)
+            await self._process.stop()
             self._process = None
 
 
 class Handover:
     """Starts the cluster for a job process that is already running, and sends it the address."""
 
-    def __init__(self, cluster: Cluster, process: asyncio.subprocess.Process) -> None:
+    def __init__(self, cluster: Cluster, process: ChildProcess) -> None:
         self._cluster = cluster
         self._process = process
         self._task: asyncio.Task[None] | None = None
@@ -100,7 +98,7 @@ class Handover:
             self._task = asyncio.create_task(self._send())
 
     async def _send(self) -> None:
-        send_line(self._process, await self._cluster.address())
+        self._process.send_line(await self._cluster.address())
 
     @property
     def lost(self) -> bool:
