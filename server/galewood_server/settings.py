@@ -178,6 +178,11 @@ class Settings(BaseSettings):
         """Folder of intermediate results from which interrupted builds resume."""
         return self.data_dir.resolve() / "cache"
 
+    @property
+    def temporary_dir(self) -> Path:
+        """Folder of temporary files, of uploads that are parsed among others; emptied by each start."""
+        return self.data_dir.resolve() / "tmp"
+
     def cancel_flag(self, job_id: str) -> Path:
         """The file whose existence tells the workers that a job was cancelled."""
         return self.cache_dir / "cancelled" / job_id
@@ -197,4 +202,5 @@ class Settings(BaseSettings):
         child["GALEWOOD_DATA_DIR"] = str(self.data_dir.resolve())
         child["GALEWOOD_DATABASE_URL"] = self.database
         child["GALEWOOD_WORKERS"] = str(self.workers)
+        child["TMPDIR"] = str(self.temporary_dir)
         return child

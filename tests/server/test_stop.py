@@ -72,7 +72,7 @@ def test_an_import_ends_with_a_killed_server_and_its_folder_with_the_next_start(
     wait_until(lambda: not server.descendants(), 120)
     assert any(folders.rglob("in.npz")), "what the killed server could not remove"
     start_server("tests.server.hanging_server", **NO_CLUSTER)
-    assert not any(folders.iterdir())
+    assert not any(folders.rglob("in.npz"))
     upload.close()
 
 

@@ -8,7 +8,7 @@ import hashlib
 import logging
 import sys
 from collections.abc import AsyncGenerator
-from contextlib import asynccontextmanager, suppress
+from contextlib import ExitStack, asynccontextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TextIO
@@ -26,6 +26,7 @@ from galewood_server.app.http_protocol import ACCEPTED_AT_ONCE, Server, protocol
 from galewood_server.app.openapi import describe
 from galewood_server.app.page import Page
 from galewood_server.app.start_failures import check_address, with_clear_failures
+from galewood_server.app.temporary_files import temporary_files_in
 from galewood_server.context import Service
 from galewood_server.http import install_error_handlers
 from galewood_server.jobs import Supervisor
@@ -53,7 +54,9 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
-        lock = await asyncio.to_thread(_lock, settings.data_dir)
+        stack = ExitStack()  # closed last, because the tasks' children use the folder
+        stack.enter_context(await asyncio.to_thread(_lock, settings.data_dir))
+        stack.enter_context(temporary_files_in(settings.temporary_dir))
         await asyncio.to_thread(migrate, settings.database)
         app.state.service = service = _service(settings, importer or limited_importer(settings))
         app.state.feed = ChangeFeed(service)
@@ -78,7 +81,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
-            lock.close()
+            stack.close()
 
     app = FastAPI(
         title="Galewood",
