@@ -52,7 +52,7 @@ def _complete(schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def _complete_operation(path: str, method: str, operation: dict[str, Any]) -> None:
-    shared: set[int] = {429} if path.startswith("/api/") else set()
+    shared = {421, 429} if path.startswith("/api/") else {421}
     shared |= {404} if "{" in path else set()
     if "422" in operation["responses"]:
         shared.add(422)
