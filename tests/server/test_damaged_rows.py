@@ -13,12 +13,15 @@ import httpx
 import pytest
 from fastapi import FastAPI
 from galewood_server.api import events
+from galewood_server.app.builtin_trees import queue_outdated_uploads
+from galewood_server.cli.doctor import run_checks
 from galewood_server.storage import Job, Tree, engine_of
 from sqlalchemy import text
 
 from tests.server.in_process import application
 
 SURROGATE = '{"credits": "\\ud800"}'
+JOBS = {f"job{k}" for k in range(5)}
 NOT_UTF8 = b"a\xff".hex()
 TREE_DAMAGE = {
     "unknown form": "UPDATE trees SET form = 'diagonal' WHERE id = 'tree2'",
@@ -156,6 +159,44 @@ def test_the_list_of_tables_leaves_damaged_rows_out(tmp_path: Path) -> None:
             damage(app, "UPDATE trees SET height_m = 'tall' WHERE id = 'tree3'")
             found, left_out = await listed(api, "tables", "tree_id", limit=1)
             assert (found, left_out) == (["tree0", "tree4"], ["tree1", "tree2", "tree3"])
+
+    asyncio.run(ask())
+
+
+@pytest.mark.parametrize("statement", JOB_DAMAGE.values(), ids=JOB_DAMAGE.keys())
+def test_the_evaluations_of_a_tree_survive_a_damaged_one(tmp_path: Path, statement: str) -> None:
+    async def ask() -> None:
+        async with application(tmp_path) as (app, api):
+            add_trees(app)
+            damage(app, "UPDATE jobs SET kind = 'evaluation', tree_id = 'tree2'")
+            damage(app, statement)
+            page = (await api.get("/api/trees/tree2/evaluations")).json()
+            kept = sorted(one["id"] for one in page["evaluations"])
+            readable = (
+                "surrogate" in statement or "ud800" in statement
+            )  # pictures are no part of an evaluation
+            assert kept == ["job0", "job1", *(["job2"] if readable else []), "job3", "job4"]
+            assert page["damaged"] == ([] if readable else ["job2"]) and page["total"] == 5
+
+    asyncio.run(ask())
+
+
+def test_damaged_rows_keep_no_other_tree_from_its_update_and_are_found_by_doctor(tmp_path: Path) -> None:
+    async def ask() -> None:
+        async with application(tmp_path) as (app, api):
+            add_trees(app)
+            damage(app, "UPDATE trees SET fingerprint = 'of an older version'")
+            damage(app, "UPDATE trees SET options = '{' WHERE id = 'tree2'")
+            await queue_outdated_uploads(app.state.service)
+            jobs = (await api.get("/api/jobs")).json()["jobs"]
+            assert {job["tree_id"] for job in jobs if job["id"] not in JOBS} == {
+                "tree0",
+                "tree1",
+                "tree3",
+                "tree4",
+            }
+            found = [finding.what for finding in run_checks(app.state.service.settings)]
+            assert [what for what in found if "'tree2'" in what and "delete its tree" in what]
 
     asyncio.run(ask())
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request, Response
 from pydantic import ValidationError
-from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
@@ -29,7 +28,7 @@ from galewood_server.http import (
     read_upload,
 )
 from galewood_server.jobs import queue_job
-from galewood_server.storage import Tree, new_id
+from galewood_server.storage import Tree, new_id, readable
 
 if TYPE_CHECKING:
     from galewood.mesh import TreeMesh
@@ -125,8 +124,7 @@ def _find(service: Service, upload: Upload, fields: TreeChanges) -> TreeOut | No
 
 
 def _find_same(session: Session, source_sha256: str, options: dict[str, Any]) -> Tree | None:
-    uploads = select(Tree).where(Tree.source_sha256 == source_sha256, Tree.builtin.is_(False))
-    trees = session.scalars(uploads.order_by(Tree.created_at)).all()
+    trees = readable(session, Tree, Tree.source_sha256 == source_sha256, Tree.builtin.is_(False))
     return next((tree for tree in trees if tree.options == options), None)
 
 

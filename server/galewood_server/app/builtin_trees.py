@@ -8,13 +8,12 @@ from pathlib import Path
 
 from galewood.shipped import SHIPPED_FOLDER, build_key, read_shipped
 from pydantic import BaseModel, TypeAdapter
-from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from galewood_server.app import shipped_trees
 from galewood_server.context import Service
 from galewood_server.jobs import fingerprint, queue_job
-from galewood_server.storage import ACTIVE, Form, Tree, one_at_a_time
+from galewood_server.storage import ACTIVE, Form, Tree, one_at_a_time, readable
 
 log = logging.getLogger("galewood.builtin_trees")
 REGISTRATION = 0x67616C66
@@ -65,9 +64,7 @@ async def queue_outdated_uploads(service: Service) -> None:
 def _queue_outdated_uploads(service: Service) -> None:
     """Queue builds of uploads whose table is from an older software version, with their last settings."""
     with service.sessions.begin() as session:
-        for tree in session.scalars(
-            select(Tree).where(Tree.builtin.is_(False), Tree.fingerprint.is_not(None))
-        ):
+        for tree in readable(session, Tree, Tree.builtin.is_(False), Tree.fingerprint.is_not(None)):
             done = [job for job in tree.jobs if job.kind == "build" and job.state == "done"]
             settings = done[-1].settings if done else {}
             stale = tree.fingerprint != fingerprint(tree.source_sha256, tree.options, settings)

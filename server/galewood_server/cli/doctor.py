@@ -34,6 +34,7 @@ from galewood_server.storage import (
     file_age_s,
     migration_config,
     open_database,
+    readable,
     referenced_files,
     start_failure,
 )
@@ -67,7 +68,7 @@ def run_checks(settings: Settings, *, repair: bool = False) -> list[Finding]:
     for kind in STORE_NAMES:
         found += _corrupt(kind, stores.named(kind), repair)
     with sessions.begin() as session:
-        found += _missing(session, stores, repair)
+        found += [*_damaged_rows(session), *_missing(session, stores, repair)]
     found += _orphaned(sessions, stores, repair)
     found += _partial_files(settings, repair)
     with sessions() as session:
@@ -110,8 +111,17 @@ def _corrupt(kind: str, store: FileStore, repair: bool) -> Iterator[Finding]:
             yield Finding("torn", f"{kind}/{sha256}: its content does not match its hash", repair)
 
 
+def _damaged_rows(session: Session) -> Iterator[Finding]:
+    for kind in (Tree, Job):
+        readable_names = {row.id for row in readable(session, kind)}
+        for name in sorted(set(session.scalars(select(kind.id))) - readable_names):
+            yield Finding(
+                "database", f"the record {name!a} of {kind.__tablename__} is damaged: delete its tree"
+            )
+
+
 def _missing(session: Session, stores: Stores, repair: bool) -> Iterator[Finding]:
-    for tree in session.scalars(select(Tree)):
+    for tree in readable(session, Tree):
         for field, kind in FILE_COLUMNS.items():
             sha256 = getattr(tree, field)
             if sha256 and not stores.named(kind).has(sha256):
@@ -119,7 +129,7 @@ def _missing(session: Session, stores: Stores, repair: bool) -> Iterator[Finding
                 if repaired:
                     _clear_reference(tree, field)
                 yield Finding("missing", f"{kind}/{sha256} of the tree {tree.name!r} ({tree.id})", repaired)
-    for job in session.scalars(select(Job)):
+    for job in readable(session, Job):
         yield from _missing_of_job(job, stores, repair)
 
 
@@ -192,7 +202,7 @@ def _jobs(session: Session) -> Iterator[Finding]:
 
 
 def _versions(session: Session, stores: Stores) -> Iterator[Finding]:
-    for tree in session.scalars(select(Tree).where(Tree.table_sha256.is_not(None))):
+    for tree in readable(session, Tree, Tree.table_sha256.is_not(None)):
         if stores.tables.has(tree.table_sha256 or ""):
             try:
                 version = read_metadata(stores.tables.get(tree.table_sha256 or "")).get("version")

@@ -47,6 +47,7 @@ from galewood_server.storage.raw_rows import (
     TREE_FIELDS,
     RawRow,
     job_rows,
+    readable,
     tree_rows,
     unconverted,
 )
@@ -104,6 +105,7 @@ __all__ = [
     "open_bucket",
     "open_database",
     "preferred_coding",
+    "readable",
     "records_of",
     "referenced_files",
     "replace_files",

@@ -6,15 +6,19 @@ equal tuples, so what was made of a row is found again by the row itself, whiche
 
 from __future__ import annotations
 
-from typing import Any
+import logging
+from collections.abc import Iterator
+from typing import Any, TypeVar
 
 from sqlalchemy import JSON, ColumnElement, Select, Text, cast, select, type_coerce
-from sqlalchemy.orm import InstrumentedAttribute, aliased
+from sqlalchemy.orm import InstrumentedAttribute, Session, aliased
 from sqlalchemy.types import NullType
 
 from galewood_server.storage.models import Job, Tree
 
 RawRow = tuple[Any, ...]
+Row = TypeVar("Row", bound=Tree | Job)
+log = logging.getLogger("galewood.rows")
 TREE_FIELDS = (
     "id",
     "name",
@@ -79,3 +83,15 @@ def tree_rows(*more: InstrumentedAttribute[Any]) -> Select[Any]:
 def job_rows() -> Select[Any]:
     """Build jobs as JOB_FIELDS."""
     return select(*(unconverted(getattr(Job, name)) for name in JOB_FIELDS)).where(Job.kind == "build")
+
+
+def readable(session: Session, kind: type[Row], *conditions: ColumnElement[bool]) -> Iterator[Row]:
+    """The objects of all rows that meet the conditions; rows that cannot be read are left out and logged."""
+    for name in session.scalars(select(kind.id).where(*conditions).order_by(kind.created_at, kind.id)).all():
+        try:
+            row = session.get(kind, name)
+        except (ValueError, TypeError) as error:  # of a stored time or JSON document
+            log.error("the record %a of %s is damaged and left out: %a", name, kind.__tablename__, str(error))
+            continue
+        if row is not None:
+            yield row

@@ -7,6 +7,7 @@ from typing import Any, Self
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
 from pydantic import BaseModel, ConfigDict, Field, model_validator
+from sqlalchemy import select
 from sse_starlette import EventSourceResponse
 
 from galewood_server.api.analyses.common import (
@@ -18,9 +19,16 @@ from galewood_server.api.analyses.common import (
     result_file,
 )
 from galewood_server.api.events import feed_of, follow_job, stream
-from galewood_server.api.trees import find_tree
 from galewood_server.context import ServiceDep
-from galewood_server.http import EVENT_STREAM, NOT_MODIFIED, answerable, contents, problems
+from galewood_server.http import (
+    EVENT_STREAM,
+    NOT_MODIFIED,
+    ProblemError,
+    answerable,
+    contents,
+    not_found,
+    problems,
+)
 from galewood_server.jobs import PLOT, add_job, find_job, request_cancel
 from galewood_server.storage import ACTIVE, Job, Tree, forget_old_analyses
 
@@ -62,10 +70,12 @@ class EvaluationOut(AnalysisOut):
 
 
 class EvaluationList(BaseModel):
-    """The evaluations of a tree, newest first. Only the newest are kept."""
+    """The evaluations of a tree, newest first. Only the newest are kept. `damaged`: ids of records that
+    cannot be read and are left out; `total` counts them."""
 
     evaluations: list[EvaluationOut]
     total: int
+    damaged: list[str]
 
 
 def evaluation_out(job: Job) -> EvaluationOut:
@@ -121,9 +131,18 @@ def _find_same(tree: Tree, settings: dict[str, Any]) -> Job | None:
 @router.get("/trees/{tree_id}/evaluations", responses=problems(404))
 def list_evaluations(tree_id: str, service: ServiceDep) -> EvaluationList:
     """The evaluations of a tree, newest first."""
+    found: list[EvaluationOut] = []
+    left_out: list[str] = []
     with service.sessions() as session:
-        jobs = [job for job in reversed(find_tree(session, tree_id).jobs) if job.kind == "evaluation"]
-        return EvaluationList(evaluations=[evaluation_out(job) for job in jobs], total=len(jobs))
+        if session.execute(select(Tree.id).where(Tree.id == tree_id)).first() is None:
+            raise not_found("tree", tree_id)
+        names = select(Job.id).where(Job.tree_id == tree_id, Job.kind == "evaluation")
+        for name in session.scalars(names.order_by(Job.created_at.desc(), Job.id.desc())).all():
+            try:
+                found.append(answerable(evaluation_out(find_job(session, name, "evaluation"))))
+            except (ValueError, ProblemError):
+                left_out.append(name)
+    return EvaluationList(evaluations=found, total=len(found) + len(left_out), damaged=left_out)
 
 
 @router.get("/evaluations/{evaluation_id}", responses=problems(404))
