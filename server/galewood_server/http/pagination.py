@@ -11,7 +11,7 @@ from typing import Annotated, Any, cast
 
 from fastapi import Query, Request, Response
 from pydantic import BaseModel, TypeAdapter
-from sqlalchemy import ColumnElement, Select, and_, bindparam, or_
+from sqlalchemy import ColumnElement, Integer, Select, and_, bindparam, or_
 from sqlalchemy.orm import Session
 
 from galewood_server.http.errors import ProblemError
@@ -54,7 +54,7 @@ class Page:
 
 def paged(rows: Select[Any]) -> Select[Any]:
     """A query of which `read_page` reads a part."""
-    return rows.limit(bindparam("limit")).offset(bindparam("offset"))
+    return rows.limit(bindparam("limit", type_=Integer)).offset(bindparam("offset", type_=Integer))
 
 
 def read_page(
