@@ -10,6 +10,7 @@ import json
 import os
 import resource
 import sys
+import tempfile
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -20,19 +21,21 @@ from galewood.sandbox.confinement import confine
 from galewood.sandbox.limited_process import OUT_OF_MEMORY, REFUSED, Arrays
 from galewood.util import MeshError
 
-FILE_BYTES = 4 << 30  # maximum size of a file written by the child
+FILE_BYTES = 2 << 30
+"""Maximum size of a file written by the child; the largest mesh gives some 1.3 GB of results."""
+OPEN_FILES = 256
+NEW_THREADS = 256
+"""How many threads a user may have beyond those of the whole machine when a child starts."""
 
 
 def main(target: str, memory_bytes: int, cpu_s: int) -> int:
     """Set the resource limits and run ``target`` ("module:function"); returns the exit code."""
-    resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
-    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (FILE_BYTES, FILE_BYTES))
+    _limit_resources(memory_bytes, cpu_s)
     try:
         kernels = _private_kernel_cache(Path.cwd())
         module, _, name = target.partition(":")
         function: Callable[[Arrays], Arrays] = getattr(import_module(module), name)
+        os.environ["TMPDIR"] = tempfile.tempdir = str(Path.cwd())
         confine(Path.cwd(), readable=kernels)
         with np.load("in.npz", allow_pickle=False) as data:
             result = function({key: data[key] for key in data.files})
@@ -44,6 +47,32 @@ def main(target: str, memory_bytes: int, cpu_s: int) -> int:
         Path("error.json").write_text(json.dumps(problem))
         return REFUSED
     return 0
+
+
+def _limit_resources(memory_bytes: int, cpu_s: int) -> None:
+    """Set limits that count for all that the child does, as it cannot start processes."""
+    _lower(resource.RLIMIT_AS, memory_bytes)
+    _lower(resource.RLIMIT_CPU, cpu_s, cpu_s + 5)
+    _lower(resource.RLIMIT_CORE, 0)
+    _lower(resource.RLIMIT_FSIZE, FILE_BYTES)
+    _lower(resource.RLIMIT_NOFILE, OPEN_FILES)
+    _lower(resource.RLIMIT_MEMLOCK, 0)
+    if sys.platform == "linux":
+        # counts all threads of the user, wherever they are; the kernel does not apply it to root
+        _lower(resource.RLIMIT_NPROC, _threads_of_machine() + NEW_THREADS)
+        _lower(resource.RLIMIT_MSGQUEUE, 0)
+
+
+def _lower(limit: int, soft: int, hard: int | None = None) -> None:
+    """Set a limit, which may be lower already."""
+    present = resource.getrlimit(limit)[1]
+    highest = present if present != resource.RLIM_INFINITY else sys.maxsize
+    resource.setrlimit(limit, (min(soft, highest), min(soft if hard is None else hard, highest)))
+
+
+def _threads_of_machine() -> int:
+    """proc_loadavg(5): "0.20 0.18 0.12 RUNNABLE/ALL LAST_PID"."""
+    return int(Path("/proc/loadavg").read_text().split()[3].partition("/")[2])
 
 
 def _private_kernel_cache(folder: Path) -> list[str]:
