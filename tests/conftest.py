@@ -14,11 +14,11 @@ from galewood.util import worker_pool
 LONGEST = (
     "test_wheel", "test_build_end_to_end", "test_accuracy", "test_verify_planted", "test_jobs", "test_leases",
     "test_verify_species", "test_paper", "test_evaluations", "test_evaluate", "test_api", "test_pipeline",
-    "test_untrusted_uploads", "test_determinism",
+    "test_untrusted_uploads", "test_determinism", "test_snippets",
 )  # fmt: skip
 """The longest files come first, so that no process of a parallel run ends with one of them alone."""
 SLOW = {
-    *LONGEST, "test_tutorial", "test_openapi", "test_wind_statistics", "test_corpus", "test_tetrahedra",
+    *LONGEST, "test_openapi", "test_wind_statistics", "test_corpus", "test_tetrahedra",
     "test_bench", "test_field",
 }  # fmt: skip
 """Files that build a tree or simulate for long."""
