@@ -1,7 +1,9 @@
 """FBX, COLLADA (DAE) and 3DS files, read by assimp_py, a binding of the Open Asset Import Library.
 
-The library reads from a file, so the bytes are written to the temporary folder, which in the sandbox is the
-only folder it can write to. It places all meshes in the scene and turns the file's axes to +Y up.
+Files whose objects are nested too deep, or in a circle, are refused first: the library follows them by
+recursion, so that its stack overflows and the process dies. It reads from a file, so the bytes are written to
+the temporary folder, which in the sandbox is the only folder it can write to. It places all meshes in the
+scene and turns the file's axes to +Y up.
 """
 
 from __future__ import annotations
@@ -13,8 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from galewood.mesh.collada_nesting import problem_of_collada
 from galewood.mesh.colours import linear_from_srgb, painted
 from galewood.mesh.companions import Source, base_name
+from galewood.mesh.fbx_nesting import problem_of_fbx
 from galewood.mesh.limits import Budget
 from galewood.mesh.textures import cut_out_by_alpha, drawable
 from galewood.mesh.types import Material, RawPart
@@ -23,12 +27,15 @@ from galewood.util import Floats, MeshError, shown_text
 Json = dict[str, Any]
 NAMES = {"fbx": "FBX", "dae": "COLLADA", "3ds": "3DS"}
 EMBEDDED = "*"  # names of textures inside the file begin with it
+TRACK = b"\x02\xb0"  # identifies the chunk that may hang a 3DS object on another; few other bytes are like it
+MAX_TRACKS = 4_000
 
 
 def reader_of(suffix: str) -> Callable[[bytes, Source], list[RawPart]]:
     """The reader of the format with the given suffix ("fbx", "dae" or "3ds")."""
 
     def read(data: bytes, source: Source) -> list[RawPart]:
+        _check_nesting(data, suffix)
         scene = _loaded(data, suffix)
         budget = Budget()
         materials = [_material(raw, source) for raw in scene.materials]
@@ -40,6 +47,42 @@ def reader_of(suffix: str) -> Callable[[bytes, Source], list[RawPart]]:
         return parts
 
     return read
+
+
+def _check_nesting(data: bytes, suffix: str) -> None:
+    """MeshError if the library would not survive the nesting of a file."""
+    try:
+        problem = PROBLEMS[suffix](data)
+    except ValueError as error:
+        raise _unreadable(suffix) from error
+    if problem:
+        raise MeshError(
+            "nested-too-deep",
+            "unsuitable",
+            f"The objects of the {NAMES[suffix]} file {problem}.",
+            "Apply the transforms, join the objects and export a single mesh.",
+        )
+
+
+def _problem_of_3ds(data: bytes) -> str | None:
+    return f"have more than {MAX_TRACKS} places in its hierarchy" if data.count(TRACK) > MAX_TRACKS else None
+
+
+def _unreadable(suffix: str) -> MeshError:
+    return MeshError(
+        "unreadable",
+        "malformed",
+        f"The {NAMES[suffix]} file cannot be read.",
+        "Open it in Blender or another modelling program and export it as GLB (glTF Binary).",
+    )
+
+
+PROBLEMS: dict[str, Callable[[bytes], str | None]] = {
+    "fbx": problem_of_fbx,
+    "dae": problem_of_collada,
+    "3ds": _problem_of_3ds,
+}
+"""What the library would not survive: the end of a sentence, or None. ValueError if the file is damaged."""
 
 
 def _loaded(data: bytes, suffix: str) -> Any:
@@ -59,12 +102,7 @@ def _loaded(data: bytes, suffix: str) -> Any:
         except MemoryError:
             raise
         except Exception as error:
-            raise MeshError(
-                "unreadable",
-                "malformed",
-                f"The {NAMES[suffix]} file cannot be read.",
-                "Open it in Blender or another modelling program and export it as GLB (glTF Binary).",
-            ) from error
+            raise _unreadable(suffix) from error
 
 
 def _part(mesh: Any, materials: list[Material]) -> RawPart:

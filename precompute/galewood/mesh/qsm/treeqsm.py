@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from galewood.mesh.qsm.cylinders import Cylinders, check_count
+from galewood.mesh.qsm.mat_nesting import MAX_DEPTH, is_too_deep
 from galewood.util import Floats, Int64s, MeshError
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
@@ -55,9 +56,16 @@ def _variables(data: bytes) -> Struct:
     from scipy.io import loadmat  # slow to load
 
     try:
+        if is_too_deep(data):
+            raise MeshError(
+                "nested-too-deep",
+                "unsuitable",
+                f"The cells and structs of the MATLAB file are nested deeper than {MAX_DEPTH} levels.",
+                "Save the variable QSM alone, as TreeQSM made it.",
+            )
         found = loadmat(io.BytesIO(data))
         return {name: value for name, value in found.items() if not name.startswith("__")}
-    except MemoryError:
+    except (MemoryError, MeshError):
         raise
     except Exception as error:
         raise MeshError(
