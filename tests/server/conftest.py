@@ -155,7 +155,7 @@ class Server:
     def stop(self, how: signal.Signals = signal.SIGTERM) -> None:
         if self.process and self.process.poll() is None:
             self.process.send_signal(how)
-            self.process.wait(20)
+            self.process.wait(120)
 
     def kill(self) -> None:
         self.stop(signal.SIGKILL)
