@@ -21,10 +21,7 @@ SOURCES = {
     "galewood": REPOSITORY / "precompute/galewood",
     "galewood_server": REPOSITORY / "server/galewood_server",
 }
-NEVER_IMPORTED = {
-    "pyvista": "pytetwild imports it but declares it as an extra",
-    "python-multipart": "Starlette imports it to read forms",
-}
+NEVER_IMPORTED = {"pyvista": "pytetwild imports it but declares it as an extra"}
 # compiled modules without any Python file, which importlib.metadata does not attribute before Python 3.12
 COMPILED = {"OpenEXR": ["openexr"]}
 # files that are loaded only where an extra is installed
