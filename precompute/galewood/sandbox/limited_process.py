@@ -159,9 +159,10 @@ def _failure(code: int, stderr: str, limits: Limits, what: str) -> MeshError:
             f"{what} was stopped by the system, most likely because memory ran out.",
             "Try again with a smaller mesh.",
         )
+    how = f"crashed ({signal.strsignal(-code)})" if code < 0 else f"failed (exit code {code})"
     return MeshError(
         "crashed",
         "unsuitable",
-        f"{what} failed (exit code {code}).",
-        "Repair the mesh in a modelling program and try again.",
+        f"{what} {how}: the file is damaged, or built in a way that its reader cannot handle.",
+        "Repair the mesh in a modelling program, export it as GLB (glTF Binary) and try again.",
     )
