@@ -58,9 +58,8 @@ def list_jobs(request: Request, service: ServiceDep, query: Annotated[JobQuery, 
     if query.after:
         conditions.append(rows_after(ORDER, _sort_key(query.after), descending=True))
     with service.sessions() as session:
-        page = read_page(session, LIST.where(*conditions), query.limit, job_json)
-        total = session.scalar(count) or 0
-    return page.response(request, "jobs", total, _cursor_parts)
+        page = read_page(session, LIST.where(*conditions) if conditions else LIST, count, query, job_json)
+    return page.response(request, "jobs", _cursor_parts)
 
 
 def _cursor_parts(row: RawRow) -> list[str]:

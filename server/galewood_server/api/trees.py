@@ -96,9 +96,8 @@ def list_trees(request: Request, service: ServiceDep, query: PageParams) -> Resp
     """A page of the trees, without their reports: built-in trees first, then uploads by age."""
     rows = LIST.where(rows_after(ORDER, _sort_key(query.after))) if query.after else LIST
     with service.sessions() as session:
-        page = read_page(session, rows, query.limit, tree_json)
-        total = session.scalar(COUNT) or 0
-    return page.response(request, "trees", total, _cursor_parts)
+        page = read_page(session, rows, COUNT, query, tree_json)
+    return page.response(request, "trees", _cursor_parts)
 
 
 def _cursor_parts(row: RawRow) -> list[str]:

@@ -42,13 +42,13 @@ class Page:
     damaged: list[str]
     last: RawRow | None
     """The last row, if more follow."""
+    total: int
+    """The number of rows on all pages, damaged ones included."""
 
-    def response(
-        self, request: Request, name: str, total: int, sort_key: Callable[[RawRow], list[str]]
-    ) -> Response:
+    def response(self, request: Request, name: str, sort_key: Callable[[RawRow], list[str]]) -> Response:
         """The page as JSON with an ETag, its rows under this name."""
         cursor = encode_cursor(sort_key(self.last)) if self.last else None
-        rest = json.dumps({"total": total, "next": cursor, "damaged": self.damaged}).encode()
+        rest = json.dumps({"total": self.total, "next": cursor, "damaged": self.damaged}).encode()
         return body_with_etag(request, b'{"%b":[%b],%b' % (name.encode(), b",".join(self.rows), rest[1:]))
 
 
@@ -58,19 +58,25 @@ def paged(rows: Select[Any]) -> Select[Any]:
 
 
 def read_page(
-    session: Session, query: Select[Any], limit: int, as_json: Callable[[RawRow], bytes | None]
+    session: Session,
+    rows: Select[Any],
+    count: Select[int],
+    query: PageQuery,
+    as_json: Callable[[RawRow], bytes | None],
 ) -> Page:
-    """Up to `limit` readable rows of a `paged` query; the first column of each is its id.
+    """Up to `limit` readable rows of a `paged` query; the first column of each is its id. `count` counts
+    those of all pages.
 
     `as_json` returns None for a damaged row. Damaged rows do not count, so that a page ends with a row whose
     sort key is readable.
     """
+    limit = query.limit
     kept: list[tuple[RawRow, bytes]] = []
     damaged: list[str] = []
     offset, missing = 0, limit + 1
     connection = session.connection()  # half of the cost of the session, which would look for objects
     while missing:
-        found = connection.execute(query, {"limit": missing, "offset": offset}).all()
+        found = connection.execute(rows, {"limit": missing, "offset": offset}).all()
         for row in map(tuple, found):
             data = as_json(row)
             if data is None:
@@ -80,7 +86,9 @@ def read_page(
         offset += len(found)
         missing = limit + 1 - len(kept) if len(found) == missing else 0
     last = kept[limit - 1][0] if len(kept) > limit else None
-    return Page([data for _, data in kept[:limit]], damaged, last)
+    whole = last is None and query.after is None
+    total = len(kept) + len(damaged) if whole else connection.scalar(count) or 0
+    return Page([data for _, data in kept[:limit]], damaged, last, total)
 
 
 def encode_cursor(values: Sequence[str]) -> str:

@@ -74,9 +74,8 @@ def list_tables(request: Request, service: ServiceDep, query: PageParams) -> Res
         return _table_json(row, stored_bytes(row[1]) if is_hash(str(row[1])) else None)
 
     with service.sessions() as session:
-        page = read_page(session, rows, query.limit, as_json)
-        total = session.scalar(COUNT) or 0
-    return page.response(request, "tables", total, _cursor_parts)
+        page = read_page(session, rows, COUNT, query, as_json)
+    return page.response(request, "tables", _cursor_parts)
 
 
 @lru_cache(maxsize=KEPT_ROWS)
