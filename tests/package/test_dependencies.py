@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import packages_distributions
+from importlib.metadata import PackageMetadata, metadata, packages_distributions
 from pathlib import Path
 
 from packaging.requirements import Requirement
@@ -28,6 +29,9 @@ COMPILED = {"OpenEXR": ["openexr"]}
 OF_EXTRAS = {"precompute/galewood/notebook/widget.py": "notebook"}
 BUILD_TOOLS = {"setuptools", "wheel"}
 IMPORTING_CALLS = {"import_module", "find_spec"}
+LICENCES = re.compile("BSD|MIT|Apache|ISC|PSF-2.0|Python Software Foundation|MPL|LGPL-3.0-only")
+"""Those that NOTICE names for what is installed at run time."""
+UNSTATED_LICENCES = {"assimp-py", "openexr"}
 
 
 @dataclass(frozen=True)
@@ -166,3 +170,45 @@ def test_locked_versions_are_within_the_declared_ranges() -> None:
     extras = declared("server", "distributed", "rivals", "usd", "notebook")
     for name, requirement in (declared() | extras).items():
         assert requirement.specifier.contains(versions[name]), f"{requirement}, locked {versions[name]}"
+
+
+def noted(*headings: str) -> set[str]:
+    """The packages that NOTICE names below headings: the first word of each entry."""
+    sections = re.findall(r"(?m)^(\w.*)\n((?:  .*\n)+)", (REPOSITORY / "NOTICE").read_text())
+    texts = [
+        text.partition("and their dependencies")[0] for name, text in sections if name.startswith(headings)
+    ]
+    entries = re.sub(r"\([^()]*\)|in the examples of the package galewood:", ",", ",".join(texts))
+    words = [entry.split() for entry in re.split(r",| and ", entries)]
+    return {canonicalize_name(word[0]) if word[0][0] != "@" else word[0] for word in words if word}
+
+
+def licence(found: PackageMetadata) -> str:
+    """What a package says about its licence: an SPDX expression, or else its classifiers, or else a text."""
+    classifiers = [one for one in found.get_all("Classifier") or [] if one.startswith("License ::")]
+    fields = found.get_all("License-Expression") or classifiers or found.get_all("License") or []
+    return " ".join(fields)
+
+
+def javascript(*kinds: str) -> set[str]:
+    """The direct dependencies of the page and of the package galewood; three-186 is an older three."""
+    manifests = [
+        json.loads((REPOSITORY / "web" / name).read_text())
+        for name in ("package.json", "player/package.json")
+    ]
+    names = {name for manifest in manifests for kind in kinds for name in manifest.get(kind, {})}
+    return {re.sub(r"^three-\d+$", "three", name) for name in names} - {"galewood"}
+
+
+def test_the_notice_names_every_dependency() -> None:
+    ours = {name for path in REPOSITORY.glob("requirements/*.in") for name in listed(path.name)}
+    every_lock = [locked(path.name) for path in REPOSITORY.glob("requirements/*.txt")]
+    assert (ours | declared().keys()) - noted("Python") == set()
+    assert (noted("Python") - {name for lock in every_lock for name in lock}) == set()
+    assert javascript("dependencies", "devDependencies") - noted("JavaScript") == set()
+    assert javascript("dependencies") - noted("JavaScript, in the page") == set()
+
+
+def test_the_licences_at_run_time_are_those_of_the_notice() -> None:
+    found = {name: licence(metadata(name)) for name in locked("base.txt") if name not in UNSTATED_LICENCES}
+    assert {name: text for name, text in found.items() if not LICENCES.search(text)} == {}
