@@ -82,7 +82,8 @@ def test_a_graceful_stop_leaves_no_process(start_server: StartServer) -> None:
     server = start_server(FAKE_STEP_S="1")
     with server.client() as api:
         running(api, begin(api))
-        family = wait_until(lambda: len(found := server.family()) >= 5 and found)  # job, cluster, their guards, a worker
+        # job, cluster, their guards, a worker
+        family = wait_until(lambda: len(found := server.family()) >= 5 and found)
     server.stop()
     assert gone(family)
     assert "Traceback" not in server.log()
@@ -92,7 +93,8 @@ def test_a_stop_while_the_cluster_starts_leaves_no_process(start_server: StartSe
     server = start_server(FAKE_STEP_S="1")
     with server.client() as api:
         begin(api)
-        family = wait_until(lambda: len(found := server.family()) >= 4 and found)  # job, cluster, their guards
+        # job, cluster, their guards
+        family = wait_until(lambda: len(found := server.family()) >= 4 and found)
     server.stop()
     assert gone(family)
     assert "Traceback" not in server.log()

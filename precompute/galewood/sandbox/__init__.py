@@ -2,5 +2,6 @@
 
 from galewood.sandbox.confinement import missing_here
 from galewood.sandbox.limited_process import Arrays, Limits, run_limited
+from galewood.sandbox.results import remove_folder
 
-__all__ = ["Arrays", "Limits", "missing_here", "run_limited"]
+__all__ = ["Arrays", "Limits", "missing_here", "remove_folder", "run_limited"]

@@ -13,7 +13,6 @@ import ctypes
 import json
 import mimetypes
 import os
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable
@@ -21,6 +20,7 @@ from pathlib import Path
 
 from galewood.sandbox.system_calls import restrict_calls
 from galewood.threads import SINGLE_THREADED
+from galewood.util import GuardedProcess
 
 PACKAGE = Path(__file__).resolve().parent.parent
 LIBRARIES = ("/usr", "/lib", "/lib64", "/etc/ld.so.cache")
@@ -29,6 +29,9 @@ SETTINGS = ("/etc/localtime", "/etc/ssl/openssl.cnf", *map(str, mimetypes.knownf
 MACHINE = ("/proc/self", "/proc/cpuinfo", "/sys/devices/system/cpu")
 DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
 CAPABILITY_VERSION = 0x20080522  # linux/capability.h
+CHECK_S = 300.0
+"""After which a process that only confines itself counts as hanging, s."""
+MISSING = "missing.json"
 
 
 def confine(folder: Path, readable: Iterable[str] = ()) -> list[str]:
@@ -89,20 +92,14 @@ def _drop_capabilities() -> bool:
 
 def missing_here() -> list[str]:
     """Restrictions that `confine` cannot apply on this machine, determined in a separate process."""
-    with tempfile.TemporaryDirectory(prefix="galewood-") as folder:
-        command = [sys.executable, "-m", "galewood.sandbox.confinement", folder]
+    with tempfile.TemporaryDirectory(prefix="galewood-") as folder, tempfile.TemporaryFile() as errors:
+        program = [sys.executable, "-m", "galewood.sandbox.confinement", folder]
         environment = os.environ | SINGLE_THREADED
-        found = subprocess.run(
-            command,
-            cwd=PACKAGE.parent,
-            env=environment,
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
-    return json.loads(found.stdout) if found.returncode == 0 else ["confined processes do not start here"]
+        with GuardedProcess(program, cwd=PACKAGE.parent, environment=environment, errors=errors) as child:
+            if child.wait(CHECK_S) != 0:
+                return ["confined processes do not start here"]
+        return json.loads(Path(folder, MISSING).read_text())
 
 
 if __name__ == "__main__":
-    print(json.dumps(confine(Path(sys.argv[1]))))
+    Path(sys.argv[1], MISSING).write_text(json.dumps(confine(Path(sys.argv[1]))))

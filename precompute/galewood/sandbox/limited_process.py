@@ -8,33 +8,36 @@ network access (on platforms where confinement.py supports this).
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from galewood.sandbox.results import (
+    Arrays,
+    UntrustworthyError,
+    read_arrays,
+    read_error,
+    remove_folder,
+    written_bytes,
+)
 from galewood.util import GuardedProcess, MeshError
 
-Arrays = dict[str, NDArray[Any]]
 KEPT_ENVIRONMENT = ("PATH", "LANG", "LD_LIBRARY_PATH", "NUMBA_CACHE_DIR", "VIRTUAL_ENV", "SYSTEMROOT")
 THREAD_COUNT_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 REFUSED = 3  # exit code if the function raised a MeshError
 OUT_OF_MEMORY = 4
 TIMED_OUT, TOO_MUCH_WRITTEN = -signal.SIGALRM, -signal.SIGXFSZ
-FOLDER_CHECK_S = 0.5
-"""Time between two looks at the size of the child's folder, s."""
-FILE_OVERHEAD_BYTES = 4096
-"""What a file counts beside its size, so that many empty files count too."""
+FOLDER_CHECK_S = 1.0
+"""Time between two looks at the size of what the child has written, s."""
+STDERR_BYTES = 4000
+"""How much of the end of the child's standard error is searched for the cause of its end."""
 WALL_S_PER_CPU_S = 10.0  # a child gets at least a tenth of a processor on any machine that is of use
 
 
@@ -63,15 +66,19 @@ def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) ->
     Raises the MeshError that the function raised, or a MeshError that says that the child exceeded a limit,
     was killed or crashed; `what` names the work in that message.
     """
-    with tempfile.TemporaryDirectory(prefix="galewood-") as folder:
-        np.savez(Path(folder, "in.npz"), allow_pickle=False, **arguments)
-        code, stderr = _run(target, Path(folder), limits)
+    folder = Path(tempfile.mkdtemp(prefix="galewood-"))
+    try:
+        np.savez(folder / "in.npz", allow_pickle=False, **arguments)
+        code, stderr = _run(target, folder, limits)
         if code == 0:
-            with np.load(Path(folder, "out.npz"), allow_pickle=False) as result:
-                return {name: result[name] for name in result.files}
+            return read_arrays(folder / "out.npz", limits.folder_bytes)
         if code == REFUSED:
-            raise MeshError(**json.loads(Path(folder, "error.json").read_text()))
+            raise read_error(folder / "error.json")
         raise _failure(code, stderr, limits, what)
+    except UntrustworthyError as error:
+        raise _crashed(what, f"gave no valid result ({error})") from error
+    finally:
+        remove_folder(folder)
 
 
 def _run(target: str, folder: Path, limits: Limits) -> tuple[int, str]:
@@ -83,43 +90,25 @@ def _run(target: str, folder: Path, limits: Limits) -> tuple[int, str]:
         "HOME": str(folder),
         "PYTHONDONTWRITEBYTECODE": "1",
     }
-    program = [
-        sys.executable,
-        "-m",
-        "galewood.sandbox.child",
-        target,
-        str(limits.memory_bytes),
-        str(limits.cpu_s),
-    ]
-    stderr = Path(folder, "stderr")
-    with (
-        stderr.open("wb") as errors,
-        GuardedProcess(program, cwd=folder, environment=environment, errors=errors) as child,
-    ):
-        code = _wait(child, folder, limits)
-    return code, stderr.read_text(errors="replace")[-4000:]
+    module = "galewood.sandbox.child"
+    program = [sys.executable, "-m", module, target, str(limits.memory_bytes), str(limits.cpu_s)]
+    with (folder / "stderr").open("w+b") as errors:
+        with GuardedProcess(program, cwd=folder, environment=environment, errors=errors) as child:
+            code = _wait(child, folder, limits)
+        errors.seek(max(errors.seek(0, os.SEEK_END) - STDERR_BYTES, 0))
+        return code, errors.read(STDERR_BYTES).decode(errors="replace")
 
 
 def _wait(child: GuardedProcess, folder: Path, limits: Limits) -> int:
     """The exit code of the child, or TIMED_OUT or TOO_MUCH_WRITTEN."""
     end_s = time.monotonic() + limits.patience_s
-    while time.monotonic() < end_s:
+    while (left_s := end_s - time.monotonic()) > 0:
         try:
-            return child.wait(min(FOLDER_CHECK_S, max(end_s - time.monotonic(), 0.0)))
+            return child.wait(min(FOLDER_CHECK_S, left_s))
         except subprocess.TimeoutExpired:
-            if _written_bytes(folder) > limits.folder_bytes:
+            if written_bytes(folder) + child.unlinked_bytes() > limits.folder_bytes:
                 return TOO_MUCH_WRITTEN
     return TIMED_OUT
-
-
-def _written_bytes(folder: Path) -> int:
-    """Size of all files below a folder, and FILE_OVERHEAD_BYTES for each one."""
-    total = 0
-    for parent, _, names in os.walk(folder):
-        for name in names:
-            with suppress(OSError):  # it was removed meanwhile
-                total += os.lstat(Path(parent, name)).st_size + FILE_OVERHEAD_BYTES
-    return total
 
 
 def _failure(code: int, stderr: str, limits: Limits, what: str) -> MeshError:
@@ -160,6 +149,10 @@ def _failure(code: int, stderr: str, limits: Limits, what: str) -> MeshError:
             "Try again with a smaller mesh.",
         )
     how = f"crashed ({signal.strsignal(-code)})" if code < 0 else f"failed (exit code {code})"
+    return _crashed(what, how)
+
+
+def _crashed(what: str, how: str) -> MeshError:
     return MeshError(
         "crashed",
         "unsuitable",

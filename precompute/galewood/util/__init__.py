@@ -8,7 +8,7 @@ from galewood.util.errors import MeshError, Reason
 from galewood.util.guarded_process import GuardedProcess, Lifeline
 from galewood.util.lazy import lazily
 from galewood.util.process_usage import PeakMemory, cpu_seconds
-from galewood.util.shown_text import shown_message, shown_text
+from galewood.util.text import shown_message, shown_text
 from galewood.util.worker_pool import WorkerPool, usable_cores
 
 __all__ = [

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from galewood.util.shown_text import shown_text
+from galewood.util.text import shown_text
 
 DELIMITERS = ("\t", ";", ",")
 LOOKED_AT = 50

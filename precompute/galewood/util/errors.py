@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from galewood.util.shown_text import shown_message
+from galewood.util.text import shown_message
 
 Reason = Literal["malformed", "too-large", "unsupported", "unsuitable"]
 """Why a mesh is rejected.

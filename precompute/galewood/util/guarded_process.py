@@ -6,12 +6,16 @@ This is the one way in which the library and the service start programs; see gua
 from __future__ import annotations
 
 import os
+import stat
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
+
+import psutil
 
 GUARD = Path(__file__).with_name("guard.py")
 
@@ -69,6 +73,12 @@ class GuardedProcess:
         """The exit code, or minus the number of the signal that ended it. subprocess.TimeoutExpired."""
         return self._guard.wait(timeout_s)
 
+    def unlinked_bytes(self) -> int:
+        """Size of the files without a name that the program and its descendants hold open."""
+        return sum(
+            _unlinked_bytes(one.pid) for one in psutil.Process(self._guard.pid).children(recursive=True)
+        )
+
     def __enter__(self) -> Self:
         return self
 
@@ -77,3 +87,13 @@ class GuardedProcess:
     ) -> None:
         self._lifeline.close()
         self._guard.wait()
+
+
+def _unlinked_bytes(pid: int) -> int:
+    total = 0
+    with suppress(OSError):  # it has just ended, or there is no /proc
+        for descriptor in Path(f"/proc/{pid}/fd").iterdir():
+            with suppress(OSError):  # closed meanwhile
+                file = descriptor.stat()
+                total += file.st_size if stat.S_ISREG(file.st_mode) and file.st_nlink == 0 else 0
+    return total

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
+
+from galewood.sandbox import remove_folder
 
 
 @contextmanager
@@ -16,11 +17,11 @@ def temporary_files_in(folder: Path) -> Generator[None]:
     The caller must hold the lock of the data folder. Child processes get the folder by
     `Settings.environment`; those of a killed server have ended (galewood.util.guard).
     """
-    shutil.rmtree(folder, ignore_errors=True)
+    remove_folder(folder)
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     before, tempfile.tempdir = tempfile.tempdir, str(folder)
     try:
         yield
     finally:
         tempfile.tempdir = before
-        shutil.rmtree(folder, ignore_errors=True)
+        remove_folder(folder)
