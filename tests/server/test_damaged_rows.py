@@ -7,7 +7,7 @@ import json
 import logging
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import httpx
 import pytest
@@ -15,13 +15,15 @@ from fastapi import FastAPI
 from galewood_server.api import events
 from galewood_server.app.builtin_trees import queue_outdated_uploads
 from galewood_server.cli.doctor import run_checks
-from galewood_server.storage import Job, Tree, engine_of
-from sqlalchemy import text
+from galewood_server.context import Service
+from galewood_server.settings import Settings
+from galewood_server.storage import Job, Stores, Tree, engine_of, open_database
+from sqlalchemy import select, text
 
+from tests.server.conftest import empty_database
 from tests.server.in_process import application
 
 SURROGATE = '{"credits": "\\ud800"}'
-JOBS = {f"job{k}" for k in range(5)}
 NOT_UTF8 = b"a\xff".hex()
 TREE_DAMAGE = {
     "unknown form": "UPDATE trees SET form = 'diagonal' WHERE id = 'tree2'",
@@ -182,23 +184,20 @@ def test_the_evaluations_of_a_tree_survive_a_damaged_one(tmp_path: Path, stateme
 
 
 def test_damaged_rows_keep_no_other_tree_from_its_update_and_are_found_by_doctor(tmp_path: Path) -> None:
-    async def ask() -> None:
-        async with application(tmp_path) as (app, api):
-            add_trees(app)
-            damage(app, "UPDATE trees SET fingerprint = 'of an older version'")
-            damage(app, "UPDATE trees SET options = '{' WHERE id = 'tree2'")
-            await queue_outdated_uploads(app.state.service)
-            jobs = (await api.get("/api/jobs")).json()["jobs"]
-            assert {job["tree_id"] for job in jobs if job["id"] not in JOBS} == {
-                "tree0",
-                "tree1",
-                "tree3",
-                "tree4",
-            }
-            found = [finding.what for finding in run_checks(app.state.service.settings)]
-            assert [what for what in found if "'tree2'" in what and "delete its tree" in what]
-
-    asyncio.run(ask())
+    (tmp_path / "galewood.sqlite").write_bytes(empty_database())
+    settings = Settings(data_dir=tmp_path)
+    sessions = open_database(settings.database)
+    service = SimpleNamespace(sessions=sessions, stores=Stores(tmp_path), wake_supervisor=lambda: None)
+    app = cast(FastAPI, SimpleNamespace(state=SimpleNamespace(service=service)))
+    add_trees(app)
+    damage(app, "UPDATE trees SET fingerprint = 'of an older version'")
+    damage(app, "UPDATE trees SET options = '{' WHERE id = 'tree2'")
+    asyncio.run(queue_outdated_uploads(cast(Service, service)))
+    with sessions() as session:
+        queued = set(session.scalars(select(Job.tree_id).where(Job.state == "queued")))
+    assert queued == {"tree0", "tree1", "tree3", "tree4"}
+    found = [finding.what for finding in run_checks(settings)]
+    assert [what for what in found if "'tree2'" in what and "delete its tree" in what]
 
 
 def surrogate_importer(data: bytes, filename: str, options: Any) -> Any:
