@@ -140,6 +140,15 @@ def test_the_object_store_gets_its_credentials(tmp_path: Path) -> None:
     assert refused.returncode == 2 and "S3_SECRET" in refused.stderr
 
 
+def test_the_object_store_is_not_killed_when_it_stops(tmp_path: Path) -> None:
+    """SeaweedFS waits for its clients; 30 s is its limit for requests that are under way."""
+    started = run_script("object-store.sh", fake_weed(tmp_path, 'echo "$@"') | {"S3_SECRET": "a",
+                         "CREDENTIALS": str(tmp_path / "s3.json")})  # fmt: skip
+    (wait_s,) = re.findall(r"-volume\.preStopSeconds=(\d+)", started.stdout)
+    assert 30 + int(wait_s) < int(SERVICES["objects"]["stop_grace_period"].removesuffix("s"))
+    assert int(wait_s) < 10
+
+
 def test_the_proxy_sends_all_clients_of_a_shared_forest_to_one_server() -> None:
     """The page names the forest in the query of its socket (web/player/src/worker/stream/forestUrl.ts)."""
     caddyfile = (REPOSITORY / "deploy" / "Caddyfile").read_text()
