@@ -132,7 +132,7 @@ def test_a_wrong_value_anywhere_is_refused_or_ignored(seed):
     [
         (("materials", 0, "pbrMetallicRoughness", "baseColorFactor"), "red"),
         (("materials", 1, "pbrMetallicRoughness", "baseColorFactor"), {"r": 1}),
-        (("materials", 1, "pbrMetallicRoughness", "baseColorFactor"), [1, 1, 1]),
+        (("materials", 1, "pbrMetallicRoughness", "baseColorFactor"), [1, 1]),
         (("materials", 1, "pbrMetallicRoughness"), [1]),
         (("materials", 1, "alphaCutoff"), float("nan")),
         (("materials", 0, "emissiveFactor"), [[0], 0, 0]),
@@ -144,3 +144,19 @@ def test_the_message_says_which_value_is_wrong(place, value):
     found = read_or_refused(glb_of(with_value(DOCUMENT, place, value), BINARY), "a.glb")
     assert found["code"] == "gltf-structure"
     assert ".".join(map(str, place)) in found["title"]
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("materials", 0, "pbrMetallicRoughness", "baseColorFactor"), [0.2, 0.1, 0.1]),
+        (("materials", 0, "pbrMetallicRoughness", "baseColorFactor"), [0.2, 0.1, 0.1, 1.0, 1.0]),
+        (("materials", 0, "alphaMode"), None),
+        (("nodes", 0, "children"), None),
+        (("meshes", 0, "primitives", 0, "targets"), None),
+        (("accessors", 0, "byteOffset"), 0.0),
+    ],
+)
+def test_what_exporters_write_beside_the_specification_is_read(path: tuple[Any, ...], value: Any) -> None:
+    written = with_value(DOCUMENT, path, value)
+    read_tree(glb_of(written, BINARY), "tree.glb")

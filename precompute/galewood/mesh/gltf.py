@@ -50,10 +50,15 @@ def read_gltf(data: bytes, source: Source | None = None) -> list[RawPart]:
     return _parts(parsed_json(data), None, source or Source())
 
 
+def _without_nulls(pairs: list[tuple[str, Any]]) -> Json:
+    """A JSON object without the fields that are null, which some exporters write for missing ones."""
+    return {name: value for name, value in pairs if value is not None}
+
+
 def parsed_json(data: bytes) -> Json:
     """The JSON object of a glTF; MeshError if it cannot be parsed."""
     try:
-        document = json.loads(data)
+        document = json.loads(data, object_pairs_hook=_without_nulls)
     except (ValueError, RecursionError) as error:
         raise broken("gltf-json", "The JSON of the glTF cannot be parsed.") from error
     if not isinstance(document, dict):

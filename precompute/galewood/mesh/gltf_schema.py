@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Required, TypeVar
 
-from pydantic import BeforeValidator, FailFast, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, BeforeValidator, FailFast, Field, TypeAdapter, ValidationError
 from typing_extensions import TypedDict
 
 from galewood.util import MeshError, shown_text
@@ -22,13 +22,24 @@ def _clean_name(value: object) -> str:
     return shown_text(value) if isinstance(value, str) else ""
 
 
+def _whole(value: object) -> object:
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _opaque(colour: list[float]) -> list[float]:
+    return [*colour, 1.0][:4]
+
+
 _Name = Annotated[str, BeforeValidator(_clean_name)]
-_Index = Annotated[int, Field(ge=0, lt=1 << 53)]  # an index, a count, or a number of bytes
+# an index, a count, or a number of bytes; some exporters write 3.0
+_Index = Annotated[int, BeforeValidator(_whole), Field(ge=0, lt=1 << 53)]
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 _List = Annotated[list[_T], FailFast()]
 _Two = Annotated[list[_Number], Field(min_length=2, max_length=2)]
 _Three = Annotated[list[_Number], Field(min_length=3, max_length=3)]
 _Four = Annotated[list[_Number], Field(min_length=4, max_length=4)]
+# exporters also write three components, or more than four
+_Colour = Annotated[list[_Number], Field(min_length=3), AfterValidator(_opaque)]
 _Matrix = Annotated[list[_Number], Field(min_length=16, max_length=16)]
 _Attributes = Annotated[dict[str, _Index], Field(max_length=MOST_ATTRIBUTES)]
 _ComponentType = Literal[5120, 5121, 5122, 5123, 5125, 5126]
@@ -188,7 +199,7 @@ class _TextureInfo(TypedDict, total=False):
 
 
 class _Metallic(TypedDict, total=False):
-    baseColorFactor: _Four
+    baseColorFactor: _Colour
     baseColorTexture: _TextureInfo
     metallicFactor: _Number
     roughnessFactor: _Number
@@ -196,7 +207,7 @@ class _Metallic(TypedDict, total=False):
 
 
 class _Glossy(TypedDict, total=False):
-    diffuseFactor: _Four
+    diffuseFactor: _Colour
     diffuseTexture: _TextureInfo
     glossinessFactor: _Number
 
