@@ -38,9 +38,8 @@ class WorkerPool:
         """Start ``count`` workers (default: one per usable core); ``warm`` names modules that each one
         imports.
         """
-        from loky import (
-            ProcessPoolExecutor,
-        )  # here, because programs that only import this package need no pool
+        # loaded here, because many programs that import this package need no pool
+        from loky import ProcessPoolExecutor
         from loky.backend import get_context
 
         context, count = get_context("loky"), count or usable_cores()
