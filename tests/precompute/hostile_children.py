@@ -78,6 +78,23 @@ def huge_result() -> None:
     os._exit(0)
 
 
+def result_of_nested_header() -> None:
+    head = ("{'descr': " + "(" * 9000 + ")").ljust(9999) + "\n"
+    with zipfile.ZipFile("out.npz", "w") as archive:
+        size = len(head).to_bytes(2, "little")
+        archive.writestr("a.npy", b"\x93NUMPY\x01\x00" + size + head.encode())
+    os._exit(0)
+
+
+def encrypted_result() -> None:
+    np.savez("out.npz", a=np.zeros(3))
+    data = bytearray(Path("out.npz").read_bytes())
+    data[6] |= 1  # general purpose flags of the member and of its entry in the directory
+    data[data.find(b"PK\x01\x02") + 8] |= 1
+    Path("out.npz").write_bytes(data)
+    os._exit(0)
+
+
 def text_result() -> None:
     with zipfile.ZipFile("out.npz", "w") as archive:
         archive.writestr("a.txt", "text")
@@ -93,7 +110,8 @@ DEEDS: dict[str, Callable[[], None]] = {
     deed.__name__: deed
     for deed in (
         deep_folders, wait_in_deep_folders, unlinked_files, wrong_error, error_of_unknown_reason, no_error,
-        no_result, damaged_result, compressed_result, huge_result, text_result, pickled_result,
+        no_result, damaged_result, compressed_result, huge_result, result_of_nested_header, encrypted_result,
+        text_result, pickled_result,
     )
 }  # fmt: skip
 

@@ -1,9 +1,9 @@
 """Functions run in a child process with limits on memory and CPU time, so that a bad mesh cannot crash the
 caller. A wall-time limit stops children that hang; it is so long that a busy machine does not reach it.
 
-It also ends with the caller, whatever ends that. Arguments and results are passed as arrays in .npz files (no
-pickles). The child's current directory is a temporary folder, the only one it may write to, and it has no
-network access (on platforms where confinement.py supports this).
+The child also ends with the caller, whatever ends that. Arguments and results are passed as arrays in .npz
+files (no pickles). The child's current directory is a temporary folder, the only one it may write to, and it
+has no network access (on platforms where confinement.py supports this).
 """
 
 from __future__ import annotations

@@ -56,7 +56,9 @@ def read_arrays(path: Path, limit_bytes: int) -> Arrays:
             file.seek(0)
             with np.load(file, allow_pickle=False) as result:
                 arrays: dict[str, Any] = {name: result[name] for name in result.files}
-        except (ValueError, OSError, EOFError, KeyError, MemoryError, zipfile.BadZipFile) as error:
+        except UntrustworthyError:
+            raise
+        except Exception as error:  # whatever the parsers of archives and arrays raise for such bytes
             raise UntrustworthyError(f"{path.name}: {error}") from error
     if not all(isinstance(one, np.ndarray) for one in arrays.values()):
         raise UntrustworthyError(f"{path.name} holds something else than arrays")

@@ -133,8 +133,7 @@ def _answer(only: Only | None) -> list[Instruction]:
     if only is None:
         return [(RETURN, 0, 0, ALLOW)]
     steps: list[Instruction] = [(LOAD, 0, 0, 16 + 8 * only.argument), (AND, 0, 0, only.bits)]
-    for (
-        value
-    ) in only.values:  # the kernel reads the lower half of these arguments, on little-endian machines first
+    # the kernel reads the lower half of these arguments, which comes first on little-endian machines
+    for value in only.values:
         steps += [(EQUAL, 0, 1, value), (RETURN, 0, 0, ALLOW)]
     return [*steps, (RETURN, 0, 0, ERROR | errno.EPERM)]

@@ -19,7 +19,7 @@ from starlette.formparsers import MultiPartException
 from starlette.routing import BaseRoute
 
 from galewood_server.http.methods import allowed_methods
-from galewood_server.storage import DamagedFileError, is_database_busy, is_disk_full
+from galewood_server.storage import CONTENT_OF_STORE, DamagedFileError, is_database_busy, is_disk_full
 
 log = logging.getLogger("galewood.errors")
 
@@ -123,17 +123,8 @@ def _from_multipart(error: MultiPartException) -> Problem:
     )
 
 
-WHAT_IS_STORED = {
-    "sources": "uploaded file",
-    "meshes": "mesh",
-    "tables": "table",
-    "records": "records",
-    "compliances": "compliance",
-}
-
-
 def _from_damaged_file(error: DamagedFileError) -> Problem:
-    what = WHAT_IS_STORED.get(error.kind, "file")
+    what = CONTENT_OF_STORE[error.kind]
     again = "Upload it again" if error.kind == "sources" else "Compute the tree again"
     return Problem(
         status=500,

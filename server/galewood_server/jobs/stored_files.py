@@ -5,15 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from galewood_server.jobs.progress import JobFailedError
-from galewood_server.storage import DamagedFileError, Stores
+from galewood_server.storage import CONTENT_OF_STORE, DamagedFileError, Stores
 
-WHAT = {
-    "sources": "uploaded file",
-    "meshes": "mesh of this tree",
-    "tables": "table of this tree",
-    "records": "records of this tree",
-    "models": "model of this tree",
-}
 RESTORE = "restore it from a backup (`galewood doctor` lists what is missing)"
 
 
@@ -40,5 +33,8 @@ def stored_path(stores: Stores, kind: str, sha256: str) -> Path:
 
 def _lost(kind: str, sha256: str, filename: str, how: str) -> JobFailedError:
     name = f" {filename}" if filename else ""
-    instead = "Upload it again" if kind == "sources" else "Compute the tree again"
-    return JobFailedError(f"The {WHAT[kind]}{name} {how} ({kind}/{sha256[:12]}…). {instead}, or {RESTORE}.")
+    owner, instead = (
+        ("", "Upload it again") if kind == "sources" else (" of this tree", "Compute the tree again")
+    )
+    what = f"{CONTENT_OF_STORE[kind]}{owner}{name}"
+    return JobFailedError(f"The {what} {how} ({kind}/{sha256[:12]}…). {instead}, or {RESTORE}.")

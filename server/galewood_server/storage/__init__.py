@@ -52,12 +52,13 @@ from galewood_server.storage.raw_rows import (
     unconverted,
 )
 from galewood_server.storage.records import compliance_of, records_of
-from galewood_server.storage.stores import STORE_NAMES, Stores
+from galewood_server.storage.stores import CONTENT_OF_STORE, STORE_NAMES, Stores
 from galewood_server.storage.table_cache import TableCache
 
 __all__ = [
     "ACTIVE",
     "ANALYSIS_INPUTS",
+    "CONTENT_OF_STORE",
     "FILE_COLUMNS",
     "JOB_FIELDS",
     "PREFERRED",

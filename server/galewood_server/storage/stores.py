@@ -6,7 +6,18 @@ from pathlib import Path
 
 from galewood_server.storage.files import FileStore
 
-STORE_NAMES = ("sources", "meshes", "tables", "records", "compliances", "models", "pictures", "results")
+CONTENT_OF_STORE = {
+    "sources": "uploaded file",
+    "meshes": "mesh",
+    "tables": "table",
+    "records": "records",
+    "compliances": "compliance",
+    "models": "model",
+    "pictures": "picture",
+    "results": "result",
+}
+"""Name of a store -> what one of its files is called in messages."""
+STORE_NAMES = tuple(CONTENT_OF_STORE)
 
 
 class Stores:
