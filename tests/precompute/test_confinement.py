@@ -119,7 +119,7 @@ def use_own_rights(_: Arrays) -> Arrays:
     thread.start()
     thread.join()
     os.kill(os.getpid(), 0)
-    resource.setrlimit(resource.RLIMIT_CPU, (1, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+    resource.setrlimit(resource.RLIMIT_CPU, resource.getrlimit(resource.RLIMIT_CPU))
     return {"done": np.array(done.is_set())}
 
 
