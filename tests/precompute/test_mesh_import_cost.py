@@ -1,6 +1,7 @@
 """What an untrusted file costs grows with its length, not with what it pretends to hold."""
 
 import io
+import json
 import struct
 import zlib
 
@@ -9,6 +10,7 @@ import pytest
 from galewood.mesh import joined_parts
 from galewood.mesh.bounded_image import open_image
 from galewood.mesh.companions import MOST_WARNINGS, Source
+from galewood.mesh.gltf_scene import placed_meshes
 from galewood.mesh.importer import read_tree
 from galewood.mesh.repair import Surface
 from galewood.mesh.textures import drawable
@@ -84,19 +86,25 @@ def nodes(children: list[list[int]], roots: list[int]) -> bytes:
 @pytest.mark.parametrize(
     ("data", "code"),
     [
-        (nodes([*([k + 1, k + 1] for k in range(40)), []], [0]), "nodes-no-tree"),
-        (nodes([[2], [2], []], [0, 1]), "nodes-no-tree"),
-        (nodes([[]], [0] * 50), "nodes-no-tree"),
-        (nodes([[1], [0]], [0]), "nodes-no-tree"),
-        (nodes([*([k + 1] for k in range(300)), []], [0]), "nodes-too-deep"),
+        (nodes([*([k + 1, k + 1] for k in range(40)), []], [0]), "nested-too-deep"),
+        (nodes([[1], [0]], [0]), "nested-too-deep"),
+        (nodes([*([k + 1] for k in range(300)), []], [0]), "nested-too-deep"),
         (nodes([[]] * 100_001, [0]), "too-many-nodes"),
+        (nodes([*([k + 1, k + 1] for k in range(15)), [], [0], [0]], [16, 17]), "too-many-nodes"),
+        (nodes([[7]], [0]), "gltf-structure"),
     ],
-    ids=["doubled", "two parents", "a root many times", "a circle", "deep", "many"],
+    ids=["doubled", "a circle", "deep", "many", "many copies", "no such child"],
 )
-def test_nodes_are_a_tree_of_bounded_size(data, code):
+def test_nodes_are_a_hierarchy_of_bounded_size(data, code):
     with pytest.raises(MeshError) as caught:
         read_tree(data, "a.gltf")
     assert caught.value.code == code
+
+
+def test_a_shared_node_is_drawn_for_each_parent_and_a_repeated_root_once():
+    once = placed_meshes(json.loads(nodes([[]], [0] * 50)))
+    shared = placed_meshes(json.loads(nodes([[2], [2], []], [0, 1])))
+    assert (len(once), len(shared)) == (1, 2)
 
 
 def many_parts(count: int) -> bytes:

@@ -78,7 +78,7 @@ CASES = [
     ("zip.obj", zipped(), "unsupported", "zip-names"),
     ("page.obj", b"<!doctype html><html>", "unsupported", "unsupported-type"),
     ("noise.bin", bytes(range(7, 200)), "unsupported", "unsupported-type"),
-    ("deep.gltf", deeply_nested(), "unsuitable", "nodes-too-deep"),
+    ("deep.gltf", deeply_nested(), "unsuitable", "nested-too-deep"),
     ("other.gltf", extension("VENDOR_secret"), "unsuitable", "gltf-extension"),
     ("past_end.gltf", modified_gltf(count=10**9), "malformed", "truncated"),
     ("negative.gltf", modified_gltf(bufferView=-1), "malformed", "gltf-structure"),

@@ -29,7 +29,7 @@ def problem_of_collada(data: bytes) -> str | None:
     except (expat.ExpatError, LookupError) as error:
         raise ValueError(str(error)) from error
     if any(_is_circular(parameters) for parameters in reader.parameters):
-        return "have materials whose parameters form a circle"
+        return "have materials whose parameters form a cycle"
     return problem_of(reader.below())
 
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
+from galewood.mesh.graph_depth import MAX_COPIES, problem_of
 from galewood.util import Floats, MeshError
 
 Json = dict[str, Any]
-MAX_DEPTH = 256
-MAX_NODES = 100_000
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Placed:
 
 
 def placed_meshes(document: Json) -> list[Placed]:
-    """All meshes of the default scene. MeshError if the nodes are no tree, too many or nested too deep."""
+    """All meshes of the default scene. MeshError for a cycle of nodes, too many or too deep ones."""
     nodes: list[Json] = document.get("nodes", [])
     found: list[Placed] = []
     for index, world in _walk(nodes, _roots(document, nodes)):
@@ -44,29 +44,30 @@ def world_matrices(document: Json) -> dict[int, Floats]:
 
 
 def _walk(nodes: list[Json], roots: list[int]) -> list[tuple[int, Floats]]:
-    """The nodes below the roots with their world matrices, each once: the cost is linear in their number."""
-    if len(nodes) > MAX_NODES:
-        raise _unsuitable("too-many-nodes", f"The glTF has more than {MAX_NODES} nodes.")
-    local = _local_matrices(nodes)
-    found: list[tuple[int, Floats]] = []
-    met = np.zeros(len(nodes), dtype=bool)
-    stack = [(index, np.eye(4), 0) for index in reversed(roots)]
-    while stack:
-        index, parent, depth = stack.pop()
+    """The nodes below the roots with their world matrices; a node with several parents once for each.
+
+    The specification demands a tree (section 3.5.1), but some exporters share nodes, or repeat roots.
+    """
+    if max(len(nodes), len(roots)) > MAX_COPIES:
+        raise _unsuitable("too-many-nodes", f"The glTF has more than {MAX_COPIES} nodes.")
+    roots = list(dict.fromkeys(roots))
+    below: list[list[int]] = [node.get("children", []) for node in nodes]
+    for index in (*roots, *chain.from_iterable(below)):
         if index >= len(nodes):
             raise IndexError(f"node {index}")
-        if met[index]:  # the specification demands a tree, section 3.5.1; copies of copies grow exponentially
-            raise _unsuitable(
-                "nodes-no-tree", "The nodes of the glTF form a cycle, or one has several parents."
-            )
-        if depth > MAX_DEPTH:
-            raise _unsuitable(
-                "nodes-too-deep", f"The nodes of the glTF are nested deeper than {MAX_DEPTH} levels."
-            )
-        met[index] = True
+    problem = problem_of(below, roots)
+    if problem:
+        raise _unsuitable("nested-too-deep", f"The nodes of the glTF {problem}.")
+    local = _local_matrices(nodes)
+    found: list[tuple[int, Floats]] = []
+    stack = [(index, np.eye(4)) for index in reversed(roots)]
+    while stack:
+        index, parent = stack.pop()
         world = parent @ local[index]
         found.append((index, world))
-        stack.extend((child, world, depth + 1) for child in reversed(nodes[index].get("children", [])))
+        if len(found) > MAX_COPIES:
+            raise _unsuitable("too-many-nodes", f"The glTF has more than {MAX_COPIES} nodes.")
+        stack.extend((child, world) for child in reversed(below[index]))
     return found
 
 
