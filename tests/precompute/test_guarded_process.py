@@ -9,12 +9,13 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 
 import psutil
 import pytest
-from galewood.util import GuardedProcess
+from galewood.util import BrokenOffError, GuardedProcess
 
 # A family that keeps growing: each process starts children in sessions of their own, whose parents then end.
 GROWING = """
@@ -141,6 +142,20 @@ def test_descendants_of_a_program_that_ended_are_killed(folder: Path) -> None:
     with guarded(program, folder) as child:
         assert child.wait(120) == 0
     assert not living(folder)
+
+
+def test_a_process_ends_while_a_thread_waits_for_it(folder: Path) -> None:
+    def wait() -> None:
+        with guarded(growing_family(folder), folder) as child:
+            child.wait(600)
+
+    with ThreadPoolExecutor(1) as threads:
+        waiting = threads.submit(wait)
+        wait_for_members(folder, 10)
+        GuardedProcess.end_all()
+        assert not living(folder)
+        with pytest.raises(BrokenOffError):
+            waiting.result(60)
 
 
 def test_a_program_that_does_not_exist_is_an_error(folder: Path) -> None:

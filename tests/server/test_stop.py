@@ -16,8 +16,8 @@ import httpx
 import pytest
 from galewood_server.storage import Stores
 
-from tests.server.conftest import NO_CLUSTER, Server, wait_until
-from tests.server.test_jobs import begin
+from tests.server.conftest import NO_CLUSTER, Server, command_line, wait_until
+from tests.server.test_jobs import begin, gone
 
 STOPS = int(os.environ.get("GALEWOOD_TEST_STOPS", "9"))
 """How many servers are stopped at random moments."""
@@ -56,18 +56,36 @@ def test_open_requests_are_broken_off_without_a_traceback(start_server: Callable
         one.close()
 
 
+def importing(server: Server) -> socket.socket:
+    """The connection of an upload whose import has started, and never ends."""
+    body = '--x\r\nContent-Disposition: form-data; name="file"; filename="a.obj"\r\n\r\nv 0\r\n--x--\r\n'
+    head = UPLOAD.partition("\r\n\r\n")[0].replace("100000", str(len(body)))
+    upload = asked(server, f"{head}\r\n\r\n{body}")
+    wait_until(lambda: any((server.data_dir / "tmp").rglob("in.npz")), 120)
+    wait_until(lambda: any("galewood.sandbox.child" in command_line(one) for one in server.family()))
+    return upload
+
+
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGINT])
+def test_an_import_has_ended_when_a_stopped_server_ends(
+    start_server: Callable[..., Server], how: signal.Signals
+) -> None:
+    server = start_server("tests.server.hanging_server", GALEWOOD_SHUTDOWN_S="1", **NO_CLUSTER)
+    upload = importing(server)
+    family = server.family()
+    server.stop(how)
+    assert gone(family)
+    assert not (server.data_dir / "tmp").exists()
+    assert "Traceback" not in server.log(), server.log()
+    upload.close()
+
+
 def test_an_import_ends_with_a_killed_server_and_its_folder_with_the_next_start(
     start_server: Callable[..., Server],
 ) -> None:
     server = start_server("tests.server.hanging_server", **NO_CLUSTER)
     folders = server.data_dir / "tmp"
-    body = '--x\r\nContent-Disposition: form-data; name="file"; filename="a.obj"\r\n\r\nv 0\r\n--x--\r\n'
-    head = UPLOAD.partition("\r\n\r\n")[0].replace("100000", str(len(body)))
-    upload = asked(server, f"{head}\r\n\r\n{body}")
-    wait_until(lambda: any(folders.rglob("in.npz")), 120)
-    wait_until(
-        lambda: any("galewood.sandbox.child" in word for one in server.family() for word in one.cmdline())
-    )
+    upload = importing(server)
     server.kill()
     wait_until(lambda: not server.descendants(), 120)
     assert any(folders.rglob("in.npz")), "what the killed server could not remove"

@@ -5,7 +5,7 @@ from galewood.util.atomic_file import write_arrays, write_whole
 from galewood.util.cancelled import Cancelled
 from galewood.util.delimited import Row, decoded, delimiter_of, number_of, rows_of
 from galewood.util.errors import MeshError, Reason
-from galewood.util.guarded_process import GuardedProcess, Lifeline
+from galewood.util.guarded_process import BrokenOffError, GuardedProcess, Lifeline
 from galewood.util.lazy import lazily
 from galewood.util.process_usage import PeakMemory, cpu_seconds
 from galewood.util.text import shown_message, shown_text
@@ -13,6 +13,7 @@ from galewood.util.worker_pool import WorkerPool, usable_cores
 
 __all__ = [
     "Array",
+    "BrokenOffError",
     "Cancelled",
     "Floats",
     "GuardedProcess",

@@ -9,11 +9,13 @@ import os
 import stat
 import subprocess
 import sys
+import threading
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Self
+from typing import IO, ClassVar, Self
+from weakref import WeakSet
 
 import psutil
 
@@ -50,13 +52,21 @@ class Lifeline:
         self.close()
 
 
+class BrokenOffError(RuntimeError):
+    """`GuardedProcess.end_all` has ended the process that a thread was waiting for."""
+
+
 class GuardedProcess:
     """A program and its descendants, which end with the ``with`` block."""
+
+    _running: ClassVar[WeakSet[GuardedProcess]] = WeakSet()
+    _lock: ClassVar[threading.Lock] = threading.Lock()
 
     def __init__(
         self, program: Sequence[str], *, cwd: Path, environment: Mapping[str, str], errors: IO[bytes]
     ) -> None:
         """Start a program in a new session, without input; standard error goes to a file."""
+        self._broken_off = False
         self._lifeline = Lifeline()
         try:
             self._guard = subprocess.Popen(
@@ -68,10 +78,18 @@ class GuardedProcess:
             self._lifeline.close()
             raise
         self._lifeline.started()
+        with self._lock:
+            self._running.add(self)
 
     def wait(self, timeout_s: float) -> int:
-        """The exit code, or minus the number of the signal that ended it. subprocess.TimeoutExpired."""
-        return self._guard.wait(timeout_s)
+        """The exit code, or minus the number of the signal that ended it.
+
+        subprocess.TimeoutExpired; BrokenOffError after `end_all`.
+        """
+        code = self._guard.wait(timeout_s)
+        if self._broken_off:
+            raise BrokenOffError
+        return code
 
     def unlinked_bytes(self) -> int:
         """Size of the files without a name that the program and its descendants hold open."""
@@ -85,8 +103,22 @@ class GuardedProcess:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._lifeline.close()
+        self._close()
+
+    def _close(self) -> None:
+        with self._lock:
+            self._lifeline.close()
+            self._running.discard(self)
         self._guard.wait()
+
+    @classmethod
+    def end_all(cls) -> None:
+        """End those that threads of this process wait for now; none of them is left afterwards."""
+        with cls._lock:
+            running = list(cls._running)
+        for one in running:
+            one._broken_off = True
+            one._close()
 
 
 def _unlinked_bytes(pid: int) -> int:

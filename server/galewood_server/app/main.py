@@ -7,6 +7,7 @@ import fcntl
 import hashlib
 import logging
 import sys
+import time
 from collections.abc import AsyncGenerator
 from contextlib import ExitStack, asynccontextmanager, suppress
 from functools import partial
@@ -15,6 +16,7 @@ from typing import TextIO
 
 import uvicorn
 from fastapi import FastAPI
+from galewood.util import GuardedProcess
 
 from galewood_server.access import AccessControl, MeshImporter, OpenConnections, Turns, limited_importer
 from galewood_server.api import ROUTERS, VERSION, ChangeFeed, ServiceCollector
@@ -47,6 +49,8 @@ from galewood_server.stream import Forests, SocketLimits, metered_protocol, warm
 log = logging.getLogger("galewood")
 NOT_STARTED = 3
 """Exit status of a server that could not start, as of uvicorn."""
+THREAD_CHECK_S = 0.02
+"""Time between two looks at what threads still do at the end, s."""
 
 
 def create_app(settings: Settings, importer: MeshImporter | None = None) -> FastAPI:
@@ -81,6 +85,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
+            await _end_threads(settings.shutdown_s)
             stack.close()
 
     app = FastAPI(
@@ -110,6 +115,20 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
     allow_cross_origin(app, settings.allowed_origins)
     app.add_middleware(Tracing, metrics=metrics)
     return app
+
+
+async def _end_threads(patience_s: float) -> None:
+    """End the threads of cancelled tasks and requests, with the processes that they wait for.
+
+    uvicorn ends this process by a signal as soon as the application has shut down, which waits for no thread.
+    """
+    ending = asyncio.ensure_future(asyncio.get_running_loop().shutdown_default_executor())
+    end_s = time.monotonic() + patience_s
+    while not ending.done():
+        GuardedProcess.end_all()  # again and again, because a thread may start the next
+        await asyncio.wait([ending], timeout=THREAD_CHECK_S)
+        if time.monotonic() > end_s:
+            return
 
 
 def _service(settings: Settings, importer: MeshImporter) -> Service:
