@@ -54,7 +54,7 @@ web/dist/index.html: web/node_modules/.stamp $(WEB_SOURCES)
 web/player/dist/core.js: web/node_modules/.stamp $(PLAYER_SOURCES)
 	@cd web && npm run --silent build:player
 
-# The longest step of a first build: done here, beside the page's set-up, so that no visitor waits for it.
+# The longest step of a first build.
 build/.kernels: $(VENV)/.base $(KERNEL_SOURCES)
 	@echo "Compiling the numeric kernels (once)"
 	@mkdir -p build
@@ -74,7 +74,9 @@ build/wheel/.made: $(VENV)/.base web/dist/index.html web/player/dist/core.js $(W
 	@$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir build/wheel .
 	@touch $@
 
-run: build ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DATA_DIR change where)
+run: ## serve the forest at http://127.0.0.1:8000 (PORT, HOST, GALEWOOD_DATA_DIR change where)
+	@# the service compiles the kernels itself, beside its first visitors
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=line $(VENV)/.base web/dist/index.html
 	@$(BIN)/galewood serve
 
 test: ## set everything up and run every test

@@ -94,6 +94,7 @@ class Server:
             "GALEWOOD_WORKERS": "1",
             "GALEWOOD_BUILTIN_SPECIES": "false",
             "GALEWOOD_CLUSTER_IDLE_S": "1000",
+            "GALEWOOD_COMPILE_KERNELS": "false",
             **shared_services(self.data_dir),
             **self.environment,
         }

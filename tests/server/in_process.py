@@ -26,6 +26,7 @@ async def application(
     settings: dict[str, Any] = {
         "data_dir": folder,
         "builtin_trees": False,
+        "compile_kernels": False,
         "scheduler_url": "tcp://127.0.0.1:9",
         "job_module": "tests.server.fake_job",
         **given,

@@ -80,6 +80,18 @@ def test_an_import_has_ended_when_a_stopped_server_ends(
     upload.close()
 
 
+def test_a_first_start_compiles_the_kernels_until_the_server_stops(
+    start_server: Callable[..., Server], tmp_path: Path
+) -> None:
+    cache = {"GALEWOOD_COMPILE_KERNELS": "true", "NUMBA_CACHE_DIR": str(tmp_path / "numba")}
+    server = start_server(**cache, **NO_CLUSTER)
+    wait_until(lambda: any("galewood.pipeline.rehearsal" in command_line(one) for one in server.family()))
+    family = server.family()
+    server.stop()
+    assert gone(family)
+    assert "Traceback" not in server.log(), server.log()
+
+
 def test_an_import_ends_with_a_killed_server_and_its_folder_with_the_next_start(
     start_server: Callable[..., Server],
 ) -> None:

@@ -17,7 +17,7 @@ from galewood.pipeline.options import BuildOptions
 from galewood.player import WindDrivenTrees
 from galewood.sampling import SampleTask, run_task
 from galewood.table import Table, decode
-from galewood.util import Floats
+from galewood.util import Floats, compile_once
 from galewood.wind import MODELS, Wind, WindField
 
 SIDES, RINGS = 10, 6
@@ -37,10 +37,14 @@ OPTIONS = BuildOptions(
 
 
 def compile_kernels(on_progress: Callable[[float], None] = lambda fraction: None) -> None:
-    """Compile the kernels of a build and of both methods in every wind; what is cached is not compiled again.
+    """Compile the kernels of a build and of both methods in every wind, unless they are in numba's cache.
 
-    ``on_progress`` gets the fraction done.
+    ``on_progress`` gets the fraction done. Waits while another process compiles them.
     """
+    compile_once(lambda: _compile(on_progress))
+
+
+def _compile(on_progress: Callable[[float], None]) -> None:
     with tempfile.TemporaryDirectory() as folder:
         result = build_table(
             small_tree_obj(),
@@ -107,3 +111,7 @@ def _play(table: Table) -> None:
         forest = WindDrivenTrees(table, trees, method)
         for model in MODELS:
             forest.step(WindField(Wind(model=model)), 1.0, 1 / 30)
+
+
+if __name__ == "__main__":
+    compile_kernels()

@@ -6,6 +6,7 @@ from galewood.util.cancelled import Cancelled
 from galewood.util.delimited import Row, decoded, delimiter_of, number_of, rows_of
 from galewood.util.errors import MeshError, Reason
 from galewood.util.guarded_process import BrokenOffError, GuardedProcess, Lifeline
+from galewood.util.kernel_cache import compile_once, kernels_compiled
 from galewood.util.lazy import lazily
 from galewood.util.process_usage import PeakMemory, cpu_seconds
 from galewood.util.text import shown_message, shown_text
@@ -27,9 +28,11 @@ __all__ = [
     "Row",
     "Singles",
     "WorkerPool",
+    "compile_once",
     "cpu_seconds",
     "decoded",
     "delimiter_of",
+    "kernels_compiled",
     "lazily",
     "number_of",
     "rows_of",

@@ -25,6 +25,7 @@ from galewood_server.app.compression import CompressedJson
 from galewood_server.app.cross_origin import allow_cross_origin
 from galewood_server.app.headers import SecurityHeaders
 from galewood_server.app.http_protocol import ACCEPTED_AT_ONCE, Server, protocol_with_limits
+from galewood_server.app.kernels import compile_kernels
 from galewood_server.app.openapi import describe
 from galewood_server.app.page import Page
 from galewood_server.app.start_failures import check_address, with_clear_failures
@@ -73,6 +74,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
             asyncio.create_task(work)
             for work in (
                 Supervisor(service).run(),
+                compile_kernels(settings),
                 app.state.feed.run(),
                 service.owners.run(),
                 builtin_trees.queue_outdated_uploads(service),

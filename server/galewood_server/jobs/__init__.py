@@ -9,10 +9,17 @@ from galewood_server.jobs.queue import AFTER_TABLE, add_job, find_job, queue_job
 from galewood_server.jobs.table_fingerprint import fingerprint
 
 if TYPE_CHECKING:
+    from galewood_server.jobs.processes import start_module
     from galewood_server.jobs.supervisor import Supervisor
 
 # job processes import this package too and have no use for what the supervisor loads
-__getattr__ = lazily(__name__, {"Supervisor": "galewood_server.jobs.supervisor"})
+__getattr__ = lazily(
+    __name__,
+    {
+        "Supervisor": "galewood_server.jobs.supervisor",
+        "start_module": "galewood_server.jobs.processes",
+    },
+)
 __all__ = [
     "AFTER_TABLE",
     "PLOT",
@@ -22,4 +29,5 @@ __all__ = [
     "fingerprint",
     "queue_job",
     "request_cancel",
+    "start_module",
 ]

@@ -10,6 +10,7 @@ from typing import Any
 
 from galewood.options import BuildRequest
 from galewood.pipeline import BuildOptions, BuildResult, Progress, build_options
+from galewood.util import kernels_compiled
 from sqlalchemy.orm import Session
 
 from galewood_server.jobs.artefact_publisher import ArtefactPublisher
@@ -92,6 +93,8 @@ class RunningBuild:
 
     def run(self, build: Build) -> None:
         """Compute and store the table and its records."""
+        if not kernels_compiled():
+            self._compile_kernels()
         if self._transfer:
             self._transfer.fetch_tetrahedra(self._settings.cache_dir / "tets")
         result = build(
@@ -107,6 +110,12 @@ class RunningBuild:
         publish_result(self._job_lease, self._stores, self._inputs, result, self._model)
         if self._transfer:
             self._transfer.delete_runs(self._runner.runs)
+
+    def _compile_kernels(self) -> None:
+        from galewood.pipeline import compile_kernels
+
+        self._reporter.report("import", 0.0, "Compiling the numeric kernels (once on this machine)")
+        compile_kernels()
 
     def _on_progress(self, progress: Progress) -> None:
         if self._loading is None:
