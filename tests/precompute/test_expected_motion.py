@@ -14,7 +14,7 @@ from galewood.model import beam_model, typical_frequency_hz
 from galewood.options import BuildRequest
 from galewood.pipeline import BuildOptions, build_options, expected_motion, motion_lines
 from galewood.pipeline.expected import length_words, steady_sway_m
-from galewood.pipeline.rehearsal import small_tree_obj
+from galewood.pipeline.kernel_compilation import small_tree_obj
 from galewood.pipeline.stiffness import Goal, goal_of, scaled_to
 from galewood.util import MeshError
 from galewood.wood import wood_of_species

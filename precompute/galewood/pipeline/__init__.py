@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from galewood.pipeline.drawn_figures import DrawnFigures, drawn_words
     from galewood.pipeline.expected import expected_motion, motion_lines, with_expected_motion
     from galewood.pipeline.from_beams import beam_table
-    from galewood.pipeline.rehearsal import compile_kernels
+    from galewood.pipeline.kernel_compilation import compile_kernels
     from galewood.pipeline.report import render_mesh
     from galewood.pipeline.shipping import BuiltinMesh, builtin_meshes, outdated, ship, ship_compliance
     from galewood.pipeline.summary import import_lines
@@ -45,7 +45,7 @@ __getattr__ = lazily(
         "import_lines": "galewood.pipeline.summary",
         "motion_lines": "galewood.pipeline.expected",
         "with_expected_motion": "galewood.pipeline.expected",
-        "compile_kernels": "galewood.pipeline.rehearsal",
+        "compile_kernels": "galewood.pipeline.kernel_compilation",
         "render_mesh": "galewood.pipeline.report",
         "BuiltinMesh": "galewood.pipeline.shipping",
         "builtin_meshes": "galewood.pipeline.shipping",

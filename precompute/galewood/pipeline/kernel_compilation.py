@@ -48,7 +48,7 @@ def _compile(on_progress: Callable[[float], None]) -> None:
     with tempfile.TemporaryDirectory() as folder:
         result = build_table(
             small_tree_obj(),
-            "rehearsal.obj",
+            "small-tree.obj",
             OPTIONS,
             runner=_first_runs,
             progress=lambda progress: on_progress(0.8 * progress.fraction),
