@@ -69,7 +69,7 @@ def create_app(settings: Settings, importer: MeshImporter | None = None) -> Fast
         await asyncio.to_thread(builtin_trees.register, service)
         if settings.peer_url:  # clients that lost another server are not to wait for this one's first forest
             await asyncio.to_thread(_warm_up, service)
-            await service.owners.rehearse()
+            await service.owners.warm_up()
         tasks = [
             asyncio.create_task(work)
             for work in (

@@ -91,11 +91,11 @@ class ForestOwners:
             self._held[share] = lease.token
             return None
 
-    async def rehearse(self) -> None:
+    async def warm_up(self) -> None:
         """Do what a client will wait for, once: connections and modules are then ready."""
         if self._url is None:
             return
-        share = f"rehearsal-{new_id()}"
+        share = f"warm-up-{new_id()}"
         try:
             async with self.wanted(share):
                 await self.elsewhere(share)

@@ -16,8 +16,8 @@ from galewood_server.stream.pulls import GroupPulls, pullings
 from galewood_server.stream.wire import TICK_HZ, Forest, Method, Poses, Pull, Pulling
 from galewood_server.stream.wire_forest import Trees
 
-REHEARSED = 2
-"""Trees of a rehearsal: numba compiles other code for arrays of one row."""
+WARM_UP_TREES = 2
+"""Trees stepped to warm up: numba compiles other code for arrays of one row."""
 STREAM_ERROR_M = 0.25e-3
 """Maximum displacement error of a node from quantisation, for a tree of scale 1."""
 
@@ -98,7 +98,7 @@ class GroupStepper:
         compliance: Compliance | None = None,
     ) -> None:
         """trees (n, 4): x (m), z (m), yaw (rad), scale."""
-        self._made_of = (table, trees[:REHEARSED], pose_easing, method)
+        self._made_of = (table, trees[:WARM_UP_TREES], pose_easing, method)
         self._trees = WindDrivenTrees(table, trees, method, pose_easing)
         self.pulls = GroupPulls(table, trees, compliance)
         quantum = stream_quantum(table)
@@ -110,7 +110,7 @@ class GroupStepper:
         self._trees.step(field, time_s, dt_s)
         self.pulls.step(self._trees, pulls, dt_s)
 
-    def rehearse(self) -> None:
+    def warm_up(self) -> None:
         """Step a few trees of this kind, so that everything is compiled before the first tick."""
         few = GroupStepper(*self._made_of)
         few.step(WindField(Wind()), 1.0, 1 / TICK_HZ)
@@ -143,7 +143,7 @@ class ForestStepper:
         ]
 
         for group in self._groups:
-            group.rehearse()
+            group.warm_up()
 
     @property
     def shapes(self) -> list[Shape]:
