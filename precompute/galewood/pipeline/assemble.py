@@ -68,9 +68,9 @@ def assemble_first(
 
     ``winds_pa`` (T, 2) are the winds whose motion decides which vertices share a node.
     """
-    motion = linear_motion(body, of.mass_kg, winds_pa, fem)
-    moved = Moved(motion.modal, motion.subspace, motion.q, winds_pa)
-    return _table(moved, gust_modes(body, fem), {}, of)
+    linear = linear_motion(body, of.mass_kg, winds_pa, fem)
+    motion = ModalMotion(linear.modal, linear.subspace, linear.q, winds_pa)
+    return _table(motion, gust_modes(body, fem), {}, of)
 
 
 def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
@@ -86,9 +86,9 @@ def assemble_default(training: ModalTraining, of: Surroundings) -> DefaultPart:
     q = [subspace.project(run.displacement_m) for run in training.runs]
     of = replace(of, mesh=with_calm_bark(of.mesh, subspace.basis, q, of.height_m))
     winds_pa = [np.asarray(run.pressure_pa, np.float64) for run in training.runs]
-    moved = Moved(fitted.modal, subspace, q, winds_pa)
+    motion = ModalMotion(fitted.modal, subspace, q, winds_pa)
     layer = gust_modes(training.body, training.scheme)
-    table = _table(moved, layer, errors, of)
+    table = _table(motion, layer, errors, of)
     if of.mesh.figures:
         table = with_borne_pieces(table, of.mesh.figures, q)
         table.metadata["drawn"] = of.mesh.figures.of(table, q)
@@ -140,7 +140,7 @@ def assemble_table(
 
 
 @dataclass(frozen=True)
-class Moved:
+class ModalMotion:
     """A modal model, and its motion q (T + 1, r) under the winds (T, 2), Pa, that it was made from."""
 
     modal: ModalTensors
@@ -154,19 +154,19 @@ class Moved:
         return np.concatenate([np.linalg.norm(wind, axis=1) for wind in self.winds_pa])
 
 
-def _table(moved: Moved, layer: GustModes, errors: Metadata, of: Surroundings) -> Table:
+def _table(motion: ModalMotion, layer: GustModes, errors: Metadata, of: Surroundings) -> Table:
     """The table of a modal model and a gust layer."""
-    modal, strengths_pa = moved.modal, moved.strengths_pa
+    modal, strengths_pa = motion.modal, motion.strengths_pa
     most_pa = max(float(strengths_pa.max(initial=0.0)), float(modal.limits[2]))
     typical_pa = float(np.sqrt(np.mean(np.square(strengths_pa))))
     dt_s = float(of.description["dt_s"])
     typical, strongest = gust_range(layer, (typical_pa, most_pa), dt_s)
     shapes = layer.shapes.reshape(len(layer.shapes), -1, 3).transpose(1, 2, 0)
-    basis = np.concatenate([moved.subspace.basis, shapes], axis=2)
-    every = np.concatenate(moved.q)
+    basis = np.concatenate([motion.subspace.basis, shapes], axis=2)
+    every = np.concatenate(motion.q)
     q_rms = np.sqrt(np.concatenate([np.mean(every**2, axis=0), np.mean(typical**2, axis=0)]))
-    r = moved.subspace.modes
-    nodes = _nodes(basis, q_rms, _strong(moved.q, strongest), of)
+    r = motion.subspace.modes
+    nodes = _nodes(basis, q_rms, _strong(motion.q, strongest), of)
     reach_m = _reach_m(nodes.basis[:, :, :r], every) + _reach_m(nodes.basis[:, :, r:], strongest)
     metadata: Metadata = {
         "format": FORMAT,
@@ -178,7 +178,7 @@ def _table(moved: Moved, layer: GustModes, errors: Metadata, of: Surroundings) -
         "reach_m": REACH_MARGIN * reach_m,
         "errors": {**errors, "node_rms_m": nodes.rms_error_m, "node_max_m": nodes.max_error_m},
     }
-    scale = np.full(basis.shape[2], quantum([*moved.q, strongest]), np.float32)
+    scale = np.full(basis.shape[2], quantum([*motion.q, strongest]), np.float32)
     gusts = layer.tensors
     return Table(
         metadata, scale, nodes.basis, nodes.rest_m, nodes.turn, nodes.parent,
