@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from galewood.fem import TangentFactor
-from galewood.player import PullingHand, point_response
+from galewood.player import DragConstraint, point_response
 from galewood.table import Compliance, Table, decode, decode_compliance, encode_compliance
 
 HERE = Path(__file__).parent
@@ -105,7 +105,7 @@ def responses(table: Table, compliance: Compliance) -> list[dict[str, Any]]:
 
 def hand(table: Table, compliance: Compliance) -> dict[str, Any]:
     """A hand that follows a moving target while the wind moves its point; one row of forces per step."""
-    pulling = PullingHand(point_response(table, VERTICES[1], compliance))
+    pulling = DragConstraint(point_response(table, VERTICES[1], compliance))
     targets, swayed, forces = [], [], []
     for k in range(40):
         targets.append([0.002 * k, -0.05 if k > 20 else 0.01, 0.001 * k * k])

@@ -10,7 +10,7 @@ import pytest
 import scipy.sparse
 from galewood.fem import FemModel, TangentFactor, solve_static, tangent_factor
 from galewood.pipeline.compliance_file import compliance_of, four_largest, whole_weights
-from galewood.player import PointResponse, PullError, PullingHand, point_response
+from galewood.player import DragConstraint, PointResponse, PullError, point_response
 from galewood.player.pulling import displacement_at, solve, vertex_loads
 from galewood.table import Compliance, TableError, decode, decode_compliance, encode_compliance
 from galewood.verify.motion_checks import laden_pole
@@ -136,7 +136,7 @@ def test_hand_moves_its_point_to_the_target() -> None:
         * axes[:, 2]
         * min(response.reach_m, response.limit_n * np.linalg.eigvalsh(response.compliance)[2])
     )
-    hand = PullingHand(response)
+    hand = DragConstraint(response)
     for _ in range(60):
         hand.step(1 / 30, target, np.zeros(3))
     assert np.linalg.norm(response.compliance @ hand.force_n - target) < 0.05 * np.linalg.norm(target)
@@ -145,7 +145,7 @@ def test_hand_moves_its_point_to_the_target() -> None:
 def test_hand_never_exceeds_its_limits() -> None:
     """However far the target, neither the breaking force nor the reach is exceeded."""
     response = golden_response()
-    hand = PullingHand(response)
+    hand = DragConstraint(response)
     for _ in range(200):
         hand.step(1 / 30, np.array([900.0, -900.0, 900.0]), np.zeros(3))
         assert np.linalg.norm(hand.force_n) <= 1.000001 * response.limit_n

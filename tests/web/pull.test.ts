@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import { decodeCompliance } from "../../web/player/src/core/pull/compliance";
 import { solveFactor } from "../../web/player/src/core/pull/factor";
-import { PullingHand, type Vector } from "../../web/player/src/core/pull/hand";
+import { DragConstraint, type Vector } from "../../web/player/src/core/pull/hand";
 import { PullError, pointResponse } from "../../web/player/src/core/pull/pointResponse";
 import { restFrequency, ringShare } from "../../web/player/src/core/pull/restRing";
 import { decodeTable } from "../../web/player/src/core/table/table";
@@ -102,7 +102,7 @@ test("the factor solves L Lᵀ u = f", () => {
 
 test("the hand follows its target with the forces of Python's", () => {
   const { vertex, dt_s, targets_m, swayed_m, forces_n, e, v } = said.hand;
-  const hand = new PullingHand(pointResponse(table, vertex, compliance));
+  const hand = new DragConstraint(pointResponse(table, vertex, compliance));
   targets_m.forEach((target, k) => {
     hand.step(dt_s, target, swayed_m[k]);
     near(hand.force_N, forces_n[k]);

@@ -3,7 +3,7 @@
 from galewood.player.modal_forest import ModalForest
 from galewood.player.paper_search import PaperForest, gaussian
 from galewood.player.periodic import PeriodicMotion, periodic_motion
-from galewood.player.pulling import PointResponse, PullError, PullingHand, point_response
+from galewood.player.pulling import DragConstraint, PointResponse, PullError, point_response
 from galewood.player.sway import grid_placements, play
 from galewood.player.wind_driven import Method, WindDrivenTrees
 
@@ -14,7 +14,7 @@ __all__ = [
     "PeriodicMotion",
     "PointResponse",
     "PullError",
-    "PullingHand",
+    "DragConstraint",
     "WindDrivenTrees",
     "gaussian",
     "grid_placements",

@@ -142,7 +142,7 @@ def displacement_at(u_m: Floats, compliance: Compliance, vertex: int) -> Floats:
     return weight @ padded[compliance.node[row].astype(np.int64)]
 
 
-class PullingHand:
+class DragConstraint:
     """A hand that moves a point of a tree to a target. Forces and places in the tree's frame, at scale 1."""
 
     def __init__(self, response: PointResponse) -> None:

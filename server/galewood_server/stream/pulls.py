@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from galewood.player import PullError, PullingHand, WindDrivenTrees, point_response
+from galewood.player import DragConstraint, PullError, WindDrivenTrees, point_response
 from galewood.table import Compliance, Table
 
 from galewood_server.stream.forest_hands import STILL
@@ -24,7 +24,7 @@ EASE_S = 0.7
 class _Held:
     tree: int
     pull: Pull
-    hand: PullingHand
+    hand: DragConstraint
     left_s: float = EASE_S
     """Time in which a tree without oscillators still eases back, s."""
 
@@ -87,7 +87,7 @@ class GroupPulls:
         except PullError as error:
             log.debug("ignored a pull: %s", error)  # at every tick, as long as it is held
             return
-        self._held[pull.hand] = _Held(tree, pull, PullingHand(response))
+        self._held[pull.hand] = _Held(tree, pull, DragConstraint(response))
 
     def _tree_at(self, x_m: float, z_m: float) -> int | None:
         if len(self._trees) == 0:
@@ -105,6 +105,6 @@ def pullings(pulls: Iterable[Pull], groups: Iterable[GroupPulls]) -> tuple[Pulli
     return tuple(Pulling(pull, forces.get(pull.hand, STILL)) for pull in pulls)
 
 
-def _vector(hand: PullingHand) -> Vector:
+def _vector(hand: DragConstraint) -> Vector:
     x, y, z = hand.force_n.tolist()
     return x, y, z

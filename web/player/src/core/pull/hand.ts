@@ -1,6 +1,6 @@
 /**
  * A hand that moves a point of a tree to a target. Forces and places in the tree's frame, at scale 1. Same as
- * `PullingHand` in precompute/galewood/player/pulling.py.
+ * `DragConstraint` in precompute/galewood/player/pulling.py.
  */
 import type { PointResponse } from "./pointResponse";
 
@@ -11,7 +11,7 @@ const LAG_S = 0.05;
 
 export type Vector = readonly [number, number, number];
 
-export class PullingHand {
+export class DragConstraint {
   readonly force_N = new Float64Array(3);
   /** How fast the force changes, smoothed. */
   private readonly rate_N_s = new Float64Array(3);

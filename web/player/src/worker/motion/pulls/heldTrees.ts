@@ -1,6 +1,6 @@
 /** Trees that hands hold, where the poses are computed here. Nothing is computed while no tree is pulled. */
 import { poseStride } from "../../../core/motion/poseStride";
-import { PullingHand } from "../../../core/pull/hand";
+import { DragConstraint } from "../../../core/pull/hand";
 import type { PullOrder, TreeAt } from "../../protocol";
 import type { PointResponses, PulledTable } from "./pointResponses";
 import { type Pulled, samePoint } from "./pulled";
@@ -19,7 +19,7 @@ interface Held {
   order: PullOrder;
   readonly table: string;
   readonly modes: number;
-  readonly hand: PullingHand;
+  readonly hand: DragConstraint;
   /** Remaining time of easing back; only after a release. */
   left_s: number;
 }
@@ -86,7 +86,7 @@ export class HeldTrees {
     this.waiting.delete(order.hand);
     if (!of || !response) return;
     const { modes } = of.table.metadata;
-    this.held.set(order.hand, { order, table: of.sha256, modes, hand: new PullingHand(response), left_s: 0 });
+    this.held.set(order.hand, { order, table: of.sha256, modes, hand: new DragConstraint(response), left_s: 0 });
   }
 
   private ease(dt_s: number, out: readonly Float32Array[]): void {
