@@ -174,7 +174,7 @@ describe("a pulled tree", () => {
       const held_m = moved(out[0], 0);
       expect(held_m).toBeGreaterThan(0.9 * target_m[0]);
       expect(moved(out[0], 1)).toBe(0);
-      motion.letGo(1);
+      motion.release(1);
       motion.advance(1 / 60, out);
       // continuous: the tree starts where it was held
       expect(Math.abs(moved(out[0], 0) - held_m)).toBeLessThan(0.25 * held_m);

@@ -144,8 +144,8 @@ export class ForestClient {
     this.send({ kind: "pull", order });
   }
 
-  letGo(hand: number): void {
-    this.send({ kind: "letGo", hand });
+  release(hand: number): void {
+    this.send({ kind: "release", hand });
   }
 
   /** Sends a gust front through the forest from a place, m; also for all who share it. */

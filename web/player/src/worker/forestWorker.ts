@@ -176,8 +176,8 @@ scope.onmessage = ({ data }) => {
     case "pull":
       source?.pull(data.order);
       break;
-    case "letGo":
-      source?.letGo(data.hand);
+    case "release":
+      source?.release(data.hand);
       break;
     case "gust":
       source?.gust(data.x_m, data.z_m);

@@ -184,7 +184,7 @@ export type ToWorker =
   | { kind: "wind"; wind: WindDocument }
   /** Begins or continues a pull, and ends it. */
   | { kind: "pull"; order: PullOrder }
-  | { kind: "letGo"; hand: number }
+  | { kind: "release"; hand: number }
   /** Sends a gust front from a place, m. */
   | { kind: "gust"; x_m: number; z_m: number }
   /** Stops or resumes the clock of a shared forest, for everyone. */

@@ -87,8 +87,8 @@ export class HeldTree {
     this.client.pull(order);
   }
 
-  letGo(): void {
-    this.client.letGo(HAND);
+  release(): void {
+    this.client.release(HAND);
   }
 }
 

@@ -84,7 +84,7 @@ export class Puller {
     this.canvas.addEventListener("pointercancel", (event) => this.lifted(event), options);
     this.canvas.addEventListener("lostpointercapture", (event) => this.lifted(event), options);
     this.canvas.addEventListener("keydown", (event) => this.key(event), options);
-    this.canvas.addEventListener("blur", () => this.pull?.by === "keys" && this.letGo(), options);
+    this.canvas.addEventListener("blur", () => this.pull?.by === "keys" && this.release(), options);
   }
 
   /** Where the held point is shown in the window, px, and the hand; null while nothing is pulled. */
@@ -109,7 +109,7 @@ export class Puller {
   // ---- mouse and finger ---------------------------------------------------------------------------
 
   private pressed(event: PointerEvent): void {
-    if (this.pull) this.letGo();
+    if (this.pull) this.release();
     const plain = !(event.ctrlKey || event.shiftKey || event.metaKey || event.altKey);
     if (!this.enabled || !event.isPrimary || event.button !== 0 || !plain) return;
     const picked = this.picker.find(event.clientX, event.clientY);
@@ -169,7 +169,7 @@ export class Puller {
     this.press = null;
     this.stage.controls.enabled = true;
     this.canvas.style.cursor = "";
-    if (this.pull?.by === "pointer") this.letGo();
+    if (this.pull?.by === "pointer") this.release();
   }
 
   /** The cursor becomes a hand above what can be pulled. */
@@ -220,7 +220,7 @@ export class Puller {
     const way = KEYS[event.key];
     if (way) this.moveByKey(way, event.shiftKey ? 3 : 1);
     else if (["Enter", "Escape", "p", "P"].includes(event.key)) {
-      this.letGo();
+      this.release();
       this.tag.announce("Let go. The tree swings.");
     } else return;
     event.preventDefault();
@@ -259,8 +259,8 @@ export class Puller {
     this.pull = { tree, by, start: point.clone(), hand: point.clone(), offset: new Vector3() };
   }
 
-  private letGo(): void {
-    this.pull?.tree.letGo();
+  private release(): void {
+    this.pull?.tree.release();
     this.pull = null;
     this.handle.hide();
     this.tag.hide();
@@ -273,7 +273,7 @@ export class Puller {
     const point = pull.tree.point;
     if (!point || !this.enabled) {
       this.end();
-      this.letGo();
+      this.release();
       return;
     }
     pull.tree.pullTo(pull.hand);
@@ -308,7 +308,7 @@ export class Puller {
   dispose(): void {
     this.listeners.abort();
     this.end();
-    this.letGo();
+    this.release();
     this.handle.dispose();
     this.tag.dispose();
   }

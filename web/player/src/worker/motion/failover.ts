@@ -55,9 +55,9 @@ export class FailoverMotion implements MotionSource {
     this.source.pull(order);
   }
 
-  letGo(hand: number): void {
-    this.stream.letGo(hand);
-    this.local?.letGo(hand);
+  release(hand: number): void {
+    this.stream.release(hand);
+    this.local?.release(hand);
   }
 
   get pulled() {

@@ -116,7 +116,7 @@ export class LocalMotion implements MotionSource {
     if (order.at.tree < (this.groups[order.at.group]?.trees.lookup.count ?? 0)) this.hands.pull(order);
   }
 
-  letGo(hand: number): void {
+  release(hand: number): void {
     this.hands.release(hand);
   }
 

@@ -26,7 +26,7 @@ export interface MotionSource {
   hide?(hidden: boolean): void;
   /** Begins or continues a pull. */
   pull(order: PullOrder): void;
-  letGo(hand: number): void;
+  release(hand: number): void;
   /** The trees that are pulled, by anyone, in the last poses. */
   readonly pulled: readonly Pulled[];
   /** Sends a gust front from a place, m. */

@@ -58,7 +58,7 @@ export class SharedMotion implements MotionSource {
     const others = pulls.filter(({ hand }) => !this.own.has(hand));
     const hands = new Set(others.map(({ hand }) => hand));
     for (const hand of this.local.hands.hands)
-      if (!hands.has(hand) && !this.own.has(hand)) this.local.letGo(hand);
+      if (!hands.has(hand) && !this.own.has(hand)) this.local.release(hand);
     for (const { hand, x, z, vertex, target } of others) {
       const at = treeAtPlace(this.options.placements, x, z);
       if (at) this.local.pull({ hand, at, vertex, target_m: target });
@@ -71,8 +71,8 @@ export class SharedMotion implements MotionSource {
     this.sender.pull(order, performance.now());
   }
 
-  letGo(hand: number): void {
-    this.local.letGo(hand);
+  release(hand: number): void {
+    this.local.release(hand);
     this.sender.release(hand);
   }
 

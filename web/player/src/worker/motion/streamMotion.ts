@@ -138,7 +138,7 @@ export class StreamMotion implements MotionSource {
     this.sender.pull(order, performance.now());
   }
 
-  letGo(hand: number): void {
+  release(hand: number): void {
     this.sender.release(hand);
   }
 
