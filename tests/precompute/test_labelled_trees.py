@@ -11,7 +11,7 @@ import pytest
 from galewood.mesh.axis import to_y_up
 from galewood.mesh.classification import UNSURE_SHARE
 from galewood.mesh.formats import read_parts
-from galewood.mesh.importer import understood
+from galewood.mesh.importer import classify_content
 from galewood.mesh.types import ImportOptions
 from scipy.spatial import KDTree
 
@@ -39,7 +39,7 @@ class Result:
 
 def classified(file: LabelledFile, seed: int) -> Result:
     options = ImportOptions()
-    parts, up, found = understood(read_parts(file.data, file.filename, options), options)
+    parts, up, found = classify_content(read_parts(file.data, file.filename, options), options)
     back = to_y_up(up.value)
     centres = np.concatenate([p.positions[p.faces].mean(axis=1) @ back for p in parts])
     kinds = np.concatenate([np.array([found.groups[g].kind for g in row]) for row in found.group_of_face])

@@ -53,7 +53,7 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     check_options(options)
     content = read_parts(data, filename, options)
     file_format = content.file_format
-    parts, up, classified = understood(content, options)
+    parts, up, classified = classify_content(content, options)
     pieces, warnings = classified.parts, classified.warnings
     _check_wood(pieces, classified.groups, options)
     species, species_reason = guess_species(options.species, filename, parts)
@@ -108,7 +108,9 @@ def read_tree(data: bytes, filename: str, options: ImportOptions | None = None) 
     )
 
 
-def understood(content: FileContent, options: ImportOptions) -> tuple[list[RawPart], Choice, Classification]:
+def classify_content(
+    content: FileContent, options: ImportOptions
+) -> tuple[list[RawPart], Choice, Classification]:
     """The usable parts of a file turned y up, the up axis, and the classification of all pieces."""
     parts = joined_parts(_usable(content.parts))
     vertices, faces = _joined(parts)

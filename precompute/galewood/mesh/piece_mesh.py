@@ -9,7 +9,7 @@ import numpy as np
 
 from galewood.mesh.classification import Classification
 from galewood.mesh.formats import read_parts
-from galewood.mesh.importer import check_options, understood
+from galewood.mesh.importer import check_options, classify_content
 from galewood.mesh.render_mesh import GlbWriter
 from galewood.mesh.types import ImportOptions, Material, RawPart, RenderPrimitive
 from galewood.util import Ints
@@ -26,7 +26,7 @@ def pieces_glb(data: bytes, filename: str, options: ImportOptions | None = None)
     options = options or ImportOptions()
     check_options(options)
     content = read_parts(data, filename, options)
-    parts, _, found = understood(content, options)
+    parts, _, found = classify_content(content, options)
     rows, listed = _rows(found)
     writer = GlbWriter()
     for number, part in enumerate(parts):
