@@ -38,7 +38,7 @@ from galewood.wood import Wood, wood_of_species
 
 WARM_MODULES = ("galewood.model.comparison", "galewood.sampling.runner")
 """Modules that the worker processes import during the import, so that compiled kernels load early."""
-OF_BARE_TABLE = ("foliage", "model", "design_wind", "table", "drawn")
+BARE_REPORT_KEYS = ("foliage", "model", "design_wind", "table", "drawn")
 """Parts of the report that differ for the tree without its leaves."""
 OnTable = Callable[[BuildResult], None]
 """Receives the complete table of the default method, before the paper's records are computed; and again with
@@ -281,7 +281,7 @@ def _bare_table(builder: TableBuilder, solid: Solid, run: TrajectoryRunner, on: 
     report = build_report(
         solid.tree, solid.mesh, solid.skeleton, lumped, model, wind, table, None, None, on.stages
     )
-    return BareTable(encode(table), {name: report[name] for name in OF_BARE_TABLE})
+    return BareTable(encode(table), {name: report[name] for name in BARE_REPORT_KEYS})
 
 
 def _start_comparison(
