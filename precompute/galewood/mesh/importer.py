@@ -15,7 +15,7 @@ from galewood.mesh.classification import Classification, ClassifiedPart, classif
 from galewood.mesh.formats import FileContent, read_parts
 from galewood.mesh.joined_parts import joined_parts
 from galewood.mesh.limits import check_faces
-from galewood.mesh.missing_wood import Completed, complete_wood, foot_of_leaves, wood_of_leaves
+from galewood.mesh.missing_wood import Completed, complete_wood, foot_of_leaves, synthesize_stems
 from galewood.mesh.piece_groups import Group
 from galewood.mesh.piece_report import pieces_report
 from galewood.mesh.pieces import find_pieces
@@ -211,7 +211,7 @@ def _completed(
     """The wood in metres with what it lacks to carry its leaves."""
     leaves = [s.part for s in pieces if s.kind == "leaves"]
     if wood is None:
-        return wood_of_leaves(leaves)
+        return synthesize_stems(leaves)
     return complete_wood(Surface((wood.vertices - origin) * scale, wood.faces), leaves, asked)
 
 

@@ -96,7 +96,7 @@ def complete_wood(wood: Surface, leaves: Sequence[RawPart], asked: bool | None) 
     return grower.completed(f"the wood ends at {reached / height_m:.0%} of the height")
 
 
-def wood_of_leaves(leaves: Sequence[RawPart]) -> Completed:
+def synthesize_stems(leaves: Sequence[RawPart]) -> Completed:
     """Stems for a plant that is drawn as leaves only. Raises MeshError for pictures of trees."""
     clumps = clumps_of(leaves)
     place, height_m = foot_of_leaves(leaves)
