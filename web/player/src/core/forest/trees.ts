@@ -31,7 +31,7 @@ export function advance(groups: readonly Trees[], field: WindField, time_s: numb
   let now_s = time_s;
   for (let step = 0; step < steps; step++) {
     now_s += step_s;
-    for (const trees of groups) trees.feel(field, now_s);
+    for (const trees of groups) trees.rotatePressure(field, now_s);
     const moment = field.at(now_s);
     for (const trees of groups) trees.step(step_s, moment);
   }

@@ -103,9 +103,9 @@ export class ModalForest extends TreeInstances {
       v[i * own + k] = unit * rate[k] * this.size[i];
       e[i * own + k] = unit * pose[k] - dt * v[i * own + k];
     }
-    this.feel(i, pressureX, pressureZ);
+    this.rotatePressure(i, pressureX, pressureZ);
     // From the step before to the start, and to the next step: the tree is displayed between these two.
-    for (let steps = 0; steps < 2; steps++) this.step(i, this.felt.px, this.felt.pz);
+    for (let steps = 0; steps < 2; steps++) this.step(i, this.localPressure.px, this.localPressure.pz);
   }
 
   /** Adds to the coordinates e and speeds v [d] of tree i, per second of a tree of this size. */

@@ -47,7 +47,7 @@ export class SteppedTrees<Lookup extends TreeInstances = TreeInstances> {
   }
 
   /** Evaluates the wind at every tree; call before `step`. */
-  feel(field: WindField, time_s: number): void {
+  rotatePressure(field: WindField, time_s: number): void {
     this.wind.update(field, time_s);
   }
 

@@ -38,7 +38,7 @@ export abstract class TreeInstances {
   private readonly turn: Float32Array;
   protected readonly size: Float32Array;
   /** The pressure in the frame of the last tree asked for. */
-  protected readonly felt = { px: 0, pz: 0 };
+  protected readonly localPressure = { px: 0, pz: 0 };
 
   constructor(
     readonly count: number,
@@ -95,19 +95,19 @@ export abstract class TreeInstances {
   }
 
   /** Turns a world pressure into the frame of tree i. */
-  protected feel(i: number, x: number, z: number): void {
+  protected rotatePressure(i: number, x: number, z: number): void {
     const c = this.turn[2 * i];
     const s = this.turn[2 * i + 1];
-    this.felt.px = c * x - s * z;
-    this.felt.pz = s * x + c * z;
+    this.localPressure.px = c * x - s * z;
+    this.localPressure.pz = s * x + c * z;
   }
 
   /** Advances by dt seconds under world pressures (Pa). A tree s times as large sways s times slower. */
   advance(dtS: number, pressureX: ArrayLike<number>, pressureZ: ArrayLike<number>): void {
     const rate = dtS / this.dt;
     for (let i = 0; i < this.count; i++) {
-      this.feel(i, pressureX[i], pressureZ[i]);
-      const { px, pz } = this.felt;
+      this.rotatePressure(i, pressureX[i], pressureZ[i]);
+      const { px, pz } = this.localPressure;
       let phase = this.phase[i] + rate / this.size[i];
       for (let steps = 0; phase >= 1 && steps < MAX_STEPS_PER_ADVANCE; steps++) {
         this.step(i, px, pz);

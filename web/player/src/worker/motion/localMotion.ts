@@ -172,7 +172,7 @@ export class LocalMotion implements MotionSource {
   private step(dt_s: number): void {
     this.time_s += dt_s;
     const begin_ms = performance.now();
-    for (const { trees } of this.groups) trees.feel(this.field, this.time_s);
+    for (const { trees } of this.groups) trees.rotatePressure(this.field, this.time_s);
     this.wind_ms += performance.now() - begin_ms;
     const moment = this.field.at(this.time_s);
     for (const { trees } of this.groups) trees.step(dt_s, moment);
