@@ -12,8 +12,12 @@ LINK = re.compile(r"\]\(([^)\s]+)\)|<img src=\"([^\"]+)\"")
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "web/README.md", "assets/species/README.md"]
-)
+    "page",
+    [
+        "README.md", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "web/README.md",
+        "assets/species/README.md",
+    ],
+)  # fmt: skip
 def test_relative_links_lead_to_files(page: str) -> None:
     targets = [a or b for a, b in LINK.findall(ROOT.joinpath(page).read_text(encoding="utf-8"))]
     local = [target.partition("#")[0] for target in targets if not re.match(r"[a-z]+:|#", target)]
