@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import { decodeCompliance } from "../../web/player/src/core/pull/compliance";
 import { solveFactor } from "../../web/player/src/core/pull/factor";
-import { DragConstraint, type Vector } from "../../web/player/src/core/pull/hand";
+import { DragConstraint, type Vector } from "../../web/player/src/core/pull/dragConstraint";
 import { PullError, pointResponse } from "../../web/player/src/core/pull/pointResponse";
 import { restFrequency, ringShare } from "../../web/player/src/core/pull/restRing";
 import { decodeTable } from "../../web/player/src/core/table/table";

@@ -1,4 +1,4 @@
-"""Pulling a tree at a point of its mesh: static response, the hand that holds it, and what a release adds.
+"""Pulling a tree at a point of its mesh: static response, drag constraint, and what a release adds.
 
 Mode acceleration (docs/design/0018-pulling.md): a held tree is displaced by its static response to the
 force, and goes on swaying in the wind about it. The modes' part of that response is added to the pose, the
@@ -16,9 +16,9 @@ from galewood.table import Compliance, Table
 from galewood.util import Floats
 
 STRETCH_SHARE = 0.12
-"""Directions in which a point yields less than this share of its mean are hardly followed by the hand."""
+"""Directions in which a point yields less than this share of its mean barely move."""
 LAG_S = 0.05
-"""Time constant with which the force follows the hand."""
+"""Time constant with which the force follows the target."""
 MOST_REACH = 0.15
 """Largest displacement by pulling, relative to the height."""
 WHOLE_WEIGHT = 65535
@@ -29,7 +29,7 @@ class PullError(ValueError):
 
 
 PULL_SHARE = 0.4
-"""Largest force of a hand over the breaking force: up to it a linear response is off by about 2 % at most."""
+"""Largest pulling force over the breaking force: up to it a linear response is off by about 2 % at most."""
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def displacement_at(u_m: Floats, compliance: Compliance, vertex: int) -> Floats:
 
 
 class DragConstraint:
-    """A hand that moves a point of a tree to a target. Forces and places in the tree's frame, at scale 1."""
+    """A limited force that pulls a point of a tree to a target. Forces and places in its frame, at scale 1."""
 
     def __init__(self, response: PointResponse) -> None:
         self.response = response

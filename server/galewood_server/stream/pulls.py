@@ -24,7 +24,7 @@ EASE_S = 0.7
 class _Held:
     tree: int
     pull: Pull
-    hand: DragConstraint
+    constraint: DragConstraint
     left_s: float = EASE_S
     """Time in which a tree without oscillators still eases back, s."""
 
@@ -41,24 +41,24 @@ class GroupPulls:
     def step(self, forest: WindDrivenTrees, pulls: Iterable[Pull], dt_s: float) -> None:
         """Follow the pulls on trees of this table; call after the trees have been stepped.
 
-        Adds to the poses of held trees, and to the state of those let go since the last call.
+        Adds to the poses of held trees, and to the state of those released since the last call.
         """
         wanted = {pull.hand: pull for pull in pulls}
         for hand in [hand for hand in self._held if not self._continues(hand, wanted)]:
-            self._let_go(forest, self._held.pop(hand))
+            self._release(forest, self._held.pop(hand))
         for pull in wanted.values():
             if pull.hand not in self._held:
                 self._begin(pull)
         swayed = {held.tree: forest.q[held.tree].astype(np.float64) for held in self._held.values()}
         for held in self._held.values():
             held.pull = wanted[held.pull.hand]
-            held.hand.step(dt_s, np.array(held.pull.target), held.hand.response.point @ swayed[held.tree])
-            forest.q[held.tree] += held.hand.pose
+            held.constraint.step(dt_s, np.array(held.pull.target), held.constraint.response.point @ swayed[held.tree])
+            forest.q[held.tree] += held.constraint.pose
         self._ease(forest, dt_s)
 
-    def _let_go(self, forest: WindDrivenTrees, held: _Held) -> None:
-        if forest.displace(held.tree, *held.hand.released()):
-            forest.q[held.tree] += held.hand.pose
+    def _release(self, forest: WindDrivenTrees, held: _Held) -> None:
+        if forest.displace(held.tree, *held.constraint.released()):
+            forest.q[held.tree] += held.constraint.pose
         else:
             self._easing.append(held)
 
@@ -66,13 +66,13 @@ class GroupPulls:
         for held in self._easing:
             held.left_s -= dt_s
             share = max(held.left_s, 0.0) / EASE_S
-            forest.q[held.tree] += share * share * (3.0 - 2.0 * share) * held.hand.pose
+            forest.q[held.tree] += share * share * (3.0 - 2.0 * share) * held.constraint.pose
         self._easing = [held for held in self._easing if held.left_s > 0.0]
 
     @property
     def forces(self) -> dict[int, Vector]:
         """Hand → force, N, in the tree's frame at scale 1."""
-        return {hand: _vector(held.hand) for hand, held in self._held.items()}
+        return {hand: _vector(held.constraint) for hand, held in self._held.items()}
 
     def _continues(self, hand: int, wanted: dict[int, Pull]) -> bool:
         old, new = self._held[hand].pull, wanted.get(hand)
@@ -105,6 +105,6 @@ def pullings(pulls: Iterable[Pull], groups: Iterable[GroupPulls]) -> tuple[Pulli
     return tuple(Pulling(pull, forces.get(pull.hand, STILL)) for pull in pulls)
 
 
-def _vector(hand: DragConstraint) -> Vector:
-    x, y, z = hand.force_n.tolist()
+def _vector(constraint: DragConstraint) -> Vector:
+    x, y, z = constraint.force_n.tolist()
     return x, y, z

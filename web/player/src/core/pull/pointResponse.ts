@@ -120,7 +120,7 @@ function atRow(file: Compliance, units: readonly Float64Array[], row: number): F
   );
 }
 
-/** Largest force of a hand over that which breaks the wood: up to it a linear response is off by about 2 % at most. */
+/** Largest pulling force over that which breaks the wood: up to it a linear response is off by about 2 % at most. */
 const PULL_SHARE = 0.4;
 
 /** The permitted share of the mean of the breaking forces of the nodes that carry the vertex. */

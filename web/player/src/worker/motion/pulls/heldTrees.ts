@@ -1,6 +1,6 @@
 /** Trees that hands hold, where the poses are computed here. Nothing is computed while no tree is pulled. */
 import { poseStride } from "../../../core/motion/poseStride";
-import { DragConstraint } from "../../../core/pull/hand";
+import { DragConstraint } from "../../../core/pull/dragConstraint";
 import type { PullOrder, TreeAt } from "../../protocol";
 import type { PointResponses, PulledTable } from "./pointResponses";
 import { type Pulled, samePoint } from "./pulled";
@@ -19,7 +19,7 @@ interface Held {
   order: PullOrder;
   readonly table: string;
   readonly modes: number;
-  readonly hand: DragConstraint;
+  readonly constraint: DragConstraint;
   /** Remaining time of easing back; only after a release. */
   left_s: number;
 }
@@ -35,11 +35,11 @@ export class HeldTrees {
   ) {}
 
   get pulled(): Pulled[] {
-    return [...this.held.values()].map(({ order, table, hand }) => ({
+    return [...this.held.values()].map(({ order, table, constraint }) => ({
       order,
       table,
-      response: hand.response,
-      force_N: hand.force_N,
+      response: constraint.response,
+      force_N: constraint.force_N,
     }));
   }
 
@@ -63,7 +63,7 @@ export class HeldTrees {
     const held = this.held.get(hand);
     if (!held) return;
     this.held.delete(hand);
-    const { e, v } = held.hand.released;
+    const { e, v } = held.constraint.released;
     if (!this.trees.displace(held.order.at, e, v)) this.easing.push({ ...held, left_s: EASE_S });
   }
 
@@ -73,8 +73,8 @@ export class HeldTrees {
     if (this.held.size === 0 && this.easing.length === 0) return;
     const swayed = [...this.held.values()].map((held) => swayedBy(held, out));
     for (const [k, held] of [...this.held.values()].entries()) {
-      held.hand.step(dt_s, held.order.target_m, swayed[k]);
-      held.hand.addPose(out[held.order.at.group], firstOf(held));
+      held.constraint.step(dt_s, held.order.target_m, swayed[k]);
+      held.constraint.addPose(out[held.order.at.group], firstOf(held));
     }
     this.ease(dt_s, out);
   }
@@ -86,7 +86,7 @@ export class HeldTrees {
     this.waiting.delete(order.hand);
     if (!of || !response) return;
     const { modes } = of.table.metadata;
-    this.held.set(order.hand, { order, table: of.sha256, modes, hand: new DragConstraint(response), left_s: 0 });
+    this.held.set(order.hand, { order, table: of.sha256, modes, constraint: new DragConstraint(response), left_s: 0 });
   }
 
   private ease(dt_s: number, out: readonly Float32Array[]): void {
@@ -94,7 +94,7 @@ export class HeldTrees {
       held.left_s -= dt_s;
       const t = Math.max(0, held.left_s) / EASE_S;
       const whole = new Float32Array(held.modes);
-      held.hand.addPose(whole, 0);
+      held.constraint.addPose(whole, 0);
       const buffer = out[held.order.at.group];
       for (let k = 0; k < held.modes; k++) buffer[firstOf(held) + k] += t * t * (3 - 2 * t) * whole[k];
     }
@@ -106,7 +106,7 @@ const firstOf = ({ order, modes }: Held): number => order.at.tree * poseStride(m
 
 /** Displacement of the held point without the pull. */
 function swayedBy(held: Held, out: readonly Float32Array[]): Float64Array {
-  const { point } = held.hand.response;
+  const { point } = held.constraint.response;
   const buffer = out[held.order.at.group];
   const first = firstOf(held);
   return Float64Array.from({ length: 3 }, (_, axis) => {

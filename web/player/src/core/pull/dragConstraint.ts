@@ -1,12 +1,12 @@
 /**
- * A hand that moves a point of a tree to a target. Forces and places in the tree's frame, at scale 1. Same as
- * `DragConstraint` in precompute/galewood/player/pulling.py.
+ * A drag constraint: a limited force that pulls a point of a tree towards a target. Forces and places in the
+ * tree's frame, at scale 1. Same as `DragConstraint` in precompute/galewood/player/pulling.py.
  */
 import type { PointResponse } from "./pointResponse";
 
-/** Directions in which a point yields less than this share of its mean are hardly followed by the hand. */
+/** Directions in which a point yields less than this share of its mean barely move. */
 const STRETCH_SHARE = 0.12;
-/** Time constant with which the force follows the hand. */
+/** Time constant with which the force follows the target. */
 const LAG_S = 0.05;
 
 export type Vector = readonly [number, number, number];
