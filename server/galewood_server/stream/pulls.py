@@ -52,7 +52,9 @@ class GroupPulls:
         swayed = {held.tree: forest.q[held.tree].astype(np.float64) for held in self._held.values()}
         for held in self._held.values():
             held.pull = wanted[held.pull.hand]
-            held.constraint.step(dt_s, np.array(held.pull.target), held.constraint.response.point @ swayed[held.tree])
+            held.constraint.step(
+                dt_s, np.array(held.pull.target), held.constraint.response.point @ swayed[held.tree]
+            )
             forest.q[held.tree] += held.constraint.pose
         self._ease(forest, dt_s)
 
