@@ -18,12 +18,9 @@ from galewood.player.paper_search import PaperForest
 from galewood.reduction.training import ModalTraining, Size
 from galewood.sampling import training_shapes
 from galewood.sampling.recording import SampleWind, Trajectory, sample_trajectory, sample_winds
-from galewood.table.container import read_metadata
-from galewood.table.format import Table, decode, encode
-from galewood.table.legacy import PAPER_NAMES
+from galewood.table.format import Table, encode
 from galewood.table.records import encode_records
 from galewood.wind.evaluation import Wind, wind_pressure
-from safetensors.numpy import load, save
 from scipy.sparse import csr_matrix
 
 from tests.golden.beam import Beam
@@ -194,77 +191,10 @@ def sway_steps(table: Table) -> dict[str, Any]:
     return {**SWAY_SAID, "frames": frames, "every": 100, "trees": trees, "poses": poses}
 
 
-def version_6(data: bytes) -> bytes:
-    """A whole table of this version as version 6 wrote it: no drag points, flat metadata."""
-    table = decode(data)
-    new = ("peak_pressure_pa", "reach_m")
-    metadata = {name: value for name, value in table.metadata.items() if name not in new}
-    records = {name: table.records.metadata[name] for name in PAPER_NAMES if name != "sampled_elements"}
-    provenance = metadata["provenance"] | {name: table.records.metadata[name] for name in ("winds", "frames")}
-    return _saved(data, {**metadata, **records, "provenance": provenance, "version": 6}, "modal.")
-
-
-def version_5(data: bytes) -> bytes:
-    """A table of version 6 as version 5 wrote it: the same numbers, under the former names."""
-    metadata = read_metadata(data)
-    errors = dict(metadata.get("errors", {}))
-    if "training_m" in errors:
-        errors["replay_m"] = errors.pop("training_m")
-    return _saved(data, {**metadata, "version": 5, "errors": errors}, "tangent.")
-
-
-def version_9(data: bytes) -> bytes:
-    """A table of this version as version 9 wrote it: vertices follow the nearest node."""
-    text = json.dumps({**read_metadata(data), "version": 9}, allow_nan=False, separators=(",", ":"))
-    return save(without_joints(data), {"galewood": text})
-
-
-def without_joints(data: bytes) -> dict[str, Any]:
-    """Tensors of a table, or of one of an older version, with a node for each vertex instead of joints."""
-    tensors = load(data)
-    if "render.vertex_node" in tensors:
-        return tensors
-    new = ("joints.", "nodes.turn", "nodes.parent", "render.vertex_joint")
-    kept = {name: tensor for name, tensor in tensors.items() if not name.startswith(new)}
-    return kept | {"render.vertex_node": decode(data).vertex_node}
-
-
-def version_8(data: bytes) -> bytes:
-    """A table of this version as version 8 wrote it: no gust layer."""
-    metadata, tensors = without_gusts(read_metadata(data), without_joints(data))
-    text = json.dumps({**metadata, "version": 8}, allow_nan=False, separators=(",", ":"))
-    return save(tensors, {"galewood": text})
-
-
-def without_gusts(metadata: dict[str, Any], tensors: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Metadata and tensors without the gust layer and its modes."""
-    fitted = metadata["modes"] - len(tensors.get("gusts.drag", ()))
-    kept = {name: tensor for name, tensor in tensors.items() if not name.startswith("gusts.")}
-    kept["modes.scale"] = np.ascontiguousarray(kept["modes.scale"][:fitted])
-    kept["nodes.basis"] = np.ascontiguousarray(kept["nodes.basis"][:, :, :fitted])
-    return {**metadata, "modes": fitted}, kept
-
-
-def _saved(data: bytes, metadata: dict[str, Any], modal: str) -> bytes:
-    metadata, tensors = without_gusts(metadata, without_joints(data))
-    former = {name: tensor for name, tensor in tensors.items() if not name.startswith("modal.drag_")}
-    renamed = {name.replace("modal.", modal, 1): tensor for name, tensor in former.items()}
-    text = json.dumps(metadata, allow_nan=False, separators=(",", ":"))
-    return save(renamed, {"galewood": text})
-
-
 def main() -> None:
     table = beam_table()
     (HERE / "pole.safetensors").write_bytes(encode(table))
-    (HERE / "pole-v6.safetensors").write_bytes(version_6(encode(table)))
-    derived = {
-        name: decode(version_6(encode(table))).metadata[name] for name in ("reach_m", "peak_pressure_pa")
-    }
-    (HERE / "pole-v6.json").write_text(json.dumps(derived) + "\n")
-    (HERE / "pole-v5.safetensors").write_bytes(version_5(version_6(encode(table))))
     alone = encode(replace(table, paper=None))
-    (HERE / "pole-v9.safetensors").write_bytes(version_9(alone))
-    (HERE / "pole-v8.safetensors").write_bytes(version_8(alone))
     (HERE / "pole-table.safetensors").write_bytes(alone)
     records = encode_records(table.records, hashlib.sha256(alone).hexdigest())
     (HERE / "pole-records.safetensors").write_bytes(records)

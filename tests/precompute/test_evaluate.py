@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.sparse
 from galewood.cli.commands import app
 from galewood.cli.tools import file_writer
 from galewood.evaluation.evaluate import METHODS, compare, compare_methods, floor, nearest_sample, played
@@ -23,7 +22,7 @@ from galewood.evaluation.reference_runs import (
     run_references,
     sway_of,
 )
-from galewood.evaluation.source import Source, SourceError, distinct, find_model, source_of
+from galewood.evaluation.source import Source, SourceError, find_model, source_of
 from galewood.evaluation.winds import long_gusts, noise, perlin, unseen_winds
 from galewood.fem.dynamics import Simulator
 from galewood.mesh.types import ImportOptions
@@ -268,15 +267,6 @@ def test_without_records_only_the_default_method_is_evaluated(
 def test_the_model_of_a_mesh_is_that_of_its_build(folder: Path, table: Table) -> None:
     model = model_of(small_tree_glb(), "tree.glb", OPTIONS, folder / "cache")
     assert content_hash(model) == table.metadata["provenance"]["model_sha256"]
-
-
-def test_distinct_vertices_represent_all_vertices() -> None:
-    rng = np.random.default_rng(609)
-    rows = scipy.sparse.random(6, 5, 0.6, format="csr", rng=rng)
-    twice = scipy.sparse.csr_matrix(scipy.sparse.vstack([rows, rows]))
-    rendered = distinct(twice, np.array([0, 0, 1, 1, 2, 2] * 2))
-    assert len(rendered.count) == 6
-    assert (rendered.count == 2).all()
 
 
 def test_a_wind_is_scaled_to_the_requested_sway(source: Source, tmp_path: Path) -> None:

@@ -1,6 +1,5 @@
 /** Trees that stay in a new plan: when a species is added, or a table replaces another one. */
 import { describe, expect, test } from "vitest";
-import { noGusts } from "../../web/player/src/core/modal/gustTensors";
 import { poseStride } from "../../web/player/src/core/motion/poseStride";
 import { decodeTable, type Table } from "../../web/player/src/core/table/table";
 import { WindField } from "../../web/player/src/core/wind/wind";
@@ -10,6 +9,7 @@ import { coarserNodes, groupRows } from "../../web/player/src/worker/table/nodeL
 import { tableMotion } from "../../web/player/src/worker/table/tableMotion";
 import { golden } from "./golden";
 import { seededRandom } from "./seeded";
+import { NO_GUSTS } from "./tableFile";
 
 const table = decodeTable(golden("pole.safetensors"));
 const WIND = {
@@ -108,7 +108,7 @@ describe("a table that replaces another of the same mesh", () => {
     const jointNodes = Uint16Array.from({ length: 2 * nodes }, (_, k) => k >> 1);
     const jointShare = new Float32Array(nodes);
     const made = (modes: number) =>
-      ({ ...table, vertexJoint, jointNodes, jointShare, nodeBasis: rowsOf(modes, all), gusts: noGusts(), metadata: { ...table.metadata, modes } }) as Table;
+      ({ ...table, vertexJoint, jointNodes, jointShare, nodeBasis: rowsOf(modes, all), gusts: NO_GUSTS, metadata: { ...table.metadata, modes } }) as Table;
     const pose = Float32Array.from({ length: poseStride(16) }, (_, k) => (k < 16 ? random() - 0.5 : k === 16 ? 7 : 0));
     const carried = carryGroup(groupOf([1], made(20)), [groupOf([1], made(16))], [pose]);
     expect(carried?.poses.length).toBe(poseStride(20));

@@ -1,12 +1,12 @@
 import { expect, test } from "vitest";
 import { compileKernel } from "../../web/scripts/compileKernel";
 import { decodeTable, type Table } from "../../web/player/src/core/table/table";
-import { noGusts } from "../../web/player/src/core/modal/gustTensors";
 import { ModalForest } from "../../web/player/src/core/modal/modalForest";
 import { MODAL_KERNEL } from "../../web/player/src/core/modal/modalKernel.wasm";
 import { contracts, forceTerms, poseTerms } from "../../web/player/src/core/modal/modalTensors";
 import { golden } from "./golden";
 import { seededRandom } from "./seeded";
+import { NO_GUSTS } from "./tableFile";
 
 const POLE = decodeTable(golden("pole.safetensors"));
 
@@ -44,7 +44,7 @@ function madeUp(d: number, c: number, r: number, m: number, next: () => number):
     dragShape: some(3 * m * d, 0.2),
     dragRest: Float32Array.from({ length: d }, () => 0.05 * next()),
   };
-  return { ...POLE, modal, gusts: noGusts(), metadata: { ...POLE.metadata, modes: r } };
+  return { ...POLE, modal, gusts: NO_GUSTS, metadata: { ...POLE.metadata, modes: r } };
 }
 
 const SIZES = [

@@ -1,6 +1,14 @@
-/** Changes to the header of a table or records file, for tests. */
+/** Changes to tables and records files, for tests. */
 
 type Change = (header: Record<string, never>, metadata: Record<string, unknown>) => void;
+
+/** The gust layer of a table that has none. */
+export const NO_GUSTS = {
+  place: new Float32Array(0),
+  step: new Float32Array(0),
+  load: new Float32Array(0),
+  drag: new Float32Array(0),
+};
 
 /** The file with its header rewritten. */
 export function tampered(file: Uint8Array, change: Change): Uint8Array {

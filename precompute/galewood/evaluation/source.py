@@ -12,15 +12,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import scipy.sparse
 
 from galewood.fem import FemModel, load_model
-from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
+from galewood.mesh import TreeMesh, import_mesh_sandboxed
 from galewood.model import points_binding, render_binding
-from galewood.pipeline import BuildOptions, TableSettings
+from galewood.options import BuildRequest, ImportRequest
+from galewood.pipeline import TableSettings
 from galewood.reduction import (
     ModalTraining,
     Subspace,
@@ -47,6 +47,7 @@ from galewood.tets import TetMesh
 from galewood.util import Floats, Int64s, write_whole
 
 OnProgress = Callable[[float, str], None]
+USUAL_OPTIONS = BuildRequest()
 
 
 class SourceError(ValueError):
@@ -55,11 +56,10 @@ class SourceError(ValueError):
 
 @dataclass(frozen=True)
 class RenderedVertices:
-    """The s distinct places that hold all v render vertices: those with equal motion are counted once."""
+    """The j joints that hold the render vertices."""
 
-    binding: scipy.sparse.csr_matrix  # (s, n) weights on the tet vertices
-    joint: Int64s  # (s,)
-    count: Int64s  # (s,) render vertices at each of them
+    binding: scipy.sparse.csr_matrix  # (j, n) weights of the joints on the tet vertices
+    count: Int64s  # (j,) render vertices that each of them holds
 
 
 @dataclass(frozen=True)
@@ -105,14 +105,14 @@ def source_of(
     binding = render_binding(tree, tets)
     on_progress(0.3, "Reading the simulated runs")
     subspace = shown_modes(table, fem, tets, cache_dir, workers)
-    check_basis(table, tets, binding, subspace)
+    check_basis(table, tets, subspace)
     on_progress(1.0, "Done")
-    rendered = _rendered(table, tets, binding)
-    return Source(fem, model_path, tets, tree, binding, subspace, rendered)
+    return Source(fem, model_path, tets, tree, binding, subspace, _rendered(table, tets))
 
 
-def _same_joints(table: Table, tree: TreeMesh, positions_m: Floats) -> bool:
+def _same_joints(table: Table, tree: TreeMesh) -> bool:
     """Whether the bark is near to the joints that hold it: on average by a fraction of the height."""
+    positions_m = np.concatenate([primitive.positions_m for primitive in tree.primitives])
     wood = np.repeat(
         [primitive.kind == "wood" for primitive in tree.primitives],
         [len(primitive.positions_m) for primitive in tree.primitives],
@@ -150,7 +150,7 @@ def _model_sha256(metadata: Metadata) -> str:
     if metadata["provenance"].get("stage") == "beams":
         raise SourceError("this preliminary table was made from beams: evaluate the complete table instead")
     if not isinstance(sha256, str):
-        raise SourceError("this table does not name its model, as an older version built it: build it again")
+        raise SourceError("this table does not name its model: build it again")
     return sha256
 
 
@@ -164,7 +164,7 @@ def tets_of(model: FemModel) -> TetMesh:
 def read_mesh(table: Table, mesh: Path) -> TreeMesh:
     """Read the tree of a table. Raises SourceError for another mesh, MeshError for an unreadable one."""
     metadata, data = table.metadata, mesh.read_bytes()
-    options = ImportOptions(species=metadata.get("species"), height_m=float(metadata["height_m"]))
+    options = ImportRequest(species=metadata.get("species"), height_m=float(metadata["height_m"]))
     tree, render_glb = import_mesh_sandboxed(data, mesh.name, options)
     counts = [len(primitive.positions_m) for primitive in tree.primitives]
     if counts != [int(primitive["vertices"]) for primitive in metadata["primitives"]]:
@@ -172,21 +172,9 @@ def read_mesh(table: Table, mesh: Path) -> TreeMesh:
             f"{mesh} has different vertices from the mesh of the table: give the mesh that it was built from"
         )
     known = {hashlib.sha256(data).hexdigest(), hashlib.sha256(render_glb).hexdigest()}
-    if metadata.get("mesh_sha256") not in known and not _same_nodes(table, tree):
+    if metadata.get("mesh_sha256") not in known and not _same_joints(table, tree):
         raise SourceError(f"{mesh} is not the mesh of the table: give the mesh that it was built from")
     return tree
-
-
-def _same_nodes(table: Table, tree: TreeMesh) -> bool:
-    """Whether the nodes of the table rest at the centroids of their vertices, or its joints beside them."""
-    positions = np.concatenate([primitive.positions_m for primitive in tree.primitives])
-    if table.held_by_axis:
-        return _same_joints(table, tree, positions)
-    label = table.vertex_node.astype(np.int64)
-    total = np.zeros((len(table.node_rest_m), 3))
-    np.add.at(total, label, positions)
-    middle = total / np.maximum(np.bincount(label, minlength=len(total)), 1)[:, None]
-    return bool(np.abs(middle - table.node_rest_m).max() < 1e-3 * float(table.metadata["height_m"]))
 
 
 def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, workers: int = 2) -> Samples:
@@ -198,11 +186,11 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
     elements = sampled_elements(mesh, extract_skeleton(mesh), _sampled_elements(table))
     speed_m_s = float(table.metadata["design_speed_m_s"])
     mass_kg, height_m = model.mass_kg[: model.vertex_count], float(table.metadata["height_m"])
-    seed = int(provenance.get("seed", BuildOptions.seed))
+    seed = int(provenance.get("seed", USUAL_OPTIONS.seed))
     winds = training_winds(oscillators_of(model), mass_kg, height_m, model.settings, seed)
     samples = planned(
         model, speed_m_s, mesh.tets[elements], cache_dir, winds,
-        frames=cosines[0] if cosines else BuildOptions.frames, all_winds=len(cosines) == ALL_COSINES,
+        frames=cosines[0] if cosines else USUAL_OPTIONS.frames, all_winds=len(cosines) == ALL_COSINES,
     )  # fmt: skip
     stage = provenance.get("stage")
     if stage == "first":  # made from the natural modes alone
@@ -215,7 +203,7 @@ def samples_of(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, wo
 def _sampled_elements(table: Table) -> int:
     """Number of elements at which the runs of a table were recorded."""
     known = {**table.metadata["provenance"], **(table.paper.metadata if table.paper else {})}
-    return int(known.get("sampled_elements", BuildOptions.sampled_elements))
+    return int(known.get("sampled_elements", USUAL_OPTIONS.sampled_elements))
 
 
 def recorded_runs(samples: Samples, workers: int = 2) -> list[SampledRun]:
@@ -243,33 +231,15 @@ def shown_modes(table: Table, model: FemModel, mesh: TetMesh, cache_dir: Path, w
     return reduction_modes(training, mass_kg, tolerance_m, size)[1]
 
 
-def nodes_binding(
-    table: Table, mesh: TetMesh, binding: scipy.sparse.csr_matrix
-) -> tuple[scipy.sparse.csr_matrix, Int64s]:
-    """(n, N) weights of the table's nodes on the tet vertices, and (n,) how many vertices determine each.
-
-    A node is a point of the wood; before version 10, it is the mean of its render vertices (v, N).
-    """
-    if table.held_by_axis:
-        return points_binding(table.node_rest_m, mesh), np.ones(len(table.node_rest_m), np.int64)
-    label = table.vertex_node.astype(np.int64)
-    count = np.bincount(label, minlength=len(table.node_rest_m)).astype(np.int64)
-    entries = (1.0 / count[label], (label, np.arange(len(label))))
-    mean = scipy.sparse.csr_matrix(entries, shape=(len(count), len(label)))
-    return scipy.sparse.csr_matrix(mean @ binding), count
-
-
-def _rendered(table: Table, mesh: TetMesh, binding: scipy.sparse.csr_matrix) -> RenderedVertices:
+def _rendered(table: Table, mesh: TetMesh) -> RenderedVertices:
     joint = table.vertex_joint.astype(np.int64)
-    if not table.held_by_axis:
-        return distinct(binding, joint)
     count = np.bincount(joint, minlength=len(table.joint_share)).astype(np.int64)
-    return RenderedVertices(points_binding(table.joint_rest_m, mesh), np.arange(len(count)), count)
+    return RenderedVertices(points_binding(table.joint_rest_m, mesh), count)
 
 
-def check_basis(table: Table, mesh: TetMesh, binding: scipy.sparse.csr_matrix, subspace: Subspace) -> None:
+def check_basis(table: Table, mesh: TetMesh, subspace: Subspace) -> None:
     """Raise SourceError unless the nodes move as the modes do where the nodes are."""
-    nodes, count = nodes_binding(table, mesh, binding)
+    nodes = points_binding(table.node_rest_m, mesh)
     n, _, r = subspace.basis.shape
     basis = table.node_basis[:, :, : table.fitted_modes]
     if 3 * r != basis[0].size:
@@ -277,28 +247,8 @@ def check_basis(table: Table, mesh: TetMesh, binding: scipy.sparse.csr_matrix, s
             "the modes computed from the simulated runs are not those of the table: build the table again"
         )
     rows = np.asarray(nodes @ subspace.basis.reshape(n, 3 * r))
-    gap = np.abs(rows - basis.reshape(len(count), -1))[count > 0].max()
+    gap = np.abs(rows - basis.reshape(len(basis), -1)).max()
     if gap > 2e-3:
         raise SourceError(
             f"the computed modes differ from those of the table by {gap:.1g}: build the table again"
         )
-
-
-def distinct(binding: Any, joint: Int64s) -> RenderedVertices:
-    """Merge render vertices that have the same weights (v, n) and the same joint (v,)."""
-    matrix = scipy.sparse.csr_matrix(binding)
-    matrix.sort_indices()
-    keys: dict[bytes, int] = {}
-    first: list[int] = []
-    count: list[int] = []
-    bounds: list[int] = np.asarray(matrix.indptr).tolist()
-    for v in range(len(joint)):
-        row = slice(bounds[v], bounds[v + 1])
-        key = matrix.indices[row].tobytes() + np.round(matrix.data[row], 6).tobytes() + joint[v].tobytes()
-        at = keys.setdefault(key, len(first))
-        if at == len(first):
-            first.append(v)
-            count.append(0)
-        count[at] += 1
-    chosen = np.array(first, np.int64)
-    return RenderedVertices(scipy.sparse.csr_matrix(matrix[chosen]), joint[chosen], np.array(count, np.int64))

@@ -14,10 +14,9 @@ import scipy.sparse
 
 from galewood.evaluation.evaluate import methods_of, played
 from galewood.evaluation.measures import hausdorff
-from galewood.evaluation.source import nodes_binding, tets_of
+from galewood.evaluation.source import tets_of
 from galewood.fem import FemModel, Simulator
-from galewood.mesh import TreeMesh
-from galewood.model import render_binding
+from galewood.model import points_binding
 from galewood.table import Table
 from galewood.util import Floats
 from galewood.wind import WindField, WindState, height_factor, limit_pressure, to_tree_frame
@@ -56,10 +55,9 @@ class Comparison:
     left_out: Floats  # (frames,) largest part of the reference outside the basis, over the height
 
 
-def nodes_on_wood(table: Table, model: FemModel, tree: TreeMesh) -> scipy.sparse.csr_matrix:
+def nodes_on_wood(table: Table, model: FemModel) -> scipy.sparse.csr_matrix:
     """(n, N) weights of the table's nodes on the vertices of the model."""
-    mesh = tets_of(model)
-    return nodes_binding(table, mesh, render_binding(tree, mesh))[0]
+    return points_binding(table.node_rest_m, tets_of(model))
 
 
 def comparison_tracks(

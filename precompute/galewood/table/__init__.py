@@ -13,7 +13,7 @@ from galewood.table.drawn import (
     vertex_rows,
 )
 from galewood.table.format import FORMAT, VERSION, Table, decode, encode, with_records, without_gusts
-from galewood.table.records import Records, encode_records, poses
+from galewood.table.records import Records, encode_records
 
 __all__ = [
     "FORMAT",
@@ -35,7 +35,6 @@ __all__ = [
     "foliage_of",
     "joint_rows",
     "node_pose",
-    "poses",
     "read_metadata",
     "turned",
     "unstretched",

@@ -15,6 +15,7 @@ from galewood.table.container import (
     Layout,
     Metadata,
     check_finite,
+    check_format,
     check_shapes,
     fields,
     need,
@@ -86,10 +87,7 @@ def encode_compliance(compliance: Compliance) -> bytes:
 def decode_compliance(data: bytes) -> Compliance:
     """Decode a compliance file. Raises TableError."""
     metadata = read_metadata(data)
-    found = metadata.get("format")
-    need(found == COMPLIANCE_FORMAT, f"not a {COMPLIANCE_FORMAT}: format {found!r:.40}")
-    version = metadata.get("version")
-    need(version == COMPLIANCE_VERSION, f"compliance version {version!r:.40}; this reader knows version 1")
+    check_format(metadata, COMPLIANCE_FORMAT, COMPLIANCE_VERSION)
     tensors = read_tensors(data)
     extra = set(tensors) - set(TENSORS)
     need(not extra, f"unknown tensor {sorted(extra)[:1]!r:.60}")

@@ -69,6 +69,17 @@ def read_metadata(data: bytes) -> Metadata:
     return metadata
 
 
+def check_format(metadata: Metadata, name: str, version: int) -> None:
+    """Raise TableError unless the metadata is that of a file of this format and version."""
+    found = metadata.get("format")
+    need(found == name, f"not a {name}: format {found!r:.40}")
+    given, kind = metadata.get("version"), name.removeprefix("galewood-")
+    need(
+        given == version and given is not True,
+        f"{kind} version {given!r:.40}; this reader knows version {version}",
+    )
+
+
 def read_tensors(data: bytes) -> dict[str, Array]:
     """All tensors of a file by name. Raises TableError."""
     try:

@@ -20,6 +20,7 @@ from galewood.table.container import (
     Metadata,
     TableError,
     check_finite,
+    check_format,
     check_shapes,
     fields,
     foliage_of,
@@ -31,7 +32,6 @@ from galewood.table.container import (
     whole,
     write,
 )
-from galewood.table.legacy import upgraded
 from galewood.table.records import (
     RECORD_TENSORS,
     Records,
@@ -45,8 +45,7 @@ if TYPE_CHECKING:
     from galewood.modal import GustTensors, ModalTensors
 
 FORMAT = "galewood-table"
-VERSION = 10
-READABLE = (5, 6, 7, 8, 9, 10)
+VERSION = 1
 MAX_DYNAMIC = 64
 MAX_DRAG_POINTS = 32
 MAX_GUST_PLACES, MAX_GUST_OSCILLATORS = 32, 64
@@ -107,11 +106,6 @@ class Table:
         nodes, share = self.joint_nodes, self.joint_share
         nearer: npt.NDArray[np.uint16] = np.where(share > 0.5, nodes[:, 1], nodes[:, 0])
         return nearer[self.vertex_joint]
-
-    @property
-    def held_by_axis(self) -> bool:
-        """Whether the nodes are points of the branches; in tables before version 10, means of vertices."""
-        return bool(self.node_turn.any())
 
     @property
     def fitted_modes(self) -> int:
@@ -200,10 +194,8 @@ def encode(table: Table) -> bytes:
 def decode(data: bytes, records: bytes | None = None) -> Table:
     """Decode the bytes of a table file, and of the records file that belongs to it. Raises TableError."""
     metadata = read_metadata(data)
-    need(metadata.get("format") == FORMAT, f"not a {FORMAT}: format {metadata.get('format')!r:.40}")
-    version = metadata.get("version")
-    need(version in READABLE, f"table version {version!r:.40}; this reader knows versions 5 to {VERSION}")
-    metadata, tensors = upgraded(metadata, read_tensors(data))
+    check_format(metadata, FORMAT, VERSION)
+    tensors = read_tensors(data)
     extra = set(tensors) - set(TENSORS) - set(RECORD_TENSORS)
     if extra:
         raise TableError(f"unknown tensor {sorted(extra)[0]:.60}")
@@ -236,9 +228,7 @@ def check(table: Table) -> None:
 
 def check_metadata(metadata: Metadata) -> None:
     """Check format, version and all numbers that readers use. Raises TableError."""
-    need(metadata.get("format") == FORMAT, f"not a {FORMAT}: format {metadata.get('format')!r:.40}")
-    version = metadata.get("version")
-    need(version == VERSION, f"table version {version!r:.40}; this writer knows version {VERSION}")
+    check_format(metadata, FORMAT, VERSION)
     for name, low, high in (
         ("height_m", 0.01, 1000.0),
         ("dt_s", 1e-4, 1.0),

@@ -13,6 +13,7 @@ from galewood.table.container import (
     Metadata,
     TableError,
     check_finite,
+    check_format,
     check_shapes,
     fields,
     need,
@@ -44,7 +45,10 @@ class Records:
 
     def pose(self) -> npt.NDArray[np.int32]:
         """(z, r) pose of every record, in units of mode_scale; every trajectory starts at 0."""
-        return poses(self.dq, self.trajectory)
+        before = np.cumsum(self.dq, axis=0, dtype=np.int64) - self.dq
+        lengths = np.diff(self.trajectory.astype(np.int64))
+        before -= np.repeat(before[self.trajectory[:-1].astype(np.int64)], lengths, axis=0)
+        return before.astype(np.int32)
 
 
 RECORD_TENSORS: Layout = {
@@ -55,14 +59,6 @@ RECORD_TENSORS: Layout = {
     "search.record": ("candidate", np.uint16, 1),
     "search.mismatch_steps": ("mismatches", np.uint16, 1),
 }
-
-
-def poses(dq: Array, trajectory: Array) -> npt.NDArray[np.int32]:
-    """(z, r) exclusive prefix sums of dq (z, r) within each trajectory."""
-    before = np.cumsum(dq, axis=0, dtype=np.int64) - dq
-    starts = trajectory[:-1].astype(np.int64)
-    before -= np.repeat(before[starts], np.diff(trajectory.astype(np.int64)), axis=0)
-    return before.astype(np.int32)
 
 
 def encode_records(records: Records, table_sha256: str) -> bytes:
@@ -81,10 +77,7 @@ def encode_records(records: Records, table_sha256: str) -> bytes:
 def decode_records(data: bytes) -> tuple[Records, str]:
     """The records of a file, and the hash of the table they belong to. Raises TableError."""
     metadata = read_metadata(data)
-    found = metadata.get("format")
-    need(found == RECORDS_FORMAT, f"not a {RECORDS_FORMAT}: format {found!r:.40}")
-    version = metadata.get("version")
-    need(version == RECORDS_VERSION, f"records version {version!r:.40}; this reader knows version 1")
+    check_format(metadata, RECORDS_FORMAT, RECORDS_VERSION)
     table_sha256 = metadata.get("table_sha256")
     if not isinstance(table_sha256, str):
         raise TableError("metadata table_sha256: expected a string")

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from galewood.evaluation import Comparison, Place, comparison_tracks, nodes_on_wood
 from galewood.fem import load_model
-from galewood.mesh import ImportOptions, TreeMesh, import_mesh_sandboxed
 from galewood.table import Table, decode
 from galewood.wind import parse_wind_or_state
 
@@ -53,18 +52,9 @@ def _compare(
         reporter.report("comparing", share, message)
 
     wind = parse_wind_or_state(request["wind"])
-    nodes = nodes_on_wood(table, model, _mesh_of(table, stores))
+    nodes = nodes_on_wood(table, model)
     comparison = comparison_tracks(table, model, nodes, wind, place, request["frames"], on_progress)
     store_result(job_lease, stores, summary(comparison), pack(comparison, table))
-
-
-def _mesh_of(table: Table, stores: Stores) -> TreeMesh:
-    """The tree mesh from which the table was built."""
-    metadata = table.metadata
-    options = ImportOptions(species=metadata["species"], height_m=float(metadata["height_m"]), up_axis="y")
-    return import_mesh_sandboxed(
-        stored_bytes(stores, "meshes", metadata["mesh_sha256"]), "tree.glb", options
-    )[0]
 
 
 def pack(comparison: Comparison, table: Table) -> bytes:

@@ -3,7 +3,7 @@
  *
  * Tables and wind documents are those of Galewood (docs/formats).
  */
-import { decodeWithoutRecords, type Table } from "./core/table/present";
+import { decodeWithoutRecords, type Table } from "./core/table/table";
 
 export {
   createForest,
@@ -19,7 +19,7 @@ export type { Jointed } from "./core/motion/nodePose";
 export { NodePose } from "./core/motion/nodePose";
 export { poseStride } from "./core/motion/poseStride";
 export { TableError } from "./core/table/container";
-export type { Foliage, Primitive, Table, TableMetadata } from "./core/table/present";
+export type { Foliage, Primitive, Table, TableMetadata } from "./core/table/table";
 export {
   PRESETS,
   parseWind,
@@ -31,5 +31,5 @@ export {
   type WindModel,
 } from "./core/wind/wind";
 
-/** Reads a table file of version 7 or later; throws a TableError that names the fault. */
+/** Reads a table file; throws a TableError that names the fault. */
 export const readTable = (bytes: ArrayBuffer | Uint8Array): Table => decodeWithoutRecords(bytes);

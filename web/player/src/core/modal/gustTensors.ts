@@ -5,10 +5,3 @@ export interface GustTensors {
   readonly load: Float32Array;
   readonly drag: Float32Array;
 }
-
-export const noGusts = (): GustTensors => ({
-  place: new Float32Array(0),
-  step: new Float32Array(0),
-  load: new Float32Array(0),
-  drag: new Float32Array(0),
-});

@@ -3,9 +3,9 @@
  * precompute/galewood/table/compliance.py. Everything is validated, so that it can be solved without bounds checks.
  */
 import {
-  brief,
   checkFilled,
   checkFinite,
+  checkFormat,
   checkShapes,
   type Layout,
   need,
@@ -64,9 +64,8 @@ const TENSORS: Layout = {
 /** Decodes a compliance file. Throws TableError that names the fault. */
 export function decodeCompliance(file: ArrayBuffer | Uint8Array): Compliance {
   const container = readContainer(file);
-  const { format, version, mesh_sha256 } = container.metadata;
-  need(format === FORMAT, `not a ${FORMAT}: format ${brief(format)}`);
-  need(version === VERSION, `compliance version ${brief(version)}; this reader knows version ${VERSION}`);
+  checkFormat(container.metadata, FORMAT, VERSION);
+  const { mesh_sha256 } = container.metadata;
   const tensors = readTensors(container, TENSORS);
   refuseUnknown(container.header, TENSORS);
   checkFilled(container);

@@ -85,6 +85,13 @@ export function readContainer(file: ArrayBuffer | Uint8Array): Container {
   return { header, body: bytes.subarray(8 + length), metadata };
 }
 
+/** Refuses a file of another format or version. */
+export function checkFormat({ format, version }: Json, name: string, readable: number): void {
+  need(format === name, `not a ${name}: format ${brief(format)}`);
+  const kind = name.replace("galewood-", "");
+  need(version === readable, `${kind} version ${brief(version)}; this reader knows version ${readable}`);
+}
+
 /** Refuses tensors that are in none of these layouts. */
 export function refuseUnknown(header: Json, ...layouts: readonly Layout[]): void {
   for (const name of Object.keys(header)) {

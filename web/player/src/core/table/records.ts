@@ -5,9 +5,9 @@
  */
 
 import {
-  brief,
   checkFilled,
   checkFinite,
+  checkFormat,
   checkShapes,
   type Json,
   type Layout,
@@ -23,8 +23,8 @@ import {
   whole,
 } from "./container";
 
-export const RECORDS_FORMAT = "galewood-records";
-export const RECORDS_VERSION = 1;
+const RECORDS_FORMAT = "galewood-records";
+const RECORDS_VERSION = 1;
 export const MOST_MODES = 256;
 
 export interface RecordsMetadata {
@@ -73,12 +73,8 @@ export const RECORD_TENSORS: Layout = {
 /** Decodes a records file. Throws TableError that names the fault. */
 export function decodeRecords(file: ArrayBuffer | Uint8Array): RecordsFile {
   const container = readContainer(file);
-  const { format, version, table_sha256, paper } = container.metadata;
-  need(format === RECORDS_FORMAT, `not a ${RECORDS_FORMAT}: format ${brief(format)}`);
-  need(
-    version === RECORDS_VERSION,
-    `records version ${brief(version)}; this reader supports version ${RECORDS_VERSION}`,
-  );
+  checkFormat(container.metadata, RECORDS_FORMAT, RECORDS_VERSION);
+  const { table_sha256, paper } = container.metadata;
   need(typeof table_sha256 === "string", "metadata table_sha256: expected a string");
   refuseUnknown(container.header, RECORD_TENSORS);
   const tensors = readTensors(container, RECORD_TENSORS);
@@ -123,18 +119,6 @@ export function readRecords(metadata: unknown, tensors: Tensors, modes: number):
   sumSteps(records);
   checkSearch(records);
   return records;
-}
-
-/** [z, r] pose of every record, in units of modeScale; every trajectory starts at 0. */
-export function poses({ dq, trajectory, metadata }: Records): Int32Array {
-  const r = dq.length / metadata.records;
-  const out = new Int32Array(dq.length);
-  for (let t = 0; t + 1 < trajectory.length; t++) {
-    for (let i = trajectory[t] + 1; i < trajectory[t + 1]; i++) {
-      for (let k = 0; k < r; k++) out[i * r + k] = out[(i - 1) * r + k] + dq[(i - 1) * r + k];
-    }
-  }
-  return out;
 }
 
 /** [z] 1 for the last record of each trajectory, which has no successor and is never chosen. */

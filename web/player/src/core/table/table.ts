@@ -1,52 +1,319 @@
 /**
- * Reader of the table format: one safetensors file per species (docs/formats/table.md). Same as
- * precompute/galewood/table/.
+ * Reader of the table format: one safetensors file per species, with or without records (docs/formats/table.md). Same as
+ * precompute/galewood/table/. Everything is validated here, so that a decoded table can be used without bounds checks.
  */
-import { type Container, need } from "./container";
-import { assemble, checkMetadata, openTable, readPresent, type Table, VERSION } from "./present";
-import { readRecords } from "./records";
-import { fromVersion5 } from "./version5";
-import { fromVersion6, peakPressure_pa, reach_m } from "./version6";
+
+import type { GustTensors } from "../modal/gustTensors";
+import { contracts, coupledOf, forceTerms, type ModalTensors, poseTerms } from "../modal/modalTensors";
+import {
+  brief,
+  checkFilled,
+  checkFinite,
+  checkFormat,
+  checkShapes,
+  type Json,
+  type Layout,
+  need,
+  number,
+  object,
+  readContainer,
+  readTensors,
+  refuseUnknown,
+  shapeOf,
+  type Tensors,
+  valuesOf,
+  whole,
+} from "./container";
+import { MOST_MODES, RECORD_TENSORS, type Records, readRecords } from "./records";
 
 export { TableError } from "./container";
-export {
-  FORMAT,
-  type Foliage,
-  fittedModes,
-  type Primitive,
-  type Table,
-  type TableMetadata,
-  VERSION,
-} from "./present";
 
-/** The oldest version that can be read. */
-const OLDEST = 5;
+const FORMAT = "galewood-table";
+const VERSION = 1;
+const MAX_DYNAMIC = 64;
+const MAX_DRAG_POINTS = 32;
+const MAX_GUST_PLACES = 32;
+const MAX_GUST_OSCILLATORS = 64;
+
+/** Whether a tree bears its leaves: a bare tree has only the mass and the wind area of its wood. */
+export type Foliage = "leaf" | "bare";
+
+export interface Primitive {
+  readonly name: string;
+  readonly kind: string;
+  readonly vertices: number;
+}
+
+export interface TableMetadata {
+  readonly species: string;
+  readonly height_m: number;
+  readonly dt_s: number;
+  readonly modes: number;
+  readonly primitives: readonly Primitive[];
+  readonly design_speed_m_s: number;
+  /** Largest dynamic pressure of the winds that the table was made from. */
+  readonly peak_pressure_pa: number;
+  /** Largest displacement of any part of the tree, with a margin. */
+  readonly reach_m: number;
+  readonly mesh_sha256: string;
+  /** Without it: in leaf. */
+  readonly foliage?: Foliage;
+  readonly [more: string]: unknown;
+}
+
+/** A decoded table: r modes, n nodes, j joints. Units in docs/formats/table.md. */
+export interface Table {
+  readonly metadata: TableMetadata;
+  /** [r] metres of q per integer step */
+  readonly modeScale: Float32Array;
+  /** [n, 3, r] metres per unit of q */
+  readonly nodeBasis: Float32Array;
+  /** [n, 3] */
+  readonly nodeRest: Float32Array;
+  /** [n, 3, r] rotation vector per unit of q */
+  readonly nodeTurn: Float32Array;
+  /** [n] node before it on its branch, never a later one; its own index: none */
+  readonly nodeParent: Uint16Array;
+  /** [j, 2] the two nodes of each joint, [j] share of the second, [j, 3] rest position */
+  readonly jointNodes: Uint16Array;
+  readonly jointShare: Float32Array;
+  readonly jointRest: Float32Array;
+  /** joint of each render vertex, primitives concatenated */
+  readonly vertexJoint: Uint16Array;
+  /** the nearer node of each render vertex */
+  readonly vertexNode: Uint16Array;
+  readonly modal: ModalTensors;
+  readonly gusts: GustTensors;
+  /** Records of the paper's state search, if the file holds them. */
+  readonly paper: Records | null;
+}
+
+const TENSORS: Layout = {
+  "modes.scale": ["F32", 1],
+  "nodes.basis": ["F32", 3],
+  "nodes.rest_m": ["F32", 2],
+  "nodes.turn": ["F32", 3],
+  "nodes.parent": ["U16", 1],
+  "joints.nodes": ["U16", 2],
+  "joints.share": ["F32", 1],
+  "joints.rest_m": ["F32", 2],
+  "render.vertex_joint": ["U16", 1],
+  "modal.step": ["F32", 2],
+  "modal.load": ["F32", 2],
+  "modal.sway": ["F32", 2],
+  "modal.force": ["F32", 2],
+  "modal.shown": ["F32", 1],
+  "modal.pose": ["F32", 2],
+  "modal.limits": ["F32", 1],
+  "modal.drag_point": ["F32", 2],
+  "modal.drag_shape": ["F32", 3],
+  "modal.drag_rest": ["F32", 1],
+  "gusts.place": ["F32", 2],
+  "gusts.step": ["F32", 2],
+  "gusts.load": ["F32", 2],
+  "gusts.drag": ["F32", 1],
+};
+
+/** Modes of the modal model and of the paper's records; the last modes are those of the gust layer. */
+export const fittedModes = ({ metadata, gusts }: Pick<Table, "metadata" | "gusts">): number =>
+  metadata.modes - gusts.drag.length;
 
 /** Decodes a table file. Throws TableError that names the fault. */
-export function decodeTable(file: ArrayBuffer | Uint8Array): Table {
-  const container = openTable(file, OLDEST);
-  return Number(container.metadata.version) >= 7
-    ? readPresent(container, readRecords)
-    : readFormer(container);
+export const decodeTable = (file: ArrayBuffer | Uint8Array): Table => decode(file, readRecords);
+
+/** Decodes a table file without its records, so that their reader need not be bundled. Throws TableError. */
+export const decodeWithoutRecords = (file: ArrayBuffer | Uint8Array): Table => decode(file, () => null);
+
+function decode(
+  file: ArrayBuffer | Uint8Array,
+  recordsOf: (metadata: unknown, tensors: Tensors, modes: number) => Records | null,
+): Table {
+  const container = readContainer(file);
+  checkFormat(container.metadata, FORMAT, VERSION);
+  const { paper = null, ...given } = container.metadata;
+  const recorded = Object.keys(container.header).some((name) => Object.hasOwn(RECORD_TENSORS, name));
+  need(!recorded || paper !== null, "metadata paper: missing");
+  const metadata = checkMetadata(given);
+  const layout = { ...TENSORS, ...(paper === null ? {} : RECORD_TENSORS) };
+  const tensors = readTensors(container, layout);
+  refuseUnknown(container.header, layout);
+  checkFilled(container);
+  checkTableShapes(tensors, metadata);
+  checkFinite(tensors);
+  const fitted = metadata.modes - gustModes(tensors);
+  const table = assemble(tensors, metadata, paper === null ? null : recordsOf(paper, tensors, fitted));
+  checkNumbers(table);
+  return table;
 }
 
-/** Versions 5 and 6, whose reach and peak pressure follow from their records. */
-function readFormer(container: Container): Table {
-  const former = container.metadata.version === 5 ? fromVersion5(container) : container;
-  const trajectories = shapeInHeader(former.header["samples.trajectory"]) - 1;
-  const { paper, ...metadata } = fromVersion6(former.metadata, VERSION, Math.max(0, trajectories));
-  // Replaced below, because they follow from the decoded records.
-  const table = assemble(former, { ...metadata, peak_pressure_pa: 0, reach_m: 0 }, paper, readRecords);
-  need(table.paper !== null && table.nodeRest.length > 0, "damaged table file: no nodes");
-  const derived = {
-    peak_pressure_pa: peakPressure_pa(table.paper),
-    reach_m: reach_m(table.paper, table.nodeBasis, table.modeScale),
+function assemble(tensors: Tensors, metadata: TableMetadata, paper: Records | null): Table {
+  const values = (name: string) => valuesOf(tensors, name);
+  const jointNodes: Uint16Array = values("joints.nodes");
+  const jointShare: Float32Array = values("joints.share");
+  const vertexJoint: Uint16Array = values("render.vertex_joint");
+  return {
+    metadata,
+    modeScale: values("modes.scale"),
+    nodeBasis: values("nodes.basis"),
+    nodeRest: values("nodes.rest_m"),
+    nodeTurn: values("nodes.turn"),
+    nodeParent: values("nodes.parent"),
+    jointNodes,
+    jointShare,
+    jointRest: values("joints.rest_m"),
+    vertexJoint,
+    vertexNode: vertexJoint.map((joint) => jointNodes[2 * joint + (jointShare[joint] > 0.5 ? 1 : 0)]),
+    modal: {
+      step: values("modal.step"),
+      load: values("modal.load"),
+      sway: values("modal.sway"),
+      force: values("modal.force"),
+      shown: values("modal.shown"),
+      pose: values("modal.pose"),
+      limits: values("modal.limits"),
+      dragPoint: values("modal.drag_point"),
+      dragShape: values("modal.drag_shape"),
+      dragRest: values("modal.drag_rest"),
+    },
+    gusts: {
+      place: values("gusts.place"),
+      step: values("gusts.step"),
+      load: values("gusts.load"),
+      drag: values("gusts.drag"),
+    },
+    paper,
   };
-  return { ...table, metadata: checkMetadata({ ...table.metadata, ...derived }) };
 }
 
-/** First side of a tensor's shape, unchecked; 0 without one. */
-function shapeInHeader(entry: unknown): number {
-  const shape = (entry as { shape?: unknown } | null | undefined)?.shape;
-  return Array.isArray(shape) && Number.isSafeInteger(shape[0]) ? shape[0] : 0;
+function checkMetadata(metadata: Json): TableMetadata {
+  number(metadata, "height_m", 0.01, 1000);
+  number(metadata, "dt_s", 1e-4, 1);
+  number(metadata, "design_speed_m_s", 0, 100);
+  number(metadata, "peak_pressure_pa", 0, 1e9);
+  number(metadata, "reach_m", 0, 1e4);
+  whole(metadata, "modes", MOST_MODES);
+  const { foliage = "leaf" } = metadata;
+  need(
+    foliage === "leaf" || foliage === "bare",
+    `metadata foliage: expected 'leaf' or 'bare', not ${brief(foliage)}`,
+  );
+  need(Array.isArray(metadata.primitives), "metadata primitives: expected a list");
+  for (const primitive of metadata.primitives) {
+    number(object(primitive, "metadata primitives: expected objects"), "vertices", 0, 2 ** 31);
+  }
+  return metadata as unknown as TableMetadata;
+}
+
+/** Number of modes of the gust layer. */
+const gustModes = (tensors: Tensors): number => shapeOf(tensors, "gusts.drag")[0];
+
+function checkGusts(tensors: Tensors): void {
+  const places = shapeOf(tensors, "gusts.place")[0];
+  const oscillators = gustModes(tensors);
+  need(
+    oscillators <= MAX_GUST_OSCILLATORS,
+    `tensor gusts.step: expected at most ${MAX_GUST_OSCILLATORS} rows`,
+  );
+  need(places <= MAX_GUST_PLACES, `tensor gusts.place: expected at most ${MAX_GUST_PLACES} rows`);
+  checkShapes(tensors, {
+    "gusts.place": [places, 3],
+    "gusts.step": [oscillators, 6],
+    "gusts.load": [oscillators, 2 * places],
+    "gusts.drag": [oscillators],
+  });
+}
+
+function checkTableShapes(tensors: Tensors, { modes, primitives }: TableMetadata): void {
+  checkGusts(tensors);
+  const r = modes - gustModes(tensors);
+  const n = shapeOf(tensors, "nodes.rest_m")[0];
+  const j = shapeOf(tensors, "joints.share")[0];
+  const vertices = primitives.reduce((sum, primitive) => sum + Math.trunc(primitive.vertices), 0);
+  const d = shapeOf(tensors, "modal.step")[0];
+  const most = Math.min(MAX_DYNAMIC, r);
+  need(d >= 2 && d <= most, `tensor modal.step: expected 2..${most} rows`);
+  const c = coupledOf(shapeOf(tensors, "modal.limits")[0] ?? 0);
+  need(
+    Number.isInteger(c) && c >= 0 && c <= d - 2,
+    `tensor modal.limits: expected 3, 5, … ${2 * d - 1} numbers`,
+  );
+  const m = shapeOf(tensors, "modal.drag_point")[0];
+  need(m <= MAX_DRAG_POINTS, `tensor modal.drag_point: expected at most ${MAX_DRAG_POINTS} rows`);
+  checkShapes(tensors, {
+    "modes.scale": [modes],
+    "nodes.basis": [n, 3, modes],
+    "nodes.rest_m": [n, 3],
+    "nodes.turn": [n, 3, modes],
+    "nodes.parent": [n],
+    "joints.nodes": [j, 2],
+    "joints.share": [j],
+    "joints.rest_m": [j, 3],
+    "render.vertex_joint": [vertices],
+    "modal.step": [d, 6],
+    "modal.load": [d, 2],
+    "modal.sway": [2, d],
+    "modal.force": [forceTerms(c), d],
+    "modal.shown": [d],
+    "modal.pose": [poseTerms(d, c), r - d],
+    "modal.limits": [3 + 2 * c],
+    "modal.drag_point": [m, 2],
+    "modal.drag_shape": [3, m, d],
+    "modal.drag_rest": [d],
+  });
+}
+
+function checkNumbers(table: Table): void {
+  const { modeScale, modal, gusts } = table;
+  need(
+    modeScale.every((s) => s > 0),
+    "tensor modes.scale: not positive",
+  );
+  checkJoints(table);
+  need(
+    modal.limits.every((limit) => limit > 0),
+    "tensor modal.limits: not positive",
+  );
+  need(
+    modal.dragRest.every((area) => area >= 0),
+    "tensor modal.drag_rest: negative",
+  );
+  need(
+    fitDrag(modal.dragPoint),
+    "tensor modal.drag_point: expected areas of at least 0, not all 0, and shares in 0..1",
+  );
+  need(contracts(modal.step), "tensor modal.step: an oscillator is not stable");
+  need(contracts(gusts.step), "tensor gusts.step: an oscillator is not stable");
+  need(
+    gusts.drag.every((damping) => damping >= 0),
+    "tensor gusts.drag: negative",
+  );
+}
+
+function checkJoints({ nodeRest, nodeParent, jointNodes, jointShare, vertexJoint }: Table): void {
+  const nodes = nodeRest.length / 3;
+  need(
+    nodeParent.every((parent, node) => parent <= node),
+    "tensor nodes.parent: a node that does not come later",
+  );
+  need(
+    jointNodes.every((node) => node < nodes),
+    "tensor joints.nodes: node out of range",
+  );
+  need(
+    jointShare.every((share) => share >= 0 && share <= 1),
+    "tensor joints.share: expected shares in 0..1",
+  );
+  need(
+    vertexJoint.every((joint) => joint < jointShare.length),
+    "tensor render.vertex_joint: joint out of range",
+  );
+}
+
+function fitDrag(point: Float32Array): boolean {
+  let exposed = 0;
+  for (let j = 0; j < point.length; j += 2) {
+    if (!(point[j] >= 0 && point[j + 1] >= 0 && point[j + 1] <= 1)) return false;
+    exposed += point[j];
+  }
+  return point.length === 0 || exposed > 0;
 }

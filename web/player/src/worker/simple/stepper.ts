@@ -2,7 +2,7 @@
 
 import { GivenWind } from "../../core/forest/givenWind";
 import { advance, movedTo, type Trees, treesOf } from "../../core/forest/trees";
-import { decodeWithoutRecords, type Table } from "../../core/table/present";
+import { decodeWithoutRecords, type Table } from "../../core/table/table";
 import { type WindDocument, WindField } from "../../core/wind/wind";
 import type { DrawnMotion } from "../protocol";
 import { drawnMotion } from "../table/drawnMotion";

@@ -1,5 +1,5 @@
 /** Forests whose poses a Galewood service computes: plans its groups and plays the stream. */
-import { decodeWithoutRecords, type Table } from "../../core/table/present";
+import { decodeWithoutRecords, type Table } from "../../core/table/table";
 import { finalWind, parseState, type WindDocument, WindField } from "../../core/wind/wind";
 import type { Reply } from "../../core/wire/wire";
 import { PointResponses } from "../motion/pulls/pointResponses";

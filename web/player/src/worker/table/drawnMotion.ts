@@ -1,7 +1,7 @@
 /** Extracts the part of a table by which trees are drawn. Pure. */
 
 import { poseStride } from "../../core/motion/poseStride";
-import type { Table } from "../../core/table/present";
+import type { Table } from "../../core/table/table";
 import type { DrawnMotion } from "../protocol";
 import { coarserNodes } from "./nodeLevels";
 
