@@ -28,11 +28,6 @@ def default_server_trees() -> int:
     return max(LARGEST_FOREST, TREES_PER_CORE * default_workers())
 
 
-def _renamed(name: str, old: str) -> AliasChoices:
-    """Environment names of a renamed setting: the new name and the former one, which is still accepted."""
-    return AliasChoices(f"GALEWOOD_{name.upper()}", f"GALEWOOD_{old.upper()}")
-
-
 class Settings(BaseSettings):
     """All settings. The defaults suit a single laptop; names end in their units."""
 
@@ -47,19 +42,15 @@ class Settings(BaseSettings):
     page_dir: Path = data_folder("page", "web/dist", PACKAGE)
     species_dir: Path = species_folder()
     inventory: Path | None = None
-    builtin_trees: bool = Field(default=True, validation_alias=_renamed("builtin_trees", "builtin_species"))
+    builtin_trees: bool = True
 
     workers: int = Field(default_factory=default_workers, ge=1, le=256)
     concurrent_jobs: int = Field(default=1, ge=1, le=64)
-    concurrent_analyses: int = Field(
-        default=1, ge=1, le=64, validation_alias=_renamed("concurrent_analyses", "concurrent_studies")
-    )
+    concurrent_analyses: int = Field(default=1, ge=1, le=64)
     concurrent_evaluations: int = Field(default=1, ge=1, le=64)
     lease_s: float = Field(default=15.0, ge=1, le=3600)
     replaced_files_s: float = Field(default=600.0, ge=0)
-    garbage_collection_s: float = Field(
-        default=60.0, gt=0, validation_alias=_renamed("garbage_collection_s", "sweep_s")
-    )
+    garbage_collection_s: float = Field(default=60.0, gt=0)
     job_attempts: int = Field(default=3, ge=1, le=20)
     job_stall_s: float = Field(default=1800.0, gt=0)
     compile_kernels: bool = True
@@ -67,18 +58,10 @@ class Settings(BaseSettings):
     cluster_idle_s: float = Field(default=30.0, ge=0)
 
     upload_bytes: int = Field(default=64 * MEBIBYTE, ge=1024)
-    import_memory_bytes: int = Field(
-        default=3072 * MEBIBYTE,
-        ge=256 * MEBIBYTE,
-        validation_alias=_renamed("import_memory_bytes", "intake_memory_bytes"),
-    )
-    import_cpu_s: int = Field(default=120, gt=0, validation_alias=_renamed("import_cpu_s", "intake_cpu_s"))
-    import_wall_s: float = Field(
-        default=1200.0, gt=0, validation_alias=_renamed("import_wall_s", "intake_wall_s")
-    )
-    concurrent_imports: int = Field(
-        default=2, ge=1, le=64, validation_alias=_renamed("concurrent_imports", "concurrent_intakes")
-    )
+    import_memory_bytes: int = Field(default=3072 * MEBIBYTE, ge=256 * MEBIBYTE)
+    import_cpu_s: int = Field(default=120, gt=0)
+    import_wall_s: float = Field(default=1200.0, gt=0)
+    concurrent_imports: int = Field(default=2, ge=1, le=64)
 
     concurrent_uploads: int = Field(default=16, ge=1, le=1024)
     stored_bytes: int = Field(default=20 * 1024 * MEBIBYTE, ge=0)

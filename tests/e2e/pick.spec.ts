@@ -28,7 +28,7 @@ test("a click selects a tree; its figures follow its motion, and the camera can 
   expect(picked).toMatchObject({ id: found.id, treeId: found.treeId, moves: true });
   expect(picked!.distance_m).toBeGreaterThan(1);
   expect(picked!.distance_m).toBeLessThan(12);
-  await expect.poll(() => page.evaluate(() => window.galewood!.picked!.coverage)).toBeGreaterThan(0);
+  await expect.poll(() => page.evaluate(() => window.galewood!.picked!.extrapolationRatio)).toBeGreaterThan(0);
   await expect.poll(() => page.evaluate(() => window.galewood!.picked!.tip_m)).toBeGreaterThan(0.02);
   // Dragging the view is not a click.
   await page.mouse.move(420, 214);

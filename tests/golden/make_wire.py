@@ -13,7 +13,7 @@ from typing import Any
 import msgpack
 import numpy as np
 from galewood_server.stream import wire
-from galewood_server.stream.envelope import encode_message
+from galewood_server.stream.envelope import MAGIC, WIRE_VERSION, encode_message
 
 HERE = Path(__file__).parent / "wire"
 TABLE = "0123456789abcdef" * 4
@@ -75,7 +75,7 @@ REQUESTS: dict[str, dict[str, Any]] = {
     "gust": {"type": "gust", "x": -12.5, "z": 40.25},
 }
 REPLIES: dict[str, dict[str, Any]] = {
-    "welcome": {"type": "welcome", "server": "galewood 0.1.0", "version": 2, "tick_hz": 29.5},
+    "welcome": {"type": "welcome", "server": "galewood 0.1.0", "version": WIRE_VERSION, "tick_hz": 29.5},
     "table": {"type": "table", "table": TABLE, "offset": 65536, "total": 65543, "data": list(range(7))},
     "frame_key": {
         "type": "frame",
@@ -225,13 +225,14 @@ def refused() -> dict[str, tuple[str, bytes]]:
 
     def raw(packed: bytes | None, kind: int = wire.PING) -> bytes:
         assert packed is not None
-        return b"GW\x02" + bytes([kind]) + struct.pack("<I", len(packed)) + packed + bytes(-len(packed) % 8)
+        prefix = MAGIC + bytes([WIRE_VERSION, kind]) + struct.pack("<I", len(packed))
+        return prefix + packed + bytes(-len(packed) % 8)
 
     return {
         "empty": ("server", b""),
         "text": ("server", b"GET / HTTP/1.1\r\n"),
         "half a prefix": ("server", ping[:6]),
-        "another version": ("server", ping[:2] + b"\x03" + ping[3:]),
+        "another version": ("server", ping[:2] + bytes([WIRE_VERSION + 1]) + ping[3:]),
         "header longer than message": ("server", ping[:4] + b"\xff\xff\xff\xff" + ping[8:]),
         "header cut off": ("server", ping[:-8]),
         "padding not zero": ("server", odd[:-1] + b"\x01"),
@@ -283,6 +284,7 @@ def refused() -> dict[str, tuple[str, bytes]]:
         "tree without a place": ("server", forest_with(struct.pack("<4f", np.nan, 0, 0, 1), groups=group)),
         "tree without a size": ("server", forest_with(bytes(16), groups=group)),
         "unknown option": ("server", forest_with(options={"colour": 1})),
+        "unknown method": ("server", forest_with(options={"method": "drift"})),
         "easing out of range": ("server", forest_with(options={"pose_easing": 1.5})),
         "wind not a map": ("server", forest_with(wind=[])),
         "request sent to client": ("client", ping),

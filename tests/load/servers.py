@@ -157,7 +157,7 @@ def fleet(count: int, distributed: bool, proxy_program: str | None = None) -> Ge
             "HOST": "127.0.0.1",
             "GALEWOOD_API_KEYS": key_hash,
             "GALEWOOD_TRUSTED_PROXIES": "127.0.0.1",  # each client plays a visitor with an address of its own
-            "GALEWOOD_BUILTIN_SPECIES": "false",
+            "GALEWOOD_BUILTIN_TREES": "false",
             "GALEWOOD_REPLACED_FILES_S": "60",
         }
         if distributed:

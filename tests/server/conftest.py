@@ -92,7 +92,7 @@ class Server:
             "GALEWOOD_DATA_DIR": str(self.data_dir),
             "PORT": str(self.port),
             "GALEWOOD_WORKERS": "1",
-            "GALEWOOD_BUILTIN_SPECIES": "false",
+            "GALEWOOD_BUILTIN_TREES": "false",
             "GALEWOOD_CLUSTER_IDLE_S": "1000",
             "GALEWOOD_COMPILE_KERNELS": "false",
             **shared_services(self.data_dir),

@@ -216,7 +216,7 @@ def test_builtin_trees_are_registered_and_computed_once(
     (folder / "small.obj").write_bytes(sample_meshes.pole_obj(3.0))
     entry = {"id": "small", "name": "Small", "file": "small.obj", "species": "maple", "height_m": 3.0}
     (folder / "species.json").write_text(json.dumps([entry]))
-    environment = {"GALEWOOD_BUILTIN_SPECIES": "true", "GALEWOOD_SPECIES_DIR": str(folder)}
+    environment = {"GALEWOOD_BUILTIN_TREES": "true", "GALEWOOD_SPECIES_DIR": str(folder)}
     environment |= {"GALEWOOD_SCHEDULER_URL": "tcp://127.0.0.1:9"}
     server = start_server(FAKE_STEP_S="0.01", **environment)
     with server.client() as api:

@@ -66,7 +66,6 @@ def test_command_line_rest_and_python_have_the_same_options() -> None:
     for name in BuildRequest.model_fields:
         assert f"--{name.replace('_', '-')}" in options
     assert set(BuildSettings.model_fields) == set(BuildRequest.model_fields)
-    assert {"--tets", "--elements", "--design-speed", "--wind-frames"} <= options  # former names
 
 
 def test_the_form_of_an_upload_has_every_import_option() -> None:

@@ -187,7 +187,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     (folder / "data").mkdir()
     environment = {
         **NO_CLUSTER,
-        "GALEWOOD_BUILTIN_SPECIES": "true",
+        "GALEWOOD_BUILTIN_TREES": "true",
         "GALEWOOD_SPECIES_DIR": str(species_folder(folder)),
         "GALEWOOD_JOB_MODULE": "tests.server.fake_job",
         "GALEWOOD_WRITES_PER_MINUTE": "0",

@@ -39,7 +39,7 @@ def server(start_server: StartServer, tmp_path: Path) -> Server:
     )
     key = build_key(SOURCE, {"species": "apricot", "height_m": 12})
     write_shipped(folder / "shipped", "small", key, tree)
-    environment = {"GALEWOOD_BUILTIN_SPECIES": "true", "GALEWOOD_SPECIES_DIR": str(folder)}
+    environment = {"GALEWOOD_BUILTIN_TREES": "true", "GALEWOOD_SPECIES_DIR": str(folder)}
     return start_server(FAKE_STEP_S="0.01", **environment, **NO_CLUSTER)
 
 

@@ -1,59 +1,52 @@
-"""Schema migrations: upgrade at startup, and agreement with the models."""
+"""Schema migrations: at startup, in agreement with the models, and only of known schemas."""
 
 from __future__ import annotations
 
 import threading
 from pathlib import Path
 
+import pytest
 from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
+from galewood_server.storage import StartError
 from galewood_server.storage.database import (
-    HEAD,
+    REVISIONS,
+    check_revision,
     engine_of,
     migrate,
     migration_config,
     open_database,
     with_driver,
 )
-from galewood_server.storage.models import Base, Job, Tree
-from sqlalchemy import create_engine, text
-
-OLD_TREE = """INSERT INTO trees (id, name, builtin, filename, options, report, source_sha256, table_sha256,
-    created_at, updated_at) VALUES ('old', 'Old oak', false, 'oak.obj', '{}', '{}', 'aa', 'bb',
-    '2026-01-02 03:04:05', '2026-01-02 03:04:05')"""
-OLD_JOB = """INSERT INTO jobs (id, tree_id, state, stage, fraction, message, settings, attempts,
-    cancel_requested, created_at, updated_at) VALUES ('job', 'old', 'running', 'sampling', 0.5, '', '{}', 0,
-    false, '2026-01-02 03:04:05', '2026-01-02 03:04:05')"""
-
-
-def test_startup_migrates_an_older_database(tmp_path: Path) -> None:
-    url = f"sqlite:///{tmp_path / 'old.sqlite'}"
-    command.upgrade(migration_config(url), "0001")
-    engine = create_engine(url)
-    with engine.begin() as connection:
-        connection.execute(text(OLD_TREE))
-        connection.execute(text(OLD_JOB))
-    engine.dispose()
-    migrate(url)
-    with open_database(url)() as session:
-        tree = session.get_one(Tree, "old")
-        assert (tree.name, tree.state, tree.preliminary) == ("Old oak", "ready", False)
-        assert tree.model_sha256 is tree.records_sha256 is tree.bare_table_sha256 is None
-        assert tree.form == "open"
-        job = session.get_one(Job, "job")
-        assert (job.kind, job.state, job.pictures, job.lease) == ("build", "running", {}, None)
+from galewood_server.storage.models import Base
+from sqlalchemy import text
 
 
 def test_the_migrations_match_the_models(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path / 'new.sqlite'}"
     migrate(url)
     with engine_of(open_database(url)).connect() as connection:
-        assert ScriptDirectory.from_config(migration_config(url)).get_current_head() == HEAD
+        scripts = ScriptDirectory.from_config(migration_config(url)).walk_revisions()
+        assert [script.revision for script in scripts] == list(reversed(REVISIONS))
         assert compare_metadata(MigrationContext.configure(connection), Base.metadata) == []
     command.downgrade(migration_config(url), "base")
     migrate(url)
+
+
+def test_a_database_of_another_version_is_refused_and_left_alone(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'other.sqlite'}"
+    migrate(url)
+    with engine_of(open_database(url)).begin() as connection:
+        connection.execute(text("UPDATE alembic_version SET version_num = '0007'"))
+    with pytest.raises(StartError, match=r"schema 0007; this version uses .* upload the trees again"):
+        migrate(url)
+    with engine_of(open_database(url)).connect() as connection:
+        assert connection.execute(text("SELECT version_num FROM alembic_version")).scalar() == "0007"
+    check_revision(None)
+    for known in REVISIONS:
+        check_revision(known)
 
 
 def test_concurrent_starts_migrate_once(tmp_path: Path) -> None:

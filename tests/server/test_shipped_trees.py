@@ -55,7 +55,7 @@ def key_of(source: bytes) -> str:
 
 
 def start(start_server: StartServer, species: Path) -> Server:
-    environment = {"GALEWOOD_BUILTIN_SPECIES": "true", "GALEWOOD_SPECIES_DIR": str(species)}
+    environment = {"GALEWOOD_BUILTIN_TREES": "true", "GALEWOOD_SPECIES_DIR": str(species)}
     return start_server(FAKE_STEP_S="0.01", **environment, **NO_CLUSTER)
 
 

@@ -24,6 +24,10 @@ from typer.testing import CliRunner
 from tests.server.conftest import NO_CLUSTER, REPOSITORY, free_port
 
 Prepare = Callable[[Path], dict[str, str]]
+ANOTHER_VERSION = (
+    f"The database belongs to another version of Galewood (schema 0007; this version uses {HEAD}): install"
+    " that version, or set GALEWOOD_DATA_DIR to an empty folder"
+)
 
 
 def ended(data: Path, *command: str, **environment: str) -> tuple[int, str]:
@@ -50,11 +54,11 @@ def torn(data: Path) -> dict[str, str]:
     return {}
 
 
-def newer(data: Path) -> dict[str, str]:
+def of_another_version(data: Path) -> dict[str, str]:
     path = data / "galewood.sqlite"
     migrate(f"sqlite:///{path}")
     with sqlite3.connect(path) as connection:
-        connection.execute("UPDATE alembic_version SET version_num = '0999'")
+        connection.execute("UPDATE alembic_version SET version_num = '0007'")
     return {}
 
 
@@ -87,10 +91,7 @@ def no_database_address(_data: Path) -> dict[str, str]:
     [
         (damaged, "galewood.sqlite is damaged (file is not a database): restore it from a backup"),
         (torn, "galewood.sqlite is damaged (database disk image is malformed): restore it from a backup"),
-        (
-            newer,
-            f"The database belongs to a newer version of Galewood (schema 0999; this version knows {HEAD})",
-        ),
+        (of_another_version, ANOTHER_VERSION),
         (a_file, "is not a folder: move the file away, or set GALEWOOD_DATA_DIR"),
         (below_a_file, "is not a folder: move the file away, or set GALEWOOD_DATA_DIR"),
         (a_folder_instead_of_the_database, "galewood.sqlite cannot be opened for writing (unable to open"),
@@ -116,7 +117,7 @@ def test_a_server_that_cannot_start_says_why(tmp_path: Path, prepare: Prepare, e
     [
         (damaged, "is damaged (file is not a database)"),
         (torn, "is damaged (database disk image is malformed)"),
-        (newer, "newer version of Galewood"),
+        (of_another_version, ANOTHER_VERSION),
         (a_file, "galewood.sqlite cannot be opened"),
         (unreachable, "does not answer (connection failed"),
         (no_database_address, "GALEWOOD_DATABASE_URL is not the address of a database"),

@@ -36,7 +36,7 @@ def species_folder(parent: Path) -> Path:
 
 def test_the_structure_is_that_of_the_build(tmp_path: Path) -> None:
     species = species_folder(tmp_path)
-    environment = {"GALEWOOD_BUILTIN_SPECIES": "true", "GALEWOOD_SPECIES_DIR": str(species)}
+    environment = {"GALEWOOD_BUILTIN_TREES": "true", "GALEWOOD_SPECIES_DIR": str(species)}
     data_dir = tmp_path / "data"
     data_dir.mkdir()
     server = Server(data_dir, "galewood_server.cli.main", {**environment, **NO_CLUSTER}).start("serve")

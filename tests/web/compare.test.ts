@@ -34,12 +34,6 @@ describe("the tracks of a comparison", () => {
     expect(decoded.error.modal.max).toEqual([0.001, 0.002]);
   });
 
-  test("are accepted under the former id of the modal method", () => {
-    const { modal, ...tracks } = good.tracks;
-    const former = { ...good, tracks: { ...tracks, tangent: modal }, error: { tangent: errors, paper: errors } };
-    expect(decodeTracks(encode(former))).toEqual(decodeTracks(encode(good)));
-  });
-
   test.each([
     ["another version", { version: 2 }],
     ["another format", { format: "else" }],
@@ -66,43 +60,35 @@ describe("the tracks of a comparison", () => {
 });
 
 describe("detected properties of an upload", () => {
-  const intake = {
+  const found = {
     up_axis: { value: "z", reason: "the base is flat in z" },
     unit: { reason: "a height of 70 fits no unit" },
     height_m: 12,
     species: { value: "poplar", reason: "the name" },
-    parts: [
-      { names: ["tree", "bark"], faces: 10, kind: "wood", reason: "the name 'bark'" },
-      { names: ["tree", "bark"], faces: 5, kind: "wood", reason: "the name 'bark'" },
-      { names: ["tree", "crown"], faces: 7, kind: "leaves", reason: "flat pieces" },
-    ],
+    parts: [{ kind: "wood" }, { kind: "wood" }, { kind: "leaves" }],
     warnings: ["The unit is assumed."],
   };
 
   test("are read from an import report, or from the one inside a build report", () => {
-    for (const report of [intake, { intake, meshing: {} }, { import: intake, meshing: {} }]) {
+    for (const report of [found, { import: found, meshing: {} }]) {
       const assumed = assumedOf(report);
       expect(assumed.axis.value).toBe("z");
-      expect(assumed.parts.map(({ name, faces, wood }) => [name, faces, wood])).toEqual([
-        ["bark", 15, true],
-        ["crown", 7, false],
-      ]);
       expect(assumed.warnings).toEqual(["The unit is assumed."]);
     }
   });
 
   test("say why wood was added, if any was", () => {
-    expect(assumedOf(intake).addedWood).toBeNull();
+    expect(assumedOf(found).addedWood).toBeNull();
     const added_wood = { reason: "the wood ends inside a closed crown", stems_m: [3.1] };
-    expect(assumedOf({ import: { ...intake, added_wood } }).addedWood).toBe(added_wood.reason);
+    expect(assumedOf({ import: { ...found, added_wood } }).addedWood).toBe(added_wood.reason);
   });
 
   test("those of a scanned tree are there only if the file was one", () => {
-    expect(assumedOf(intake).scan).toBeNull();
+    expect(assumedOf(found).scan).toBeNull();
     const qsm = { dbh_cm: 18.2, min_radius_mm: 10, dropped: { thin_branches: 3 } };
-    expect(assumedOf({ ...intake, qsm }).scan).toEqual({ dbh_cm: 18.2, min_radius_mm: 10, dropped: 3, bare: false });
-    const wood = intake.parts.slice(0, 2);
-    const bare = assumedOf({ import: { ...intake, parts: wood, qsm: { ...qsm, dbh_cm: null } } }).scan;
+    expect(assumedOf({ ...found, qsm }).scan).toEqual({ dbh_cm: 18.2, min_radius_mm: 10, dropped: 3, bare: false });
+    const wood = found.parts.slice(0, 2);
+    const bare = assumedOf({ import: { ...found, parts: wood, qsm: { ...qsm, dbh_cm: null } } }).scan;
     expect(bare).toMatchObject({ dbh_cm: null, bare: true });
   });
 

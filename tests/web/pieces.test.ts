@@ -30,7 +30,7 @@ test("pieces, trees and doubts are read from the report", () => {
   expect(vertexPieces).toEqual([[0, 3], [1, 2, -1, 1]]);
 });
 
-test("reports of older imports have no pieces", () => {
+test("a report without pieces has none", () => {
   expect(assumedOf({ up_axis: {} })).toMatchObject({ pieces: [], trees: [], vertexPieces: [] });
 });
 

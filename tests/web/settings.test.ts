@@ -21,9 +21,10 @@ describe("settings in the URL", () => {
     expect(settingsFromQuery(`?${queryFromSettings(changed)}`)).toEqual(changed);
   });
 
-  test("the modal method is accepted under its former id and written under the current one", () => {
+  test("the method is one of the two known ones", () => {
     const paper = { ...DEFAULTS, method: "paper" as const };
-    for (const id of ["modal", "tangent"]) expect(settingsFromQuery(`?method=${id}`, paper).method).toBe("modal");
+    expect(settingsFromQuery("?method=modal", paper).method).toBe("modal");
+    expect(settingsFromQuery("?method=drift", paper).method).toBe("paper");
     expect(queryFromSettings(DEFAULTS, paper)).toBe("method=modal");
   });
 

@@ -66,8 +66,8 @@ describe("uploads in the forest", () => {
     expect(other.planted).toEqual(settings.planted);
   });
 
-  test("an upload in the mix of an older link is planted, and can be removed", () => {
-    const settings = settingsFromQuery("mix=mine:0.5");
+  test("keep their order, and can be removed", () => {
+    const settings = settingsFromQuery("tree=mine:more");
     expect(plantedAs(settings, "mine")).toBe("more");
     plantAs(settings, "mine", null);
     expect(plantedAs(settings, "mine")).toBeNull();

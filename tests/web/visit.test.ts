@@ -143,7 +143,7 @@ describe("the physics card", () => {
     const report = {
       model: { frequencies_hz: [0.7129, 0.728, 0.8], damping: { shown: 0.0299 } },
       meshing: { tets: 4150 },
-      seconds: { intake: 1.1, sampling: 60 },
+      seconds: { import: 1.1, sampling: 60 },
       table: { records: 7568, errors: { truncation_max_m: 0.0075 } },
       bare_table: { model: { frequencies_hz: [0.9051] } },
     };

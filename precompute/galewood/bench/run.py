@@ -13,7 +13,6 @@ from galewood.bench.fem import bench_fem
 from galewood.bench.samples import bench_samples, prepared
 from galewood.bench.tables import OnProgress, bench_build, bench_forest, bench_search
 from galewood.bench.wind import bench_wind
-from galewood.mesh import ImportOptions
 from galewood.pipeline import BuildOptions
 from galewood.table import decode
 
@@ -27,8 +26,6 @@ PARTS = {
     "modal": "a step of 10,000 trees with the modal model and with the paper's state search",
     "wind": "the pressure at 10,000 trees, for each wind model",
 }
-FORMER_NAMES = {"tangent": "modal"}
-"""Former part name → present name, still accepted."""
 FEM_STEPS, QUICK_FEM_STEPS = 60, 15
 RECORDED_POINTS = 140
 
@@ -38,7 +35,7 @@ class Bench:
 
     def __init__(self, mesh: Path, cache_dir: Path, *, quick: bool, table: Path | None) -> None:
         self._mesh, self._cache_dir, self._quick = mesh, cache_dir, quick
-        self._options = BuildOptions(mesh_import=ImportOptions(species=mesh.stem, height_m=12.0))
+        self._options = BuildOptions(species=mesh.stem, height_m=12.0)
         self._table = table.read_bytes() if table else None
 
     def fem(self, on_progress: OnProgress) -> Any:
@@ -97,15 +94,11 @@ def run_bench(
 
 
 def chosen_parts(names: Sequence[str]) -> list[str]:
-    """The requested parts (none given: all) in the order they run; accepts former names.
-
-    Raises ValueError for an unknown part.
-    """
-    wanted = {FORMER_NAMES.get(name, name) for name in names}
-    unknown = sorted(wanted - set(PARTS))
+    """The requested parts (none given: all) in the order they run. Raises ValueError for an unknown part."""
+    unknown = sorted(set(names) - set(PARTS))
     if unknown:
         raise ValueError(f"unknown part {unknown[0]!r}; choose from {', '.join(PARTS)}")
-    return [part for part in PARTS if part in wanted or not wanted]
+    return [part for part in PARTS if part in names or not names]
 
 
 def _share(on_progress: OnProgress, k: int, count: int) -> Callable[[float, str], None]:

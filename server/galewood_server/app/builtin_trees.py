@@ -62,7 +62,7 @@ async def queue_outdated_uploads(service: Service) -> None:
 
 
 def _queue_outdated_uploads(service: Service) -> None:
-    """Queue builds of uploads whose table is from an older software version, with their last settings."""
+    """Queue builds of uploads whose fingerprint has changed, with their last settings."""
     with service.sessions.begin() as session:
         for tree in readable(session, Tree, Tree.builtin.is_(False), Tree.fingerprint.is_not(None)):
             done = [job for job in tree.jobs if job.kind == "build" and job.state == "done"]

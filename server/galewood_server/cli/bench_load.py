@@ -141,7 +141,7 @@ def _server(folder: Path, load: Load) -> Generator[tuple[psutil.Process, int]]:
         "GALEWOOD_DATA_DIR": str(folder),
         "HOST": "127.0.0.1",
         "PORT": str(port),
-        "GALEWOOD_BUILTIN_SPECIES": "false",
+        "GALEWOOD_BUILTIN_TREES": "false",
         "GALEWOOD_SOCKET_CONNECTIONS": sockets,
         "GALEWOOD_SOCKET_CONNECTIONS_PER_ADDRESS": sockets,
         "GALEWOOD_SERVER_TREES": trees,

@@ -11,7 +11,7 @@ from galewood.table import VERSION
 from galewood.versions import SAMPLING_VERSION
 
 BUILD_VERSION = 5
-"""Increase it when builds store additional files (2: the model, 3: the table without leaves)."""
+"""Increase it when builds store additional files."""
 
 
 def fingerprint(source_sha256: str, options: dict[str, Any], settings: dict[str, Any]) -> str:

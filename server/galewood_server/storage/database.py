@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from alembic.config import Config
 
 Sessions = sessionmaker[Session]
-HEAD = "0007"
-"""The newest schema revision, known without loading Alembic; a test compares it with the migrations."""
+REVISIONS = ("0001",)
+"""The schema revisions, known without loading Alembic; a test compares them with the migrations."""
+HEAD = REVISIONS[-1]
 
 
 def open_database(url: str) -> Sessions:
@@ -50,7 +51,7 @@ def _prepare_sqlite(connection: Any, _record: object) -> None:
 def migrate(url: str) -> None:
     """Migrate the database to the newest schema, creating it if necessary. Serialises concurrent calls.
 
-    StartError if a newer version of the software has migrated it.
+    StartError if its schema is not one of this version of the software.
     """
     revision = _revision(url)
     if revision == HEAD:
@@ -69,11 +70,12 @@ def migrate(url: str) -> None:
 
 
 def check_revision(revision: str | None) -> None:
-    """Raise StartError if a schema is newer than this software."""
-    if revision is not None and revision > HEAD:
+    """Raise StartError if a schema is not one that this version of the software can use or migrate."""
+    if revision is not None and revision not in REVISIONS:
         raise StartError(
-            f"The database belongs to a newer version of Galewood (schema {revision}; this version knows"
-            f" {HEAD}): install that version, or restore a backup made before the upgrade."
+            f"The database belongs to another version of Galewood (schema {revision}; this version uses"
+            f" {HEAD}): install that version, or set GALEWOOD_DATA_DIR to an empty folder (and"
+            " GALEWOOD_DATABASE_URL, if it is set, to an empty database) and upload the trees again."
         )
 
 

@@ -14,7 +14,7 @@ from typing import Any, cast
 import msgpack
 
 MAGIC = b"GW"
-WIRE_VERSION = 2
+WIRE_VERSION = 1
 PREFIX_BYTES = 8
 MAX_HEADER_BYTES = 128 * 1024
 """Room for a state with three recorded winds."""
@@ -57,7 +57,7 @@ def decode_message(data: bytes) -> tuple[int, Header, bytes]:
         raise WireError("not a Galewood message: it must begin with the bytes 'GW'")
     if data[2] != WIRE_VERSION:
         raise WireError(
-            f"wire version {data[2]} is not spoken here, only version {WIRE_VERSION}", "unknown-version"
+            f"wire version {data[2]}; this reader knows version {WIRE_VERSION}", "unknown-version"
         )
     (length,) = struct.unpack_from("<I", data, 4)
     start = PREFIX_BYTES + length + (-length % 8)

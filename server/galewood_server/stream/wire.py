@@ -1,4 +1,4 @@
-"""The wire protocol of /ws/forest, version 2: specified in docs/formats/wire.md.
+"""The wire protocol of /ws/forest, version 1: specified in docs/formats/wire.md.
 
 Counterpart of web/player/src/core/wire/wire.ts. Requests are sent by clients, replies by the server.
 envelope.py

@@ -162,8 +162,6 @@ def _easing(options: Header) -> float | None:
 
 def _method(options: Header) -> Method:
     method = text(options, "method")
-    if method == "tangent":  # the former id of the modal model
-        return "modal"
     if method not in ("modal", "paper"):
         raise WireError("method must be 'modal' or 'paper'")
     return method

@@ -4,12 +4,6 @@ import type { WindDocument } from "galewood/wind";
 import type { App } from "./app";
 import type { PickedFigures } from "./treePicker";
 
-/** The picked tree; `coverage` is the former name of `extrapolationRatio`. */
-export type ProbedTree = PickedFigures & { readonly coverage: number | null };
-
-const probed = (figures: PickedFigures | null): ProbedTree | null =>
-  figures && { ...figures, coverage: figures.extrapolationRatio };
-
 export interface Probe {
   readonly frame: number;
   readonly time_s: number;
@@ -46,9 +40,9 @@ export interface Probe {
   /** Advances by one frame of dt_s and waits for it; for frame-by-frame rendering while asleep. */
   step(dt_s: number, drawn?: boolean): Promise<void>;
   /** Picks the tree at a position in the window (px), as a click does; null if there is none. */
-  pick(left_px: number, top_px: number): ProbedTree | null;
+  pick(left_px: number, top_px: number): PickedFigures | null;
   /** The picked tree and its current figures. */
-  readonly picked: ProbedTree | null;
+  readonly picked: PickedFigures | null;
   /** What is drawn on the picked tree. */
   readonly overlay: App["overlays"]["shown"];
   /** Loudness of the wind, 0..1. */
@@ -59,9 +53,8 @@ export interface Probe {
   readonly pulled: App["pulled"];
   /** Whether the camera keeps the picked tree in the middle. */
   follow(following: boolean): void;
-  /** Cost of the page: frame, script and worker times, triangles. `extent` is the former name of `extrapolationRatio`. */
+  /** Cost of the page: frame, script and worker times, triangles. */
   readonly statistics: App["figures"]["statistics"] & {
-    readonly extent: number;
     readonly impostors: App["stage"]["backdrop"]["figures"];
   };
   /** Draws the trees as static instances, or moving again, to measure the cost of the motion. */
@@ -137,10 +130,10 @@ export function exposeProbe(app: App): void {
     step: (dt_s, drawn) => app.loop.step(dt_s, drawn),
     pick(left_px, top_px) {
       app.picker.select(app.picker.find(left_px, top_px));
-      return probed(app.picker.figures);
+      return app.picker.figures;
     },
     get picked() {
-      return probed(app.picker.figures);
+      return app.picker.figures;
     },
     get overlay() {
       return app.overlays.shown;
@@ -158,12 +151,7 @@ export function exposeProbe(app: App): void {
       app.picker.following = following;
     },
     get statistics() {
-      const { statistics } = app.figures;
-      return {
-        ...statistics,
-        extent: statistics.extrapolationRatio,
-        impostors: app.stage.backdrop.figures,
-      };
+      return { ...app.figures.statistics, impostors: app.stage.backdrop.figures };
     },
     freeze: (frozen) => app.freeze(frozen),
   };

@@ -1,6 +1,6 @@
 /** Decoder of comparison files (docs/formats/comparison.md). Pure. */
 import { decode } from "@msgpack/msgpack";
-import { entryOfMethod, type Method } from "galewood/motion";
+import type { Method } from "galewood/motion";
 
 export interface Tracks {
   readonly frames: number;
@@ -56,7 +56,7 @@ export function decodeTracks(file: Uint8Array): Tracks {
   const errors = object(all.error, "the errors are missing");
   const recorded = (tracks.paper ?? null) !== null;
   const errorOf = (name: Method): Errors => {
-    const of = object(entryOfMethod(errors, name), `the error of ${name} is missing`);
+    const of = object(errors[name], `the error of ${name} is missing`);
     return { max: series(of, "max", frames), hausdorff: series(of, "hausdorff", frames) };
   };
   return {
@@ -66,7 +66,7 @@ export function decodeTracks(file: Uint8Array): Tracks {
     height_m: number(all, "height_m"),
     q: {
       fem: floats(tracks.fem, "fem", frames * modes),
-      modal: floats(entryOfMethod(tracks, "modal"), "modal", frames * modes),
+      modal: floats(tracks.modal, "modal", frames * modes),
       paper: recorded ? floats(tracks.paper, "paper", frames * modes) : null,
     },
     sway: series(all, "sway", frames),

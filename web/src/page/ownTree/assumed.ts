@@ -2,14 +2,6 @@
 
 import type { Piece, PieceKind } from "./pieces";
 
-export interface Part {
-  /** Its name in the file: node, mesh or material. */
-  readonly name: string;
-  readonly faces: number;
-  readonly wood: boolean;
-  readonly reason: string;
-}
-
 /** A tree of a file with several. */
 export interface FoundTree {
   readonly number: number;
@@ -37,8 +29,6 @@ export interface Assumed {
   readonly unit: string;
   readonly height_m: number;
   readonly species: { value: string; reason: string };
-  readonly parts: readonly Part[];
-  /** Empty in reports of older imports. */
   readonly pieces: readonly Piece[];
   readonly trees: readonly FoundTree[];
   /** For each drawn primitive runs of vertices: row of `pieces`, number, row, number, … */
@@ -57,13 +47,6 @@ const object = (value: unknown): Json =>
 const text = (value: unknown): string => (typeof value === "string" ? value : "");
 const numberIn = (value: unknown): number | null => (typeof value === "number" ? value : null);
 const list = (value: unknown): unknown[] => (Array.isArray(value) ? value : []);
-
-function partOf(value: unknown): Part {
-  const part = object(value);
-  const names = [...new Set(list(part.names).map(text).filter(Boolean))];
-  const faces = numberIn(part.faces) ?? 0;
-  return { name: names.at(-1) ?? "", faces, wood: part.kind === "wood", reason: text(part.reason) };
-}
 
 const KINDS: readonly PieceKind[] = ["wood", "twigs", "leaves", "other"];
 
@@ -97,41 +80,29 @@ function treeOf(value: unknown): FoundTree {
   };
 }
 
-/** Merges parts of the same name into one choice. */
-function together(parts: readonly Part[]): Part[] {
-  const byName = new Map<string, Part>();
-  for (const part of parts) {
-    const known = byName.get(part.name);
-    byName.set(part.name, known ? { ...known, faces: known.faces + part.faces } : part);
-  }
-  return [...byName.values()];
-}
-
-const scanOf = (qsm: Json, parts: readonly Part[]): Scan => ({
+const scanOf = (qsm: Json, parts: readonly unknown[]): Scan => ({
   dbh_cm: numberIn(qsm.dbh_cm),
   min_radius_mm: numberIn(qsm.min_radius_mm) ?? 0,
   dropped: numberIn(object(qsm.dropped).thin_branches) ?? 0,
-  bare: parts.every((part) => part.wood),
+  bare: parts.every((part) => object(part).kind === "wood"),
 });
 
 /** Reads an import report, or the one inside a build report. */
 export function assumedOf(report: unknown): Assumed {
   const all = object(report);
-  const intake = "up_axis" in all ? all : object(all.import ?? all.intake);
-  const [axis, unit, species] = [object(intake.up_axis), object(intake.unit), object(intake.species)];
-  const parts = together(list(intake.parts).map(partOf));
+  const found = "up_axis" in all ? all : object(all.import);
+  const [axis, unit, species] = [object(found.up_axis), object(found.unit), object(found.species)];
   return {
     axis: { value: text(axis.value) || "y", reason: text(axis.reason), unsure: axis.unsure === true },
     size: text(unit.reason),
     unit: text(unit.value),
-    height_m: numberIn(intake.height_m) ?? 0,
+    height_m: numberIn(found.height_m) ?? 0,
     species: { value: text(species.value), reason: text(species.reason) },
-    parts,
-    pieces: list(intake.pieces).map(pieceOf),
-    trees: list(intake.trees).map(treeOf),
-    vertexPieces: list(intake.vertex_pieces).map((runs) => list(runs).map((n) => numberIn(n) ?? -1)),
-    warnings: list(intake.warnings).map(text).filter(Boolean),
-    addedWood: "added_wood" in intake ? text(object(intake.added_wood).reason) : null,
-    scan: "qsm" in intake ? scanOf(object(intake.qsm), parts) : null,
+    pieces: list(found.pieces).map(pieceOf),
+    trees: list(found.trees).map(treeOf),
+    vertexPieces: list(found.vertex_pieces).map((runs) => list(runs).map((n) => numberIn(n) ?? -1)),
+    warnings: list(found.warnings).map(text).filter(Boolean),
+    addedWood: "added_wood" in found ? text(object(found.added_wood).reason) : null,
+    scan: "qsm" in found ? scanOf(object(found.qsm), list(found.parts)) : null,
   };
 }

@@ -18,7 +18,6 @@ import { Computing } from "./computing";
 import { expectedMotionOf } from "./expectedMotion";
 import { button, numberField, row, select } from "./formRows";
 import { LivelinessChoice } from "./livelinessChoice";
-import { olderParts } from "./olderParts";
 import type { OwnUploads } from "./ownUploads";
 import { Painting } from "./painting/painting";
 import { type PieceChoices, PieceList } from "./pieces";
@@ -142,7 +141,7 @@ export class OwnTreeDialog {
         () => this.importAll(assumed),
       ),
       ...(this.lacksWood ? [addedWoodRow(assumed.addedWood, (one) => void this.change(one))] : []),
-      ...(assumed.scan ? scanFields(assumed.scan, (one) => void this.change(one)) : [this.parts(assumed)]),
+      ...(assumed.scan ? scanFields(assumed.scan, (one) => void this.change(one)) : [this.detected(assumed)]),
     ];
   }
 
@@ -161,14 +160,11 @@ export class OwnTreeDialog {
     void several.run();
   }
 
-  /** The detected pieces; for reports of older imports their parts. */
-  private parts({ parts, pieces, trees }: Assumed): HTMLElement {
-    if (pieces.length > 0) {
-      this.pieces.show(pieces, trees.find((tree) => tree.taken)?.number ?? 1);
-      this.paint.hidden = this.painting !== null;
-      return this.pieces.root;
-    }
-    return olderParts(parts, (wood) => void this.change({ wood_materials: wood }));
+  /** The detected pieces. */
+  private detected({ pieces, trees }: Assumed): HTMLElement {
+    this.pieces.show(pieces, trees.find((tree) => tree.taken)?.number ?? 1);
+    this.paint.hidden = this.painting !== null;
+    return this.pieces.root;
   }
 
   /** Starts painting pieces in the picture. */

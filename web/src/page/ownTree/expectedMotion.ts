@@ -27,8 +27,8 @@ function swayOf(value: unknown): Sway[] {
 /** The expectation in an import report; null if the server could not make one. */
 export function expectedMotionOf(report: unknown): ExpectedMotion | null {
   const all = object(report);
-  const intake = "up_axis" in all ? all : object(all.import);
-  const { first_frequency_hz, lively_frequency_hz, sway, visible } = object(intake.expected);
+  const found = "up_axis" in all ? all : object(all.import);
+  const { first_frequency_hz, lively_frequency_hz, sway, visible } = object(found.expected);
   if (!isNumber(first_frequency_hz) || !isNumber(lively_frequency_hz)) return null;
   return {
     first_Hz: first_frequency_hz,

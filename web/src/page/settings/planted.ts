@@ -9,8 +9,6 @@ export type PlantedTrees = Readonly<Record<string, Planted>>;
 
 export interface PlantedSettings {
   planted: PlantedTrees;
-  /** Relative frequencies by id. */
-  shares: Record<string, number>;
 }
 
 const MOST_TREES = 64;
@@ -32,10 +30,8 @@ export const textOfPlanted = (planted: PlantedTrees): string =>
     .map(([id, how]) => (how === "one" ? id : `${id}:${how}`))
     .join(",");
 
-/** How an upload is planted; null if it is not. A share of its own in the mix of species also plants it. */
-export function plantedAs({ planted, shares }: PlantedSettings, id: string): Planted | null {
-  return planted[id] ?? ((shares[id] ?? 0) > 0 ? "more" : null);
-}
+/** How an upload is planted; null if it is not. */
+export const plantedAs = ({ planted }: PlantedSettings, id: string): Planted | null => planted[id] ?? null;
 
 /** Changes how an upload is planted; null removes it. */
 export function plantAs(settings: PlantedSettings, id: string, how: Planted | null): void {
@@ -43,5 +39,4 @@ export function plantAs(settings: PlantedSettings, id: string, how: Planted | nu
   const known = id in settings.planted;
   if (how === null) settings.planted = others;
   else settings.planted = known ? { ...settings.planted, [id]: how } : { ...others, [id]: how };
-  if (how !== "more") delete settings.shares[id];
 }

@@ -4,7 +4,7 @@
  */
 import { decode, encode } from "@msgpack/msgpack";
 
-export const VERSION = 2;
+export const VERSION = 1;
 const MAGIC = [0x47, 0x57]; // "GW"
 const PREFIX_BYTES = 8;
 const MAX_HEADER_BYTES = 128 * 1024;
@@ -54,7 +54,7 @@ export function decodeMessage(data: ArrayBuffer): Message {
     throw new WireError("not a Galewood message: it must begin with the bytes 'GW'");
   }
   if (bytes[2] !== VERSION) {
-    const words = `unsupported wire version ${bytes[2]}; this reader supports only version ${VERSION}`;
+    const words = `wire version ${bytes[2]}; this reader knows version ${VERSION}`;
     throw new WireError(words, "unknown-version");
   }
   const length = new DataView(data).getUint32(4, true);

@@ -1,5 +1,5 @@
 /**
- * The wire format of /ws/forest, version 2: specified in docs/formats/wire.md, same as
+ * The wire format of /ws/forest, version 1: specified in docs/formats/wire.md, same as
  * server/galewood_server/stream/wire.py.
  *
  * Requests go from client to server, replies from server to client. envelope.ts holds their common part, wireForest.ts

@@ -1,4 +1,4 @@
-"""Trees and jobs."""
+"""Trees, jobs, garbage and shared forests."""
 
 from __future__ import annotations
 
@@ -28,6 +28,12 @@ def upgrade() -> None:
         sa.Column("fingerprint", sa.String(64)),
         sa.Column("created_at", sa.DateTime(timezone=True), nullable=False),
         sa.Column("updated_at", sa.DateTime(timezone=True), nullable=False),
+        sa.Column("model_sha256", sa.String(64)),
+        sa.Column("preliminary", sa.Boolean, nullable=False, server_default=sa.false()),
+        sa.Column("records_sha256", sa.String(64)),
+        sa.Column("bare_table_sha256", sa.String(64)),
+        sa.Column("form", sa.String(16), nullable=False, server_default="open"),
+        sa.Column("compliance_sha256", sa.String(64)),
     )
     op.create_table(
         "jobs",
@@ -44,11 +50,35 @@ def upgrade() -> None:
         sa.Column("cancel_requested", sa.Boolean, nullable=False),
         sa.Column("created_at", sa.DateTime(timezone=True), nullable=False),
         sa.Column("updated_at", sa.DateTime(timezone=True), nullable=False),
+        sa.Column("kind", sa.String(16), nullable=False, server_default="build"),
+        sa.Column("samples_done", sa.Integer),
+        sa.Column("samples_total", sa.Integer),
+        sa.Column("pictures", sa.JSON, nullable=False, server_default="{}"),
+        sa.Column("result", sa.JSON),
+        sa.Column("result_sha256", sa.String(64)),
+        sa.Column("owner", sa.String(64)),
+        sa.Column("lease", sa.String(64)),
+        sa.Column("lease_until", sa.DateTime(timezone=True)),
     )
     op.create_index("ix_jobs_tree_id", "jobs", ["tree_id"])
     op.create_index("ix_jobs_state", "jobs", ["state"])
+    op.create_table(
+        "retired",
+        sa.Column("id", sa.Integer, primary_key=True),
+        sa.Column("kind", sa.String(16), nullable=False),
+        sa.Column("sha256", sa.String(64), nullable=False),
+        sa.Column("retired_at", sa.DateTime(timezone=True), nullable=False),
+    )
+    op.create_index("ix_retired_retired_at", "retired", ["retired_at"])
+    op.create_table(
+        "shared_forests",
+        sa.Column("share", sa.String(64), primary_key=True),
+        sa.Column("server_url", sa.String(255), nullable=False),
+        sa.Column("lease", sa.String(64), nullable=False),
+        sa.Column("lease_until", sa.DateTime(timezone=True), nullable=False),
+    )
 
 
 def downgrade() -> None:
-    op.drop_table("jobs")
-    op.drop_table("trees")
+    for table in ("shared_forests", "retired", "jobs", "trees"):
+        op.drop_table(table)
