@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from galewood.options import BuildRequest
-from galewood.pipeline.build import build_table, compliance_of_source
-from galewood.pipeline.options import Progress, build_options
+from galewood.pipeline.build import build_table
+from galewood.pipeline.options import BuildOptions, Progress
 from galewood.shipped import PICTURE, SHIPPED_FOLDER, ShippedTree, build_key, read_shipped, write_shipped
-from galewood.util import write_whole
 
 TETS = "tets-"
 
@@ -52,7 +50,7 @@ def ship(
     result = build_table(
         mesh.path.read_bytes(),
         mesh.path.name,
-        build_options(BuildRequest.model_validate({"bare_table": True, **mesh.options})),
+        BuildOptions.model_validate({"bare_table": True, **mesh.options}),
         progress=progress,
         cache_dir=cache_dir,
         publish=published.__setitem__,
@@ -72,23 +70,6 @@ def ship(
     )
     write_shipped(folder, mesh.name, mesh.key, tree)
     return tree
-
-
-def ship_compliance(mesh: BuiltinMesh, folder: Path, cache_dir: Path) -> int | None:
-    """Compute the compliance file of a shipped tree from its tetrahedra and add it to ``folder``.
-
-    Nothing is simulated. Returns the size of the file in bytes; None: the tree is not shipped, or has none.
-    """
-    shipped = read_shipped(folder, mesh.name, mesh.key)
-    if shipped is None:
-        return None
-    tets = cache_dir / "tets" / shipped.tets_name
-    if not tets.exists():
-        write_whole(tets, shipped.tets)
-    options = build_options(BuildRequest.model_validate(mesh.options))
-    compliance = compliance_of_source(mesh.path.read_bytes(), mesh.path.name, options, cache_dir)
-    write_shipped(folder, mesh.name, mesh.key, replace(shipped, compliance=compliance))
-    return None if compliance is None else len(compliance)
 
 
 def outdated(folder: Path) -> Iterator[BuiltinMesh]:

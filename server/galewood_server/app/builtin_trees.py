@@ -16,7 +16,7 @@ from galewood_server.jobs import fingerprint, queue_job
 from galewood_server.storage import ACTIVE, Form, Tree, one_at_a_time, readable
 
 log = logging.getLogger("galewood.builtin_trees")
-REGISTRATION = 0x67616C66
+REGISTRATION_LOCK_KEY = 0x67616C66
 """Key of the transactions that register a tree, beside that of the migrations."""
 
 
@@ -81,17 +81,13 @@ def _register(service: Service, entry: BuiltinTree) -> None:
     source = (service.settings.species_dir / entry.file).read_bytes()
     source_sha256 = service.stores.sources.put(source)
     with service.sessions.begin() as session:
-        one_at_a_time(session, REGISTRATION)  # of servers that start together, one adds the tree
+        one_at_a_time(session, REGISTRATION_LOCK_KEY)  # of servers that start together, one adds the tree
         tree = _upsert(session, entry, source_sha256)
         current = fingerprint(source_sha256, tree.options, {})
-        complete = tree.fingerprint == current and tree.table_sha256
-        if complete and tree.compliance_sha256:
+        if tree.fingerprint == current and tree.table_sha256:
             return
         folder = service.settings.species_dir / SHIPPED_FOLDER
         shipped = read_shipped(folder, entry.id, build_key(source, tree.options))
-        if complete:
-            shipped_trees.add_compliance(session, service, tree, shipped)
-            return
         if shipped:
             shipped_trees.install(session, service, tree, shipped, current)
             log.info("%s: its table is shipped", entry.name)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-
 from galewood.shipped import ShippedTree
 from galewood.util import write_whole
 from sqlalchemy.orm import Session
@@ -21,7 +19,7 @@ from galewood_server.storage import (
     utc_now,
 )
 
-MESSAGE = "Shipped with the software"
+SHIPPED_MESSAGE = "Shipped with the software"
 
 
 def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree, fingerprint: str) -> None:
@@ -54,15 +52,6 @@ def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree
         for name, picture in shipped.pictures.items()
     }
     # pictures belong to a job, which also tells when and how the table was made
-    job = Job(tree_id=tree.id, state="done", stage="done", fraction=1.0, message=MESSAGE, pictures=pictures)
+    job = Job(tree_id=tree.id, state="done", stage="done", fraction=1.0, message=SHIPPED_MESSAGE, pictures=pictures)
     job.result = {"tetrahedra": shipped.tets_name}
     tree.jobs.append(job)
-
-
-def add_compliance(session: Session, service: Service, tree: Tree, shipped: ShippedTree | None) -> None:
-    """Store the compliance file of a shipped tree that was installed without one."""
-    if shipped is None or shipped.compliance is None:
-        return
-    if tree.mesh_sha256 == hashlib.sha256(shipped.render_glb).hexdigest():
-        kind = FILE_COLUMNS["compliance_sha256"]
-        tree.compliance_sha256 = store_referenced(session, service.stores, kind, shipped.compliance)
