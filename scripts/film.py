@@ -8,7 +8,7 @@ from pathlib import Path
 
 from PIL import Image
 
-QUALITY = 62
+WEBP_QUALITY = 62
 
 
 def looped(frames: list[Image.Image], faded: int) -> list[Image.Image]:
@@ -29,7 +29,7 @@ def main() -> None:
         append_images=others,
         duration=round(1000 / fps),
         loop=0,
-        quality=QUALITY,
+        quality=WEBP_QUALITY,
         method=4,
     )
 

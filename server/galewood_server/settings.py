@@ -13,7 +13,7 @@ from pydantic import AliasChoices, Field, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 PACKAGE = Path(__file__).resolve().parent
-MEBIBYTE = 1024 * 1024
+BYTES_PER_MEBIBYTE = 1024 * 1024
 LARGEST_FOREST, TREES_PER_CORE = 20_000, 12_000
 """A step and a frame of 20,000 trees take 28 ms of a core (measured), and there are 30 per second."""
 
@@ -57,15 +57,15 @@ class Settings(BaseSettings):
     job_module: str = "galewood_server.jobs.job_process"
     cluster_idle_s: float = Field(default=30.0, ge=0)
 
-    upload_bytes: int = Field(default=64 * MEBIBYTE, ge=1024)
-    import_memory_bytes: int = Field(default=3072 * MEBIBYTE, ge=256 * MEBIBYTE)
+    upload_bytes: int = Field(default=64 * BYTES_PER_MEBIBYTE, ge=1024)
+    import_memory_bytes: int = Field(default=3072 * BYTES_PER_MEBIBYTE, ge=256 * BYTES_PER_MEBIBYTE)
     import_cpu_s: int = Field(default=120, gt=0)
     import_wall_s: float = Field(default=1200.0, gt=0)
     concurrent_imports: int = Field(default=2, ge=1, le=64)
 
     concurrent_uploads: int = Field(default=16, ge=1, le=1024)
-    stored_bytes: int = Field(default=20 * 1024 * MEBIBYTE, ge=0)
-    free_bytes: int = Field(default=512 * MEBIBYTE, ge=0)
+    stored_bytes: int = Field(default=20 * 1024 * BYTES_PER_MEBIBYTE, ge=0)
+    free_bytes: int = Field(default=512 * BYTES_PER_MEBIBYTE, ge=0)
 
     # SHA-256 hashes (hex, comma-separated) of the keys with write access; empty: only local clients may write
     api_keys: Annotated[list[str], NoDecode] = Field(default_factory=list)
@@ -85,13 +85,13 @@ class Settings(BaseSettings):
 
     allowed_origins: list[str] = Field(default_factory=list)
     frame_ancestors: list[str] = Field(default_factory=list)
-    socket_message_bytes: int = Field(default=4 * MEBIBYTE, ge=1024)
+    socket_message_bytes: int = Field(default=4 * BYTES_PER_MEBIBYTE, ge=1024)
     socket_connections: int = Field(default=256, ge=1)
     socket_connections_per_address: int = Field(default=32, ge=1)
     socket_stall_s: float = Field(default=10.0, gt=0)
     socket_messages_per_s: float = Field(default=60.0, gt=0)
     socket_frames_per_s: float = Field(default=300.0, gt=0)
-    socket_bytes_per_s: float = Field(default=1.0 * MEBIBYTE, gt=0)
+    socket_bytes_per_s: float = Field(default=1.0 * BYTES_PER_MEBIBYTE, gt=0)
     event_streams: int = Field(default=256, ge=1)
     event_streams_per_address: int = Field(default=32, ge=1)
     event_stream_idle_s: float = Field(default=1800.0, gt=0)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from galewood.sandbox import Arrays
-from galewood.sandbox.limited_process import REFUSED
+from galewood.sandbox.limited_process import REFUSED_EXIT_CODE
 
 HUGE = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000000,), }"
 
@@ -43,17 +43,17 @@ kept: list[object] = []
 
 def wrong_error() -> None:
     Path("error.json").write_text('{"x": 1}')
-    os._exit(REFUSED)
+    os._exit(REFUSED_EXIT_CODE)
 
 
 def error_of_unknown_reason() -> None:
     fields = {"code": "a", "reason": "b", "title": "c", "hint": "d"}
     Path("error.json").write_text(json.dumps(fields))
-    os._exit(REFUSED)
+    os._exit(REFUSED_EXIT_CODE)
 
 
 def no_error() -> None:
-    os._exit(REFUSED)
+    os._exit(REFUSED_EXIT_CODE)
 
 
 def no_result() -> None:

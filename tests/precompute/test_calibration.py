@@ -11,7 +11,7 @@ from galewood.model.calibration import random_couples
 from galewood.model.construction import build_model
 from galewood.model.reference import compare_with_reference
 from galewood.verify.bars import Bar, polygon_bar
-from galewood.verify.beam_checks import WOOD, tip_under_force
+from galewood.verify.beam_checks import POLE_WOOD, tip_under_force
 from galewood.verify.beams import pole_frequencies, tip_deflection
 
 SIDES = (3, 4, 6)
@@ -25,18 +25,18 @@ def bar(sides: int) -> Bar:
 @cache
 def model(sides: int, element: Element) -> FemModel:
     one = bar(sides)
-    return build_model(one, one, WOOD, one, FemSettings(element=element, gravity=False))
+    return build_model(one, one, POLE_WOOD, one, FemSettings(element=element, gravity=False))
 
 
 @pytest.mark.parametrize(("element", "limit"), [("quadratic", 0.01), ("fitted", 0.05)])
 @pytest.mark.parametrize("sides", SIDES)
 def test_cantilever_agrees_with_euler_bernoulli_theory(sides: int, element: Element, limit: float) -> None:
-    exact = tip_deflection(1.0, 4.0, WOOD.young_longitudinal_pa, bar(sides).second_moment_m4)
+    exact = tip_deflection(1.0, 4.0, POLE_WOOD.young_longitudinal_pa, bar(sides).second_moment_m4)
     assert tip_under_force(model(sides, element), bar(sides)) == pytest.approx(exact, rel=limit)
 
 
 def test_plain_linear_tets_lock() -> None:
-    exact = tip_deflection(1.0, 4.0, WOOD.young_longitudinal_pa, bar(3).second_moment_m4)
+    exact = tip_deflection(1.0, 4.0, POLE_WOOD.young_longitudinal_pa, bar(3).second_moment_m4)
     assert tip_under_force(model(3, "linear"), bar(3)) < 0.4 * exact
 
 
@@ -51,14 +51,14 @@ def test_fit_has_a_report_and_is_reproducible() -> None:
     report = model(4, "fitted").report["fit"]
     assert report["displacement_error_rms"] < 0.2
     one = bar(4)
-    again = build_model(one, one, WOOD, one, model(4, "fitted").settings)
+    again = build_model(one, one, POLE_WOOD, one, model(4, "fitted").settings)
     assert again.blocks.tobytes() == model(4, "fitted").blocks.tobytes()
 
 
 def test_build_reports_the_comparison_with_the_reference() -> None:
     one = replace(bar(6), drag_area_m2=np.full(len(bar(6).vertices_m), 1e-3))
-    fast = build_model(one, one, WOOD, one, FemSettings())
-    figures = compare_with_reference(fast, one, one, WOOD, one, 20)
+    fast = build_model(one, one, POLE_WOOD, one, FemSettings())
+    figures = compare_with_reference(fast, one, one, POLE_WOOD, one, 20)
     assert figures["frequency_error"] < 0.1
     assert figures["trajectory_error"] < 0.06
 

@@ -223,7 +223,7 @@ def test_each_restriction_that_fails_is_named(tmp_path, monkeypatch):
 
 PID = 4711
 X86_64, AARCH64 = system_calls.MACHINES
-ENOSYS, EPERM = (system_calls.ERROR | number for number in (errno.ENOSYS, errno.EPERM))
+ENOSYS, EPERM = (system_calls.RET_ERRNO | number for number in (errno.ENOSYS, errno.EPERM))
 
 
 def answer(machine: str, number: int, *arguments: int, architecture: int | None = None) -> int:
@@ -234,25 +234,25 @@ def answer(machine: str, number: int, *arguments: int, architecture: int | None 
     while True:
         operation, if_true, if_false, operand = program[at]
         at += 1
-        if operation == system_calls.RETURN:
+        if operation == system_calls.BPF_RETURN:
             return operand
-        if operation == system_calls.LOAD:
+        if operation == system_calls.BPF_LOAD:
             held = values.get(operand, 0)
-        elif operation == system_calls.AND:
+        elif operation == system_calls.BPF_AND:
             held &= operand
         else:
-            assert operation == system_calls.EQUAL
+            assert operation == system_calls.BPF_EQUAL
             at += if_true if held == operand else if_false
 
 
 @pytest.mark.parametrize("machine", system_calls.MACHINES)
 def test_the_filter_allows_the_listed_calls_alone(machine):
     column = system_calls.MACHINES.index(machine)
-    listed = [numbers[column] for numbers in system_calls.CALLS.values() if numbers[column] is not None]
+    listed = [numbers[column] for numbers in system_calls.ALL_CALLS.values() if numbers[column] is not None]
     assert len(listed) == len(set(listed))
-    conditional = {system_calls.CALLS[name][column] for name in system_calls.conditions(PID)}
+    conditional = {system_calls.ALL_CALLS[name][column] for name in system_calls.conditions(PID)}
     for number in range(1024):
-        expected = system_calls.ALLOW if number in listed else ENOSYS
+        expected = system_calls.RET_ALLOW if number in listed else ENOSYS
         if number not in conditional:
             assert answer(machine, number, 1 << 20, 1 << 20) == expected
     assert answer(machine, 0x40000000 | 1) == ENOSYS  # the x32 numbers of x86-64
@@ -262,11 +262,11 @@ def test_the_filter_allows_the_listed_calls_alone(machine):
 @pytest.mark.parametrize("machine", system_calls.MACHINES)
 def test_the_filter_checks_arguments(machine):
     def result(name: str, *arguments: int) -> int:
-        number = system_calls.CALLS[name][system_calls.MACHINES.index(machine)]
+        number = system_calls.ALL_CALLS[name][system_calls.MACHINES.index(machine)]
         assert number is not None
         return answer(machine, number, *arguments)
 
-    allowed = system_calls.ALLOW
+    allowed = system_calls.RET_ALLOW
     assert result("clone", 0x3D0F00) == allowed  # pthread_create
     assert result("clone", 0x11) == result("clone", 0x10010000) == EPERM
     assert result("kill", PID, 9) == result("tgkill", PID, 1, 6) == allowed

@@ -17,10 +17,10 @@ from galewood.fem import (
 from galewood.fem.foundation import base_springs
 from galewood.model import build_model
 from galewood.options import BuildRequest
-from galewood.pipeline import build_options
+from galewood.pipeline import BuildOptions
 from galewood.sampling.runner import content_hash
 from galewood.verify.bars import Bar, polygon_bar
-from galewood.verify.beam_checks import SPRUNG_LIMITS, WOOD, sprung
+from galewood.verify.beam_checks import POLE_WOOD, SPRUNG_LIMITS, sprung
 from galewood.verify.beams import CLAMPED_NUMBER, sprung_pole_frequency
 
 ELEMENTS: tuple[Element, ...] = ("fitted", "quadratic")
@@ -28,7 +28,7 @@ ELEMENTS: tuple[Element, ...] = ("fitted", "quadratic")
 
 def built(bar: Bar, element: Element, root: float | None, *, gravity: bool = True) -> FemModel:
     settings = FemSettings(element=element, gravity=gravity, root_stiffness_nm_rad=root)
-    return build_model(bar, bar, WOOD, bar, settings)
+    return build_model(bar, bar, POLE_WOOD, bar, settings)
 
 
 def pole(sides: int = 6) -> Bar:
@@ -94,7 +94,7 @@ def test_a_horizontal_pull_tilts_the_root_plate_by_its_moment():
     clamped, _, _ = solve_static(rigid.system(), load)
     more = float((u - clamped)[: model.vertex_count][top, 0].mean())
     # The base may warp on its springs, as if the pole were longer by half its radius.
-    stiffness = WOOD.young_longitudinal_pa * pole().second_moment_m4
+    stiffness = POLE_WOOD.young_longitudinal_pa * pole().second_moment_m4
     assert 0 < more - 6.0**2 / 1e5 < 6.0**2 * 0.06 / stiffness
 
 
@@ -128,8 +128,8 @@ def test_a_model_on_springs_is_stored_and_its_key_covers_them(tmp_path):
 
 
 def test_the_option_of_a_build():
-    assert build_options(BuildRequest()).fem == FemSettings()
-    assert build_options(BuildRequest(root_stiffness_knm=250)).fem.root_stiffness_nm_rad == 250e3
+    assert BuildOptions().fem == FemSettings()
+    assert BuildOptions(root_stiffness_knm=250).fem.root_stiffness_nm_rad == 250e3
     with pytest.raises(ValueError, match="greater than or equal"):
         BuildRequest(root_stiffness_knm=0)
     with pytest.raises(ValueError, match="root_stiffness_nm_rad"):

@@ -7,14 +7,14 @@ import pytest
 from galewood.mesh.importer import read_tree
 from galewood.mesh.qsm.cylinders import Cylinders, checked_tree
 from galewood.mesh.qsm.tables import read_table
-from galewood.mesh.qsm.treeqsm import HDF5, read_treeqsm
+from galewood.mesh.qsm.treeqsm import HDF5_HEADER, read_treeqsm
 from galewood.mesh.sandboxed import import_mesh_sandboxed
-from galewood.mesh.types import Axis, ImportOptions
+from galewood.options import Axis, ImportRequest
 from galewood.util import MeshError
 
 from tests.precompute import cylinder_models as make
 
-BARE = ImportOptions(bare=True)
+BARE = ImportRequest(bare=True)
 
 
 def cylinders_of(name: str, data: bytes) -> Cylinders:
@@ -77,7 +77,7 @@ def with_value(name: str, at: int, value: float) -> bytes:
 
 
 def hdf5() -> bytes:
-    return b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512) + HDF5
+    return b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512) + HDF5_HEADER
 
 
 def damaged() -> bytes:
@@ -143,7 +143,7 @@ def test_what_is_not_a_tree_is_refused_with_a_hint(case: str) -> None:
 
 
 def test_cylinder_files_are_read_in_the_sandbox() -> None:
-    tree, glb = import_mesh_sandboxed(make.treeqsm(make.y_model()), "oak.mat", ImportOptions(min_radius_mm=5))
+    tree, glb = import_mesh_sandboxed(make.treeqsm(make.y_model()), "oak.mat", ImportRequest(min_radius_mm=5))
     assert tree.species == "oak"
     assert tree.report["qsm"]["cylinders"] == 7
     assert glb[:4] == b"glTF"
@@ -159,7 +159,7 @@ def test_another_axis_may_point_up(axis: Axis) -> None:
     signs = [1.0, -1.0, -1.0] if axis.startswith("-") else [1.0, 1.0, 1.0]  # half a turn about x
     model = make.y_model()
     given = replace(model, start_m=(model.start_m * signs)[:, order], end_m=(model.end_m * signs)[:, order])
-    found = read_tree(make.archi(given), "a.csv", ImportOptions(up_axis=axis))
+    found = read_tree(make.archi(given), "a.csv", ImportRequest(up_axis=axis))
     assert found.report["qsm"] == read_tree(make.archi(model), "a.csv").report["qsm"]
     assert found.wood_vertices_m[:, 1].max() == pytest.approx(4.0, abs=0.1)
     assert found.report["up_axis"]["value"] == axis
@@ -167,13 +167,13 @@ def test_another_axis_may_point_up(axis: Axis) -> None:
 
 @pytest.mark.parametrize("factor", [100.0, 1000.0])
 def test_a_given_height_replaces_the_unit(factor: float) -> None:
-    scaled = read_tree(make.archi(make.y_model().scaled(factor)), "a.csv", ImportOptions(height_m=4.0))
+    scaled = read_tree(make.archi(make.y_model().scaled(factor)), "a.csv", ImportRequest(height_m=4.0))
     assert scaled.report["qsm"]["dbh_cm"] == pytest.approx(18.0)
 
 
 def test_a_given_diameter_replaces_the_unit_of_the_radii() -> None:
     data = changed(radius_m=1000 * make.y_model().radius_m)
-    found = read_tree(data, "a.csv", ImportOptions(dbh_cm=18.0)).report["qsm"]
+    found = read_tree(data, "a.csv", ImportRequest(dbh_cm=18.0)).report["qsm"]
     assert found["wood_volume_m3"] == pytest.approx(float(make.y_model().volume_m3.sum()))
 
 
@@ -189,5 +189,5 @@ def test_what_is_unusual_comes_with_a_warning() -> None:
 def test_options_out_of_place_are_refused() -> None:
     low = make.archi(make.pole(length_m=1.0))
     with pytest.raises(MeshError) as caught:
-        read_tree(low, "a.csv", ImportOptions(dbh_cm=5.0))
+        read_tree(low, "a.csv", ImportRequest(dbh_cm=5.0))
     assert caught.value.code == "no-breast-height"

@@ -7,7 +7,7 @@ import pytest
 from galewood.fem import PAIRS, Element, ElementSystem, FemModel, solve_static
 from galewood.fem.tangent import add_stress_terms, shape_gradients, stress_terms
 from galewood.verify.bars import Bar, polygon_bar
-from galewood.verify.beam_checks import ELASTICA_LIMITS, WOOD, bent_far, weightless
+from galewood.verify.beam_checks import ELASTICA_LIMITS, POLE_WOOD, bent_far, weightless
 from galewood.verify.beams import Section, elastica_tip, tip_deflection
 from galewood.verify.element_checks import element_system, shaken_box
 from scipy.special import ellipeinc, ellipkinc
@@ -52,7 +52,7 @@ def test_a_pole_bends_like_the_elastica(sway):
 def test_forces_balance_at_the_solution(element, share):
     bar, model = pole(element)
     load = np.zeros_like(model.nodes_m)
-    stiffness = WOOD.young_longitudinal_pa * bar.second_moment_m4
+    stiffness = POLE_WOOD.young_longitudinal_pa * bar.second_moment_m4
     load[bar.tip] = np.array([0.8, -0.5, 0.3]) * share * stiffness / LENGTH_M**2 / len(bar.tip)
     system = model.system()
     u, _, converged = solve_static(system, load)
@@ -66,7 +66,7 @@ def test_a_small_load_gives_the_linear_solution():
     load = np.zeros_like(model.nodes_m)
     load[bar.tip, 0] = 1e-3 / len(bar.tip)
     u, solutions, converged = solve_static(model.system(), load)
-    stiffness = WOOD.young_longitudinal_pa
+    stiffness = POLE_WOOD.young_longitudinal_pa
     assert converged and solutions <= 6
     exact = tip_deflection(1e-3, LENGTH_M, stiffness, bar.second_moment_m4)
     assert u[bar.tip, 0].mean() == pytest.approx(exact, rel=0.003)
@@ -88,7 +88,7 @@ def test_the_prestress_of_the_system_does_not_change_the_solution_and_is_kept():
 
 def test_a_compressed_pole_stands_below_the_buckling_load_and_falls_far_above_it():
     bar, model = pole("fitted")
-    stiffness = WOOD.young_longitudinal_pa * bar.second_moment_m4
+    stiffness = POLE_WOOD.young_longitudinal_pa * bar.second_moment_m4
     euler = np.pi**2 * stiffness / (4 * LENGTH_M**2)
     sways = []
     for share in (0.0, 0.5, 0.8):

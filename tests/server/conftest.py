@@ -22,7 +22,7 @@ import httpx
 import psutil
 import psycopg
 import pytest
-from galewood.util.guarded_process import GUARD
+from galewood.util.guarded_process import GUARD_SCRIPT
 from galewood_server.storage.database import migrate
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -171,7 +171,7 @@ def command_line(process: psutil.Process) -> list[str]:
         words = process.cmdline()
     except psutil.NoSuchProcess:  # also raised for zombies
         return []
-    return [] if str(GUARD) in words else words
+    return [] if str(GUARD_SCRIPT) in words else words
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from galewood_server.app.start_failures import check_address
 from galewood_server.cli.commands import app
 from galewood_server.settings import Settings
 from galewood_server.storage import StartError, start_failure
-from galewood_server.storage.database import HEAD, migrate
+from galewood_server.storage.database import HEAD_REVISION, migrate
 from sqlalchemy.exc import OperationalError
 from typer.testing import CliRunner
 
@@ -25,8 +25,8 @@ from tests.server.conftest import NO_CLUSTER, REPOSITORY, free_port
 
 Prepare = Callable[[Path], dict[str, str]]
 ANOTHER_VERSION = (
-    f"The database belongs to another version of Galewood (schema 0007; this version uses {HEAD}): install"
-    " that version, or set GALEWOOD_DATA_DIR to an empty folder"
+    f"The database belongs to another version of Galewood (schema 0007; this version uses {HEAD_REVISION}): "
+    "install that version, or set GALEWOOD_DATA_DIR to an empty folder"
 )
 
 

@@ -15,7 +15,7 @@ from scipy.sparse import coo_array, csc_array
 from galewood.util import Floats, Int64s
 from galewood.wood import Wood
 
-STIFF = 100.0
+JOINT_STIFFNESS_FACTOR = 100.0
 """Stiffness factor of the part of a branch inside its parent limb."""
 
 
@@ -98,7 +98,7 @@ def frame_matrices(tree: Frame, wood: Wood) -> tuple[csc_array, csc_array]:
         turn[:, k : k + 3, k : k + 3] = axes
     _, mass = beam_matrices(tree.radius_m, tree.length_m, wood)
     stiffness, _ = beam_matrices(np.maximum(tree.radius_m, tree.stiff_radius_m), tree.length_m, wood)
-    stiffness *= np.where(tree.hidden, STIFF, 1.0)[:, None, None]
+    stiffness *= np.where(tree.hidden, JOINT_STIFFNESS_FACTOR, 1.0)[:, None, None]
     mass *= np.where(tree.hidden, 0.0, 1.0)[:, None, None]
     size = 6 * len(tree.points_m)
     where = (np.repeat(dofs, 12), np.tile(dofs, 12).ravel())

@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 from galewood.beams.frame import Frame
 from galewood.util import Floats, Int64s, Ints
 
-SNAP = 0.02
+SNAP_LINK_SHARE = 0.02
 """Share of a link: a branch that starts this close to an end of it starts at that end."""
 
 SHORTEST_M = 1e-4
@@ -71,7 +71,7 @@ class _Builder:
         share = np.clip(share, 0.0, 1.0)
         foot = line[:-1] + share[:, None] * along
         k = int(np.argmin(np.linalg.norm(foot - place, axis=1)))
-        for end, close in ((k, share[k] < SNAP), (k + 1, share[k] > 1 - SNAP)):
+        for end, close in ((k, share[k] < SNAP_LINK_SHARE), (k + 1, share[k] > 1 - SNAP_LINK_SHARE)):
             if close:
                 return nodes[end]
         girth = (1 - share[k]) * self._girth[nodes[k]] + share[k] * self._girth[nodes[k + 1]]

@@ -12,8 +12,8 @@ from galewood.bench.rivals import available_rivals
 from galewood.fem import FemModel, Simulator
 from galewood.util import Floats
 
-SEED = 3
-AGREEMENT = 1e-8
+RANDOM_SEED = 3
+MAX_RELATIVE_DIFFERENCE = 1e-8
 """Largest accepted ‖x − x_own‖ / ‖x_own‖ of a rival's solution."""
 
 
@@ -24,13 +24,13 @@ def bench_fem(model: FemModel, points: NDArray[np.int32], *, steps: int = 60) ->
     machine. The solvers take turns on the same matrix and right-hand side. The step is that of the paper's
     Algorithm 2 (backward Euler, one Newton iteration, hence one factorisation and one solve); with a rival it
     is this step less the own factorisation and solve, plus the rival's. The default scheme's step is given as
-    well. Raises RuntimeError if a rival's solution differs by more than `AGREEMENT`.
+    well. Raises RuntimeError if a rival's solution differs by more than `MAX_RELATIVE_DIFFERENCE`.
     """
     system = model.system()
     u, w = model.u_rest[system.order], np.zeros((len(system.rest), 3))
     force, mass = np.zeros_like(w), model.mass_kg[system.order]
     scale = model.settings.dt_s**2
-    load = np.random.default_rng(SEED).normal(size=w.shape)
+    load = np.random.default_rng(RANDOM_SEED).normal(size=w.shape)
     b = load[: system.free].ravel()
 
     def assemble() -> None:
@@ -88,7 +88,7 @@ def compared(step_ms: float, own_ms: float, rivals_ms: dict[str, float]) -> dict
 
 def _check_agreement(name: str, x: Floats, own: Floats) -> None:
     difference = float(np.linalg.norm(x - own) / np.linalg.norm(own))
-    if not difference <= AGREEMENT:
+    if not difference <= MAX_RELATIVE_DIFFERENCE:
         raise RuntimeError(f"the solution by {name} differs from ours by {difference:.1e} (relative)")
 
 

@@ -18,7 +18,7 @@ from scipy.sparse.linalg import splu
 
 from galewood.util import Floats
 
-TRIALS = 5
+TRIAL_COUNT = 5
 
 
 class Rival(Protocol):
@@ -91,7 +91,7 @@ class Cholmod:
 
         def seconds(choice: tuple[int, Any]) -> float:
             self._analyse(prepared, *choice)
-            return min(_seconds(lambda: self.solve(prepared, b)) for _ in range(TRIALS))
+            return min(_seconds(lambda: self.solve(prepared, b)) for _ in range(TRIAL_COUNT))
 
         self._analyse(prepared, *min(choices, key=seconds))
 

@@ -16,13 +16,13 @@ from galewood.evaluation.source import Source
 from galewood.fem import FemModel, save_model
 from galewood.sampling import content_hash
 
-REFINEMENT = 4
+STEP_REFINEMENT = 4
 """Steps of the converged reference per step of the elements."""
 
 
 def converged_model(model: FemModel) -> FemModel:
     """The model with smaller time steps."""
-    substeps = REFINEMENT * max(model.settings.substeps, 1)
+    substeps = STEP_REFINEMENT * max(model.settings.substeps, 1)
     return replace(model, settings=replace(model.settings, substeps=min(substeps, 64)))
 
 

@@ -31,10 +31,10 @@ METHOD_PACKAGES = tuple(
     f"galewood.{name}" for name in ("modal", "player", "search", "fem", "wind", "evaluation")
 )
 """Packages whose code decides the result of a long run: both methods, the reference solution, the errors."""
-WINDOW = 1500
-PIECE = 100
+WINDOW_FRAMES = 1500
+PIECE_FRAMES = 100
 """Frames of a window, and of the pieces that are held in memory."""
-BEYOND = 2.0
+BEYOND_PRESSURE_RATIO = 2.0
 """Pressure of `beyond` over the pressure of the design speed."""
 METHODS_SHOWN = ("modal", "paper")
 
@@ -88,8 +88,8 @@ def source_hash(packages: Sequence[str]) -> str:
 def _wind(table: Table, source: Source, cache_dir: Path, frames: int, sway: float, seed: int) -> Floats:
     """(frames, 2) Pa: the gusts, scaled so that their first window sways the tree as requested."""
     speed_m_s, dt_s = float(table.metadata["design_speed_m_s"]), float(table.metadata["dt_s"])
-    wind = long_gusts(seed, frames, min(WINDOW, frames), dt_s, 0.8 * speed_m_s)
-    first = wind[: min(WINDOW, frames)]
+    wind = long_gusts(seed, frames, min(WINDOW_FRAMES, frames), dt_s, 0.8 * speed_m_s)
+    first = wind[: min(WINDOW_FRAMES, frames)]
     task = ReferenceTask(
         source.model_path,
         first,
@@ -106,9 +106,9 @@ def _run(table: Table, source: Source, wind: Floats, on_progress: OnProgress) ->
     dt_s, height_m = float(table.metadata["dt_s"]), float(table.metadata["height_m"])
     parts: dict[str, list[ErrorByFrame]] = {name: [] for name in forests}
     late: dict[str, Floats] = {}  # right after a step, q is the pose before that step
-    for start in range(0, len(wind), PIECE):
+    for start in range(0, len(wind), PIECE_FRAMES):
         on_progress(start / len(wind), f"Frame {start:,} of {len(wind):,}")
-        piece = wind[start : start + PIECE]
+        piece = wind[start : start + PIECE_FRAMES]
         reference = np.empty((len(piece), source.model.vertex_count, 3), np.float32)
         tracks = {name: np.empty((len(piece), source.subspace.modes)) for name in forests}
         for k, pressure in enumerate(piece):
@@ -127,12 +127,14 @@ def _run(table: Table, source: Source, wind: Floats, on_progress: OnProgress) ->
     on_progress(1.0, "Done")
     return {
         "frames": len(wind),
-        "window": WINDOW,
-        "methods": {name: windows(joined(part), WINDOW, height_m) for name, part in parts.items()},
+        "window": WINDOW_FRAMES,
+        "methods": {name: windows(joined(part), WINDOW_FRAMES, height_m) for name, part in parts.items()},
     }
 
 
-def beyond(table: Table, source: Source, *, times: float = BEYOND, frames: int = 1800) -> dict[str, float]:
+def beyond(
+    table: Table, source: Source, *, times: float = BEYOND_PRESSURE_RATIO, frames: int = 1800
+) -> dict[str, float]:
     """Play the modal model far beyond the sampled winds, then in still air.
 
     The pressure is ``times`` the strongest one of the table's winds and changes sign every 45 frames. Returns

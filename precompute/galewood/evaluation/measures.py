@@ -17,7 +17,7 @@ from galewood.util import Array, Floats
 FRAMES_SHOWN = (20, 22, 40, 60)
 """Frames of the paper's Fig. 3, counted from 1."""
 CHUNK = 64
-STILL = 1e-3
+MIN_SWAY_SHARE = 1e-3
 """Growth relative to the sway is undefined if a half sways by less than this share of the height."""
 
 
@@ -70,14 +70,14 @@ def figures(error: ErrorByFrame, height_m: float, lead: int = 0) -> dict[str, An
 def growth(error: ErrorByFrame, height_m: float) -> dict[str, float | None]:
     """Largest error of the second half over that of the first, plain and relative to each half's sway.
 
-    None where the first half has no error, or where a half hardly moves (``STILL``).
+    None where the first half has no error, or where a half hardly moves (``MIN_SWAY_SHARE``).
     """
     half = len(error.largest_m) // 2
     first, second = error.largest_m[:half].max(), error.largest_m[half:].max()
     sway = error.sway_m[:half].max(), error.sway_m[half:].max()
     if first <= 0.0:
         return {"growth": None, "growth_of_sway": None}
-    moves = min(sway) > STILL * height_m
+    moves = min(sway) > MIN_SWAY_SHARE * height_m
     relative = float(second / sway[1] / (first / sway[0])) if moves else None
     return {"growth": float(second / first), "growth_of_sway": relative}
 

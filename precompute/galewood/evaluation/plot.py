@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-FLOOR = 1e-6
+ERROR_FLOOR_SHARE = 1e-6
 """Errors are drawn no smaller than this share of the height."""
 STYLES = {
     "modal": ("#1b7f5c", 1.4, "-"),
@@ -14,7 +14,7 @@ STYLES = {
     "nearest-sample": ("#7a7a7a", 0.8, "--"),
     "rest-pose": ("#b5b5b5", 0.8, "-"),
 }
-MARKED = (20, 40, 60)
+MARKED_FRAMES = (20, 40, 60)
 
 
 def plot_errors(figures: dict[str, Any], path: Path) -> None:
@@ -32,10 +32,10 @@ def error_figure(figures: dict[str, Any]) -> Any:
     for panel, (wind, methods) in zip(panels, figures.items(), strict=True):
         for method, (colour, width, dashes) in STYLES.items():
             if method in methods:
-                errors = [max(value, FLOOR) for value in methods[method]["error_by_frame"]]
+                errors = [max(value, ERROR_FLOOR_SHARE) for value in methods[method]["error_by_frame"]]
                 frames = range(1, len(errors) + 1)
                 panel.semilogy(frames, errors, dashes, color=colour, linewidth=width, label=method)
-        for frame in MARKED:
+        for frame in MARKED_FRAMES:
             panel.axvline(frame, color="#d0d0d0", linewidth=0.6, zorder=0)
         sway = methods["rest-pose"]["reference_sway"]
         panel.set_title(f"{wind}: sways by {sway:.1%} of the height", fontsize=8, loc="left")

@@ -17,9 +17,9 @@ from galewood.util import Floats, WorkerPool, write_arrays
 
 REFERENCE_VERSION = 2
 """Part of every cache key: increase it when a change of the simulation or this file changes the result."""
-ROUNDS = 6
+MAX_SCALING_RUNS = 6
 """Largest number of runs to find the scale of a wind."""
-WITHIN = 0.02
+SWAY_TOLERANCE = 0.02
 """Relative tolerance of the sway that a wind is scaled to."""
 
 
@@ -113,13 +113,13 @@ def sway_of(reference: ReferenceRun) -> float:
 
 def _scaled(simulator: Simulator, reference: ReferenceRun, sway_m: float, most_pa: float) -> ReferenceRun:
     """Scale the wind to reach ``sway_m`` by fixed-point iteration; sway grows slightly less than the wind."""
-    for _ in range(ROUNDS):
+    for _ in range(MAX_SCALING_RUNS):
         gap, peak = (
             sway_m / max(sway_of(reference), 1e-9),
             np.linalg.norm(reference.pressure_pa, axis=1).max(),
         )
         factor = min(gap, 3.0, most_pa / max(float(peak), 1e-9))
-        if abs(gap - 1.0) <= WITHIN or abs(factor - 1.0) <= 1e-3:
+        if abs(gap - 1.0) <= SWAY_TOLERANCE or abs(factor - 1.0) <= 1e-3:
             break
         reference = _follow_scaled(simulator, reference.pressure_pa, factor)
     return reference

@@ -23,7 +23,7 @@ from galewood.wind import WindField, WindState, height_factor, limit_pressure, t
 
 OnProgress = Callable[[float, str], None]
 
-COMPARED = ("modal", "paper")
+COMPARED_METHODS = ("modal", "paper")
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def comparison_tracks(
     )
     q, errors = {"fem": projected}, {}
     makes = methods_of(table)
-    for k, name in enumerate(name for name in COMPARED if name in makes):
+    for k, name in enumerate(name for name in COMPARED_METHODS if name in makes):
         on_progress(0.8 + 0.1 * k, "Comparing")
         q[name], _ = played(table, pressure_pa, makes[name])
         errors[name] = _errors((q[name] @ basis.T).reshape(reference.shape), reference, rest_m, height_m)

@@ -14,7 +14,7 @@ from galewood.export.joints import RigidMotion, joint_motion, joint_of_vertex, n
 from galewood.export.looped import Loop, seam_percent
 from galewood.export.options import MOST_BONES
 from galewood.export.skeleton import Skeleton, choose_bones, samples
-from galewood.export.skinning import INFLUENCES, fitted_weights
+from galewood.export.skinning import BONES_PER_VERTEX, fitted_weights
 from galewood.export.wind_groups import wind_groups
 from galewood.table import Table, drawn_positions
 from galewood.util import Floats, Ints
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import pygltflib
 
 MEASURED_MOMENTS = 64
-STILL = 1e-6
+STILL_TOLERANCE = 1e-6
 """A bone that moves less than this, m or in a quaternion, has no channel in the animation."""
 
 
@@ -74,7 +74,7 @@ def skinned(rig: Rig, rest_m: Floats, frame: float) -> Floats:
     turn /= np.linalg.norm(turn, axis=1, keepdims=True)
     where, rotation = _global(rig.skeleton, place, turn)
     found = np.zeros_like(rest_m)
-    for k in range(INFLUENCES):
+    for k in range(BONES_PER_VERTEX):
         bone = rig.bones[:, k]
         moved = where[bone] + rotated(rotation[bone], rest_m - rig.skeleton.place_m[bone])
         found += rig.weights[:, k : k + 1] * moved
@@ -208,7 +208,7 @@ def _animation(
         for path, rows, at_rest in tracks:
             # an animation must have a channel, also in still air
             needed = bone == 0 and path == "translation"
-            if np.abs(rows - at_rest).max() < STILL and not needed:
+            if np.abs(rows - at_rest).max() < STILL_TOLERANCE and not needed:
                 continue
             closed = np.concatenate([rows, rows[:1]])
             output = file.add_rows(closed.astype(np.float32))

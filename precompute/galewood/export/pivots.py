@@ -27,9 +27,9 @@ from galewood.export.textures import write_exr, write_png8
 from galewood.table import Table
 from galewood.util import Floats, Ints
 
-LEVELS = 4
+MAX_LEVELS = 4
 MOST_PARTS = 30_000
-CM = 100.0
+CM_PER_M = 100.0
 INDEX_OFFSET = 1024
 EXTENT_STEP_CM, EXTENT_STEPS = 8.0, 256
 
@@ -82,7 +82,7 @@ def _branches(table: Table) -> tuple[Ints, Ints, Ints]:
     branch, bearing = branch_of_node(table)
     bearing = np.where(bearing < 0, 0, bearing)
     level = levels(np.where(np.arange(len(bearing)) == 0, -1, bearing))
-    kept = level < LEVELS - 1
+    kept = level < MAX_LEVELS - 1
     part = np.cumsum(kept) - 1
     for one in np.flatnonzero(~kept):
         part[one] = part[bearing[one]]
@@ -166,7 +166,7 @@ def export_pivots(
 
 def _write_position(path: Path, parts: Parts, width: int, height: int) -> None:
     pixels = np.zeros((height * width, 4), np.float16)
-    pixels[: len(parts.parent), :3] = CM * to_unreal(parts.pivot_m)
+    pixels[: len(parts.parent), :3] = CM_PER_M * to_unreal(parts.pivot_m)
     pixels[: len(parts.parent), 3] = packed_index(parts.parent)
     write_exr(path, pixels.reshape(height, width, 4))
 
@@ -174,7 +174,7 @@ def _write_position(path: Path, parts: Parts, width: int, height: int) -> None:
 def _write_axis(path: Path, parts: Parts, width: int, height: int) -> None:
     pixels = np.zeros((height * width, 4), np.uint8)
     pixels[: len(parts.parent), :3] = np.rint(255 * (0.5 + 0.5 * to_unreal(parts.axis)))
-    steps = np.clip(CM * parts.extent_m / EXTENT_STEP_CM, 1, EXTENT_STEPS) / EXTENT_STEPS
+    steps = np.clip(CM_PER_M * parts.extent_m / EXTENT_STEP_CM, 1, EXTENT_STEPS) / EXTENT_STEPS
     pixels[: len(parts.parent), 3] = np.rint(255 * steps)
     write_png8(path, pixels.reshape(height, width, 4))
 
@@ -188,6 +188,6 @@ def _levels(table: Table, parts: Parts, loop: Loop) -> list[dict[str, Any]]:
     level = parts.level[parts.of_vertex]
     return [
         {"parts": int((parts.level == k).sum()), "turn_deg_rms": float(of_vertex[level == k].mean())}
-        for k in range(LEVELS)
+        for k in range(MAX_LEVELS)
         if (level == k).any()
     ]

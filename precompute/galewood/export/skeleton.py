@@ -12,7 +12,7 @@ from galewood.table import Table
 from galewood.util import Floats, Ints
 
 Mask = npt.NDArray[np.bool_]
-FRAMES = 48
+MAX_POSES = 48
 """Most poses that bones are chosen and weights are fitted by."""
 
 
@@ -40,9 +40,9 @@ def parents_of(table: Table) -> Ints:
 
 
 def samples(motion: RigidMotion) -> RigidMotion:
-    """At most FRAMES frames of a motion, evenly spaced."""
+    """At most MAX_POSES frames of a motion, evenly spaced."""
     count = len(motion.moved_m)
-    chosen = np.unique(np.linspace(0, count - 1, min(count, FRAMES)).astype(np.int64))
+    chosen = np.unique(np.linspace(0, count - 1, min(count, MAX_POSES)).astype(np.int64))
     return RigidMotion(motion.moved_m[chosen], motion.rotation[chosen])
 
 

@@ -11,10 +11,10 @@ from galewood.export.skeleton import Skeleton
 from galewood.table import Table
 from galewood.util import Floats, Ints
 
-INFLUENCES = 4
-POINTS = 6
+BONES_PER_VERTEX = 4
+POINTS_PER_JOINT = 6
 """Vertices of a joint that its weights are fitted to: those farthest out in six directions."""
-DAMPING = 1e-6
+WEIGHT_REGULARISATION = 1e-6
 """Share of the mean squared motion added to the normal equations, so that equal bones share evenly."""
 
 
@@ -44,11 +44,11 @@ def fitted_weights(
     """
     used = candidates(table, skeleton)
     gram, aimed = _normal_equations(_points(table, rest_m), used, skeleton, bones, joints, table)
-    repeated = np.array([[(row[:k] == row[k]).any() for k in range(INFLUENCES)] for row in used])
+    repeated = np.array([[(row[:k] == row[k]).any() for k in range(BONES_PER_VERTEX)] for row in used])
     best, weights = np.full(len(used), np.inf), np.zeros(used.shape)
     weights[:, 0] = 1.0
-    for count in range(1, INFLUENCES + 1):
-        for chosen in combinations(range(INFLUENCES), count):
+    for count in range(1, BONES_PER_VERTEX + 1):
+        for chosen in combinations(range(BONES_PER_VERTEX), count):
             part = list(chosen)
             found = _solved(gram[:, part][:, :, part], aimed[:, part])
             full = np.zeros(used.shape)
@@ -61,9 +61,9 @@ def fitted_weights(
 
 
 def _points(table: Table, rest_m: Floats) -> Floats:
-    """(j, POINTS, 3) places at rest by which the motion of a joint's vertices is judged."""
+    """(j, POINTS_PER_JOINT, 3) places at rest by which the motion of a joint's vertices is judged."""
     joint = table.vertex_joint.astype(np.int64)
-    points = np.repeat(table.joint_rest_m.astype(np.float64)[:, None], POINTS, axis=1)
+    points = np.repeat(table.joint_rest_m.astype(np.float64)[:, None], POINTS_PER_JOINT, axis=1)
     order = np.argsort(joint, kind="stable")
     bounds = np.searchsorted(joint[order], np.arange(len(points) + 1))
     for j in range(len(points)):
@@ -79,21 +79,21 @@ def _normal_equations(
     """Gram matrices (j, 4, 4) of what the bones do to the points, and their products (j, 4) with the aim."""
     place = table.joint_rest_m.astype(np.float64)
     count = len(used)
-    gram, aimed = np.zeros((count, INFLUENCES, INFLUENCES)), np.zeros((count, INFLUENCES))
+    gram, aimed = np.zeros((count, BONES_PER_VERTEX, BONES_PER_VERTEX)), np.zeros((count, BONES_PER_VERTEX))
     for frame in range(len(bones.moved_m)):
         arm = points - place[:, None]
         turn = joints.rotation[frame][:, None]
         aim = joints.moved_m[frame][:, None] + rotated(turn, arm) - arm
-        moved = np.empty((INFLUENCES, *points.shape))
-        for k in range(INFLUENCES):
+        moved = np.empty((BONES_PER_VERTEX, *points.shape))
+        for k in range(BONES_PER_VERTEX):
             bone = used[:, k]
             reach = points - skeleton.place_m[bone][:, None]
             turn = bones.rotation[frame][bone][:, None]
             moved[k] = bones.moved_m[frame][bone][:, None] + rotated(turn, reach) - reach
         gram += np.einsum("ajpx,bjpx->jab", moved, moved)
         aimed += np.einsum("ajpx,jpx->ja", moved, aim)
-    mean = np.trace(gram, axis1=1, axis2=2)[:, None, None] / INFLUENCES
-    return gram + DAMPING * (mean + 1e-12) * np.eye(INFLUENCES), aimed
+    mean = np.trace(gram, axis1=1, axis2=2)[:, None, None] / BONES_PER_VERTEX
+    return gram + WEIGHT_REGULARISATION * (mean + 1e-12) * np.eye(BONES_PER_VERTEX), aimed
 
 
 def _solved(gram: Floats, aimed: Floats) -> Floats:

@@ -14,9 +14,9 @@ import numpy.typing as npt
 from galewood.export.options import TextureFormat
 from galewood.util import Floats
 
-WIDEST = 4096
+MAX_WIDTH_PX = 4096
 """Widest texture: every graphics card of the last fifteen years takes it."""
-TALLEST = 16384
+MAX_HEIGHT_PX = 16384
 _CHANNELS = {3: "RGB", 4: "RGBA"}
 _PNG_COLOUR = {3: 2, 4: 6}
 

@@ -21,7 +21,7 @@ from galewood.export.usd_materials import add_materials
 from galewood.table import Table, drawn_positions
 from galewood.util import Floats
 
-ROOT = "/tree"
+ROOT_PRIM = "/tree"
 
 
 def export_usd(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) -> dict[str, Any]:
@@ -36,11 +36,11 @@ def export_usd(table: Table, glb: bytes, loop: Loop, folder: Path, name: str) ->
     stage.SetFramesPerSecond(loop.fps)
     stage.SetStartTimeCode(0)
     stage.SetEndTimeCode(loop.frames)
-    root = pxr.UsdSkel.Root.Define(stage, ROOT)
+    root = pxr.UsdSkel.Root.Define(stage, ROOT_PRIM)
     stage.SetDefaultPrim(root.GetPrim())
     motion = joint_motion(table, loop.q())
     _add_skeleton(stage, table, motion)
-    _add_meshes(stage, table, file, add_materials(stage, ROOT, file, folder, name))
+    _add_meshes(stage, table, file, add_materials(stage, ROOT_PRIM, file, folder, name))
     stage.GetRootLayer().Save()
     rest_m = file.rest_m()
     description: dict[str, Any] = {
@@ -69,11 +69,11 @@ def _add_skeleton(stage: Any, table: Table, motion: RigidMotion) -> None:
     rest = pxr.Vt.Matrix4dArray(
         [pxr.Gf.Matrix4d().SetTranslate(pxr.Gf.Vec3d(*row)) for row in place.tolist()]
     )
-    skeleton = pxr.UsdSkel.Skeleton.Define(stage, f"{ROOT}/skeleton")
+    skeleton = pxr.UsdSkel.Skeleton.Define(stage, f"{ROOT_PRIM}/skeleton")
     skeleton.CreateJointsAttr(names)
     skeleton.CreateBindTransformsAttr(rest)
     skeleton.CreateRestTransformsAttr(rest)
-    animation = pxr.UsdSkel.Animation.Define(stage, f"{ROOT}/skeleton/sway")
+    animation = pxr.UsdSkel.Animation.Define(stage, f"{ROOT_PRIM}/skeleton/sway")
     animation.CreateJointsAttr(names)
     animation.CreateScalesAttr(pxr.Vt.Vec3hArray([pxr.Gf.Vec3h(1, 1, 1)] * len(names)))
     translations, rotations = animation.CreateTranslationsAttr(), animation.CreateRotationsAttr()
@@ -97,7 +97,9 @@ def _add_meshes(stage: Any, table: Table, file: GltfFile, materials: list[Any]) 
     joints = np.split(joint_of_vertex(table), splits)
     drawn = zip(file.faces(), points, normals, joints, file.texture_coordinates(), materials, strict=True)
     for index, (faces, rest, normal, joint, uv, material) in enumerate(drawn):
-        mesh = pxr.UsdGeom.Mesh.Define(stage, f"{ROOT}/{table.metadata['primitives'][index]['kind']}_{index}")
+        mesh = pxr.UsdGeom.Mesh.Define(
+            stage, f"{ROOT_PRIM}/{table.metadata['primitives'][index]['kind']}_{index}"
+        )
         mesh.CreatePointsAttr(pxr.Vt.Vec3fArray.FromNumpy(rest))
         mesh.CreateFaceVertexCountsAttr(pxr.Vt.IntArray.FromNumpy(np.full(len(faces), 3, np.int32)))
         mesh.CreateFaceVertexIndicesAttr(pxr.Vt.IntArray.FromNumpy(faces.astype(np.int32).reshape(-1)))
@@ -113,7 +115,7 @@ def _add_meshes(stage: Any, table: Table, file: GltfFile, materials: list[Any]) 
                 pxr.Vt.Vec2fArray.FromNumpy(upward)
             )
         binding = pxr.UsdSkel.BindingAPI.Apply(mesh.GetPrim())
-        binding.CreateSkeletonRel().SetTargets([pxr.Sdf.Path(f"{ROOT}/skeleton")])
+        binding.CreateSkeletonRel().SetTargets([pxr.Sdf.Path(f"{ROOT_PRIM}/skeleton")])
         numbers = pxr.Vt.IntArray.FromNumpy(joint.astype(np.int32))
         binding.CreateJointIndicesPrimvar(False, 1).Set(numbers)
         weights = pxr.Vt.FloatArray.FromNumpy(np.full(len(joint), one))
@@ -126,13 +128,13 @@ def posed(stage: Any, frame: float) -> Floats:
     """(v, 3) the vertices of all meshes at a time code, skinned by UsdSkel itself."""
     pxr = usd_library()
     cache, found = pxr.UsdSkel.Cache(), list[Floats]()
-    root = pxr.UsdSkel.Root(stage.GetPrimAtPath(ROOT))
+    root = pxr.UsdSkel.Root(stage.GetPrimAtPath(ROOT_PRIM))
     cache.Populate(root, pxr.Usd.PrimDefaultPredicate)
-    for prim in stage.GetPrimAtPath(ROOT).GetChildren():
+    for prim in stage.GetPrimAtPath(ROOT_PRIM).GetChildren():
         if not prim.IsA(pxr.UsdGeom.Mesh):
             continue
         skin = cache.GetSkinningQuery(prim)
-        skeleton = cache.GetSkelQuery(pxr.UsdSkel.Skeleton(stage.GetPrimAtPath(f"{ROOT}/skeleton")))
+        skeleton = cache.GetSkelQuery(pxr.UsdSkel.Skeleton(stage.GetPrimAtPath(f"{ROOT_PRIM}/skeleton")))
         points = pxr.UsdGeom.Mesh(prim).GetPointsAttr().Get()
         skin.ComputeSkinnedPoints(skeleton.ComputeSkinningTransforms(frame), points, frame)
         found.append(np.array(points, np.float64))

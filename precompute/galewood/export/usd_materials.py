@@ -9,8 +9,8 @@ from typing import Any
 from galewood.export.gltf_file import GltfFile, given
 from galewood.export.usd_library import usd_library
 
-ROUGHNESS = 0.9
-WEBP = "EXT_texture_webp"
+SURFACE_ROUGHNESS = 0.9
+WEBP_EXTENSION = "EXT_texture_webp"
 
 
 def add_materials(stage: Any, root: str, file: GltfFile, folder: Path, name: str) -> list[Any]:
@@ -32,7 +32,7 @@ def add_materials(stage: Any, root: str, file: GltfFile, folder: Path, name: str
 
 
 def _image_of(texture: Any) -> int:
-    extension = (texture.extensions or {}).get(WEBP)
+    extension = (texture.extensions or {}).get(WEBP_EXTENSION)
     return int(extension["source"] if extension else texture.source)
 
 
@@ -56,7 +56,7 @@ def _preview(stage: Any, path: str, colour: list[float], picture: str | None, cu
     material = pxr.UsdShade.Material.Define(stage, path)
     shader = pxr.UsdShade.Shader.Define(stage, f"{path}/surface")
     shader.CreateIdAttr("UsdPreviewSurface")
-    shader.CreateInput("roughness", types.Float).Set(ROUGHNESS)
+    shader.CreateInput("roughness", types.Float).Set(SURFACE_ROUGHNESS)
     shader.CreateInput("metallic", types.Float).Set(0.0)
     diffuse = shader.CreateInput("diffuseColor", types.Color3f)
     if picture is None:

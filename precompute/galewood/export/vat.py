@@ -24,8 +24,8 @@ from galewood.export.joints import RigidMotion, joint_motion, joint_of_vertex, r
 from galewood.export.looped import Loop, seam_percent
 from galewood.export.options import TextureFormat
 from galewood.export.textures import (
-    TALLEST,
-    WIDEST,
+    MAX_HEIGHT_PX,
+    MAX_WIDTH_PX,
     Written,
     read_texture,
     write_texture,
@@ -34,7 +34,7 @@ from galewood.table import Table, drawn_positions
 from galewood.util import Floats
 
 FORMAT, VERSION = "galewood-vat", 1
-AXES = "glTF: metres, x right, y up, z towards the viewer, right-handed; row 0 of a texture is its top"
+AXES_NOTE = "glTF: metres, x right, y up, z towards the viewer, right-handed; row 0 of a texture is its top"
 MEASURED_MOMENTS = 96
 
 
@@ -48,7 +48,7 @@ class Layout:
     @property
     def width(self) -> int:
         """Texels per row: a power of two, as some engines scale other textures."""
-        return min(_power_of_two(self.bodies), WIDEST)
+        return min(_power_of_two(self.bodies), MAX_WIDTH_PX)
 
     @property
     def rows(self) -> int:
@@ -94,10 +94,10 @@ def export_vat(
     file = GltfFile(glb, table)
     motion = joint_motion(table, loop.q())
     layout = Layout(motion.moved_m.shape[1], loop.frames)
-    if layout.height > TALLEST:
+    if layout.height > MAX_HEIGHT_PX:
         raise ExportError(
             f"{loop.frames} frames of {layout.bodies} joints need {layout.height} rows of texels; engines "
-            f"take {TALLEST}: choose a shorter loop or fewer frames per second"
+            f"take {MAX_HEIGHT_PX}: choose a shorter loop or fewer frames per second"
         )
     textures = _write_textures(table, motion, layout, folder, name, kind)
     file.add_second_coordinates(layout.coordinates(joint_of_vertex(table)))
@@ -134,7 +134,7 @@ def _description(table: Table, loop: Loop, layout: Layout, textures: dict[str, W
     return {
         "format": FORMAT,
         "version": VERSION,
-        "axes": AXES,
+        "axes": AXES_NOTE,
         "height_m": float(table.metadata["height_m"]),
         "frames": loop.frames,
         "seconds": loop.seconds,

@@ -16,13 +16,13 @@ from galewood.export.skeleton import Skeleton, branch_of_node, levels
 from galewood.table import Table
 from galewood.util import Ints
 
-GROUPS = 4
+GROUP_COUNT = 4
 
 
 def wind_groups(table: Table, skeleton: Skeleton, motion: RigidMotion) -> dict[str, Any]:
     """The document for a skeleton whose bones move by ``motion``."""
     branch, bearing = branch_of_node(table)
-    group = np.minimum(levels(bearing)[branch[skeleton.node]], GROUPS - 1)
+    group = np.minimum(levels(bearing)[branch[skeleton.node]], GROUP_COUNT - 1)
     influence = _influence(group, motion)
     return {
         "Joints": [

@@ -18,7 +18,7 @@ from galewood.fem.quadratic import midside_parents
 from galewood.util import Floats, Int32s
 
 FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
-EXACT = 1e4
+EXACT_WEIGHT = 1e4
 """Weight of the conditions on the springs where some would have to be negative."""
 
 
@@ -79,5 +79,5 @@ def _isotropic(area: Floats, x: Floats, z: Floats) -> Floats:
     if factors.min() >= 0:
         return factors
     root = np.sqrt(area / area.sum())
-    rows = np.concatenate([np.diag(root), EXACT * weighted / area.sum()])
+    rows = np.concatenate([np.diag(root), EXACT_WEIGHT * weighted / area.sum()])
     return nnls(rows, np.concatenate([root, np.zeros(4)]))[0]

@@ -26,12 +26,12 @@ from galewood.fem.solver import JIT
 from galewood.util import Floats, Int32s
 
 SIMD_WIDTH = 8
-INLINED: dict[str, Any] = {**JIT, "inline": "always"}
+INLINED_JIT: dict[str, Any] = {**JIT, "inline": "always"}
 """Passing arrays to a function counts references; with a dozen calls per batch this took half of the time."""
 SlotsOf = Callable[[Int32s, Int32s], Int32s]
 """Slots (k,) of the blocks in rows (k,) and columns (k,), rows ≥ columns; the unused slot outside the matrix.
 """
-INNER = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))
+INNER_PAIRS = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))
 """Corner pairs whose blocks are stored, in the order K11 … K33."""
 
 
@@ -107,7 +107,7 @@ def _stored_indices(order: NDArray[np.intp]) -> tuple[NDArray[np.int64], NDArray
         number[a, b] = number[b, a] = p
     upright, across = np.arange(9), np.arange(9).reshape(3, 3).T.ravel()
     pick, flat = [], []
-    for a, b in INNER:
+    for a, b in INNER_PAIRS:
         first, second = order[:, a], order[:, b]
         block = number[first, second]
         flat.append(block)
@@ -123,7 +123,7 @@ def _batched(rows: NDArray[Any], fill: float = 0) -> NDArray[Any]:
     return np.ascontiguousarray(wide.reshape(batches, SIMD_WIDTH, width).transpose(0, 2, 1)).ravel()
 
 
-@numba.njit(**INLINED)
+@numba.njit(**INLINED_JIT)
 def _gather(simd_width: int, corners: Int32s, c: int, field: Floats, d: Floats) -> None:
     """d (9 rows) ← differences of a field (N,3) from the first corner."""
     for lane in range(simd_width):
@@ -134,7 +134,7 @@ def _gather(simd_width: int, corners: Int32s, c: int, field: Floats, d: Floats) 
                 d[8 * (3 * a + i) + lane] = field[n, i] - field[n0, i]
 
 
-@numba.njit(**INLINED)
+@numba.njit(**INLINED_JIT)
 def _deformation(simd_width: int, d: Floats, grad: Floats, g: int, f: Floats, det: Floats) -> None:
     """f (9 rows) ← F = I + Σ d_a ∇λ_aᵀ, and its determinant."""
     for i in range(3):
@@ -156,7 +156,7 @@ def _deformation(simd_width: int, d: Floats, grad: Floats, g: int, f: Floats, de
         )
 
 
-@numba.njit(**INLINED)
+@numba.njit(**INLINED_JIT)
 def _newton(simd_width: int, r: Floats, step: Floats) -> None:
     """One iteration of Higham's R ← (R + R⁻ᵀ) / 2, and the squared norm of the update."""
     for i in range(simd_width):
@@ -178,7 +178,7 @@ def _newton(simd_width: int, r: Floats, step: Floats) -> None:
         step[i] = d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3 + d4 * d4 + d5 * d5 + d6 * d6 + d7 * d7 + d8 * d8
 
 
-@numba.njit(**INLINED)
+@numba.njit(**INLINED_JIT)
 def _rotations(simd_width: int, f: Floats, det: Floats, r: Floats, step: Floats) -> None:
     """r (9 rows) ← the rotations nearest to F; flat and inverted elements are handled individually."""
     for k in range(72):
@@ -208,7 +208,7 @@ def _rotations(simd_width: int, f: Floats, det: Floats, r: Floats, step: Floats)
             r[8 * k + lane] = number
 
 
-@numba.njit(**INLINED)
+@numba.njit(**INLINED_JIT)
 def _relative_displacement(
     simd_width: int,
     r: Floats,
@@ -240,7 +240,7 @@ def _relative_displacement(
             )
 
 
-@numba.njit(**INLINED)
+@numba.njit(**INLINED_JIT)
 def _rotate_block(simd_width: int, r: Floats, blocks: Floats, b: int, k: Floats, o: int) -> None:
     """k[o …] (9 rows) ← R K Rᵀ of one block."""
     for i in range(simd_width):
@@ -264,7 +264,7 @@ def _rotate_block(simd_width: int, r: Floats, blocks: Floats, b: int, k: Floats,
         k[o + i + 64] = c0 * r6 + c1 * r7 + c2 * r8
 
 
-@numba.njit(**INLINED)
+@numba.njit(**INLINED_JIT)
 def _apply(simd_width: int, k: Floats, o: int, flip: bool, d: Floats, b: int, f: Floats, a: int) -> None:
     """f_a += K d_b, or Kᵀ d_b if `flip`; K at k[o …], corners a, b counted from 1."""
     along, across = (8, 24) if flip else (24, 8)
@@ -278,7 +278,7 @@ def _apply(simd_width: int, k: Floats, o: int, flip: bool, d: Floats, b: int, f:
             )
 
 
-@numba.njit(**INLINED)
+@numba.njit(**INLINED_JIT)
 def _stress(simd_width: int, prestress: Floats, s: int, w: Floats, f: Floats) -> None:
     """f (12 rows) ← K_σ w of the last three corners; rows of K_σ sum to zero, so differences of w suffice."""
     for i in range(3):
@@ -291,7 +291,7 @@ def _stress(simd_width: int, prestress: Floats, s: int, w: Floats, f: Floats) ->
             f[o + 72 + lane] = prestress[q + 16] * x + prestress[q + 32] * y + prestress[q + 40] * z
 
 
-@numba.njit(**INLINED)
+@numba.njit(**INLINED_JIT)
 def _forces(simd_width: int, k: Floats, d: Floats, f: Floats) -> None:
     """f (12 rows) += K d; the first corner balances the others."""
     _apply(simd_width, k, 288, False, d, 1, f, 1)
@@ -308,7 +308,7 @@ def _forces(simd_width: int, k: Floats, d: Floats, f: Floats) -> None:
             f[i + lane] = -f[i + 24 + lane] - f[i + 48 + lane] - f[i + 72 + lane]
 
 
-@numba.njit(**INLINED)
+@numba.njit(**INLINED_JIT)
 def _complete(simd_width: int, k: Floats, prestress: Floats, s: int, scale: float) -> None:
     """All ten blocks in k (90 rows), 00 01 02 03 11 12 13 22 23 33, from the last six: shifted and scaled."""
     for p in range(6):

@@ -20,15 +20,15 @@ from galewood.fem.elasticity import PAIRS
 from galewood.fem.quadratic import combination
 from galewood.util import Floats, Int32s
 
-STANDS = 0.7
+MAX_BUCKLING_RATIO = 0.7
 """Largest weight over buckling load of a supported tree; above it, hardly any stiffness is left."""
-MARGIN = 1.02
+STIFFENING_MARGIN = 1.02
 """Of the stiffening that reaches it, so that it is reached in few rounds."""
-HOLDING = 0.8
+LIMB_ENERGY_SHARE = 0.8
 """Share of a mode's elastic energy in the limbs that are stiffened for it."""
-MODES = 24
-ROUNDS = 30
-STIFFEST = 1e4
+MODE_COUNT = 24
+MAX_ROUNDS = 30
+MAX_STIFFENING_FACTOR = 1e4
 """Largest factor; a limb that needs more is damaged input."""
 
 
@@ -52,15 +52,15 @@ def supporting_factors(system: ElementSystem, prestress: Floats, limb: Int32s) -
     blocks = system.blocks.reshape(-1, 10, 3, 3).copy()
     geometric = _geometric(system, prestress)
     first = 0.0
-    for number in range(ROUNDS):
+    for number in range(MAX_ROUNDS):
         system.set_blocks(blocks * factor[:, None, None, None])
         load, shapes = _load_factors(system, geometric)
         first = first or float(load[0])
-        if load[0] <= STANDS:
+        if load[0] <= MAX_BUCKLING_RATIO:
             return Support(factor, True, number, first)
-        needed = _factors(load) if number == 0 else MARGIN * load / STANDS
-        factor = np.minimum(factor * _on_limbs(system, load, needed, shapes, limb), STIFFEST)
-    return Support(factor, False, ROUNDS, first)
+        needed = _factors(load) if number == 0 else STIFFENING_MARGIN * load / MAX_BUCKLING_RATIO
+        factor = np.minimum(factor * _on_limbs(system, load, needed, shapes, limb), MAX_STIFFENING_FACTOR)
+    return Support(factor, False, MAX_ROUNDS, first)
 
 
 def _geometric(system: ElementSystem, prestress: Floats) -> csc_matrix:
@@ -94,7 +94,7 @@ def _load_factors(system: ElementSystem, geometric: csc_matrix) -> tuple[Floats,
         return y.ravel()
 
     inverse = LinearOperator((size, size), matvec=flexibility, dtype=np.float64)  # pyright: ignore[reportCallIssue]
-    count = min(MODES, size - 1)
+    count = min(MODE_COUNT, size - 1)
     start, loose = np.random.default_rng(0).normal(size=size), 1e-4
     options: dict[str, Any] = {"M": stiffness, "Minv": inverse, "which": "LA", "v0": start, "tol": loose}
     try:
@@ -109,19 +109,19 @@ def _load_factors(system: ElementSystem, geometric: csc_matrix) -> tuple[Floats,
 
 def _factors(load: Floats) -> Floats:
     """Stiffness factors (k,) for modes of these load factors: 1 + ν for those that fall."""
-    return np.where(load > 1, 1 + load, MARGIN * load / STANDS)
+    return np.where(load > 1, 1 + load, STIFFENING_MARGIN * load / MAX_BUCKLING_RATIO)
 
 
 def _on_limbs(system: ElementSystem, load: Floats, needed: Floats, shapes: Floats, limb: Int32s) -> Floats:
     """Factors (m,): those needed by each mode whose load factor is too large, on the limbs that hold it."""
     factor = np.ones(int(limb.max()) + 1)
     for one, least, shape in zip(load, needed, shapes, strict=True):
-        if one <= STANDS:
+        if one <= MAX_BUCKLING_RATIO:
             break
         energy = np.bincount(limb, _energy(system, shape), len(factor))
         most = np.argsort(-energy)
         before = np.concatenate([[0.0], np.cumsum(energy[most])[:-1]]) / energy.sum()
-        holding = most[before < HOLDING]
+        holding = most[before < LIMB_ENERGY_SHARE]
         factor[holding] = np.maximum(factor[holding], least)
     return factor[limb]
 

@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 from galewood.util import Floats
 
 FEWEST_PEAKS = 4
-SMALLEST = 0.01
+MIN_PEAK_SHARE = 0.01
 """Peaks below this share of the first are left out."""
 SHOWN_CYCLES = 3
 """Cycles over which the damping ratio is averaged."""
@@ -62,10 +62,11 @@ def fitted_decay(time_s: Floats, signal: Floats) -> Decay:
     when, value = _extrema(time_s, signal)
     # Half the distance between consecutive extrema, so that a constant offset cancels.
     amplitudes = np.abs(np.diff(value)) / 2
-    kept = _first_run(amplitudes > SMALLEST * amplitudes.max()) if len(amplitudes) else 0
+    kept = _first_run(amplitudes > MIN_PEAK_SHARE * amplitudes.max()) if len(amplitudes) else 0
     if kept < FEWEST_PEAKS:
         raise ValueError(
-            f"the decay has {kept} half cycles above {SMALLEST:.0%} of its start; {FEWEST_PEAKS} are needed"
+            f"the decay has {kept} half cycles above {MIN_PEAK_SHARE:.0%} of its start; "
+            f"{FEWEST_PEAKS} are needed"
         )
     amplitudes = amplitudes[:kept]
     start, linear, quadratic = _fit(amplitudes)

@@ -46,7 +46,7 @@ SETTINGS: dict[str, Setting] = {
     "forest": "forest", "forestgrown": "forest", "wood": "forest", "woodland": "forest",
     "open": "open", "opengrown": "open", "park": "open", "urban": "open", "conifer": "conifer",
 }  # fmt: skip
-MISSING = {"", "na", "nan", "n/a", "-", "none", "null"}
+MISSING_VALUES = {"", "na", "nan", "n/a", "-", "none", "null"}
 
 
 class FieldError(ValueError):
@@ -149,7 +149,7 @@ def _measurement(line: int, columns: dict[str, tuple[int, float]], row: list[str
     def cell(column: str) -> str | None:
         index = columns[column][0] if column in columns else len(row)
         text = row[index] if index < len(row) else ""
-        return None if text.lower() in MISSING else text
+        return None if text.lower() in MISSING_VALUES else text
 
     def number(column: str) -> float | None:
         text = cell(column)

@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-STYLE = (
+PAGE_STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;color:#222}"
     "table{border-collapse:collapse;margin:1rem 0}td,th{padding:.2rem .7rem;border-bottom:1px solid #ddd;"
     "text-align:right}td:first-child,th:first-child{text-align:left}img{max-width:100%}"
@@ -54,7 +54,7 @@ def html_page(report: dict[str, Any], plot: Path) -> str:
     body = "\n".join(parts)
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>Field report</title>'
-        f"<style>{STYLE}</style><body>\n{body}\n</body></html>\n"
+        f"<style>{PAGE_STYLE}</style><body>\n{body}\n</body></html>\n"
     )
 
 

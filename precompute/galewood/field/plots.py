@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from galewood.field.release import Release
 
 COLOURS = {"leaf": "#1b7f5c", "bare": "#c2571a"}
-GREY = "#8a8a8a"
+GREY_COLOUR = "#8a8a8a"
 
 
 def scatter_figure(report: dict[str, Any]) -> Any:
@@ -48,9 +48,9 @@ def _scatter(panel: Any, pairs: list[tuple[float, float, dict[str, Any]]], acros
         return
     values = np.array([pair[:2] for pair in pairs])
     ends = np.array([0.8 * values.min(), 1.25 * values.max()])
-    panel.loglog(ends, ends, color=GREY, linewidth=0.8)
+    panel.loglog(ends, ends, color=GREY_COLOUR, linewidth=0.8)
     for factor in (0.8, 1.25):
-        panel.loglog(ends, factor * ends, color=GREY, linewidth=0.5, linestyle=":")
+        panel.loglog(ends, factor * ends, color=GREY_COLOUR, linewidth=0.5, linestyle=":")
     for season, colour in COLOURS.items():
         of_season = [pair for pair in pairs if pair[2]["season"] == season]
         if of_season:

@@ -15,13 +15,13 @@ from galewood.util import Floats
 
 ROPE_HEIGHT = 2 / 3
 """Height of the rope over that of the tree."""
-BAND = 0.04
+ROPE_BAND_HEIGHT_SHARE = 0.04
 """Half the height of the band of wood that the rope holds, over the height of the tree."""
-TOP = 0.05
+TOP_DEPTH_HEIGHT_SHARE = 0.05
 """Depth of the top below the highest point, over the height."""
 FINEST_STEP = 0.15
 """Angular frequency times time step, above which steps are divided: their own damping is then negligible."""
-ACCURACY = 1e-3
+SWAY_TOLERANCE = 1e-3
 """Relative accuracy of the sway from which the tree is released."""
 
 
@@ -95,7 +95,7 @@ def pull_and_release(
 def _rope(model: FemModel, mode: SwayMode) -> Floats:
     """(N,3) force of 1 N on the wood around the rope, in the direction of the mode."""
     y = model.nodes_m[:, 1] - model.nodes_m[:, 1].min()
-    height, band = float(y.max()), BAND
+    height, band = float(y.max()), ROPE_BAND_HEIGHT_SHARE
     while True:
         held = np.abs(y - ROPE_HEIGHT * height) <= band * height
         if held.any():
@@ -112,7 +112,9 @@ def _main_part(model: FemModel, mode: SwayMode) -> Floats:
     The top is the highest twentieth of the tree, averaged by mass, in the direction of the mode.
     """
     y = model.nodes_m[: model.vertex_count, 1]
-    share = np.where(y >= y.max() - TOP * np.ptp(y), model.mass_kg[: model.vertex_count], 0.0)
+    share = np.where(
+        y >= y.max() - TOP_DEPTH_HEIGHT_SHARE * np.ptp(y), model.mass_kg[: model.vertex_count], 0.0
+    )
     moved = mode.shape[: model.vertex_count, [0, 2]] @ np.array(mode.direction)
     top = float(share @ moved / share.sum())
     weight = model.mass_kg[:, None] * mode.shape
@@ -135,7 +137,7 @@ def _pulled(model: FemModel, pull: Floats, part: Floats, distance_m: float) -> t
     force = slight * distance_m / moved
     for _ in range(12):
         moved, u = reached(force)
-        if abs(moved / distance_m - 1) <= ACCURACY:
+        if abs(moved / distance_m - 1) <= SWAY_TOLERANCE:
             return force, u
         force *= distance_m / moved
     raise PullError(f"a pull of {force:.0f} N sways the tree by {moved:.3g} m instead of {distance_m:.3g} m")

@@ -10,7 +10,7 @@ from galewood.fem import FemModel, natural_modes
 from galewood.model import effective_masses, free_mass_kg, horizontal_masses, participation_factors
 from galewood.util import Floats
 
-MODES = 24
+MODE_COUNT = 24
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class SwayMode:
 
 def main_sway_mode(model: FemModel) -> SwayMode:
     """The mode of the largest horizontal effective mass (`galewood.model.effective_masses`)."""
-    count = min(MODES, (3 * len(model.nodes_m) - 3 * len(model.fixed)) // 2)
+    count = min(MODE_COUNT, (3 * len(model.nodes_m) - 3 * len(model.fixed)) // 2)
     modes = natural_modes(model, count)
     horizontal = horizontal_masses(effective_masses(modes, model.mass_kg))
     best = int(np.argmax(horizontal))

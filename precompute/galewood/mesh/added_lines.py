@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from scipy.spatial import KDTree
 
-from galewood.mesh.arms import SLENDER, triangle_areas
+from galewood.mesh.arms import MIN_FROND_ASPECT_RATIO, triangle_areas
 from galewood.mesh.repair import Surface
 from galewood.mesh.sections import Section, sections_at
 from galewood.util import Floats
@@ -23,14 +23,14 @@ TIP_SHARE = 0.1
 """Least cross-section at the end of a line, relative to its base: no line ends as a thread."""
 TOP_SHARE = 0.92
 """How far a stem reaches from the end of the wood to the top of the foliage."""
-STEEPNESS = 0.7
+BRANCH_STEEPNESS = 0.7
 """A bough leaves its stem lower than its end, by this times its horizontal reach."""
 FROND_BINS = 9
 FEW_VERTICES = 8
 """A piece of fewer vertices is a card, which cannot bend."""
 LEVELS = (0.96, 0.92, 0.86, 0.8, 0.7, 0.6, 0.5)
 """Heights over that of the wood at which the end of a trunk is sought: where it is thick enough."""
-BACK = 0.08
+SECTION_SETBACK_SHARE = 0.08
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def stem_end(wood: Surface, least_area_m2: float) -> StemEnd:
             best = found
         if best.area >= least_area_m2:
             break
-    below = _nearest(sections_at(wood, best.centre[1] - BACK * size), best.centre)
+    below = _nearest(sections_at(wood, best.centre[1] - SECTION_SETBACK_SHARE * size), best.centre)
     along = best.centre - below.centre if below else np.array([0.0, 1.0, 0.0])
     return StemEnd(best.centre, along / max(float(np.linalg.norm(along)), 1e-300), best.area)
 
@@ -126,7 +126,7 @@ def bough_foot(stem_m: Floats, end_m: Floats) -> tuple[Floats, float]:
     marks = _marks(stem_m)
     beside = _at_height(stem_m, float(end_m[1]))
     reach = float(np.linalg.norm((end_m - beside)[[0, 2]]))
-    height = float(np.clip(end_m[1] - STEEPNESS * reach, stem_m[1, 1], stem_m[-1, 1]))
+    height = float(np.clip(end_m[1] - BRANCH_STEEPNESS * reach, stem_m[1, 1], stem_m[-1, 1]))
     place = _at_height(stem_m, height)
     rising = np.maximum.accumulate(stem_m[:, 1])
     return place, float(np.interp(height, rising, marks))
@@ -169,7 +169,7 @@ def frond_path(corners_m: Floats, way_m: Floats) -> Floats | None:
     if len(np.unique(vertices, axis=0)) < FEW_VERTICES or not np.isfinite(way).all():
         return None
     longest, area = float(way.max()), triangle_areas(corners_m)
-    if not longest > 0 or longest**2 < SLENDER * float(area.sum()):
+    if not longest > 0 or longest**2 < MIN_FROND_ASPECT_RATIO * float(area.sum()):
         return None
     middle, at = corners_m.mean(axis=1), way_m.mean(axis=1) / longest
     points: list[Floats] = []

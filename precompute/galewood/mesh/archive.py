@@ -16,14 +16,14 @@ from galewood.util import MeshError
 MAX_ENTRIES = 2_000
 MAX_RATIO = 200  # of unpacked to packed size; text compresses up to about 30 times
 SMALL_BYTES = 32 << 20  # the ratio of smaller entries is not checked: plain textures compress well
-ENCRYPTED = 0x1
+ENCRYPTED_FLAG = 0x1
 # in the order of preference if an archive holds one model in several formats
 MODELS = (".glb", ".gltf", ".fbx", ".dae", ".obj", ".3ds", ".ply", ".stl")
 LAST_RESORT = (".mat", ".csv")
-UNREADABLE = (".blend", ".usdc", ".usda", ".usdz", ".usd", ".max", ".ma", ".mb", ".c4d", ".abc")
+UNREADABLE_SUFFIXES = (".blend", ".usdc", ".usda", ".usdz", ".usd", ".max", ".ma", ".mb", ".c4d", ".abc")
 ARCHIVES = (".zip", ".7z", ".rar", ".tar", ".gz", ".tgz", ".usdz")
-HIDDEN = ("__macosx/", "._")
-HINT = "Put one GLB, or one glTF, OBJ or FBX file with its textures, into a ZIP archive."
+HIDDEN_PREFIXES = ("__macosx/", "._")
+ARCHIVE_HINT = "Put one GLB, or one glTF, OBJ or FBX file with its textures, into a ZIP archive."
 
 
 class Archive:
@@ -38,7 +38,7 @@ class Archive:
         if len(entries) > MAX_ENTRIES:
             raise MeshError(
                 "zip-entries", "too-large",
-                f"The ZIP archive has {len(entries)} files; the limit is {MAX_ENTRIES}.", HINT,
+                f"The ZIP archive has {len(entries)} files; the limit is {MAX_ENTRIES}.", ARCHIVE_HINT,
             )  # fmt: skip
         for entry in entries:
             _check(entry)
@@ -121,7 +121,7 @@ def _check(entry: zipfile.ZipInfo) -> None:
         )  # fmt: skip
     if stat.S_ISLNK(entry.external_attr >> 16):
         raise _broken(f"{_short(name)!r} in the ZIP archive is a link.")
-    if entry.flag_bits & ENCRYPTED:
+    if entry.flag_bits & ENCRYPTED_FLAG:
         raise MeshError(
             "zip-encrypted", "unsuitable", "The ZIP archive is encrypted.", "Save it without a password."
         )
@@ -130,7 +130,7 @@ def _check(entry: zipfile.ZipInfo) -> None:
     if entry.file_size > max(SMALL_BYTES, MAX_RATIO * entry.compress_size):
         raise MeshError(
             "zip-ratio", "too-large",
-            f"{_short(name)!r} in the ZIP archive expands more than {MAX_RATIO} times.", HINT,
+            f"{_short(name)!r} in the ZIP archive expands more than {MAX_RATIO} times.", ARCHIVE_HINT,
         )  # fmt: skip
 
 
@@ -143,11 +143,13 @@ def _suffix(name: str) -> str:
 
 
 def _is_hidden(name: str) -> bool:
-    return name.lower().startswith(HIDDEN) or posixpath.basename(name).startswith(("._", ".DS_Store"))
+    return name.lower().startswith(HIDDEN_PREFIXES) or posixpath.basename(name).startswith(
+        ("._", ".DS_Store")
+    )
 
 
 def _no_model(names: list[str]) -> MeshError:
-    other = _of(names, UNREADABLE)
+    other = _of(names, UNREADABLE_SUFFIXES)
     inner = _of(names, ARCHIVES)
     if other:
         title = f"The ZIP archive holds {_short(other[0])!r}, which cannot be read."
@@ -157,7 +159,7 @@ def _no_model(names: list[str]) -> MeshError:
     if inner:
         title = f"The ZIP archive holds only another archive, {_short(inner[0])!r}."
         return MeshError("nested-archive", "unsupported", title, "Unpack it and upload the archive inside.")
-    return MeshError("unsupported-type", "unsupported", "The ZIP archive holds no model.", HINT)
+    return MeshError("unsupported-type", "unsupported", "The ZIP archive holds no model.", ARCHIVE_HINT)
 
 
 def _several(models: list[str]) -> MeshError:

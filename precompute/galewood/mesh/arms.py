@@ -10,11 +10,11 @@ from scipy.spatial import KDTree
 from galewood.mesh.repair import Surface, directed_edges, weld_keeping_faces
 from galewood.util import Floats, Ints
 
-HUB = 0.15
+HUB_LENGTH_SHARE = 0.15
 """Where arms are still joined: this near to their base, relative to the longest way along the surface."""
 LEAST_ARM = 0.3
 """Shortest arm, relative to the longest."""
-SLENDER = 2.2
+MIN_FROND_ASPECT_RATIO = 2.2
 """Length of a frond over its mean width, at least."""
 
 
@@ -38,7 +38,7 @@ def arms_of(vertices_m: Floats, faces: Ints, base_m: Floats) -> Ints:
     """
     welded, way = ways(vertices_m, faces, base_m)
     longest = float(way[np.isfinite(way)].max())
-    outer = way > HUB * longest
+    outer = way > HUB_LENGTH_SHARE * longest
     beyond = outer[welded.faces].all(axis=1)
     if not beyond.any():
         return np.zeros(len(faces), dtype=np.int32)
@@ -60,7 +60,7 @@ def arms_of(vertices_m: Floats, faces: Ints, base_m: Floats) -> Ints:
         nearer = apart < best
         result[nearer], best[nearer] = number, apart[nearer]
     area = np.bincount(result, triangle_areas(vertices_m[faces]), len(arms))
-    slender = farthest[arms] ** 2 > SLENDER * area
+    slender = farthest[arms] ** 2 > MIN_FROND_ASPECT_RATIO * area
     return result if slender.all() else np.zeros_like(result)
 
 

@@ -26,8 +26,8 @@ from galewood.util import Floats, MeshError, shown_text
 
 Json = dict[str, Any]
 NAMES = {"fbx": "FBX", "dae": "COLLADA", "3ds": "3DS"}
-EMBEDDED = "*"  # names of textures inside the file begin with it
-TRACK = b"\x02\xb0"  # identifies the chunk that may hang a 3DS object on another; few other bytes are like it
+EMBEDDED_PREFIX = "*"  # names of textures inside the file begin with it
+TRACK_CHUNK = b"\x02\xb0"  # of the chunk that may attach a 3DS object to another; rare in other data
 MAX_TRACKS = 4_000
 
 
@@ -65,7 +65,11 @@ def _check_nesting(data: bytes, suffix: str) -> None:
 
 
 def _problem_of_3ds(data: bytes) -> str | None:
-    return f"have more than {MAX_TRACKS} places in its hierarchy" if data.count(TRACK) > MAX_TRACKS else None
+    return (
+        f"have more than {MAX_TRACKS} places in its hierarchy"
+        if data.count(TRACK_CHUNK) > MAX_TRACKS
+        else None
+    )
 
 
 def _unreadable(suffix: str) -> MeshError:
@@ -156,9 +160,9 @@ def _take_texture(material: Material, is_diffuse: bool, file: str, source: Sourc
     pbr = material.json["pbrMetallicRoughness"]
     if not is_diffuse or "baseColorTexture" in pbr:
         return
-    content = None if file.startswith(EMBEDDED) else source.files.find(file)
+    content = None if file.startswith(EMBEDDED_PREFIX) else source.files.find(file)
     if content is None:
-        where = "is inside the FBX file" if file.startswith(EMBEDDED) else "is in another file"
+        where = "is inside the FBX file" if file.startswith(EMBEDDED_PREFIX) else "is in another file"
         source.warn(
             f"The texture {base_name(file)[:80]!r} {where} and is not drawn. Export the model as GLB, or "
             "upload a ZIP archive of it with its textures."

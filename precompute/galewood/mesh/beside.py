@@ -19,9 +19,9 @@ from galewood.mesh.limits import MAX_BYTES
 from galewood.util import MeshError
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # equal files give equal archives, so results are found in caches
-LIBRARY = re.compile(rb"^[ \t]*mtllib[ \t]+(.+?)[ \t\r]*$", re.MULTILINE)
+LIBRARY_PATTERN = re.compile(rb"^[ \t]*mtllib[ \t]+(.+?)[ \t\r]*$", re.MULTILINE)
 # names of images occur in FBX, DAE, 3DS and MTL files as plain text, with or without folders
-IMAGE = re.compile(
+IMAGE_PATTERN = re.compile(
     rb"[^\\/\x00-\x1f\"<>:|*?]{1,120}\.(?:png|jpe?g|webp|tga|bmp|tiff?|ktx2|dds)", re.IGNORECASE
 )
 IMAGE_FOLDERS = ("", "textures", "Textures", "texture", "images", "maps")
@@ -72,7 +72,7 @@ def _of_gltf(data: bytes, folder: Path) -> Iterator[str]:
 
 
 def _of_obj(data: bytes, folder: Path) -> Iterator[str]:
-    for match in LIBRARY.finditer(data):
+    for match in LIBRARY_PATTERN.finditer(data):
         name = match[1].decode("utf-8", errors="replace")
         library = _inside(folder, name)
         if library is None:
@@ -89,7 +89,9 @@ def _images_named(data: bytes, folder: Path) -> Iterator[str]:
         if (folder / inner).is_dir()
         for file in sorted((folder / inner).iterdir())[: 10 * MAX_FILES]
     }
-    text = {match[0].decode("utf-8", errors="replace").strip().lower() for match in IMAGE.finditer(data)}
+    text = {
+        match[0].decode("utf-8", errors="replace").strip().lower() for match in IMAGE_PATTERN.finditer(data)
+    }
     for name, relative in present.items():
         if any(word == name or word.endswith(" " + name) for word in text):
             yield relative

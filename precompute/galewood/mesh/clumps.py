@@ -14,9 +14,9 @@ from galewood.mesh.repair import Surface, face_components, weld_keeping_faces
 from galewood.mesh.types import RawPart
 from galewood.util import Floats, Ints
 
-FAR = 0.15
+REACH_HEIGHT_SHARE = 0.15
 """Distance of a clump's centre from the wood beyond which it is not reached, relative to the height."""
-INSIDE = 0.8
+REACH_RADIUS_RATIO = 0.8
 """The same relative to the RMS radius of the clump: a large clump around a branch is reached."""
 
 
@@ -47,7 +47,9 @@ class Clumps:
         if not len(wood_m):
             return np.ones(len(self), dtype=bool)
         apart, _ = KDTree(wood_m).query(self.centre_m)
-        return np.asarray(apart > np.maximum(FAR * height_m, INSIDE * self.radius_m))
+        return np.asarray(
+            apart > np.maximum(REACH_HEIGHT_SHARE * height_m, REACH_RADIUS_RATIO * self.radius_m)
+        )
 
 
 def clumps_of(parts: Sequence[RawPart]) -> Clumps:

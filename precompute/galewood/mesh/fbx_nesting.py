@@ -11,15 +11,15 @@ from galewood.mesh.graph_depth import MAX_DEPTH, problem_of
 from galewood.util import MeshError
 
 MAX_RECORDS = 2_000_000  # of a binary file
-COMMENT = re.compile(rb'("[^"]*")|;[^\r\n]*')
-TEXT = re.compile(rb'"[^"]*"')
-MODEL = re.compile(rb"\bModel[\s\0]*:[\s\0]*(\d+)")
-CONNECTION = re.compile(
+COMMENT_PATTERN = re.compile(rb'("[^"]*")|;[^\r\n]*')
+TEXT_PATTERN = re.compile(rb'"[^"]*"')
+MODEL_PATTERN = re.compile(rb"\bModel[\s\0]*:[\s\0]*(\d+)")
+CONNECTION_PATTERN = re.compile(
     rb'\bC[\s\0]*:[\s\0]*"([^"]*)"[\s\0]*,[\s\0]*(\d+)[\s\0]*,[\s\0]*(\d+)'
 )  # of what, to what
-PROPERTY = b"OP"  # a connection with a property of an object, not with the object
-OPENED, CLOSED = b"{}"
-BINARY = b"Kaydara FBX Binary  \0"
+PROPERTY_CONNECTION = b"OP"  # a connection with a property of an object, not with the object
+OPENING_BRACE, CLOSING_BRACE = b"{}"
+BINARY_HEADER = b"Kaydara FBX Binary  \0"
 BINARY_HEADER_BYTES = 27
 LONG_VERSION = 7500  # from this one on, numbers of records have 64 bits
 TOO_DEEP = f"are nested deeper than {MAX_DEPTH} levels"
@@ -27,7 +27,7 @@ TOO_DEEP = f"are nested deeper than {MAX_DEPTH} levels"
 
 def problem_of_fbx(data: bytes) -> str | None:
     """The end of a sentence that says why the file is not read; None if it can be. ValueError if damaged."""
-    read = _Binary(data) if data.startswith(BINARY) else _Text(data)
+    read = _Binary(data) if data.startswith(BINARY_HEADER) else _Text(data)
     if read.depth > MAX_DEPTH:
         return TOO_DEEP
     number = {model: k for k, model in enumerate(dict.fromkeys(read.models))}
@@ -42,14 +42,16 @@ class _Text:
     """Nesting, ids of models and connections (of what, to what) of a text file."""
 
     def __init__(self, data: bytes) -> None:
-        code = COMMENT.sub(rb"\1", data)
-        self.models = [int(found[1]) for found in MODEL.finditer(code)]
+        code = COMMENT_PATTERN.sub(rb"\1", data)
+        self.models = [int(found[1]) for found in MODEL_PATTERN.finditer(code)]
         self.links = [
-            (int(found[2]), int(found[3])) for found in CONNECTION.finditer(code) if found[1] != PROPERTY
+            (int(found[2]), int(found[3]))
+            for found in CONNECTION_PATTERN.finditer(code)
+            if found[1] != PROPERTY_CONNECTION
         ]
-        characters = np.frombuffer(TEXT.sub(b"", code), dtype=np.uint8)
-        braces = characters[(characters == OPENED) | (characters == CLOSED)]
-        level = np.cumsum(np.where(braces == OPENED, 1, -1), dtype=np.int64)
+        characters = np.frombuffer(TEXT_PATTERN.sub(b"", code), dtype=np.uint8)
+        braces = characters[(characters == OPENING_BRACE) | (characters == CLOSING_BRACE)]
+        level = np.cumsum(np.where(braces == OPENING_BRACE, 1, -1), dtype=np.int64)
         lowest = np.minimum(np.minimum.accumulate(level), 0) if level.size else level
         self.depth = int((level - lowest).max(initial=0))
 
@@ -96,5 +98,5 @@ class _Binary:
         elif name == b"C" and data[at : at + 1] == b"S":
             size = int.from_bytes(data[at + 1 : at + 5], "little")
             kind, ids = data[at + 5 : at + 5 + size], data[at + 5 + size : at + 23 + size]
-            if kind != PROPERTY and ids[:1] == b"L" and ids[9:10] == b"L":
+            if kind != PROPERTY_CONNECTION and ids[:1] == b"L" and ids[9:10] == b"L":
                 self.links.append((int.from_bytes(ids[1:9], "little"), int.from_bytes(ids[10:], "little")))

@@ -11,7 +11,7 @@ ACCEPTED = (
     "cylinders of a scanned tree (MAT, CSV)."
 )
 AS_GLB = "Open it in Blender or another modelling program and export it as GLB (glTF Binary)."
-POINTS = (
+POINT_CLOUD_HINT = (
     "A point cloud has no surface. Fit cylinders to it (TreeQSM, SimpleForest, AdTree) and upload those, or "
     "make a mesh of it (in MeshLab: Screened Poisson)."
 )
@@ -39,7 +39,7 @@ OTHERS = {
     b"Rar!": "a RAR archive", b"\xfd7zXZ": "an xz file", b"\x28\xb5\x2f\xfd": "a Zstandard file",
     b"\x7fELF": "a program", b"MZ": "a program", b"<": "an HTML or XML page",
 }  # fmt: skip
-NUMBERS = re.compile(r"^\s*[-+.\deE]+([\s,;]+[-+.\deE]+){2,}\s*$")
+NUMBERS_PATTERN = re.compile(r"^\s*[-+.\deE]+([\s,;]+[-+.\deE]+){2,}\s*$")
 SAMPLE_LINES = 20
 
 
@@ -61,13 +61,13 @@ def refuse_points(data: bytes) -> None:
     """MeshError if the file is a table of numbers, as point clouds are (XYZ, PTS, ASC)."""
     lines = data[:8192].decode("latin-1").splitlines()[:-1][: SAMPLE_LINES + 1]
     rows = [line for line in lines[1:] if line.strip()]  # the first line may be a count or a heading
-    if len(rows) >= 3 and all(NUMBERS.match(line) for line in rows):
+    if len(rows) >= 3 and all(NUMBERS_PATTERN.match(line) for line in rows):
         raise point_cloud("The file is a table of points, not a mesh.")
 
 
 def point_cloud(title: str) -> MeshError:
     """The error for a file that holds points without faces."""
-    return MeshError("point-cloud", "unsupported", title, POINTS)
+    return MeshError("point-cloud", "unsupported", title, POINT_CLOUD_HINT)
 
 
 def _unsupported(title: str, hint: str) -> MeshError:

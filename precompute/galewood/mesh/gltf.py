@@ -18,8 +18,8 @@ from galewood.mesh.gltf_instancing import instance_matrices
 from galewood.mesh.gltf_placement import moved_as_a_whole, moved_by_vertex
 from galewood.mesh.gltf_primitive import (
     TRIANGLE_FAN,
+    TRIANGLE_LIST,
     TRIANGLE_STRIP,
-    TRIANGLES,
     PrimitiveReader,
 )
 from galewood.mesh.gltf_scene import placed_meshes
@@ -104,7 +104,7 @@ def _scene_parts(document: GltfDocument) -> list[RawPart]:
     found: list[RawPart] = []
     for placed in placed_meshes(document.json):
         for raw in placed.mesh.get("primitives", []):
-            if raw.get("mode", TRIANGLES) not in (TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN):
+            if raw.get("mode", TRIANGLE_LIST) not in (TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN):
                 document.source.warn("Points and lines in the file are not used.")
                 continue
             matrices = instance_matrices(document, placed)

@@ -17,9 +17,9 @@ from galewood.mesh.limits import MAX_VERTICES, check_faces
 from galewood.util import Ints, MeshError
 
 Json = dict[str, Any]
-NAME = "KHR_draco_mesh_compression"
+EXTENSION_NAME = "KHR_draco_mesh_compression"
 HEADER_BYTES = 11
-MESH, SEQUENTIAL, EDGEBREAKER = 1, 0, 1
+TRIANGULAR_MESH, SEQUENTIAL_METHOD, EDGEBREAKER_METHOD = 1, 0, 1
 HAS_METADATA = 0x8000
 
 
@@ -27,7 +27,7 @@ class DracoPrimitive:
     """The decoded mesh of a primitive: triangles, and rows of each attribute."""
 
     def __init__(self, document: GltfDocument, primitive: Json) -> None:
-        extension = primitive["extensions"][NAME]
+        extension = primitive["extensions"][EXTENSION_NAME]
         self._ids: dict[str, int] = extension["attributes"]
         content = document.view_bytes(extension["bufferView"])[0]
         _check_declared(content)
@@ -63,14 +63,18 @@ def _check_declared(content: bytes) -> None:
     if len(content) < HEADER_BYTES or content[:5] != b"DRACO":
         raise _damaged()
     major, minor, kind, method, flags = struct.unpack_from("<BBBBH", content, 5)
-    if kind != MESH:
+    if kind != TRIANGULAR_MESH:
         raise broken("draco-damaged", "A compressed mesh is a point cloud.")
-    if flags & HAS_METADATA or (major, minor) < (2, 2) or method not in (SEQUENTIAL, EDGEBREAKER):
+    if (
+        flags & HAS_METADATA
+        or (major, minor) < (2, 2)
+        or method not in (SEQUENTIAL_METHOD, EDGEBREAKER_METHOD)
+    ):
         return  # older streams, which few files have, are limited only by the memory of the process
-    at = HEADER_BYTES + (1 if method == EDGEBREAKER else 0)
+    at = HEADER_BYTES + (1 if method == EDGEBREAKER_METHOD else 0)
     first, at = _varint(content, at)
     second = _varint(content, at)[0]
-    faces, vertices = (second, first) if method == EDGEBREAKER else (first, second)
+    faces, vertices = (second, first) if method == EDGEBREAKER_METHOD else (first, second)
     check_faces(faces)
     if vertices > MAX_VERTICES:
         raise broken("wrong-count", f"A compressed mesh declares {vertices} vertices.")

@@ -8,7 +8,7 @@ from galewood.mesh.companions import Source
 from galewood.util import MeshError
 
 Json = dict[str, Any]
-UNDERSTOOD = {
+SUPPORTED_EXTENSIONS = {
     "KHR_mesh_quantization",
     "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",
@@ -22,7 +22,7 @@ UNDERSTOOD = {
     "KHR_materials_pbrSpecularGlossiness",
 }
 # they change how a surface shines, or name things that are no part of a tree
-HARMLESS = (
+HARMLESS_EXTENSIONS = (
     "KHR_materials_",
     "KHR_lights_",
     "EXT_lights_",
@@ -36,7 +36,7 @@ HARMLESS = (
 def check_required(document: Json) -> None:
     """MeshError if the file requires an extension without which it would be drawn wrong."""
     required = [str(name) for name in document.get("extensionsRequired", [])]
-    unknown = [n for n in required if n not in UNDERSTOOD and not n.startswith(HARMLESS)]
+    unknown = [n for n in required if n not in SUPPORTED_EXTENSIONS and not n.startswith(HARMLESS_EXTENSIONS)]
     if any("texture" not in name for name in unknown):
         raise MeshError(
             "gltf-extension",
@@ -49,7 +49,7 @@ def check_required(document: Json) -> None:
 def warn_of_unused(document: Json, source: Source) -> None:
     """Report extensions and animations that have no effect here."""
     used = {str(name) for key in ("extensionsUsed", "extensionsRequired") for name in document.get(key, [])}
-    unused = sorted(used - UNDERSTOOD)
+    unused = sorted(used - SUPPORTED_EXTENSIONS)
     if unused:
         listed = ", ".join(unused[:8]) + (", …" if len(unused) > 8 else "")
         source.warn(f"These extensions of the file are not drawn: {listed}.")

@@ -9,19 +9,27 @@ from galewood.mesh.gltf_material import natural
 from galewood.mesh.gltf_scene import Placed, composed
 from galewood.util import Floats, MeshError
 
-NAME = "EXT_mesh_gpu_instancing"
+EXTENSION_NAME = "EXT_mesh_gpu_instancing"
 MAX_INSTANCES = 100_000
-IDENTITY = {"TRANSLATION": (0.0, 0.0, 0.0), "ROTATION": (0.0, 0.0, 0.0, 1.0), "SCALE": (1.0, 1.0, 1.0)}
+IDENTITY_TRANSFORM = {
+    "TRANSLATION": (0.0, 0.0, 0.0),
+    "ROTATION": (0.0, 0.0, 0.0, 1.0),
+    "SCALE": (1.0, 1.0, 1.0),
+}
 
 
 def instance_matrices(document: GltfDocument, placed: Placed) -> Floats:
     """World matrices (k, 4, 4) of all places at which a node's mesh is drawn."""
-    extension = placed.node.get("extensions", {}).get(NAME)
+    extension = placed.node.get("extensions", {}).get(EXTENSION_NAME)
     if extension is None:
         return placed.world[None]
     attributes: dict[str, int] = extension["attributes"]
     accessors = document.json["accessors"]
-    counts = {natural(accessors[natural(i)]["count"]) for name, i in attributes.items() if name in IDENTITY}
+    counts = {
+        natural(accessors[natural(i)]["count"])
+        for name, i in attributes.items()
+        if name in IDENTITY_TRANSFORM
+    }
     if len(counts) != 1:
         raise broken("gltf-structure", "The attributes of the instances differ in length.")
     count = counts.pop()
@@ -32,14 +40,14 @@ def instance_matrices(document: GltfDocument, placed: Placed) -> Floats:
             f"A mesh is drawn {count} times; the limit is {MAX_INSTANCES}.",
             "Export a single tree, with fewer instances.",
         )
-    rows = {name: _rows(document, attributes.get(name), name, count) for name in IDENTITY}
+    rows = {name: _rows(document, attributes.get(name), name, count) for name in IDENTITY_TRANSFORM}
     return placed.world @ composed(rows["TRANSLATION"], rows["ROTATION"], rows["SCALE"])
 
 
 def _rows(document: GltfDocument, index: int | None, name: str, count: int) -> Floats:
     values = document.floats(index)
     if values is None:
-        return np.tile(np.array(IDENTITY[name]), (count, 1))
-    if values.shape[1] != len(IDENTITY[name]):
+        return np.tile(np.array(IDENTITY_TRANSFORM[name]), (count, 1))
+    if values.shape[1] != len(IDENTITY_TRANSFORM[name]):
         raise broken("gltf-structure", f"The {name} of the instances has a wrong type.")
     return values

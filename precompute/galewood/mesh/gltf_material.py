@@ -24,7 +24,7 @@ SLOTS = (
     ("", "occlusionTexture"),
     ("", "emissiveTexture"),
 )
-KEPT = (
+KEPT_PROPERTIES = (
     "name", "pbrMetallicRoughness", "normalTexture", "occlusionTexture", "emissiveTexture",
     "emissiveFactor", "alphaMode", "alphaCutoff", "doubleSided",
 )  # fmt: skip
@@ -32,7 +32,7 @@ KEPT = (
 
 def read_material(document: Json, raw: Json, images: TextureReader) -> Material:
     """A material whose texture infos contain image keys ("image 3") instead of texture indices."""
-    material = copy.deepcopy({k: raw[k] for k in KEPT if k in raw})
+    material = copy.deepcopy({k: raw[k] for k in KEPT_PROPERTIES if k in raw})
     extensions = raw.get("extensions", {})
     if "KHR_materials_unlit" in extensions:
         material["extensions"] = {"KHR_materials_unlit": {}}

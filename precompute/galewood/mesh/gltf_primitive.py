@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from galewood.mesh.gltf_document import COMPONENTS, GltfDocument, as_floats, broken
-from galewood.mesh.gltf_draco import NAME as DRACO
+from galewood.mesh.gltf_draco import EXTENSION_NAME as DRACO
 from galewood.mesh.gltf_draco import DracoPrimitive
 from galewood.mesh.gltf_material import natural, read_material
 from galewood.mesh.gltf_scene import Placed
@@ -19,7 +19,7 @@ from galewood.mesh.types import Material
 from galewood.util import Floats, Ints
 
 Json = dict[str, Any]
-TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN = 4, 5, 6
+TRIANGLE_LIST, TRIANGLE_STRIP, TRIANGLE_FAN = 4, 5, 6
 SPARE_VERTICES = 2  # vertices per used one beyond which the unused are removed: some files share one buffer
 Rows = Callable[[str], NDArray[Any] | None]
 
@@ -107,7 +107,7 @@ class PrimitiveReader:
             indices = self._document.accessor(raw["indices"])[:, 0].astype(np.int64)
         else:
             indices = np.arange(count, dtype=np.int64)
-        return _triangles(indices, raw.get("mode", TRIANGLES))
+        return _triangles(indices, raw.get("mode", TRIANGLE_LIST))
 
     def _material(self, index: int | None) -> tuple[Material, UvChoice]:
         if index not in self._materials:
@@ -134,11 +134,11 @@ class PrimitiveReader:
 def _triangle_count(document: GltfDocument, raw: Json) -> int:
     source = raw["indices"] if "indices" in raw else raw["attributes"]["POSITION"]
     corners = natural(document.json["accessors"][natural(source)]["count"])
-    return corners // 3 if raw.get("mode", TRIANGLES) == TRIANGLES else max(corners - 2, 0)
+    return corners // 3 if raw.get("mode", TRIANGLE_LIST) == TRIANGLE_LIST else max(corners - 2, 0)
 
 
 def _triangles(indices: NDArray[np.int64], mode: int) -> Ints:
-    if mode == TRIANGLES:
+    if mode == TRIANGLE_LIST:
         return indices[: len(indices) // 3 * 3].reshape(-1, 3).astype(np.int32)
     i = np.arange(max(len(indices) - 2, 0))
     if mode == TRIANGLE_FAN:

@@ -16,7 +16,7 @@ from galewood.mesh.types import Material
 from galewood.util import Floats
 
 Json = dict[str, Any]
-NAME = "KHR_texture_transform"
+EXTENSION_NAME = "KHR_texture_transform"
 MAX_SETS = 8
 
 
@@ -58,7 +58,7 @@ def choose_uv(material: Material, source: Source) -> UvChoice:
 
 
 def _wanted(info: Json) -> UvChoice:
-    transform = info.get("extensions", {}).get(NAME, {})
+    transform = info.get("extensions", {}).get(EXTENSION_NAME, {})
     texture_set = int(transform.get("texCoord", info.get("texCoord", 0)))
     if not 0 <= texture_set < MAX_SETS:
         raise IndexError(f"texture set {texture_set}")

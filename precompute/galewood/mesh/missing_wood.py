@@ -29,7 +29,7 @@ from galewood.mesh.added_lines import (
     trunk_area_m2,
 )
 from galewood.mesh.arms import arms_of, triangle_areas, ways
-from galewood.mesh.clumps import FAR, Clumps, clumps_of, clustered
+from galewood.mesh.clumps import REACH_HEIGHT_SHARE, Clumps, clumps_of, clustered
 from galewood.mesh.qsm import Line, tube
 from galewood.mesh.repair import Surface
 from galewood.mesh.sections import edge_samples, sections_at
@@ -45,24 +45,24 @@ FAR_SHARE = 0.15
 MOST_BOUGHS, MOST_FRONDS = 16, 48
 FROND_SIZE = 0.15
 """Shortest frond that gets a rib, relative to the height."""
-RIBLESS = 0.5
+MAX_WOODED_LENGTH_SHARE = 0.5
 """Share of its length that a frond may have wood beside it and still get a rib."""
 FROND_RADIUS = 0.01
 """Largest radius of a rib at its base, relative to its length (assumed)."""
 LEAST_END = 0.25
 """Least cross-section of a stem at the end of the drawn trunk, relative to the pipe model."""
-HUBER = 2e-4
+HUBER_VALUE = 2e-4
 """Cross-section of wood per leaf area of a plant without any drawn wood (assumed: 1 cm² for 0.5 m²)."""
-THINNEST, THICKEST = 1 / 160, 1 / 25
+MIN_FOOT_RADIUS_RATIO, MAX_FOOT_RADIUS_RATIO = 1 / 160, 1 / 25
 """Radius of the foot of such a plant, relative to its height."""
-SLENDEREST = 1 / 130
+MIN_STEM_RADIUS_RATIO = 1 / 130
 """Least radius of each of several stems, relative to its length (assumed)."""
-FOOT = 0.08
+FOOT_HEIGHT_SHARE = 0.08
 """Height of the common foot of its stems, relative to its height."""
-TALL = 1.5
+SINGLE_STEM_ASPECT_RATIO = 1.5
 """Height over width of a crown without any wood from which it has one stem, not several."""
 STEMS_WIDE, MOST_STEMS = 0.25, 7
-SPARSE_FACES, BILLBOARD = 2, 0.5
+SPARSE_FACES, BILLBOARD_HEIGHT_SHARE = 2, 0.5
 """Pieces of so few faces and so large, relative to the height, are pictures of a tree and no leaves."""
 
 
@@ -102,15 +102,21 @@ def synthesize_stems(leaves: Sequence[RawPart]) -> Completed:
     place, height_m = foot_of_leaves(leaves)
     area = float(clumps.area_m2.sum())
     _check_leaves(clumps, height_m, area)
-    radius = float(np.clip(np.sqrt(HUBER * area / np.pi), THINNEST * height_m, THICKEST * height_m))
-    points = place + np.linspace(0, FOOT * height_m, 4)[:, None] * np.array([0.0, 1.0, 0.0])
+    radius = float(
+        np.clip(
+            np.sqrt(HUBER_VALUE * area / np.pi),
+            MIN_FOOT_RADIUS_RATIO * height_m,
+            MAX_FOOT_RADIUS_RATIO * height_m,
+        )
+    )
+    points = place + np.linspace(0, FOOT_HEIGHT_SHARE * height_m, 4)[:, None] * np.array([0.0, 1.0, 0.0])
     foot = AddedLine("stem", points, np.full(4, radius))
     grower = _Grower(_surface([foot]), clumps, height_m, np.pi * radius**2 / area, leafy=True)
     grower.add_fronds(0.0)
     rest = ~grower.served
     if rest.any():
         size = np.ptp(clumps.corner_m[np.isin(clumps.clump, np.flatnonzero(rest))].reshape(-1, 3), axis=0)
-        if rest.sum() == 1 or size[1] > TALL * max(size[0], size[2]):
+        if rest.sum() == 1 or size[1] > SINGLE_STEM_ASPECT_RATIO * max(size[0], size[2]):
             grower.add_stem()
             grower.add_boughs(0.0)
         else:
@@ -134,7 +140,7 @@ def _check_leaves(clumps: Clumps, height_m: float, area_m2: float) -> None:
     np.minimum.at(low, clumps.clump, clumps.corner_m.min(axis=1))
     np.maximum.at(high, clumps.clump, clumps.corner_m.max(axis=1))
     size = np.linalg.norm(high - low, axis=1)
-    cards = (faces <= SPARSE_FACES) & (size > BILLBOARD * height_m)
+    cards = (faces <= SPARSE_FACES) & (size > BILLBOARD_HEIGHT_SHARE * height_m)
     if not area_m2 > 0 or clumps.area_m2[cards].sum() > 0.5 * area_m2:
         raise MeshError(
             "no-wood",
@@ -198,7 +204,7 @@ class _Grower:
             if path is None or line_marks(path)[-1] < FROND_SIZE * self._height_m:
                 return []
             near = KDTree(self._points).query(path)[0] < 0.1 * line_marks(path)[-1]
-            if near.mean() < RIBLESS:
+            if near.mean() < MAX_WOODED_LENGTH_SHARE:
                 ribs.append(self._frond(corners_m[arm == number], path))
         return ribs
 
@@ -237,7 +243,9 @@ class _Grower:
         area = self._clumps.area_m2
         if not len(far) or area[far].sum() <= least * area.sum():
             return
-        label = clustered(self._clumps.centre_m[far], area[far], FAR * self._height_m, MOST_BOUGHS)
+        label = clustered(
+            self._clumps.centre_m[far], area[far], REACH_HEIGHT_SHARE * self._height_m, MOST_BOUGHS
+        )
         for number in range(int(label.max()) + 1):
             self._add_bough(far[label == number])
         self.served[far] = True
@@ -270,7 +278,7 @@ class _Grower:
             points = stem_path(foot_m, np.array([0.0, 1.0, 0.0]), end, 0.06 * self._height_m)
             own = np.isin(self._clumps.clump, members)
             load = carried(points, self._clumps.point_m[own], self._clumps.point_area_m2[own])
-            least = np.pi * (SLENDEREST * line_marks(points)[-1]) ** 2
+            least = np.pi * (MIN_STEM_RADIUS_RATIO * line_marks(points)[-1]) ** 2
             base = max(self._area_per_leaf * float(self._clumps.area_m2[members].sum()), least)
             self._lines.append(AddedLine("stem", points, pipe_radius(load, line_marks(points), base)))
         self.served[rest] = True
@@ -314,7 +322,7 @@ class _Grower:
             "length_m": round(sum(line.length_m for line in lines), 3),
             "volume_m3": sum(line.volume_m3 for line in lines),
         }
-        return Completed(whole, len(added.faces), lines, report, [warning + OFF])
+        return Completed(whole, len(added.faces), lines, report, [warning + DISABLE_HINT])
 
     def _why(self, lines: list[AddedLine], why: str) -> str:
         if self._leafy or any(line.kind == "stem" for line in lines):
@@ -322,7 +330,7 @@ class _Grower:
         return "there is foliage that the wood does not reach"
 
 
-OFF = "To do without, choose not to complete the wood (--no-complete)."
+DISABLE_HINT = "To do without, choose not to complete the wood (--no-complete)."
 
 
 def _words(lines: list[AddedLine]) -> str:

@@ -20,7 +20,7 @@ Json = dict[str, Any]
 MAX_LIBRARIES = 20
 MAX_MATERIALS = 2_000
 OPTION_WORDS = {"-mm": 2, "-o": 3, "-s": 3, "-t": 3}  # words after an option of a map; others have one
-OPAQUE = 0.98
+OPAQUE_ALPHA = 0.98
 NOT_DRAWN = ("map_bump", "bump", "norm", "map_ks", "map_ns", "map_ke", "map_pr", "map_pm", "disp", "refl")
 
 
@@ -108,7 +108,7 @@ def _material(name: str, entry: _Entry, source: Source) -> Material:
         if entry.colour is None or max(entry.colour) <= 0.0:  # some programs write black beside a texture
             factor[:3] = [1.0, 1.0, 1.0]
         cut_out_by_alpha(found, "base")
-    if opacity < OPAQUE and "alphaMode" not in found.json:
+    if opacity < OPAQUE_ALPHA and "alphaMode" not in found.json:
         found.json["alphaMode"] = "BLEND"
     unused = sorted(set(entry.maps) - {"map_kd", "map_d", "map_ka"})
     if unused:

@@ -18,9 +18,9 @@ from galewood.mesh.mtl import read_libraries
 from galewood.mesh.types import Material, RawPart
 from galewood.util import Floats, MeshError, shown_text
 
-MISSING = 0  # OBJ indices start at 1; 0 means absent
+MISSING_INDEX = 0  # OBJ indices start at 1; 0 means absent
 Corner = tuple[int, int, int]
-COLOURED = 6  # numbers of a vertex with a colour
+COLOURED_VERTEX_LENGTH = 6  # numbers of a vertex with a colour
 NOT_DRAWN = {"p": "points", "l": "lines", "curv": "curves", "surf": "surfaces"}
 
 
@@ -108,7 +108,7 @@ def _take_vertex(obj: _Obj, words: list[str]) -> None:
     if len(values) < 3:
         raise ValueError("a vertex needs three coordinates")
     obj.vertices.append(values[:3])
-    if len(values) >= COLOURED:
+    if len(values) >= COLOURED_VERTEX_LENGTH:
         obj.colours.append(values[3:6])
 
 
@@ -129,9 +129,9 @@ def _corner(obj: _Obj, word: str) -> Corner:
     fields = word.split("/")
     first = _index(fields[0], len(obj.vertices))
     if len(fields) == 1:
-        return first, MISSING, MISSING
-    second = _index(fields[1], len(obj.uvs)) if fields[1] else MISSING
-    third = _index(fields[2], len(obj.normals)) if len(fields) > 2 and fields[2] else MISSING
+        return first, MISSING_INDEX, MISSING_INDEX
+    second = _index(fields[1], len(obj.uvs)) if fields[1] else MISSING_INDEX
+    third = _index(fields[2], len(obj.normals)) if len(fields) > 2 and fields[2] else MISSING_INDEX
     return first, second, third
 
 
@@ -186,7 +186,7 @@ def _distinct(corners: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np
 
 
 def _attribute(rows: list[list[float]], indices: NDArray[np.int64]) -> Floats | None:
-    if not rows or bool((indices == MISSING).any()):
+    if not rows or bool((indices == MISSING_INDEX).any()):
         return None
     return np.array(rows, dtype=np.float64)[indices - 1]
 

@@ -10,18 +10,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from galewood.mesh.piece_evidence import ALIKE, Mask, is_sheet, is_tube
+from galewood.mesh.piece_evidence import ALIKE_COLOUR_DISTANCE, Mask, is_sheet, is_tube
 from galewood.mesh.piece_names import named_kind, named_other
 from galewood.mesh.pieces import Pieces
 from galewood.mesh.touching import groups
 from galewood.mesh.types import RawPart
 from galewood.util import Floats, Ints
 
-GAP = 0.02  # of the scene's height: nearer pieces touch
-FLAT = 0.14  # height of ground, of its width
-LOW = 0.15  # ground lies below this share of the scene
-WIDE = 0.25  # least width of ground, of the scene's height
-BESIDE = 0.1  # least distance of a fence or rock from the foot of the trunk, of the tree's height
+TOUCH_HEIGHT_SHARE = 0.02  # of the scene's height: nearer pieces touch
+GROUND_FLATNESS = 0.14  # height of ground, of its width
+GROUND_HEIGHT_SHARE = 0.15  # ground lies below this share of the scene
+MIN_GROUND_WIDTH_RATIO = 0.25  # least width of ground, of the scene's height
+BESIDE_HEIGHT_SHARE = 0.1  # least distance of a fence or rock from the foot of the trunk
 
 
 @dataclass
@@ -64,7 +64,7 @@ def touching(corners: Floats, piece: Ints, members: Mask) -> Ints:
         return np.full(len(members), -1, dtype=np.int32)
     chosen = corners[rows]
     height = float(np.ptp(chosen[:, :, 1]))
-    return groups(chosen, piece[rows], len(members), GAP * (height or 1.0))
+    return groups(chosen, piece[rows], len(members), TOUCH_HEIGHT_SHARE * (height or 1.0))
 
 
 def find_named(parts: list[RawPart], pieces: Pieces, score: Floats, others: Others) -> None:
@@ -91,8 +91,13 @@ def find_ground(pieces: Pieces, score: Floats, others: Others) -> None:
     tall = s.high[:, 1] - s.low[:, 1]
     width = (s.high - s.low)[:, [0, 2]].max(axis=1)
     narrow = (s.high - s.low)[:, [0, 2]].min(axis=1)
-    flat = (tall <= FLAT * width) & (s.along_axes[:, 1] > 0.5) & (narrow > 0.25 * width)
-    ground = rest & flat & (s.high[:, 1] <= low + LOW * scene) & (width >= WIDE * scene)
+    flat = (tall <= GROUND_FLATNESS * width) & (s.along_axes[:, 1] > 0.5) & (narrow > 0.25 * width)
+    ground = (
+        rest
+        & flat
+        & (s.high[:, 1] <= low + GROUND_HEIGHT_SHARE * scene)
+        & (width >= MIN_GROUND_WIDTH_RATIO * scene)
+    )
     if (rest & ~ground).any():
         others.mark(ground, "ground", "wide, flat and horizontal, at the bottom")
 
@@ -157,7 +162,12 @@ def _mark_pot(pieces: Pieces, score: Floats, members: Mask, trunk: Trunk, others
     there = members & around.all(axis=1) & (np.arange(len(pieces)) != trunk.piece)
     low = (s.low[:, 1] <= y + 0.03 * height) & (s.high[:, 1] <= y + 0.3 * height)
     distance = np.linalg.norm(pieces.rgb - pieces.rgb[trunk.piece], axis=1)
-    same = pieces.coloured & pieces.coloured[trunk.piece] & (distance < ALIKE) & (width < 3 * trunk.width)
+    same = (
+        pieces.coloured
+        & pieces.coloured[trunk.piece]
+        & (distance < ALIKE_COLOUR_DISTANCE)
+        & (width < 3 * trunk.width)
+    )
     pot = (
         there
         & low
@@ -180,7 +190,7 @@ def _mark_beside(pieces: Pieces, score: Floats, members: Mask, trunk: Trunk, oth
     elongated = s.extents[:, 0] > 2.5 * s.extents[:, 1]
     compact = ~elongated & (s.extents[:, 2] > 0.2 * s.extents[:, 0])
     others.mark(beside & compact & (score > -2.6) & _not_leafy(pieces), "rock", "a low body beside the trunk")
-    far = low & (np.hypot(*apart.T) > BESIDE * height) & solid & elongated
+    far = low & (np.hypot(*apart.T) > BESIDE_HEIGHT_SHARE * height) & solid & elongated
     if int(far.sum()) >= 3:
         others.mark(far, "fence", "one of several low bars away from the trunk")
     else:
@@ -201,7 +211,7 @@ def _mark_grass(
     if not (leafy & (s.low[:, 1] <= y + 0.03 * height)).any():
         return
     rows = leafy[piece]
-    group = groups(corners[rows], piece[rows], len(pieces), GAP * height)
+    group = groups(corners[rows], piece[rows], len(pieces), TOUCH_HEIGHT_SHARE * height)
     count = int(group.max(initial=-1)) + 1
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(low, group[leafy], s.low[leafy, 1])

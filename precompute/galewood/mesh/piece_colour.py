@@ -18,7 +18,7 @@ from galewood.mesh.types import Material, RawPart
 from galewood.util import Floats
 
 LARGEST_SIDE = 1024  # pixels; larger images are reduced first: a face covers many pixels
-BATCH = 1 << 16  # faces per batch
+BATCH_FACES = 1 << 16  # faces per batch
 CLAMP_TO_EDGE, MIRRORED_REPEAT = 33071, 33648
 # ten points inside a triangle, as weights of its corners
 WEIGHTS = np.array(
@@ -74,8 +74,8 @@ def _sampled(part: RawPart) -> tuple[Floats, Floats] | None:
     sampler = part.material.samplers.get(info["index"], {})
     cutoff = float(part.material.json.get("alphaCutoff", 0.5)) * 255
     light, holes = np.empty((len(part.faces), 3)), np.empty(len(part.faces))
-    for start in range(0, len(part.faces), BATCH):
-        rows = slice(start, start + BATCH)
+    for start in range(0, len(part.faces), BATCH_FACES):
+        rows = slice(start, start + BATCH_FACES)
         points = np.einsum("sk,mkc->msc", WEIGHTS, uv[part.faces[rows]])
         found = pixels[_index(points[..., 1], len(pixels), sampler.get("wrapT")),
                        _index(points[..., 0], pixels.shape[1], sampler.get("wrapS"))]  # fmt: skip

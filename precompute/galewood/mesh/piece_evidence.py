@@ -18,12 +18,12 @@ from galewood.util import Floats
 SURE = 1.0
 """Score above which a piece is classified with confidence."""
 PRIOR = 0.25  # an unknown solid is more often wood
-GROUNDED = 0.03  # of the tree's height
-TALL = 0.25  # of the tree's height
-STOUT = 0.2  # thickness, of the tree's height, above which nothing is a trunk
-MANY = 24  # similar small pieces
-ALIKE = 0.12  # distance of colours that count as the same
-STRIP = 4.5  # flatness (see `_flatness`) above which a piece is a strip
+GROUNDED_HEIGHT_SHARE = 0.03  # of the tree's height
+TALL_HEIGHT_SHARE = 0.25  # of the tree's height
+MAX_TRUNK_THICKNESS_SHARE = 0.2  # thickness, of the tree's height, above which nothing is a trunk
+MANY_PIECES = 24  # similar small pieces
+ALIKE_COLOUR_DISTANCE = 0.12  # distance of colours that count as the same
+STRIP_FLATNESS = 4.5  # flatness (see `_flatness`) above which a piece is a strip
 Mask = np.ndarray
 
 
@@ -53,7 +53,7 @@ class Evidence:
 def is_sheet(s: Shapes) -> Mask:
     """Cards, crossed cards and modelled leaves: open surfaces, or double ones without a volume."""
     long, wide, thin = s.extents.T
-    flat = (thin <= 0.15 * wide) & (_flatness(s) > STRIP)  # not a bent tube
+    flat = (thin <= 0.15 * wide) & (_flatness(s) > STRIP_FLATNESS)  # not a bent tube
     coherent = s.coherence > 0.6
     hollow = (s.thickness < 0.03 * wide) & (s.open_border > 6.0) & (s.faces <= 64)
     return flat | coherent | hollow | (long <= 0)
@@ -69,7 +69,7 @@ def _flatness(s: Shapes) -> Floats:
 
 def is_flattened(s: Shapes) -> Mask:
     """Closed strips and lenses, such as thick fronds: no faces look along their width."""
-    strip = (s.normals[:, 2] < 0.08) & (_flatness(s) > STRIP)
+    strip = (s.normals[:, 2] < 0.08) & (_flatness(s) > STRIP_FLATNESS)
     return ((s.normals[:, 0] > 0.66) | strip) & ~is_sheet(s) & (s.faces > 8)
 
 
@@ -80,7 +80,7 @@ def is_tube(s: Shapes) -> Mask:
     slender = long / np.maximum(wide, 1e-300)
     straight = (slender >= 1.7) & (round_section >= np.where(slender >= 3.0, 0.45, 0.55))
     branching = (s.thickness < 0.15 * long) & (s.normals[:, 0] < 0.6)
-    branching &= (s.thickness > 0.003 * long) | (_flatness(s) < STRIP)
+    branching &= (s.thickness > 0.003 * long) | (_flatness(s) < STRIP_FLATNESS)
     branching &= (s.coherence < 0.35) & (s.open_border < 40.0)
     return (straight & (s.normals[:, 0] < 0.7) | branching) & ~is_sheet(s) & ~is_flattened(s)
 
@@ -131,9 +131,9 @@ def add_position(found: Evidence, pieces: Pieces, members: Mask) -> None:
     ground, top = float(s.low[members, 1].min()), float(s.high[members, 1].max())
     height = max(top - ground, 1e-300)
     rounded, sheet = is_round(s), is_sheet(s)
-    grounded = members & (s.low[:, 1] <= ground + GROUNDED * height)
-    tall = s.high[:, 1] - s.low[:, 1] >= TALL * height
-    stout = s.thickness > STOUT * height
+    grounded = members & (s.low[:, 1] <= ground + GROUNDED_HEIGHT_SHARE * height)
+    tall = s.high[:, 1] - s.low[:, 1] >= TALL_HEIGHT_SHARE * height
+    stout = s.thickness > MAX_TRUNK_THICKNESS_SHARE * height
     width = np.maximum(np.ptp(np.stack([s.low, s.high]), axis=0)[:, [0, 2]].max(axis=1), 1e-300)
     narrow = (s.thickness < 0.3 * width) | (width < 0.3 * height)
     trunk = grounded & tall & ~sheet & ~stout & narrow
@@ -142,10 +142,12 @@ def add_position(found: Evidence, pieces: Pieces, members: Mask) -> None:
     above = members & ~grounded & (s.centre[:, 1] > ground + 0.4 * height)
     found.add(above & rounded, -0.8, "in the crown")
     small = members & (s.area < 0.01 * height**2) & ~is_tube(s)
-    if int(small.sum()) >= MANY:
+    if int(small.sum()) >= MANY_PIECES:
         found.add(small, -0.8, f"one of {int(small.sum())} similar small pieces")
     foot = (
-        members & (s.low[:, 1] <= ground + GROUNDED * height) & (s.high[:, 1] - s.low[:, 1] >= 0.08 * height)
+        members
+        & (s.low[:, 1] <= ground + GROUNDED_HEIGHT_SHARE * height)
+        & (s.high[:, 1] - s.low[:, 1] >= 0.08 * height)
     )
     below = s.high[:, 1] < ground + 0.5 * height
     spread = (s.high[members].max(axis=0) - s.low[members].min(axis=0))[[0, 2]].max()
@@ -161,5 +163,5 @@ def _compare_with_trunk(found: Evidence, pieces: Pieces, members: Mask, trunk: M
     best = int(np.argmax(np.where(sure, pieces.shapes.high[:, 1] - pieces.shapes.low[:, 1], -1.0)))
     distance = np.linalg.norm(pieces.rgb - pieces.rgb[best], axis=1)
     others = members & pieces.coloured & (np.arange(len(pieces)) != best)
-    found.add(others & (distance < ALIKE), 0.8, "coloured like the trunk")
-    found.add(others & (distance > 2 * ALIKE), -0.6, "coloured unlike the trunk")
+    found.add(others & (distance < ALIKE_COLOUR_DISTANCE), 0.8, "coloured like the trunk")
+    found.add(others & (distance > 2 * ALIKE_COLOUR_DISTANCE), -0.6, "coloured unlike the trunk")

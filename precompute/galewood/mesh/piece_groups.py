@@ -16,8 +16,8 @@ from galewood.mesh.pieces import Pieces
 from galewood.mesh.types import Kind, RawPart
 from galewood.util import Floats, Ints
 
-LARGE = 0.03  # of the area of all pieces
-LARGEST = 24  # so many large pieces at most are groups of their own
+LARGE_AREA_SHARE = 0.03  # of the area of all pieces
+MAX_LARGE_PIECES = 24  # so many large pieces at most are groups of their own
 GroupKind = Literal["wood", "twigs", "leaves", "other"]
 
 
@@ -71,8 +71,8 @@ def group_pieces(
 ) -> list[Group]:
     """All groups, in the order of the file. They depend on the file alone, not on choices."""
     area = pieces.shapes.area
-    alone = set(np.argsort(-area, kind="stable")[:LARGEST].tolist()) & set(
-        np.flatnonzero(area >= LARGE * area.sum()).tolist()
+    alone = set(np.argsort(-area, kind="stable")[:MAX_LARGE_PIECES].tolist()) & set(
+        np.flatnonzero(area >= LARGE_AREA_SHARE * area.sum()).tolist()
     )
     members: dict[tuple[Any, ...], list[int]] = {}
     for k in range(len(pieces)):

@@ -39,7 +39,7 @@ OTHER_NAMES = {
         r"bench|house|lamp|skybox|backdrop|pedestal|\bsky\b|collider|collision|\bucx\b", re.I
     ),
 }
-OWN = re.compile(r"(wood|twigs|leaves)_\d+$")
+OWN_NAME_PATTERN = re.compile(r"(wood|twigs|leaves)_\d+$")
 """Names that the render GLB of an import has."""
 
 
@@ -69,7 +69,7 @@ def _spaced(label: str) -> str:
 
 def own_kind(part: RawPart) -> Kind | None:
     """The kind of a part that an earlier import has written."""
-    found = [match for label in part.labels if (match := OWN.match(label))]
+    found = [match for label in part.labels if (match := OWN_NAME_PATTERN.match(label))]
     if not found:
         return None
     word = found[-1].group(1)

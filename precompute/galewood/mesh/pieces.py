@@ -21,7 +21,7 @@ SPLIT_SHARE = 0.03  # least share of the area on either side of a division
 SPLIT_DISTANCE = 0.16  # least distance of the two mean colours
 SPLIT_SPREAD = 0.26  # spread of the colours within both sides, relative to their distance
 SPLIT_BORDER = 0.3  # faces at the border, relative to those of a random division
-LIGHTNESS = 0.35  # weight of lightness beside hue: a crown may be lit from one side
+LIGHTNESS_WEIGHT = 0.35  # weight of lightness beside hue: a crown may be lit from one side
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ def _divided(surface: Surface, label: Ints, count: int, colour: FaceColours) -> 
 def _opponent(rgb: Floats) -> Floats:
     """Colours as red − green, yellow − blue and little lightness: hue tells bark from leaves."""
     r, g, b = rgb.T
-    return np.column_stack([r - g, (r + g) / 2 - b, LIGHTNESS * (r + g + b) / 3])
+    return np.column_stack([r - g, (r + g) / 2 - b, LIGHTNESS_WEIGHT * (r + g + b) / 3])
 
 
 def _spreads(seen: Floats, label: Ints, count: int, area: Floats) -> Floats:

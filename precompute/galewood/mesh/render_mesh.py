@@ -14,9 +14,9 @@ from galewood.mesh.types import Material, RenderPrimitive, TreeMesh
 from galewood.util import Floats, Ints
 
 Json = dict[str, Any]
-FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
+GLTF_FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
-WEBP, WEBP_EXTENSION = "image/webp", "EXT_texture_webp"
+WEBP_MIME, WEBP_EXTENSION = "image/webp", "EXT_texture_webp"
 DEFAULT_COLOURS = {
     "wood": [0.28, 0.2, 0.14, 1.0],
     "twigs": [0.28, 0.2, 0.14, 1.0],
@@ -114,7 +114,7 @@ class GlbWriter:
         values = np.ascontiguousarray(rows, dtype="<f4")
         accessor: Json = {
             "bufferView": self._view(values.tobytes(), ARRAY_BUFFER),
-            "componentType": FLOAT,
+            "componentType": GLTF_FLOAT,
             "count": len(values),
             "type": f"VEC{values.shape[1]}" if values.shape[1] > 1 else "SCALAR",
         }
@@ -161,7 +161,7 @@ class GlbWriter:
             self.images[content] = len(self.document["images"]) - 1
         self.document["samplers"].append(material.samplers.get(key, {}))
         source: Json = {"source": self.images[content]}
-        if mime == WEBP:  # the extension has no plain fallback here, so the file requires it
+        if mime == WEBP_MIME:  # the extension has no plain fallback here, so the file requires it
             self.extensions.add(WEBP_EXTENSION)
             source = {"extensions": {WEBP_EXTENSION: source}}
         self.document["textures"].append(source | {"sampler": len(self.document["samplers"]) - 1})

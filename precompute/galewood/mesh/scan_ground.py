@@ -13,20 +13,20 @@ from galewood.mesh.types import RawPart
 from galewood.util import Floats
 
 LEAST_FACES = 300
-CELLS = 48
-LARGE = 0.25  # of the area of all pieces
-FOOT = 0.12  # the ground is in this lowest share of a piece's height
-WIDER = 2.5  # ground is so much wider than the trunk just above it
-COVERED = 0.3  # of the cells of the ground's extent
-LIFT = 0.025  # of the height: faces this near the terrain are ground
-LEVEL = 0.5  # least Σ a n_y² / Σ a of the ground: terrain faces up, branches and trunks do not
+GRID_CELLS = 48
+LARGE_AREA_SHARE = 0.25  # of the area of all pieces
+FOOT_HEIGHT_SHARE = 0.12  # the ground is in this lowest share of a piece's height
+MIN_WIDENING_RATIO = 2.5  # ground is so much wider than the trunk just above it
+MIN_COVERED_SHARE = 0.3  # of the cells of the ground's extent
+GROUND_LIFT_SHARE = 0.025  # of the height: faces this near the terrain are ground
+MIN_LEVELNESS = 0.5  # least Σ a n_y² / Σ a of the ground: terrain faces up, branches and trunks do not
 
 
 def without_ground(parts: list[RawPart], pieces: Pieces) -> Pieces:
     """The pieces (y up), with the ground that is connected with a tree as pieces of its own."""
     s = pieces.shapes
     total = float(s.area.sum())
-    for k in np.flatnonzero((s.area > LARGE * total) & (s.faces >= LEAST_FACES)).tolist():
+    for k in np.flatnonzero((s.area > LARGE_AREA_SHARE * total) & (s.faces >= LEAST_FACES)).tolist():
         part = int(pieces.part[k])
         own = np.flatnonzero(pieces.of_face[part] == k)
         ground = ground_faces(parts[part].positions[parts[part].faces[own]])
@@ -43,29 +43,31 @@ def ground_faces(corners: Floats) -> np.ndarray | None:
     start, size = plan.min(axis=0), max(float(np.ptp(plan, axis=0).max()), 1e-300)
     if not height > 0:
         return None
-    in_foot = centre[:, 1] <= low + FOOT * height
-    above = (centre[:, 1] > low + FOOT * height) & (centre[:, 1] <= low + 2 * FOOT * height)
+    in_foot = centre[:, 1] <= low + FOOT_HEIGHT_SHARE * height
+    above = (centre[:, 1] > low + FOOT_HEIGHT_SHARE * height) & (
+        centre[:, 1] <= low + 2 * FOOT_HEIGHT_SHARE * height
+    )
     if in_foot.sum() < 50 or above.sum() < 3:
         return None
     axis = np.median(plan[above], axis=0)
     reach = np.linalg.norm(plan[above] - axis, axis=1)
     trunk = float(np.quantile(reach, 0.8))
     spread = float(np.quantile(np.linalg.norm(plan[in_foot] - axis, axis=1), 0.8))
-    cell = np.minimum(((plan - start) / size * CELLS).astype(np.intp), CELLS - 1)
-    terrain = np.full((CELLS, CELLS), np.inf)
+    cell = np.minimum(((plan - start) / size * GRID_CELLS).astype(np.intp), GRID_CELLS - 1)
+    terrain = np.full((GRID_CELLS, GRID_CELLS), np.inf)
     np.minimum.at(terrain, (cell[in_foot, 0], cell[in_foot, 1]), centre[in_foot, 1])
     covered = float(np.isfinite(terrain).mean()) * size**2 / max(float(np.prod(np.ptp(plan, axis=0))), 1e-300)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
     level = float((normal[in_foot, 1] ** 2 / area[in_foot]).sum() / area[in_foot].sum())
-    if spread < WIDER * trunk or covered < COVERED or level < LEVEL:
+    if spread < MIN_WIDENING_RATIO * trunk or covered < MIN_COVERED_SHARE or level < MIN_LEVELNESS:
         return None
     smooth = _filled(terrain)
     floor = smooth[cell[:, 0], cell[:, 1]]
     away = np.linalg.norm(plan - axis, axis=1)
-    near = 1.3 * trunk + LIFT * height
-    ground = (centre[:, 1] <= floor + LIFT * height) | (in_foot & (away > 2.5 * near))
-    return ground & ((away > near) | (centre[:, 1] < floor + 0.2 * LIFT * height))
+    near = 1.3 * trunk + GROUND_LIFT_SHARE * height
+    ground = (centre[:, 1] <= floor + GROUND_LIFT_SHARE * height) | (in_foot & (away > 2.5 * near))
+    return ground & ((away > near) | (centre[:, 1] < floor + 0.2 * GROUND_LIFT_SHARE * height))
 
 
 def _filled(terrain: Floats) -> Floats:

@@ -14,11 +14,11 @@ from galewood.mesh.piece_evidence import Mask, is_tube
 from galewood.mesh.pieces import Pieces
 from galewood.util import Floats, Ints
 
-FLOATS = 0.1  # of the scene's height above the ground
-LEAST = 0.3  # height of a tree, of the tallest
-LEAFY = 0.15  # least share of foliage in the area of a tree; bare trees must be TALL_BARE
+FLOATING_HEIGHT_SHARE = 0.1  # of the scene's height above the ground
+MIN_TREE_HEIGHT_SHARE = 0.3  # height of a tree, of the tallest
+MIN_FOLIAGE_SHARE = 0.15  # least share of foliage in the area of a tree; bare trees must be TALL_BARE
 TALL_BARE = 0.5
-APART = 0.35  # least distance of the trunks of two trees, of their height
+MIN_TRUNK_DISTANCE_RATIO = 0.35  # least distance of the trunks of two trees, of their height
 
 
 @dataclass(frozen=True)
@@ -64,13 +64,15 @@ def _judged(pieces: Pieces, score: Floats, group: Ints, low: Floats, high: Float
     sloping = np.abs(s.axis[:, 1]) < 0.9
     branched |= np.bincount(group[inside], (is_tube(s) & sloping)[inside], number) > 1
     floor, reference = float(low[:, 1].min()), float(high[:, 1].max() - low[:, 1].min())
-    grounded = low[:, 1] <= floor + FLOATS * reference
+    grounded = low[:, 1] <= floor + FLOATING_HEIGHT_SHARE * reference
     main = int(np.argmax(np.where(grounded, area * tall**2, -1.0)))
     reference = float(tall[main])
-    leafy = leaves > LEAFY * area
+    leafy = leaves > MIN_FOLIAGE_SHARE * area
     woody = np.bincount(group[inside], ((score > 0) & is_tube(s))[inside], number) > 0
     tree = (
-        grounded & (tall >= LEAST * reference) & (leafy & woody | branched & (tall >= TALL_BARE * reference))
+        grounded
+        & (tall >= MIN_TREE_HEIGHT_SHARE * reference)
+        & (leafy & woody | branched & (tall >= TALL_BARE * reference))
     )
     tree[main] = True
     grounded[main] = True
@@ -116,7 +118,7 @@ def _by_trunk(corners: Floats, piece: Ints, pieces: Pieces, score: Floats, membe
         if len(candidates) < 2:
             continue
         feet = {k: _foot(corners[piece == k].reshape(-1, 3)) for k in candidates.tolist()}
-        trunks = _apart(feet, tall, APART)
+        trunks = _apart(feet, tall, MIN_TRUNK_DISTANCE_RATIO)
         if len(trunks) < 2:
             continue
         place = np.array([feet[k] for k in trunks])

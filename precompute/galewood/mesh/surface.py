@@ -16,8 +16,8 @@ from galewood.mesh.repair import (
 from galewood.util import Floats, Ints, MeshError
 
 STRAY_GAP = 0.1  # relative to the wood's height; components farther apart are separate bodies
-ROOTED = 0.05  # relative to the wood's height; components must reach below this to be rooted
-THICK = 0.1  # relative to the volume of the largest body
+ROOTED_HEIGHT_SHARE = 0.05  # relative to the wood's height; components must reach below this to be rooted
+ROOTED_VOLUME_SHARE = 0.1  # relative to the volume of the largest body
 
 
 def solid_wood(wood: Surface) -> tuple[Surface, Floats, dict[str, int], list[str]]:
@@ -84,8 +84,8 @@ def _one_tree(surface: Surface) -> tuple[Surface, int, Floats]:
     volumes = np.bincount(group, np.abs(signed_volumes(surface, of_face, count)))
     bottoms = np.full(len(volumes), np.inf)
     np.minimum.at(bottoms, group, low[:, 1])
-    ground = float(low[:, 1].min()) + ROOTED * float(np.ptp(surface.vertices[:, 1]))
-    rooted = (bottoms <= ground) & (volumes >= THICK * volumes.max())
+    ground = float(low[:, 1].min()) + ROOTED_HEIGHT_SHARE * float(np.ptp(surface.vertices[:, 1]))
+    rooted = (bottoms <= ground) & (volumes >= ROOTED_VOLUME_SHARE * volumes.max())
     if not rooted.any():
         rooted = volumes == volumes.max()
     main = int(np.argmax(np.where(rooted, volumes, -1.0)))

@@ -19,10 +19,10 @@ from galewood.mesh.limits import MAX_PIXELS
 from galewood.mesh.types import Material
 from galewood.util import MeshError
 
-KTX2 = b"\xabKTX 20\xbb\r\n\x1a\n"
+KTX2_HEADER = b"\xabKTX 20\xbb\r\n\x1a\n"
 KTX2_HEADER_BYTES = 80
 MAX_SIDE = 4096  # larger textures are reduced: many graphics processors cannot take more
-KEPT = {"PNG": "image/png", "JPEG": "image/jpeg", "WEBP": "image/webp"}
+KEPT_FORMATS = {"PNG": "image/png", "JPEG": "image/jpeg", "WEBP": "image/webp"}
 Encoded = tuple[bytes, str]  # content and MIME type
 
 
@@ -32,12 +32,12 @@ def drawable(content: bytes, name: str, source: Source) -> Encoded | None:
     Raises MeshError for images of more than MAX_PIXELS.
     """
     try:
-        if content.startswith(KTX2):
+        if content.startswith(KTX2_HEADER):
             return _png(_reduced(_ktx2(content, name), name, source))
         image = open_image(content)
         _check_pixels(image.width, image.height, name)
-        if image.format in KEPT and max(image.size) <= MAX_SIDE:
-            return content, KEPT[image.format]
+        if image.format in KEPT_FORMATS and max(image.size) <= MAX_SIDE:
+            return content, KEPT_FORMATS[image.format]
         return _png(_reduced(image, name, source))
     except Image.DecompressionBombError as error:
         raise _too_large(name) from error
@@ -138,6 +138,6 @@ def _transcoded(content: bytes) -> NDArray[np.uint8]:
 def _why(content: bytes, error: Exception) -> str:
     if isinstance(error, ImportError):
         return "KTX2 cannot be decoded on this computer"
-    if content.startswith(KTX2):
+    if content.startswith(KTX2_HEADER):
         return f"KTX2: {error}"[:120]
     return "damaged, or not an image"

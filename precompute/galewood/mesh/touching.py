@@ -8,8 +8,8 @@ from scipy.sparse.csgraph import connected_components
 
 from galewood.util import Floats, Ints
 
-SAMPLES = 60_000
-FORWARD = np.array(
+MAX_SAMPLES = 60_000
+FORWARD_CELLS = np.array(
     [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if (i, j, k) > (0, 0, 0)]
 )
 
@@ -27,7 +27,7 @@ def groups(corners: Floats, piece: Ints, count: int, gap: float) -> Ints:
     shifted = cell[first]
     held = np.unique(owner.astype(np.int64) * len(key) + inverse)
     pairs = [np.column_stack([held // len(key), count + held % len(key)])]
-    for step in FORWARD:
+    for step in FORWARD_CELLS:
         wanted = _key(shifted + step, size)
         at = np.clip(np.searchsorted(key, wanted), 0, len(key) - 1)
         hit = key[at] == wanted
@@ -48,16 +48,16 @@ def _key(cells: np.ndarray, size: np.ndarray) -> np.ndarray:
 
 
 def _samples(corners: Floats, piece: Ints) -> tuple[Floats, Ints]:
-    """Centres of all faces, their corners unless there are many, and SAMPLES points by area (fixed seed)."""
+    """Centres of all faces, their corners unless there are many, and MAX_SAMPLES points by area, seeded."""
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     points, owner = [corners.mean(axis=1)], [piece]
-    if len(corners) < SAMPLES:
+    if len(corners) < MAX_SAMPLES:
         points.append(corners.reshape(-1, 3))
         owner.append(np.repeat(piece, 3))
     if area.sum() > 0:
         random = np.random.default_rng(0)
-        face = random.choice(len(corners), SAMPLES, p=area / area.sum())
-        weight = random.random((SAMPLES, 2))
+        face = random.choice(len(corners), MAX_SAMPLES, p=area / area.sum())
+        weight = random.random((MAX_SAMPLES, 2))
         weight[weight.sum(axis=1) > 1] = 1 - weight[weight.sum(axis=1) > 1]
         a, b, c = np.moveaxis(corners[face], 1, 0)
         points.append(a + weight[:, :1] * (b - a) + weight[:, 1:] * (c - a))

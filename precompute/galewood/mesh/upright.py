@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from galewood.mesh.piece_evidence import STOUT, is_tube
+from galewood.mesh.piece_evidence import MAX_TRUNK_THICKNESS_SHARE, is_tube
 from galewood.mesh.pieces import Pieces
 from galewood.util import Floats, Ints
 
 BASE_SLAB = 0.04  # share of the height regarded as the base
-FOOT = 0.1  # a trunk begins within this share of the height from the bottom
-LOWER, UPPER = (0.06, 0.12, 0.2), (0.65, 0.78, 0.9)  # heights of the wood at which its thickness is compared
-THINNER = 3.0  # ratio of the thicknesses that counts in full
-BOTTOM = 0.12  # share of the height in which ground lies
-ACROSS = 0.7  # ground is at least so wide, relative to everything
-COVERED = 0.4  # least share of the plan that ground covers
+FOOT_HEIGHT_SHARE = 0.1  # a trunk begins within this share of the height from the bottom
+LOWER_HEIGHT_SHARES = (0.06, 0.12, 0.2)  # heights of the wood at which its thickness is compared
+UPPER_HEIGHT_SHARES = (0.65, 0.78, 0.9)
+FULL_THICKNESS_RATIO = 3.0  # ratio of the thicknesses that counts in full
+GROUND_HEIGHT_SHARE = 0.12  # share of the height in which ground lies
+GROUND_WIDTH_SHARE = 0.7  # ground is at least so wide, relative to everything
+GROUND_COVERED_SHARE = 0.4  # least share of the plan that ground covers
 
 
 def base(points: Floats) -> float:
@@ -45,7 +46,7 @@ def trunk(corners: Floats, pieces: Pieces, score: Floats) -> float:
     low, high = float(s.low[:, 1].min()), float(s.high[:, 1].max())
     tall = (s.high - s.low)[:, 1]
     extent = max(high - low, 1e-300)
-    fit = is_tube(s) & (score > 0) & (s.low[:, 1] <= low + FOOT * extent) & (tall > 0.2 * extent)
+    fit = is_tube(s) & (score > 0) & (s.low[:, 1] <= low + FOOT_HEIGHT_SHARE * extent) & (tall > 0.2 * extent)
     fit &= s.thickness < 0.25 * extent
     best = 0.0
     for k in np.argsort(-np.where(fit, tall, 0.0))[:3].tolist():
@@ -75,18 +76,18 @@ def taper(corners: Floats, pieces: Pieces, score: Floats) -> float:
     piece = np.concatenate(pieces.of_face)
     s = pieces.shapes
     extent = float((s.high.max(axis=0) - s.low.min(axis=0)).max())
-    rows = ((score > 0) & is_tube(s) & (s.thickness < STOUT * extent))[piece]
+    rows = ((score > 0) & is_tube(s) & (s.thickness < MAX_TRUNK_THICKNESS_SHARE * extent))[piece]
     if not rows.any():
         return 0.0
     own, of = corners[rows], piece[rows]
     low, tall = float(own[:, :, 1].min()), float(np.ptp(own[:, :, 1]))
     lower, upper = (
         np.mean([section_thickness(own, of, low + share * tall) for share in shares])
-        for shares in (LOWER, UPPER)
+        for shares in (LOWER_HEIGHT_SHARES, UPPER_HEIGHT_SHARES)
     )
     if not lower > 0 or not upper > 0:
         return 0.0
-    return float(np.clip(np.log(lower / upper) / np.log(THINNER), -1.0, 1.0))
+    return float(np.clip(np.log(lower / upper) / np.log(FULL_THICKNESS_RATIO), -1.0, 1.0))
 
 
 def section_thickness(corners: Floats, piece: Ints, height: float) -> float:
@@ -126,14 +127,16 @@ def _flat_across(pieces: Pieces) -> np.ndarray:
     s = pieces.shapes
     size = s.high.max(axis=0) - s.low.min(axis=0)
     own = s.high - s.low
-    return (own[:, 1] < BOTTOM * size[1]) & (own[:, [0, 2]] > ACROSS * size[[0, 2]]).all(axis=1)
+    return (own[:, 1] < GROUND_HEIGHT_SHARE * size[1]) & (
+        own[:, [0, 2]] > GROUND_WIDTH_SHARE * size[[0, 2]]
+    ).all(axis=1)
 
 
 def ground(corners: Floats) -> float:
     """1 if wide flat ground lies at the bottom, else 0."""
     centre = corners.mean(axis=1)
     low, extent = float(corners[:, :, 1].min()), max(float(np.ptp(corners[:, :, 1])), 1e-300)
-    there = corners[centre[:, 1] < low + BOTTOM * extent]
+    there = corners[centre[:, 1] < low + GROUND_HEIGHT_SHARE * extent]
     normal = np.cross(there[:, 1] - there[:, 0], there[:, 2] - there[:, 0])
     width = np.ptp(corners.reshape(-1, 3), axis=0)[[0, 2]]
     return float(_level_ground(there, normal, width) or _rough_ground(there, normal, width))
@@ -149,17 +152,17 @@ def _level_ground(corners: Floats, normal: Floats, width: Floats) -> bool:
     # the side of a crown faces outwards, ground faces the tree
     if float(size[level & (normal[:, 1] > 0)].sum()) < 0.4 * area:
         return False
-    return _is_wide(flat, width) and area / 2 > COVERED * float(np.prod(width))
+    return _is_wide(flat, width) and area / 2 > GROUND_COVERED_SHARE * float(np.prod(width))
 
 
 def _rough_ground(corners: Floats, normal: Floats, width: Floats) -> bool:
     """The surface faces the tree and covers the plan: Σ n a is the area inside its outline, however rough."""
     if not len(corners):
         return False
-    return _is_wide(corners.reshape(-1, 3), width) and float(normal[:, 1].sum()) / 2 > COVERED * float(
-        np.prod(width)
-    )
+    return _is_wide(corners.reshape(-1, 3), width) and float(
+        normal[:, 1].sum()
+    ) / 2 > GROUND_COVERED_SHARE * float(np.prod(width))
 
 
 def _is_wide(points: Floats, width: Floats) -> bool:
-    return bool((np.ptp(points, axis=0)[[0, 2]] > ACROSS * width).all())
+    return bool((np.ptp(points, axis=0)[[0, 2]] > GROUND_WIDTH_SHARE * width).all())

@@ -9,7 +9,7 @@ from galewood.mesh import TreeMesh
 from galewood.model.bearers import edge_points
 from galewood.util import Floats
 
-SAMPLES = 200
+SAMPLES_PER_HEIGHT = 200
 """The surfaces are sampled at this fraction of the height."""
 
 
@@ -20,5 +20,5 @@ def in_added_wood(tree: TreeMesh, points_m: Floats) -> np.ndarray:
         return np.zeros(len(points_m), dtype=bool)
     if not len(drawn.faces):
         return np.ones(len(points_m), dtype=bool)
-    near, far = (edge_points(part, tree.height_m / SAMPLES).place_m for part in (added, drawn))
+    near, far = (edge_points(part, tree.height_m / SAMPLES_PER_HEIGHT).place_m for part in (added, drawn))
     return np.asarray(KDTree(near).query(points_m)[0] < KDTree(far).query(points_m)[0])

@@ -26,7 +26,7 @@ from galewood.tets import FLOOR
 from galewood.util import Floats, Ints
 from galewood.wood import Wood
 
-MODES = 80
+MODE_COUNT = 80
 PLACES_PER_BEAM = 4
 """Points along a beam among which the nearest to a vertex is sought."""
 ARM_SHARE = 0.02
@@ -95,7 +95,7 @@ def beam_model(tree: TreeMesh, wood: Wood, leaves: bool = True) -> BeamModel:
     hung_kg = crown.mass_kg + twig_loads(tree, spread, wood_mass, drawn_kg, outline).mass_kg
     clamped_m = CLAMPED_SHARE * float(np.ptp(frame.points_m[:, 1]))
     free = 6 * int((frame.points_m[:, 1] > clamped_m).sum())
-    modes = frame_modes(frame, wood, clamped_m, min(MODES, free // 2), hung_kg)
+    modes = frame_modes(frame, wood, clamped_m, min(MODE_COUNT, free // 2), hung_kg)
     arm_m = ARM_SHARE * tree.height_m
     return BeamModel(
         modes.frequencies_hz,

@@ -19,13 +19,13 @@ from scipy.optimize import minimize
 from galewood.fem import PAIRS, ElementSystem, tangent_modes
 from galewood.util import Floats, Int32s
 
-SMALLEST, LARGEST = 0.02, 4.0
+MIN_FACTOR, MAX_FACTOR = 0.02, 4.0
 """Bounds of the factors."""
-START = 0.3
-MODES = 32
-COUPLES = 8
+START_FACTOR = 0.3
+MODE_COUNT = 32
+COUPLE_COUNT = 8
 COUPLE_WEIGHT = 0.1
-REGULARISATION = 1e-4
+REGULARISATION_WEIGHT = 1e-4
 """Regularisation: weight of the mean squared distance of the logarithms from their start."""
 
 
@@ -68,7 +68,7 @@ def reference_target(
     """
     count = len(vertex_mass_kg)
     zero = np.zeros_like(reference.rest)
-    modes = min(MODES, 3 * reference.free // 2)
+    modes = min(MODE_COUNT, 3 * reference.free // 2)
     omega, inner = tangent_modes(reference, zero, node_mass_kg[reference.order], modes)
     shapes = np.empty_like(inner)
     shapes[:, reference.order] = inner
@@ -77,8 +77,8 @@ def reference_target(
     wind = np.eye(3)[[0, 2], None, :] * area[None, :, None]
     vertices = np.empty_like(reference.rest)
     vertices[reference.order] = reference.rest
-    load = np.concatenate([inertia, wind, random_couples(vertices[:count], COUPLES, seed)])
-    weight = np.concatenate([omega[0] / omega, np.ones(2), np.full(COUPLES, COUPLE_WEIGHT)])
+    load = np.concatenate([inertia, wind, random_couples(vertices[:count], COUPLE_COUNT, seed)])
+    weight = np.concatenate([omega[0] / omega, np.ones(2), np.full(COUPLE_COUNT, COUPLE_WEIGHT)])
     wide = np.zeros((len(load), len(vertices), 3))
     wide[:, :count] = load
     reference.assemble(zero, zero, 1.0, np.zeros(len(zero)), zero.copy())
@@ -98,13 +98,13 @@ def fit_factors(
 ) -> Fit:
     """Fit the factors of a linear mesh's axial and shear stiffness blocks, (m,10,3,3) each, to the target."""
     problem = _Problem(system, axial, shear, vertex_mass_kg, target)
-    start = np.full(2 * len(axial), np.log(START))
+    start = np.full(2 * len(axial), np.log(START_FACTOR))
     found = minimize(
         problem.value_and_gradient,
         start,
         jac=True,
         method="L-BFGS-B",
-        bounds=[(np.log(SMALLEST), np.log(LARGEST))] * len(start),
+        bounds=[(np.log(MIN_FACTOR), np.log(MAX_FACTOR))] * len(start),
         options={"maxfun": evaluations, "maxcor": 20},
     )
     factors = problem.factors(found.x)
@@ -144,9 +144,9 @@ class _Problem:
         self.mismatch = float(np.vdot(off, u - self.target.u_m))
         slope = -_gram(self.tets, solve_loads(self.system, 2 * off), u)
         log_gradient = [f * _contract(k, slope) for f, k in zip(factors, self.parts, strict=True)]  # ∂/∂log
-        offset = x - np.log(START)
-        value = self.mismatch + REGULARISATION * float(np.mean(offset**2))
-        return value, np.concatenate(log_gradient) + 2 * REGULARISATION / len(x) * offset
+        offset = x - np.log(START_FACTOR)
+        value = self.mismatch + REGULARISATION_WEIGHT * float(np.mean(offset**2))
+        return value, np.concatenate(log_gradient) + 2 * REGULARISATION_WEIGHT / len(x) * offset
 
 
 def _gram(tets: Int32s, a: Floats, b: Floats) -> Floats:

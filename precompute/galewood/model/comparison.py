@@ -7,7 +7,7 @@ import numpy as np
 from galewood.fem import FemModel, Simulator, solve_static
 from galewood.util import Floats
 
-SWAY = 0.04
+SWAY_HEIGHT_SHARE = 0.04
 """Largest static displacement, relative to the height, under the gusts of the comparison.
 
 They oscillate near the first frequency, so a slender tree reaches five times as much, a fifth of its height.
@@ -36,7 +36,9 @@ def gusty_pressure(model: FemModel, frames: int) -> Floats:
     swell = np.minimum(time, 1.0)
     pulse = swell * (0.6 + 0.4 * np.sin(2 * np.pi * first_hz * time))
     heading = 0.5 * np.sin(2 * np.pi * 0.3 * first_hz * time)
-    return static_pressure(model, SWAY) * np.column_stack([pulse * np.cos(heading), pulse * np.sin(heading)])
+    return static_pressure(model, SWAY_HEIGHT_SHARE) * np.column_stack(
+        [pulse * np.cos(heading), pulse * np.sin(heading)]
+    )
 
 
 def static_pressure(model: FemModel, sway: float) -> float:

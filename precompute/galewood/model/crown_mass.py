@@ -40,7 +40,7 @@ MOST_TWIG_MASS = 0.5
 """Relative to the mass of the wood."""
 LIMB_SHARE = 0.5
 """Radius, relative to the trunk's, below which a limb bears twigs if the tree has no leaves."""
-SOURCE = "pipe model; fresh branch mass 0.0419 d^2.79 kg (21 branches, FES 519b, Yale)"
+MASS_SOURCE = "pipe model; fresh branch mass 0.0419 d^2.79 kg (21 branches, FES 519b, Yale)"
 
 Spread = Callable[[RenderPrimitive, Floats], Floats]
 """Distributes an amount (v,) at the vertices of a primitive to the points (n,) of a model."""
@@ -97,7 +97,7 @@ def twig_loads(
     report = {
         "added_twig_mass_kg": float(mass.sum()),
         "twig_mass_capped": missing > most,
-        "twig_mass_source": SOURCE,
+        "twig_mass_source": MASS_SOURCE,
         "trunk_diameter_cm": trunk_cm,
         "finest_branch_cm": finest_cm,
     }

@@ -15,7 +15,7 @@ import numpy as np
 from galewood.fem import FemModel, Modes
 from galewood.util import Floats
 
-SIGNIFICANT = 0.05
+SIGNIFICANT_MASS_SHARE = 0.05
 """Horizontal effective mass over free mass of a mode that is reported as main sway."""
 
 
@@ -48,7 +48,7 @@ def sway_report(model: FemModel, modes: Modes) -> dict[str, Any]:
     horizontal = horizontal_masses(effective)
     free = free_mass_kg(model)
     main = int(np.argmax(horizontal))
-    found = horizontal[main] > SIGNIFICANT * free
+    found = horizontal[main] > SIGNIFICANT_MASS_SHARE * free
     return {
         "free_mass_kg": free,
         "effective_mass_kg": effective.round(4).tolist(),

@@ -31,8 +31,8 @@ from galewood.fem import (
 )
 from galewood.util import Floats, Int32s
 
-MODES = 24
-REPORTED = 10
+MODE_COUNT = 24
+REPORTED_MODES = 10
 
 
 class Limbs(NamedTuple):
@@ -51,7 +51,7 @@ class Resting(NamedTuple):
 
     def frequencies(self) -> list[float]:
         """The lowest frequencies, Hz."""
-        return [float(f) for f in self.modes.frequencies_hz[:REPORTED]]
+        return [float(f) for f in self.modes.frequencies_hz[:REPORTED_MODES]]
 
 
 def at_rest(model: FemModel, system: ElementSystem, limbs: Limbs) -> Resting:
@@ -141,5 +141,5 @@ def _resting(model: FemModel, system: ElementSystem, pose: RestPose) -> Resting:
     model = replace(model, u_rest=pose.u_m, gravity_n=pose.gravity_n)
     model = replace(model, prestress=rest_prestress(model))
     system.set_prestress(model.prestress)
-    count = min(MODES, 3 * system.free // 2)
+    count = min(MODE_COUNT, 3 * system.free // 2)
     return Resting(model, natural_modes(model, count, system), pose.report)

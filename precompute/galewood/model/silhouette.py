@@ -7,7 +7,7 @@ import numpy as np
 
 from galewood.util import Floats
 
-DIRECTIONS = 6
+DIRECTION_COUNT = 6
 PIXELS_HIGH = 384
 
 
@@ -35,7 +35,9 @@ def silhouette_area(triangles_m: Floats, coverage: Floats) -> float:
     height = float(np.ptp(triangles_m[:, :, 1]))
     pixel = height / PIXELS_HIGH
     areas: list[float] = []
-    for angle in np.arange(DIRECTIONS) * np.pi / DIRECTIONS:  # opposite directions have the same silhouette
+    for angle in (
+        np.arange(DIRECTION_COUNT) * np.pi / DIRECTION_COUNT
+    ):  # opposite directions have the same silhouette
         sideways = triangles_m[:, :, 0] * np.cos(angle) + triangles_m[:, :, 2] * np.sin(angle)
         flat = (
             np.stack([sideways - sideways.min(), triangles_m[:, :, 1] - triangles_m[:, :, 1].min()], axis=2)

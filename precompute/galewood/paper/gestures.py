@@ -33,10 +33,10 @@ from galewood.table import Table
 from galewood.util import Floats
 
 TARGET_DIRECTION_DEG = 60.0
-TARGET = (0.62, 0.45, 4.3)
+TARGET_WIND = (0.62, 0.45, 4.3)
 """Wind of the paper's Fig. 3a, which has no numbers: peak over the design speed, depth, period in s."""
 DIRECTION_FRAME = 20
-OWN = "paper-own-table"
+OWN_TABLE = "paper-own-table"
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Fig5:
 
 def target_wind(table: Table, frames: int) -> Floats:
     """(frames, 2) Pa: a cosine wind at 60° with an amplitude and a period that no sampled wind has."""
-    peak, depth, period_s = TARGET
+    peak, depth, period_s = TARGET_WIND
     t = np.arange(frames) * float(table.metadata["dt_s"])
     wave = (1 + depth * np.cos(2 * np.pi * (t / period_s + 0.5))) / (1 + depth)
     return along(float(table.metadata["design_speed_m_s"]) * peak * wave, np.radians(TARGET_DIRECTION_DEG))
@@ -77,7 +77,7 @@ def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
     shapes: dict[str, tuple[Subspace, Floats]] = {
         name: (source.subspace, played(table, wind, make)[0]) for name, make in METHODS.items()
     }
-    shapes[OWN] = (own_modes, played(own, wind, literal)[0])
+    shapes[OWN_TABLE] = (own_modes, played(own, wind, literal)[0])
     sway = np.linalg.norm(reference, axis=2).max(axis=1)
     height_m = float(table.metadata["height_m"])
     figures = {
@@ -92,7 +92,7 @@ def paper_gestures(plan: Plan, table: Table, source: Source) -> Fig3:
         },
     }
     shown = (20, 40, 60)
-    pose = {name: {f: q[f - 1] for f in shown} for name, (_, q) in shapes.items() if name != OWN}
+    pose = {name: {f: q[f - 1] for f in shown} for name, (_, q) in shapes.items() if name != OWN_TABLE}
     return Fig3(figures, {f: reference[f - 1].astype(np.float64) for f in shown}, pose)
 
 

@@ -20,7 +20,7 @@ Move = Callable[[Floats], Floats]
 
 PAPER_ELEMENTS = (35, 135, 235, 335, 435)
 PAPER_FPS = (1133, 1098, 836, 602, 487)
-WOOD, INK, MODAL, PAPER = "#4a3526", "#333333", "#1b7f5c", "#c2571a"
+WOOD_COLOUR, INK_COLOUR, MODAL_COLOUR, PAPER_COLOUR = "#4a3526", "#333333", "#1b7f5c", "#c2571a"
 LEAVES = {"poplar": "#c9a227", "maple": "#b5432a", "apricot": "#d08a3c"}
 LIGHT_COLOURS = 96
 DRAWN_SWAY = 0.1
@@ -60,7 +60,7 @@ def draw_winds(table: Table, plan: Plan, path: Path) -> None:
     figure = new_figure(7.0, 2.6)
     panels = figure.subplots(2, 3, sharex=True, sharey=True).ravel()
     for k, (panel, wind) in enumerate(zip(panels, chosen, strict=True)):
-        panel.plot(np.linalg.norm(wind.pressure_pa, axis=1), color=MODAL, linewidth=1.3)
+        panel.plot(np.linalg.norm(wind.pressure_pa, axis=1), color=MODAL_COLOUR, linewidth=1.3)
         panel.set_title(f"wind {k + 1}", fontsize=8, loc="left")
         panel.tick_params(labelsize=7)
         panel.spines[["top", "right"]].set_visible(False)
@@ -144,7 +144,7 @@ def draw_tree(
     if ghost_m is not None:
         _patches(panel, source, (positions + ghost_m) @ view, "#a8a8a8", "#cfcfcf")
     colour = LEAVES.get(str(table.metadata.get("species")), "#a8842c")
-    _patches(panel, source, (positions + moved_m) @ view, WOOD, colour)
+    _patches(panel, source, (positions + moved_m) @ view, WOOD_COLOUR, colour)
     visible = 1.0 if arrow_deg is None else np.cos(np.radians(arrow_deg))
     if abs(visible) > 0.1:
         low = -0.07 * height
@@ -190,7 +190,9 @@ def draw_elements(found: dict[str, dict[str, Any]], elements: Sequence[int], pat
     """Table 1 as curves: steps a second of one tree over the number of sampled elements."""
     figure = new_figure(6.4, 3.0)
     panel = figure.subplots()
-    panel.semilogy(PAPER_ELEMENTS, PAPER_FPS, "o-", color=INK, linewidth=1.2, label="paper (its machine)")
+    panel.semilogy(
+        PAPER_ELEMENTS, PAPER_FPS, "o-", color=INK_COLOUR, linewidth=1.2, label="paper (its machine)"
+    )
     curves = (
         ("exhaustive_us", "every state compared, as printed", ":"),
         ("paper_us", "exact short lists", "-"),
@@ -199,7 +201,7 @@ def draw_elements(found: dict[str, dict[str, Any]], elements: Sequence[int], pat
     for key, label, dashes in curves:
         for k, rows in enumerate(found.values()):
             rates = [1e6 / rows[str(count)][key] for count in elements]
-            colour = MODAL if key == "modal_us" else PAPER
+            colour = MODAL_COLOUR if key == "modal_us" else PAPER_COLOUR
             panel.semilogy(elements, rates, dashes, color=colour, linewidth=1.1, label=None if k else label)
     panel.set_xlabel("sampled elements", fontsize=8)
     panel.set_ylabel("steps of one tree a second", fontsize=8)

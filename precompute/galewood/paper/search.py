@@ -18,8 +18,8 @@ from galewood.search import compared, mismatch_rows
 from galewood.table import Table
 from galewood.util import Array
 
-TREES = 100
-CHUNK = 64
+TREE_COUNT = 100
+CHUNK_RECORDS = 64
 
 
 @numba.njit(cache=True, nogil=True)
@@ -73,8 +73,8 @@ class Literal:
         """Precompute all comparisons, for many queries; the counts are the same."""
         z = len(self._pressure)
         self._rows = np.empty((z, z), np.uint16)
-        for first in range(0, z, CHUNK):
-            last = min(first + CHUNK, z)
+        for first in range(0, z, CHUNK_RECORDS):
+            last = min(first + CHUNK_RECORDS, z)
             self._rows[first:last] = mismatch_rows(self._layout, first, last)
 
     def _row(self, state: int) -> Array:
@@ -118,29 +118,31 @@ def against_brute_force(
     queries = differences = 0
     states: set[int] = set()
     while queries < plan.queries:
-        forest = PaperForest(table, TREES, pose_easing=0.0, still_air=False)
-        weight = np.zeros(TREES)
+        forest = PaperForest(table, TREE_COUNT, pose_easing=0.0, still_air=False)
+        weight = np.zeros(TREE_COUNT)
         for _ in range(20):
             if queries >= plan.queries:
                 break
             f = _winds(rng, table, peak)
             before = forest.record.copy()
             forest.advance(float(table.metadata["dt_s"]) * (1 + 1e-12), f[:, 0], f[:, 1])
-            for i in range(TREES):
+            for i in range(TREE_COUNT):
                 found = literal.find(int(before[i]), weight[i], (float(f[i, 0]), float(f[i, 1])))
                 differences += int(found != forest.record[i])
                 follows = before[i] >= 0 and forest.record[i] == before[i] + 1
                 weight[i] = min(literal.most, weight[i] + literal.growth) if follows else literal.least
             states.update(before.tolist())
-            queries += TREES
+            queries += TREE_COUNT
             on_progress(min(queries / plan.queries, 1.0), f"Compared {queries:,} of {plan.queries:,} queries")
     return {"queries": queries, "differences": differences, "states": len(states), "seed": plan.seed}
 
 
 def _winds(rng: np.random.Generator, table: Table, peak: float) -> npt.NDArray[np.float32]:
-    """(TREES, 2) Pa in single precision, so that both searches get exactly the same pressures."""
-    own = table.records.pressure_pa[rng.integers(0, len(table.records.pressure_pa), TREES)].astype(np.float64)
-    angle, size = rng.uniform(0, 2 * np.pi, TREES), peak * np.sqrt(rng.uniform(0, 1.69, TREES))
-    size[2 * TREES // 3 :] *= 0.02
+    """(TREE_COUNT, 2) Pa in single precision, so that both searches get exactly the same pressures."""
+    own = table.records.pressure_pa[rng.integers(0, len(table.records.pressure_pa), TREE_COUNT)].astype(
+        np.float64
+    )
+    angle, size = rng.uniform(0, 2 * np.pi, TREE_COUNT), peak * np.sqrt(rng.uniform(0, 1.69, TREE_COUNT))
+    size[2 * TREE_COUNT // 3 :] *= 0.02
     any_wind = size[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return np.where((np.arange(TREES) < TREES // 3)[:, None], own, any_wind).astype(np.float32)
+    return np.where((np.arange(TREE_COUNT) < TREE_COUNT // 3)[:, None], own, any_wind).astype(np.float32)

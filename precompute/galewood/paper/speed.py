@@ -33,8 +33,8 @@ from galewood.table import Table, encode
 from galewood.wind import PRESETS, WindField
 
 DIRECTION_DEG = 60.0
-TREES = 1000
-REPEATS = 5
+TREE_COUNT = 1000
+REPEAT_COUNT = 5
 FORESTS: dict[str, Callable[[Table, int], Forest]] = {
     "modal": lambda table, count: ModalForest(
         table.modal, float(table.metadata["dt_s"]), table.mode_scale, count
@@ -104,7 +104,7 @@ def _at_points(run: Trajectory, vertices: npt.NDArray[np.int64], kept: npt.NDArr
     )  # fmt: skip
 
 
-def step_us(table: Table, method: str, plan: Plan, trees: int = TREES) -> float:
+def step_us(table: Table, method: str, plan: Plan, trees: int = TREE_COUNT) -> float:
     """CPU time, µs, of one step of one tree under a gusty wind."""
     forest, dt_s = FORESTS[method](table, trees), float(table.metadata["dt_s"])
     x, z, yaw, _ = grid_placements(trees)
@@ -112,7 +112,7 @@ def step_us(table: Table, method: str, plan: Plan, trees: int = TREES) -> float:
     field, pressure = WindField(PRESETS["autumn-gusts"]), np.zeros((2, trees), np.float32)
     steps = plan.steps if trees > 1 else 20 * plan.steps
     best = np.inf
-    for repeat in range(REPEATS):
+    for repeat in range(REPEAT_COUNT):
         spent = 0.0
         for step in range(steps):
             if trees > 1 or step % 20 == 0:
@@ -130,7 +130,7 @@ def exhaustive_us(runs: Sequence[SampledRun], table: Table, plan: Plan) -> float
     peak = float(np.abs(table.records.pressure_pa).max())
     state = literal.find(-1, 0.0, (peak, 0.0))
     best = np.inf
-    for _ in range(REPEATS):
+    for _ in range(REPEAT_COUNT):
         start = time.process_time_ns()
         for _ in range(max(4, plan.steps // 10)):
             fx, fz = rng.uniform(-peak, peak, 2)
@@ -165,7 +165,7 @@ def _forest_ms(
     field, pressure = WindField(PRESETS["autumn-gusts"]), np.zeros((2, len(x)), np.float32)
     dt_s = float(tables[0].metadata["dt_s"])
     best = (np.inf, np.inf)
-    for repeat in range(REPEATS):
+    for repeat in range(REPEAT_COUNT):
         wind_ns = step_ns = 0
         for step in range(plan.steps):
             began = time.process_time_ns()

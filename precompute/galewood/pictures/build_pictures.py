@@ -9,8 +9,8 @@ from matplotlib.colors import LinearSegmentedColormap, to_rgba
 from numpy.typing import NDArray
 
 from galewood.pictures.canvas import (
-    INK,
-    PAGE,
+    INK_COLOUR,
+    PAGE_COLOUR,
     SOFT_INK,
     Camera,
     add_faces,
@@ -25,18 +25,20 @@ from galewood.skeleton import Skeleton
 from galewood.tets import FACES_OF_TET, TetMesh, boundary_faces
 from galewood.util import Floats, Ints
 
-BARK, SAPWOOD = np.array([0.80, 0.57, 0.37]), np.array([0.98, 0.80, 0.52])
-SAMPLE = "#ffd36b"
-ORDERS = LinearSegmentedColormap.from_list("orders", ["#f2ad3f", "#e0664f", "#b0568f", "#6f6fc4", "#58a6d6"])
-ADDED = to_rgba("#6fd08c")
+BARK_RGB, SAPWOOD_RGB = np.array([0.80, 0.57, 0.37]), np.array([0.98, 0.80, 0.52])
+SAMPLE_COLOUR = "#ffd36b"
+ORDER_COLOURS = LinearSegmentedColormap.from_list(
+    "orders", ["#f2ad3f", "#e0664f", "#b0568f", "#6f6fc4", "#58a6d6"]
+)
+ADDED_COLOUR = to_rgba("#6fd08c")
 MOST_ORDERS = 5
 CLOSE_UP_SHARE = 0.06
 """Half the width of the close-up's view over the height of the wood."""
-TALL = 1.35
+CLOSE_UP_ASPECT_RATIO = 1.35
 """Aspect ratio of the close-up: height over width."""
 CUT_SHARE = 0.04
 """Distance of the cut in front of the middle of the wood, over half the width of the close-up."""
-SHRUNK = 0.84
+TET_SCALE = 0.84
 """Scale of the tetrahedra in the close-up, so that gaps separate them."""
 
 
@@ -59,7 +61,7 @@ def tetrahedra_png(mesh: TetMesh) -> bytes:
 def _draw_wood(plot: Axes, mesh: TetMesh, camera: Camera) -> None:
     view = camera.view(mesh.vertices_m)
     faces = view[boundary_faces(mesh.tets)]
-    add_faces(plot, faces, lit(faces, BARK), edge=0.72, width=0.35)
+    add_faces(plot, faces, lit(faces, BARK_RGB), edge=0.72, width=0.35)
     frame_points(plot, view[:, :2])
 
 
@@ -81,20 +83,23 @@ def _draw_inside(plot: Axes, mesh: TetMesh, camera: Camera, at_m: Floats, half_m
     view, middle = camera.view(mesh.vertices_m), camera.view(at_m[None])[0]
     corners = view[mesh.tets]
     centre = corners.mean(axis=1)
-    near = np.abs(centre[:, :2] - middle[:2]) < half_m * np.array([1.3, TALL + 0.4])
+    near = np.abs(centre[:, :2] - middle[:2]) < half_m * np.array([1.3, CLOSE_UP_ASPECT_RATIO + 0.4])
     shown = near.all(axis=1) & (centre[:, 2] < middle[2] + CUT_SHARE * half_m)
     corners, centre = corners[shown], centre[shown]
-    small = centre[:, None] + SHRUNK * (corners - centre[:, None])
+    small = centre[:, None] + TET_SCALE * (corners - centre[:, None])
     faces = small[:, FACES_OF_TET].reshape(-1, 3, 3)
     depth = np.clip(np.repeat((middle[2] - centre[:, 2]) / half_m, 4), 0.0, 1.0)[:, None]
-    add_faces(plot, faces, lit(faces, SAPWOOD + depth * (BARK - SAPWOOD)), edge=0.45, width=0.5)
+    add_faces(plot, faces, lit(faces, SAPWOOD_RGB + depth * (BARK_RGB - SAPWOOD_RGB)), edge=0.45, width=0.5)
     plot.set_xlim(middle[0] - half_m, middle[0] + half_m)
-    plot.set_ylim(middle[1] - TALL * half_m, middle[1] + TALL * half_m)
+    plot.set_ylim(middle[1] - CLOSE_UP_ASPECT_RATIO * half_m, middle[1] + CLOSE_UP_ASPECT_RATIO * half_m)
 
 
 def _mark(whole: Axes, near: Axes, middle: Floats, half_m: float) -> None:
     """Frame the close-up and mark its place in the whole picture."""
-    x, y = half_m * np.array([-1, 1, 1, -1, -1]), TALL * half_m * np.array([-1, -1, 1, 1, -1])
+    x, y = (
+        half_m * np.array([-1, 1, 1, -1, -1]),
+        CLOSE_UP_ASPECT_RATIO * half_m * np.array([-1, -1, 1, 1, -1]),
+    )
     whole.plot(middle[0] + x, middle[1] + y, color=SOFT_INK, linewidth=0.8)
     x, y = [0, 1, 1, 0, 0], [0, 0, 1, 1, 0]
     near.plot(x, y, transform=near.transAxes, color=SOFT_INK, linewidth=1.2, clip_on=False)
@@ -148,12 +153,14 @@ def _lines(skeleton: Skeleton, camera: Camera, added: NDArray[np.bool_] | None) 
     child, order = child[twigs_first], order[twigs_first]
     widths = 0.9 + 6.0 * skeleton.radius_m[child] / float(skeleton.radius_m.max())
     segments = list(np.stack([flat[skeleton.parent[child]], flat[child]], axis=1))
-    colours = ORDERS(order / max(int(order.max()), 1))
+    colours = ORDER_COLOURS(order / max(int(order.max()), 1))
     if added is not None:
-        colours[added[child]] = ADDED
+        colours[added[child]] = ADDED_COLOUR
     return LineCollection(segments, colors=colours, linewidths=widths, capstyle="round", zorder=2)
 
 
 def _draw_samples(plot: Axes, centres: Floats) -> None:
-    plot.scatter(centres[:, 0], centres[:, 1], s=150, color=SAMPLE, alpha=0.16, linewidths=0, zorder=3)
-    plot.scatter(centres[:, 0], centres[:, 1], s=26, color=INK, edgecolors=PAGE, linewidths=1.0, zorder=4)
+    plot.scatter(centres[:, 0], centres[:, 1], s=150, color=SAMPLE_COLOUR, alpha=0.16, linewidths=0, zorder=3)
+    plot.scatter(
+        centres[:, 0], centres[:, 1], s=26, color=INK_COLOUR, edgecolors=PAGE_COLOUR, linewidths=1.0, zorder=4
+    )

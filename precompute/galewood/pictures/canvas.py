@@ -14,8 +14,8 @@ from PIL import Image
 
 from galewood.util import Floats
 
-PAGE, INK, SOFT_INK = "#141b20", "#f4efe6", "#a9b1b3"
-COLOURS = 255
+PAGE_COLOUR, INK_COLOUR, SOFT_INK = "#141b20", "#f4efe6", "#a9b1b3"
+PALETTE_COLOURS = 255
 """Palette size; keeps a picture below 200 kB."""
 SIZE_INCHES, DOTS_PER_INCH = (9.6, 9.6), 100
 
@@ -64,7 +64,7 @@ def add_faces(plot: Axes, faces: Floats, colour: Floats, *, edge: float, width: 
 
 def empty_page() -> Figure:
     """Create a figure with the background colour of the page."""
-    figure = Figure(figsize=SIZE_INCHES, dpi=DOTS_PER_INCH, facecolor=PAGE)
+    figure = Figure(figsize=SIZE_INCHES, dpi=DOTS_PER_INCH, facecolor=PAGE_COLOUR)
     FigureCanvasAgg(figure)
     return figure
 
@@ -87,7 +87,7 @@ def frame_points(plot: Axes, flat_m: Floats, margin: float = 0.03) -> None:
 
 def write_title(figure: Figure, title: str, facts: str) -> None:
     """Write a title and a line of facts at the top left."""
-    figure.text(0.04, 0.955, title, color=INK, fontsize=17, va="center")
+    figure.text(0.04, 0.955, title, color=INK_COLOUR, fontsize=17, va="center")
     figure.text(0.04, 0.922, facts, color=SOFT_INK, fontsize=11, va="center")
 
 
@@ -97,6 +97,6 @@ def png(figure: Figure) -> bytes:
     figure.savefig(stream, format="raw")
     width, height = figure.canvas.get_width_height()
     pixels = Image.frombytes("RGBA", (width, height), stream.getvalue())
-    small, out = pixels.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE), io.BytesIO()
+    small, out = pixels.convert("RGB").quantize(PALETTE_COLOURS, dither=Image.Dither.NONE), io.BytesIO()
     small.save(out, format="PNG", optimize=True)
     return out.getvalue()

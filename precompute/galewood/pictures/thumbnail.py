@@ -12,11 +12,11 @@ from galewood.sandbox import Arrays, Limits, run_limited
 from galewood.util import Floats
 
 SIDE_PX = 256
-OVERSAMPLING = 3
-MARGIN = 0.04
-LIGHT = np.array([0.4, 0.75, 0.53])  # from above, right and front
-WOOD, LEAVES = (0.45, 0.36, 0.28), (0.42, 0.52, 0.22)
-ADDED = (70, 190, 255, 150)
+OVERSAMPLING_FACTOR = 3
+MARGIN_SHARE = 0.04
+LIGHT_DIRECTION = np.array([0.4, 0.75, 0.53])  # from above, right and front
+WOOD_RGB, LEAVES = (0.45, 0.36, 0.28), (0.42, 0.52, 0.22)
+ADDED_RGBA = (70, 190, 255, 150)
 LIMITS = Limits(memory_bytes=3 << 30, cpu_s=20)
 
 
@@ -51,7 +51,7 @@ def draw(parts: list[RawPart], side_px: int = SIDE_PX, added: Floats | None = No
     centres = triangles.mean(axis=1, keepdims=True)
     triangles = centres + (triangles - centres) * np.sqrt(colours[:, 3])[:, None, None]
     shaded = colours[:, :3] * _light(triangles)[:, None]
-    side = side_px * OVERSAMPLING
+    side = side_px * OVERSAMPLING_FACTOR
     flat = _to_pixels(triangles, side)
     image = Image.new("RGBA", (side, side))
     pen = ImageDraw.Draw(image)
@@ -71,7 +71,7 @@ def _over(added: Floats, triangles: Floats, side: int) -> Image.Image:
     layer = Image.new("RGBA", (side, side))
     pen = ImageDraw.Draw(layer)
     for corners in _to_pixels(added, side, triangles).reshape(-1, 6).tolist():
-        pen.polygon(corners, fill=ADDED)
+        pen.polygon(corners, fill=ADDED_RGBA)
     return layer
 
 
@@ -79,7 +79,7 @@ def _to_pixels(triangles: Floats, side: int, whole: Floats | None = None) -> Flo
     """(k, 3, 2) corners in pixels; the whole tree is centred and fills the picture."""
     flat, all_corners = triangles[:, :, :2], (triangles if whole is None else whole)[:, :, :2]
     low, high = all_corners.min(axis=(0, 1)), all_corners.max(axis=(0, 1))
-    pixels = side * (1 - 2 * MARGIN) / max(float((high - low).max()), 1e-9)
+    pixels = side * (1 - 2 * MARGIN_SHARE) / max(float((high - low).max()), 1e-9)
     centred = (flat - (low + high) / 2) * pixels
     return np.stack([side / 2 + centred[:, :, 0], side / 2 - centred[:, :, 1]], axis=2)
 
@@ -88,13 +88,13 @@ def _light(triangles: Floats) -> Floats:
     """(k,) brightness of triangles (k, 3, 3): ambient plus diffuse light, equal on both sides."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     lengths = np.maximum(np.linalg.norm(normals, axis=1), 1e-30)
-    return 0.55 + 0.6 * np.abs(normals @ LIGHT) / lengths
+    return 0.55 + 0.6 * np.abs(normals @ LIGHT_DIRECTION) / lengths
 
 
 def _colours(part: RawPart) -> Floats:
     """(k, 4) colour and opacity of each face from its material; leaves vary slightly in brightness."""
     is_leaf = any(label.startswith("leaves") for label in part.labels)
-    base = np.array([*(LEAVES if is_leaf else WOOD), 1.0])
+    base = np.array([*(LEAVES if is_leaf else WOOD_RGB), 1.0])
     if part.material is not None:
         base = _material_colour(part.material, base)
     colours = np.tile(base, (len(part.faces), 1))

@@ -14,7 +14,7 @@ from galewood.wood import Wood, wood_of_species
 BREEZE_M_S, STORM_M_S = 10.0, 18.0
 LINEAR_SHARE = 0.2
 """Sway over height beyond which the linear response overestimates."""
-SLOWEST = 0.5
+MIN_FREQUENCY_RATIO = 0.5
 """Lowest frequency to suggest, over that of measured trees: softer trees could not carry their own weight."""
 VISIBLE_SHARE = 0.01
 """Sway in the strong wind, relative to the height, below which a tree hardly seems to move."""
@@ -49,7 +49,7 @@ def expected_motion(tree: TreeMesh, wood: Wood | None = None) -> dict[str, Any] 
 def _lively_hz(first_hz: float, typical_hz: float, share: float) -> float:
     """At most the frequency of measured trees; lower if the sway is not visible then, but not much lower."""
     visible_hz = first_hz * math.sqrt(share / VISIBLE_SHARE)
-    return min(first_hz, typical_hz, max(visible_hz, SLOWEST * typical_hz))
+    return min(first_hz, typical_hz, max(visible_hz, MIN_FREQUENCY_RATIO * typical_hz))
 
 
 def with_expected_motion(tree: TreeMesh) -> TreeMesh:

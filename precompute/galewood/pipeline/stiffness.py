@@ -15,10 +15,10 @@ from galewood.pipeline.options import BuildOptions
 from galewood.util import MeshError
 from galewood.wood import Wood
 
-TOLERANCE = 0.02
+FREQUENCY_TOLERANCE = 0.02
 """Accepted deviation of the first frequency from the requested one."""
-CORRECTIONS = 3
-SMALLEST, LARGEST = 1e-5, 1e4
+MAX_CORRECTIONS = 3
+MIN_FACTOR, MAX_FACTOR = 1e-5, 1e4
 """Limits of the factor of the stiffness."""
 
 
@@ -62,13 +62,13 @@ def scaled_to(goal: Goal, wood: Wood, build: Callable[[Wood], FemModel]) -> tupl
     Frequencies follow the square root of the stiffness, apart from the weight of the tree, which bends and
     softens it: the factor is corrected with the frequency of each model.
     """
-    factor = min(max(goal.factor, SMALLEST), LARGEST)
+    factor = min(max(goal.factor, MIN_FACTOR), MAX_FACTOR)
     model = build(wood.scaled(factor))
-    for _ in range(CORRECTIONS):
+    for _ in range(MAX_CORRECTIONS):
         ratio = goal.frequency_hz / float(model.report["frequencies_hz"][0])
-        if abs(ratio - 1) <= TOLERANCE:
+        if abs(ratio - 1) <= FREQUENCY_TOLERANCE:
             break
-        factor = min(max(factor * ratio**2, SMALLEST), LARGEST)
+        factor = min(max(factor * ratio**2, MIN_FACTOR), MAX_FACTOR)
         model = build(wood.scaled(factor))
     model.report["stiffness"] = stiffness_report(goal, factor, model)
     return model, wood.scaled(factor)

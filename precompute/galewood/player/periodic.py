@@ -21,7 +21,7 @@ BLEND_S = 3.0
 """Longest part of a period over which the wind blends into that before it."""
 BLEND_SHARE = 0.4
 """The same as a share of the period."""
-REPEATS = 2e-5
+REPEAT_TOLERANCE = 2e-5
 """Displacement of any node from one period to the next, over the height, at which the motion repeats."""
 MOST_PERIODS = 60
 START_S = 20.0
@@ -126,7 +126,7 @@ def _steady(table: Table, pressures: _Pressures, dt_s: float) -> PeriodicMotion:
             if k == 0 and periods:
                 after = forest.q[0].astype(np.float64)
                 seam = _farthest_m(table, after - track[0]) / height_m
-                if seam <= REPEATS or periods == MOST_PERIODS:
+                if seam <= REPEAT_TOLERANCE or periods == MOST_PERIODS:
                     return PeriodicMotion(track, after, dt_s, seam, periods)
             track[k] = forest.q[0]
         periods += 1

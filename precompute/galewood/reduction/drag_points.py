@@ -16,7 +16,7 @@ from galewood.util import Array, Floats, Singles
 POINTS_FEW, POINTS_MANY = 4, 8
 """Drag points of a model with at most ``FEW_OSCILLATORS`` oscillators, and of a larger one."""
 FEW_OSCILLATORS = 16
-ROUNDS = 40
+ROUND_COUNT = 40
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def clusters(places: Floats, weight: Floats, count: int) -> Array:
         centres.append(places[np.argmax(weight * distance)])
         distance = np.minimum(distance, np.square(places - centres[-1]).sum(axis=1))
     centre, cluster = np.array(centres), np.zeros(len(places), np.int64)
-    for _ in range(ROUNDS):
+    for _ in range(ROUND_COUNT):
         nearest = np.argmin([np.square(places - one).sum(axis=1) for one in centre], axis=0)
         if (nearest == cluster).all():
             break

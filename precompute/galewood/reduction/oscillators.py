@@ -26,7 +26,7 @@ REDUCTION_DEPTH = 0.5
 REDUCTION_S = 6.0
 GUSTY_WINDS, GUSTY_S = 14, 10.0
 """Additional noise, which selects the modes beyond the first ones if there are many oscillators."""
-GUSTY_MEAN, GUSTINESS, GUSTY_TURN_RAD = 0.4, 0.5, 0.5
+GUSTY_MEAN, GUSTY_INTENSITY, GUSTY_TURN_RAD = 0.4, 0.5, 0.5
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def gusty_winds(dt_s: float) -> list[Floats]:
     rng, frames = np.random.default_rng(3), round(GUSTY_S / dt_s)
     winds: list[Floats] = []
     for k in range(GUSTY_WINDS):
-        pressure = GUSTY_MEAN * (1.0 + GUSTINESS * noise(rng, frames, dt_s, 5 / 3))
+        pressure = GUSTY_MEAN * (1.0 + GUSTY_INTENSITY * noise(rng, frames, dt_s, 5 / 3))
         heading = k * GOLDEN_RAD + GUSTY_TURN_RAD * noise(rng, frames, dt_s, 2.0)
         winds.append(pressure[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1))
     return winds

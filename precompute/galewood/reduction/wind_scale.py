@@ -19,7 +19,7 @@ from galewood.sampling import FURTHER_WINDS, STRONGEST_M_S, WINDS, SampleWind, W
 from galewood.util import Floats
 
 WEAKEST_M_S = 0.5
-HALVINGS = 10
+HALVING_COUNT = 10
 FAR_VERTICES = 64
 """Vertices that sway farthest; the sway of a wind is that of the farthest of them."""
 
@@ -52,7 +52,7 @@ def speeds_for(
     basis = _farthest(motion.subspace.basis.reshape(-1, 3, motion.subspace.modes))
     wanted_m = np.array([shape.sway_share * height_m for shape in shapes])
     low, high = np.full(len(shapes), WEAKEST_M_S), np.full(len(shapes), STRONGEST_M_S)
-    for _ in range(HALVINGS):
+    for _ in range(HALVING_COUNT):
         middle = np.sqrt(low * high)
         winds = [shape.pressure_pa(speed) for shape, speed in zip(shapes, middle.tolist(), strict=True)]
         sways = np.array([_sway_m(basis, q) for q in simulated_q(motion.modal, winds, settings.dt_s)])

@@ -15,7 +15,7 @@ from galewood.util import Array
 if TYPE_CHECKING:
     from galewood.fem import FemModel
 
-UNRECORDED = tuple(f"{COSINE}{k}-" for k in (0, 2, 4))
+UNRECORDED_PREFIXES = tuple(f"{COSINE}{k}-" for k in (0, 2, 4))
 """Cosine winds without which the paper's method errs no more (docs/design/0013-training-runs.md)."""
 FIRST_DEFAULT = slice(0, None, 3)
 """The early table uses every third run of the default method."""
@@ -88,7 +88,7 @@ def planned(
     own, every, more = (
         list(islice(tasks, len(some))) for some in (training.default, paper, training.further)
     )
-    recorded = [task for task in every if not task.wind.name.startswith(UNRECORDED)]
+    recorded = [task for task in every if not task.wind.name.startswith(UNRECORDED_PREFIXES)]
     return Samples(own, every if all_winds else recorded, more)
 
 

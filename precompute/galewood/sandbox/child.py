@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from galewood.sandbox.confinement import confine
-from galewood.sandbox.limited_process import OUT_OF_MEMORY, REFUSED, Arrays
+from galewood.sandbox.limited_process import OUT_OF_MEMORY, REFUSED_EXIT_CODE, Arrays
 from galewood.util import MeshError
 
 FILE_BYTES = 2 << 30
@@ -45,7 +45,7 @@ def main(target: str, memory_bytes: int, cpu_s: int) -> int:
     except MeshError as error:
         problem = {"code": error.code, "reason": error.reason, "title": error.title, "hint": error.hint}
         Path("error.json").write_text(json.dumps(problem))
-        return REFUSED
+        return REFUSED_EXIT_CODE
     return 0
 
 

@@ -26,12 +26,12 @@ PACKAGE = Path(__file__).resolve().parent.parent
 LIBRARIES = ("/usr", "/lib", "/lib64", "/etc/ld.so.cache")
 SETTINGS = ("/etc/localtime", "/etc/ssl/openssl.cnf", *map(str, mimetypes.knownfiles))
 """What standard libraries read if it is there; the rest of /etc may hold secrets."""
-MACHINE = ("/proc/self", "/proc/cpuinfo", "/sys/devices/system/cpu")
+MACHINE_FILES = ("/proc/self", "/proc/cpuinfo", "/sys/devices/system/cpu")
 DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
 CAPABILITY_VERSION = 0x20080522  # linux/capability.h
 CHECK_S = 300.0
 """After which a process that only confines itself counts as hanging, s."""
-MISSING = "missing.json"
+MISSING_FILE = "missing.json"
 
 
 def confine(folder: Path, readable: Iterable[str] = ()) -> list[str]:
@@ -64,7 +64,7 @@ def _restrict_files(folder: Path, readable: Iterable[str]) -> bool:
 
     packages = [path for path in sys.path if Path(path).name in ("site-packages", "dist-packages")]
     python = (sys.prefix, sys.base_prefix, *packages, str(PACKAGE))
-    known = _existing((*LIBRARIES, *SETTINGS, *MACHINE, *python, *readable))
+    known = _existing((*LIBRARIES, *SETTINGS, *MACHINE_FILES, *python, *readable))
     folders = [folder, *(path for path in known if path.is_dir())]
     files = [path for path in known if not path.is_dir()]
     # No links: the parent reads the results with its own rights. Nor sockets, pipes or devices.
@@ -98,8 +98,8 @@ def missing_here() -> list[str]:
         with GuardedProcess(program, cwd=PACKAGE.parent, environment=environment, errors=errors) as child:
             if child.wait(CHECK_S) != 0:
                 return ["confined processes do not start here"]
-        return json.loads(Path(folder, MISSING).read_text())
+        return json.loads(Path(folder, MISSING_FILE).read_text())
 
 
 if __name__ == "__main__":
-    Path(sys.argv[1], MISSING).write_text(json.dumps(confine(Path(sys.argv[1]))))
+    Path(sys.argv[1], MISSING_FILE).write_text(json.dumps(confine(Path(sys.argv[1]))))

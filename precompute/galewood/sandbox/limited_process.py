@@ -31,7 +31,7 @@ from galewood.util import GuardedProcess, MeshError
 
 KEPT_ENVIRONMENT = ("PATH", "LANG", "LD_LIBRARY_PATH", "NUMBA_CACHE_DIR", "VIRTUAL_ENV", "SYSTEMROOT")
 THREAD_COUNT_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-REFUSED = 3  # exit code if the function raised a MeshError
+REFUSED_EXIT_CODE = 3  # exit code if the function raised a MeshError
 OUT_OF_MEMORY = 4
 TIMED_OUT, TOO_MUCH_WRITTEN = -signal.SIGALRM, -signal.SIGXFSZ
 FOLDER_CHECK_S = 1.0
@@ -72,7 +72,7 @@ def run_limited(target: str, arguments: Arrays, limits: Limits, *, what: str) ->
         code, stderr = _run(target, folder, limits)
         if code == 0:
             return read_arrays(folder / "out.npz", limits.folder_bytes)
-        if code == REFUSED:
+        if code == REFUSED_EXIT_CODE:
             raise read_error(folder / "error.json")
         raise _failure(code, stderr, limits, what)
     except UntrustworthyError as error:

@@ -18,11 +18,11 @@ from dataclasses import dataclass
 CLONE_THREAD = 0x00010000
 CLONE_NAMESPACES = 0x7E020000  # CLONE_NEWNS, NEWCGROUP, NEWUTS, NEWIPC, NEWUSER, NEWPID, NEWNET
 MACHINES = ("x86_64", "aarch64")
-"""Machines whose call numbers are known, in the order of the numbers in CALLS."""
+"""Machines whose call numbers are known, in the order of the numbers in ALL_CALLS."""
 ARCHITECTURES = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}  # AUDIT_ARCH_… (linux/audit.h)
 
 Numbers = tuple[int | None, int | None]
-FILES: dict[str, Numbers] = {
+FILE_CALLS: dict[str, Numbers] = {
     "open": (2, None), "openat": (257, 56), "close": (3, 57), "close_range": (436, 436),
     "read": (0, 63), "readv": (19, 65), "pread64": (17, 67), "preadv": (295, 69),
     "write": (1, 64), "writev": (20, 66), "pwrite64": (18, 68), "pwritev": (296, 70),
@@ -35,34 +35,34 @@ FILES: dict[str, Numbers] = {
     "unlink": (87, None), "unlinkat": (263, 35), "rename": (82, None), "renameat": (264, 38),
     "renameat2": (316, 276), "fcntl": (72, 25), "ioctl": (16, 29),
 }  # fmt: skip
-MEMORY: dict[str, Numbers] = {
+MEMORY_CALLS: dict[str, Numbers] = {
     "brk": (12, 214), "mmap": (9, 222), "munmap": (11, 215), "mremap": (25, 216), "mprotect": (10, 226),
     "madvise": (28, 233), "msync": (26, 227), "mincore": (27, 232), "membarrier": (324, 283),
 }  # fmt: skip
-THREADS: dict[str, Numbers] = {
+THREAD_CALLS: dict[str, Numbers] = {
     "clone": (56, 220), "futex": (202, 98), "set_robust_list": (273, 99), "set_tid_address": (218, 96),
     "rseq": (334, 293), "gettid": (186, 178), "sched_yield": (24, 124), "sched_getaffinity": (204, 123),
     "getcpu": (309, 168), "exit": (60, 93), "exit_group": (231, 94), "prctl": (157, 167),
 }  # fmt: skip
-SIGNALS: dict[str, Numbers] = {
+SIGNAL_CALLS: dict[str, Numbers] = {
     "rt_sigaction": (13, 134), "rt_sigprocmask": (14, 135), "rt_sigreturn": (15, 139),
     "sigaltstack": (131, 132), "restart_syscall": (219, 128), "kill": (62, 129), "tgkill": (234, 131),
 }  # fmt: skip
-TIME: dict[str, Numbers] = {
+TIME_CALLS: dict[str, Numbers] = {
     "clock_gettime": (228, 113), "clock_getres": (229, 114), "gettimeofday": (96, 169), "time": (201, None),
     "nanosleep": (35, 101), "clock_nanosleep": (230, 115), "poll": (7, None), "ppoll": (271, 73),
     "select": (23, None), "pselect6": (270, 72),
 }  # fmt: skip
-INFORMATION: dict[str, Numbers] = {
+INFORMATION_CALLS: dict[str, Numbers] = {
     "getpid": (39, 172), "getppid": (110, 173), "getuid": (102, 174), "geteuid": (107, 175),
     "getgid": (104, 176), "getegid": (108, 177), "uname": (63, 160), "sysinfo": (99, 179),
     "times": (100, 153), "getrusage": (98, 165), "getrandom": (318, 278), "prlimit64": (302, 261),
 }  # fmt: skip
-CALLS = FILES | MEMORY | THREADS | SIGNALS | TIME | INFORMATION
+ALL_CALLS = FILE_CALLS | MEMORY_CALLS | THREAD_CALLS | SIGNAL_CALLS | TIME_CALLS | INFORMATION_CALLS
 
 # classic BPF (linux/bpf_common.h) over struct seccomp_data: call at 0, architecture at 4, arguments at 16
-LOAD, AND, EQUAL, RETURN = 0x20, 0x54, 0x15, 0x06
-ALLOW, KILL_PROCESS, ERROR = 0x7FFF0000, 0x80000000, 0x00050000
+BPF_LOAD, BPF_AND, BPF_EQUAL, BPF_RETURN = 0x20, 0x54, 0x15, 0x06
+RET_ALLOW, KILL_PROCESS, RET_ERRNO = 0x7FFF0000, 0x80000000, 0x00050000
 PR_SET_NO_NEW_PRIVS, PR_SET_SECCOMP, SECCOMP_MODE_FILTER = 38, 22, 2
 Instruction = tuple[int, int, int, int]
 """Operation, instructions to skip if a comparison is true and if it is false, operand: struct sock_filter."""
@@ -115,25 +115,25 @@ def filter_program(machine: str, pid: int) -> list[Instruction]:
     """The BPF program for a machine of MACHINES. Calls of another architecture kill the process."""
     only = conditions(pid)
     steps: list[Instruction] = [
-        (LOAD, 0, 0, 4),
-        (EQUAL, 1, 0, ARCHITECTURES[machine]),
-        (RETURN, 0, 0, KILL_PROCESS),
-        (LOAD, 0, 0, 0),
+        (BPF_LOAD, 0, 0, 4),
+        (BPF_EQUAL, 1, 0, ARCHITECTURES[machine]),
+        (BPF_RETURN, 0, 0, KILL_PROCESS),
+        (BPF_LOAD, 0, 0, 0),
     ]
-    for name, numbers in CALLS.items():
+    for name, numbers in ALL_CALLS.items():
         number = numbers[MACHINES.index(machine)]
         if number is not None:
             answer = _answer(only.get(name))
-            steps += [(EQUAL, 0, len(answer), number), *answer]
-    return [*steps, (RETURN, 0, 0, ERROR | errno.ENOSYS)]
+            steps += [(BPF_EQUAL, 0, len(answer), number), *answer]
+    return [*steps, (BPF_RETURN, 0, 0, RET_ERRNO | errno.ENOSYS)]
 
 
 def _answer(only: Only | None) -> list[Instruction]:
     """The instructions that answer one call."""
     if only is None:
-        return [(RETURN, 0, 0, ALLOW)]
-    steps: list[Instruction] = [(LOAD, 0, 0, 16 + 8 * only.argument), (AND, 0, 0, only.bits)]
+        return [(BPF_RETURN, 0, 0, RET_ALLOW)]
+    steps: list[Instruction] = [(BPF_LOAD, 0, 0, 16 + 8 * only.argument), (BPF_AND, 0, 0, only.bits)]
     # the kernel reads the lower half of these arguments, which comes first on little-endian machines
     for value in only.values:
-        steps += [(EQUAL, 0, 1, value), (RETURN, 0, 0, ALLOW)]
-    return [*steps, (RETURN, 0, 0, ERROR | errno.EPERM)]
+        steps += [(BPF_EQUAL, 0, 1, value), (BPF_RETURN, 0, 0, RET_ALLOW)]
+    return [*steps, (BPF_RETURN, 0, 0, RET_ERRNO | errno.EPERM)]

@@ -17,11 +17,11 @@ import numpy.typing as npt
 
 from galewood.search.similarity import Compared, Ranks
 
-RARE = 0.05
+RARE_MATCH_SHARE = 0.05
 """Matches of a component are listed if their share of all pairs of records is smaller."""
-HEAD = 256
+MAX_BOUND_COMPONENTS = 256
 """Most components of the lower bound, beside those whose matches are listed."""
-TILE = 1024
+TILE_RECORDS = 1024
 """Records of a pass: their ranges stay in the fastest cache while all states are compared with them."""
 
 
@@ -51,9 +51,9 @@ def stages(layout: Compared) -> Stages:
     share = (layout.span.mean(axis=0, dtype=np.float64) + 1.0) / z
     weight = np.where(np.arange(width) < width // 4 * 3, 1, 2).astype(np.uint16)
     order = np.argsort(share, kind="stable")
-    often, twice = share[order] >= RARE, weight[order] == 2
+    often, twice = share[order] >= RARE_MATCH_SHARE, weight[order] == 2
     rare, first, last = order[~often], order[often & twice], order[often & ~twice]
-    head = min(HEAD, len(first)) // 2 * 2
+    head = min(MAX_BOUND_COMPONENTS, len(first)) // 2 * 2
     tail = np.concatenate([first[head:], last])
     columns = [np.ascontiguousarray(part.T) for part in (layout.rank, layout.low, layout.span)]
     return Stages(
@@ -112,8 +112,8 @@ def _add_twice(x0, x1, low0, low1, span0, span1, row):  # pragma: no cover  (com
 @numba.njit(cache=True, nogil=True)
 def _add_head(rank, low, span, first, out):  # pragma: no cover  (compiled)
     """Add to out[i, j] the mismatches of state first + i with record j in the head."""
-    for start in range(0, rank.shape[1], TILE):
-        end = min(start + TILE, rank.shape[1])
+    for start in range(0, rank.shape[1], TILE_RECORDS):
+        end = min(start + TILE_RECORDS, rank.shape[1])
         for k in range(0, len(rank), 2):
             low0, low1 = low[k, start:end], low[k + 1, start:end]
             span0, span1 = span[k, start:end], span[k + 1, start:end]

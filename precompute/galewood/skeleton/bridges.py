@@ -17,9 +17,9 @@ from scipy.spatial import KDTree
 from galewood.skeleton.levels import EDGES_OF_TRIANGLE
 from galewood.util import Floats, Ints
 
-MARGIN = 0.03
+MAX_GAP_SHARE = 0.03
 """Largest gap between a limb and the one that bears it, relative to the height; else the nearest one does."""
-DEEPEST = 3.0
+MAX_DEPTH_RATIO = 3.0
 """Deepest that a limb reaches into the one that bears it, relative to the mean radius of that one."""
 MOST_PIECES = 16
 """Of an edge: its points are about a mean diameter of the limb apart."""
@@ -45,11 +45,11 @@ def bridges(vertices_m: Floats, faces: Ints) -> Ints:
         return np.zeros((0, 2), np.int64)
     normal, volume, radius_m = _shapes(vertices_m, faces, part)
     rank = np.argsort(np.argsort(-volume, kind="stable"))  # 0: the largest
-    margin_m = MARGIN * float(np.ptp(vertices_m[:, 1]))
+    margin_m = MAX_GAP_SHARE * float(np.ptp(vertices_m[:, 1]))
     pairs: list[Ints] = [np.zeros((0, 2), np.int64)]
     values: list[Floats] = [np.zeros(0)]
     for number, limb in _limbs(vertices_m, faces, part, normal, radius_m):
-        reach_m = margin_m + DEEPEST * limb.radius_m
+        reach_m = margin_m + MAX_DEPTH_RATIO * limb.radius_m
         low, high = limb.points_m.min(axis=0) - reach_m, limb.points_m.max(axis=0) + reach_m
         near = ((vertices_m >= low) & (vertices_m <= high)).all(axis=1) & (rank[part] > rank[number])
         own = np.flatnonzero(near)
@@ -73,7 +73,7 @@ def _gaps(places_m: Floats, limb: _Limb, reach_m: float) -> tuple[Floats, Ints]:
     gap, point = _nearest(limb.points_m, places_m, reach_m)
     point = np.where(np.isfinite(gap), point, 0)
     depth = -np.einsum("ij,ij->i", places_m - limb.points_m[point], limb.normal[point])
-    inside = (depth > 0.5 * gap) & (depth < DEEPEST * limb.radius_m)
+    inside = (depth > 0.5 * gap) & (depth < MAX_DEPTH_RATIO * limb.radius_m)
     return np.where(inside, -depth, gap), point
 
 

@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 
 from galewood.util import Floats, Ints
 
-ITERATIONS = 10
+ITERATION_COUNT = 10
 RADII_OF_SUPPORT = 5.0
 STEPS_OF_SUPPORT = 1.5
 FIT_STEPS = 1.5
@@ -42,7 +42,7 @@ def l1_centred(
         if len(own) < 8 or not len(inner):
             continue
         tree = KDTree(own)
-        for _ in range(ITERATIONS):
+        for _ in range(ITERATION_COUNT):
             tangent = line_tangents(result[line])[1:-1]
             result[inner] += _attraction(result[inner], tangent, radius_m[inner], own, tree, step_m)
     return result

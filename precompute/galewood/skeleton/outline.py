@@ -19,7 +19,7 @@ from galewood.skeleton.tree import branches, linked_tree, section_radii, without
 from galewood.util import Floats, Int32s, Ints
 
 STEPS_PER_HEIGHT = 60
-THINNEST = 0.2
+MIN_RADIUS_RATIO = 0.2
 """Smallest radius of a section, relative to the median of its branch."""
 
 
@@ -56,5 +56,5 @@ def _smoothed(radius_m: Floats, branch: Ints) -> Floats:
         if len(own) >= 3:
             inner = np.median(sliding_window_view(own, 3), axis=1)
             result[line] = np.concatenate([inner[:1], inner, [min(own[-1], inner[-1])]])
-        result[line] = np.maximum(result[line], THINNEST * np.median(own))
+        result[line] = np.maximum(result[line], MIN_RADIUS_RATIO * np.median(own))
     return result

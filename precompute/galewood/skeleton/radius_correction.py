@@ -20,7 +20,7 @@ from galewood.tets import TetMesh, scattered_weights, tet_volumes
 from galewood.util import Floats, Int32s
 
 SAMPLES_PER_STEP = 6.0
-SMOOTHING = 2
+SMOOTHING_ROUNDS = 2
 """Rounds of adding the neighbours on the branch to each stretch; a single stretch has only two or three tets.
 """
 SMALLEST_SHARE = 0.5
@@ -54,7 +54,7 @@ def corrected_ratio(wood: Surface, solid: TetMesh, line: Line) -> Floats:
     meshed = _sums(line.tet_point, tet_volumes(solid.vertices_m, solid.tets), line)
     recorded = _mean_of_stretch(solid.radius_ratio, line)
     both = np.column_stack([volume_m3, meshed])
-    for _ in range(SMOOTHING):
+    for _ in range(SMOOTHING_ROUNDS):
         both = _with_neighbours(both, line)
     ratio = np.sqrt(np.maximum(both[:, 0], 0.0) / np.maximum(both[:, 1], 1e-300))
     return np.clip(ratio, SMALLEST_SHARE * recorded, LARGEST_RATIO)[line.tet_point]

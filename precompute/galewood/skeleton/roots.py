@@ -10,8 +10,8 @@ from galewood.tets import tet_volumes
 from galewood.util import Floats, Ints
 
 CLAMPED_SHARE = 0.02  # relative to the wood's height
-THICK = 0.2  # relative to the volume (of a surface, the area) of the thickest base
-FEWEST = 4
+THICK_BASE_RATIO = 0.2  # relative to the volume (of a surface, the area) of the thickest base
+MIN_HULL_POINTS = 4
 
 
 def root_vertices(vertices_m: Floats, cells: Ints) -> Ints:
@@ -38,7 +38,7 @@ def _thick_bases(vertices_m: Floats, cells: Ints, below: np.ndarray) -> Ints:
     graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(vertices_m),) * 2)
     _, label = connected_components(graph, directed=False)
     sizes = np.bincount(label[touching[:, 0]], _sizes(vertices_m, touching), label.max() + 1)
-    thick = sizes >= THICK * sizes.max()
+    thick = sizes >= THICK_BASE_RATIO * sizes.max()
     return np.flatnonzero(below & thick[label]).astype(np.int32)
 
 
@@ -51,7 +51,7 @@ def _sizes(vertices_m: Floats, cells: Ints) -> Floats:
 
 
 def _spans_plane(points: Floats, size: float) -> bool:
-    if len(points) < FEWEST:
+    if len(points) < MIN_HULL_POINTS:
         return False
     singular = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     return bool(singular[1] > 1e-4 * size)

@@ -12,7 +12,7 @@ from galewood.skeleton.extraction import extract_skeleton
 from galewood.tets import TetMesh
 
 LIMITS = Limits(memory_bytes=4 << 30, cpu_s=60)
-DIGITS = 4  # of lengths in m
+LENGTH_DIGITS = 4  # of lengths in m
 
 
 def structure_limited(tetrahedra: Path) -> bytes:
@@ -34,12 +34,12 @@ def structure_in_child(arguments: Arrays) -> Arrays:
     mesh = TetMesh(arguments["vertices"], arguments["tets"], arguments["radius_ratio"], {})
     skeleton = extract_skeleton(mesh)
     structure = {
-        "vertices_m": mesh.vertices_m.round(DIGITS).tolist(),
+        "vertices_m": mesh.vertices_m.round(LENGTH_DIGITS).tolist(),
         "tets": mesh.tets.tolist(),
         "skeleton": {
             "parent": skeleton.parent.tolist(),
-            "points_m": skeleton.points_m.round(DIGITS).tolist(),
-            "radius_m": skeleton.radius_m.round(DIGITS).tolist(),
+            "points_m": skeleton.points_m.round(LENGTH_DIGITS).tolist(),
+            "radius_m": skeleton.radius_m.round(LENGTH_DIGITS).tolist(),
         },
     }
     text = json.dumps(structure, separators=(",", ":")).encode()

@@ -9,9 +9,9 @@ import numpy as np
 from galewood.skeleton.levels import Sections
 from galewood.util import Floats, Ints
 
-BUMP = 1.5  # relative to a limb's radius; sections are oblique, so a bump on the bark starts behind the axis
+BUMP_RADII = 1.5  # of a limb; sections are oblique, so a bump on the bark starts behind the axis
 LONGEST_SPUR = 3.0  # relative to the largest radius
-SPUR = 1.2  # a twig that protrudes by less than this many of its own radii is a spur
+SPUR_RADII = 1.2  # a twig that protrudes by less than this many of its own radii is a spur
 
 
 @dataclass(frozen=True)
@@ -168,11 +168,11 @@ def _spurs(tree: Tree, branch: Ints, radius_m: Floats) -> np.ndarray:
 
 def _within(tree: Tree, radius_m: Floats, own: Ints, length: float) -> bool:
     """Whether a branch ends within the thickness of a point that it grows from."""
-    margin = SPUR * float(np.median(radius_m[own]))
+    margin = SPUR_RADII * float(np.median(radius_m[own]))
     child, point = int(own[0]), int(tree.parent[own[0]])
     while point >= 0:
         length += float(np.linalg.norm(tree.points_m[child] - tree.points_m[point]))
-        if length < BUMP * radius_m[point] + margin:
+        if length < BUMP_RADII * radius_m[point] + margin:
             return True
         if length > LONGEST_SPUR * radius_m.max():
             return False

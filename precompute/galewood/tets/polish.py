@@ -8,7 +8,7 @@ import numpy as np
 from galewood.tets.quality import boundary_faces, vertex_normals
 from galewood.util import Floats, Ints
 
-SWEEPS = 8
+SWEEP_COUNT = 8
 GOOD_SHAPE = 0.3
 FIRST_STEP = 0.2  # of the mean length of the edges at the vertex; halved in every second sweep
 DIRECTIONS = np.array(
@@ -31,7 +31,7 @@ def polished(vertices: Floats, tets: Ints, along_m: float, below: float = GOOD_S
     around, skin = tets_of_vertices(tets, len(vertices)), (vertices, normal, on_surface)
     directions = DIRECTIONS / np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
     result = np.array(vertices, dtype=np.float64)
-    for sweep in range(SWEEPS):
+    for sweep in range(SWEEP_COUNT):
         step = FIRST_STEP * 0.5 ** (sweep // 2)
         moved = _sweep(result, tets, around, skin, directions, step, along_m, below)
         if not moved and sweep % 2 == 1 and sweep > 2:

@@ -10,7 +10,7 @@ from galewood.tets.quality import boundary_faces
 from galewood.tets.thicken import Thickened
 from galewood.util import Floats, Ints
 
-NEIGHBOURS = 12
+NEIGHBOUR_COUNT = 12
 
 
 def radius_ratio(raised: Thickened, vertices: Floats, tets: Ints, floor_m: float) -> Floats:
@@ -25,7 +25,7 @@ def radius_ratio(raised: Thickened, vertices: Floats, tets: Ints, floor_m: float
     if not shown.any():
         shown[:] = True
     ratio = _ratio_at(raised, points, face)[shown]
-    gap, near = KDTree(points[shown]).query(vertices[tets].mean(axis=1), k=min(NEIGHBOURS, len(ratio)))
+    gap, near = KDTree(points[shown]).query(vertices[tets].mean(axis=1), k=min(NEIGHBOUR_COUNT, len(ratio)))
     gap, near = gap.reshape(len(tets), -1), near.reshape(len(tets), -1)
     # Where a twig leaves a limb, both are near; the wood there belongs to the limb.
     return np.where(gap <= gap[:, :1] + floor_m / 2, ratio[near], 0.0).max(axis=1)

@@ -17,8 +17,8 @@ from galewood.util import Floats
 
 BAND_CELLS = 2.0
 MARGIN_CELLS = 4
-AGGRESSIVENESS = 5  # of the decimation; 2 stops too early, 7 loses volume
-JITTER = 0.01237  # in cells; keeps rays off vertices and edges, which often have round coordinates
+DECIMATION_AGGRESSIVENESS = 5  # of the decimation; 2 stops too early, 7 loses volume
+JITTER_CELLS = 0.01237  # in cells; keeps rays off vertices and edges, which often have round coordinates
 
 
 def wrap(surface: Surface, cell: float) -> Surface:
@@ -43,7 +43,7 @@ def signed_distance(surface: Surface, cell: float) -> tuple[NDArray[np.float32],
 def votes_for_inside(triangles: Floats, shape: tuple[int, ...]) -> NDArray[np.int8]:
     """How many of three rays, one per axis, place each grid point inside the union; two are a majority."""
     votes = np.zeros(shape, dtype=np.int8)
-    jitter = np.array([JITTER, JITTER * 1.618])
+    jitter = np.array([JITTER_CELLS, JITTER_CELLS * 1.618])
     for axis in range(3):
         vote(triangles, axis, jitter, votes)
     return votes
@@ -63,7 +63,9 @@ def decimate(surface: Surface, faces: int) -> Surface:
         return surface
     points = np.ascontiguousarray(surface.vertices)
     triangles = np.ascontiguousarray(surface.faces, dtype=np.int32)
-    simplified = fast_simplification.simplify(points, triangles, target_count=faces, agg=AGGRESSIVENESS)
+    simplified = fast_simplification.simplify(
+        points, triangles, target_count=faces, agg=DECIMATION_AGGRESSIVENESS
+    )
     return compact(Surface(simplified[0].astype(np.float64), simplified[1].astype(np.int32)))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-ACROSS = -0.4  # cosine threshold: only opposing faces bound the ball at a point
+OPPOSING_COSINE = -0.4  # cosine threshold: only opposing faces bound the ball at a point
 
 
 @numba.njit(cache=True, nogil=True)
@@ -177,7 +177,10 @@ def inner_balls(points, normals, face, piece, face_normals, triangles, grid, lim
                     c = (i * shape[1] + j) * shape[2] + k
                     for n in range(offsets[c], offsets[c + 1]):
                         f = items[n]
-                        if piece[f] == piece[face[p]] and np.dot(face_normals[f], normals[p]) < ACROSS:
+                        if (
+                            piece[f] == piece[face[p]]
+                            and np.dot(face_normals[f], normals[p]) < OPPOSING_COSINE
+                        ):
                             r = _touching_radius(points[p], normals[p], triangles[f], r)
         radius[p] = r
     return radius

@@ -19,7 +19,7 @@ from weakref import WeakSet
 
 import psutil
 
-GUARD = Path(__file__).with_name("guard.py")
+GUARD_SCRIPT = Path(__file__).with_name("guard.py")
 
 
 class Lifeline:
@@ -33,7 +33,7 @@ class Lifeline:
 
     def command(self, program: Sequence[str], niceness: int = 0) -> list[str]:
         """The command of a guard that runs `program`; it must inherit `read_end` (`pass_fds`)."""
-        return [sys.executable, "-IS", str(GUARD), str(self.read_end), str(niceness), *program]
+        return [sys.executable, "-IS", str(GUARD_SCRIPT), str(self.read_end), str(niceness), *program]
 
     def started(self) -> None:
         """Close the guard's end in this process."""

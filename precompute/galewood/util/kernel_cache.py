@@ -16,7 +16,7 @@ from pathlib import Path
 from galewood.util.atomic_file import write_whole
 
 PACKAGE = Path(__file__).parents[1]
-MARK, LOCK = "galewood-kernels", "galewood-kernels.lock"
+MARK_FILE, LOCK_FILE = "galewood-kernels", "galewood-kernels.lock"
 
 
 def kernels_compiled() -> bool:
@@ -31,11 +31,11 @@ def compile_once(compile_all: Callable[[], None]) -> None:
     if folder is None:
         compile_all()
         return
-    with (folder / LOCK).open("a") as lock:
+    with (folder / LOCK_FILE).open("a") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not _is_marked(folder):
             compile_all()
-            write_whole(folder / MARK, _state().encode())
+            write_whole(folder / MARK_FILE, _state().encode())
 
 
 def _cache_folder() -> Path | None:
@@ -51,7 +51,7 @@ def _cache_folder() -> Path | None:
 
 def _is_marked(folder: Path) -> bool:
     try:
-        return (folder / MARK).read_bytes() == _state().encode()
+        return (folder / MARK_FILE).read_bytes() == _state().encode()
     except OSError:
         return False
 

@@ -10,7 +10,7 @@ from typing import Self
 import psutil
 
 SAMPLE_INTERVAL_S = 0.1
-MEGABYTE = 1 << 20
+BYTES_PER_MEGABYTE = 1 << 20
 
 
 def cpu_seconds() -> float:
@@ -48,10 +48,10 @@ class PeakMemory:
         children: list[float] = []
         for child in own.children(recursive=True):
             try:
-                children.append(child.memory_info().rss / MEGABYTE)
+                children.append(child.memory_info().rss / BYTES_PER_MEGABYTE)
             except psutil.Error:
                 continue  # the child has just exited
-        parent = own.memory_info().rss / MEGABYTE
+        parent = own.memory_info().rss / BYTES_PER_MEGABYTE
         self.parent_mb = max(self.parent_mb, parent)
         self.child_mb = max([self.child_mb, *children])
         self.total_mb = max(self.total_mb, parent + sum(children))

@@ -22,7 +22,7 @@ from galewood.verify.beams import (
 from galewood.verify.checks import Check, relative
 from galewood.wood import wood_of_species
 
-WOOD = wood_of_species("poplar")
+POLE_WOOD = wood_of_species("poplar")
 LENGTH_M, RADIUS_M = 5.0, 0.06
 SECTIONS = (
     ("triangle", 3, 1, 0.045),
@@ -50,7 +50,7 @@ def checks() -> Iterator[Check]:
     """All checks of this module."""
     for label, sides, rings, fast_limit in SECTIONS:
         bar = polygon_bar(sides=sides, rings=rings, radius_m=RADIUS_M, length_m=LENGTH_M, layers=40)
-        exact = tip_deflection(1.0, LENGTH_M, WOOD.young_longitudinal_pa, bar.second_moment_m4)
+        exact = tip_deflection(1.0, LENGTH_M, POLE_WOOD.young_longitudinal_pa, bar.second_moment_m4)
         limits: dict[Element, float] = {"quadratic": REFERENCE_TIP_LIMIT, "fitted": fast_limit}
         for element, limit in limits.items():
             tip = tip_under_force(weightless(bar, element), bar)
@@ -68,7 +68,7 @@ def checks() -> Iterator[Check]:
 def weightless(bar: Bar, element: Element) -> FemModel:
     """Model of the bar in poplar wood without gravity."""
     settings = FemSettings(element=element, gravity=False)
-    return build_model(bar, bar, WOOD, bar, settings)
+    return build_model(bar, bar, POLE_WOOD, bar, settings)
 
 
 def tip_under_force(model: FemModel, bar: Bar, axis: int = 0) -> float:
@@ -82,11 +82,11 @@ def tip_under_force(model: FemModel, bar: Bar, axis: int = 0) -> float:
 def sprung(ratio: float, limit: float, element: Element) -> Check:
     """First frequency of a uniform pole on a rotational spring of stiffness ratio · E I / L."""
     bar = polygon_bar(sides=12, rings=2, radius_m=RADIUS_M, length_m=LENGTH_M, layers=40)
-    bending = WOOD.young_longitudinal_pa * bar.second_moment_m4
+    bending = POLE_WOOD.young_longitudinal_pa * bar.second_moment_m4
     settings = FemSettings(element=element, gravity=False, root_stiffness_nm_rad=ratio * bending / LENGTH_M)
-    found = build_model(bar, bar, WOOD, bar, settings).report["frequencies_hz"][0]
+    found = build_model(bar, bar, POLE_WOOD, bar, settings).report["frequencies_hz"][0]
     clamped, _ = pole_frequencies(
-        LENGTH_M, WOOD.young_longitudinal_pa, WOOD.density_kg_m3, bar.area_m2, bar.second_moment_m4
+        LENGTH_M, POLE_WOOD.young_longitudinal_pa, POLE_WOOD.density_kg_m3, bar.area_m2, bar.second_moment_m4
     )
     exact = sprung_pole_frequency(float(clamped), ratio)
     note = f"{exact / clamped:.0%} of the clamped pole's"
@@ -99,7 +99,7 @@ def bent_far(sway: float, limit: float) -> Check:
     The pole bends in the plane in which its mesh is symmetric, to both sides.
     """
     bar = polygon_bar(sides=6, radius_m=RADIUS_M, length_m=LENGTH_M, layers=160)
-    young, shear = WOOD.young_longitudinal_pa, WOOD.shear_longitudinal_pa
+    young, shear = POLE_WOOD.young_longitudinal_pa, POLE_WOOD.shear_longitudinal_pa
     section = Section(young * bar.second_moment_m4, young * bar.area_m2, 0.9 * shear * bar.area_m2)
     linear = 3 * sway * section.bending_n_m2 / LENGTH_M**2
 
@@ -126,7 +126,7 @@ def _convergence() -> Iterator[Check]:
     errors: list[float] = []
     for k in (2, 4, 8):
         bar = box_bar(size_m=size, cells=(k, 4 * k, k))
-        young, shear = WOOD.young_longitudinal_pa, WOOD.shear_longitudinal_pa
+        young, shear = POLE_WOOD.young_longitudinal_pa, POLE_WOOD.shear_longitudinal_pa
         exact = tip_deflection(1.0, size[1], young, bar.second_moment_m4)
         exact += shear_tip(1.0, size[1], shear, bar.area_m2)
         errors.append(abs(tip_under_force(weightless(bar, "linear"), bar) / exact - 1))
@@ -148,8 +148,8 @@ def _sagging() -> Check:
     load = np.zeros_like(model.nodes_m)
     load[:, 1] = -GRAVITY_M_S2 * model.mass_kg
     u, _, _ = solve_static(model.system(), load)
-    weight = GRAVITY_M_S2 * WOOD.density_kg_m3 * standing.area_m2
-    exact = sag(weight, 2.0, WOOD.young_longitudinal_pa, standing.second_moment_m4)
+    weight = GRAVITY_M_S2 * POLE_WOOD.density_kg_m3 * standing.area_m2
+    exact = sag(weight, 2.0, POLE_WOOD.young_longitudinal_pa, standing.second_moment_m4)
     return relative("sag of a lying bar, reference", exact, float(-u[standing.tip, 1].mean()), "m", 0.025)
 
 
@@ -160,8 +160,8 @@ def _pole_frequencies() -> Iterator[Check]:
         )
         exact = pole_frequencies(
             LENGTH_M,
-            WOOD.young_longitudinal_pa,
-            WOOD.density_kg_m3,
+            POLE_WOOD.young_longitudinal_pa,
+            POLE_WOOD.density_kg_m3,
             bar.area_m2,
             bar.second_moment_m4,
             tip_ratio,
@@ -182,9 +182,9 @@ def _softened() -> Check:
     bar = polygon_bar(sides=6, radius_m=radius, length_m=length, layers=60)
     light = weightless(bar, "quadratic").report["frequencies_hz"][0]
     settings = FemSettings(element="quadratic")
-    heavy = build_model(bar, bar, WOOD, bar, settings).report["frequencies_hz"][0]
-    weight = GRAVITY_M_S2 * WOOD.density_kg_m3 * bar.area_m2 * length
-    exact = softening(weight, length, WOOD.young_longitudinal_pa, bar.second_moment_m4)
+    heavy = build_model(bar, bar, POLE_WOOD, bar, settings).report["frequencies_hz"][0]
+    weight = GRAVITY_M_S2 * POLE_WOOD.density_kg_m3 * bar.area_m2 * length
+    exact = softening(weight, length, POLE_WOOD.young_longitudinal_pa, bar.second_moment_m4)
     share = 1 - exact**2
     note = f"at {share:.0%} of the buckling load"
     return relative(

@@ -13,7 +13,7 @@ from galewood.verify.bars import Bar, box_bar
 from galewood.verify.checks import Check, absolute, skipped
 from galewood.wood import Wood, wood_of_species
 
-SEED = 7
+RANDOM_SEED = 7
 
 
 def checks() -> Iterator[Check]:
@@ -34,7 +34,7 @@ def shaken_box() -> Bar:
     bar = box_bar(size_m=(1.0, 1.0, 1.0), cells=(3, 3, 3))
     inside = _inside(bar.vertices_m)
     moved = bar.vertices_m.copy()
-    moved[inside] += np.random.default_rng(SEED).uniform(-0.06, 0.06, (int(inside.sum()), 3))
+    moved[inside] += np.random.default_rng(RANDOM_SEED).uniform(-0.06, 0.06, (int(inside.sum()), 3))
     return replace(bar, vertices_m=moved)
 
 

@@ -14,7 +14,7 @@ from galewood.verify.checks import Check, absolute, relative
 from galewood.wind import dynamic_pressure
 from galewood.wood import wood_of_species
 
-WOOD = wood_of_species("poplar")
+PLATE_WOOD = wood_of_species("poplar")
 SCHEMES: tuple[tuple[Scheme, str], ...] = (("tr-bdf2", "TR-BDF2"), ("backward-euler", "backward Euler"))
 
 PLATE_M2, PLATE_MODES, PLATE_S = 20.0, 24, 6.0
@@ -48,13 +48,13 @@ def ring_downs(model: FemModel) -> Iterator[Check]:
         settings = replace(model.settings, scheme=scheme)
         found_hz, ratio = ring_down(replace(model, settings=settings), 0)
         yield relative(f"ring-down frequency, {label}", frequency, found_hz, "Hz", FREQUENCY_LIMITS[scheme])
-        expected = shown_ratio(settings, 2 * np.pi * frequency, WOOD.damping_ratio)
+        expected = shown_ratio(settings, 2 * np.pi * frequency, PLATE_WOOD.damping_ratio)
         if scheme == "tr-bdf2":
             yield relative(
-                f"ring-down damping against the wood's, {label}", WOOD.damping_ratio, ratio, "–", 0.005
+                f"ring-down damping against the wood's, {label}", PLATE_WOOD.damping_ratio, ratio, "–", 0.005
             )
         else:
-            note = f"of it {WOOD.damping_ratio:g} the wood's"
+            note = f"of it {PLATE_WOOD.damping_ratio:g} the wood's"
             yield relative(f"ring-down damping against theory, {label}", expected, ratio, "–", 0.0005, note)
 
 
@@ -63,7 +63,7 @@ def laden_pole() -> FemModel:
     bar = polygon_bar(sides=6, radius_m=0.09, length_m=8.0, layers=50, tip_radius_m=0.03)
     crown = bar.vertices_m[:, 1] > 4.0
     laden = replace(bar, mass_kg=np.where(crown, 25.0 / crown.sum(), 0.0))
-    return build_model(laden, laden, WOOD, laden, FemSettings())
+    return build_model(laden, laden, PLATE_WOOD, laden, FemSettings())
 
 
 def with_crown_area(model: FemModel) -> FemModel:

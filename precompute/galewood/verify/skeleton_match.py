@@ -13,7 +13,7 @@ from galewood.tets import TetMesh
 from galewood.util import Floats, Ints
 
 SPACING_M = 0.02
-NEIGHBOURS = 40
+NEIGHBOUR_COUNT = 40
 TIP_SHARE = 0.02
 """Over the height: an extracted tip within this distance of the end of a known branch matches it."""
 
@@ -50,7 +50,7 @@ def fibre_errors(
     """
     place, along, girth = (np.concatenate(v) for v in zip(*_lines(points_m, radius_m, branch), strict=True))
     centre = mesh.vertices_m[mesh.tets].mean(axis=1)
-    gap, index = KDTree(place).query(centre, k=NEIGHBOURS)
+    gap, index = KDTree(place).query(centre, k=NEIGHBOUR_COUNT)
     near = np.asarray(index, np.int64)
     chosen = near[np.arange(len(near)), np.argmin(gap / girth[near], axis=1)]
     cosine = np.einsum("ij,ij->i", skeleton.tet_fibre, along[chosen])

@@ -17,10 +17,10 @@ from galewood.verify.motion_checks import ring_down
 from galewood.verify.skeleton_match import branches_found, fibre_errors
 from galewood.verify.specimens import NAMES, TARGETS, Form, Mesher, Specimen, read_tree, specimen
 
-FRAMES = 180
+FRAME_COUNT = 180
 RING_M = 0.005
 """Amplitude of the ring-down: small, because the weight on bent limbs makes larger ones nonlinear."""
-MODES = 10
+MODE_COUNT = 10
 ON_MESHES = "apricot"
 """The tree that is checked on several meshes."""
 REGRESSIONS: dict[Form, tuple[float, float, float, float]] = {
@@ -45,7 +45,7 @@ def checks(folder: Path, mesher: Mesher) -> Iterator[Check]:
             yield from on_meshes([others[0], one, others[1]])
 
 
-def of_specimen(one: Specimen, frames: int = FRAMES) -> Iterator[Check]:
+def of_specimen(one: Specimen, frames: int = FRAME_COUNT) -> Iterator[Check]:
     """All checks of one tree."""
     yield wood_mass(one)
     yield from against_beams(one)
@@ -67,7 +67,7 @@ def against_beams(one: Specimen) -> Iterator[Check]:
         KDTree(one.frame.points_m).query(one.mesh.vertices_m)[1], one.lumped.mass_kg, len(one.frame.points_m)
     ).astype(np.float64)
     for leaves, label in ((False, "bare"), (True, "in leaf")):
-        exact = frame_frequencies(one.frame, one.wood, 0.0, MODES, hung if leaves else None)
+        exact = frame_frequencies(one.frame, one.wood, 0.0, MODE_COUNT, hung if leaves else None)
         found = np.array(one.model("quadratic", gravity=False, leaves=leaves).report["frequencies_hz"])
         name = f"{one.name}, {label}, no gravity"
         yield relative(f"{name}: first frequency against a frame of beams", exact[0], found[0], "Hz", 0.08)

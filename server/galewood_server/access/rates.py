@@ -16,7 +16,7 @@ from galewood_server.settings import Settings
 
 log = logging.getLogger("galewood.access")
 WRONG_KEYS_PER_MINUTE, HEALTH_CHECKS_PER_MINUTE = 20, 600
-UNKNOWN = "unknown"
+UNKNOWN_ADDRESS = "unknown"
 _WITH_PORT = re.compile(r"([0-9.]+):[0-9]{1,5}|\[([^\]]+)\](?::[0-9]{1,5})?")
 
 
@@ -62,7 +62,7 @@ def rate_limit_key(address: str) -> str:
     """
     parsed = _parsed(address)
     if parsed is None:
-        return UNKNOWN
+        return UNKNOWN_ADDRESS
     if isinstance(parsed, ipaddress.IPv4Address):
         return str(parsed)
     if parsed.ipv4_mapped:

@@ -13,7 +13,7 @@ from fastapi import FastAPI
 from fastapi.responses import HTMLResponse, Response
 from starlette.staticfiles import StaticFiles
 
-PAGE = """<!doctype html>
+DOCS_PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
 <title>Galewood REST API</title>
 <link rel="icon" href="docs/files/favicon.png"><link rel="stylesheet" href="docs/files/swagger-ui.css">
@@ -21,7 +21,7 @@ PAGE = """<!doctype html>
 This page needs JavaScript. Machine-readable description: <a href="openapi.json">openapi.json</a>
 </noscript></main><script src="docs/files/swagger-ui-bundle.js"></script><script src="docs/start.js"></script>
 </body></html>"""
-START = """SwaggerUIBundle({
+START_SCRIPT = """SwaggerUIBundle({
   url: "openapi.json",
   dom_id: "#reference",
   deepLinking: true,
@@ -40,11 +40,11 @@ def install(app: FastAPI) -> None:
 
 
 def _page() -> Response:
-    return HTMLResponse(PAGE, headers={"Cache-Control": "no-cache"})
+    return HTMLResponse(DOCS_PAGE, headers={"Cache-Control": "no-cache"})
 
 
 def _start() -> Response:
-    return Response(START, media_type="text/javascript", headers={"Cache-Control": "no-cache"})
+    return Response(START_SCRIPT, media_type="text/javascript", headers={"Cache-Control": "no-cache"})
 
 
 def _viewer_files() -> Path:

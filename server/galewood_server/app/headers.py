@@ -38,7 +38,7 @@ DOCS_POLICY = "; ".join(
         "frame-ancestors 'none'",
     )
 )
-ALWAYS: Mapping[str, str] = {
+COMMON_HEADERS: Mapping[str, str] = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "same-origin",
     "Cross-Origin-Opener-Policy": "same-origin",
@@ -82,7 +82,7 @@ class SecurityHeaders:
         async def send_response(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
-                for name, value in ALWAYS.items():
+                for name, value in COMMON_HEADERS.items():
                     headers.setdefault(name, value)
                 headers.setdefault("Content-Security-Policy", policy_of(scope["path"], self._frame_ancestors))
                 if self._varies_by_origin:

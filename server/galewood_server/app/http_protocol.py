@@ -17,14 +17,14 @@ from galewood_server.access import OpenConnections
 from galewood_server.http import Problem
 
 log = logging.getLogger("galewood")
-STOPPING = Problem(
+STOPPING_PROBLEM = Problem(
     status=503,
     code="server-stopping",
     title="The server is being stopped",
     detail="The request was not finished in time.",
     hint="Try again in a minute.",
 )
-FULL = Problem(
+FULL_PROBLEM = Problem(
     status=503,
     code="too-many-connections",
     title="Too many open connections",
@@ -32,7 +32,7 @@ FULL = Problem(
     hint="Try again in some seconds.",
     retry_after_s=5,
 )
-ACCEPTED_AT_ONCE, BACKLOG = 16, 2048
+ACCEPTED_AT_ONCE, LISTEN_BACKLOG = 16, 2048
 
 
 class Server(uvicorn.Server):
@@ -46,7 +46,7 @@ class Server(uvicorn.Server):
         await super().startup(sockets)
         for listener in (one for server in self.servers for one in server.sockets):
             with listener.dup() as same:
-                same.listen(BACKLOG)
+                same.listen(LISTEN_BACKLOG)
 
 
 def protocol_with_limits(
@@ -81,7 +81,7 @@ def protocol_with_limits(
             except asyncio.CancelledError:  # uvicorn's, for requests that outlast the time to stop
                 log.info("%s %s was broken off: the server stops", scope["method"], scope["path"][:200])
                 if not cycle.response_started and not cycle.disconnected:
-                    await STOPPING.response()(scope, receive, send)
+                    await STOPPING_PROBLEM.response()(scope, receive, send)
             if self._stopping and not cycle.response_complete:
                 cycle.disconnected = True
                 self.transport.abort()
@@ -91,7 +91,7 @@ def protocol_with_limits(
             if connections.admit(self, self._address, transport.get_extra_info("socket").fileno()):
                 self._start_timer()
             else:
-                transport.write(raw_response(FULL))
+                transport.write(raw_response(FULL_PROBLEM))
                 transport.close()
 
         def data_received(self, data: bytes) -> None:

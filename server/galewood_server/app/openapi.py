@@ -10,7 +10,7 @@ from fastapi.openapi.utils import get_openapi
 from galewood_server.access import READ_ONLY_POSTS, WRITE_METHODS
 from galewood_server.http import ProblemOut, problems
 
-ABOUT = """Computes lookup tables of simulated motion from tree meshes.
+API_DESCRIPTION = """Computes lookup tables of simulated motion from tree meshes.
 
 Errors are problem details (RFC 9457): `code` is machine-readable; `title`, `detail` and `hint` are for users.
 Write access requires an API key (`Authorization: Bearer KEY`) or, if the operator configured none, a client
@@ -31,7 +31,9 @@ def describe(app: FastAPI) -> None:
     def description() -> dict[str, Any]:
         if app.openapi_schema is None:
             app.openapi_schema = _complete(
-                get_openapi(title=app.title, version=app.version, description=ABOUT, routes=app.routes)
+                get_openapi(
+                    title=app.title, version=app.version, description=API_DESCRIPTION, routes=app.routes
+                )
             )
         return app.openapi_schema
 

@@ -21,7 +21,7 @@ NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Galew
 <pre>make build</pre>
 <p>The REST API is documented at <a href="/docs">/docs</a>.</p></body></html>"""
 HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "same-origin"}
-IMMUTABLE = "public, max-age=31536000, immutable"
+IMMUTABLE_CACHE = "public, max-age=31536000, immutable"
 SUFFIXES = {"br": ".br", "gzip": ".gz"}
 """Codings of the copies that the build writes beside the page's files (web/scripts/precompress.ts)."""
 
@@ -52,7 +52,7 @@ class Page(StaticFiles):
         if path == "index.html" and not (self._folder / "index.html").is_file():
             return HTMLResponse(NOT_BUILT, 503, HEADERS)
         response = await super().get_response(path, scope)
-        response.headers["Cache-Control"] = IMMUTABLE if path.startswith("assets/") else "no-cache"
+        response.headers["Cache-Control"] = IMMUTABLE_CACHE if path.startswith("assets/") else "no-cache"
         response.headers.update(HEADERS)
         return response
 

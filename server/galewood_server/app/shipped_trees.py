@@ -52,6 +52,8 @@ def install(session: Session, service: Service, tree: Tree, shipped: ShippedTree
         for name, picture in shipped.pictures.items()
     }
     # pictures belong to a job, which also tells when and how the table was made
-    job = Job(tree_id=tree.id, state="done", stage="done", fraction=1.0, message=SHIPPED_MESSAGE, pictures=pictures)
+    job = Job(
+        tree_id=tree.id, state="done", stage="done", fraction=1.0, message=SHIPPED_MESSAGE, pictures=pictures
+    )
     job.result = {"tetrahedra": shipped.tets_name}
     tree.jobs.append(job)

@@ -11,7 +11,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from galewood_server.settings import Settings
 from galewood_server.storage import StartError, start_failure
 
-FAILED = "lifespan.startup.failed"
+FAILED_EVENT = "lifespan.startup.failed"
 
 
 def with_clear_failures(app: ASGIApp, settings: Settings) -> ASGIApp:
@@ -30,7 +30,7 @@ async def _start(app: ASGIApp, settings: Settings, scope: Scope, receive: Receiv
     failed: list[Message] = []
 
     async def keep_failure(message: Message) -> None:
-        if message["type"] == FAILED:
+        if message["type"] == FAILED_EVENT:
             failed.append(message)
         else:
             await send(message)
@@ -40,7 +40,7 @@ async def _start(app: ASGIApp, settings: Settings, scope: Scope, receive: Receiv
     except Exception as error:
         if not failed:
             raise
-        await send({"type": FAILED, "message": start_failure(error, settings) or failed[0]["message"]})
+        await send({"type": FAILED_EVENT, "message": start_failure(error, settings) or failed[0]["message"]})
 
 
 def check_address(host: str, port: int) -> None:

@@ -20,7 +20,7 @@ from galewood_server.settings import Settings
 from galewood_server.storage import (
     ACTIVE,
     FILE_COLUMNS,
-    PREFERRED,
+    PREFERRED_CODINGS,
     STORE_NAMES,
     DamagedFileError,
     FileStore,
@@ -185,7 +185,7 @@ def _remove_stale_copies(settings: Settings, stores: Stores, repair: bool) -> No
     """Remove compressed copies and thumbnails of files that no longer exist; not reported as findings."""
     if not repair:
         return
-    for coding in PREFERRED:
+    for coding in PREFERRED_CODINGS:
         for path in (settings.cache_dir / "encoded" / coding).rglob("*"):
             used = (stores.tables, stores.records, stores.compliances, stores.meshes)
             if path.is_file() and not any(store.has(path.name) for store in used):

@@ -12,7 +12,7 @@ from galewood.cli import console
 if TYPE_CHECKING:  # loaded only by the commands that need it
     from galewood_server.settings import Settings
 
-OWN = ("galewood", "galewood_server")
+OWN_PACKAGES = ("galewood", "galewood_server")
 EXTRA_OF = {"psycopg": "distributed"}
 """Modules of another extra than `server`."""
 
@@ -24,7 +24,7 @@ def needs_extras() -> Generator[None]:
         yield
     except ModuleNotFoundError as error:
         missing = (error.name or "").partition(".")[0]
-        if missing in OWN:
+        if missing in OWN_PACKAGES:
             raise
         extras = ",".join(("server", EXTRA_OF[missing]) if missing in EXTRA_OF else ("server",))
         end_with(

@@ -23,9 +23,9 @@ from galewood_server.storage import (
 )
 
 log = logging.getLogger("galewood.job")
-BEAMS, FIRST, EARLY = "beams.table", "first.table", "early.table"
+BEAMS_FILE, FIRST_FILE, EARLY_FILE = "beams.table", "first.table", "early.table"
 """Preliminary tables: of beams along the branches, of the natural modes, of the first training runs."""
-MESH, PICTURE, TETS = "render.glb", ".png", "tets-"
+MESH_FILE, PICTURE_SUFFIX, TETS_PREFIX = "render.glb", ".png", "tets-"
 
 
 class ArtefactPublisher:
@@ -46,13 +46,13 @@ class ArtefactPublisher:
                 log.info("ignored %s, published after the end of job %s", name, self._job_lease.job_id)
 
     def _publish(self, name: str, content: bytes) -> None:
-        if name.endswith(PICTURE):
+        if name.endswith(PICTURE_SUFFIX):
             self._publish_picture(name, content)
-        elif name.startswith(TETS):
+        elif name.startswith(TETS_PREFIX):
             self._publish_tetrahedra(name, content)
-        elif name == MESH:
+        elif name == MESH_FILE:
             self._publish_mesh(content)
-        elif name in (BEAMS, FIRST, EARLY):
+        elif name in (BEAMS_FILE, FIRST_FILE, EARLY_FILE):
             self._publish_preliminary_table(name, content)
 
     def _publish_picture(self, name: str, picture: bytes) -> None:
@@ -99,9 +99,11 @@ class ArtefactPublisher:
     def _has_better(self, tree: Tree, name: str, metadata: Metadata) -> bool:
         """Whether the tree has a complete table or, in a resumed build, already a later preliminary one."""
         present = self._metadata(tree.table_sha256)
-        if present is None or not tree.preliminary or name == BEAMS:
+        if present is None or not tree.preliminary or name == BEAMS_FILE:
             return present is not None
-        return name == FIRST and model_of(metadata) is not None and model_of(present) == model_of(metadata)
+        return (
+            name == FIRST_FILE and model_of(metadata) is not None and model_of(present) == model_of(metadata)
+        )
 
     def _tree(self, session: Session) -> Tree:
         self._job_lease.check(session)

@@ -10,9 +10,9 @@ import psutil
 from galewood.threads import SINGLE_THREADED
 from galewood.util import Lifeline
 
-NICENESS = 10
+CHILD_NICENESS = 10
 """Of child processes, so that streams go on beside them; from the start, because imports take seconds."""
-LOWER = 5
+PRIORITY_DECREASE = 5
 """By how much `lower_priority` lowers it."""
 FROZEN_S = 30.0
 """Time after which a guard that does not end is frozen, and killed, s; it ends within a second."""
@@ -73,7 +73,7 @@ async def start_module(
     lifeline = Lifeline()
     starting = asyncio.ensure_future(
         asyncio.create_subprocess_exec(
-            *lifeline.command([sys.executable, "-m", module, *arguments], NICENESS),
+            *lifeline.command([sys.executable, "-m", module, *arguments], CHILD_NICENESS),
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE if listen else asyncio.subprocess.DEVNULL,
             env={**environment, **SINGLE_THREADED},
@@ -95,6 +95,6 @@ def lower_priority() -> None:
     this = psutil.Process()
     for process in (this, *this.children(recursive=True)):
         try:
-            process.nice(min(process.nice() + LOWER, 19))
+            process.nice(min(process.nice() + PRIORITY_DECREASE, 19))
         except psutil.NoSuchProcess:
             continue

@@ -7,7 +7,7 @@ from pathlib import Path
 from galewood_server.jobs.progress import JobFailedError
 from galewood_server.storage import CONTENT_OF_STORE, DamagedFileError, Stores
 
-RESTORE = "restore it from a backup (`galewood doctor` lists what is missing)"
+RESTORE_HINT = "restore it from a backup (`galewood doctor` lists what is missing)"
 
 
 def stored_bytes(stores: Stores, kind: str, sha256: str, filename: str = "") -> bytes:
@@ -37,4 +37,4 @@ def _lost(kind: str, sha256: str, filename: str, how: str) -> JobFailedError:
         ("", "Upload it again") if kind == "sources" else (" of this tree", "Compute the tree again")
     )
     what = f"{CONTENT_OF_STORE[kind]}{owner}{name}"
-    return JobFailedError(f"The {what} {how} ({kind}/{sha256[:12]}…). {instead}, or {RESTORE}.")
+    return JobFailedError(f"The {what} {how} ({kind}/{sha256[:12]}…). {instead}, or {RESTORE_HINT}.")

@@ -55,7 +55,7 @@ class JobStalledError(Exception):
     """A job process is alive but has not reported progress for too long."""
 
 
-CANCELLED = JobStatus(cancelled=True)
+CANCELLED_STATUS = JobStatus(cancelled=True)
 
 
 class StallWatch:
@@ -275,7 +275,7 @@ class Supervisor:
         try:
             with self._service.sessions() as session:
                 job = session.get(Job, job_id)
-                return JobStatus(job.cancel_requested, job.stage, job.updated_at) if job else CANCELLED
+                return JobStatus(job.cancel_requested, job.stage, job.updated_at) if job else CANCELLED_STATUS
         except SQLAlchemyError:
             log.exception("job %s could not be read", job_id)
             return JobStatus()

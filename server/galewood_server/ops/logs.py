@@ -9,10 +9,10 @@ import structlog
 from structlog.typing import Processor
 
 from galewood_server.ops.throttle import Throttle
-from galewood_server.ops.tracing import REQUESTS
+from galewood_server.ops.tracing import REQUEST_LOGGER
 from galewood_server.settings import Settings
 
-COMMON: list[Processor] = [
+COMMON_PROCESSORS: list[Processor] = [
     structlog.contextvars.merge_contextvars,
     structlog.stdlib.add_logger_name,
     structlog.stdlib.add_log_level,
@@ -27,11 +27,11 @@ def configure_logging(settings: Settings) -> None:
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(
         structlog.stdlib.ProcessorFormatter(
-            foreign_pre_chain=COMMON,
+            foreign_pre_chain=COMMON_PROCESSORS,
             processors=[structlog.stdlib.ProcessorFormatter.remove_processors_meta, *_rendering(settings)],
         )
     )
-    handler.addFilter(Throttle(unlimited=REQUESTS))
+    handler.addFilter(Throttle(unlimited=REQUEST_LOGGER))
     root = logging.getLogger()
     root.handlers[:] = [handler]
     root.setLevel(settings.log_level)

@@ -12,7 +12,7 @@ from prometheus_client import (
     generate_latest,
 )
 
-SECONDS = (0.005, 0.02, 0.05, 0.1, 0.3, 1, 3, 10, 30, 60)
+DURATION_BUCKETS_S = (0.005, 0.02, 0.05, 0.1, 0.3, 1, 3, 10, 30, 60)
 
 
 class Metrics:
@@ -33,7 +33,7 @@ class Metrics:
             "galewood_http_request_seconds",
             "HTTP request duration in seconds",
             ["method", "route"],
-            buckets=SECONDS,
+            buckets=DURATION_BUCKETS_S,
             registry=self.registry,
         )
         self.refused = Counter(

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-BURST, WINDOW_S = 20, 60.0
+BURST_LINES, WINDOW_S = 20, 60.0
 MOST_MESSAGES = 1000
 
 
@@ -39,9 +39,9 @@ class Throttle(logging.Filter):
         if window is None or now_s - window.began_s >= WINDOW_S:
             if window is None and len(self._windows) >= MOST_MESSAGES:
                 self._windows.clear()
-            suppressed = max(0, window.count - BURST) if window else 0
+            suppressed = max(0, window.count - BURST_LINES) if window else 0
             if suppressed:
                 record.msg = f"{record.msg} (and {suppressed} times more since the last such line)"
             window = self._windows[key] = _Window(now_s)
         window.count += 1
-        return window.count <= BURST
+        return window.count <= BURST_LINES

@@ -14,17 +14,17 @@ from structlog.contextvars import bound_contextvars
 
 from galewood_server.ops.metrics import Metrics
 
-REQUESTS = "galewood.requests"
-log = logging.getLogger(REQUESTS)
-HEADER = "x-request-id"
+REQUEST_LOGGER = "galewood.requests"
+log = logging.getLogger(REQUEST_LOGGER)
+REQUEST_ID_HEADER = "x-request-id"
 _VALID_ID = re.compile(r"[A-Za-z0-9._:-]{1,128}")
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
-QUIET = ("/healthz", "/api/health", "/metrics", "/assets/")
+QUIET_PATHS = ("/healthz", "/api/health", "/metrics", "/assets/")
 
 
 def request_id(headers: Headers) -> str:
     """The X-Request-ID header if it is valid, otherwise a new id."""
-    given = headers.get(HEADER, "")
+    given = headers.get(REQUEST_ID_HEADER, "")
     return given if _VALID_ID.fullmatch(given) else secrets.token_hex(8)
 
 
@@ -47,7 +47,7 @@ class Tracing:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
-                MutableHeaders(scope=message)[HEADER] = name
+                MutableHeaders(scope=message)[REQUEST_ID_HEADER] = name
             await send(message)
 
         with bound_contextvars(request_id=name):
@@ -62,7 +62,7 @@ class Tracing:
         self._metrics.request(method_of(scope), route_of(scope), status, seconds)
         client = scope.get("client") or ("",)
         # refusals of one address have no end: they are counted, and access control names the address
-        quiet = status == HTTPStatus.TOO_MANY_REQUESTS or scope["path"].startswith(QUIET)
+        quiet = status == HTTPStatus.TOO_MANY_REQUESTS or scope["path"].startswith(QUIET_PATHS)
         level = logging.DEBUG if quiet else logging.INFO
         fields = {
             "method": scope["method"][:20],

@@ -2,6 +2,6 @@
 
 from galewood_server.peers.forest_owners import ForestOwners
 from galewood_server.peers.peer_search import peer_of
-from galewood_server.peers.socket_relay import RELAYED, SERVICE_RESTART, PeerLostError, relay
+from galewood_server.peers.socket_relay import RELAYED_HEADER, SERVICE_RESTART, PeerLostError, relay
 
-__all__ = ["RELAYED", "SERVICE_RESTART", "ForestOwners", "PeerLostError", "peer_of", "relay"]
+__all__ = ["RELAYED_HEADER", "SERVICE_RESTART", "ForestOwners", "PeerLostError", "peer_of", "relay"]

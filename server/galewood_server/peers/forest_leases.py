@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 
 from galewood_server.storage import SharedForest, database_now, insert_for, new_id
 
-ATTEMPTS = 5
+MAX_CLAIM_ATTEMPTS = 5
 """How often a claim is repeated if another server changes the same row."""
 
 
@@ -35,7 +35,7 @@ def claim_forest(
     One statement, because many clients may wait for it: they all come when a server dies.
     RuntimeError if other servers change the row again and again.
     """
-    for _ in range(ATTEMPTS):
+    for _ in range(MAX_CLAIM_ATTEMPTS):
         session.connection(execution_options={"isolation_level": "AUTOCOMMIT"})
         now, token = database_now(session), new_id()
         until = now + timedelta(seconds=lease_s)

@@ -14,13 +14,13 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketExce
 from galewood_server.stream import TRY_AGAIN_LATER, SessionError, protocol_of
 
 log = logging.getLogger("galewood.stream")
-RELAYED = "Galewood-Relayed"
+RELAYED_HEADER = "Galewood-Relayed"
 """Header of a relayed request: its server does not pass it on again."""
 ANSWER_S = 1.5
 """A server that does not answer for so long is taken for dead."""
 QUEUED_MESSAGES = 4
 KERNEL_BYTES = 256 * 1024  # what waits here, the other server takes for received
-SERVICE_RESTART, ABNORMAL = 1012, 1006
+SERVICE_RESTART, ABNORMAL_CLOSURE = 1012, 1006
 
 
 class PeerLostError(Exception):
@@ -33,7 +33,7 @@ async def open_peer(server_url: str, share: str, address: str) -> ClientConnecti
     try:
         peer = await connect(
             uri,
-            additional_headers={RELAYED: "1", "X-Forwarded-For": address},
+            additional_headers={RELAYED_HEADER: "1", "X-Forwarded-For": address},
             compression=None,
             max_size=None,
             max_queue=QUEUED_MESSAGES,
@@ -85,8 +85,8 @@ async def _to_client(peer: ClientConnection, websocket: WebSocket, stall_s: floa
             async with asyncio.timeout(stall_s):
                 await websocket.send_bytes(data)
     except ConnectionClosed:
-        code = peer.close_code or ABNORMAL
-        await websocket.close(SERVICE_RESTART if code == ABNORMAL else code, peer.close_reason or "")
+        code = peer.close_code or ABNORMAL_CLOSURE
+        await websocket.close(SERVICE_RESTART if code == ABNORMAL_CLOSURE else code, peer.close_reason or "")
     except TimeoutError:
         log.info("disconnected a client that does not read")
         protocol.abort()

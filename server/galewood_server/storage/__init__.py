@@ -11,7 +11,7 @@ from galewood_server.storage.database import (
     one_at_a_time,
     open_database,
 )
-from galewood_server.storage.encodings import PREFERRED, coding_of, encoded_file, preferred_coding
+from galewood_server.storage.encodings import PREFERRED_CODINGS, coding_of, encoded_file, preferred_coding
 from galewood_server.storage.failures import StartError, is_database_busy, is_disk_full, start_failure
 from galewood_server.storage.files import DamagedFileError, FileStore, file_age_s, is_hash
 from galewood_server.storage.garbage import (
@@ -61,7 +61,7 @@ __all__ = [
     "CONTENT_OF_STORE",
     "FILE_COLUMNS",
     "JOB_FIELDS",
-    "PREFERRED",
+    "PREFERRED_CODINGS",
     "STORE_NAMES",
     "TREE_FIELDS",
     "DamagedFileError",

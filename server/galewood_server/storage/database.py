@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Sessions = sessionmaker[Session]
 REVISIONS = ("0001",)
 """The schema revisions, known without loading Alembic; a test compares them with the migrations."""
-HEAD = REVISIONS[-1]
+HEAD_REVISION = REVISIONS[-1]
 
 
 def open_database(url: str) -> Sessions:
@@ -54,7 +54,7 @@ def migrate(url: str) -> None:
     StartError if its schema is not one of this version of the software.
     """
     revision = _revision(url)
-    if revision == HEAD:
+    if revision == HEAD_REVISION:
         return
     check_revision(revision)
     from alembic import command
@@ -74,7 +74,7 @@ def check_revision(revision: str | None) -> None:
     if revision is not None and revision not in REVISIONS:
         raise StartError(
             f"The database belongs to another version of Galewood (schema {revision}; this version uses"
-            f" {HEAD}): install that version, or set GALEWOOD_DATA_DIR to an empty folder (and"
+            f" {HEAD_REVISION}): install that version, or set GALEWOOD_DATA_DIR to an empty folder (and"
             " GALEWOOD_DATABASE_URL, if it is set, to an empty database) and upload the trees again."
         )
 

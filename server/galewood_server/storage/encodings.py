@@ -15,7 +15,7 @@ from galewood.util import write_whole
 
 Coding = Literal["zstd", "gzip"]
 Name = TypeVar("Name", bound=str)
-PREFERRED: tuple[Coding, ...] = ("zstd", "gzip")
+PREFERRED_CODINGS: tuple[Coding, ...] = ("zstd", "gzip")
 ZSTD_LEVEL, GZIP_LEVEL = 12, 6
 _lock = threading.Lock()
 _under_way: set[Path] = set()
@@ -25,7 +25,7 @@ log = logging.getLogger("galewood.encodings")
 
 def coding_of(accept_encoding: str) -> Coding | None:
     """The preferred coding of an Accept-Encoding header for stored files; None: uncompressed."""
-    return preferred_coding(accept_encoding, PREFERRED)
+    return preferred_coding(accept_encoding, PREFERRED_CODINGS)
 
 
 def preferred_coding(accept_encoding: str, offered: Sequence[Name]) -> Name | None:

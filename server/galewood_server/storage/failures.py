@@ -22,7 +22,7 @@ POSTGRESQL_BUSY = frozenset({"40001", "40P01", "53300", "55P03", "57014", "57P01
 POSTGRESQL_LOST = "08"
 """Class of the codes of lost connections."""
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT)
-UNWRITABLE = (errno.EACCES, errno.EPERM, errno.EROFS)
+UNWRITABLE_ERRORS = (errno.EACCES, errno.EPERM, errno.EROFS)
 NO_FOLDER = (errno.ENOTDIR, errno.EEXIST)
 
 
@@ -67,7 +67,7 @@ def start_failure(error: BaseException, settings: Settings) -> str | None:
 
 def _of_folder(error: OSError, settings: Settings) -> str | None:
     path = _where(error, settings)
-    if error.errno in UNWRITABLE:
+    if error.errno in UNWRITABLE_ERRORS:
         return (
             f"{path} cannot be written ({error.strerror}): change its permissions, or set GALEWOOD_DATA_DIR"
             " to a folder that the server may write."

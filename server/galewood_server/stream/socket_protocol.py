@@ -19,7 +19,7 @@ from galewood_server.stream.session_error import POLICY_VIOLATION
 
 UNACKNOWLEDGED_MS = 20_000
 KERNEL_BYTES = 256 * 1024  # limits latency; the default can be megabytes
-EXTENSION = "galewood.socket"
+EXTENSION_NAME = "galewood.socket"
 LAST_WORDS_S = 1.0  # for a refused client to read why
 SIOCOUTQNSD = 0x894B  # linux/sockios.h: unsent bytes in the socket's queue
 _count = bytearray(4)
@@ -137,7 +137,7 @@ class SocketProtocol(WebSocketsSansIOProtocol):
 
     async def run_asgi(self) -> None:
         """Add this protocol to the ASGI scope."""
-        cast(dict[str, Any], self.scope)["extensions"][EXTENSION] = {"protocol": self}
+        cast(dict[str, Any], self.scope)["extensions"][EXTENSION_NAME] = {"protocol": self}
         await super().run_asgi()
 
 
@@ -148,7 +148,7 @@ def metered_protocol(limits: SocketLimits) -> type[SocketProtocol]:
 
 def protocol_of(scope: Any) -> SocketProtocol:
     """The SocketProtocol of an ASGI scope. RuntimeError if uvicorn was started without it."""
-    extension: dict[str, SocketProtocol] = scope.get("extensions", {}).get(EXTENSION, {})
+    extension: dict[str, SocketProtocol] = scope.get("extensions", {}).get(EXTENSION_NAME, {})
     if "protocol" not in extension:
         raise RuntimeError("streams need uvicorn with a protocol of galewood_server.stream.metered_protocol")
     return extension["protocol"]

@@ -6,7 +6,7 @@ What recognises a file is cheap to import; what reads it is loaded when it is fi
 from typing import TYPE_CHECKING
 
 from galewood.mesh.qsm.tables import has_cylinder_columns
-from galewood.mesh.qsm.treeqsm import HDF5
+from galewood.mesh.qsm.treeqsm import HDF5_HEADER
 from galewood.util import lazily
 
 if TYPE_CHECKING:
@@ -23,4 +23,4 @@ __getattr__ = lazily(
         "tube": "galewood.mesh.qsm.tubes",
     },
 )
-__all__ = ["HDF5", "Line", "ScannedTree", "has_cylinder_columns", "read_qsm", "tube"]
+__all__ = ["HDF5_HEADER", "Line", "ScannedTree", "has_cylinder_columns", "read_qsm", "tube"]

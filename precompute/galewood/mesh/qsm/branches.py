@@ -14,7 +14,7 @@ BREAST_HEIGHT_M = 1.3
 SHORTEST_M = 1e-3
 WIDEST_BRANCH = 1.5
 """Largest radius of a branch relative to the limb that bears it; at its base it is no wider than the limb."""
-SMOOTHING = 0.1
+SMOOTHING_SHARE = 0.1
 """Share of the way to the middle of its neighbours by which an inner point of a line is moved."""
 LEAST_OF_THICKEST = 0.5
 """Least radius of an extension, relative to the thickest child of the same cylinder."""
@@ -149,5 +149,5 @@ def _groups(length: Floats, radius: Floats, spacing: float) -> Int64s:
 def _smoothed(points: Floats) -> Floats:
     """Each inner point moved some of the way to the middle of its neighbours."""
     result = points.copy()
-    result[1:-1] = (1 - SMOOTHING) * points[1:-1] + SMOOTHING / 2 * (points[:-2] + points[2:])
+    result[1:-1] = (1 - SMOOTHING_SHARE) * points[1:-1] + SMOOTHING_SHARE / 2 * (points[:-2] + points[2:])
     return result

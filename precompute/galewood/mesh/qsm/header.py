@@ -18,7 +18,7 @@ BLANKS = " "
 COMMENTS = ("#", "%", "sep=")
 TRIPLES = {"startpoint": "start", "endpoint": "end", "axisdirection": "axis"}
 """Names that stand for three columns."""
-MATRIX = (
+MATRIX_COLUMNS = (
     "radius", "length", "startx", "starty", "startz", "axisx", "axisy", "axisz", "parent", "extension",
 )  # fmt: skip
 """The first columns of a table without names."""
@@ -78,7 +78,7 @@ def layout_of(lines: list[str]) -> Layout:
     except csv.Error:
         return Layout({}, separator, at + 1)
     if _is_matrix(fields):
-        return Layout({name: k for k, name in enumerate(MATRIX)}, separator, at)
+        return Layout({name: k for k, name in enumerate(MATRIX_COLUMNS)}, separator, at)
     return Layout(_named(fields), separator, at + 1)
 
 
@@ -98,10 +98,10 @@ def _is_comment(line: str) -> bool:
 
 
 def _is_matrix(fields: list[str]) -> bool:
-    if len(fields) < len(MATRIX):
+    if len(fields) < len(MATRIX_COLUMNS):
         return False
     try:
-        values = [number(field) for field in fields[: len(MATRIX)]]
+        values = [number(field) for field in fields[: len(MATRIX_COLUMNS)]]
     except ValueError:
         return False
     return abs(float(np.linalg.norm(values[5:8])) - 1) < UNIT_TOLERANCE

@@ -10,9 +10,9 @@ from PIL import Image
 
 from galewood.util import Floats
 
-PIXELS = 128
-LEAVES = 13
-GREEN = np.array([92.0, 128.0, 52.0])
+TEXTURE_SIZE_PX = 128
+LEAF_COUNT = 13
+GREEN_RGB = np.array([92.0, 128.0, 52.0])
 STALK_WIDTH = 0.012
 
 
@@ -20,17 +20,17 @@ STALK_WIDTH = 0.012
 def sprig_png() -> bytes:
     """A square PNG with alpha; the stalk begins in the middle of its lower edge."""
     random = np.random.default_rng(0)
-    centres = (np.arange(PIXELS) + 0.5) / PIXELS
+    centres = (np.arange(TEXTURE_SIZE_PX) + 0.5) / TEXTURE_SIZE_PX
     x, y = np.meshgrid(centres - 0.5, 1.0 - centres)
-    rgb = np.broadcast_to(GREEN, (PIXELS, PIXELS, 3)).copy()
+    rgb = np.broadcast_to(GREEN_RGB, (TEXTURE_SIZE_PX, TEXTURE_SIZE_PX, 3)).copy()
     alpha = (np.abs(x) < STALK_WIDTH) & (y < 0.8)
-    for number in range(LEAVES):
-        at = 0.08 + 0.64 * number / (LEAVES - 1)
-        lean = (-1) ** number * random.uniform(0.7, 1.25) if number < LEAVES - 1 else 0.0
+    for number in range(LEAF_COUNT):
+        at = 0.08 + 0.64 * number / (LEAF_COUNT - 1)
+        lean = (-1) ** number * random.uniform(0.7, 1.25) if number < LEAF_COUNT - 1 else 0.0
         length, width = random.uniform(0.32, 0.42), random.uniform(0.075, 0.1)
         inside, edge = _leaf(x, y - at, lean, length, width)
         shade = random.uniform(0.82, 1.15) * (1.08 - 0.22 * edge)
-        rgb = np.where(inside[:, :, None], np.clip(GREEN * shade[:, :, None], 0, 255), rgb)
+        rgb = np.where(inside[:, :, None], np.clip(GREEN_RGB * shade[:, :, None], 0, 255), rgb)
         alpha = alpha | inside
     picture = np.dstack([rgb, 255.0 * alpha]).astype(np.uint8)
     out = io.BytesIO()

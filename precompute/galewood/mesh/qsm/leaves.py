@@ -29,11 +29,11 @@ LEAFY_SHARE = 0.6
 """Largest share of the length of a branch that has leaves."""
 LEAF_SPACING = 0.025
 """Distance of the places of leaves along a branch, relative to the height of the tree."""
-TEXTURE = "sprig"
-MATERIAL = {
+TEXTURE_NAME = "sprig"
+LEAF_MATERIAL = {
     "name": "leaves",
     "pbrMetallicRoughness": {
-        "baseColorTexture": {"index": TEXTURE},
+        "baseColorTexture": {"index": TEXTURE_NAME},
         "metallicFactor": 0.0,
         "roughnessFactor": 0.9,
     },
@@ -57,7 +57,7 @@ def leafy_end(line: Line, height_m: float) -> tuple[Floats, Floats]:
 
 def leaf_cards(places_m: Floats, direction: Floats, trunk_diameter_m: float, height_m: float) -> RawPart:
     """Leaves at places (k, 3) that point in the directions (k, 3), unit vectors; k is at least 1."""
-    material = Material(MATERIAL, {TEXTURE: (sprig_png(), "image/png")}, {TEXTURE: {}})
+    material = Material(LEAF_MATERIAL, {TEXTURE_NAME: (sprig_png(), "image/png")}, {TEXTURE_NAME: {}})
     area_m2 = LEAF_AREA_PER_BASAL_AREA * np.pi / 4 * trunk_diameter_m**2 / alpha_coverage(material)
     largest_m = min(LARGEST_CARD_M, CARD_PER_HEIGHT * height_m)
     needed = int(np.ceil(area_m2 / (2 * largest_m**2)))

@@ -21,10 +21,11 @@ FLAGS_BYTES = 16  # with their tag, which scipy does not look at
 TAG_BYTES = 8
 SMALL_BYTES = 4  # at most, of an element within its tag
 INT32_BYTES = 4
-MATRIX, COMPRESSED = 14, 15  # types of elements
-CELL, STRUCT, OBJECT, CHARACTERS, SPARSE, FUNCTION, OPAQUE = 1, 2, 3, 4, 5, 16, 17  # classes of matrices
-NUMBERS = range(CHARACTERS, FUNCTION)
-COMPLEX = 1 << 11
+MI_MATRIX, MI_COMPRESSED = 14, 15  # types of elements
+MX_CELL, MX_STRUCT, MX_OBJECT, MX_CHAR, MX_SPARSE = 1, 2, 3, 4, 5  # classes of matrices
+MX_FUNCTION, MX_OPAQUE = 16, 17
+NUMERIC_CLASSES = range(MX_CHAR, MX_FUNCTION)
+COMPLEX_FLAG = 1 << 11
 
 
 def is_too_deep(data: bytes) -> bool:
@@ -39,7 +40,7 @@ def _variables(data: bytes, order: str) -> Iterator[memoryview]:
     while at + TAG_BYTES <= len(data):
         kind, size = struct.unpack_from(f"{order}II", data, at)
         end = at + TAG_BYTES + size
-        if kind == COMPRESSED:
+        if kind == MI_COMPRESSED:
             content = zlib.decompressobj().decompress(whole[at + TAG_BYTES : end], room + 1)
             room -= len(content)
             if room < 0:
@@ -80,32 +81,32 @@ class _Variable:
     def _matrix(self) -> int:
         """Read a matrix up to those inside it, whose number is returned."""
         kind, size = self._tag()
-        if kind != MATRIX:
+        if kind != MI_MATRIX:
             raise ValueError("not a matrix")
         if size == 0:
             return 0
         (flags,) = struct.unpack_from(f"{self._order}I", self._data, self._at + TAG_BYTES)
         self._at += FLAGS_BYTES
         array_class = flags & 0xFF
-        if array_class == OPAQUE:
+        if array_class == MX_OPAQUE:
             self._skip(3)  # names of the system, the class and the variable
             return 1
         dimensions = self._element()
         self._skip(1)  # the name
-        if array_class in NUMBERS:
-            is_complex = bool(flags & COMPLEX) and array_class != CHARACTERS
-            self._skip((3 if array_class == SPARSE else 1) + is_complex)
+        if array_class in NUMERIC_CLASSES:
+            is_complex = bool(flags & COMPLEX_FLAG) and array_class != MX_CHAR
+            self._skip((3 if array_class == MX_SPARSE else 1) + is_complex)
             return 0
-        if array_class == FUNCTION:
+        if array_class == MX_FUNCTION:
             return 1
-        if array_class not in (CELL, STRUCT, OBJECT):
+        if array_class not in (MX_CELL, MX_STRUCT, MX_OBJECT):
             raise ValueError("a matrix of an unknown class")
         count = math.prod(struct.unpack(f"{self._order}{len(dimensions) // INT32_BYTES}i", dimensions))
-        return max(count, 0) * (1 if array_class == CELL else self._fields(array_class))
+        return max(count, 0) * (1 if array_class == MX_CELL else self._fields(array_class))
 
     def _fields(self, array_class: int) -> int:
         """The number of fields of a struct or an object."""
-        if array_class == OBJECT:
+        if array_class == MX_OBJECT:
             self._skip(1)  # the name of its class
         length = self._element()
         names = self._element()

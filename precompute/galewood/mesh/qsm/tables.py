@@ -16,7 +16,7 @@ from galewood.mesh.qsm.header import Layout, decoded, layout_of, number, split
 from galewood.util import Floats, Int64s, MeshError
 
 HEADER_BYTES = 8192
-BROKEN = -2
+BROKEN_PARENT = -2
 STARTS, ENDS, AXES = (tuple(f"{point}{axis}" for axis in "xyz") for point in ("start", "end", "axis"))
 
 
@@ -114,4 +114,4 @@ def _links(named: Floats, known: Floats) -> Int64s:
     wanted = np.where(np.isfinite(named), named, -1.0)
     at = np.minimum(np.searchsorted(ordered, wanted), len(known) - 1)
     exists = ordered[at] == wanted
-    return np.where(exists, order[at], np.where(wanted <= 0, NO_CYLINDER, BROKEN)).astype(np.int64)
+    return np.where(exists, order[at], np.where(wanted <= 0, NO_CYLINDER, BROKEN_PARENT)).astype(np.int64)

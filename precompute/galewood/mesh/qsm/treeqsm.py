@@ -17,14 +17,14 @@ from galewood.mesh.qsm.cylinders import Cylinders, check_count
 from galewood.mesh.qsm.mat_nesting import MAX_DEPTH, is_too_deep
 from galewood.util import Floats, Int64s, MeshError
 
-HDF5 = b"\x89HDF\r\n\x1a\n"
+HDF5_HEADER = b"\x89HDF\r\n\x1a\n"
 FIELDS = ("radius", "length", "start", "axis", "parent", "extension")
 OLD_VARIABLES = dict(zip(("Rad", "Len", "Sta", "Axe", "CPar", "CExt"), FIELDS, strict=True))
 MATRIX_COLUMNS = {
     "radius": slice(0, 1), "length": slice(1, 2), "start": slice(2, 5), "axis": slice(5, 8),
     "parent": slice(8, 9), "extension": slice(9, 10),
 }  # fmt: skip
-DEEPEST = 5  # nesting of structs and cells
+MAX_NESTING = 5  # nesting of structs and cells
 Struct = dict[str, Any]
 
 
@@ -46,7 +46,7 @@ def read_treeqsm(data: bytes) -> tuple[Cylinders, int]:
 
 
 def _variables(data: bytes) -> Struct:
-    if data[:10] == b"MATLAB 7.3" or data[:8] == HDF5:
+    if data[:10] == b"MATLAB 7.3" or data[:8] == HDF5_HEADER:
         raise MeshError(
             "mat-version",
             "unsupported",
@@ -81,7 +81,7 @@ def _models(variables: Struct) -> Iterator[Struct]:
     if all(name in variables for name in OLD_VARIABLES):
         yield {field: variables[name] for name, field in OLD_VARIABLES.items()}
         return
-    structs = [found for value in variables.values() for found in _structs(value, DEEPEST)]
+    structs = [found for value in variables.values() for found in _structs(value, MAX_NESTING)]
     yield from structs
     if structs:
         return

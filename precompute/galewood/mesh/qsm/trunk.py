@@ -12,9 +12,9 @@ WIDEST_TRUNK = 0.5
 """Largest median diameter of a trunk, relative to the height of the tree."""
 HIGHEST_BASE = 0.5
 """Largest height of the base of a trunk above the lowest cylinder, relative to the height of the tree."""
-LEVEL = 0.3
+MIN_RISE_SHARE = 0.3
 """A trunk that rises less than this share of the distance between its ends is suspicious."""
-SWOLLEN = 3.0
+MAX_RADIUS_GROWTH = 3.0
 """Largest radius of a cylinder, relative to that of its parent, that is not suspicious."""
 
 
@@ -44,14 +44,14 @@ def trunk_warnings(tree: Cylinders, trunk: Branch) -> list[str]:
     """What is possible, but unusual."""
     found: list[str] = []
     way = tree.end_m[trunk.cylinders[-1]] - tree.start_m[trunk.cylinders[0]]
-    if way[2] < LEVEL * float(np.linalg.norm(way)):
+    if way[2] < MIN_RISE_SHARE * float(np.linalg.norm(way)):
         found.append("The trunk hardly rises: check that the axis z points up (--up-axis).")
     child = np.flatnonzero(tree.parent != NO_CYLINDER)
-    swollen = child[tree.radius_m[child] > SWOLLEN * tree.radius_m[tree.parent[child]]]
+    swollen = child[tree.radius_m[child] > MAX_RADIUS_GROWTH * tree.radius_m[tree.parent[child]]]
     if len(swollen):
         found.append(
-            f"{len(swollen)} cylinders are more than {SWOLLEN:g} times as thick as the one they grow from "
-            f"(the thickest has a radius of {1000 * float(tree.radius_m[swollen].max()):.0f} mm): "
+            f"{len(swollen)} cylinders are more than {MAX_RADIUS_GROWTH:g} times as thick as the one "
+            f"they grow from (the thickest has a radius of {1000 * float(tree.radius_m[swollen].max()):.0f} mm): "
             "check their radii."
         )
     return found

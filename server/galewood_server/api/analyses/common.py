@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from galewood_server.api.files.artefacts import IMMUTABLE
+from galewood_server.api.files.artefacts import IMMUTABLE_CACHE
 from galewood_server.http import ProblemError, etag_matches, not_found
 from galewood_server.storage import ACTIVE, ANALYSIS_INPUTS, FileStore, Job, JobKind, JobState, Tree
 
@@ -72,7 +72,7 @@ def result_file(
     if not sha256 or not store.has(sha256):
         hint = "Wait until the job is done."
         raise ProblemError(404, f"no-{what}", f"There is no {what} yet", hint=hint)
-    headers = {"ETag": f'"{sha256}"', "Cache-Control": IMMUTABLE}
+    headers = {"ETag": f'"{sha256}"', "Cache-Control": IMMUTABLE_CACHE}
     if etag_matches(request.headers.get("if-none-match", ""), headers["ETag"]):
         return Response(status_code=304, headers=headers)
     path: Path = store.path(sha256)

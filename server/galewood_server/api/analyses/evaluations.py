@@ -33,7 +33,7 @@ from galewood_server.jobs import PLOT, add_job, find_job, request_cancel
 from galewood_server.storage import ACTIVE, Job, Tree, forget_old_analyses
 
 router = APIRouter(prefix="/api", tags=["evaluations"])
-JSON: dict[str, Any] = {"application/json": {"schema": {"type": "object"}}}
+JSON_CONTENT: dict[str, Any] = {"application/json": {"schema": {"type": "object"}}}
 
 
 class EvaluationRequest(BaseModel):
@@ -181,7 +181,7 @@ def evaluation_events(evaluation_id: str, request: Request, service: ServiceDep)
 @router.get(
     "/evaluations/{evaluation_id}/report",
     response_class=FileResponse,
-    responses={200: {"content": JSON}, **NOT_MODIFIED, **problems(404)},
+    responses={200: {"content": JSON_CONTENT}, **NOT_MODIFIED, **problems(404)},
 )
 def get_report(evaluation_id: str, request: Request, service: ServiceDep) -> Response:
     """The full report: all figures by wind, method and frame (docs/formats/evaluation.md)."""

@@ -10,12 +10,12 @@ from fastapi.responses import FileResponse, Response
 
 from galewood_server.context import Service, ServiceDep
 from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matches, not_found, problems
-from galewood_server.storage import PREFERRED, FileStore, coding_of, encoded_file
+from galewood_server.storage import PREFERRED_CODINGS, FileStore, coding_of, encoded_file
 
 router = APIRouter(prefix="/api", tags=["artefacts"])
-IMMUTABLE = "public, max-age=31536000, immutable"
+IMMUTABLE_CACHE = "public, max-age=31536000, immutable"
 _RANGE = re.compile(r"bytes=\s*(\d+-\d*|-\d+)(\s*,\s*(\d+-\d*|-\d+)){0,15}\s*")
-COMPRESSED = ("table", "records", "compliance")
+COMPRESSED_KINDS = ("table", "records", "compliance")
 
 
 def _responses(media_type: str) -> dict[int | str, dict[str, Any]]:
@@ -98,17 +98,18 @@ def _file(
     else:
         _check_ranges(ranges, store.path(sha256).stat().st_size)
     # ranges refer to the uncompressed bytes
-    compressed = kind in COMPRESSED and not ranges
+    compressed = kind in COMPRESSED_KINDS and not ranges
     coding = coding_of(request.headers.get("accept-encoding", "")) if compressed else None
     folder = service.settings.cache_dir / "encoded"
     path = encoded_file(folder, sha256, coding, lambda: store.get(sha256)) if coding else None
     etag = f'"{sha256}-{coding}"' if path else f'"{sha256}"'
-    headers = {"ETag": etag, "Cache-Control": IMMUTABLE, "Vary": "Accept-Encoding"}
+    headers = {"ETag": etag, "Cache-Control": IMMUTABLE_CACHE, "Vary": "Accept-Encoding"}
     # the content never changes, so a copy in any encoding is current: the compressed file may have been
     # created between two requests of the same client
     if_none_match = request.headers.get("if-none-match", "")
     if any(
-        etag_matches(if_none_match, f'"{sha256}{end}"') for end in ("", *(f"-{known}" for known in PREFERRED))
+        etag_matches(if_none_match, f'"{sha256}{end}"')
+        for end in ("", *(f"-{known}" for known in PREFERRED_CODINGS))
     ):
         return Response(status_code=304, headers=headers)
     if path is None or coding is None:

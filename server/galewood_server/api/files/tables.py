@@ -33,7 +33,7 @@ from galewood_server.http import (
 from galewood_server.storage import RawRow, Tree, is_hash, unconverted
 
 router = APIRouter(prefix="/api/tables", tags=["tables"])
-ORDER = (Tree.created_at, Tree.id)
+ORDER_COLUMNS = (Tree.created_at, Tree.id)
 FIELDS = (
     "id",
     "table_sha256",
@@ -46,8 +46,10 @@ FIELDS = (
     "created_at",
 )
 HAS_TABLE = Tree.table_sha256.is_not(None)
-COUNT = select(func.count(Tree.id)).where(HAS_TABLE)
-LIST = paged(select(*(unconverted(getattr(Tree, name)) for name in FIELDS)).where(HAS_TABLE).order_by(*ORDER))
+COUNT_QUERY = select(func.count(Tree.id)).where(HAS_TABLE)
+LIST_QUERY = paged(
+    select(*(unconverted(getattr(Tree, name)) for name in FIELDS)).where(HAS_TABLE).order_by(*ORDER_COLUMNS)
+)
 KEPT_ROWS = 1024
 
 
@@ -67,14 +69,14 @@ class TableMetadata(BaseModel):
 @router.get("", response_model=TableList, responses=NOT_MODIFIED)
 def list_tables(request: Request, service: ServiceDep, query: PageParams) -> Response:
     """A page of the trees' current tables, ordered by the age of the tree."""
-    rows = LIST.where(rows_after(ORDER, _sort_key(query.after))) if query.after else LIST
+    rows = LIST_QUERY.where(rows_after(ORDER_COLUMNS, _sort_key(query.after))) if query.after else LIST_QUERY
     stored_bytes = service.stores.tables.size
 
     def as_json(row: RawRow) -> bytes | None:
         return _table_json(row, stored_bytes(row[1]) if is_hash(str(row[1])) else None)
 
     with service.sessions() as session:
-        page = read_page(session, rows, COUNT, query, as_json)
+        page = read_page(session, rows, COUNT_QUERY, query, as_json)
     return page.response(request, "tables", _cursor_parts)
 
 

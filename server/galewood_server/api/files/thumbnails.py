@@ -16,13 +16,13 @@ from galewood_server.http import NOT_MODIFIED, ProblemError, contents, etag_matc
 from galewood_server.storage import is_hash
 
 router = APIRouter(prefix="/api/trees", tags=["trees"])
-PNG = contents("256 × 256 pixels.", "image/png")
+PNG_CONTENT = contents("256 × 256 pixels.", "image/png")
 
 
 @router.get(
     "/{tree_id}/thumbnail",
     response_class=FileResponse,
-    responses={**PNG, **NOT_MODIFIED, **problems(404, 503)},
+    responses={**PNG_CONTENT, **NOT_MODIFIED, **problems(404, 503)},
 )
 async def get_thumbnail(tree_id: str, request: Request, service: ServiceDep) -> Response:
     """Front view of the tree on a transparent background. It changes with the tree's mesh."""

@@ -8,7 +8,7 @@ from galewood_server.storage.database import with_driver
 from galewood_server.storage.models import Base
 from sqlalchemy import create_engine, text
 
-LOCK = 0x67616C65  # "gale" in ASCII: key of the advisory lock
+MIGRATION_LOCK_KEY = 0x67616C65  # "gale" in ASCII: key of the advisory lock
 
 url = context.config.attributes.get("url") or Settings().database
 engine = create_engine(with_driver(url))
@@ -18,6 +18,6 @@ with engine.connect() as connection:
     with context.begin_transaction():
         if connection.dialect.name == "postgresql":
             # if several servers start at once, one migrates and the others wait
-            connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": LOCK})
+            connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": MIGRATION_LOCK_KEY})
         context.run_migrations()
 engine.dispose()
